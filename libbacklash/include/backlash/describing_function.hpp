@@ -1,0 +1,90 @@
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+#include "backlash/two_mass_system.hpp"
+#include "frac/frequency_response_data.hpp"
+#include "frac/parallel_for.hpp"
+
+namespace backlash {
+
+/// Where the motion starts, which decides the attractor that is seen.
+enum class Protocol {
+  sweep_up,          // the state is carried from point to point, omega rising; begins at mid-gap at rest
+  sweep_down,        // the same, omega falling
+  contact_at_rest,   // each point anew from contact at rest, force at its peak
+  mid_gap_at_rest,   // each point anew from the middle of the gap at rest
+  two_impact,        // the two-impact orbit where it exists and is stable, else as sweep_up
+};
+
+/// Cheapest exact model of a point.
+enum class Regime {
+  rigid,      // clearance 0
+  free,       // no impacts
+  symmetric,  // two impacts per period, closed form
+  periodic,   // closed orbit
+  chatter,    // sticks every period: one run from release is exact
+  averaged,   // neither found: long-time mean with error estimate
+};
+
+enum class Output { x1, x2 };
+
+[[nodiscard]] std::string_view to_string(Protocol protocol);
+[[nodiscard]] std::string_view to_string(Regime regime);
+[[nodiscard]] std::string_view to_string(Output output);
+/// Command-line spellings (sweep-up, ...). @throws std::invalid_argument  naming the allowed ones.
+[[nodiscard]] Protocol protocol_from_string(std::string_view text);
+[[nodiscard]] Regime regime_from_string(std::string_view text);
+[[nodiscard]] Output output_from_string(std::string_view text);
+
+struct SweepOptions {
+  Protocol protocol = Protocol::sweep_up;
+  Output output = Output::x1;
+  double tolerance = 1e-10;  // an orbit is closed when its state repeats within tolerance (u in units of the clearance)
+  int threads = 0;           // 0: one per core
+};
+
+/// Steady state at one frequency.
+struct DescribingFunctionPoint {
+  double omega;                 // rad/s
+  std::complex<double> value;   // m/N
+  Regime regime;
+  int period;                   // force periods per orbit; 0 when averaged
+  double impacts_per_period;    // infinity for complete chatter
+  double uncertainty;           // of |value|, m/N: rounding for closed orbits, 95 % half width of the mean when averaged
+  double third_harmonic_ratio;  // |third harmonic|/|fundamental| of the output position; NaN where the fundamental is 0
+};
+
+struct DescribingFunctionSweep {
+  TwoMassSystem system;
+  double force_amplitude;  // N
+  SweepOptions options;
+  std::vector<DescribingFunctionPoint> points;
+
+  [[nodiscard]] frac::FrequencyResponseData data() const;
+};
+
+/// N(F, omega) on a grid.
+/// @param omega  rad/s, positive, strictly increasing, not empty
+/// @throws std::invalid_argument  naming the quantity, its value, index and what is allowed.
+[[nodiscard]] DescribingFunctionSweep describing_function_sweep(const TwoMassSystem& system, double force_amplitude,
+                                                                const std::vector<double>& omega,
+                                                                const SweepOptions& options = {});
+
+/// One curve of a family.
+struct SweepScene {
+  TwoMassSystem system;
+  double force_amplitude;
+};
+
+/// A family of curves over one grid, curves in parallel; the result does not depend on options.threads.
+/// progress counts points, if given.
+[[nodiscard]] std::vector<DescribingFunctionSweep> describing_function_sweeps(const std::vector<SweepScene>& scenes,
+                                                                              const std::vector<double>& omega,
+                                                                              const SweepOptions& options = {},
+                                                                              frac::Progress* progress = nullptr);
+
+}  // namespace backlash

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <vector>
+
+namespace frac {
+
+/// Weights w_k = (-1)^k binomial(order, k), k = 0 .. memory_length, of the Gruenwald-Letnikov difference
+///   D^order f(n h) ~ h^-order sum_k w_k f((n - k) h)      (Podlubny 1999, eq. 7.23; first order accurate in h).
+/// @throws std::invalid_argument  order not finite or |order| > 20.
+[[nodiscard]] std::vector<double> grunwald_letnikov_weights(double order, std::size_t memory_length);
+
+/// Frequency response of that difference as it will be deployed: sample time h (s), the last memory_length samples kept.
+/// memory_length = 0 means all samples: ((1 - e^{-j omega h})/h)^order.
+/// @throws std::invalid_argument  sample_time not positive, omega not in (0, pi/sample_time].
+[[nodiscard]] std::complex<double> grunwald_letnikov_response(double order, double sample_time, std::size_t memory_length,
+                                                              double omega);
+
+/// The difference itself: order-`order` derivative of samples taken every sample_time seconds, zero before the first.
+/// memory_length = 0 keeps all samples.  Cost is proportional to samples times memory length.
+/// @throws std::invalid_argument  as above, or a sample not finite (its index is named).
+[[nodiscard]] std::vector<double> grunwald_letnikov_derivative(const std::vector<double>& samples, double order,
+                                                               double sample_time, std::size_t memory_length = 0);
+
+}  // namespace frac

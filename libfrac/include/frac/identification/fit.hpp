@@ -1,0 +1,97 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "frac/frequency_response_data.hpp"
+#include "frac/realisation.hpp"
+#include "frac/structure.hpp"
+
+namespace frac {
+
+/// Part of G(j omega) that forms the residual.
+enum class Component { imaginary, real, both, magnitude, phase };
+/// relative: residual divided by |data|;  absolute: model - data;  given: divided by the sigma of the data.
+/// The phase residual (rad) is never divided by |data|; the relative magnitude residual is ln|model/data|.
+enum class Weight { relative, absolute, given };
+/// Robust loss on each residual, scaled by its own estimate of spread.
+enum class Loss { none, huber, cauchy };
+
+/// Command-line spellings.  from_string throws std::invalid_argument naming the allowed ones.
+[[nodiscard]] std::string_view to_string(Component component);
+[[nodiscard]] std::string_view to_string(Weight weight);
+[[nodiscard]] std::string_view to_string(Loss loss);
+[[nodiscard]] Component component_from_string(std::string_view text);
+[[nodiscard]] Weight weight_from_string(std::string_view text);
+[[nodiscard]] Loss loss_from_string(std::string_view text);
+
+/// What is known of one parameter beforehand.  Unset limits take the defaults of its role: a coefficient is positive
+/// (fitted as its logarithm) unless a lower limit <= 0 is given, an order lies in [0, 4], or [-4, 4] when it stands in no sum,
+/// a delay in [0, 2 pi/lowest omega].
+struct ParameterConstraint {
+  std::string name;
+  std::optional<double> fixed;
+  std::optional<double> lower;  // -infinity: free of sign
+  std::optional<double> upper;
+  std::optional<double> start;
+};
+
+struct FitOptions {
+  Component component = Component::imaginary;
+  Weight weight = Weight::relative;
+  Loss loss = Loss::none;
+  Realisation realisation = ExactRealisation{};
+  std::vector<ParameterConstraint> constraints;
+  std::uint64_t seed = 1;   // of the multi-start; same seed, same result
+  bool global_start = true;  // false: one local solve from the given starts; every free parameter then needs one
+};
+
+struct ParameterEstimate {
+  std::string name;
+  double value;
+  double standard_error;  // scaled by the residual variance; 0 when fixed, NaN when not identified or at a bound
+  double ci95_lower, ci95_upper;  // Student t; NaN like standard_error
+  bool fixed;
+  bool at_bound;
+  bool identified;  // false: the data do not determine it (interval beyond 50 %, or scaled Fisher condition beyond 1e6)
+};
+
+enum class FitTermination {
+  converged,
+  not_converged,  // best point found so far is returned
+  no_usable_start,  // the model is not finite anywhere it was tried
+};
+[[nodiscard]] std::string_view to_string(FitTermination termination);
+
+/// One structure fitted to data.  cost is the plain sum of squared (weighted) residuals, without the loss.
+struct FitResult {
+  std::string model;  // the formula
+  std::vector<ParameterEstimate> parameters;
+  double cost;
+  double rms;           // sqrt(cost / residual count)
+  double max_residual;  // largest |weighted residual|
+  double aicc;
+  double bic;
+  FitTermination termination;
+  std::string message;  // one sentence
+  std::size_t residuals;         // count
+  std::size_t free_parameters;   // count
+  std::size_t starts;            // local solves made
+  std::size_t starts_at_best;    // of which ended at the best cost
+  double condition;              // of the scaled Fisher matrix
+  double seconds;
+};
+
+/// Fits one structure: data-driven and seeded starts, Ceres for each, NLopt when they disagree.
+/// @throws std::invalid_argument  an unknown or contradictory constraint, fewer residuals than free parameters, weight `given`
+///                                without sigma, zero data under relative weight, or frequencies the realisation cannot cover.
+[[nodiscard]] FitResult fit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options);
+
+/// Model values at the estimated parameters.
+[[nodiscard]] std::vector<std::complex<double>> fitted_response(const FitResult& result, const Realisation& realisation,
+                                                                const std::vector<double>& omega);
+
+}  // namespace frac

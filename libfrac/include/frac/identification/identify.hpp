@@ -1,0 +1,44 @@
+#pragma once
+
+#include <complex>
+#include <string>
+#include <vector>
+
+#include "frac/identification/fit.hpp"
+#include "frac/identification/model_library.hpp"
+
+namespace frac {
+
+/// A parameter-free model: values at the frequencies of the data, e.g. the static-backlash curve.
+struct FixedCurve {
+  std::string name;
+  std::vector<std::complex<double>> value;
+};
+
+struct RankedFit {
+  std::string name;
+  ModelClass model_class;
+  FitResult fit;
+  double delta_aicc;     // aicc minus the best one; 0 for the best
+  double akaike_weight;  // share of evidence among the ranked; they sum to 1
+};
+
+enum class Verdict { fractional_supported, fractional_not_supported, undecided };
+[[nodiscard]] std::string_view to_string(Verdict verdict);
+
+/// Structures ranked by AICc on the same residuals.  The chosen one is the simplest (fewest free parameters) whose AICc
+/// is within 2 of the best.
+struct IdentificationResult {
+  std::vector<RankedFit> ranking;
+  std::size_t chosen;   // index into ranking
+  Verdict verdict;
+  double evidence;      // AICc of the best integer-order or fixed candidate minus that of the best fractional one
+  std::string verdict_sentence;
+};
+
+/// @throws std::invalid_argument  no candidate, or as fit().
+[[nodiscard]] IdentificationResult identify(const FrequencyResponseData& data, const std::vector<NamedModel>& models,
+                                            const std::vector<FixedCurve>& curves, const FitOptions& options,
+                                            int threads = 0);
+
+}  // namespace frac

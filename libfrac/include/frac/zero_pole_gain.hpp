@@ -1,0 +1,26 @@
+#pragma once
+
+#include <complex>
+#include <vector>
+
+namespace frac {
+
+/// Angular frequencies (rad/s) between which an approximation is asked for, 0 < lower < upper.
+struct FrequencyBand {
+  double lower;
+  double upper;
+};
+
+/// Rational transfer function with real zeros and poles and a whole power of s split off:
+///   H(s) = gain s^integer_order prod (s - zeros_i) / prod (s - poles_i),   zeros and poles in rad/s.
+struct ZeroPoleGain {
+  std::vector<double> zeros;
+  std::vector<double> poles;
+  double gain = 1;
+  int integer_order = 0;
+
+  /// H(j omega), omega in rad/s.
+  [[nodiscard]] std::complex<double> response(double omega) const;
+};
+
+}  // namespace frac

@@ -1,0 +1,22 @@
+# Two components, each with its own export set: `core` (Eigen and Boost headers only) and `fitting` (Ceres and NLopt besides),
+# so that a controller configures on a machine without Ceres.
+include(CMakePackageConfigHelpers)
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/fracfit)
+
+install(TARGETS fracfit_frac EXPORT fracfit-core COMPONENT core ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+        LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(DIRECTORY libfrac/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT core
+        PATTERN "identification" EXCLUDE)
+install(EXPORT fracfit-core NAMESPACE fracfit:: DESTINATION ${package_dir} COMPONENT core)
+if(FRAC_BUILD_FITTING)
+  install(TARGETS fracfit_identification fracfit_backlash EXPORT fracfit-fitting COMPONENT fitting
+          ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(DIRECTORY libfrac/include/frac/identification DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/frac COMPONENT fitting)
+  install(DIRECTORY libbacklash/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT fitting)
+  install(EXPORT fracfit-fitting NAMESPACE fracfit:: DESTINATION ${package_dir} COMPONENT fitting)
+endif()
+configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/fracfitConfig.cmake.in ${PROJECT_BINARY_DIR}/fracfitConfig.cmake
+                              INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/fracfitConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/fracfitConfig.cmake ${PROJECT_BINARY_DIR}/fracfitConfigVersion.cmake
+        DESTINATION ${package_dir} COMPONENT core)
