@@ -16,10 +16,12 @@ namespace frac {
 struct PowerTerm {
   double coefficient;
   double order;
+  bool operator==(const PowerTerm&) const = default;
 };
 
 /// G(s) = e^{-delay s} sum numerator / sum denominator: sums of real powers of s, orders need not be commensurate.
-/// Terms are kept by falling order, equal orders added up, zero coefficients dropped.
+/// Terms are kept by falling order, equal orders (to 1e-13) added up, zero coefficients dropped; a denominator of a
+/// single term has the coefficient 1.
 class FractionalTransferFunction {
  public:
   /// @param delay  dead time in s, >= 0.
@@ -34,13 +36,17 @@ class FractionalTransferFunction {
   [[nodiscard]] const std::vector<PowerTerm>& numerator() const noexcept { return numerator_; }
   [[nodiscard]] const std::vector<PowerTerm>& denominator() const noexcept { return denominator_; }
   [[nodiscard]] double delay() const noexcept { return delay_; }
+  bool operator==(const FractionalTransferFunction&) const = default;
 
   /// Formula that parses back to the same value, e.g. "exp(-0.2 s) (2 s^0.5 + 1)/(s^1.5 + 1)"; coefficients round-trip.
   [[nodiscard]] std::string formula() const;
 
-  /// G(j omega), omega > 0 in rad/s, exactly or through a realisation of each power.
+  /// G(j omega), omega > 0 in rad/s, exactly or through a realisation of each power; the delay is exact always.  Not
+  /// finite at a pole.
+  /// @throws std::invalid_argument  as power_response().
   [[nodiscard]] std::complex<double> response(double omega, const Realisation& realisation = ExactRealisation{}) const;
-  /// On a grid. @throws std::invalid_argument  as FrequencyResponseData, or omega outside what the realisation covers.
+  /// On a grid. @throws std::invalid_argument  as power_response(), or as FrequencyResponseData: grid not in order, a
+  /// value not finite.
   [[nodiscard]] FrequencyResponseData response(const std::vector<double>& omega,
                                                const Realisation& realisation = ExactRealisation{}) const;
 
@@ -51,8 +57,9 @@ class FractionalTransferFunction {
 };
 
 /// The structure at given parameter values as a ratio of sums of powers.
-/// @throws std::invalid_argument  the formula is none (sqrt, tanh, coth, a power of a sum, delays that differ by term);
-///                                the text says which part.
-[[nodiscard]] FractionalTransferFunction to_transfer_function(const Structure& structure, std::span<const double> parameters);
+/// @throws std::invalid_argument  the formula is none (tanh, coth, a fractional power of a sum, delays that differ by
+///                                term); the text says which part.
+[[nodiscard]] FractionalTransferFunction to_transfer_function(const Structure& structure,
+                                                              std::span<const double> parameters);
 
 }  // namespace frac

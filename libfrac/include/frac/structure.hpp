@@ -13,7 +13,8 @@
 
 namespace frac {
 
-/// A formula that does not parse.  what() is three lines: the reason, the formula, a caret under the place.
+/// A formula that does not parse.  what() is three lines: the reason, the formula (the part around the place if it is
+/// long), and a caret under the place.
 class FormulaError : public std::invalid_argument {
  public:
   FormulaError(const std::string& reason, std::string_view formula, std::size_t column);
@@ -32,15 +33,21 @@ enum class ParameterRole {
 };
 
 namespace detail {
-class Expression;
-}
+struct Expression;
+class Program;
+}  // namespace detail
 
 /// A model given as a formula of s with named parameters, e.g. "K exp(-L s)/(T s^a + 1)".
 ///
 /// Grammar: numbers, parameter names, s, + - * / ^, parentheses, exp( ), sqrt( ), tanh( ), coth( ), products by
-/// juxtaposition ("R1 Q1 s^n1").  The exponent after ^ is a number, a name, or a parenthesised expression of those, with an
-/// optional sign; it must not contain s.  Juxtaposition binds like *; "1/Q s^n", which readers take both ways, is refused.
-/// Powers are principal values.  Parameters are numbered in order of appearance.
+/// juxtaposition ("R1 Q1 s^n1").  The exponent after ^ is a number, a name, or a parenthesised expression of those,
+/// with an optional sign; it must not contain s.  Juxtaposition binds like *; "1/Q s^n", which readers take both ways,
+/// is refused, and so is a^b^c.  A name with ( right behind it is refused as an unknown function: write "K (s + 1)" or
+/// "K*(s + 1)". At most 10000 characters and 200 open parentheses.
+///
+/// Powers are principal values; (c s)^q and sqrt(c s) count as the power s^q times |c|^q, everything free of s is real.
+/// Through a realisation each power of s, and s itself, is replaced by its realised response; functions stay exact, and
+/// so does s inside exp( ), a delay.  Parameters are numbered in order of appearance.
 class Structure {
  public:
   /// @throws FormulaError  with the place.
@@ -49,26 +56,48 @@ class Structure {
   [[nodiscard]] const std::string& formula() const noexcept { return formula_; }
   [[nodiscard]] const std::vector<std::string>& parameter_names() const noexcept { return names_; }
   [[nodiscard]] const std::vector<ParameterRole>& parameter_roles() const noexcept { return roles_; }
+  /// For each parameter whether it, or the power whose exponent it belongs to, is part of a term of a sum: a in K/(T
+  /// s^a + 1) is, p in K s^p is not.
+  [[nodiscard]] const std::vector<bool>& parameter_in_sum() const noexcept { return in_sum_; }
+  /// Whether s stands under a root or a power that is no whole number, or whose order is a parameter.
+  [[nodiscard]] bool has_fractional_order() const;
   /// Index of a parameter. @throws std::invalid_argument  naming the known ones.
   [[nodiscard]] std::size_t parameter_index(std::string_view name) const;
 
-  /// Model value at s = j omega.  Not finite where the model has a pole or overflows.
-  /// @throws std::invalid_argument  wrong number of parameters, or a power that the realisation cannot express.
+  /// Model value at s = j omega.  Not finite where the model has a pole or overflows, or where a part free of s has no
+  /// real value (the root of a negative parameter).
+  /// @throws std::invalid_argument  wrong number of parameters; omega not positive and finite, or beyond what the
+  /// realisation
+  ///                                covers; a realisation that is not valid, or cannot express a power: of a sum, other
+  ///                                than whole, or of order beyond 20.
   [[nodiscard]] std::complex<double> response(std::span<const double> parameters, double omega,
                                               const Realisation& realisation = ExactRealisation{}) const;
+  /// On a grid, which costs less per frequency: value has one entry per omega.
+  void response(std::span<const double> parameters, std::span<const double> omega, const Realisation& realisation,
+                std::span<std::complex<double>> value) const;
 
   /// The same with the derivative by each parameter (reverse accumulation: the cost does not grow with their number).
   /// gradient has one entry per parameter.
-  std::complex<double> response_and_gradient(std::span<const double> parameters, double omega, const Realisation& realisation,
+  std::complex<double> response_and_gradient(std::span<const double> parameters, double omega,
+                                             const Realisation& realisation,
                                              std::span<std::complex<double>> gradient) const;
+  /// On a grid: value has one entry per omega, gradient one row per omega of one entry per parameter.
+  void response_and_gradient(std::span<const double> parameters, std::span<const double> omega,
+                             const Realisation& realisation, std::span<std::complex<double>> value,
+                             std::span<std::complex<double>> gradient) const;
 
   [[nodiscard]] const detail::Expression& expression() const noexcept { return *expression_; }
 
  private:
+  void evaluate(std::span<const double> parameters, std::span<const double> omega, const Realisation& realisation,
+                std::span<std::complex<double>> value, std::span<std::complex<double>> gradient) const;
+
   std::string formula_;
   std::vector<std::string> names_;
   std::vector<ParameterRole> roles_;
+  std::vector<bool> in_sum_;
   std::shared_ptr<const detail::Expression> expression_;
+  std::shared_ptr<const detail::Program> program_;
 };
 
 }  // namespace frac

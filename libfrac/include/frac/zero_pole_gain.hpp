@@ -9,6 +9,7 @@ namespace frac {
 struct FrequencyBand {
   double lower;
   double upper;
+  bool operator==(const FrequencyBand&) const = default;
 };
 
 /// Rational transfer function with real zeros and poles and a whole power of s split off:
@@ -19,7 +20,7 @@ struct ZeroPoleGain {
   double gain = 1;
   int integer_order = 0;
 
-  /// H(j omega), omega in rad/s.
+  /// H(j omega), omega in rad/s, > 0.
   [[nodiscard]] std::complex<double> response(double omega) const;
 };
 

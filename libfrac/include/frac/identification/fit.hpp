@@ -29,14 +29,14 @@ enum class Loss { none, huber, cauchy };
 [[nodiscard]] Loss loss_from_string(std::string_view text);
 
 /// What is known of one parameter beforehand.  Unset limits take the defaults of its role: a coefficient is positive
-/// (fitted as its logarithm) unless a lower limit <= 0 is given, an order lies in [0, 4], or [-4, 4] when it stands in no sum,
-/// a delay in [0, 2 pi/lowest omega].
+/// (fitted as its logarithm) unless a lower limit <= 0 is given, an order lies in [0, 4], or [-4, 4] when it stands in
+/// no sum, a delay in [0, 2 pi/lowest omega].
 struct ParameterConstraint {
   std::string name;
   std::optional<double> fixed;
   std::optional<double> lower;  // -infinity: free of sign
   std::optional<double> upper;
-  std::optional<double> start;
+  std::optional<double> start;  // used by the first starts of a global search, and by a local one
 };
 
 struct FitOptions {
@@ -45,7 +45,7 @@ struct FitOptions {
   Loss loss = Loss::none;
   Realisation realisation = ExactRealisation{};
   std::vector<ParameterConstraint> constraints;
-  std::uint64_t seed = 1;   // of the multi-start; same seed, same result
+  std::uint64_t seed = 1;    // of the multi-start; same seed, same result
   bool global_start = true;  // false: one local solve from the given starts; every free parameter then needs one
 };
 
@@ -57,11 +57,12 @@ struct ParameterEstimate {
   bool fixed;
   bool at_bound;
   bool identified;  // false: the data do not determine it (interval beyond 50 %, or scaled Fisher condition beyond 1e6)
+  bool from_other_component;  // the fitted component is blind to it; estimated from the other one with the rest held
 };
 
 enum class FitTermination {
   converged,
-  not_converged,  // best point found so far is returned
+  not_converged,    // best point found so far is returned
   no_usable_start,  // the model is not finite anywhere it was tried
 };
 [[nodiscard]] std::string_view to_string(FitTermination termination);
@@ -76,18 +77,20 @@ struct FitResult {
   double aicc;
   double bic;
   FitTermination termination;
-  std::string message;  // one sentence
-  std::size_t residuals;         // count
-  std::size_t free_parameters;   // count
-  std::size_t starts;            // local solves made
-  std::size_t starts_at_best;    // of which ended at the best cost
-  double condition;              // of the scaled Fisher matrix
+  std::string message;          // one sentence
+  std::size_t residuals;        // count
+  std::size_t free_parameters;  // count
+  std::size_t starts;           // local solves made
+  std::size_t starts_at_best;   // of which ended at the best cost
+  double condition;             // of the scaled Fisher matrix
   double seconds;
 };
 
 /// Fits one structure: data-driven and seeded starts, Ceres for each, NLopt when they disagree.
-/// @throws std::invalid_argument  an unknown or contradictory constraint, fewer residuals than free parameters, weight `given`
-///                                without sigma, zero data under relative weight, or frequencies the realisation cannot cover.
+/// @throws std::invalid_argument  an unknown or contradictory constraint, fewer residuals than free parameters, weight
+/// `given`
+///                                without sigma, zero data under relative weight, or frequencies the realisation cannot
+///                                cover.
 [[nodiscard]] FitResult fit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options);
 
 /// Model values at the estimated parameters.

@@ -26,17 +26,26 @@ struct RankedFit {
 enum class Verdict { fractional_supported, fractional_not_supported, undecided };
 [[nodiscard]] std::string_view to_string(Verdict verdict);
 
-/// Structures ranked by AICc on the same residuals.  The chosen one is the simplest (fewest free parameters) whose AICc
-/// is within 2 of the best.
+/// Structures ranked by AICc on the same residuals, best first.  The chosen one is the simplest (fewest free
+/// parameters) whose AICc is within 2 of the best.
+///
+/// The verdict compares the best fractional candidate with the best of the others.  Where the best fit leaves residuals
+/// that follow each other along the frequency axis (the model, not noise, is what is left), the points count for less:
+/// differences of AICc are multiplied by (1 - r)/(1 + r), r the lag-1 autocorrelation.  Supported: evidence above 10
+/// and an order whose interval excludes every whole number; not supported: evidence below 2; undecided between.
 struct IdentificationResult {
   std::vector<RankedFit> ranking;
-  std::size_t chosen;   // index into ranking
+  std::vector<std::string> skipped;  // candidates that could not be fitted, with the reason
+  std::size_t chosen;                // index into ranking
   Verdict verdict;
-  double evidence;      // AICc of the best integer-order or fixed candidate minus that of the best fractional one
+  double evidence;  // AICc of the best integer-order or fixed candidate minus that of the best fractional one, so
+                    // multiplied; NaN when one side has no candidate
   std::string verdict_sentence;
 };
 
-/// @throws std::invalid_argument  no candidate, or as fit().
+/// @throws std::invalid_argument  no candidate, none that can be fitted, a curve of another length than the data, or
+/// weight and
+///                                data that do not go together (see fit()).
 [[nodiscard]] IdentificationResult identify(const FrequencyResponseData& data, const std::vector<NamedModel>& models,
                                             const std::vector<FixedCurve>& curves, const FitOptions& options,
                                             int threads = 0);

@@ -12,13 +12,14 @@ struct PowerLaw {
   double coefficient_ci95_lower, coefficient_ci95_upper;
   double exponent_standard_error;
   double exponent_ci95_lower, exponent_ci95_upper;
-  double r_squared;       // of ln y; NaN when all y are equal
+  double r_squared;         // of ln y; NaN when all y are equal
   double rms_log_residual;  // sqrt(sum of squares/(n - 2)); NaN when n = 2
 
   [[nodiscard]] double operator()(double x) const;
 };
 
-/// @throws std::invalid_argument  fewer than 2 points, lengths differ, an entry not positive and finite (its index is named),
+/// @throws std::invalid_argument  fewer than 2 points, lengths differ, an entry not positive and finite (its index is
+/// named),
 ///                                or all x equal.
 [[nodiscard]] PowerLaw fit_power_law(std::span<const double> x, std::span<const double> y);
 

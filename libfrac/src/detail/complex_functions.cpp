@@ -1,0 +1,46 @@
+#include "complex_functions.hpp"
+
+namespace frac::detail {
+namespace {
+
+using Complex = std::complex<double>;
+
+// With t = e^{-2z}, Re z >= 0, so |t| <= 1: tanh z = (1 - t)/(1 + t), and 1 - t is computed without cancellation.
+struct Halves {
+  Complex decay;      // t
+  Complex one_minus;  // 1 - t
+  Complex one_plus;   // 1 + t
+};
+
+Halves halves(Complex z) {
+  const Complex decay = exponential(-2.0 * z);
+  if (decay == 0.0) return {0, 1, 1};
+  const double half_angle = std::sin(z.imag());
+  // e^{u+jv} - 1 = (e^u - 1) cos v - 2 sin^2(v/2) + j e^u sin v
+  const double minus_one = std::expm1(-2 * z.real()) * std::cos(2 * z.imag()) - 2 * half_angle * half_angle;
+  return {decay, {-minus_one, -decay.imag()}, 1.0 + decay};
+}
+
+}  // namespace
+
+ValueAndDerivative hyperbolic_tangent(Complex z) {
+  if (std::signbit(z.real())) {
+    const ValueAndDerivative mirrored = hyperbolic_tangent(-z);
+    return {-mirrored.value, mirrored.derivative};
+  }
+  const Halves h = halves(z);
+  const Complex inverse = reciprocal(h.one_plus);
+  return {product(h.one_minus, inverse), 4.0 * product(h.decay, product(inverse, inverse))};
+}
+
+ValueAndDerivative hyperbolic_cotangent(Complex z) {
+  if (std::signbit(z.real())) {
+    const ValueAndDerivative mirrored = hyperbolic_cotangent(-z);
+    return {-mirrored.value, mirrored.derivative};
+  }
+  const Halves h = halves(z);
+  const Complex inverse = reciprocal(h.one_minus);
+  return {product(h.one_plus, inverse), -4.0 * product(h.decay, product(inverse, inverse))};
+}
+
+}  // namespace frac::detail

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "frac/structure.hpp"
+
+namespace frac::detail {
+
+/// Unit of a parameter as [whole formula]^value_exponent [omega]^frequency_exponent.
+struct ParameterDimension {
+  double value_exponent;
+  double frequency_exponent;
+};
+
+/// Units of the parameters that make the terms of every sum alike, the arguments of exp, tanh and coth dimensionless,
+/// and the whole formula of unit [value], when s has the unit of a frequency and numbers have none: K/(T s^a + 1) gives
+/// [value] for K and [omega]^-a for T.  Least squares where that cannot be met, smallest exponents where it leaves a
+/// choice.
+/// @param parameters  one value per parameter, of which those of role order are used.
+[[nodiscard]] std::vector<ParameterDimension> parameter_dimensions(const Structure& structure,
+                                                                   std::span<const double> parameters);
+
+}  // namespace frac::detail

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <vector>
+
+#include "expression.hpp"
+#include "frac/structure.hpp"
+
+namespace frac::detail {
+
+/// What the parameters of an expression do, by parameter index.
+struct ParameterUse {
+  std::vector<ParameterRole> roles;
+  std::vector<bool> in_sum;
+};
+
+[[nodiscard]] ParameterUse parameter_use(const Expression& expression);
+
+}  // namespace frac::detail

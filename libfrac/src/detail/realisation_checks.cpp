@@ -1,0 +1,34 @@
+#include "realisation_checks.hpp"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+#include "number_text.hpp"
+
+namespace frac::detail {
+
+void check_realised_order(double order, std::string_view where) {
+  if (!(std::abs(order) <= largest_realised_order)) {
+    throw std::invalid_argument(std::string(where) + ": order = " + number_text(order) + "; allowed are -20 to 20");
+  }
+}
+
+void check_omega(const Realisation& realisation, double omega, std::string_view where) {
+  if (!(std::isfinite(omega) && omega > 0)) {
+    throw std::invalid_argument(std::string(where) + ": omega = " + number_text(omega) +
+                                " rad/s is not positive and finite");
+  }
+  const auto* sampled = std::get_if<GrunwaldLetnikovRealisation>(&realisation);
+  // The slack admits an omega that was computed as pi/sample_time with its own rounding.
+  if (sampled != nullptr &&
+      omega * sampled->sample_time > std::numbers::pi * (1 + 4 * std::numeric_limits<double>::epsilon())) {
+    throw std::invalid_argument(
+        std::string(where) + ": omega = " + number_text(omega) + " rad/s is above pi/sample_time = " +
+        number_text(std::numbers::pi / sampled->sample_time) + " rad/s, beyond which samples say nothing");
+  }
+}
+
+}  // namespace frac::detail

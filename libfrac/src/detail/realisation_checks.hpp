@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string_view>
+
+#include "frac/realisation.hpp"
+
+namespace frac::detail {
+
+/// Largest |order| that Oustaloup and Gruenwald-Letnikov realise.
+inline constexpr double largest_realised_order = 20;
+
+/// @throws std::invalid_argument  order not finite or |order| > 20; the text begins with `where`.
+void check_realised_order(double order, std::string_view where);
+
+/// @throws std::invalid_argument  omega not positive and finite, or above the Nyquist frequency of the realisation.
+void check_omega(const Realisation& realisation, double omega, std::string_view where);
+
+}  // namespace frac::detail

@@ -1,0 +1,138 @@
+#include "confidence.hpp"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "student_t.hpp"
+
+namespace frac::detail {
+
+namespace {
+
+// Beyond this condition of the scaled Fisher matrix the estimates of a flat direction are noise, whatever the
+// residuals.
+constexpr double flat_condition = 1e6;
+// Share of a parameter in a flat direction (a unit vector) from which on it counts as part of it.
+constexpr double flat_share = 0.1;
+// A column this much smaller than the largest is rounding: the residuals do not see the parameter.
+constexpr double unseen_column = 1e-10;
+
+/// Variance of one unit-weight residual.  For a robust loss Huber's (1981, sect. 7.6) estimate sum psi^2/(n - k) /
+/// mean(psi')^2.
+double residual_variance(const Eigen::VectorXd& residual, double degrees_of_freedom, const LocalOptions& options) {
+  double sum = 0, slope = 0;
+  for (const double r : residual) {
+    const double x = r / options.loss_scale;
+    switch (options.loss) {
+      case Loss::none:
+        sum += r * r;
+        slope += 1;
+        break;
+      case Loss::huber: {
+        const double psi = std::clamp(r, -options.loss_scale, options.loss_scale);
+        sum += psi * psi;
+        slope += std::abs(x) <= 1 ? 1 : 0;
+        break;
+      }
+      case Loss::cauchy: {
+        const double psi = r / (1 + x * x);
+        sum += psi * psi;
+        slope += (1 - x * x) / ((1 + x * x) * (1 + x * x));
+        break;
+      }
+    }
+  }
+  slope /= static_cast<double>(residual.size());
+  return sum / degrees_of_freedom / (slope * slope);
+}
+
+}  // namespace
+
+Confidence confidence(const Residuals& residuals, const LocalSolution& solution, const LocalOptions& options) {
+  const auto& free = residuals.map().free();
+  const std::size_t parameters = residuals.map().parameter_count();
+  const auto columns = static_cast<Eigen::Index>(free.size());
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  Confidence result{std::vector<double>(parameters, nan),
+                    std::vector<bool>(parameters, false),
+                    std::vector<bool>(parameters, true),
+                    std::vector<bool>(parameters, true),
+                    0,
+                    1,
+                    nan};
+  if (free.empty()) return result;
+
+  Eigen::VectorXd residual(static_cast<Eigen::Index>(residuals.count()));
+  RowMajorMatrix jacobian(residual.size(), columns);
+  if (!residuals.evaluate(solution.theta, 0, residuals.points(), residual.data(), jacobian.data())) {
+    std::fill(result.identified.begin(), result.identified.end(), false);
+    result.condition = std::numeric_limits<double>::infinity();
+    return result;
+  }
+
+  const Eigen::VectorXd norm = jacobian.colwise().norm();
+  std::vector<Eigen::Index> inner;  // seen and not at a bound
+  for (Eigen::Index k = 0; k < columns; ++k) {
+    const auto index = static_cast<std::size_t>(k);
+    const double margin = 1e-6 * std::min(1.0, free[index].upper - free[index].lower);
+    const double theta = solution.theta[index];
+    const std::size_t parameter = free[index].parameter;
+    result.at_bound[parameter] = theta - free[index].lower <= margin || free[index].upper - theta <= margin;
+    result.seen[parameter] = norm[k] > unseen_column * norm.maxCoeff();
+    if (!result.seen[parameter]) {
+      result.identified[parameter] = false;
+    } else if (result.at_bound[parameter]) {
+      ++result.rank;
+    } else {
+      inner.push_back(k);
+    }
+  }
+  if (inner.empty()) return result;
+
+  const auto width = static_cast<Eigen::Index>(inner.size());
+  Eigen::MatrixXd scaled(residual.size(), width);
+  for (Eigen::Index k = 0; k < width; ++k) {
+    const Eigen::Index column = inner[static_cast<std::size_t>(k)];
+    scaled.col(k) = jacobian.col(column) / norm[column];
+  }
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Eigen::VectorXd& sigma = svd.singularValues();
+  const double smallest = std::max(sigma[width - 1], std::numeric_limits<double>::epsilon() * sigma[0]);
+  result.condition = (sigma[0] / smallest) * (sigma[0] / smallest);
+  for (Eigen::Index k = 0; k < width; ++k) result.rank += sigma[k] > unseen_column * sigma[0] ? 1 : 0;
+
+  const double degrees_of_freedom = static_cast<double>(residual.size()) - static_cast<double>(result.rank);
+  result.t = student_t_95(degrees_of_freedom);
+  const double deviation =
+      degrees_of_freedom > 0 ? std::sqrt(residual_variance(residual, degrees_of_freedom, options)) : nan;
+
+  const std::vector<double> values = residuals.map().to_user(solution.theta);
+  const Eigen::MatrixXd to_user = residuals.map().jacobian(values);
+  // Rows: parameters; columns: singular directions of unit residual change.
+  Eigen::MatrixXd inner_to_user(to_user.rows(), width);
+  for (Eigen::Index k = 0; k < width; ++k) {
+    const Eigen::Index column = inner[static_cast<std::size_t>(k)];
+    inner_to_user.col(k) = to_user.col(column) / norm[column];
+  }
+  const Eigen::VectorXd inverse_sigma =
+      sigma.cwiseMax(std::numeric_limits<double>::epsilon() * sigma[0]).cwiseInverse();
+  const Eigen::MatrixXd spread = inner_to_user * svd.matrixV() * inverse_sigma.asDiagonal();
+
+  for (Eigen::Index k = 0; k < width; ++k) {
+    const std::size_t parameter = free[static_cast<std::size_t>(inner[static_cast<std::size_t>(k)])].parameter;
+    const double error = deviation * spread.row(static_cast<Eigen::Index>(parameter)).norm();
+    bool in_flat_direction = false;
+    for (Eigen::Index direction = 0; direction < width; ++direction) {
+      const bool flat = sigma[direction] * sigma[direction] * flat_condition < sigma[0] * sigma[0];
+      in_flat_direction = in_flat_direction || (flat && std::abs(svd.matrixV()(k, direction)) > flat_share);
+    }
+    const bool wide = !(result.t * error <= 0.5 * std::abs(values[parameter])) && !std::isnan(error);
+    result.identified[parameter] = !in_flat_direction && !wide;
+    result.standard_error[parameter] = error;
+  }
+  return result;
+}
+
+}  // namespace frac::detail

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <vector>
+
+#include "local_solve.hpp"
+
+namespace frac::detail {
+
+/// What the curvature at a minimum says about each parameter of the user.
+struct Confidence {
+  std::vector<double> standard_error;  // NaN: fixed, at a bound, or not seen
+  std::vector<bool> at_bound;
+  std::vector<bool> seen;        // the residuals depend on it
+  std::vector<bool> identified;  // seen, interval within 50 %, not part of a flat direction
+  std::size_t rank;              // of the scaled Jacobian: parameters the residuals can tell apart
+  double condition;              // of the scaled Fisher matrix
+  double t;                      // half width of a 95 % interval in standard errors
+};
+
+[[nodiscard]] Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
+                                    const LocalOptions& options);
+
+}  // namespace frac::detail

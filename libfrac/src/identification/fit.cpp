@@ -1,0 +1,217 @@
+#include "frac/identification/fit.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+#include "confidence.hpp"
+#include "global_search.hpp"
+#include "information.hpp"
+#include "local_solve.hpp"
+#include "parameter_map.hpp"
+#include "residuals.hpp"
+
+namespace frac {
+
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+detail::DataScale data_scale(const FrequencyResponseData& data) {
+  double sum = 0, lower = std::numeric_limits<double>::infinity(), upper = 0;
+  std::size_t nonzero = 0;
+  for (const std::complex<double> value : data.value()) {
+    const double magnitude = std::abs(value);
+    if (!(magnitude > 0)) continue;
+    sum += std::log(magnitude);
+    lower = std::min(lower, magnitude);
+    upper = std::max(upper, magnitude);
+    ++nonzero;
+  }
+  // Half a decade beyond the data on either side, so that constant data leave room too.
+  constexpr double margin = 3;
+  const double first = data.omega().front(), last = data.omega().back();
+  if (nonzero == 0) return {1, 1 / margin, margin, std::sqrt(first) * std::sqrt(last), first / margin, last * margin};
+  return {std::exp(sum / static_cast<double>(nonzero)), lower / margin, upper * margin,
+          std::sqrt(first) * std::sqrt(last),           first / margin, last * margin};
+}
+
+void check_coverage(const FrequencyResponseData& data, const Realisation& realisation) {
+  validate(realisation);
+  const auto* difference = std::get_if<GrunwaldLetnikovRealisation>(&realisation);
+  if (!difference) return;
+  const double nyquist = std::numbers::pi / difference->sample_time;
+  if (data.omega().back() > nyquist) {
+    throw std::invalid_argument("the data reach omega = " + std::to_string(data.omega().back()) +
+                                " rad/s, beyond the Nyquist frequency " + std::to_string(nyquist) +
+                                " rad/s of the Gruenwald-Letnikov realisation");
+  }
+}
+
+/// 1.4826 times the median absolute residual: the standard deviation of the well-behaved part (normal residuals).
+double robust_spread(const detail::Residuals& residuals, const std::vector<double>& theta) {
+  std::vector<double> residual(residuals.count());
+  residuals.evaluate(theta, 0, residuals.points(), residual.data(), nullptr);
+  for (double& value : residual) value = std::abs(value);
+  const auto middle = residual.begin() + static_cast<std::ptrdiff_t>(residual.size() / 2);
+  std::nth_element(residual.begin(), middle, residual.end());
+  return 1.4826 * *middle;
+}
+
+/// Loss scales that keep 95 % efficiency on normal residuals (Huber 1981; Holland, Welsch 1977).
+double tuning_constant(Loss loss) {
+  return loss == Loss::huber ? 1.345 : 2.385;
+}
+
+/// Refines a least-squares solution under a robust loss whose scale follows the residuals until it settles.
+detail::LocalOptions robust_refinement(const detail::Residuals& residuals, Loss loss, detail::LocalSolution& solution) {
+  detail::LocalOptions options;
+  options.loss = loss;
+  double spread = robust_spread(residuals, solution.theta);
+  for (int pass = 0; pass < 30 && spread > 0; ++pass) {
+    options.loss_scale = tuning_constant(loss) * spread;
+    solution = local_solve(residuals, solution.theta, options);
+    const double next = robust_spread(residuals, solution.theta);
+    const bool settled = std::abs(next - spread) <= 1e-3 * spread;
+    spread = next;
+    if (settled) break;
+  }
+  return options;
+}
+
+void check_start(const detail::ParameterMap& map, const Structure& structure) {
+  for (const auto& entry : map.free()) {
+    if (std::isnan(map.start()[entry.parameter])) {
+      throw std::invalid_argument("parameter '" + structure.parameter_names()[entry.parameter] +
+                                  "' has no start value, and the search for one is switched off");
+    }
+  }
+}
+
+detail::GlobalSolution solve(const detail::Residuals& residuals, const FrequencyResponseData& data,
+                             const Structure& structure, const FitOptions& options) {
+  if (options.global_start && !residuals.map().free().empty()) {
+    return global_search(residuals, detail::suggested_orders(data), options.seed);
+  }
+  check_start(residuals.map(), structure);
+  detail::GlobalSolution result;
+  result.starts = 1;
+  const std::vector<double> start = residuals.map().to_theta(residuals.map().start());
+  result.best = {start, residuals.cost(start), false};
+  if (!std::isfinite(result.best.cost)) return result;
+  result.best = local_solve(residuals, start, {});
+  result.starts_at_best = 1;
+  return result;
+}
+
+Component other_component(Component component) {
+  return component == Component::imaginary ? Component::real : Component::imaginary;
+}
+
+/// What the fitted component is blind to (a real constant in an imaginary part) is estimated from the other one, the
+/// rest held.
+void recover_unseen(FitResult& result, const detail::Confidence& found, const FrequencyResponseData& data,
+                    const Structure& structure, const FitOptions& options) {
+  if (options.component != Component::imaginary && options.component != Component::real) return;
+  const bool all_seen = std::find(found.seen.begin(), found.seen.end(), false) == found.seen.end();
+  const bool none_seen = std::find(found.seen.begin(), found.seen.end(), true) == found.seen.end();
+  if (all_seen || none_seen) return;
+  FitOptions rest = options;
+  rest.component = other_component(options.component);
+  rest.constraints.clear();
+  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+    const std::string& name = result.parameters[i].name;
+    if (found.seen[i]) {
+      rest.constraints.push_back({name, result.parameters[i].value, {}, {}, {}});
+      continue;
+    }
+    for (const ParameterConstraint& constraint : options.constraints) {
+      if (constraint.name == name) rest.constraints.push_back(constraint);
+    }
+  }
+  const FitResult recovered = fit(data, structure, rest);
+  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+    if (found.seen[i]) continue;
+    result.parameters[i] = recovered.parameters[i];
+    result.parameters[i].from_other_component = recovered.parameters[i].identified || recovered.parameters[i].at_bound;
+  }
+}
+
+}  // namespace
+
+FitResult fit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  check_coverage(data, options.realisation);
+  const detail::ParameterMap map(structure, options.constraints, data_scale(data));
+  const detail::Residuals residuals(data, structure, options, map);
+  if (residuals.count() < map.free().size()) {
+    throw std::invalid_argument(std::to_string(residuals.count()) + " residuals cannot determine " +
+                                std::to_string(map.free().size()) + " free parameters");
+  }
+
+  detail::GlobalSolution solution = solve(residuals, data, structure, options);
+  FitResult result{};
+  result.model = structure.formula();
+  result.residuals = residuals.count();
+  result.free_parameters = map.free().size();
+  result.starts = solution.starts;
+  result.starts_at_best = solution.starts_at_best;
+  const auto& names = structure.parameter_names();
+
+  if (solution.starts_at_best == 0) {
+    result.cost = result.rms = result.max_residual = result.aicc = result.bic = result.condition = nan;
+    result.termination = FitTermination::no_usable_start;
+    result.message = "The model is not finite on these frequencies anywhere it was tried.";
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      result.parameters.push_back({names[i], nan, nan, nan, nan, map.is_fixed(i), false, false, false});
+    }
+    result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return result;
+  }
+
+  detail::LocalOptions local;
+  if (options.loss != Loss::none) local = robust_refinement(residuals, options.loss, solution.best);
+  const detail::Confidence found = confidence(residuals, solution.best, local);
+  const std::vector<double> values = map.to_user(solution.best.theta);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const double half_width = found.t * found.standard_error[i];
+    const bool fixed = map.is_fixed(i);
+    result.parameters.push_back({names[i], values[i], fixed ? 0 : found.standard_error[i],
+                                 fixed ? nan : values[i] - half_width, fixed ? nan : values[i] + half_width, fixed,
+                                 found.at_bound[i], found.identified[i], false});
+  }
+  recover_unseen(result, found, data, structure, options);
+
+  std::vector<double> residual(residuals.count());
+  residuals.evaluate(solution.best.theta, 0, residuals.points(), residual.data(), nullptr);
+  for (double& value : residual) value *= residuals.unit();
+  const detail::Information information = detail::information(residual, found.rank, residuals.unit());
+  result.cost = information.cost;
+  result.rms = information.rms;
+  result.max_residual = information.max_residual;
+  result.aicc = information.aicc;
+  result.bic = information.bic;
+  result.condition = found.condition;
+  result.termination = solution.best.converged ? FitTermination::converged : FitTermination::not_converged;
+  result.message = solution.best.converged
+                       ? std::to_string(solution.starts_at_best) + " of " + std::to_string(solution.starts) +
+                             " local solves ended at the best cost."
+                       : "The solver stopped before the cost settled; the best point found is returned.";
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return result;
+}
+
+std::vector<std::complex<double>> fitted_response(const FitResult& result, const Realisation& realisation,
+                                                  const std::vector<double>& omega) {
+  const Structure structure(result.model);
+  std::vector<double> parameters;
+  for (const ParameterEstimate& estimate : result.parameters) parameters.push_back(estimate.value);
+  std::vector<std::complex<double>> value(omega.size());
+  structure.response(parameters, omega, realisation, value);
+  return value;
+}
+
+}  // namespace frac

@@ -1,0 +1,210 @@
+#include "frac/identification/identify.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+
+#include "frac/parallel_for.hpp"
+#include "information.hpp"
+#include "residuals.hpp"
+
+namespace frac {
+
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double supported_evidence = 10;  // Burnham, Anderson (2002): "essentially no support" for the other
+constexpr double simplest_within = 2;      // AICc differences the data cannot tell apart
+
+struct Outcome {
+  std::optional<FitResult> fit;
+  std::string reason;
+};
+
+FitResult curve_fit(const FrequencyResponseData& data, const FixedCurve& curve, const FitOptions& options,
+                    double unit) {
+  if (curve.value.size() != data.size()) {
+    throw std::invalid_argument("curve '" + curve.name + "' has " + std::to_string(curve.value.size()) +
+                                " values for " + std::to_string(data.size()) + " frequencies");
+  }
+  const std::vector<double> residual = detail::curve_residuals(data, curve.value, options.component, options.weight);
+  const detail::Information information = detail::information(residual, 0, unit);
+  FitResult result{};
+  result.model = curve.name;
+  result.cost = information.cost;
+  result.rms = information.rms;
+  result.max_residual = information.max_residual;
+  result.aicc = information.aicc;
+  result.bic = information.bic;
+  result.termination = FitTermination::converged;
+  result.message = "A curve without parameters: compared, not fitted.";
+  result.residuals = residual.size();
+  result.condition = 1;
+  return result;
+}
+
+/// (1 - r)/(1 + r) of the residuals, at most 1: the share of the points that carry news.
+double independent_share(const FrequencyResponseData& data, const RankedFit& best,
+                         const std::vector<FixedCurve>& curves, const FitOptions& options) {
+  std::vector<std::complex<double>> model;
+  if (best.model_class == ModelClass::fixed_curve) {
+    for (const FixedCurve& curve : curves) {
+      if (curve.name == best.name) model = curve.value;
+    }
+  } else {
+    model = fitted_response(best.fit, options.realisation, data.omega());
+  }
+  const std::vector<double> residual = detail::curve_residuals(data, model, options.component, options.weight);
+  const std::size_t stride = detail::residuals_per_point(options.component);
+  double power = 0, product = 0;
+  for (std::size_t i = 0; i < residual.size(); ++i) {
+    power += residual[i] * residual[i];
+    if (i >= stride) product += residual[i] * residual[i - stride];
+  }
+  const double correlation = power > 0 ? std::clamp(product / power, 0.0, 0.999) : 0.0;
+  return (1 - correlation) / (1 + correlation);
+}
+
+const RankedFit* best_of(const std::vector<RankedFit>& ranking, bool fractional) {
+  for (const RankedFit& ranked : ranking) {
+    if ((ranked.model_class == ModelClass::fractional) == fractional && std::isfinite(ranked.fit.aicc)) return &ranked;
+  }
+  return nullptr;
+}
+
+/// The order farthest (in intervals) from a whole number; none if every interval contains one.
+const ParameterEstimate* decided_order(const FitResult& fit, double share) {
+  const Structure structure(fit.model);
+  const ParameterEstimate* decided = nullptr;
+  double farthest = 1;
+  for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
+    const ParameterEstimate& estimate = fit.parameters[i];
+    if (structure.parameter_roles()[i] != ParameterRole::order || estimate.at_bound || !estimate.identified) continue;
+    const double distance = std::abs(estimate.value - std::round(estimate.value));
+    const double half_width = estimate.fixed ? 0 : (estimate.ci95_upper - estimate.value) / std::sqrt(share);
+    const double widths = half_width > 0 ? distance / half_width : (distance > 0 ? 1e300 : 0);
+    if (widths > farthest) {
+      farthest = widths;
+      decided = &estimate;
+    }
+  }
+  return decided;
+}
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+void judge(IdentificationResult& result, const FrequencyResponseData& data, const std::vector<FixedCurve>& curves,
+           const FitOptions& options) {
+  const RankedFit* fractional = best_of(result.ranking, true);
+  const RankedFit* other = best_of(result.ranking, false);
+  result.verdict = Verdict::undecided;
+  result.evidence = nan;
+  if (!fractional || !other) {
+    result.verdict_sentence = fractional ? "Only fractional-order candidates could be ranked, so nothing is compared."
+                                         : "No fractional-order candidate could be ranked, so nothing is compared.";
+    return;
+  }
+  const double share = independent_share(data, result.ranking.front(), curves, options);
+  result.evidence = share * (other->fit.aicc - fractional->fit.aicc);
+  const std::string rivals = "'" + fractional->name + "' (rms " + number(fractional->fit.rms) + ") against '" +
+                             other->name + "' (rms " + number(other->fit.rms) + "), evidence " +
+                             number(result.evidence);
+  if (result.evidence < simplest_within) {
+    result.verdict = Verdict::fractional_not_supported;
+    result.verdict_sentence = "A fractional order is not supported: " + rivals + ".";
+    return;
+  }
+  const Structure structure(fractional->fit.model);
+  const bool has_free_order = std::find(structure.parameter_roles().begin(), structure.parameter_roles().end(),
+                                        ParameterRole::order) != structure.parameter_roles().end();
+  const ParameterEstimate* order = decided_order(fractional->fit, share);
+  if (result.evidence > supported_evidence && (order || !has_free_order)) {
+    result.verdict = Verdict::fractional_supported;
+    result.verdict_sentence =
+        "A fractional order is supported: " + rivals +
+        (order ? "; order " + order->name + " = " + number(order->value) + " (95 %: " + number(order->ci95_lower) +
+                     " to " + number(order->ci95_upper) + ")."
+               : ".");
+    return;
+  }
+  result.verdict_sentence = "Undecided: " + rivals +
+                            (result.evidence > supported_evidence ? ", but no order can be told from a whole number."
+                                                                  : ", which is too little.");
+}
+
+}  // namespace
+
+std::string_view to_string(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::fractional_supported:
+      return "supported";
+    case Verdict::fractional_not_supported:
+      return "not-supported";
+    case Verdict::undecided:
+      return "undecided";
+  }
+  return "unknown";
+}
+
+IdentificationResult identify(const FrequencyResponseData& data, const std::vector<NamedModel>& models,
+                              const std::vector<FixedCurve>& curves, const FitOptions& options, int threads) {
+  if (models.empty() && curves.empty()) throw std::invalid_argument("identify needs at least one candidate");
+  // Refuses weights that do not go with the data once, before every candidate would be skipped for it.
+  const double unit = detail::residual_unit(data, options.component, options.weight);
+
+  std::vector<Outcome> outcomes(models.size());
+  parallel_for(models.size(), threads, [&](std::size_t i) {
+    FitOptions of_model = options;
+    of_model.constraints.insert(of_model.constraints.end(), models[i].constraints.begin(), models[i].constraints.end());
+    try {
+      outcomes[i].fit = fit(data, Structure(models[i].formula), of_model);
+    } catch (const std::invalid_argument& error) {
+      outcomes[i].reason = error.what();
+    }
+  });
+
+  IdentificationResult result{};
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    if (!outcomes[i].fit) {
+      result.skipped.push_back(models[i].name + ": " + outcomes[i].reason);
+    } else if (outcomes[i].fit->termination == FitTermination::no_usable_start) {
+      result.skipped.push_back(models[i].name + ": " + outcomes[i].fit->message);
+    } else {
+      result.ranking.push_back({models[i].name, models[i].model_class, std::move(*outcomes[i].fit), 0, 0});
+    }
+  }
+  for (const FixedCurve& curve : curves) {
+    result.ranking.push_back({curve.name, ModelClass::fixed_curve, curve_fit(data, curve, options, unit), 0, 0});
+  }
+  if (result.ranking.empty()) {
+    throw std::invalid_argument("no candidate could be fitted; the first: " + result.skipped.front());
+  }
+  std::stable_sort(result.ranking.begin(), result.ranking.end(),
+                   [](const RankedFit& a, const RankedFit& b) { return a.fit.aicc < b.fit.aicc; });
+
+  const double best = result.ranking.front().fit.aicc;
+  double total = 0;
+  for (RankedFit& ranked : result.ranking) {
+    ranked.delta_aicc = std::isfinite(best) ? ranked.fit.aicc - best : nan;
+    ranked.akaike_weight = std::exp(-ranked.delta_aicc / 2);
+    total += ranked.akaike_weight;
+  }
+  for (RankedFit& ranked : result.ranking) ranked.akaike_weight /= total;
+  for (std::size_t i = 1; i < result.ranking.size(); ++i) {
+    if (result.ranking[i].delta_aicc <= simplest_within &&
+        result.ranking[i].fit.free_parameters < result.ranking[result.chosen].fit.free_parameters) {
+      result.chosen = i;
+    }
+  }
+  judge(result, data, curves, options);
+  return result;
+}
+
+}  // namespace frac

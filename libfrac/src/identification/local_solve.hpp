@@ -1,0 +1,26 @@
+#pragma once
+
+#include <vector>
+
+#include "residuals.hpp"
+
+namespace frac::detail {
+
+struct LocalSolution {
+  std::vector<double> theta;
+  double cost = 0;  // plain sum of squares, without the loss
+  bool converged = false;
+};
+
+struct LocalOptions {
+  int iterations = 200;
+  double cost_tolerance = 1e-14;  // relative change of the cost at which to stop
+  Loss loss = Loss::none;
+  double loss_scale = 1;  // residual at which the loss turns from quadratic to robust
+};
+
+/// Bounded Levenberg-Marquardt (Ceres) from a start inside the bounds at which the residuals are finite.
+[[nodiscard]] LocalSolution local_solve(const Residuals& residuals, const std::vector<double>& start,
+                                        const LocalOptions& options);
+
+}  // namespace frac::detail

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "frac/identification/fit.hpp"
+#include "frac/structure.hpp"
+
+namespace frac::detail {
+
+/// Magnitudes that make a fit dimensionless: typical |G|, typical omega, and the ranges the data span.
+struct DataScale {
+  double value, value_lower, value_upper;
+  double omega, omega_lower, omega_upper;  // rad/s
+};
+
+/// Smooth map from the vector theta the solver works on to the parameters of the user.
+///
+///   positive coefficient     ln p = theta + v ln(value) + f(orders) ln(omega)
+///   coefficient of any sign     p = theta value^v omega^f(orders)
+///   order                       p = theta
+///   delay                       p = theta/omega
+/// where value^v omega^f is the dimension of the parameter.  f depends (linearly) on the orders, so theta is the
+/// parameter at the middle of the band, where it is least correlated with the orders.
+class ParameterMap {
+ public:
+  /// @throws std::invalid_argument  unknown or repeated name, fixed with limits, lower > upper, start outside, not
+  /// finite.
+  ParameterMap(const Structure& structure, const std::vector<ParameterConstraint>& constraints, const DataScale& scale);
+
+  /// How one free entry of theta is drawn and bounded.
+  struct Free {
+    std::size_t parameter;
+    ParameterRole role;
+    bool logarithmic;
+    bool either_sign;
+    bool bounded_by_user;
+    double lower, upper;  // of theta
+    double value_exponent;
+    double frequency_exponent;  // at the middle of the order ranges
+  };
+
+  [[nodiscard]] std::size_t parameter_count() const noexcept { return fixed_.size(); }
+  [[nodiscard]] const std::vector<Free>& free() const noexcept { return free_; }
+  [[nodiscard]] const DataScale& scale() const noexcept { return scale_; }
+  [[nodiscard]] bool is_fixed(std::size_t parameter) const { return !std::isnan(fixed_[parameter]); }
+
+  /// Start values of the user; a free parameter without one is NaN.
+  [[nodiscard]] const std::vector<double>& start() const noexcept { return start_; }
+
+  [[nodiscard]] std::vector<double> to_user(std::span<const double> theta) const;
+  [[nodiscard]] std::vector<double> to_theta(std::span<const double> parameters) const;
+  /// d parameters / d theta, parameter_count() x free().size().
+  [[nodiscard]] Eigen::MatrixXd jacobian(std::span<const double> parameters) const;
+  /// The frequency exponent of free()[k] at given parameter values.
+  [[nodiscard]] double frequency_exponent(std::size_t k, std::span<const double> parameters) const;
+
+ private:
+  [[nodiscard]] double log_unit(std::size_t k, std::span<const double> parameters) const;
+
+  DataScale scale_;
+  std::vector<double> fixed_;  // NaN: free
+  std::vector<double> start_;
+  std::vector<Free> free_;
+  std::vector<std::size_t> order_parameters_;
+  std::vector<std::vector<double>> slope_;  // [free][order parameter]: d frequency exponent / d order
+  std::vector<double> intercept_;           // [free]: frequency exponent at all orders 0
+};
+
+}  // namespace frac::detail

@@ -1,0 +1,21 @@
+#include "frac/zero_pole_gain.hpp"
+
+#include <algorithm>
+
+#include "detail/exact_power.hpp"
+
+namespace frac {
+
+std::complex<double> ZeroPoleGain::response(double omega) const {
+  const std::complex<double> s(0, omega);
+  std::complex<double> value = detail::quarter_turns(integer_order) * (gain * detail::real_power(omega, integer_order));
+  // Zero by pole, so that no partial product leaves the range of double on wide bands.
+  for (std::size_t i = 0; i < std::max(zeros.size(), poles.size()); ++i) {
+    const std::complex<double> numerator = i < zeros.size() ? s - zeros[i] : 1;
+    const std::complex<double> denominator = i < poles.size() ? s - poles[i] : 1;
+    value *= numerator / denominator;
+  }
+  return value;
+}
+
+}  // namespace frac

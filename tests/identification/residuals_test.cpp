@@ -1,0 +1,109 @@
+#include "identification/residuals.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <vector>
+
+#include "identification/parameter_map.hpp"
+
+namespace {
+
+using frac::Component;
+using frac::Weight;
+
+struct Case {
+  const char* formula;
+  std::vector<double> parameters;
+  std::vector<frac::ParameterConstraint> constraints;
+};
+
+const frac::detail::DataScale scale = {0.3, 0.01, 2, 4, 0.5, 30};
+
+std::vector<Case> cases() {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  return {{"K/(T s^a + 1)", {0.8, 0.4, 0.7}, {}},
+          {"K exp(-L s)/(T s^a + 1)", {-0.8, 0.05, 0.4, 1.3}, {{"K", {}, -infinity, {}, {}}}},
+          {"1/(b2 s^a2 + b1 s^a1 + b0)", {0.8, 2.2, 0.5, 0.9, 1}, {{"b0", {}, 0.5, 3, {}}}},
+          {"K/(1 + (T s)^a)^b", {2, 0.3, 0.6, 0.8}, {{"a", {}, 0, 1, {}}}},
+          {"R0 + R1/(1 + R1 Q1 s^n1)", {0.1, 0.5, 0.3, 0.8}, {{"R0", 0.1, {}, {}, {}}}}};
+}
+
+// Central differences with a step of 1e-5: their own error is about step^2 = 1e-10 times third derivatives plus
+// rounding 1e-16/step = 1e-11, both of the size of the residuals (about 1).
+TEST(Residuals, JacobianAgreesWithDifferencesForEveryComponentAndWeight) {
+  std::vector<double> omega, sigma;
+  std::vector<std::complex<double>> value;
+  for (int i = 0; i < 12; ++i) {
+    omega.push_back(0.5 * std::pow(1.4, i));
+    value.push_back({0.4 + 0.1 * i, -0.3 - 0.05 * i});
+    sigma.push_back(0.1 + 0.02 * i);
+  }
+  const frac::FrequencyResponseData data(omega, value, sigma);
+  for (const Case& test : cases()) {
+    const frac::Structure structure(test.formula);
+    const frac::detail::ParameterMap map(structure, test.constraints, scale);
+    const std::vector<double> theta = map.to_theta(test.parameters);
+    for (const Component component :
+         {Component::imaginary, Component::real, Component::both, Component::magnitude, Component::phase}) {
+      for (const Weight weight : {Weight::relative, Weight::absolute, Weight::given}) {
+        frac::FitOptions options;
+        options.component = component;
+        options.weight = weight;
+        const frac::detail::Residuals residuals(data, structure, options, map);
+        const std::size_t rows = residuals.count(), columns = theta.size();
+        std::vector<double> residual(rows), jacobian(rows * columns), above(rows), below(rows);
+        ASSERT_TRUE(residuals.evaluate(theta, 0, data.size(), residual.data(), jacobian.data()));
+        for (std::size_t k = 0; k < columns; ++k) {
+          constexpr double step = 1e-5;
+          std::vector<double> shifted = theta;
+          shifted[k] += step;
+          ASSERT_TRUE(residuals.evaluate(shifted, 0, data.size(), above.data(), nullptr));
+          shifted[k] -= 2 * step;
+          ASSERT_TRUE(residuals.evaluate(shifted, 0, data.size(), below.data(), nullptr));
+          for (std::size_t i = 0; i < rows; ++i) {
+            const double difference = (above[i] - below[i]) / (2 * step);
+            EXPECT_NEAR(jacobian[i * columns + k], difference, 1e-7 * (1 + std::abs(difference)))
+                << test.formula << ' ' << frac::to_string(component) << ' ' << frac::to_string(weight) << " row " << i
+                << " column " << k;
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(ParameterMap, ThetaAndParametersAreOneToOne) {
+  for (const Case& test : cases()) {
+    const frac::detail::ParameterMap map(frac::Structure(test.formula), test.constraints, scale);
+    const std::vector<double> back = map.to_user(map.to_theta(test.parameters));
+    for (std::size_t i = 0; i < back.size(); ++i) {
+      // exp(log(p)) loses a few units of the last place times |log p| <= 10.
+      EXPECT_NEAR(back[i], test.parameters[i], 1e-14 * std::abs(test.parameters[i])) << test.formula << ' ' << i;
+    }
+  }
+}
+
+// Relative magnitude residuals are logarithms of the ratio, phase residuals its angle: closed forms for a model twice
+// the data and turned by half a radian.
+TEST(Residuals, FollowTheirDefinitions) {
+  const std::complex<double> datum(0.3, -0.4);
+  const frac::FrequencyResponseData data({2.0}, {datum}, {0.1});
+  const std::vector<std::complex<double>> model = {datum * std::polar(2.0, 0.5)};
+  const auto residual = [&](Component component, Weight weight) {
+    return frac::detail::curve_residuals(data, model, component, weight);
+  };
+  constexpr double rounding = 1e-15;
+  EXPECT_NEAR(residual(Component::magnitude, Weight::relative)[0], std::log(2.0), rounding);
+  EXPECT_NEAR(residual(Component::magnitude, Weight::absolute)[0], 0.5, rounding);
+  EXPECT_NEAR(residual(Component::magnitude, Weight::given)[0], 5, 1e-14);
+  EXPECT_NEAR(residual(Component::phase, Weight::relative)[0], 0.5, rounding);
+  EXPECT_NEAR(residual(Component::phase, Weight::given)[0], 0.5 * 0.5 / 0.1, 1e-14);
+  const std::complex<double> difference = model[0] - datum;
+  EXPECT_NEAR(residual(Component::imaginary, Weight::relative)[0], difference.imag() / 0.5, rounding);
+  EXPECT_NEAR(residual(Component::both, Weight::absolute)[0], difference.real(), rounding);
+  EXPECT_NEAR(residual(Component::both, Weight::absolute)[1], difference.imag(), rounding);
+}
+
+}  // namespace
