@@ -1,5 +1,5 @@
-# Two components, each with its own export set: `core` (Eigen and Boost headers only) and `fitting` (Ceres and NLopt besides),
-# so that a controller configures on a machine without Ceres.
+# Two components, each with its own export set: `core`, which needs the C++ runtime and threads only, and `fitting`, which needs
+# Ceres and NLopt besides, so that a controller configures on a machine without them.  `fitting` needs `core` installed too.
 include(CMakePackageConfigHelpers)
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/fracfit)
 

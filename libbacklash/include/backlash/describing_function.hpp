@@ -11,22 +11,23 @@
 
 namespace backlash {
 
-/// Where the motion starts, which decides the attractor that is seen.
+/// Where the motion starts, which decides the attractor that is seen.  A state is carried from one frequency to the
+/// next where the force is at its peak: relative position (m) and velocity (m/s) are kept.
 enum class Protocol {
-  sweep_up,          // the state is carried from point to point, omega rising; begins at mid-gap at rest
-  sweep_down,        // the same, omega falling
-  contact_at_rest,   // each point anew from contact at rest, force at its peak
-  mid_gap_at_rest,   // each point anew from the middle of the gap at rest
-  two_impact,        // the two-impact orbit where it exists and is stable, else as sweep_up
+  sweep_up,         // the state is carried from point to point, omega rising; begins at mid-gap at rest
+  sweep_down,       // the same, omega falling
+  contact_at_rest,  // each point anew from contact at rest, x2 = x1, force at its peak
+  mid_gap_at_rest,  // each point anew from the middle of the gap at rest, force at its peak
+  two_impact,       // the two-impact orbit where it exists and is stable, else as sweep_up
 };
 
 /// Cheapest exact model of a point.
 enum class Regime {
-  rigid,      // clearance 0
+  rigid,      // clearance 0, or so small against F/(M2 omega^2) that the masses move as one to the last digit
   free,       // no impacts
   symmetric,  // two impacts per period, closed form
   periodic,   // closed orbit
-  chatter,    // sticks every period: one run from release is exact
+  chatter,    // sticks every period after infinitely many impacts: one run from release is exact
   averaged,   // neither found: long-time mean with error estimate
 };
 
@@ -43,18 +44,20 @@ enum class Output { x1, x2 };
 struct SweepOptions {
   Protocol protocol = Protocol::sweep_up;
   Output output = Output::x1;
-  double tolerance = 1e-10;  // an orbit is closed when its state repeats within tolerance (u in units of the clearance)
-  int threads = 0;           // 0: one per core
+  double tolerance =
+      1e-10;        // in (0, 0.01]: an orbit is closed when its state repeats within tolerance, u and du/d(omega t) in
+                    // units of the clearance; chatter is cut off where it matters less than a thousandth of it
+  int threads = 0;  // 0: one per core
 };
 
 /// Steady state at one frequency.
 struct DescribingFunctionPoint {
-  double omega;                 // rad/s
-  std::complex<double> value;   // m/N
+  double omega;                // rad/s
+  std::complex<double> value;  // m/N
   Regime regime;
-  int period;                   // force periods per orbit; 0 when averaged
-  double impacts_per_period;    // infinity for complete chatter
-  double uncertainty;           // of |value|, m/N: rounding for closed orbits, 95 % half width of the mean when averaged
+  int period;                 // force periods per orbit; 0 when averaged
+  double impacts_per_period;  // infinity for complete chatter; NaN where not one whole period could be followed
+  double uncertainty;         // of |value|, m/N: rounding for closed orbits, 95 % half width of the mean when averaged
   double third_harmonic_ratio;  // |third harmonic|/|fundamental| of the output position; NaN where the fundamental is 0
 };
 
@@ -62,13 +65,14 @@ struct DescribingFunctionSweep {
   TwoMassSystem system;
   double force_amplitude;  // N
   SweepOptions options;
-  std::vector<DescribingFunctionPoint> points;
+  std::vector<DescribingFunctionPoint> points;  // omega rising
 
   [[nodiscard]] frac::FrequencyResponseData data() const;
 };
 
-/// N(F, omega) on a grid.
-/// @param omega  rad/s, positive, strictly increasing, not empty
+/// N(F, omega) = phasor of the output position over that of the force, on a grid.
+/// @param force_amplitude  N, > 0
+/// @param omega            rad/s, positive, strictly increasing, not empty
 /// @throws std::invalid_argument  naming the quantity, its value, index and what is allowed.
 [[nodiscard]] DescribingFunctionSweep describing_function_sweep(const TwoMassSystem& system, double force_amplitude,
                                                                 const std::vector<double>& omega,
@@ -77,11 +81,12 @@ struct DescribingFunctionSweep {
 /// One curve of a family.
 struct SweepScene {
   TwoMassSystem system;
-  double force_amplitude;
+  double force_amplitude;  // N
 };
 
-/// A family of curves over one grid, curves in parallel; the result does not depend on options.threads.
-/// progress counts points, if given.
+/// A family of curves over one grid, computed in parallel; the result does not depend on options.threads.
+/// @param progress  counts points, if given
+/// @throws std::invalid_argument  as describing_function_sweep; the text names the scene.
 [[nodiscard]] std::vector<DescribingFunctionSweep> describing_function_sweeps(const std::vector<SweepScene>& scenes,
                                                                               const std::vector<double>& omega,
                                                                               const SweepOptions& options = {},

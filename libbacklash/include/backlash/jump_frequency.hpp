@@ -12,21 +12,22 @@ namespace backlash {
 
 enum class JumpCriterion {
   two_impact_loss,        // low-frequency end of the stable two-impact orbit, asymmetric branch included
-  symmetry_loss,          // low-frequency end of the symmetric one (pitchfork)
+  symmetry_loss,          // low-frequency end of the symmetric one (pitchfork, or an extra impact at small restitution)
   saddle_node,            // high-frequency end of the impacting motion
   contact_at_rest,        // start in contact at rest: w_L exactly
   mid_gap_at_rest,        // start at mid-gap at rest
-  sweep_up,               // visible jump met with omega rising
-  sweep_down,             // visible jump met with omega falling
+  sweep_up,               // visible jump met with omega rising: the motion becomes one of two impacts per period
+  sweep_down,             // visible jump met with omega falling: it ceases to be one
   largest_discontinuity,  // of a sweep, from its values alone
 };
 [[nodiscard]] std::string_view to_string(JumpCriterion criterion);
+/// @throws std::invalid_argument  naming the allowed spellings.
 [[nodiscard]] JumpCriterion jump_criterion_from_string(std::string_view text);
 
 /// A jump of the physics: c = omega_jump / sqrt(F/(M2 clearance)) depends on restitution only.
 struct JumpFrequency {
   std::optional<double> similarity_constant;  // c; empty when there is none at this restitution
-  std::string message;                        // why there is none, or where the branch ends (grazing, period doubling, ...)
+  std::string message;  // why there is none, or what happens there (grazing, period doubling, ...)
 };
 
 /// c(restitution) for a criterion of the physics (all but largest_discontinuity).
@@ -34,18 +35,23 @@ struct JumpFrequency {
 [[nodiscard]] JumpFrequency jump_similarity_constant(double restitution, JumpCriterion criterion);
 
 /// omega_jump in rad/s; empty when there is none.
-[[nodiscard]] std::optional<double> jump_frequency(const TwoMassSystem& system, double force_amplitude, JumpCriterion criterion);
+/// @param force_amplitude  N, > 0
+/// @throws std::invalid_argument  as above, or force_amplitude not positive and finite, or clearance 0.
+[[nodiscard]] std::optional<double> jump_frequency(const TwoMassSystem& system, double force_amplitude,
+                                                   JumpCriterion criterion);
 
 /// A discontinuity seen in data: between two neighbouring samples.
 struct Discontinuity {
   double omega_lower, omega_upper;  // bracket, rad/s
   double omega;                     // its geometric middle
-  double size;                      // |step of Im G| beyond the local trend, relative to |Im G| there
+  double size;  // |step of Im G beyond the local trend| over the larger |Im G| of the two, in (0, 1]
 };
 
-/// The discontinuities of the imaginary part of a sampled curve, largest first: steps in ln|Im G| that stand out of their
-/// neighbourhood by a robust test.  Empty when none does.
-/// @throws std::invalid_argument  fewer than 5 samples.
+/// The discontinuities of the imaginary part of a sampled curve, largest first: steps of ln|Im G| that stand out of the
+/// steps around them by a robust test (six standard deviations estimated from the median deviation, and at least 2 %).
+/// Empty when none does.  A curve with fewer than five samples on either side of a step says little about that step;
+/// chaotic parts of a response hide steps of the size of their scatter.
+/// @throws std::invalid_argument  fewer than 5 different frequencies.
 [[nodiscard]] std::vector<Discontinuity> find_discontinuities(const frac::FrequencyResponseData& data);
 
 }  // namespace backlash

@@ -8,8 +8,8 @@
 namespace backlash {
 
 struct JumpPoint {
-  double force;        // N
-  double clearance;    // m
+  double force;      // N
+  double clearance;  // m
   double restitution;
   std::optional<double> omega_jump;  // rad/s; empty when the criterion gives none
 };
@@ -39,7 +39,8 @@ struct PublishedJumpLaw {
   [[nodiscard]] double omega_jump(double force, double clearance) const;
 };
 
-/// @throws std::invalid_argument  a list empty, fewer than 2 forces or 2 clearances, an entry out of range, or no jump anywhere.
+/// @throws std::invalid_argument  a list empty, fewer than 2 forces or 2 clearances, an entry out of range, or no jump
+/// anywhere.
 [[nodiscard]] JumpLaw fit_jump_law(double mass1, double mass2, const std::vector<double>& force,
                                    const std::vector<double>& clearance, const std::vector<double>& restitution,
                                    JumpCriterion criterion, int threads = 0, frac::Progress* progress = nullptr);

@@ -2,8 +2,9 @@
 
 namespace backlash {
 
-/// Two free masses on a line; mass 2 sits inside a clearance of mass 1 and carries the force F cos(omega t).  Impacts at
-/// x1 = x2 and x2 = x1 + clearance obey Newton's restitution and keep momentum (Duarte, Tenreiro Machado 2009, eqs. 2-4).
+/// Two free masses on a line; mass 2 sits inside a clearance of mass 1 and carries the force F cos(omega t).  Impacts
+/// at x1 = x2 and x2 = x1 + clearance obey Newton's restitution and keep momentum (Duarte, Tenreiro Machado 2009, eqs.
+/// 2-4).
 class TwoMassSystem {
  public:
   /// @param mass1,mass2   kg, > 0
@@ -21,20 +22,26 @@ class TwoMassSystem {
   double mass1_, mass2_, clearance_, restitution_;
 };
 
-/// gamma = F/(M2 clearance omega^2), the only group besides restitution the motion depends on.  Infinite at clearance 0.
+/// gamma = F/(M2 clearance omega^2), the only group besides restitution the motion depends on.  Infinite at clearance
+/// 0.
+/// @param force_amplitude  N, > 0
+/// @param omega            rad/s, > 0
+/// @throws std::invalid_argument  force_amplitude or omega not positive and finite.
 [[nodiscard]] double dimensionless_force(const TwoMassSystem& system, double force_amplitude, double omega);
 
-/// w_L = sqrt(2F/(clearance M2)) in rad/s (eq. 6): above it masses that start in contact at rest meet no second wall.
+/// w_L = sqrt(2F/(clearance M2)) in rad/s (eq. 6): above it masses that start in contact at rest, the force at its
+/// peak, meet no second wall.  Infinite at clearance 0.
+/// @throws std::invalid_argument  force_amplitude not positive and finite.
 [[nodiscard]] double limit_frequency(const TwoMassSystem& system, double force_amplitude);
 
 struct ImpactVelocities {
-  double mass1;
-  double mass2;
+  double mass1;  // m/s
+  double mass2;  // m/s
 };
-/// Velocities (m/s) after an impact from those before it (eq. 4).
-[[nodiscard]] ImpactVelocities post_impact_velocities(const TwoMassSystem& system, ImpactVelocities before);
+/// Velocities after an impact from those before it (eq. 4).
+[[nodiscard]] ImpactVelocities post_impact_velocities(const TwoMassSystem& system, ImpactVelocities before) noexcept;
 
 /// Energy lost in one impact at that relative velocity (m/s), in J (eq. 5).
-[[nodiscard]] double impact_energy_loss(const TwoMassSystem& system, double relative_velocity);
+[[nodiscard]] double impact_energy_loss(const TwoMassSystem& system, double relative_velocity) noexcept;
 
 }  // namespace backlash

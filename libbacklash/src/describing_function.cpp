@@ -1,0 +1,230 @@
+#include "backlash/describing_function.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "detail/check.hpp"
+#include "detail/spelling.hpp"
+#include "detail/steady_state.hpp"
+#include "detail/two_impact_orbit.hpp"
+
+namespace backlash {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double rounding = std::numeric_limits<double>::epsilon();
+
+constexpr std::array<std::pair<Protocol, std::string_view>, 5> protocols = {{
+    {Protocol::sweep_up, "sweep-up"},
+    {Protocol::sweep_down, "sweep-down"},
+    {Protocol::contact_at_rest, "contact-at-rest"},
+    {Protocol::mid_gap_at_rest, "mid-gap-at-rest"},
+    {Protocol::two_impact, "two-impact"},
+}};
+constexpr std::array<std::pair<Regime, std::string_view>, 6> regimes = {{
+    {Regime::rigid, "rigid"},
+    {Regime::free, "free"},
+    {Regime::symmetric, "symmetric"},
+    {Regime::periodic, "periodic"},
+    {Regime::chatter, "chatter"},
+    {Regime::averaged, "averaged"},
+}};
+constexpr std::array<std::pair<Output, std::string_view>, 2> outputs = {{{Output::x1, "x1"}, {Output::x2, "x2"}}};
+
+// Beyond this dimensionless force the clearance moves no digit of N: |U|/gamma < 1e-30.
+constexpr double rigid_force = 1e30;
+// Below it the mass would take more periods to reach a wall than are followed.
+constexpr double free_force = 1e-30;
+
+detail::GapState mid_gap_at_rest() {
+  return detail::state_at_peak(0.5, 0);
+}
+detail::GapState contact_at_rest() {
+  return detail::state_at_peak(0, 0);
+}
+
+// Relative position and velocity in metres are kept, so the velocity per radian scales with the ratio of the
+// frequencies.
+detail::GapState carried(const detail::GapState& state, double old_omega, double new_omega) {
+  return detail::state_at_peak(state.position(), state.position_rate() * (old_omega / new_omega));
+}
+
+DescribingFunctionPoint point_of(const TwoMassSystem& system, double omega, double gamma, Output output,
+                                 const detail::SteadyState& steady) {
+  const double inertia = (system.mass1() + system.mass2()) * omega * omega;
+  // With y = x2 - x1 = clearance Re(U e^{jwt}) and the centre of mass moving as F/(M1 + M2), in units of F/inertia:
+  // x1 = -(U + gamma)/gamma, x2 = -1 + (M1/M2) U/gamma, and the harmonics of x1, x2 are those of U times share/gamma.
+  const double share = output == Output::x1 ? 1 : system.mass1() / system.mass2();
+  const std::complex<double> numerator =
+      output == Output::x1 ? -steady.harmonics.u1_plus_gamma / gamma : -1.0 + share * steady.harmonics.u[0] / gamma;
+  DescribingFunctionPoint point{};
+  point.omega = omega;
+  point.value = numerator / inertia;
+  point.regime = steady.regime;
+  point.period = steady.period;
+  point.impacts_per_period = steady.impacts_per_period;
+  point.uncertainty = share * steady.uncertainty / gamma / inertia + 4 * rounding * std::abs(point.value);
+  const double fundamental = std::abs(numerator);
+  point.third_harmonic_ratio = fundamental > 0 ? share * std::abs(steady.harmonics.u[1]) / gamma / fundamental : nan;
+  return point;
+}
+
+DescribingFunctionPoint rigid_point(const TwoMassSystem& system, double omega, double gamma, Output output) {
+  DescribingFunctionPoint point{};
+  point.omega = omega;
+  const double inertia = (system.mass1() + system.mass2()) * omega * omega;
+  point.value = -1 / inertia;
+  point.regime = Regime::rigid;
+  point.period = 1;
+  const double share = output == Output::x1 ? 1 : system.mass1() / system.mass2();
+  point.uncertainty = (share / gamma + 2 * rounding) / inertia;
+  return point;
+}
+
+detail::SteadyState free_state(double gamma, const detail::GapState& end) {
+  detail::SteadyState steady{};
+  steady.regime = Regime::free;
+  steady.period = 1;
+  steady.harmonics.u[0] = -gamma;
+  steady.end = end;
+  return steady;
+}
+
+detail::SteadyState steady_state(const TwoMassSystem& system, double gamma, const detail::GapState& start,
+                                 double tolerance) {
+  if (gamma < free_force) return free_state(gamma, start);
+  return detail::find_steady_state(detail::GapMotion(gamma, system.restitution()), start, tolerance);
+}
+
+void check(double force_amplitude, const std::vector<double>& omega, const SweepOptions& options) {
+  detail::require_positive("force_amplitude", "N", force_amplitude);
+  detail::require_frequency_grid(omega);
+  if (!(options.tolerance > 0 && options.tolerance <= 0.01)) {
+    throw std::invalid_argument("tolerance is " + detail::text(options.tolerance) + "; it must be in (0, 0.01]");
+  }
+  if (options.threads < 0) {
+    throw std::invalid_argument("threads is " + std::to_string(options.threads) +
+                                "; it must be positive, or 0 for one per core");
+  }
+}
+
+bool has_independent_points(Protocol protocol) {
+  return protocol == Protocol::contact_at_rest || protocol == Protocol::mid_gap_at_rest;
+}
+
+DescribingFunctionPoint independent_point(const TwoMassSystem& system, double force_amplitude, double omega,
+                                          const SweepOptions& options) {
+  const double gamma = dimensionless_force(system, force_amplitude, omega);
+  if (!(gamma < rigid_force)) return rigid_point(system, omega, gamma, options.output);
+  const detail::GapState start = options.protocol == Protocol::contact_at_rest ? contact_at_rest() : mid_gap_at_rest();
+  return point_of(system, omega, gamma, options.output, steady_state(system, gamma, start, options.tolerance));
+}
+
+// Points that carry their state from one to the next.
+std::vector<DescribingFunctionPoint> carried_points(const TwoMassSystem& system, double force_amplitude,
+                                                    const std::vector<double>& omega, const SweepOptions& options,
+                                                    frac::Progress* progress) {
+  std::vector<DescribingFunctionPoint> points(omega.size());
+  const bool down = options.protocol == Protocol::sweep_down;
+  detail::GapState state = mid_gap_at_rest();
+  double state_omega = down ? omega.back() : omega.front();
+  for (std::size_t step = 0; step < omega.size(); ++step) {
+    const std::size_t i = down ? omega.size() - 1 - step : step;
+    const double gamma = dimensionless_force(system, force_amplitude, omega[i]);
+    if (!(gamma < rigid_force)) {
+      points[i] = rigid_point(system, omega[i], gamma, options.output);
+    } else {
+      std::optional<detail::SteadyState> steady;
+      if (options.protocol == Protocol::two_impact) {
+        const auto orbit = detail::stable_two_impact_orbit(gamma, system.restitution());
+        if (orbit) steady = detail::two_impact_steady_state(*orbit, system.restitution());
+      }
+      if (!steady) steady = steady_state(system, gamma, carried(state, state_omega, omega[i]), options.tolerance);
+      points[i] = point_of(system, omega[i], gamma, options.output, *steady);
+      state = steady->end;
+    }
+    state_omega = omega[i];
+    if (progress != nullptr) ++progress->done;
+  }
+  return points;
+}
+
+}  // namespace
+
+std::string_view to_string(Protocol protocol) {
+  return detail::spelling(protocols, protocol);
+}
+std::string_view to_string(Regime regime) {
+  return detail::spelling(regimes, regime);
+}
+std::string_view to_string(Output output) {
+  return detail::spelling(outputs, output);
+}
+Protocol protocol_from_string(std::string_view text) {
+  return detail::from_spelling(protocols, "protocol", text);
+}
+Regime regime_from_string(std::string_view text) {
+  return detail::from_spelling(regimes, "regime", text);
+}
+Output output_from_string(std::string_view text) {
+  return detail::from_spelling(outputs, "output", text);
+}
+
+frac::FrequencyResponseData DescribingFunctionSweep::data() const {
+  std::vector<double> omega;
+  std::vector<std::complex<double>> value;
+  omega.reserve(points.size());
+  value.reserve(points.size());
+  for (const DescribingFunctionPoint& point : points) {
+    omega.push_back(point.omega);
+    value.push_back(point.value);
+  }
+  return {std::move(omega), std::move(value)};
+}
+
+DescribingFunctionSweep describing_function_sweep(const TwoMassSystem& system, double force_amplitude,
+                                                  const std::vector<double>& omega, const SweepOptions& options) {
+  return describing_function_sweeps({{system, force_amplitude}}, omega, options).front();
+}
+
+std::vector<DescribingFunctionSweep> describing_function_sweeps(const std::vector<SweepScene>& scenes,
+                                                                const std::vector<double>& omega,
+                                                                const SweepOptions& options, frac::Progress* progress) {
+  std::vector<DescribingFunctionSweep> sweeps;
+  sweeps.reserve(scenes.size());
+  for (std::size_t i = 0; i < scenes.size(); ++i) {
+    try {
+      check(scenes[i].force_amplitude, omega, options);
+    } catch (const std::invalid_argument& error) {
+      if (scenes.size() == 1) throw;
+      throw std::invalid_argument("scene " + std::to_string(i) + ": " + error.what());
+    }
+    sweeps.push_back({scenes[i].system, scenes[i].force_amplitude, options, {}});
+  }
+  if (progress != nullptr) progress->total += scenes.size() * omega.size();
+
+  if (has_independent_points(options.protocol)) {
+    for (DescribingFunctionSweep& sweep : sweeps) sweep.points.resize(omega.size());
+    frac::parallel_for(scenes.size() * omega.size(), options.threads, [&](std::size_t i) {
+      const SweepScene& scene = scenes[i / omega.size()];
+      const std::size_t point = i % omega.size();
+      sweeps[i / omega.size()].points[point] =
+          independent_point(scene.system, scene.force_amplitude, omega[point], options);
+      if (progress != nullptr) ++progress->done;
+    });
+  } else {
+    frac::parallel_for(scenes.size(), options.threads, [&](std::size_t i) {
+      sweeps[i].points = carried_points(scenes[i].system, scenes[i].force_amplitude, omega, options, progress);
+    });
+  }
+  return sweeps;
+}
+
+}  // namespace backlash

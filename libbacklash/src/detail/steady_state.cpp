@@ -1,0 +1,418 @@
+#include "detail/steady_state.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include "detail/closed_orbit.hpp"
+#include "detail/two_impact_orbit.hpp"
+
+namespace backlash::detail {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr double rounding = std::numeric_limits<double>::epsilon();
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+// Longest period looked for among orbits that do not stick, in force periods.
+constexpr int longest_period = 64;
+// Force periods left to the transient, and records of the window that is averaged when no orbit has closed.
+constexpr int transient_periods = 256;
+constexpr std::size_t window_records = 1024;
+// A window with fewer impacts than this is lengthened, at most to window_records times longest_stride periods.
+constexpr std::int64_t enough_impacts = 512;
+constexpr std::int64_t longest_stride = 64;
+// Impacts after which transient and window end early: bounds the work per point at any restitution.
+constexpr std::int64_t transient_impacts = 100'000;
+constexpr std::int64_t window_impacts = 300'000;
+// Returns are looked for every few periods.  A state that has come back within very_near_return starts the search for a
+// closed orbit; so does, after 8, 16, 32, ... periods, one within near_return, for the sake of slowly attracting
+// orbits.
+constexpr std::int64_t return_interval = 8;
+constexpr double near_return = 1e-3;
+constexpr double very_near_return = 1e-6;
+// A state this near to a stable closed orbit is on its way to it.
+constexpr double captured = 1e-6;
+constexpr int capture_rounds = 50;
+
+// State at a peak of the force with what was counted up to it.
+struct Strobe {
+  double position = 0;
+  double position_rate = 0;
+  std::int64_t impacts = 0;
+};
+
+// State at the end of each period of the window that is averaged.
+struct WindowRecord {
+  Strobe strobe;
+  std::int64_t period = 0;
+  JumpSum jumps;
+};
+
+double distance_between(const GapState& a, const GapState& b) {
+  return std::abs(a.s - b.s) + std::abs(a.velocity - b.velocity) / (1 + b.velocity);
+}
+
+// |U_1| changes by at most about the change of the state; a state error grows over one period by the rounding of its
+// impacts and accumulates like a geometric series in the spectral radius.
+double orbit_uncertainty(const ClosedOrbit& orbit, double radius) {
+  const double per_period = orbit.residual + 8 * rounding * (1 + orbit.start.velocity) * orbit.impacts;
+  return 4 * per_period / std::max(1 - radius, rounding);
+}
+
+// Chatter is cut off where what is neglected of the integral of u is below this.  |Im U| is of the order gamma^(-1/3)
+// or 1.
+double tail_limit(const GapMotion& motion, double tolerance) {
+  return 1e-3 * tolerance * std::min(1.0, std::cbrt(1 / motion.gamma()));
+}
+
+// The orbit of a mass that sticks and is known to do so again after `release`: everything before a release is
+// forgotten, so the motion from one release to the next is the whole orbit, or half of it when the next one is from the
+// opposite wall.
+SteadyState orbit_from_release(const GapMotion& motion, const GapState& release, double tolerance) {
+  const double limit = tail_limit(motion, tolerance);
+  FlightSum flights;
+  GapState state = release;
+  std::int64_t impacts = 0;
+  bool chatters = false;
+  double neglected = 0;
+  for (;;) {
+    if (!motion.rests(state)) {
+      const Flight flight = motion.next_flight(state);
+      const GapState next = motion.after_impact(state, flight);
+      ++impacts;
+      flights.add_flight(state, flight);
+      if (flight.crosses) flights.add_crossing(next);
+      state = next;
+      const ChatterTail tail = motion.chatter_tail(state);
+      if (!tail.negligible(limit)) continue;
+      if (state.velocity > 0) {
+        chatters = true;
+        flights.add_tail(state, tail);
+        neglected = tail.area_error;
+      }
+    }
+    const GapState next_release = motion.release_after(state);
+    const auto half_periods = static_cast<double>(next_release.half_period - release.half_period);
+    SteadyState steady;
+    const bool mirrored = next_release.wall != release.wall;
+    steady.regime = chatters ? Regime::chatter : Regime::periodic;
+    const std::int64_t halves = next_release.half_period - release.half_period;
+    steady.period = static_cast<int>(mirrored ? halves : halves / 2);
+    steady.impacts_per_period =
+        chatters ? std::numeric_limits<double>::infinity() : 2 * static_cast<double>(impacts) / half_periods;
+    steady.harmonics = flights.harmonics(motion.gamma(), half_periods);
+    steady.spectral_radius = 0;
+    // Phases are exact to rounding; each impact adds the rounding of its share of the integral.
+    steady.uncertainty = 2 / (pi * half_periods) * neglected +
+                         8 * rounding * (std::abs(steady.harmonics.u[0]) + 1 / (1 + std::cbrt(motion.gamma())));
+    steady.end = state_at_next_peak(motion, release, limit);
+    return steady;
+  }
+}
+
+// Two-sided 95 % quantiles of Student's t with 31, 15 and 7 degrees of freedom.
+struct BatchSize {
+  int batches;
+  double quantile;
+};
+constexpr std::array<BatchSize, 3> batch_sizes = {
+    {{32, 2.0395134463964077}, {16, 2.1314495455597742}, {8, 2.3646242515927849}}};
+
+Harmonics mean_harmonics(const WindowRecord& from, const WindowRecord& to, double gamma) {
+  // Two integrations by parts over whole periods leave the velocity jumps and the difference of the end states.
+  Harmonics result;
+  const double scale = 1 / (pi * static_cast<double>(to.period - from.period));
+  for (std::size_t i = 0; i < harmonic_orders.size(); ++i) {
+    const double k = harmonic_orders[i];
+    const std::complex<double> jumps = quarter_turns(harmonic_orders[i], to.jumps.sums()[i] - from.jumps.sums()[i]);
+    const std::complex<double> ends(to.strobe.position_rate - from.strobe.position_rate,
+                                    k * (to.strobe.position - from.strobe.position));
+    result.u[i] = (ends - jumps) * (scale / (k * k));
+  }
+  result.u1_plus_gamma = result.u[0];
+  result.u[0] -= gamma;
+  return result;
+}
+
+// Long-time mean with the 95 % half width of batch means; the widest of three batch sizes, since short batches of a
+// slowly varying motion are correlated and give too narrow a width.
+SteadyState averaged(const std::vector<WindowRecord>& window, double gamma) {
+  SteadyState steady;
+  steady.regime = Regime::averaged;
+  steady.period = 0;
+  steady.spectral_radius = nan;
+  const auto periods = static_cast<std::int64_t>(window.size()) - 1;
+  if (periods < batch_sizes.back().batches) {
+    // Too few periods to judge: |U_1| of a motion between the walls lies in [0, 2/pi].
+    steady.uncertainty = 4 / pi;
+    if (periods < 1) {
+      steady.impacts_per_period = nan;
+      return steady;
+    }
+  }
+  const WindowRecord& first = window.front();
+  const WindowRecord& last = window.back();
+  steady.harmonics = mean_harmonics(first, last, gamma);
+  steady.impacts_per_period =
+      static_cast<double>(last.strobe.impacts - first.strobe.impacts) / static_cast<double>(periods);
+  if (periods < batch_sizes.back().batches) return steady;
+  steady.uncertainty = 0;
+  for (const BatchSize& size : batch_sizes) {
+    const std::int64_t length = periods / size.batches;
+    if (length == 0) continue;
+    double squares = 0;
+    for (int i = 0; i < size.batches; ++i) {
+      const auto from = static_cast<std::size_t>(i * length);
+      const auto to = static_cast<std::size_t>((i + 1) * length);
+      squares += std::norm(mean_harmonics(window[from], window[to], gamma).u[0] - steady.harmonics.u[0]);
+    }
+    const double half_width = size.quantile * std::sqrt(squares / (size.batches - 1.0) / size.batches);
+    steady.uncertainty = std::max(steady.uncertainty, half_width);
+  }
+  return steady;
+}
+
+// True where the motion from `state` approaches the orbit, which it may merely pass near.
+bool is_captured(const GapMotion& motion, const ClosedOrbit& orbit, GapState state, double radius, double tolerance) {
+  const double first = distance_between(state, orbit.start);
+  if (radius >= 1 - 1e-12) return first <= tolerance;
+  for (int round = 0; round < capture_rounds; ++round) {
+    const double distance = distance_between(state, orbit.start);
+    if (distance <= captured || distance < 0.3 * first) return true;
+    if (distance > 5 * first) return false;
+    const std::int64_t expected = state.half_period + orbit.half_periods;
+    for (int i = 0; i < orbit.impacts; ++i) {
+      if (motion.rests(state)) return false;
+      const Flight flight = motion.next_flight(state);
+      if (!flight.hits) return false;
+      state = motion.after_impact(state, flight);
+    }
+    if (state.wall != orbit.start.wall || std::abs(state.half_period - expected) > 1) return false;
+  }
+  return distance_between(state, orbit.start) < first;
+}
+
+// The shortest orbit that this one repeats.
+ClosedOrbit without_repeats(const GapMotion& motion, const ClosedOrbit& orbit, double tolerance) {
+  const std::int64_t period = orbit.half_periods / 2;
+  for (std::int64_t shorter = 1; shorter < period; ++shorter) {
+    if (period % shorter != 0) continue;
+    const std::int64_t repeats = period / shorter;
+    if (orbit.impacts % repeats != 0) continue;
+    const std::optional<ClosedOrbit> once =
+        close_orbit(motion, orbit.start, static_cast<int>(orbit.impacts / repeats), 2 * shorter, tolerance);
+    if (once && distance_between(once->start, orbit.start) < captured) return *once;
+  }
+  return orbit;
+}
+
+std::optional<SteadyState> closed_orbit_near(const GapMotion& motion, const GapState& state, int impacts, int period,
+                                             double tolerance) {
+  std::optional<ClosedOrbit> orbit = close_orbit(motion, state, impacts, 2 * period, tolerance);
+  if (!orbit) return std::nullopt;
+  orbit = without_repeats(motion, *orbit, tolerance);
+  const double trace = orbit->jacobian.trace();
+  // Exact value of the determinant; the product of the factors loses it where the motion is strongly contracting.
+  const double determinant = std::pow(motion.restitution(), 2.0 * orbit->impacts);
+  const double radius = spectral_radius(trace, determinant);
+  if (!(radius <= 1) || !is_captured(motion, *orbit, state, radius, tolerance)) return std::nullopt;
+
+  if (orbit->impacts == 2 && orbit->half_periods == 2 &&
+      motion.gamma() <= symmetry_breaking_gamma(motion.restitution())) {
+    const std::optional<TwoImpactOrbit> symmetric = symmetric_two_impact_orbit(motion.gamma(), motion.restitution());
+    if (symmetric && std::abs(orbit->start.velocity - symmetric->start.velocity) < 1e-4 &&
+        std::abs(orbit->start.s - symmetric->start.s) < 1e-4) {
+      return two_impact_steady_state(*symmetric, motion.restitution());
+    }
+  }
+  SteadyState steady;
+  steady.regime = Regime::periodic;
+  steady.period = static_cast<int>(orbit->half_periods / 2);
+  steady.impacts_per_period = static_cast<double>(orbit->impacts) / steady.period;
+  steady.harmonics = orbit_harmonics(motion, *orbit);
+  steady.uncertainty = orbit_uncertainty(*orbit, radius);
+  steady.spectral_radius = radius;
+  steady.end = state_at_next_peak(motion, orbit->start, 0);
+  return steady;
+}
+
+SteadyState free_motion(double gamma, const GapState& end) {
+  SteadyState steady;
+  steady.regime = Regime::free;
+  steady.period = 1;
+  steady.impacts_per_period = 0;
+  steady.harmonics.u[0] = -gamma;
+  steady.uncertainty = 0;
+  steady.spectral_radius = nan;
+  steady.end = end;
+  return steady;
+}
+
+// Finds the shortest period after which the state at the peaks of the force has come back near to itself, and leaves a
+// period alone for a while after it led nowhere.
+class ReturnDetector {
+ public:
+  explicit ReturnDetector(double gamma) : velocity_scale_(1 / (1 + std::sqrt(gamma))) { wait_.fill(return_interval); }
+
+  struct Return {
+    int period;
+    int impacts;
+  };
+  std::optional<Return> add(std::int64_t count, const Strobe& strobe) {
+    std::optional<Return> found;
+    if (count % return_interval == 0) {
+      const bool is_power_of_two = (count & (count - 1)) == 0;
+      found = shortest_return(count, strobe, is_power_of_two ? near_return : very_near_return);
+    }
+    ring_[slot(count)] = strobe;
+    return found;
+  }
+  void reject(std::int64_t count, int period) {
+    const auto i = static_cast<std::size_t>(period);
+    wait_until_[i] = count + wait_[i];
+    wait_[i] *= 2;
+  }
+
+ private:
+  static std::size_t slot(std::int64_t count) { return static_cast<std::size_t>(count % longest_period); }
+
+  std::optional<Return> shortest_return(std::int64_t count, const Strobe& strobe, double limit) const {
+    for (int period = 1; period <= longest_period && period < count; ++period) {
+      const Strobe& earlier = ring_[slot(count - period)];
+      const double distance = std::abs(strobe.position - earlier.position) +
+                              std::abs(strobe.position_rate - earlier.position_rate) * velocity_scale_;
+      if (distance > limit) continue;
+      const std::int64_t impacts = strobe.impacts - earlier.impacts;
+      if (impacts > 0 && count >= wait_until_[static_cast<std::size_t>(period)]) {
+        return Return{period, static_cast<int>(impacts)};
+      }
+    }
+    return std::nullopt;
+  }
+
+  double velocity_scale_;
+  std::array<Strobe, longest_period> ring_{};
+  std::array<std::int64_t, longest_period + 1> wait_until_{};
+  std::array<std::int64_t, longest_period + 1> wait_{};
+};
+
+// Records of the motion at peaks of the force, from the end of the transient on.  When they are full but hold few
+// impacts, every second one is dropped and the window goes on at twice the stride.
+class Window {
+ public:
+  [[nodiscard]] bool empty() const noexcept { return records_.empty(); }
+  [[nodiscard]] std::int64_t stride() const noexcept { return stride_; }
+  [[nodiscard]] const std::vector<WindowRecord>& records() const noexcept { return records_; }
+  void clear() {
+    records_.clear();
+    stride_ = 1;
+  }
+  /// False when the window is complete.
+  bool add(const WindowRecord& record) {
+    if (records_.empty()) records_.reserve(window_records + 1);
+    records_.push_back(record);
+    if (records_.size() <= window_records) return true;
+    const std::int64_t impacts = record.strobe.impacts - records_.front().strobe.impacts;
+    if (impacts >= enough_impacts || stride_ >= longest_stride) return false;
+    for (std::size_t i = 0; 2 * i < records_.size(); ++i) records_[i] = records_[2 * i];
+    records_.resize(window_records / 2 + 1);
+    stride_ *= 2;
+    return true;
+  }
+
+ private:
+  std::vector<WindowRecord> records_;
+  std::int64_t stride_ = 1;
+};
+
+}  // namespace
+
+SteadyState two_impact_steady_state(const TwoImpactOrbit& orbit, double restitution) {
+  const TwoImpactStability stability = two_impact_stability(orbit, restitution);
+  const GapMotion motion(orbit.gamma, restitution);
+  SteadyState steady;
+  steady.regime = orbit.symmetric() ? Regime::symmetric : Regime::periodic;
+  steady.period = 1;
+  steady.impacts_per_period = 2;
+  steady.harmonics = two_impact_harmonics(orbit, restitution);
+  steady.uncertainty = 16 * rounding * (1 + orbit.gamma);
+  steady.spectral_radius = spectral_radius(stability.trace, stability.determinant);
+  steady.end = state_at_next_peak(motion, orbit.start, 0);
+  return steady;
+}
+
+SteadyState find_steady_state(const GapMotion& motion, const GapState& start, double tolerance) {
+  const double limit = tail_limit(motion, tolerance);
+  ReturnDetector returns(motion.gamma());
+  std::optional<ReturnDetector::Return> candidate;
+  std::optional<GapState> released;
+  Window window;
+  JumpSum jumps;
+  GapState state = start;
+  GapState last_peak = start;
+  std::int64_t next_peak = start.half_period + 2;
+  std::int64_t periods = 0;
+  std::int64_t impacts = 0;
+
+  const auto finish = [&] {
+    SteadyState steady = averaged(window.records(), motion.gamma());
+    steady.end = last_peak;
+    return steady;
+  };
+  // False when the window is complete.
+  const auto pass_peak = [&](double position, double position_rate) {
+    periods += window.stride();
+    last_peak = state_at_peak(position, position_rate);
+    const Strobe strobe{position, position_rate, impacts};
+    if (window.stride() == 1 && !candidate) candidate = returns.add(periods, strobe);
+    const bool transient = window.empty() && periods < transient_periods && impacts < transient_impacts;
+    const bool more = transient || window.add({strobe, periods, jumps});
+    next_peak += 2 * window.stride();
+    return more;
+  };
+
+  for (;;) {
+    if (motion.rests(state) || motion.chatter_tail(state).negligible(limit)) {
+      if (released) return orbit_from_release(motion, *released, tolerance);
+      const GapState release = motion.release_after(state);
+      while (release.half_period >= next_peak) {
+        if (!pass_peak(state.wall, 0)) return finish();
+      }
+      // Velocity jumps do not describe a rest.
+      window.clear();
+      candidate.reset();
+      released = release;
+      state = release;
+    }
+    const Flight flight = motion.next_flight(state);
+    if (!flight.hits) return free_motion(motion.gamma(), last_peak);
+    const GapState next = motion.after_impact(state, flight);
+    while (next.half_period >= next_peak) {
+      const DistanceAndVelocity at = motion.along(state, flight, radians_to_half_period(state, next_peak));
+      GapState peak = state;
+      peak.distance = std::clamp(at.distance, 0.0, 1.0);
+      peak.velocity = at.velocity;
+      if (!pass_peak(peak.position(), peak.position_rate())) return finish();
+    }
+    jumps.add(next, flight.speed);
+    ++impacts;
+    state = next;
+    if (impacts >= transient_impacts + window_impacts) return finish();
+    if (candidate) {
+      const ReturnDetector::Return found = *candidate;
+      candidate.reset();
+      if (std::optional<SteadyState> steady =
+              closed_orbit_near(motion, state, found.impacts, found.period, tolerance)) {
+        return *steady;
+      }
+      returns.reject(periods, found.period);
+    }
+  }
+}
+
+}  // namespace backlash::detail

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "backlash/describing_function.hpp"
+#include "detail/gap_motion.hpp"
+#include "detail/harmonics.hpp"
+#include "detail/two_impact_orbit.hpp"
+
+namespace backlash::detail {
+
+/// Long-run motion that a starting state leads to.
+struct SteadyState {
+  Regime regime;
+  int period;                 // force periods; 0 when averaged
+  double impacts_per_period;  // infinity for complete chatter
+  Harmonics harmonics;
+  double uncertainty;      // of |U_1|
+  double spectral_radius;  // of the orbit's period map; NaN when averaged or free
+  GapState end;            // a state at a peak of the force on (or, when averaged, near) the long-run motion
+};
+
+/// Follows the motion from a state at a peak of the force until its long-run behaviour is decided.
+/// @param tolerance  an orbit is closed when its state repeats within it
+[[nodiscard]] SteadyState find_steady_state(const GapMotion& motion, const GapState& start, double tolerance);
+
+/// A two-impact orbit as a steady state: the symmetric one in closed form, the others through their velocity jumps.
+[[nodiscard]] SteadyState two_impact_steady_state(const TwoImpactOrbit& orbit, double restitution);
+
+}  // namespace backlash::detail

@@ -1,0 +1,66 @@
+# Installs the components that consumer NAME needs from the build tree BUILD_DIR into WORK_DIR/stage, then configures, builds and
+# runs the project SOURCE_DIR/NAME against it and checks what it prints.
+function(run)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT status EQUAL 0)
+    string(REPLACE ";" " " command "${ARGN}")
+    message(FATAL_ERROR "status ${status} of: ${command}\n${output}")
+  endif()
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+
+function(expect_output pattern)
+  if(NOT output MATCHES "${pattern}")
+    message(FATAL_ERROR "no match for ${pattern} in:\n${output}")
+  endif()
+endfunction()
+
+function(expect_absent path)
+  if(EXISTS "${path}")
+    message(FATAL_ERROR "${path} must not be part of this install")
+  endif()
+endfunction()
+
+set(stage ${WORK_DIR}/stage)
+set(project_build ${WORK_DIR}/build)
+file(REMOVE_RECURSE ${WORK_DIR})
+
+run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${stage} --component core)
+set(options -DCMAKE_PREFIX_PATH=${stage} -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_BUILD_TYPE=${BUILD_TYPE})
+if(NAME STREQUAL "core")
+  # The core must configure where neither is installed.
+  list(APPEND options -DCMAKE_DISABLE_FIND_PACKAGE_Ceres=ON -DCMAKE_DISABLE_FIND_PACKAGE_NLopt=ON
+       -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON -DCMAKE_DISABLE_FIND_PACKAGE_Boost=ON)
+  expect_absent(${stage}/include/frac/identification)
+  expect_absent(${stage}/include/backlash)
+else()
+  run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${stage} --component fitting)
+endif()
+if(SANITIZE)
+  list(APPEND options -DCMAKE_CXX_FLAGS=-fsanitize=${SANITIZE})
+endif()
+run(${CMAKE_COMMAND} -S ${SOURCE_DIR}/${NAME} -B ${project_build} -G ${GENERATOR} ${options})
+run(${CMAKE_COMMAND} --build ${project_build})
+run(${project_build}/consumer)
+
+if(NAME STREQUAL "core")
+  # At omega = 1 the denominator is 1 + 0.8 (cos 198 + j sin 198) + 0.5 (cos 81 + j sin 81), angles in degrees:
+  # 0.3173720 + 0.2466306 j, whose reciprocal is 1.9645237 - 1.5266362 j.
+  expect_output("1  \\(1\\.96452,-1\\.52664\\)  ")
+  expect_output("s\\^0\\.5 has a pole at -[0-9.]+ rad/s")
+  execute_process(COMMAND ldd ${project_build}/consumer RESULT_VARIABLE status OUTPUT_VARIABLE libraries)
+  if(NOT status EQUAL 0)
+    message(FATAL_ERROR "ldd cannot read ${project_build}/consumer")
+  endif()
+  if(NOT libraries MATCHES "libc\\.")
+    message(FATAL_ERROR "ldd lists no C library:\n${libraries}")
+  endif()
+  if(libraries MATCHES "ceres|glog|nlopt|gflags|cholmod")
+    message(FATAL_ERROR "the core consumer links more than the core:\n${libraries}")
+  endif()
+else()
+  # The parameters the data were made with.
+  expect_output("K = 2\n")
+  expect_output("T = 0\\.5\n")
+  expect_output("a = 0\\.7\n")
+endif()

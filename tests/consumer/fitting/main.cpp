@@ -1,0 +1,12 @@
+// A fractional lag fitted to the imaginary part of its own response.
+#include <frac/fractional_transfer_function.hpp>
+#include <frac/identification/fit.hpp>
+
+#include <iostream>
+
+int main() {
+  const auto plant = frac::FractionalTransferFunction::parse("2/(0.5 s^0.7 + 1)");
+  const auto data = plant.response(std::vector<double>{0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100});
+  const frac::FitResult result = frac::fit(data, frac::Structure("K/(T s^a + 1)"), frac::FitOptions{});
+  for (const auto& parameter : result.parameters) std::cout << parameter.name << " = " << parameter.value << '\n';
+}

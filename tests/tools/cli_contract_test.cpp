@@ -1,0 +1,423 @@
+// What other programs rely on: subcommands, columns, JSON keys, exit codes, and that outputs can be made again.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <numeric>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "run_program.hpp"
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
+
+const std::vector<std::string> scene{"simulate", "--force", "40", "--clearance", "0.3", "--restitution", "0.6"};
+
+std::vector<std::string> with(std::vector<std::string> arguments, const std::vector<std::string>& more) {
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+std::string successful(const std::vector<std::string>& arguments) {
+  const auto result = run_fracfit(arguments);
+  EXPECT_EQ(result.code, 0) << result.error;
+  return result.output;
+}
+
+Json successful_json(const std::vector<std::string>& arguments) {
+  return Json::parse(successful(arguments));
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+std::vector<std::string> fields_of(const std::string& line) {
+  std::vector<std::string> fields;
+  std::istringstream stream(line);
+  for (std::string field; std::getline(stream, field, ',');) fields.push_back(field);
+  return fields;
+}
+
+std::vector<std::vector<std::string>> rows_of(const std::string& csv) {
+  std::vector<std::vector<std::string>> rows;
+  bool header = true;
+  for (const auto& line : lines_of(csv)) {
+    if (line.starts_with('#')) continue;
+    if (!std::exchange(header, false)) rows.push_back(fields_of(line));
+  }
+  return rows;
+}
+
+std::string entry_of(const std::string& csv, const std::string& key) {
+  for (const auto& line : lines_of(csv))
+    if (line.starts_with("# " + key + ": ")) return line.substr(key.size() + 4);
+  return {};
+}
+
+/// Samples of a formula as a file: 41 points from 0.1 to 10 rad/s.
+template <typename Model>
+std::string sampled(const Model& model, const std::string& header = "") {
+  std::ostringstream stream;
+  stream.precision(17);
+  stream << header << "omega_rad_s,re,im\n";
+  for (int i = 0; i <= 40; ++i) {
+    const double omega = std::pow(10.0, -1 + i / 20.0);
+    const std::complex<double> value = model(std::complex<double>(0, omega));
+    stream << omega << ',' << value.real() << ',' << value.imag() << '\n';
+  }
+  return stream.str();
+}
+
+std::string power_law_data() {
+  return sampled([](std::complex<double> s) { return 2.0 * std::pow(s, 0.7); });
+}
+
+std::vector<std::string> keys_of(const Json& object) {
+  std::vector<std::string> keys;
+  for (const auto& [key, value] : object.items()) keys.push_back(key);
+  return keys;
+}
+
+void expect_keys(const Json& object, const std::vector<std::string>& keys) {
+  for (const auto& key : keys) EXPECT_TRUE(object.contains(key)) << key << " is missing";
+}
+
+/// Times differ from run to run; nothing else may.
+Json without_seconds(Json json) {
+  json.erase("seconds");
+  if (json.contains("ranking"))
+    for (auto& candidate : json["ranking"]) candidate.erase("seconds");
+  return json;
+}
+
+TEST(CommandLine, VersionAndHelp) {
+  EXPECT_TRUE(successful({"--version"}).starts_with("fracfit "));
+  for (const char* subcommand : {"simulate", "fit", "identify", "jump-law", "report"}) {
+    const auto help = successful({subcommand, "--help"});
+    const auto examples = help.find("Examples:\n  fracfit " + std::string(subcommand));
+    EXPECT_NE(examples, std::string::npos) << help;
+    EXPECT_NE(successful({"--help"}).find(subcommand), std::string::npos);
+  }
+}
+
+TEST(Simulate, ColumnsAndHeaderAreThoseOfTheContract) {
+  const auto csv = successful(with(scene, {"--omega", "5:35:20log"}));
+  EXPECT_NE(csv.find("\nomega_rad_s,re_m_per_n,im_m_per_n,regime,period,impacts_per_period,uncertainty_m_per_n,"
+                     "third_harmonic_ratio\n"),
+            std::string::npos);
+  for (const char* key : {"fracfit", "command", "force_n", "clearance_m", "restitution", "mass1_kg", "mass2_kg",
+                          "output", "model", "protocol", "tolerance"})
+    EXPECT_NE(entry_of(csv, key), "") << key;
+  EXPECT_EQ(rows_of(csv).size(), 20U);
+}
+
+TEST(Simulate, JoinedMassesMoveAsOne) {
+  const auto rows = rows_of(successful({"simulate", "--force", "40", "--clearance", "0", "--restitution", "0.6", "--m1",
+                                        "2", "--m2", "3", "--omega", "1,10"}));
+  ASSERT_EQ(rows.size(), 2U);
+  for (const auto& row : rows) {
+    const double omega = std::stod(row[0]);
+    // Closed form -1/((M1 + M2) w^2), a few roundings.
+    EXPECT_NEAR(std::stod(row[1]) * -5 * omega * omega, 1, 1e-15);
+    EXPECT_EQ(std::stod(row[2]), 0);
+    EXPECT_EQ(row[3], "rigid");
+  }
+}
+
+TEST(Simulate, TheStaticCurveVanishesWhereThePlayIsNotCrossed) {
+  // X = F/((M1 + M2) w^2) <= Delta/2 from w = sqrt(2 F/(Delta (M1 + M2))) = 11.547 rad/s upwards.
+  const auto rows = rows_of(
+      successful({"simulate", "--force", "40", "--clearance", "0.3", "--model", "static", "--omega", "11.5,11.6"}));
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_NE(std::stod(rows[0][2]), 0);
+  EXPECT_EQ(std::stod(rows[1][1]), 0);
+  EXPECT_EQ(std::stod(rows[1][2]), 0);
+  EXPECT_EQ(rows[0][3], "static");
+}
+
+TEST(Simulate, JsonHoldsTheNumbersOfTheCsv) {
+  const auto rows = rows_of(successful(with(scene, {"--omega", "5,20"})));
+  const auto json = successful_json(with(scene, {"--omega", "5,20", "--format", "json"}));
+  expect_keys(json, {"fracfit", "command", "scene", "points"});
+  ASSERT_EQ(json["points"].size(), 2U);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_EQ(json["points"][i]["omega_rad_s"].get<double>(), std::stod(rows[i][0]));
+    EXPECT_EQ(json["points"][i]["re_m_per_n"].get<double>(), std::stod(rows[i][1]));
+    EXPECT_EQ(json["points"][i]["im_m_per_n"].get<double>(), std::stod(rows[i][2]));
+    EXPECT_EQ(json["points"][i]["regime"], rows[i][3]);
+  }
+  // 5 rad/s is deep in the range of complete chatter: infinitely many impacts, which JSON cannot say.
+  EXPECT_EQ(rows[0][3], "chatter");
+  EXPECT_EQ(rows[0][5], "inf");
+  EXPECT_TRUE(json["points"][0]["impacts_per_period"].is_null());
+}
+
+TEST(Simulate, TheForcedMassMovesWithItsReaction) {
+  // Passivity: Im N1 = -(M2/M1) Im N2.
+  const auto x1 = rows_of(successful(with(scene, {"--m1", "2", "--omega", "5,25", "--output", "x1"})));
+  const auto x2 = rows_of(successful(with(scene, {"--m1", "2", "--omega", "5,25", "--output", "x2"})));
+  for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(std::stod(x1[i][2]) / std::stod(x2[i][2]), -0.5, 1e-9);
+}
+
+TEST(Simulate, TheCommandInTheFileMakesTheSameFile) {
+  const TemporaryFolder folder;
+  const auto path = folder.path("curve.csv");
+  successful(with(scene, {"--omega", "5:35:9log", "--out", path, "--threads", "2", "--quiet"}));
+  const auto command = entry_of(content_of(path), "command");
+  std::vector<std::string> words;
+  std::istringstream stream(command);
+  for (std::string word; stream >> word;) words.push_back(word);
+  ASSERT_EQ(words.front(), "fracfit");
+  words.erase(words.begin());
+  EXPECT_EQ(successful(words), content_of(path));
+}
+
+TEST(Threads, DoNotChangeAByte) {
+  const TemporaryFolder folder;
+  const auto data = folder.write("data.csv", power_law_data());
+  for (const auto& arguments : {with(scene, {"--omega", "5:35:60log"}), std::vector<std::string>{"jump-law"}})
+    EXPECT_EQ(successful(with(arguments, {"--threads", "1"})), successful(with(arguments, {"--threads", "2"})));
+  for (const auto& arguments : {std::vector<std::string>{"fit", data, "--model", "power-law"},
+                                std::vector<std::string>{"identify", data, "--models", "power-law,lag,gain"}})
+    EXPECT_EQ(without_seconds(successful_json(with(arguments, {"--threads", "1"}))),
+              without_seconds(successful_json(with(arguments, {"--threads", "2"}))));
+}
+
+TEST(Fit, JsonHasTheKeysOfTheContractAndTheTrueParameters) {
+  const TemporaryFolder folder;
+  const auto json = successful_json({"fit", folder.write("data.csv", power_law_data()), "--model", "power-law"});
+  expect_keys(json, {"fracfit", "command", "model", "parameters", "cost", "rms", "aicc", "bic", "termination", "starts",
+                     "seconds"});
+  EXPECT_EQ(json["termination"], "converged");
+  ASSERT_EQ(json["parameters"].size(), 2U);
+  for (const auto& parameter : json["parameters"]) {
+    expect_keys(parameter, {"name", "value", "standard_error", "ci95", "identified"});
+    EXPECT_EQ(parameter["ci95"].size(), 2U);
+    EXPECT_TRUE(parameter["identified"].get<bool>());
+  }
+  // The data are exact to 17 digits; Ceres stops at a relative change of the cost near 1e-12, so parameters hold 1e-6.
+  EXPECT_NEAR(json["parameters"][0]["value"].get<double>(), 2, 2e-6);
+  EXPECT_NEAR(json["parameters"][1]["value"].get<double>(), 0.7, 1e-6);
+}
+
+TEST(Fit, AFormulaOfItsOwnIsFittedToBothParts) {
+  const TemporaryFolder folder;
+  const auto data =
+      folder.write("data.csv", sampled([](std::complex<double> s) { return 3.0 / (0.5 * std::pow(s, 0.8) + 1.0); }));
+  const auto json = successful_json({"fit", data, "--model", "K/(T s^a + 1)", "--component", "both"});
+  EXPECT_EQ(json["model"], "K/(T s^a + 1)");
+  EXPECT_NEAR(json["parameters"][0]["value"].get<double>(), 3, 3e-6);
+  EXPECT_NEAR(json["parameters"][1]["value"].get<double>(), 0.5, 1e-6);
+  EXPECT_NEAR(json["parameters"][2]["value"].get<double>(), 0.8, 1e-6);
+  EXPECT_EQ(json["residuals"], 82);
+}
+
+TEST(Fit, FixedAndBoundedParameters) {
+  const TemporaryFolder folder;
+  const auto data = folder.write("data.csv", power_law_data());
+  const auto fixed = successful_json({"fit", data, "--model", "power-law", "--fix", "a=0.7"});
+  EXPECT_TRUE(fixed["parameters"][1]["fixed"].get<bool>());
+  EXPECT_EQ(fixed["parameters"][1]["value"], 0.7);
+  EXPECT_EQ(fixed["free_parameters"], 1);
+  const auto bounded = successful_json({"fit", data, "--model", "power-law", "--bound", "a=:0.5"});
+  EXPECT_TRUE(bounded["parameters"][1]["at_bound"].get<bool>());
+  EXPECT_NEAR(bounded["parameters"][1]["value"].get<double>(), 0.5, 1e-9);
+  EXPECT_TRUE(bounded["parameters"][1]["standard_error"].is_null());
+}
+
+TEST(Fit, PointsCanBeChosenAndWeighted) {
+  const TemporaryFolder folder;
+  // One point is far off; a condition or a tiny weight removes its influence.
+  auto text = power_law_data();
+  std::string weighted;
+  bool header = true;
+  for (const auto& line : lines_of(text)) weighted += line + (std::exchange(header, false) ? ",trust\n" : ",1\n");
+  const auto data = folder.write("data.csv", weighted + "20,0.01,0.01,1e-30\n");
+  const auto order = [&](const std::vector<std::string>& more) {
+    return successful_json(with({"fit", data, "--model", "power-law", "--quiet"}, more))["parameters"][1]["value"]
+        .get<double>();
+  };
+  EXPECT_GT(std::abs(order({}) - 0.7), 0.01);
+  EXPECT_NEAR(order({"--where", "omega<15"}), 0.7, 1e-6);
+  EXPECT_NEAR(order({"--where", "magnitude>0.1", "--where", "re>0"}), 0.7, 1e-6);
+  EXPECT_NEAR(order({"--weight", "trust"}), 0.7, 1e-6);
+}
+
+TEST(Fit, RealisationsGiveTheOrderTheyApproximate) {
+  const TemporaryFolder folder;
+  const auto data = folder.write("data.csv", power_law_data());
+  const auto order = [&](const std::vector<std::string>& more) {
+    const auto json = successful_json(with({"fit", data, "--model", "power-law", "--component", "both"}, more));
+    return json["parameters"][1]["value"].get<double>();
+  };
+  // Two decades of data in the middle of a band of eight: the recursive approximation is within a few per mille there.
+  EXPECT_NEAR(order({"--realisation", "oustaloup", "--band", "1e-4:1e4", "--poles", "12"}), 0.7, 0.01);
+  // ((1 - e^{-j w h})/h)^a bends by a w h/2 <= 0.7 * 10 * 1e-3/2 = 3.5e-3 rad at the upper end.
+  EXPECT_NEAR(order({"--realisation", "grunwald-letnikov", "--sample-time", "1e-3"}), 0.7, 0.01);
+}
+
+TEST(Fit, SameSeedSameResult) {
+  const TemporaryFolder folder;
+  const auto data = folder.write("data.csv", power_law_data());
+  const std::vector<std::string> arguments{
+      "fit", data, "--model", "K1 s^a1 + K2 s^a2", "--seed", "18446744073709551615"};
+  const auto json = successful_json(arguments);
+  EXPECT_EQ(json["options"]["seed"].get<std::uint64_t>(), 18446744073709551615U);
+  EXPECT_EQ(without_seconds(json), without_seconds(successful_json(arguments)));
+}
+
+TEST(Fit, StandardInputIsRead) {
+  ProgramSetting setting;
+  setting.input = power_law_data();
+  const auto result = run_fracfit({"fit", "-", "--model", "power-law"}, setting);
+  EXPECT_EQ(result.code, 0) << result.error;
+}
+
+TEST(Fit, CsvAndTable) {
+  const TemporaryFolder folder;
+  const auto data = folder.write("data.csv", power_law_data());
+  const auto csv = successful({"fit", data, "--model", "power-law", "--format", "csv"});
+  EXPECT_NE(csv.find("\nname,value,standard_error,ci95_lower,ci95_upper,identified,at_bound,fixed\nK,"),
+            std::string::npos)
+      << csv;
+  const auto table = successful({"fit", data, "--model", "power-law", "--bound", "a=:0.5", "--format", "table"});
+  EXPECT_NE(table.find("at its bound"), std::string::npos) << table;
+}
+
+TEST(Fit, PeopleGetATableAndPipesGetJson) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> arguments{"fit", folder.write("data.csv", power_law_data()), "--model", "power-law"};
+  if (!has_terminals()) GTEST_SKIP() << "no pseudo-terminals here";
+  ProgramSetting terminal;
+  terminal.terminal_output = true;
+  const auto shown = run_fracfit(arguments, terminal);
+  EXPECT_EQ(shown.code, 0);
+  EXPECT_NE(shown.output.find("95 % interval"), std::string::npos) << shown.output;
+  EXPECT_TRUE(successful(arguments).starts_with("{"));
+}
+
+TEST(Fit, LithiumCellIsFittedToItsKnownBest) {
+  const std::string file = FRACFIT_SOURCE_DIR "/../shared/cases-ident/impedancepy_exampleData.csv";
+  if (!fs::exists(file)) GTEST_SKIP() << file << " is not here";
+  const auto json =
+      successful_json({"fit", file, "--where", "im<0", "--component", "both", "--bound", "n1=:1", "--bound", "n2=:1",
+                       "--bound", "n3=:1", "--model", "R0 + R1/(1 + R1 Q1 s^n1) + R2/(1 + R2 Q2 s^n2) + 1/(Q3 s^n3)"});
+  EXPECT_EQ(json["data"]["points"], 57);
+  EXPECT_LE(json["cost"].get<double>(), 5.4432e-3);
+}
+
+TEST(Identify, RanksAndGivesAVerdict) {
+  const TemporaryFolder folder;
+  const auto json = successful_json({"identify", folder.write("data.csv", power_law_data())});
+  expect_keys(json, {"fracfit", "command", "ranking", "chosen", "verdict", "evidence", "verdict_sentence"});
+  double share = 0;
+  for (const auto& candidate : json["ranking"]) {
+    expect_keys(candidate, {"name", "class", "model", "parameters", "cost", "rms", "aicc", "bic", "delta_aicc",
+                            "akaike_weight", "termination", "starts", "seconds"});
+    if (candidate["akaike_weight"].is_number()) share += candidate["akaike_weight"].get<double>();
+  }
+  EXPECT_NEAR(share, 1, 1e-12);
+  EXPECT_EQ(json["chosen"], "power-law");
+  EXPECT_EQ(json["verdict"], "supported");
+}
+
+TEST(Identify, SimulatedFilesBringTheStaticCurveAlong) {
+  const TemporaryFolder folder;
+  const auto data = folder.path("curve.csv");
+  successful(with(scene, {"--omega", "6:11:30log", "--out", data}));
+  const auto result = run_fracfit({"identify", data, "--models", "power-law,differentiator"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  EXPECT_NE(result.error.find("force_n = 40, clearance_m = 0.3"), std::string::npos) << result.error;
+  const auto json = Json::parse(result.output);
+  EXPECT_EQ(json["ranking"].size(), 3U);
+  EXPECT_TRUE(std::any_of(json["ranking"].begin(), json["ranking"].end(), [](const Json& candidate) {
+    return candidate["name"] == "static-backlash" && candidate["class"] == "fixed-curve" &&
+           candidate["free_parameters"] == 0;
+  }));
+  EXPECT_NE(json["command"].get<std::string>().find("--clearance 0.3 --force 40"), std::string::npos);
+}
+
+TEST(Identify, TheCommandInTheResultGivesTheSameResult) {
+  const TemporaryFolder folder;
+  const auto data = folder.write("data.csv", power_law_data());
+  const auto first = successful_json({"identify", data, "--models", "power-law,gain"});
+  EXPECT_EQ(first["command"], "fracfit identify " + data +
+                                  " --models power-law,gain --component imaginary --weight relative --loss none "
+                                  "--realisation exact --seed 1");
+  const auto csv = successful({"identify", data, "--models", "power-law,gain", "--format", "csv"});
+  EXPECT_EQ(entry_of(csv, "command"), first["command"]);
+  EXPECT_EQ(rows_of(csv).size(), 2U);
+}
+
+TEST(JumpLaw, ContactAtRestFollowsTheLimitFrequencyExactly) {
+  // w_J = w_L = sqrt(2 F/(M2 Delta)) at every restitution, so a = sqrt(2/M2) Delta^-1/2 and b = 1/2 but for rounding.
+  const auto json = successful_json({"jump-law", "--criterion", "contact-at-rest", "--m2", "4"});
+  expect_keys(json,
+              {"fracfit", "command", "points", "laws", "a_of_clearance", "b_of_clearance", "published", "similarity"});
+  EXPECT_EQ(json["points"].size(), 5U * 8U * 6U);
+  for (const auto& point : json["points"]) {
+    EXPECT_EQ(keys_of(point), (std::vector<std::string>{"force", "clearance", "restitution", "omega_jump"}));
+    const double limit = std::sqrt(2 * point["force"].get<double>() / (4 * point["clearance"].get<double>()));
+    EXPECT_NEAR(point["omega_jump"].get<double>() / limit, 1, 1e-14);
+  }
+  EXPECT_EQ(json["laws"].size(), 8U);
+  for (const auto& law : json["laws"]) {
+    expect_keys(law, {"clearance", "a", "b", "a_ci95", "b_ci95", "r_squared"});
+    EXPECT_NEAR(law["b"].get<double>(), 0.5, 1e-13);
+    EXPECT_NEAR(law["a"].get<double>() * std::sqrt(law["clearance"].get<double>()), std::numbers::sqrt2 / 2, 1e-13);
+  }
+  EXPECT_NEAR(json["a_of_clearance"]["coefficient"].get<double>(), std::numbers::sqrt2 / 2, 1e-13);
+  EXPECT_NEAR(json["a_of_clearance"]["exponent"].get<double>(), -0.5, 1e-13);
+  EXPECT_EQ(json["published"]["a_of_clearance"]["coefficient"], 1.193);
+  EXPECT_EQ(json["published"]["b_of_clearance"]["exponent"], 0.024);
+  EXPECT_NEAR(json["similarity"]["difference_percent"]["a_coefficient"].get<double>(), 0, 1e-11);
+  EXPECT_NEAR(json["published"]["difference_percent"]["a_exponent"].get<double>(), 100 * (0.5 / 0.564 - 1), 1e-10);
+}
+
+TEST(JumpLaw, CsvHoldsThePointsAndTheTableTheLaws) {
+  const std::vector<std::string> small{"jump-law", "--force",       "10,40", "--clearance",
+                                       "0.1,0.4",  "--restitution", "0.6"};
+  const auto csv = successful(with(small, {"--format", "csv"}));
+  EXPECT_NE(csv.find("\nforce_n,clearance_m,restitution,omega_jump_rad_s\n"), std::string::npos);
+  EXPECT_EQ(rows_of(csv).size(), 4U);
+  EXPECT_NE(entry_of(csv, "criterion"), "");
+  EXPECT_NE(successful(with(small, {"--format", "table"})).find("1.193 Delta^-0.564"), std::string::npos);
+}
+
+TEST(Report, OnAMeasuredFileWritesPageTablesAndNumbers) {
+  const TemporaryFolder folder;
+  const auto data = folder.write("data.csv", power_law_data());
+  const auto result = run_fracfit({"report", data, "--out", folder.path("report")});
+  EXPECT_EQ(result.code, 0) << result.error;
+  EXPECT_NE(result.error.find("index.html"), std::string::npos) << result.error;
+  EXPECT_EQ(result.output, "");
+  EXPECT_GT(fs::file_size(folder.path("report/index.html")), 0U);
+  EXPECT_TRUE(Json::accept(content_of(folder.path("report/results.json"))));
+}
+
+TEST(Report, WithoutGnuplotTheNumbersAreWrittenAll) {
+  const TemporaryFolder folder;
+  const auto data = folder.write("data.csv", power_law_data());
+  ProgramSetting setting;
+  setting.search_path = folder.path("empty");
+  fs::create_directory(setting.search_path);
+  const auto result = run_fracfit({"report", data, "--out", folder.path("report")}, setting);
+  EXPECT_EQ(result.code, 1);
+  EXPECT_NE(result.error.find("gnuplot-nox"), std::string::npos) << result.error;
+  EXPECT_GT(fs::file_size(folder.path("report/index.html")), 0U);
+  EXPECT_TRUE(Json::accept(content_of(folder.path("report/results.json"))));
+}
+
+}  // namespace

@@ -1,0 +1,300 @@
+#include "io/frequency_response_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+
+#include "io/number.hpp"
+#include "temporary_folder.hpp"
+
+namespace {
+
+constexpr double turn = 2 * std::numbers::pi;
+
+class FrequencyResponseFileTest : public ::testing::Test {
+ protected:
+  [[nodiscard]] io::FrequencyResponseFile read(const std::string& content,
+                                               const io::FrequencyResponseReadOptions& options = {}) {
+    return io::read_frequency_response(folder.write("data.csv", content), options);
+  }
+
+  /// Reads what must fail, and compares place and part of the message.
+  void expect_error(const std::string& content, std::size_t line, std::size_t column, const std::string& part,
+                    const io::FrequencyResponseReadOptions& options = {}) {
+    SCOPED_TRACE(content.substr(0, 200));
+    try {
+      (void)read(content, options);
+      FAIL() << "no error";
+    } catch (const io::DataError& error) {
+      const std::string message = error.what();
+      EXPECT_EQ(error.line(), line) << message;
+      EXPECT_EQ(error.column(), column) << message;
+      EXPECT_NE(message.find(part), std::string::npos) << message;
+      std::string place = folder.path("data.csv");
+      if (line > 0) place += ":" + std::to_string(line);
+      if (column > 0) place += ":" + std::to_string(column);
+      EXPECT_EQ(message.substr(0, place.size() + 2), place + ": ");
+    }
+  }
+
+  static bool has_note(const io::FrequencyResponseFile& file, const std::string& part) {
+    for (const auto& note : file.notes)
+      if (note.find(part) != std::string::npos) return true;
+    return false;
+  }
+
+  TemporaryFolder folder;
+};
+
+using namespace std::complex_literals;
+
+TEST_F(FrequencyResponseFileTest, ReadsCommaSeparatedValues) {
+  const auto file = read("omega_rad_s,re,im\n1,0.5,-0.25\n2,1e-3,+4\n");
+  EXPECT_EQ(file.data.omega(), (std::vector<double>{1, 2}));
+  EXPECT_EQ(file.data.value(), (std::vector<std::complex<double>>{{0.5, -0.25}, {1e-3, 4}}));
+  EXPECT_TRUE(file.data.sigma().empty());
+  EXPECT_TRUE(file.notes.empty());
+  EXPECT_EQ(file.value_unit, "");
+}
+
+TEST_F(FrequencyResponseFileTest, OtherSeparatorsGiveTheSame) {
+  const auto expected = read("omega_rad_s,re,im\n1,2,3\n4,5,6\n");
+  for (const char* content :
+       {"omega_rad_s;re;im\n1;2;3\n4;5;6\n", "omega_rad_s\tre\tim\n1\t2\t3\n4\t5\t6\n",
+        "omega_rad_s re im\n1 2 3\n4 5 6\n", "  omega_rad_s   re   im\n  1   2  3 \n4 5 6",
+        "omega_rad_s , re , im\n 1 , 2 , 3\n4, 5, 6\n", "\"omega_rad_s\",\"re\",\"im\"\n1,2,3\n\"4\",5,6\n",
+        "omega_rad_s,re,im\n1;2;3\n4;5;6\n"}) {
+    const auto file = read(content);
+    EXPECT_EQ(file.data.omega(), expected.data.omega()) << content;
+    EXPECT_EQ(file.data.value(), expected.data.value()) << content;
+  }
+}
+
+TEST_F(FrequencyResponseFileTest, ByteOrderMarkAndLineEndsMakeNoDifference) {
+  for (const char* content :
+       {"\xEF\xBB\xBFomega_rad_s,re,im\n1,2,3\n4,5,6\n", "omega_rad_s,re,im\r\n1,2,3\r\n4,5,6\r\n",
+        "\xEF\xBB\xBF# a: b\r\nomega_rad_s,re,im\r\n\r\n1,2,3\r\n4,5,6", "omega_rad_s,re,im\r1,2,3\r4,5,6\r"}) {
+    const auto file = read(content);
+    EXPECT_EQ(file.data.omega(), (std::vector<double>{1, 4})) << content;
+    EXPECT_EQ(file.data.value(), (std::vector<std::complex<double>>{{2, 3}, {5, 6}})) << content;
+    EXPECT_TRUE(file.notes.empty()) << content;
+  }
+}
+
+TEST_F(FrequencyResponseFileTest, CommentsAreKeptAsKeyAndValue) {
+  const auto file = read(
+      "# force_n: 40\n# free text, no key\n#clearance_m: 0.3\n# see http://x.org/a\nf_Hz,re,im\n# in: side\n1,2,3\n");
+  EXPECT_EQ(file.metadata, (io::Metadata{{"force_n", "40"}, {"clearance_m", "0.3"}}));
+  EXPECT_EQ(io::find_value(file.metadata, "clearance_m"), "0.3");
+  EXPECT_EQ(io::find_value(file.metadata, "mass"), std::nullopt);
+}
+
+TEST_F(FrequencyResponseFileTest, TheHeaderMayBeACommentDirectlyAboveTheData) {
+  for (const char* content :
+       {"# measured, ohm\n# f_Hz,re,im\n1,2,3\n", "#f_Hz re im\n1 2 3\n", "# f_Hz, re, im\n1 2 3\n"}) {
+    const auto file = read(content);
+    EXPECT_EQ(file.data.omega(), (std::vector<double>{turn})) << content;
+    EXPECT_EQ(file.data.value(), (std::vector<std::complex<double>>{{2, 3}})) << content;
+  }
+}
+
+TEST_F(FrequencyResponseFileTest, FrequencyNamesAndUnits) {
+  const std::pair<const char*, double> names[] = {{"omega_rad_s", 1},
+                                                  {"w_rad_s", 1},
+                                                  {"OMEGA[rad/s]", 1},
+                                                  {"omega (rad/s)", 1},
+                                                  {"omega_rad_per_s", 1},
+                                                  {"w [rad s^-1]", 1},
+                                                  {"omega", 1},
+                                                  {"angular frequency [krad/s]", 1e3},
+                                                  {"freq_rad_s", 1},
+                                                  {"f_Hz", turn},
+                                                  {"F_HZ", turn},
+                                                  {"frequency_hz", turn},
+                                                  {"Frequency (Hz)", turn},
+                                                  {"freq [kHz]", 1e3 * turn},
+                                                  {"f_MHz", 1e6 * turn},
+                                                  {"f_mHz", 1e-3 * turn},
+                                                  {"f / Hz", turn},
+                                                  {"freq[GHz]", 1e9 * turn}};
+  for (const auto& [name, factor] : names) {
+    const auto file = read(std::string(name) + ",re,im\n2,1,1\n");
+    // One multiplication by a factor rounded once or twice.
+    EXPECT_NEAR(file.data.omega().front() / (2 * factor), 1, 4e-16) << name;
+  }
+  EXPECT_TRUE(has_note(read("w,re,im\n1,2,3\n"), "taken as rad/s"));
+}
+
+TEST_F(FrequencyResponseFileTest, UnitsOfValuesAreKeptAndMustAgree) {
+  EXPECT_EQ(read("f_Hz,re_m_per_n,im_m_per_n\n1,2,3\n").value_unit, "m_per_n");
+  EXPECT_EQ(read("f_Hz,Re [ohm],Im [ohm]\n1,2,3\n").value_unit, "ohm");
+  EXPECT_EQ(read("f_Hz,magnitude[m/N],phase_deg\n1,2,3\n").value_unit, "m/N");
+  expect_error("f_Hz,re_ohm,im_mohm\n1,2,3\n", 1, 13, "differs from 'ohm'");
+}
+
+TEST_F(FrequencyResponseFileTest, NegatedImaginaryPartsOfImpedanceFiles) {
+  EXPECT_EQ(read("f_Hz,re_ohm,-im_ohm\n1,2,3\n").data.value().front(), (std::complex<double>{2, -3}));
+}
+
+TEST_F(FrequencyResponseFileTest, MagnitudeAndPhase) {
+  // polar(2, 90 deg): the rounding of pi/2 leaves 2 * 6e-17 in the real part.
+  const auto value = read("f_Hz,magnitude,phase_deg\n1,2,90\n").data.value().front();
+  EXPECT_NEAR(std::abs(value - 2i), 0, 1e-15);
+  EXPECT_NEAR(std::abs(read("f_Hz,mag_dB,phase_rad\n1,20,0\n").data.value().front() - 10.0), 0, 1e-14);
+  EXPECT_NEAR(std::abs(read("f_Hz,gain[dB],phase[deg]\n1,-6.020599913279624,-180\n").data.value().front() + 0.5), 0,
+              1e-15);
+}
+
+TEST_F(FrequencyResponseFileTest, RealAndImaginaryPartsGoBeforeMagnitudeAndPhase) {
+  const auto file = read("f_Hz,magnitude_db,phase_deg,re,im,remark\n1,0,0,2,3,good\n");
+  EXPECT_EQ(file.data.value().front(), (std::complex<double>{2, 3}));
+  EXPECT_TRUE(has_note(file, "columns not used: magnitude_db, phase_deg, remark"));
+}
+
+TEST_F(FrequencyResponseFileTest, UnsortedRowsAreSortedAndSaidSo) {
+  const auto file = read("f_Hz,re,im,sigma\n3,1,1,0.1\n1,2,2,0.2\n3,3,3,0.3\n2,4,4,0.4\n");
+  EXPECT_EQ(file.data.value(), (std::vector<std::complex<double>>{{2, 2}, {4, 4}, {1, 1}, {3, 3}}));
+  EXPECT_EQ(file.data.sigma(), (std::vector<double>{0.2, 0.4, 0.1, 0.3}));
+  EXPECT_TRUE(has_note(file, "sorted"));
+  EXPECT_FALSE(has_note(read("f_Hz,re,im\n1,1,1\n1,2,2\n2,3,3\n"), "sorted"));
+}
+
+TEST_F(FrequencyResponseFileTest, SigmaAndWeightColumns) {
+  EXPECT_EQ(read("f_Hz,re,im,sigma\n1,2,3,0.5\n").data.sigma(), (std::vector<double>{0.5}));
+  EXPECT_EQ(read("f_Hz,re,im,weight\n1,2,3,4\n").data.sigma(), (std::vector<double>{0.5}));
+  io::FrequencyResponseReadOptions options;
+  options.weight_column = "uncertainty_m";
+  EXPECT_EQ(read("f_Hz,re_m,im_m,uncertainty_m\n1,2,3,0.5\n", options).data.sigma(), (std::vector<double>{0.5}));
+  options.weight_column = "trust";
+  const auto file = read("f_Hz,re,im,trust\n1,2,3,4\n", options);
+  EXPECT_EQ(file.data.sigma(), (std::vector<double>{0.5}));
+  EXPECT_TRUE(has_note(file, "weight of the squared residuals"));
+  options.weight_column = "absent";
+  EXPECT_THROW((void)read("f_Hz,re,im\n1,2,3\n", options), std::invalid_argument);
+  expect_error("f_Hz,re,im,sigma\n1,2,3,0\n", 2, 7, "standard deviation must be > 0");
+  expect_error("f_Hz,re,im,weight\n1,2,3,-1\n", 2, 7, "weight must be > 0");
+  expect_error("f_Hz,re_ohm,im_ohm,sigma_mohm\n1,2,3,1\n", 1, 20, "differs from 'ohm'");
+}
+
+TEST_F(FrequencyResponseFileTest, ConditionsChoosePoints) {
+  io::FrequencyResponseReadOptions options;
+  options.where = {io::PointFilter("im<0"), io::PointFilter("omega<10")};
+  const auto file = read("omega_rad_s,re,im\n1,1,-1\n2,1,1\n20,1,-1\n", options);
+  EXPECT_EQ(file.data.omega(), (std::vector<double>{1}));
+  EXPECT_TRUE(has_note(file, "1 of 3 points"));
+  expect_error("omega_rad_s,re,im\n1,1,1\n", 0, 0, "none of the 1 points satisfies im<0 and omega<10", options);
+}
+
+TEST_F(FrequencyResponseFileTest, OneRowIsAccepted) {
+  EXPECT_EQ(read("f_Hz,re,im\n1,2,3\n").data.size(), 1U);
+}
+
+TEST_F(FrequencyResponseFileTest, FilesThatCannotBeRead) {
+  const auto message = [](const std::string& path) -> std::string {
+    try {
+      (void)io::read_frequency_response(path);
+    } catch (const io::DataError& error) {
+      return error.what();
+    }
+    return "no error";
+  };
+  EXPECT_EQ(message(folder.path("absent.csv")),
+            folder.path("absent.csv") + ": cannot be read: No such file or directory");
+  EXPECT_NE(message(folder.path()).find("is a folder"), std::string::npos);
+}
+
+TEST_F(FrequencyResponseFileTest, FilesWithoutDataSayWhatIsMissing) {
+  expect_error("", 0, 0, "is empty");
+  expect_error("\n\n", 0, 0, "holds no rows");
+  expect_error("# only: comments\n", 0, 0, "holds no rows");
+  expect_error("\xEF\xBB\xBF", 0, 0, "holds no rows");
+  expect_error("# a: b\nf_Hz,re,im\n", 2, 0, "no data rows");
+  expect_error("f_Hz,re,im\n# comment\n\n", 1, 0, "no data rows");
+  expect_error("1,2,3\n", 1, 1, "no header row");
+  expect_error("# some remark\n1,2,3\n", 2, 1, "no header row");
+  expect_error(std::string("\xFF\xFE"
+                           "f\0,\0",
+                           6),
+               1, 1, "UTF-16");
+}
+
+TEST_F(FrequencyResponseFileTest, MissingAndDoubtfulColumns) {
+  expect_error("a,re,im\n1,2,3\n", 1, 1, "no frequency column among the columns a, re, im");
+  expect_error("f_Hz,re\n1,2\n", 1, 1, "no imaginary part");
+  expect_error("f_Hz,im\n1,2\n", 1, 1, "no real part");
+  expect_error("f_Hz,magnitude\n1,2\n", 1, 1, "no phase");
+  expect_error("f_Hz,phase_deg\n1,2\n", 1, 1, "no magnitude");
+  expect_error("f_Hz,x,y\n1,2,3\n", 1, 1, "no values");
+  expect_error("f_Hz,re,im,real\n1,2,3,4\n", 1, 12, "means the same as column 're'");
+  expect_error("# x\n# f_Hz,im,re,im_ohm\n1,2,3,4\n", 2, 14, "means the same");
+}
+
+TEST_F(FrequencyResponseFileTest, UnknownUnitsAreNeverGuessed) {
+  expect_error("f,re,im\n1,2,3\n", 1, 1, "has no unit");
+  expect_error("re,im,f_rpm\n1,2,3\n", 1, 7, "unknown unit 'rpm'");
+  expect_error("omega_Hz,re,im\n1,2,3\n", 1, 1, "unknown unit 'Hz' of an angular frequency");
+  expect_error("f_mhz,re,im\n1,2,3\n", 1, 1, "milli or mega");
+  expect_error("f_Hz,magnitude,phase\n1,2,3\n", 1, 16, "phase has no unit");
+  expect_error("f_Hz,magnitude,phase[grad]\n1,2,3\n", 1, 16, "unknown unit 'grad'");
+  // A second frequency column of unknown unit does no harm.
+  EXPECT_EQ(read("f_rpm,omega_rad_s,re,im\n1,2,3,4\n").data.omega().front(), 2);
+}
+
+TEST_F(FrequencyResponseFileTest, BadFieldsAreNamedWithLineAndColumn) {
+  expect_error("f_Hz,re,im\n1,2,3\n2,abc,4\n", 3, 3, "found 'abc' in column 're'; expected a number");
+  expect_error("f_Hz,re,im\n1,2,3\n\n# remark\n2,5,4x\n", 5, 5, "found '4x'");
+  expect_error("f_Hz,re,im\r\n1,nan,3\r\n", 2, 3, "found 'nan' in column 're'; expected a finite number");
+  expect_error("f_Hz,re,im\n1,2,inf\n", 2, 5, "finite");
+  expect_error("f_Hz,re,im\n1,2,1e999\n", 2, 5, "finite");
+  expect_error("f_Hz,re,im\nnan,2,3\n", 2, 1, "finite");
+  expect_error("f_Hz,re,im\n1,,3\n", 2, 3, "field is empty");
+  expect_error("f_Hz;re;im\n1,5;2;3\n", 2, 1, "decimal point");
+  expect_error("f_Hz,re,im\n0,2,3\n", 2, 1, "must be > 0");
+  expect_error("f_Hz,re,im\n1,2,3\n-1,2,3\n", 3, 1, "must be > 0");
+  expect_error("f_Hz,magnitude,phase_deg\n1,-2,3\n", 2, 3, "magnitude must be >= 0");
+  expect_error("f_Hz,magnitude_db,phase_deg\n1,1e5,3\n", 2, 3, "beyond the range");
+  // Columns count characters, not bytes: the remark holds two of two bytes each.
+  expect_error("remark,f_Hz,re,im\n\xC3\xA4\xC3\xB6,1,x,3\n", 2, 6, "found 'x'");
+  expect_error("  # f_Hz,re,im\n   1 ,  zz , 3\n", 2, 9, "found 'zz'");
+}
+
+TEST_F(FrequencyResponseFileTest, RowsOfAnotherLengthAreRefused) {
+  expect_error("f_Hz,re,im\n1,2,3\n1,2\n", 3, 4, "found 2 fields in '1,2'; expected 3 as in the header of line 1");
+  expect_error("f_Hz,re,im\n1,2,3,4\n", 2, 7, "found 4 fields");
+  expect_error("f_Hz,re,im\n1,2,3,\n", 2, 7, "found 4 fields");
+  expect_error("f_Hz,re,im\n1,2,3\nthe end\n", 3, 8, "found 1 field in 'the end'");
+}
+
+TEST_F(FrequencyResponseFileTest, BinaryRubbishIsAnError) {
+  std::string content = "f_Hz,re,im\n1,2,";
+  content += '\0';
+  content += "\x01\xff\n";
+  expect_error(content, 2, 5, "expected a number");
+}
+
+TEST_F(FrequencyResponseFileTest, AMillionRowsAreReadQuickly) {
+  std::string content = "f_Hz,re,im\n";
+  constexpr int rows = 1'000'000;
+  for (int i = 1; i <= rows; ++i) {
+    io::append_number(content, 1e-3 * i);
+    content += ",0.12345678901234567,-";
+    io::append_number(content, 1.0 / i);
+    content += '\n';
+  }
+  const auto path = folder.write("data.csv", content);
+  const auto begin = std::chrono::steady_clock::now();
+  const auto file = io::read_frequency_response(path);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  RecordProperty("seconds", std::to_string(seconds));
+  ASSERT_EQ(file.data.size(), static_cast<std::size_t>(rows));
+  EXPECT_EQ(file.data.value().back().imag(), -1.0 / rows);
+  // Under a second on an idle machine; the allowance is for loaded ones and sanitizers.
+  EXPECT_LT(seconds, 10);
+}
+
+}  // namespace

@@ -1,0 +1,49 @@
+#include "io/number.hpp"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <random>
+
+TEST(Number, EveryFiniteDoubleReadsBackBitForBit) {
+  std::mt19937_64 generator(1);
+  int tried = 0;
+  while (tried < 20000) {
+    const auto value = std::bit_cast<double>(generator());
+    if (!std::isfinite(value)) continue;
+    ++tried;
+    const auto back = io::parse_number(io::format_number(value));
+    ASSERT_TRUE(back.has_value()) << io::format_number(value);
+    ASSERT_EQ(std::bit_cast<std::uint64_t>(*back), std::bit_cast<std::uint64_t>(value)) << io::format_number(value);
+  }
+}
+
+TEST(Number, IsWrittenAsShortAsPossible) {
+  EXPECT_EQ(io::format_number(0.1), "0.1");
+  EXPECT_EQ(io::format_number(40), "40");
+  EXPECT_EQ(io::format_number(-1e-10), "-1e-10");
+}
+
+TEST(Number, NonFiniteValuesHaveOneSpellingEach) {
+  EXPECT_EQ(io::format_number(std::numeric_limits<double>::quiet_NaN()), "nan");
+  EXPECT_EQ(io::format_number(-std::numeric_limits<double>::quiet_NaN()), "nan");
+  EXPECT_EQ(io::format_number(std::numeric_limits<double>::infinity()), "inf");
+  EXPECT_EQ(io::format_number(-std::numeric_limits<double>::infinity()), "-inf");
+}
+
+TEST(Number, WholeTextMustBeTheNumber) {
+  for (const char* text : {"", "abc", "1.5x", "1,5", "1 2", "+", "+-1", "++1", "0x10", "1e", "--1"})
+    EXPECT_FALSE(io::parse_number(text).has_value()) << text;
+  EXPECT_EQ(io::parse_number("+1.5"), 1.5);
+  EXPECT_EQ(io::parse_number("1E3"), 1000.0);
+  EXPECT_EQ(io::parse_number(".5"), 0.5);
+}
+
+TEST(Number, BeyondTheRangeOfADoubleIsInfiniteAndBelowItIsZero) {
+  EXPECT_EQ(io::parse_number("1e400"), std::numeric_limits<double>::infinity());
+  EXPECT_EQ(io::parse_number("-1e400"), -std::numeric_limits<double>::infinity());
+  EXPECT_EQ(io::parse_number("1e-400"), 0.0);
+}

@@ -1,0 +1,55 @@
+#include "io/progress_bar.hpp"
+
+#include <gtest/gtest.h>
+#include <pty.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <optional>
+#include <string>
+#include <thread>
+
+namespace {
+
+/// What a bar at 5 of 10 writes to standard error within half a second, standard error being a terminal or a pipe.
+/// Empty optional: there are no pseudo-terminals here.
+std::optional<std::string> drawn(bool terminal, bool wanted) {
+  std::array<int, 2> ends{};
+  if (terminal && ::openpty(&ends[0], &ends[1], nullptr, nullptr, nullptr) != 0) return std::nullopt;
+  if (!terminal && ::pipe(ends.data()) != 0) return std::nullopt;
+  const int saved = ::dup(STDERR_FILENO);
+  ::dup2(ends[1], STDERR_FILENO);
+  {
+    frac::Progress progress;
+    progress.total = 10;
+    progress.done = 5;
+    const io::ProgressBar bar("sweep", progress, wanted);
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  }
+  // An end mark, so that reading never waits.
+  EXPECT_EQ(::write(STDERR_FILENO, "\x04\n", 2), 2);
+  ::dup2(saved, STDERR_FILENO);
+  ::close(saved);
+  std::string text;
+  for (char c = 0; ::read(ends[0], &c, 1) == 1 && c != '\x04';) text += c;
+  ::close(ends[0]);
+  ::close(ends[1]);
+  return text;
+}
+
+TEST(ProgressBar, DrawsShareAndTimeLeftOnATerminal) {
+  const auto drawing = drawn(true, true);
+  if (!drawing) GTEST_SKIP() << "no pseudo-terminals here";
+  const std::string& text = *drawing;
+  EXPECT_NE(text.find("sweep [###############...............]  50 %, "), std::string::npos) << text;
+  EXPECT_NE(text.find("s left"), std::string::npos) << text;
+  EXPECT_TRUE(text.ends_with("\r\033[K")) << "the line is cleared at the end";
+}
+
+TEST(ProgressBar, IsSilentElsewhere) {
+  EXPECT_EQ(drawn(false, true), "");
+  EXPECT_EQ(drawn(true, false).value_or(""), "");
+}
+
+}  // namespace

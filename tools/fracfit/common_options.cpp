@@ -1,0 +1,90 @@
+#include "common_options.hpp"
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+
+#include "io/data_error.hpp"
+#include "io/number.hpp"
+
+namespace fracfit {
+namespace {
+
+std::string shell_quoted(const std::string& text) {
+  constexpr std::string_view harmless = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=:,./%@";
+  if (!text.empty() && text.find_first_not_of(harmless) == std::string::npos) return text;
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+}  // namespace
+
+void add_common_options(CLI::App& subcommand, CommonOptions& options, const std::vector<std::string>& formats) {
+  constexpr int most_threads = 1024;
+  if (!formats.empty()) {
+    subcommand.add_option("--out", options.out, "Output file; standard output if not given")->type_name("FILE");
+    subcommand.add_option("--format", options.format, "Output format")
+        ->check(CLI::IsMember(formats))
+        ->type_name("FORMAT");
+  }
+  subcommand.add_option("--threads", options.threads, "Threads, 0 for one per core; results do not depend on it")
+      ->check(CLI::Range(0, most_threads))
+      ->type_name("N");
+  subcommand.add_flag("--quiet", options.quiet, "No progress and no notes on standard error");
+}
+
+void add_repeatable(CLI::App& subcommand, const std::string& name, std::vector<std::string>& values,
+                    const std::string& description, const std::string& type) {
+  subcommand.add_option(name, values, description)->expected(1)->take_all()->type_name(type);
+}
+
+std::string chosen_format(const CommonOptions& options, const std::string& otherwise) {
+  if (!options.format.empty()) return options.format;
+  return options.out.empty() && ::isatty(STDOUT_FILENO) != 0 ? "table" : otherwise;
+}
+
+double number_option(std::string_view name, const std::string& text) {
+  const auto value = io::parse_number(text);
+  if (!value || !std::isfinite(*value))
+    throw std::invalid_argument(std::string(name) + " " + io::quoted(text) + ": expected a finite number");
+  return *value;
+}
+
+std::size_t count_option(std::string_view name, const std::string& text, std::size_t lowest) {
+  std::size_t value = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (text.empty() || error != std::errc{} || stop != text.data() + text.size() || value < lowest)
+    throw std::invalid_argument(std::string(name) + " " + io::quoted(text) +
+                                ": expected a whole number >= " + std::to_string(lowest));
+  return value;
+}
+
+std::pair<std::string, std::string> range_option(std::string_view name, const std::string& text) {
+  const auto colon = text.find(':');
+  if (colon == std::string::npos || text.find(':', colon + 1) != std::string::npos)
+    throw std::invalid_argument(std::string(name) + " " + io::quoted(text) + ": expected LOW:HIGH");
+  return {text.substr(0, colon), text.substr(colon + 1)};
+}
+
+CommandLine::CommandLine(std::string subcommand) : text_("fracfit " + std::move(subcommand)) {}
+
+CommandLine& CommandLine::argument(const std::string& value) {
+  text_ += " " + shell_quoted(value);
+  return *this;
+}
+
+CommandLine& CommandLine::option(const std::string& name, const std::string& value) {
+  text_ += " " + name;
+  return argument(value);
+}
+
+void say(const CommonOptions& options, const std::string& message) {
+  if (!options.quiet) std::fprintf(stderr, "fracfit: %s\n", message.c_str());
+}
+
+}  // namespace fracfit

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "io/output_file.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace fracfit {
+
+/// Options that every subcommand understands.
+struct CommonOptions {
+  std::string out;
+  std::string format;  // as given; empty when not
+  int threads = 0;     // 0: one per core
+  bool quiet = false;
+};
+
+/// --threads and --quiet, and, where `formats` is not empty, --out and --format.
+void add_common_options(CLI::App& subcommand, CommonOptions& options, const std::vector<std::string>& formats);
+
+/// An option that may be given several times, one value each.
+void add_repeatable(CLI::App& subcommand, const std::string& name, std::vector<std::string>& values,
+                    const std::string& description, const std::string& type);
+
+/// The format asked for; if none, "table" on a terminal without --out, else `otherwise`.
+[[nodiscard]] std::string chosen_format(const CommonOptions& options, const std::string& otherwise);
+
+/// A finite number from an option. @throws std::invalid_argument  naming option and text.
+[[nodiscard]] double number_option(std::string_view name, const std::string& text);
+/// A whole number >= lowest. @throws std::invalid_argument
+[[nodiscard]] std::size_t count_option(std::string_view name, const std::string& text, std::size_t lowest);
+/// LOW:HIGH, split at the colon. @throws std::invalid_argument
+[[nodiscard]] std::pair<std::string, std::string> range_option(std::string_view name, const std::string& text);
+
+/// The command line with every default spelled out, such that it can be pasted into a shell.  Options without influence
+/// on the result (threads, output file, quiet) are left out.
+class CommandLine {
+ public:
+  explicit CommandLine(std::string subcommand);
+  CommandLine& argument(const std::string& value);
+  CommandLine& option(const std::string& name, const std::string& value);
+  [[nodiscard]] const std::string& text() const noexcept { return text_; }
+
+ private:
+  std::string text_;
+};
+
+/// "fracfit: message" on standard error, unless quiet.
+void say(const CommonOptions& options, const std::string& message);
+
+}  // namespace fracfit

@@ -1,0 +1,138 @@
+#include "frac/identification/identify.hpp"
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+
+#include "backlash/static_backlash.hpp"
+#include "exit_code.hpp"
+#include "fit_output.hpp"
+#include "fit_request.hpp"
+#include "io/number.hpp"
+#include "json_output.hpp"
+#include "model_choice.hpp"
+#include "subcommand.hpp"
+
+namespace fracfit {
+namespace {
+
+struct IdentifyArguments {
+  CommonOptions common;
+  FitRequest request;
+  std::string models;
+  std::string force, clearance, mass1, mass2;
+};
+
+std::vector<frac::NamedModel> chosen_models(const std::string& list) {
+  if (list.empty()) return frac::model_library();
+  std::vector<frac::NamedModel> models;
+  for (std::size_t begin = 0; begin <= list.size();) {
+    const auto end = std::min(list.find(',', begin), list.size());
+    const std::string text = list.substr(begin, end - begin);
+    if (text.find_first_not_of(' ') == std::string::npos)
+      throw std::invalid_argument("--models '" + list + "': entry " + std::to_string(models.size() + 1) +
+                                  " is empty; expected presets or formulas separated by commas");
+    models.push_back(chosen_model(text));
+    begin = end + 1;
+  }
+  return models;
+}
+
+// What the static-backlash candidate needs.
+struct StaticScene {
+  std::string force, clearance, mass1, mass2;
+};
+
+// From the options; what they leave open, from the header that `simulate` writes.
+std::optional<StaticScene> static_scene(const IdentifyArguments& given, const io::Metadata& header) {
+  StaticScene scene{given.force, given.clearance, given.mass1, given.mass2};
+  std::string taken;
+  const auto complete = [&](std::string& value, const char* key) {
+    if (!value.empty()) return;
+    if (const auto found = io::find_value(header, key)) {
+      value = *found;
+      taken += (taken.empty() ? "" : ", ") + std::string(key) + " = " + value;
+    }
+  };
+  complete(scene.force, "force_n");
+  complete(scene.clearance, "clearance_m");
+  complete(scene.mass1, "mass1_kg");
+  complete(scene.mass2, "mass2_kg");
+  if (scene.force.empty() && scene.clearance.empty()) {
+    if (!given.mass1.empty() || !given.mass2.empty())
+      throw std::invalid_argument(
+          "--m1 and --m2 have no meaning without --force and --clearance, which add the static-backlash curve");
+    return std::nullopt;
+  }
+  if (scene.force.empty()) throw std::invalid_argument("--clearance needs --force for the static-backlash curve");
+  if (scene.clearance.empty()) throw std::invalid_argument("--force needs --clearance for the static-backlash curve");
+  if (scene.mass1.empty()) scene.mass1 = "1";
+  if (scene.mass2.empty()) scene.mass2 = "1";
+  if (!taken.empty())
+    say(given.common, given.request.data + ": the static-backlash curve takes from the header " + taken);
+  return scene;
+}
+
+frac::FixedCurve static_curve(const StaticScene& scene, const std::vector<double>& omega) {
+  return {"static-backlash",
+          backlash::static_describing_function(number_option("--m1", scene.mass1), number_option("--m2", scene.mass2),
+                                               number_option("--clearance", scene.clearance),
+                                               number_option("--force", scene.force), omega)};
+}
+
+int run_identify(const IdentifyArguments& given) {
+  const io::OutputFile out(given.common.out);
+  const auto options = fit_options(given.request);
+  const auto models = chosen_models(given.models);
+  const auto file = read_data(given.request, given.common);
+  const auto scene = static_scene(given, file.metadata);
+  std::vector<frac::FixedCurve> curves;
+  CommandLine command("identify");
+  command.argument(given.request.data);
+  if (!given.models.empty()) command.option("--models", given.models);
+  append_to(command, given.request, options);
+  if (scene) {
+    curves.push_back(static_curve(*scene, file.data.omega()));
+    if (io::find_value(file.metadata, "output") == "x2")
+      say(given.common, given.request.data + ": the data are of x2, while the static-backlash curve describes x1");
+    command.option("--clearance", scene->clearance).option("--force", scene->force);
+    command.option("--m1", scene->mass1).option("--m2", scene->mass2);
+  }
+  const auto result = frac::identify(file.data, models, curves, options, given.common.threads);
+
+  const FitRun run = fit_run(given.request, options, file, command.text());
+  const std::string format = chosen_format(given.common, "json");
+  out.write(format == "json"  ? identification_json(run, result)
+            : format == "csv" ? identification_csv(run, result)
+                              : identification_table(run, result));
+  if (result.ranking.at(result.chosen).fit.termination == frac::FitTermination::converged) return usable_result;
+  say(given.common, "no usable result: " + result.ranking.at(result.chosen).fit.message);
+  return no_usable_result;
+}
+
+}  // namespace
+
+void add_identify(CLI::App& program, Run& run) {
+  const auto given = std::make_shared<IdentifyArguments>();
+  auto* identification = program.add_subcommand(
+      "identify", "Ranks fractional, integer-order and static-backlash structures on a frequency response");
+  add_fit_options(*identification, given->request);
+  identification
+      ->add_option("--models", given->models, "Presets or formulas separated by commas (default: all presets)")
+      ->type_name("LIST");
+  identification->add_option("--clearance", given->clearance, "Clearance of the static-backlash candidate, m")
+      ->type_name("DELTA");
+  identification->add_option("--force", given->force, "Its force amplitude, N")->type_name("F");
+  identification->add_option("--m1", given->mass1, "Its mass 1, kg (default 1)")->type_name("M1");
+  identification->add_option("--m2", given->mass2, "Its mass 2, kg (default 1)")->type_name("M2");
+  add_common_options(*identification, given->common, {"json", "csv", "table"});
+  identification->footer(
+      "Examples:\n"
+      "  fracfit identify curve.csv\n"
+      "  fracfit identify cell.csv --component both --models 'zarc,two-zarc,r-rc,two-rc' --out ranking.json\n"
+      "  fracfit identify curve.csv --where 'omega>17' --clearance 0.3 --force 40 --format table");
+  identification->callback([given, &run] { run = [given] { return run_identify(*given); }; });
+}
+
+}  // namespace fracfit

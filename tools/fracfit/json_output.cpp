@@ -1,0 +1,196 @@
+#include "json_output.hpp"
+
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+
+#include "io/number.hpp"
+
+namespace fracfit {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+// An entry of a scene, as a number where it is one.  Whole numbers stay exact: a seed may exceed 2^53.
+Json entry(const std::string& text) {
+  std::uint64_t whole = 0;
+  const char* const end = text.data() + text.size();
+  if (const auto [stop, error] = std::from_chars(text.data(), end, whole); error == std::errc{} && stop == end)
+    return whole;
+  const auto value = io::parse_number(text);
+  return value ? number(*value) : Json(text);
+}
+
+Json object_of(const io::Metadata& entries) {
+  Json object = Json::object();
+  for (const auto& [key, value] : entries) object[key] = entry(value);
+  return object;
+}
+
+Json origin(const std::string& command) {
+  return {{"fracfit", io::version()}, {"command", command}};
+}
+
+// File names need not be UTF-8; what is not is replaced, where the default would throw.
+std::string text_of(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+Json parameter_json(const frac::ParameterEstimate& parameter) {
+  return {{"name", parameter.name},
+          {"value", number(parameter.value)},
+          {"standard_error", number(parameter.standard_error)},
+          {"ci95", {number(parameter.ci95_lower), number(parameter.ci95_upper)}},
+          {"identified", parameter.identified},
+          {"at_bound", parameter.at_bound},
+          {"fixed", parameter.fixed}};
+}
+
+void append_fit(Json& json, const frac::FitResult& result) {
+  json["model"] = result.model;
+  json["parameters"] = Json::array();
+  for (const auto& parameter : result.parameters) json["parameters"].push_back(parameter_json(parameter));
+  json["cost"] = number(result.cost);
+  json["rms"] = number(result.rms);
+  json["max_residual"] = number(result.max_residual);
+  json["aicc"] = number(result.aicc);
+  json["bic"] = number(result.bic);
+  json["termination"] = frac::to_string(result.termination);
+  json["message"] = result.message;
+  json["residuals"] = result.residuals;
+  json["free_parameters"] = result.free_parameters;
+  json["starts"] = result.starts;
+  json["starts_at_best"] = result.starts_at_best;
+  json["condition"] = number(result.condition);
+  json["seconds"] = number(result.seconds);
+}
+
+Json origin_of_fit(const FitRun& run) {
+  Json json = origin(run.command);
+  json["data"] = {{"file", run.file},
+                  {"points", run.points},
+                  {"omega_lower", number(run.omega_lower)},
+                  {"omega_upper", number(run.omega_upper)},
+                  {"value_unit", run.value_unit.empty() ? Json(nullptr) : Json(run.value_unit)},
+                  {"header", object_of(run.file_header)}};
+  json["options"] = object_of(run.options);
+  return json;
+}
+
+Json power_law_json(const frac::PowerLaw& law) {
+  return {{"coefficient", number(law.coefficient)},
+          {"exponent", number(law.exponent)},
+          {"coefficient_ci95", {number(law.coefficient_ci95_lower), number(law.coefficient_ci95_upper)}},
+          {"exponent_ci95", {number(law.exponent_ci95_lower), number(law.exponent_ci95_upper)}},
+          {"r_squared", number(law.r_squared)}};
+}
+
+Json laws_json(double a_coefficient, double a_exponent, double b_coefficient, double b_exponent) {
+  return {{"a_of_clearance", {{"coefficient", number(a_coefficient)}, {"exponent", number(a_exponent)}}},
+          {"b_of_clearance", {{"coefficient", number(b_coefficient)}, {"exponent", number(b_exponent)}}}};
+}
+
+}  // namespace
+
+std::string sweep_json(const backlash::DescribingFunctionSweep& sweep, const std::string& command) {
+  Json json = origin(command);
+  json["scene"] = object_of(io::scene_of(sweep));
+  json["points"] = Json::array();
+  for (const auto& point : sweep.points)
+    json["points"].push_back({{"omega_rad_s", number(point.omega)},
+                              {"re_m_per_n", number(point.value.real())},
+                              {"im_m_per_n", number(point.value.imag())},
+                              {"regime", backlash::to_string(point.regime)},
+                              {"period", point.period},
+                              {"impacts_per_period", number(point.impacts_per_period)},
+                              {"uncertainty_m_per_n", number(point.uncertainty)},
+                              {"third_harmonic_ratio", number(point.third_harmonic_ratio)}});
+  return text_of(json);
+}
+
+std::string static_curve_json(const io::StaticCurve& curve, const std::string& command) {
+  Json json = origin(command);
+  json["scene"] = object_of(io::scene_of(curve));
+  json["points"] = Json::array();
+  for (std::size_t i = 0; i < curve.omega.size(); ++i)
+    json["points"].push_back({{"omega_rad_s", number(curve.omega[i])},
+                              {"re_m_per_n", number(curve.value[i].real())},
+                              {"im_m_per_n", number(curve.value[i].imag())},
+                              {"regime", "static"}});
+  return text_of(json);
+}
+
+std::string fit_json(const FitRun& run, const frac::FitResult& result) {
+  Json json = origin_of_fit(run);
+  append_fit(json, result);
+  return text_of(json);
+}
+
+std::string identification_json(const FitRun& run, const frac::IdentificationResult& result) {
+  Json json = origin_of_fit(run);
+  json["ranking"] = Json::array();
+  for (const auto& candidate : result.ranking) {
+    Json ranked{{"name", candidate.name}, {"class", frac::to_string(candidate.model_class)}};
+    append_fit(ranked, candidate.fit);
+    ranked["delta_aicc"] = number(candidate.delta_aicc);
+    ranked["akaike_weight"] = number(candidate.akaike_weight);
+    json["ranking"].push_back(std::move(ranked));
+  }
+  json["chosen"] = result.ranking.at(result.chosen).name;
+  json["verdict"] = frac::to_string(result.verdict);
+  json["evidence"] = number(result.evidence);
+  json["verdict_sentence"] = result.verdict_sentence;
+  return text_of(json);
+}
+
+std::string jump_law_json(const JumpLawRun& run, const backlash::JumpLaw& law) {
+  Json json = origin(run.command);
+  json["scene"] = {{"mass1_kg", number(run.mass1)},
+                   {"mass2_kg", number(run.mass2)},
+                   {"criterion", backlash::to_string(law.criterion)}};
+  json["points"] = Json::array();
+  for (const auto& point : law.points)
+    json["points"].push_back({{"force", number(point.force)},
+                              {"clearance", number(point.clearance)},
+                              {"restitution", number(point.restitution)},
+                              {"omega_jump", point.omega_jump ? number(*point.omega_jump) : Json(nullptr)}});
+  json["laws"] = Json::array();
+  for (const auto& [clearance, force_law] : law.laws)
+    json["laws"].push_back(
+        {{"clearance", number(clearance)},
+         {"a", number(force_law.coefficient)},
+         {"b", number(force_law.exponent)},
+         {"a_ci95", {number(force_law.coefficient_ci95_lower), number(force_law.coefficient_ci95_upper)}},
+         {"b_ci95", {number(force_law.exponent_ci95_lower), number(force_law.exponent_ci95_upper)}},
+         {"r_squared", number(force_law.r_squared)}});
+  json["a_of_clearance"] = power_law_json(law.a_of_clearance);
+  json["b_of_clearance"] = power_law_json(law.b_of_clearance);
+
+  const auto differences = [&](double a_coefficient, double a_exponent, double b_coefficient) {
+    return Json{{"a_coefficient", number(percent_difference(law.a_of_clearance.coefficient, a_coefficient))},
+                {"a_exponent", number(percent_difference(law.a_of_clearance.exponent, a_exponent))},
+                {"b_coefficient", number(percent_difference(law.b_of_clearance.coefficient, b_coefficient))}};
+  };
+  const backlash::PublishedJumpLaw published;
+  json["published"] =
+      laws_json(published.a_coefficient, published.a_exponent, published.b_coefficient, published.b_exponent);
+  json["published"]["source"] = "Duarte, Tenreiro Machado (2009), eq. (8), masses 1 kg";
+  json["published"]["difference_percent"] =
+      differences(published.a_coefficient, published.a_exponent, published.b_coefficient);
+  json["published"]["b_exponent_difference"] = number(law.b_of_clearance.exponent - published.b_exponent);
+  const SimilarityLaw similarity = similarity_law(run, law);
+  json["similarity"] =
+      laws_json(similarity.a_coefficient, similarity.a_exponent, similarity.b_coefficient, similarity.b_exponent);
+  json["similarity"]["mean_constant"] = number(law.mean_similarity_constant);
+  json["similarity"]["difference_percent"] =
+      differences(similarity.a_coefficient, similarity.a_exponent, similarity.b_coefficient);
+  json["similarity"]["b_exponent_difference"] = number(law.b_of_clearance.exponent - similarity.b_exponent);
+  return text_of(json);
+}
+
+}  // namespace fracfit

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+#include "backlash/describing_function.hpp"
+#include "backlash/jump_law.hpp"
+#include "fit_output.hpp"
+#include "frac/identification/identify.hpp"
+#include "io/sweep_file.hpp"
+#include "jump_law_output.hpp"
+
+namespace fracfit {
+
+// JSON texts; a number that is not finite is written as null.
+[[nodiscard]] std::string sweep_json(const backlash::DescribingFunctionSweep& sweep, const std::string& command);
+[[nodiscard]] std::string static_curve_json(const io::StaticCurve& curve, const std::string& command);
+[[nodiscard]] std::string fit_json(const FitRun& run, const frac::FitResult& result);
+[[nodiscard]] std::string identification_json(const FitRun& run, const frac::IdentificationResult& result);
+[[nodiscard]] std::string jump_law_json(const JumpLawRun& run, const backlash::JumpLaw& law);
+
+}  // namespace fracfit

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+
+#include "backlash/jump_law.hpp"
+
+namespace fracfit {
+
+/// What a jump law was made from.
+struct JumpLawRun {
+  std::string command;
+  double mass1, mass2;  // kg
+};
+
+/// The similarity law a = c (Delta M2)^-1/2, b = 1/2 at mean c.
+struct SimilarityLaw {
+  double a_coefficient, a_exponent, b_coefficient, b_exponent;
+};
+[[nodiscard]] SimilarityLaw similarity_law(const JumpLawRun& run, const backlash::JumpLaw& law);
+
+/// 100 (value/reference - 1).
+[[nodiscard]] double percent_difference(double value, double reference);
+
+[[nodiscard]] std::string jump_law_table(const JumpLawRun& run, const backlash::JumpLaw& law);
+/// One row per point; the laws stand in "# key: value" lines.
+[[nodiscard]] std::string jump_law_csv(const JumpLawRun& run, const backlash::JumpLaw& law);
+
+}  // namespace fracfit

@@ -1,0 +1,95 @@
+#include "model_choice.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "common_options.hpp"
+#include "io/data_error.hpp"
+#include "io/number.hpp"
+
+namespace fracfit {
+namespace {
+
+// Words such as "power_law" parse as formulas of one parameter, which nobody means.
+bool looks_like_a_preset(const std::string& text) {
+  constexpr std::size_t shortest = 4;
+  const auto lower = [](char c) { return c >= 'a' && c <= 'z'; };
+  return text.size() >= shortest && lower(text.front()) &&
+         std::all_of(text.begin(), text.end(), [&](char c) { return lower(c) || c == '-' || c == '_'; });
+}
+
+struct Assignment {
+  std::string name, value;
+};
+
+Assignment assignment(std::string_view option, const std::string& text) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
+    throw std::invalid_argument(std::string(option) + " " + io::quoted(text) +
+                                ": expected NAME=" + (option == "--bound" ? "LOW:HIGH" : "VALUE"));
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+double limit(const std::string& text, const std::string& whole) {
+  const auto value = io::parse_number(text);
+  if (!value || *value != *value)
+    throw std::invalid_argument("--bound " + io::quoted(whole) + ": " + io::quoted(text) +
+                                " is no number; expected NAME=LOW:HIGH");
+  return *value;
+}
+
+frac::ParameterConstraint& constraint_of(std::vector<frac::ParameterConstraint>& constraints, const std::string& name) {
+  for (auto& constraint : constraints)
+    if (constraint.name == name) return constraint;
+  constraints.push_back({name, {}, {}, {}, {}});
+  return constraints.back();
+}
+
+}  // namespace
+
+frac::NamedModel chosen_model(const std::string& text) {
+  const auto& library = frac::model_library();
+  const bool known = std::any_of(library.begin(), library.end(), [&](const auto& model) { return model.name == text; });
+  if (!known && looks_like_a_preset(text))
+    throw std::invalid_argument("model " + io::quoted(text) + " is neither a preset nor a formula of s; presets:\n" +
+                                preset_list());
+  return frac::find_model(text);
+}
+
+std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& model, const ParameterOptions& given) {
+  auto constraints = model.constraints;
+  for (const auto& text : given.bound) {
+    const auto [name, range] = assignment("--bound", text);
+    const auto [lower, upper] = range_option("--bound", range);
+    auto& constraint = constraint_of(constraints, name);
+    if (!lower.empty()) constraint.lower = limit(lower, text);
+    if (!upper.empty()) constraint.upper = limit(upper, text);
+  }
+  for (const auto& text : given.fix) {
+    const auto [name, value] = assignment("--fix", text);
+    constraint_of(constraints, name).fixed = number_option("--fix " + name, value);
+  }
+  for (const auto& text : given.start) {
+    const auto [name, value] = assignment("--start", text);
+    constraint_of(constraints, name).start = number_option("--start " + name, value);
+  }
+  return constraints;
+}
+
+std::string preset_list() {
+  std::size_t name_width = 0;
+  std::size_t formula_width = 0;
+  for (const auto& model : frac::model_library()) {
+    name_width = std::max(name_width, model.name.size());
+    formula_width = std::max(formula_width, model.formula.size());
+  }
+  std::string text;
+  for (const auto& model : frac::model_library()) {
+    text += "  " + model.name + std::string(name_width + 2 - model.name.size(), ' ');
+    text += model.formula + std::string(formula_width + 2 - model.formula.size(), ' ') + model.description + "\n";
+  }
+  return text;
+}
+
+}  // namespace fracfit

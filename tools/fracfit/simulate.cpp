@@ -1,0 +1,135 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <stdexcept>
+
+#include "backlash/describing_function.hpp"
+#include "backlash/static_backlash.hpp"
+#include "common_options.hpp"
+#include "exit_code.hpp"
+#include "io/number.hpp"
+#include "io/number_list.hpp"
+#include "io/progress_bar.hpp"
+#include "io/sweep_file.hpp"
+#include "json_output.hpp"
+#include "subcommand.hpp"
+
+namespace fracfit {
+namespace {
+
+struct SimulateOptions {
+  CommonOptions common;
+  std::string force, clearance, restitution, omega;
+  std::string mass1 = "1", mass2 = "1";
+  std::string output, model = "dynamic", protocol, tolerance;
+};
+
+CommandLine scene_command(const SimulateOptions& given) {
+  CommandLine command("simulate");
+  command.option("--force", given.force).option("--clearance", given.clearance);
+  if (!given.restitution.empty()) command.option("--restitution", given.restitution);
+  command.option("--m1", given.mass1)
+      .option("--m2", given.mass2)
+      .option("--omega", given.omega)
+      .option("--model", given.model);
+  return command;
+}
+
+int simulate_static(const SimulateOptions& given, const io::OutputFile& file) {
+  for (const auto& [name, text] :
+       {std::pair{"--protocol", &given.protocol}, std::pair{"--tolerance", &given.tolerance}})
+    if (!text->empty())
+      throw std::invalid_argument(std::string(name) + " has no meaning with --model static, which is a closed form");
+  if (!given.output.empty() && backlash::output_from_string(given.output) != backlash::Output::x1)
+    throw std::invalid_argument("--output " + given.output +
+                                ": the static model gives the mass behind the backlash, x1, alone");
+  io::StaticCurve curve{number_option("--m1", given.mass1),
+                        number_option("--m2", given.mass2),
+                        number_option("--clearance", given.clearance),
+                        number_option("--force", given.force),
+                        io::parse_grid(given.omega, "--omega"),
+                        {}};
+  curve.value = backlash::static_describing_function(curve.mass1, curve.mass2, curve.clearance, curve.force_amplitude,
+                                                     curve.omega);
+  const std::string command = scene_command(given).text();
+  file.write(given.common.format == "json" ? static_curve_json(curve, command) : io::static_curve_csv(curve, command));
+  return usable_result;
+}
+
+int simulate_dynamic(const SimulateOptions& given, const io::OutputFile& file) {
+  if (given.restitution.empty())
+    throw std::invalid_argument("--restitution is required with --model dynamic; expected a number in [0, 1]");
+  const backlash::TwoMassSystem system(number_option("--m1", given.mass1), number_option("--m2", given.mass2),
+                                       number_option("--clearance", given.clearance),
+                                       number_option("--restitution", given.restitution));
+  backlash::SweepOptions options;
+  if (!given.output.empty()) options.output = backlash::output_from_string(given.output);
+  if (!given.protocol.empty()) options.protocol = backlash::protocol_from_string(given.protocol);
+  if (!given.tolerance.empty()) options.tolerance = number_option("--tolerance", given.tolerance);
+  options.threads = given.common.threads;
+  const std::vector<backlash::SweepScene> scenes{{system, number_option("--force", given.force)}};
+
+  frac::Progress progress;
+  const auto sweep = [&] {
+    const io::ProgressBar bar("simulate", progress, !given.common.quiet);
+    return backlash::describing_function_sweeps(scenes, io::parse_grid(given.omega, "--omega"), options, &progress)
+        .front();
+  }();
+  const std::string command = scene_command(given)
+                                  .option("--output", std::string(backlash::to_string(options.output)))
+                                  .option("--protocol", std::string(backlash::to_string(options.protocol)))
+                                  .option("--tolerance", io::format_number(options.tolerance))
+                                  .text();
+  file.write(given.common.format == "json" ? sweep_json(sweep, command) : io::sweep_csv(sweep, command));
+  const bool usable = std::all_of(sweep.points.begin(), sweep.points.end(), [](const auto& point) {
+    return std::isfinite(point.value.real()) && std::isfinite(point.value.imag());
+  });
+  if (!usable) say(given.common, "some points have no finite value, see the output");
+  return usable ? usable_result : no_usable_result;
+}
+
+int simulate(const SimulateOptions& given) {
+  const io::OutputFile file(given.common.out);
+  return given.model == "static" ? simulate_static(given, file) : simulate_dynamic(given, file);
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& program, Run& run) {
+  const auto given = std::make_shared<SimulateOptions>();
+  auto* simulation =
+      program.add_subcommand("simulate", "Describing function N(F, w) of two masses with backlash on a frequency grid");
+  simulation->add_option("--force", given->force, "Force amplitude on mass 2, N, > 0")->required()->type_name("F");
+  simulation->add_option("--clearance", given->clearance, "Clearance, m, >= 0")->required()->type_name("DELTA");
+  simulation->add_option("--restitution", given->restitution, "Coefficient of restitution, 0 to 1")->type_name("EPS");
+  simulation->add_option("--m1", given->mass1, "Mass 1, kg")->capture_default_str()->type_name("M1");
+  simulation->add_option("--m2", given->mass2, "Mass 2, kg")->capture_default_str()->type_name("M2");
+  simulation
+      ->add_option("--omega", given->omega, "Angular frequencies, rad/s: FROM:TO:COUNT, FROM:TO:COUNTlog or a list")
+      ->required()
+      ->type_name("GRID");
+  simulation->add_option("--output", given->output, "Position read: x1 (default) or x2")->type_name("x1|x2");
+  simulation->add_option("--model", given->model, "dynamic or static")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"dynamic", "static"}))
+      ->type_name("MODEL");
+  simulation
+      ->add_option(
+          "--protocol", given->protocol,
+          "Where the motion starts: sweep-up (default), sweep-down, contact-at-rest, mid-gap-at-rest, two-impact")
+      ->type_name("P");
+  simulation
+      ->add_option("--tolerance", given->tolerance, "Closure of an orbit, relative to the clearance (default 1e-10)")
+      ->type_name("T");
+  add_common_options(*simulation, given->common, {"csv", "json"});
+  simulation->footer(
+      "Examples:\n"
+      "  fracfit simulate --force 40 --clearance 0.3 --restitution 0.6 --omega 5:35:200log\n"
+      "  fracfit simulate --force 40 --clearance 0.3 --restitution 0.6 --omega 0.5:25:200log --output x2 --out "
+      "curve.csv\n"
+      "  fracfit simulate --force 40 --clearance 0.3 --omega 0.5:25:200log --model static --format json");
+  simulation->callback([given, &run] { run = [given] { return simulate(*given); }; });
+}
+
+}  // namespace fracfit

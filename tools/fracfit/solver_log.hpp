@@ -1,0 +1,8 @@
+#pragma once
+
+namespace fracfit {
+
+/// The solver's own log on standard error is switched off: failures are reported with the results.
+void silence_solver_log();
+
+}  // namespace fracfit

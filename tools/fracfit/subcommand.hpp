@@ -1,0 +1,21 @@
+#pragma once
+
+#include <functional>
+
+namespace CLI {
+class App;
+}
+
+namespace fracfit {
+
+/// What the chosen subcommand does once its options are parsed; returns the exit code.
+using Run = std::function<int()>;
+
+/// Each adds one subcommand, which stores its work in `run` when it is chosen.
+void add_simulate(CLI::App& program, Run& run);
+void add_fit(CLI::App& program, Run& run);
+void add_identify(CLI::App& program, Run& run);
+void add_jump_law(CLI::App& program, Run& run);
+void add_report(CLI::App& program, Run& run);
+
+}  // namespace fracfit

@@ -1,0 +1,207 @@
+#include "io/column_name.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "io/data_error.hpp"
+
+namespace io {
+namespace {
+
+std::string lowered(std::string_view text) {
+  std::string result(text);
+  std::transform(result.begin(), result.end(), result.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return result;
+}
+
+bool is_gap(char c) {
+  return c == ' ' || c == '_' || c == '\t';
+}
+
+std::string_view without_gaps(std::string_view text) {
+  while (!text.empty() && is_gap(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_gap(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+struct SplitName {
+  std::string base;  // lower case, words joined by '_'
+  std::string unit;  // as written
+};
+
+SplitName normalised(std::string_view base, std::string_view unit) {
+  std::string name = lowered(without_gaps(base));
+  std::replace_if(name.begin(), name.end(), is_gap, '_');
+  return {name, std::string(without_gaps(unit))};
+}
+
+// A unit in brackets, or after a free-standing slash as in "f / Hz".
+std::optional<SplitName> split_at_mark(std::string_view name) {
+  const auto open = name.find_first_of("[(");
+  if (open != std::string_view::npos) {
+    const auto close = name.find_last_of("])");
+    const auto length = close == std::string_view::npos || close < open ? std::string_view::npos : close - open - 1;
+    return normalised(name.substr(0, open), name.substr(open + 1, length));
+  }
+  const auto slash = name.find(" / ");
+  if (slash != std::string_view::npos) return normalised(name.substr(0, slash), name.substr(slash + 3));
+  return std::nullopt;
+}
+
+struct Base {
+  std::string_view name;
+  Quantity quantity;
+  bool angular = false;  // a frequency that is angular by its name
+};
+
+// Longer names stand before their own beginnings.
+constexpr std::array<Base, 34> bases{{{"angular_frequency", Quantity::frequency, true},
+                                      {"ang_freq", Quantity::frequency, true},
+                                      {"omega", Quantity::frequency, true},
+                                      {"w", Quantity::frequency, true},
+                                      {"frequency", Quantity::frequency},
+                                      {"freq", Quantity::frequency},
+                                      {"f", Quantity::frequency},
+                                      {"real_part", Quantity::real},
+                                      {"real", Quantity::real},
+                                      {"re", Quantity::real},
+                                      {"imaginary_part", Quantity::imaginary},
+                                      {"imag_part", Quantity::imaginary},
+                                      {"imaginary", Quantity::imaginary},
+                                      {"imag", Quantity::imaginary},
+                                      {"im", Quantity::imaginary},
+                                      {"-imaginary_part", Quantity::negative_imaginary},
+                                      {"-imag_part", Quantity::negative_imaginary},
+                                      {"-imaginary", Quantity::negative_imaginary},
+                                      {"-imag", Quantity::negative_imaginary},
+                                      {"-im", Quantity::negative_imaginary},
+                                      {"magnitude", Quantity::magnitude},
+                                      {"mag", Quantity::magnitude},
+                                      {"abs", Quantity::magnitude},
+                                      {"gain", Quantity::magnitude},
+                                      {"modulus", Quantity::magnitude},
+                                      {"phase", Quantity::phase},
+                                      {"arg", Quantity::phase},
+                                      {"angle", Quantity::phase},
+                                      {"standard_deviation", Quantity::sigma},
+                                      {"uncertainty", Quantity::other},
+                                      {"sigma", Quantity::sigma},
+                                      {"std", Quantity::sigma},
+                                      {"weights", Quantity::weight},
+                                      {"weight", Quantity::weight}}};
+
+// "re_std" is no real part in the unit "std".
+bool is_statistic(std::string_view unit) {
+  constexpr std::array<std::string_view, 9> words{"sigma", "std",       "err",   "error", "uncertainty",
+                                                  "stdev", "deviation", "lower", "upper"};
+  return std::find(words.begin(), words.end(), unit) != words.end();
+}
+
+struct NamedBase {
+  Base base;
+  std::string unit;
+};
+
+std::optional<NamedBase> find_base(std::string_view name) {
+  if (const auto split = split_at_mark(name)) {
+    for (const auto& base : bases)
+      if (split->base == base.name) return NamedBase{base, split->unit};
+    return std::nullopt;
+  }
+  const auto [joined, unused] = normalised(name, {});
+  for (const auto& base : bases) {
+    if (joined == base.name) return NamedBase{base, {}};
+    if (joined.size() <= base.name.size() || !joined.starts_with(base.name) || joined[base.name.size()] != '_')
+      continue;
+    const auto unit = without_gaps(without_gaps(name).substr(base.name.size()));
+    if (!is_statistic(lowered(unit))) return NamedBase{base, std::string(unit)};
+  }
+  return std::nullopt;
+}
+
+// Lower case, with "per", blanks, underscores and exponents written alike: "rad_per_s", "rad s^-1", "rad/sec" ->
+// "rad/s".
+std::string canonical_rate(std::string_view unit) {
+  std::string text = lowered(unit);
+  for (const auto& [from, to] : std::initializer_list<std::pair<std::string_view, std::string_view>>{
+           {"_per_", "/"}, {" per ", "/"}, {"second", "s"}, {"sec", "s"}, {"s^-1", "/s"}, {"s-1", "/s"}}) {
+    const auto at = text.find(from);
+    if (at != std::string::npos) text.replace(at, from.size(), to);
+  }
+  std::erase_if(text, [](char c) { return c == ' ' || c == '_' || c == '*' || c == '.' || c == '/'; });
+  return text;
+}
+
+std::optional<double> hertz_factor(std::string_view unit) {
+  constexpr double turn = 2 * std::numbers::pi;
+  if (unit == "mHz") return 1e-3 * turn;
+  if (unit == "MHz") return 1e6 * turn;
+  const std::string lower = lowered(unit);
+  if (lower == "hz") return turn;
+  if (lower == "khz") return 1e3 * turn;
+  if (lower == "ghz") return 1e9 * turn;
+  return std::nullopt;
+}
+
+std::optional<double> radian_rate_factor(std::string_view unit) {
+  const std::string rate = canonical_rate(unit);
+  if (rate == "rads" || rate == "radps") return 1;
+  if (rate == "krads" || rate == "kradps") return 1e3;
+  return std::nullopt;
+}
+
+void read_frequency_unit(const Base& base, ColumnMeaning& meaning) {
+  const auto hertz = base.angular ? std::nullopt : hertz_factor(meaning.unit);
+  const auto rate = radian_rate_factor(meaning.unit);
+  if (hertz) {
+    meaning.factor = *hertz;
+  } else if (rate) {
+    meaning.factor = *rate;
+  } else if (base.angular) {
+    if (!meaning.unit.empty())
+      meaning.problem = "unknown unit " + quoted(meaning.unit) + " of an angular frequency; expected rad/s or krad/s";
+  } else if (meaning.unit.empty()) {
+    meaning.problem = "the frequency has no unit; expected one in the name, such as f_Hz or omega_rad_s";
+  } else if (lowered(meaning.unit) == "mhz") {
+    meaning.problem = "the unit " + quoted(meaning.unit) + " can mean milli or mega; expected mHz or MHz";
+  } else {
+    meaning.problem =
+        "unknown unit " + quoted(meaning.unit) + " of a frequency; expected Hz, kHz, MHz, GHz, mHz or rad/s";
+  }
+}
+
+void read_phase_unit(ColumnMeaning& meaning) {
+  const std::string unit = lowered(meaning.unit);
+  if (unit == "deg" || unit == "degree" || unit == "degrees" || unit == "\xC2\xB0") {
+    meaning.factor = std::numbers::pi / 180;
+  } else if (unit != "rad" && unit != "radian" && unit != "radians") {
+    meaning.problem = meaning.unit.empty()
+                          ? "the phase has no unit; expected one in the name: phase_deg or phase_rad"
+                          : "unknown unit " + quoted(meaning.unit) + " of a phase; expected deg or rad";
+  }
+}
+
+}  // namespace
+
+ColumnMeaning column_meaning(std::string_view name) {
+  const auto found = find_base(name);
+  if (!found) return {Quantity::other, 1, {}, {}};
+  ColumnMeaning meaning{found->base.quantity, 1, found->unit, {}};
+  if (meaning.quantity == Quantity::frequency) read_frequency_unit(found->base, meaning);
+  if (meaning.quantity == Quantity::phase) read_phase_unit(meaning);
+  if (meaning.quantity == Quantity::magnitude && lowered(meaning.unit) == "db")
+    meaning.quantity = Quantity::magnitude_db;
+  return meaning;
+}
+
+bool names_standard_deviation(std::string_view name) {
+  const auto found = find_base(name);
+  return found && (found->base.quantity == Quantity::sigma || found->base.name == "uncertainty");
+}
+
+}  // namespace io

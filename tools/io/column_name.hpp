@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace io {
+
+/// What a column of a frequency response holds.
+enum class Quantity {
+  frequency,
+  real,
+  imaginary,
+  negative_imaginary,
+  magnitude,
+  magnitude_db,
+  phase,
+  sigma,
+  weight,
+  other
+};
+
+/// A column name taken apart.
+struct ColumnMeaning {
+  Quantity quantity;
+  double factor;        // to rad/s for a frequency, to rad for a phase; 1 otherwise
+  std::string unit;     // as written; empty when the name gives none
+  std::string problem;  // of the unit, one sentence; empty when it is understood
+};
+
+/// Meaning of a name such as "f_Hz", "omega [rad/s]", "re_m_per_n", "magnitude_db", "phase(deg)".
+[[nodiscard]] ColumnMeaning column_meaning(std::string_view name);
+
+/// The name says standard deviation (sigma, std, standard_deviation, uncertainty), with or without unit.
+[[nodiscard]] bool names_standard_deviation(std::string_view name);
+
+}  // namespace io

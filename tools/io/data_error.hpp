@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace io {
+
+/// A file that cannot be read or whose content is invalid.  what() is "file:line:column: found ...; expected ...".
+class DataError : public std::runtime_error {
+ public:
+  /// @param line,column  counted from 1, the column in characters; 0 where there is none
+  DataError(const std::string& file, std::size_t line, std::size_t column, const std::string& message);
+
+  [[nodiscard]] const std::string& file() const noexcept { return file_; }
+  [[nodiscard]] std::size_t line() const noexcept { return line_; }
+  [[nodiscard]] std::size_t column() const noexcept { return column_; }
+
+ private:
+  std::string file_;
+  std::size_t line_;
+  std::size_t column_;
+};
+
+/// The text in quotes for a message: unprintable bytes as '?', cut after 40 characters.
+[[nodiscard]] std::string quoted(std::string_view text);
+
+}  // namespace io

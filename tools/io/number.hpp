@@ -1,0 +1,17 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace io {
+
+/// Shortest decimal text that reads back as the same double; "nan", "inf" and "-inf" for the rest.
+[[nodiscard]] std::string format_number(double value);
+void append_number(std::string& text, double value);
+
+/// The whole text as a double, independent of the locale; nan and inf are accepted, a number beyond the range of a
+/// double gives an infinity.  Empty when the text is no number.
+[[nodiscard]] std::optional<double> parse_number(std::string_view text);
+
+}  // namespace io

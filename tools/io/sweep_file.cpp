@@ -1,0 +1,174 @@
+#include "io/sweep_file.hpp"
+
+#include <charconv>
+#include <limits>
+#include <stdexcept>
+#include <type_traits>
+
+#include "io/number.hpp"
+
+namespace io {
+namespace {
+
+constexpr std::string_view columns =
+    "omega_rad_s,re_m_per_n,im_m_per_n,regime,period,impacts_per_period,uncertainty_m_per_n,third_harmonic_ratio\n";
+
+std::string header_lines(const Metadata& scene, const std::string& command) {
+  std::string text = "# fracfit: " + std::string(version()) + "\n# command: " + command + "\n";
+  for (const auto& [key, value] : scene) text += "# " + key + ": " + value + "\n";
+  return text;
+}
+
+Metadata scene_entries(std::string_view model, double mass1, double mass2, double clearance, double force_amplitude) {
+  return {{"model", std::string(model)},
+          {"mass1_kg", format_number(mass1)},
+          {"mass2_kg", format_number(mass2)},
+          {"clearance_m", format_number(clearance)},
+          {"force_n", format_number(force_amplitude)}};
+}
+
+void append_row(std::string& text, double omega, std::complex<double> value, std::string_view regime,
+                std::string_view period, double impacts, double uncertainty, double third_harmonic) {
+  append_number(text, omega);
+  text += ',';
+  append_number(text, value.real());
+  text += ',';
+  append_number(text, value.imag());
+  text += ',';
+  text += regime;
+  text += ',';
+  text += period;
+  for (const double number : {impacts, uncertainty, third_harmonic}) {
+    text += ',';
+    append_number(text, number);
+  }
+  text += '\n';
+}
+
+// What the scene or a row says, with the place in messages.
+class SweepReader {
+ public:
+  explicit SweepReader(const std::string& file) : table_(file) {
+    std::string names;
+    for (const auto& field : table_.header()) names += (names.empty() ? "" : ",") + std::string(field.text);
+    if (names + "\n" != columns)
+      throw DataError(table_.file(), table_.header().front().line, 1,
+                      "found columns " + names + "; expected " + std::string(columns.substr(0, columns.size() - 1)));
+  }
+
+  [[nodiscard]] backlash::DescribingFunctionSweep read() const {
+    if (text("model") != "dynamic")
+      throw DataError(table_.file(), 0, 0, "found model " + quoted(text("model")) + "; expected dynamic");
+    backlash::SweepOptions options;
+    options.protocol = checked("protocol", [&] { return backlash::protocol_from_string(text("protocol")); });
+    options.output = checked("output", [&] { return backlash::output_from_string(text("output")); });
+    options.tolerance = number("tolerance");
+    const auto system = checked("scene", [&] {
+      return backlash::TwoMassSystem(number("mass1_kg"), number("mass2_kg"), number("clearance_m"),
+                                     number("restitution"));
+    });
+    backlash::DescribingFunctionSweep sweep{system, number("force_n"), options, {}};
+    table_.for_each_row([&](const TextTable::Row& row) { sweep.points.push_back(point(row)); });
+    return sweep;
+  }
+
+ private:
+  [[nodiscard]] std::string_view text(std::string_view key) const {
+    const auto value = find_value(table_.metadata(), key);
+    if (!value) throw DataError(table_.file(), 0, 0, "no header line '# " + std::string(key) + ": ...'");
+    return *value;
+  }
+
+  [[nodiscard]] double number(std::string_view key) const {
+    const auto value = parse_number(text(key));
+    if (!value)
+      throw DataError(table_.file(), 0, 0,
+                      "found " + quoted(text(key)) + " for " + std::string(key) + "; expected a number");
+    return *value;
+  }
+
+  template <typename Make>
+  [[nodiscard]] std::invoke_result_t<Make> checked(std::string_view what, const Make& make) const {
+    try {
+      return make();
+    } catch (const std::invalid_argument& error) {
+      throw DataError(table_.file(), 0, 0, std::string(what) + ": " + error.what());
+    }
+  }
+
+  [[noreturn]] void fail(const TextTable::Row& row, std::size_t field, const std::string& expected) const {
+    throw DataError(table_.file(), row.line, row.column_of(field),
+                    "found " + quoted(row.fields[field]) + " in column " + quoted(table_.header()[field].text) +
+                        "; expected " + expected);
+  }
+
+  [[nodiscard]] double number(const TextTable::Row& row, std::size_t field) const {
+    const auto value = parse_number(row.fields[field]);
+    if (!value) fail(row, field, "a number");
+    return *value;
+  }
+
+  [[nodiscard]] backlash::DescribingFunctionPoint point(const TextTable::Row& row) const {
+    backlash::DescribingFunctionPoint point{};
+    point.omega = number(row, 0);
+    point.value = {number(row, 1), number(row, 2)};
+    try {
+      point.regime = backlash::regime_from_string(row.fields[3]);
+    } catch (const std::invalid_argument& error) {
+      fail(row, 3, error.what());
+    }
+    const auto period = row.fields[4];
+    const auto [stop, error] = std::from_chars(period.data(), period.data() + period.size(), point.period);
+    if (error != std::errc{} || stop != period.data() + period.size()) fail(row, 4, "a whole number of force periods");
+    point.impacts_per_period = number(row, 5);
+    point.uncertainty = number(row, 6);
+    point.third_harmonic_ratio = number(row, 7);
+    return point;
+  }
+
+  TextTable table_;
+};
+
+}  // namespace
+
+std::string_view version() {
+  return FRACFIT_VERSION;
+}
+
+Metadata scene_of(const backlash::DescribingFunctionSweep& sweep) {
+  Metadata scene = scene_entries("dynamic", sweep.system.mass1(), sweep.system.mass2(), sweep.system.clearance(),
+                                 sweep.force_amplitude);
+  scene.emplace_back("restitution", format_number(sweep.system.restitution()));
+  scene.emplace_back("output", backlash::to_string(sweep.options.output));
+  scene.emplace_back("protocol", backlash::to_string(sweep.options.protocol));
+  scene.emplace_back("tolerance", format_number(sweep.options.tolerance));
+  return scene;
+}
+
+std::string sweep_csv(const backlash::DescribingFunctionSweep& sweep, const std::string& command) {
+  std::string text = header_lines(scene_of(sweep), command);
+  text += columns;
+  for (const auto& point : sweep.points)
+    append_row(text, point.omega, point.value, backlash::to_string(point.regime), std::to_string(point.period),
+               point.impacts_per_period, point.uncertainty, point.third_harmonic_ratio);
+  return text;
+}
+
+Metadata scene_of(const StaticCurve& curve) {
+  return scene_entries("static", curve.mass1, curve.mass2, curve.clearance, curve.force_amplitude);
+}
+
+std::string static_curve_csv(const StaticCurve& curve, const std::string& command) {
+  std::string text = header_lines(scene_of(curve), command);
+  text += columns;
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t i = 0; i < curve.omega.size(); ++i)
+    append_row(text, curve.omega[i], curve.value[i], "static", "nan", none, none, none);
+  return text;
+}
+
+backlash::DescribingFunctionSweep read_sweep(const std::string& file) {
+  return SweepReader(file).read();
+}
+
+}  // namespace io

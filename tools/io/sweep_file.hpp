@@ -1,0 +1,38 @@
+#pragma once
+
+#include <complex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "backlash/describing_function.hpp"
+#include "backlash/two_mass_system.hpp"
+#include "io/text_table.hpp"
+
+namespace io {
+
+/// Version of the program, e.g. "0.1.0".
+[[nodiscard]] std::string_view version();
+
+/// The scene of a sweep as key and value, in SI units: what has to be given to make it again.
+[[nodiscard]] Metadata scene_of(const backlash::DescribingFunctionSweep& sweep);
+
+/// CSV text of a sweep: "# key: value" lines with version, command and scene, then one row per point.
+[[nodiscard]] std::string sweep_csv(const backlash::DescribingFunctionSweep& sweep, const std::string& command);
+
+/// The static model's curve in the same columns; what has no meaning for it is nan.
+struct StaticCurve {
+  double mass1, mass2;     // kg
+  double clearance;        // m
+  double force_amplitude;  // N
+  std::vector<double> omega;
+  std::vector<std::complex<double>> value;  // m/N
+};
+[[nodiscard]] Metadata scene_of(const StaticCurve& curve);
+[[nodiscard]] std::string static_curve_csv(const StaticCurve& curve, const std::string& command);
+
+/// Reads back what sweep_csv wrote.
+/// @throws DataError  as TextTable, or an entry of the scene or of a row missing or invalid.
+[[nodiscard]] backlash::DescribingFunctionSweep read_sweep(const std::string& file);
+
+}  // namespace io

@@ -1,0 +1,201 @@
+#include "io/text_table.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+
+#include "io/number.hpp"
+
+namespace io {
+namespace {
+
+constexpr std::string_view blanks = " \t\r";
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(blanks);
+  if (first == std::string_view::npos) return text.substr(text.size());
+  return text.substr(first, text.find_last_not_of(blanks) - first + 1);
+}
+
+std::string_view unquoted(std::string_view text) {
+  text = trimmed(text);
+  if (text.size() >= 2 && (text.front() == '"' || text.front() == '\'') && text.back() == text.front())
+    return trimmed(text.substr(1, text.size() - 2));
+  return text;
+}
+
+std::string read_all(const std::string& file) {
+  std::error_code ignored;
+  if (file != "-" && std::filesystem::is_directory(file, ignored))
+    throw DataError(file, 0, 0, "is a folder; expected a text file of columns");
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream =
+      file == "-" ? std::unique_ptr<std::FILE, int (*)(std::FILE*)>(stdin, [](std::FILE*) { return 0; })
+                  : std::unique_ptr<std::FILE, int (*)(std::FILE*)>(std::fopen(file.c_str(), "rb"), &std::fclose);
+  if (!stream) throw DataError(file, 0, 0, std::string("cannot be read: ") + std::strerror(errno));
+
+  std::string content;
+  const auto size = file == "-" ? 0 : std::filesystem::file_size(file, ignored);
+  std::size_t step = 1U << 16U;
+  if (!ignored && size > 0) step = static_cast<std::size_t>(size) + 1;
+  for (std::size_t used = 0;;) {
+    content.resize(used + step);
+    const auto got = std::fread(content.data() + used, 1, step, stream.get());
+    used += got;
+    if (got < step) {
+      content.resize(used);
+      break;
+    }
+  }
+  if (std::ferror(stream.get()) != 0)
+    throw DataError(file, 0, 0, std::string("cannot be read: ") + std::strerror(errno));
+  return content;
+}
+
+char separator_of(std::string_view line) {
+  for (const char separator : {'\t', ';', ','})
+    if (line.find(separator) != std::string_view::npos) return separator;
+  return ' ';
+}
+
+void split_by(std::string_view line, char separator, std::vector<std::string_view>& fields) {
+  fields.clear();
+  if (separator == ' ') {
+    for (line = trimmed(line); !line.empty();) {
+      const auto end = std::min(line.find_first_of(blanks), line.size());
+      fields.push_back(unquoted(line.substr(0, end)));
+      const auto next = line.find_first_not_of(blanks, end);
+      line = line.substr(std::min(next, line.size()));
+    }
+    return;
+  }
+  for (std::size_t begin = 0;;) {
+    const auto end = line.find(separator, begin);
+    fields.push_back(unquoted(line.substr(begin, end - begin)));
+    if (end == std::string_view::npos) return;
+    begin = end + 1;
+  }
+}
+
+bool holds_a_number(const std::vector<std::string_view>& fields) {
+  return std::any_of(fields.begin(), fields.end(),
+                     [](std::string_view field) { return parse_number(field).has_value(); });
+}
+
+bool is_comment(std::string_view trimmed_line) {
+  return trimmed_line.starts_with('#');
+}
+
+std::size_t characters(std::string_view text) {
+  const auto continues = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; };
+  return text.size() - static_cast<std::size_t>(std::count_if(text.begin(), text.end(), continues));
+}
+
+std::size_t column_in(std::string_view line, std::string_view field) {
+  return 1 + characters(line.substr(0, static_cast<std::size_t>(field.data() - line.data())));
+}
+
+constexpr const char* expected_header = "expected a header row naming the columns with units, such as f_Hz,re,im";
+
+}  // namespace
+
+std::optional<std::string_view> find_value(const Metadata& metadata, std::string_view key) {
+  for (const auto& [name, value] : metadata)
+    if (name == key) return value;
+  return std::nullopt;
+}
+
+std::size_t TextTable::Row::column_of(std::size_t field) const {
+  return column_in(text, fields[field]);
+}
+
+TextTable::TextTable(std::string file) : file_(std::move(file)), content_(read_all(file_)) {
+  if (file_ == "-") file_ = "standard input";
+  if (content_.empty()) throw DataError(file_, 0, 0, std::string("is empty; ") + expected_header);
+  if (content_.starts_with("\xFF\xFE") || content_.starts_with("\xFE\xFF"))
+    throw DataError(file_, 1, 1, "found UTF-16 text; expected UTF-8 or ASCII");
+  std::size_t position = content_.starts_with("\xEF\xBB\xBF") ? 3 : 0;
+  if (content_.find('\n') == std::string::npos && content_.find('\r') != std::string::npos) line_end_ = '\r';
+
+  std::string_view last_comment;  // without the '#'
+  std::string_view last_comment_row;
+  std::size_t last_comment_line = 0;
+  std::string_view line;
+  std::vector<std::string_view> fields;
+  for (std::size_t number = 1, begin = position; next_line(position, line); ++number, begin = position) {
+    const auto text = trimmed(line);
+    if (text.empty()) continue;
+    if (is_comment(text)) {
+      if (!header_.empty()) continue;
+      last_comment = trimmed(text.substr(1));
+      last_comment_row = line;
+      last_comment_line = number;
+      const auto colon = text.find(':');
+      const auto key = trimmed(text.substr(1, colon == std::string_view::npos ? 0 : colon - 1));
+      if (!key.empty() && (colon + 1 == text.size() || text[colon + 1] == ' '))
+        metadata_.emplace_back(key, trimmed(text.substr(colon + 1)));
+      continue;
+    }
+    if (header_.empty()) {
+      split_by(text, separator_of(text), fields);
+      if (!holds_a_number(fields)) {
+        take_header(line, text, number);
+        continue;
+      }
+      const std::size_t width = fields.size();
+      split_by(last_comment, separator_of(last_comment), fields);
+      if (last_comment.empty() || holds_a_number(fields) || fields.size() != width)
+        throw DataError(file_, number, 1,
+                        "found data " + quoted(text) + " with no header row above; " + expected_header);
+      take_header(last_comment_row, last_comment, last_comment_line);
+    }
+    if (line.find(separator_) == std::string_view::npos) separator_ = separator_of(text);
+    data_position_ = begin;
+    data_line_ = number;
+    // Rows are about as long as the first one.
+    row_estimate_ = (content_.size() - begin) / std::max<std::size_t>(text.size() / 2, 4) + 1;
+    return;
+  }
+  if (header_.empty()) throw DataError(file_, 0, 0, std::string("holds no rows; ") + expected_header);
+  throw DataError(file_, header_.front().line, 0, "found a header row but no data rows below");
+}
+
+bool TextTable::next_line(std::size_t& position, std::string_view& line) const {
+  if (position >= content_.size()) return false;
+  const auto end = std::min(content_.find(line_end_, position), content_.size());
+  line = std::string_view(content_).substr(position, end - position);
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  position = end + 1;
+  return true;
+}
+
+void TextTable::take_header(std::string_view line, std::string_view names, std::size_t number) {
+  separator_ = separator_of(names);
+  std::vector<std::string_view> fields;
+  split_by(names, separator_, fields);
+  for (const auto field : fields) header_.push_back({field, number, column_in(line, field)});
+}
+
+void TextTable::for_each_row(const std::function<void(const Row&)>& body) const {
+  std::vector<std::string_view> fields;
+  std::string_view line;
+  std::size_t position = data_position_;
+  for (std::size_t number = data_line_; next_line(position, line); ++number) {
+    const auto text = trimmed(line);
+    if (text.empty() || is_comment(text)) continue;
+    split_by(text, separator_, fields);
+    if (fields.size() != header_.size()) {
+      const std::size_t column =
+          fields.size() > header_.size() ? column_in(line, fields[header_.size()]) : characters(line) + 1;
+      throw DataError(file_, number, column,
+                      "found " + std::to_string(fields.size()) + (fields.size() == 1 ? " field" : " fields") + " in " +
+                          quoted(text) + "; expected " + std::to_string(header_.size()) + " as in the header of line " +
+                          std::to_string(header_.front().line));
+    }
+    body(Row{number, line, fields});
+  }
+}
+
+}  // namespace io

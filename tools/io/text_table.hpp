@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "io/data_error.hpp"
+
+namespace io {
+
+/// "# key: value" lines in their order.
+using Metadata = std::vector<std::pair<std::string, std::string>>;
+
+/// Value of the first entry with that key, or empty.
+[[nodiscard]] std::optional<std::string_view> find_value(const Metadata& metadata, std::string_view key);
+
+/// A text file of columns: separators comma, semicolon, tab or blanks; '#' starts a comment line; the header row names
+/// the columns and may itself be a comment directly above the data.  A byte-order mark and Windows line ends are
+/// accepted.
+class TextTable {
+ public:
+  struct Field {
+    std::string_view text;  // without surrounding blanks and quotes
+    std::size_t line;
+    std::size_t column;
+  };
+  struct Row {
+    std::size_t line;
+    std::string_view text;
+    std::span<const std::string_view> fields;
+
+    /// Place of a field in its line, in characters from 1.
+    [[nodiscard]] std::size_t column_of(std::size_t field) const;
+  };
+
+  /// @param file  path, or "-" for standard input
+  /// @throws DataError  missing, a folder, unreadable, empty, no header row, or no data row.
+  explicit TextTable(std::string file);
+  TextTable(const TextTable&) = delete;
+  TextTable& operator=(const TextTable&) = delete;
+
+  [[nodiscard]] const std::string& file() const noexcept { return file_; }
+  [[nodiscard]] const Metadata& metadata() const noexcept { return metadata_; }
+  [[nodiscard]] const std::vector<Field>& header() const noexcept { return header_; }
+  /// At least the number of data rows, for reserving space.
+  [[nodiscard]] std::size_t row_estimate() const noexcept { return row_estimate_; }
+
+  /// Calls body for each data row; each has as many fields as the header.
+  /// @throws DataError  a row with another number of fields.
+  void for_each_row(const std::function<void(const Row&)>& body) const;
+
+ private:
+  [[nodiscard]] bool next_line(std::size_t& position, std::string_view& line) const;
+  void take_header(std::string_view line, std::string_view names, std::size_t number);
+
+  std::string file_;
+  std::string content_;
+  char line_end_ = '\n';
+  char separator_ = ',';
+  Metadata metadata_;
+  std::vector<Field> header_;
+  std::size_t data_position_ = 0;  // byte at which the data rows begin
+  std::size_t data_line_ = 0;      // and the number of that line
+  std::size_t row_estimate_ = 0;
+};
+
+}  // namespace io

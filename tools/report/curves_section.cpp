@@ -1,0 +1,359 @@
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <iterator>
+#include <limits>
+#include <utility>
+
+#include "backlash/static_backlash.hpp"
+#include "io/number.hpp"
+#include "report/html.hpp"
+#include "report/sections.hpp"
+#include "report/sweep_curves.hpp"
+
+namespace report {
+
+namespace {
+
+using backlash::DescribingFunctionPoint;
+using backlash::DescribingFunctionSweep;
+using backlash::SweepScene;
+using backlash::TwoMassSystem;
+
+std::string with_number(const Scene& scene, int number, const std::string& text) {
+  return scene.of_the_paper ? "<b>Figure " + std::to_string(number) + " of the paper.</b> " + text : text;
+}
+
+std::string base_scene_text(const Scene& scene, bool force, bool clearance, bool restitution) {
+  std::vector<std::string> parts;
+  if (force) parts.push_back("F = " + html_number(scene.force) + " N");
+  if (clearance) parts.push_back("Δ = " + html_number(scene.clearance) + " m");
+  if (restitution) parts.push_back("ε = " + html_number(scene.restitution));
+  std::string text;
+  for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;
+  return text;
+}
+
+std::string number_label(const std::string& symbol, double value, const std::string& unit) {
+  return symbol + " = " + io::format_number(value) + (unit.empty() ? "" : " " + unit);
+}
+
+struct FamilyScenes {
+  std::vector<SweepScene> scenes;
+  std::vector<std::string> labels;
+};
+
+FamilyScenes over_forces(const Scene& scene) {
+  FamilyScenes family;
+  const TwoMassSystem system(scene.mass1, scene.mass2, scene.clearance, scene.restitution);
+  for (const double force : scene.forces) {
+    family.scenes.push_back({system, force});
+    family.labels.push_back(number_label("F", force, "N"));
+  }
+  return family;
+}
+
+FamilyScenes over_clearances(const Scene& scene) {
+  FamilyScenes family;
+  for (const double clearance : scene.clearances) {
+    family.scenes.push_back({TwoMassSystem(scene.mass1, scene.mass2, clearance, scene.restitution), scene.force});
+    family.labels.push_back(number_label("Δ", clearance, "m") + (clearance == 0 ? " (rigid)" : ""));
+  }
+  return family;
+}
+
+FamilyScenes over_restitutions(const Scene& scene) {
+  FamilyScenes family;
+  for (const double restitution : scene.restitutions) {
+    family.scenes.push_back({TwoMassSystem(scene.mass1, scene.mass2, scene.clearance, restitution), scene.force});
+    family.labels.push_back(number_label("ε", restitution, ""));
+  }
+  return family;
+}
+
+std::optional<PlotPoint> nichols_place(const DescribingFunctionPoint& point) {
+  const auto inverse = negative_inverse(point);
+  if (!inverse) return std::nullopt;
+  const double level = decibel(inverse->value);
+  return PlotPoint{phase_degrees(inverse->value), level, level, level};
+}
+
+// Bars of a logarithmic axis must not reach zero: they are cut at 1 % of the value.
+PlotPoint with_bars(double x, double y, double uncertainty) {
+  return {x, y, std::max(y - uncertainty, 0.01 * y), y + uncertainty};
+}
+
+std::optional<PlotPoint> part_place(const DescribingFunctionPoint& point, bool imaginary) {
+  const auto inverse = negative_inverse(point);
+  if (!inverse) return std::nullopt;
+  const double value = imaginary ? inverse->value.imag() : inverse->value.real();
+  // A mean smaller than its uncertainty cannot be told from zero, and a logarithmic axis has no zero.
+  if (!(value > inverse->uncertainty)) return std::nullopt;
+  return with_bars(point.omega, value, inverse->uncertainty);
+}
+
+struct StaticCurve {
+  std::vector<double> omega;
+  std::vector<std::complex<double>> negative_inverse;  // N/m
+};
+
+// Only where the backlash passes motion at all: below, N = 0 and -1/N is infinite.
+StaticCurve static_curve(const Scene& scene, double force, std::vector<double> omega) {
+  const double first = omega.front();
+  const double end = std::sqrt(2 * force / ((scene.mass1 + scene.mass2) * scene.clearance));
+  if (omega.front() < end && end < omega.back()) {
+    // -1/N grows without limit towards the end; closer points there let the curve run out of the chart.
+    for (double distance = 0.1; distance > 1e-5; distance /= 1.3) omega.push_back(end * (1 - distance));
+    std::sort(omega.begin(), omega.end());
+    omega.erase(std::unique(omega.begin(), omega.end()), omega.end());
+    omega.erase(omega.begin(), std::lower_bound(omega.begin(), omega.end(), first));
+  }
+  const auto values = backlash::static_describing_function(scene.mass1, scene.mass2, scene.clearance, force, omega);
+  StaticCurve curve;
+  for (std::size_t i = 0; i < omega.size(); ++i) {
+    if (values[i] == 0.0) continue;
+    curve.omega.push_back(omega[i]);
+    curve.negative_inverse.push_back(-1.0 / values[i]);
+  }
+  return curve;
+}
+
+std::vector<double> mapped(const std::vector<std::complex<double>>& values, double (*map)(std::complex<double>)) {
+  std::vector<double> result;
+  std::transform(values.begin(), values.end(), std::back_inserter(result), map);
+  return result;
+}
+
+Panel nichols_panel() {
+  Panel panel;
+  panel.x = {"phase of −1/N in degrees", false, {}, {}};
+  panel.y = {"|−1/N| in dB re 1 N/m", false, {}, {}};
+  panel.key = true;
+  return panel;
+}
+
+void append(std::vector<Curve>& curves, std::vector<Curve> more) {
+  std::move(more.begin(), more.end(), std::back_inserter(curves));
+}
+
+Figure static_nichols(const Scene& scene) {
+  Panel panel = nichols_panel();
+  panel.title = "Static backlash";
+  for (std::size_t i = 0; i < scene.forces.size(); ++i) {
+    const StaticCurve curve = static_curve(scene, scene.forces[i], scene.omega_nichols);
+    panel.curves.push_back(make_curve(number_label("F", scene.forces[i], "N"), family_colour(i, scene.forces.size()),
+                                      Mark::line, mapped(curve.negative_inverse, phase_degrees),
+                                      mapped(curve.negative_inverse, decibel)));
+  }
+  Figure figure;
+  figure.name = "fig3-nichols-static";
+  figure.caption =
+      with_number(scene, 3,
+                  "Nichols chart of −1/N for the static backlash model (equation 1), " +
+                      base_scene_text(scene, false, true, false) + ", ω = " + html_number(scene.omega_nichols.front()) +
+                      " … " + html_number(scene.omega_nichols.back()) +
+                      " rad/s rising from bottom to top. A curve ends where the amplitude of the rigid pair falls to "
+                      "Δ/2 and the backlash passes "
+                      "nothing any more: −1/N grows without limit there.");
+  panel.y.to = 100;
+  figure.panels = {std::move(panel)};
+  figure.panel_height = 400;
+  return figure;
+}
+
+Figure dynamic_nichols(const Scene& scene, const Family& family) {
+  Panel panel = nichols_panel();
+  panel.title = "Two masses with impacts";
+  for (std::size_t i = 0; i < family.sweeps.size(); ++i) {
+    append(panel.curves,
+           sweep_curves(family.sweeps[i], family.labels[i], family_colour(i, family.sweeps.size()), nichols_place));
+  }
+  Figure figure;
+  figure.name = "fig4-nichols-dynamic";
+  figure.caption = with_number(
+      scene, 4,
+      "Nichols chart of −1/N for the two masses with impacts, " + base_scene_text(scene, false, true, true) +
+          ", same forces and frequencies. Lines are closed orbits; pale dots are long-time means of "
+          "irregular motion, never joined. The gaps between line pieces are jumps.");
+  figure.panels = {std::move(panel)};
+  figure.panel_height = 400;
+  return figure;
+}
+
+Figure bode(const Scene& scene, const Family& family) {
+  Panel magnitude, phase;
+  magnitude.title = "Magnitude of −1/N";
+  magnitude.x = phase.x = {"ω in rad/s", true, {}, {}};
+  const double highest_omega = scene.omega_bode.back();
+  magnitude.y = {"dB re 1 N/m", false, {}, decibel((scene.mass1 + scene.mass2) * highest_omega * highest_omega) + 15};
+  magnitude.key = true;
+  phase.title = "Phase of −1/N";
+  phase.y = {"degrees", false, {}, {}};
+  const StaticCurve model = static_curve(scene, scene.force, scene.omega_bode);
+  const DescribingFunctionSweep& sweep = family.sweeps.front();
+  append(magnitude.curves, sweep_curves(sweep, "two masses, impacts", category_colour(0), [](const auto& point) {
+           auto place = nichols_place(point);
+           if (place) place->x = point.omega;
+           return place;
+         }));
+  append(phase.curves, sweep_curves(sweep, "", category_colour(0),
+                                    [](const DescribingFunctionPoint& point) -> std::optional<PlotPoint> {
+                                      const auto inverse = negative_inverse(point);
+                                      if (!inverse) return std::nullopt;
+                                      const double degrees = phase_degrees(inverse->value);
+                                      return PlotPoint{point.omega, degrees, degrees, degrees};
+                                    }));
+  magnitude.curves.push_back(make_curve("static backlash", category_colour(1), Mark::dashed, model.omega,
+                                        mapped(model.negative_inverse, decibel)));
+  phase.curves.push_back(
+      make_curve("", category_colour(1), Mark::dashed, model.omega, mapped(model.negative_inverse, phase_degrees)));
+  std::vector<double> rigid;
+  for (const double omega : scene.omega_bode) rigid.push_back(decibel((scene.mass1 + scene.mass2) * omega * omega));
+  magnitude.curves.push_back(make_curve("rigid: (M_1+M_2)ω^2", "#777777", Mark::dotted, scene.omega_bode, rigid));
+  Figure figure;
+  figure.name = "fig5-bode";
+  figure.caption = with_number(
+      scene, 5,
+      "Bode diagram of −1/N, static model and two masses with impacts, " + base_scene_text(scene, true, true, true) +
+          ". From low to high frequency: sticking and chatter (line), long and irregular responses (dots and "
+          "short pieces), and the smooth band with two impacts per period.");
+  figure.panels = {std::move(magnitude), std::move(phase)};
+  figure.panel_height = 270;
+  return figure;
+}
+
+// Half of what the lowest curve starts with.  Curves that pass through zero further on would otherwise stretch the axis
+// over decades without content.
+std::optional<double> floor_of(const Panel& panel) {
+  std::optional<double> lowest;
+  double first = std::numeric_limits<double>::infinity();
+  for (const Curve& curve : panel.curves) {
+    for (const auto& segment : curve.segments) {
+      if (segment.empty() || segment.front().x > 1.2 * first) continue;
+      if (segment.front().x < first / 1.2) lowest.reset();
+      first = std::min(first, segment.front().x);
+      lowest = std::min(lowest.value_or(segment.front().y), segment.front().y);
+    }
+  }
+  if (lowest) *lowest /= 2;
+  return lowest;
+}
+
+Figure parts_figure(const std::string& name, const std::string& caption, const Family& family) {
+  Figure figure;
+  figure.name = name;
+  figure.caption = caption;
+  figure.columns = 2;
+  figure.panel_height = 400;
+  for (const bool imaginary : {false, true}) {
+    Panel panel;
+    panel.title = imaginary ? "Im(−1/N)" : "Re(−1/N)";
+    panel.x = {"ω in rad/s", true, {}, {}};
+    panel.y = {"N/m", true, {}, {}};
+    panel.key = imaginary;
+    for (std::size_t i = 0; i < family.sweeps.size(); ++i) {
+      append(panel.curves, sweep_curves(family.sweeps[i], family.labels[i], family_colour(i, family.sweeps.size()),
+                                        [imaginary](const auto& point) { return part_place(point, imaginary); }));
+    }
+    panel.y.from = floor_of(panel);
+    figure.panels.push_back(std::move(panel));
+  }
+  return figure;
+}
+
+std::vector<DescribingFunctionSweep> computed(const std::vector<SweepScene>& scenes, const std::vector<double>& omega,
+                                              const Work& work) {
+  backlash::SweepOptions options;
+  options.threads = work.threads;
+  return backlash::describing_function_sweeps(scenes, omega, options, work.progress);
+}
+
+}  // namespace
+
+Curves compute_curves(const Work& work) {
+  const Scene& scene = work.scene;
+  const FamilyScenes forces = over_forces(scene);
+  const FamilyScenes clearances = over_clearances(scene);
+  const FamilyScenes restitutions = over_restitutions(scene);
+  // The three families over one grid go into one call, which spreads them evenly over the threads.
+  std::vector<SweepScene> all;
+  for (const FamilyScenes* family : {&restitutions, &clearances, &forces}) {
+    all.insert(all.end(), family->scenes.begin(), family->scenes.end());
+  }
+  std::vector<DescribingFunctionSweep> sweeps = computed(all, scene.omega_family, work);
+  auto next = sweeps.begin();
+  const auto taken = [&next](const FamilyScenes& family) {
+    const auto end = next + static_cast<std::ptrdiff_t>(family.scenes.size());
+    Family result{family.labels, {std::make_move_iterator(next), std::make_move_iterator(end)}};
+    next = end;
+    return result;
+  };
+  Curves curves;
+  curves.restitutions = taken(restitutions);
+  curves.clearances = taken(clearances);
+  curves.forces = taken(forces);
+  curves.nichols_forces = {forces.labels, computed(forces.scenes, scene.omega_nichols, work)};
+  curves.bode = {{"two masses"}, computed({{work.system(), scene.force}}, scene.omega_bode, work)};
+  return curves;
+}
+
+Section curves_section(const Work& work, const Curves& curves) {
+  const Scene& scene = work.scene;
+  Section section;
+  section.id = "curves";
+  section.title = "Describing functions";
+  section.reading =
+      "N is the fundamental of the position of mass 1 (the mass that is not forced) over the force amplitude, in m/N; "
+      "the figures draw "
+      "−1/N in N/m, the quantity a harmonic-balance stability test lays over a Nyquist or Nichols plot. Its phase runs "
+      "from 0° (a "
+      "rigid pair, −1/N = (M<sub>1</sub>+M<sub>2</sub>)ω²) to 180°, and its imaginary part is never negative, because "
+      "impacts only "
+      "take energy. Lines are exact steady states and break wherever the number of impacts per period changes; pale "
+      "dots with bars "
+      "are long-time means of irregular motion with their 95 % half width.";
+  section.blocks.emplace_back(static_nichols(scene));
+  section.blocks.emplace_back(dynamic_nichols(scene, curves.nichols_forces));
+  section.blocks.emplace_back(bode(scene, curves.bode));
+  if (scene.restitutions.size() > 1) {
+    section.blocks.emplace_back(
+        parts_figure("fig6-restitution",
+                     with_number(scene, 6,
+                                 "Real and imaginary part of −1/N for several coefficients of restitution, " +
+                                     base_scene_text(scene, true, true, false) +
+                                     ". Without losses (ε = 1) the imaginary part of a steady state is zero, so the "
+                                     "right panel has no such curve. "
+                                     "Negative real parts and means that cannot be told from zero do not fit on a "
+                                     "logarithmic axis and are left "
+                                     "out."),
+                     curves.restitutions));
+  }
+  if (scene.clearances.size() > 1) {
+    section.blocks.emplace_back(
+        parts_figure("fig7-clearance",
+                     with_number(scene, 7,
+                                 "The same for several clearances, " + base_scene_text(scene, true, false, true) +
+                                     ". Zero clearance is the rigid pair: its real part is "
+                                     "(M<sub>1</sub>+M<sub>2</sub>)ω² and its imaginary part "
+                                     "is zero, so it has no curve on the right."),
+                     curves.clearances));
+  }
+  if (scene.forces.size() > 1) {
+    section.blocks.emplace_back(parts_figure(
+        "fig8-force",
+        with_number(scene, 8,
+                    "The same for several force amplitudes, " + base_scene_text(scene, false, true, true) + "."),
+        curves.forces));
+  }
+  section.blocks.emplace_back(
+      sweep_table("nichols", "All points of the Nichols chart with impacts:", curves.nichols_forces.sweeps));
+  section.blocks.emplace_back(sweep_table("bode", "All points of the Bode diagram:", curves.bode.sweeps));
+  section.blocks.emplace_back(
+      sweep_table("restitution-family", "All points of the family over ε:", curves.restitutions.sweeps));
+  section.blocks.emplace_back(
+      sweep_table("clearance-family", "All points of the family over Δ:", curves.clearances.sweeps));
+  section.blocks.emplace_back(sweep_table("force-family", "All points of the family over F:", curves.forces.sweeps));
+  return section;
+}
+
+}  // namespace report

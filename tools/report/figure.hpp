@@ -1,0 +1,87 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace report {
+
+struct PlotPoint {
+  double x;
+  double y;
+  double lower;  // error bar, equal to upper where there is none
+  double upper;
+};
+
+enum class Mark {
+  line,
+  dashed,
+  dotted,
+  line_points,   // line with a filled circle at each point
+  points,        // filled circles
+  open_points,   // circles that let what lies below show through
+  faint_points,  // small, pale: values that carry a large uncertainty
+  faint_bars,    // pale error bars
+  bars,          // points with error bars
+};
+
+/// One family member.  Segments are drawn apart from each other: a line never crosses from one into the next.
+struct Curve {
+  std::string label;   // key entry in gnuplot's enhanced text; empty: none
+  std::string colour;  // #rrggbb
+  Mark mark = Mark::line;
+  std::vector<std::vector<PlotPoint>> segments;
+};
+
+struct Axis {
+  std::string label;
+  bool logarithmic = false;
+  std::optional<double> from, to;  // fitted to the curves when unset
+};
+
+struct Panel {
+  std::string title;
+  Axis x, y;
+  std::vector<Curve> curves;
+  bool key = false;  // the key stands to the right of the panel, so it never covers a curve
+};
+
+/// A picture: panels on a grid, filled row by row.
+struct Figure {
+  std::string name;     // file stem, [a-z0-9-]
+  std::string caption;  // HTML
+  std::vector<Panel> panels;
+  int columns = 1;
+  int panel_width = 0;     // px of the axes box; 0: what fills a page
+  int panel_height = 300;  // px of the axes box
+};
+
+/// Curves of the plain kinds; points where x or y is not finite break the line.
+[[nodiscard]] Curve make_curve(std::string label, std::string colour, Mark mark, const std::vector<double>& x,
+                               const std::vector<double>& y);
+
+/// Colours of unordered curves, told apart by readers with any colour vision (Okabe, Ito 2008).
+[[nodiscard]] std::string category_colour(std::size_t index);
+/// Colours of an ordered family from dark to light, of rising lightness in grey print as well (viridis without its pale
+/// end).
+[[nodiscard]] std::string family_colour(std::size_t index, std::size_t count);
+
+/// Plain text made safe for gnuplot's enhanced mode.
+[[nodiscard]] std::string enhanced_escape(std::string_view text);
+
+/// Text of the gnuplot script: data inside, and both an SVG and a PNG picture of the figure's name out.
+/// Writes folder/name.gp.
+/// @throws std::filesystem::filesystem_error  the file cannot be written.
+void write_script(const Figure& figure, const std::filesystem::path& folder);
+
+/// The gnuplot program on PATH.
+[[nodiscard]] std::optional<std::filesystem::path> find_gnuplot();
+
+/// Runs folder/name.gp inside its folder and checks that name.svg and name.png came out.
+/// @return  empty when they did, else one sentence with gnuplot's own words.
+[[nodiscard]] std::string draw(const std::filesystem::path& gnuplot, const std::filesystem::path& folder,
+                               const std::string& name);
+
+}  // namespace report

@@ -1,0 +1,328 @@
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "backlash/static_backlash.hpp"
+#include "frac/identification/model_library.hpp"
+#include "report/bands.hpp"
+#include "report/html.hpp"
+#include "report/ranking.hpp"
+#include "report/sections.hpp"
+
+namespace report {
+
+namespace {
+
+using backlash::DescribingFunctionPoint;
+
+// Structures that an imaginary part can tell apart: a real constant or a free mass 1/(M s^2) adds nothing to it.
+constexpr std::string_view candidates[] = {"power-law",
+                                           "two-power-laws",
+                                           "fractional-lag",
+                                           "fractional-oscillator",
+                                           "differentiator",
+                                           "two-differentiators",
+                                           "integrator",
+                                           "integrator-and-differentiator",
+                                           "lag",
+                                           "oscillator"};
+
+std::vector<frac::NamedModel> imaginary_candidates() {
+  std::vector<frac::NamedModel> models;
+  for (const auto& model : frac::model_library()) {
+    if (std::find(std::begin(candidates), std::end(candidates), model.name) != std::end(candidates))
+      models.push_back(model);
+  }
+  return models;
+}
+
+frac::FitOptions imaginary_options() {
+  frac::FitOptions options;
+  options.component = frac::Component::imaginary;
+  options.weight = frac::Weight::given;
+  return options;
+}
+
+std::vector<double> omega_of(const std::vector<DescribingFunctionPoint>& points) {
+  std::vector<double> omega;
+  for (const auto& point : points) omega.push_back(point.omega);
+  return omega;
+}
+
+struct Drawn {
+  std::string label;
+  std::string colour;
+  Mark mark;
+  std::vector<double> imaginary;
+};
+
+std::vector<double> imaginary_parts(const std::vector<std::complex<double>>& values) {
+  std::vector<double> parts;
+  for (const auto& value : values) parts.push_back(value.imag());
+  return parts;
+}
+
+Figure fit_figure(const std::string& name, const std::string& caption,
+                  const std::vector<DescribingFunctionPoint>& points, const std::vector<Drawn>& models) {
+  const std::vector<double> omega = omega_of(points);
+  Panel values, residuals;
+  values.title = "Imaginary part of N and the structures fitted to it";
+  values.x = residuals.x = {"ω in rad/s", true, {}, {}};
+  values.y = {"Im N in m/N", true, {}, {}};
+  values.key = true;
+  residuals.title = "Distance from the data";
+  residuals.y = {"|model / data − 1| in %", true, 1e-3, {}};
+  std::vector<double> measured;
+  for (const auto& point : points) measured.push_back(point.value.imag());
+  // Every fourth point is drawn, so that the lines stay visible below them.
+  std::vector<double> sparse_omega, sparse_value;
+  for (std::size_t i = 0; i < omega.size(); i += 4) {
+    sparse_omega.push_back(omega[i]);
+    sparse_value.push_back(measured[i]);
+  }
+  for (const Drawn& model : models) {
+    std::vector<double> level, distance;
+    for (std::size_t i = 0; i < omega.size(); ++i) {
+      level.push_back(model.imaginary[i] > 0 ? model.imaginary[i] : std::nan(""));
+      const double relative = 100 * std::abs(model.imaginary[i] / measured[i] - 1);
+      distance.push_back(relative > 0 ? relative : std::nan(""));
+    }
+    values.curves.push_back(make_curve(model.label, model.colour, model.mark, omega, level));
+    residuals.curves.push_back(make_curve("", model.colour, model.mark, omega, distance));
+  }
+  values.curves.push_back(make_curve("computed N", "#222222", Mark::open_points, sparse_omega, sparse_value));
+  Figure figure;
+  figure.name = name;
+  figure.caption = caption;
+  figure.panels = {std::move(values), std::move(residuals)};
+  figure.panel_height = 260;
+  return figure;
+}
+
+// Simplest chosen, best fractional, best integer-order and the static model, each once.
+std::vector<Drawn> drawn_models(const frac::IdentificationResult& result, const std::vector<double>& omega,
+                                const std::vector<std::complex<double>>& static_model) {
+  std::vector<const frac::RankedFit*> chosen;
+  const auto add = [&chosen](const frac::RankedFit* fit) {
+    if (fit != nullptr && std::find(chosen.begin(), chosen.end(), fit) == chosen.end()) chosen.push_back(fit);
+  };
+  add(best_of(result, frac::ModelClass::fractional));
+  for (const auto& ranked : result.ranking) {
+    if (ranked.name == "power-law") add(&ranked);
+  }
+  add(best_of(result, frac::ModelClass::integer_order));
+  std::vector<Drawn> models;
+  static constexpr Mark marks[] = {Mark::line, Mark::dashed, Mark::dotted};
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    models.push_back({key_label(*chosen[i]), category_colour(i), marks[i % 3],
+                      imaginary_parts(frac::fitted_response(chosen[i]->fit, frac::ExactRealisation{}, omega))});
+  }
+  models.push_back({"static backlash", category_colour(4), Mark::dashed, imaginary_parts(static_model)});
+  return models;
+}
+
+std::vector<std::complex<double>> static_model(const Scene& scene, const std::vector<double>& omega) {
+  return backlash::static_describing_function(scene.mass1, scene.mass2, scene.clearance, scene.force, omega);
+}
+
+Table realisation_table(const std::string& name, const frac::FrequencyResponseData& data, int threads) {
+  Table table{name,
+              "The power law K s<sup>a</sup> fitted through several realisations of s<sup>a</sup>. A model that will "
+              "run as a filter "
+              "should be fitted through that filter: its parameters then make up for the error of the approximation, "
+              "and differ from "
+              "the exact ones for that reason. An order of exactly 1 means that the ladder was of no use on so narrow "
+              "a band: whole powers "
+              "are realised exactly.",
+              {{"realisation", "realisation"},
+               {"order", "order a", 6},
+               {"order_ci95_lower", "95 % from", 6},
+               {"order_ci95_upper", "to", 6},
+               {"coefficient", "K", 6},
+               {"rms_relative", "rms relative residual", 3},
+               {"remark", "remark"}},
+              {}};
+  const double lowest = data.omega().front();
+  const double highest = data.omega().back();
+  const double sample_time = std::numbers::pi / (10 * highest);
+  const std::pair<std::string, frac::Realisation> realisations[] = {
+      {"exact (jω)^a", frac::ExactRealisation{}},
+      {"Oustaloup, band of the data, 4 poles", frac::OustaloupRealisation{{lowest, highest}, 4}},
+      {"Oustaloup, one decade wider at both ends, 4 poles", frac::OustaloupRealisation{{lowest / 10, highest * 10}, 4}},
+      {"Oustaloup, one decade wider at both ends, 12 poles",
+       frac::OustaloupRealisation{{lowest / 10, highest * 10}, 12}},
+      {"Grünwald-Letnikov, 20 samples per shortest period, all kept",
+       frac::GrunwaldLetnikovRealisation{sample_time, 0}},
+      {"Grünwald-Letnikov, 20 samples per shortest period, last 200 kept",
+       frac::GrunwaldLetnikovRealisation{sample_time, 200}},
+  };
+  const frac::NamedModel model = frac::find_model("power-law");
+  std::vector<std::optional<frac::FitResult>> fits(std::size(realisations));
+  frac::parallel_for(fits.size(), threads, [&](std::size_t i) {
+    frac::FitOptions options = imaginary_options();
+    options.realisation = realisations[i].second;
+    options.constraints = model.constraints;
+    fits[i] = frac::fit(data, frac::Structure(model.formula), options);
+  });
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    const frac::FitResult& fit = *fits[i];
+    const auto* order = find_parameter(fit, "a");
+    const auto* coefficient = find_parameter(fit, "K");
+    std::string note = remark(*order);
+    if (fit.termination != frac::FitTermination::converged) note += (note.empty() ? "" : "; ") + fit.message;
+    table.rows.push_back({realisations[i].first, order->value, order->ci95_lower, order->ci95_upper, coefficient->value,
+                          fit.rms, note.empty() ? std::string("identified") : note});
+  }
+  return table;
+}
+
+// The real part afterwards: c and q are known from the imaginary part, the free mass and the constant are not.
+std::optional<frac::FitResult> real_part_fit(const std::vector<DescribingFunctionPoint>& points,
+                                             const frac::FitResult& power_law) {
+  const auto* coefficient = find_parameter(power_law, "K");
+  const auto* order = find_parameter(power_law, "a");
+  if (coefficient == nullptr || order == nullptr) return std::nullopt;
+  const frac::NamedModel model = frac::find_model("inertia-and-power-law");
+  frac::FitOptions options;
+  options.component = frac::Component::real;
+  for (const auto& constraint : model.constraints) {
+    if (constraint.name != "c" && constraint.name != "q") options.constraints.push_back(constraint);
+  }
+  options.constraints.push_back({"c", coefficient->value, {}, {}, {}});
+  options.constraints.push_back({"q", order->value, {}, {}, {}});
+  return frac::fit(relative_imaginary_data(points), frac::Structure(model.formula), options);
+}
+
+std::string percent(double share) {
+  return html_number(100 * share, 2) + " %";
+}
+
+std::string verdict_words(frac::Verdict verdict) {
+  switch (verdict) {
+    case frac::Verdict::fractional_supported:
+      return "a fractional order is supported";
+    case frac::Verdict::fractional_not_supported:
+      return "a fractional order is not supported";
+    case frac::Verdict::undecided:
+      return "undecided between fractional and integer order";
+  }
+  return {};
+}
+
+struct BandText {
+  std::string id;    // suffix of names
+  std::string name;  // in sentences
+  std::string heading;
+};
+
+void add_band(Section& section, const Work& work, const std::vector<DescribingFunctionPoint>& points,
+              const BandText& band) {
+  const Scene& scene = work.scene;
+  const std::vector<double> omega = omega_of(points);
+  const std::string range = html_number(omega.front()) + " … " + html_number(omega.back()) + " rad/s";
+  section.blocks.emplace_back(Html{"<h3>" + band.heading + ", " + range + "</h3>"});
+  const frac::FrequencyResponseData data = relative_imaginary_data(points);
+  const auto curve = static_model(scene, omega);
+  const frac::IdentificationResult result =
+      frac::identify(data, imaginary_candidates(), {{"static backlash", curve}}, imaginary_options(), work.threads);
+  section.blocks.emplace_back(
+      fit_figure("fit-" + band.id,
+                 "Top: computed Im N of the base scene in the " + band.name +
+                     " with the best fractional structure, the plain power law, the best "
+                     "integer-order structure and the static backlash model. Bottom: their relative distance from the "
+                     "data. A structure whose "
+                     "line stays below 1 % follows the curve to that accuracy; the dips are sign changes.",
+                 points, drawn_models(result, omega, curve)));
+  section.blocks.emplace_back(ranking_table(
+      "ranking-" + band.id,
+      "Structures ranked on " + std::to_string(points.size()) + " computed points of the " + band.name +
+          ", residual (model − data)/|Im N|. ΔAICc is the loss of evidence against the best; 10 and more is decisive.",
+      result));
+  section.blocks.emplace_back(parameter_table("parameters-" + band.id,
+                                              "All parameters of the ranked structures with their intervals:", result));
+  std::string verdict = "<p><b>Verdict.</b> " + escape_html(result.verdict_sentence);
+  for (const std::string& skipped : result.skipped) verdict += " Left out: " + escape_html(skipped) + ".";
+  section.blocks.emplace_back(Html{verdict +
+                                   " Neighbouring residuals here belong to one smooth misfit and not to noise, so the "
+                                   "points count for less in the evidence than their number says.</p>"});
+  section.facts.emplace_back("verdict_" + band.id, std::string(frac::to_string(result.verdict)));
+  section.facts.emplace_back("evidence_aicc_" + band.id, result.evidence);
+
+  const auto power_law = std::find_if(result.ranking.begin(), result.ranking.end(),
+                                      [](const frac::RankedFit& fit) { return fit.name == "power-law"; });
+  std::string finding = "<b>" + band.heading + " (" + range + "): " + verdict_words(result.verdict) + ".</b> ";
+  if (const auto* best = best_of(result, frac::ModelClass::fractional)) {
+    finding += "The best fractional structure, <i>" + html_formula(best->fit.model) + "</code>, follows Im N to " +
+               percent(best->fit.rms) + " (rms)";
+    if (const auto* whole = best_of(result, frac::ModelClass::integer_order)) {
+      finding += ", the best integer-order one, <code>" + escape_html(whole->fit.model) + "</code>, to " +
+                 percent(whole->fit.rms);
+    }
+    if (const auto* fixed = best_of(result, frac::ModelClass::fixed_curve)) {
+      finding += "; the static model is off by " + percent(fixed->fit.rms);
+    }
+    finding += ".";
+  }
+  section.findings.push_back(finding);
+
+  if (power_law != result.ranking.end()) {
+    if (const auto* order = find_parameter(power_law->fit, "a")) {
+      section.facts.emplace_back("order_" + band.id, order->value);
+      section.facts.emplace_back("order_ci95_lower_" + band.id, order->ci95_lower);
+      section.facts.emplace_back("order_ci95_upper_" + band.id, order->ci95_upper);
+    }
+    if (const auto real = real_part_fit(points, power_law->fit)) {
+      const auto* mass = find_parameter(*real, "M");
+      const auto* constant = find_parameter(*real, "d");
+      const double free_mass = mass->value;
+      section.blocks.emplace_back(Html{
+          "<p>What the imaginary part cannot see is recovered afterwards from the real part: with c and q of the power "
+          "law held, "
+          "<code>1/(M s^2) + d + c s^q</code> gives M = " +
+          html_number(free_mass) + " kg (M<sub>1</sub> + M<sub>2</sub> = " + html_number(scene.mass1 + scene.mass2) +
+          " kg) and d = " + html_number(constant->value) + " m/N, with " + percent(real->rms) +
+          " rms left. In a fit of the imaginary part alone M and d would be arbitrary, so they are not offered "
+          "there.</p>"});
+      section.facts.emplace_back("free_mass_kg_" + band.id, free_mass);
+    }
+    section.blocks.emplace_back(realisation_table("realisations-" + band.id, data, work.threads));
+  }
+}
+
+}  // namespace
+
+Section fit_section(const Work& work, const Bands& bands) {
+  Section section;
+  section.id = "fits";
+  section.title = "Fits through the imaginary component";
+  section.reading =
+      "Each candidate structure is fitted to Im N by least squares of the relative residual, from data-driven and "
+      "random starts. "
+      "AICc weighs closeness against the number of parameters. The data are computed and carry no noise, so an "
+      "interval does not say "
+      "how a measurement would scatter: it says how well that structure can follow this curve, and the residual "
+      "pattern shows where "
+      "it cannot. “Not identified” means the data do not determine the parameter; “at bound” means that the allowed "
+      "range ended first.";
+  if (bands.two_impact.empty() && bands.chatter.empty()) {
+    section.blocks.emplace_back(
+        Html{"<p>The frequencies of this scene hold no smooth band of ten points or more (two impacts per period, or "
+             "sticking in every "
+             "period), so there is nothing that a smooth model could be fitted to.</p>"});
+    return section;
+  }
+  if (!bands.two_impact.empty()) {
+    add_band(section, work, bands.two_impact,
+             {"two-impact", "two-impact band", "Two impacts per period, symmetric orbit"});
+  }
+  if (!bands.chatter.empty()) {
+    add_band(section, work, bands.chatter, {"chatter", "chatter band", "Chatter and sticking"});
+  }
+  return section;
+}
+
+}  // namespace report

@@ -1,0 +1,299 @@
+#include <gnuplot-iostream.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <iomanip>
+#include <limits>
+#include <ostream>
+#include <string>
+#include <string_view>
+#include <system_error>
+#include <tuple>
+#include <vector>
+
+#include "report/figure.hpp"
+
+namespace report {
+
+namespace {
+
+// Margins in px round the axes boxes: room for tick and axis labels, titles, and the key beside the last column.
+constexpr int left_margin = 86;
+constexpr int right_margin = 24;
+constexpr int top_margin = 34;
+constexpr int bottom_margin = 62;
+constexpr int page_width = 980;
+
+std::string quoted(const std::string& text) {
+  std::string safe = "'";
+  for (const char c : text) {
+    safe += c;
+    if (c == '\'') safe += c;
+  }
+  return safe + "'";
+}
+
+// Width of the key in px: the sample line, and the longest label at the width of an average character of the fonts in
+// use.
+int key_width(const Figure& figure) {
+  std::size_t longest = 0;
+  for (const Panel& panel : figure.panels) {
+    if (!panel.key) continue;
+    for (const Curve& curve : panel.curves) {
+      const auto drawn = std::count_if(curve.label.begin(), curve.label.end(), [](char c) {
+        // Neither markup nor the later bytes of a UTF-8 character take room.
+        return std::string_view("_^{}\\").find(c) == std::string_view::npos &&
+               (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
+      });
+      longest = std::max(longest, static_cast<std::size_t>(drawn));
+    }
+  }
+  return 64 + static_cast<int>(8.4 * static_cast<double>(longest));
+}
+
+struct Range {
+  double from, to;
+};
+
+Range fitted_range(const Panel& panel, bool horizontal) {
+  const Axis& axis = horizontal ? panel.x : panel.y;
+  double lowest = std::numeric_limits<double>::infinity();
+  double highest = -lowest;
+  for (const Curve& curve : panel.curves) {
+    for (const auto& segment : curve.segments) {
+      for (const PlotPoint& point : segment) {
+        const double value = horizontal ? point.x : point.y;
+        if (!std::isfinite(value) || (axis.logarithmic && value <= 0)) continue;
+        lowest = std::min(lowest, value);
+        highest = std::max(highest, value);
+      }
+    }
+  }
+  if (lowest > highest) return axis.logarithmic ? Range{0.1, 10} : Range{0, 1};
+  if (axis.logarithmic) {
+    // A vertical axis keeps 4 % of its length free above and below; a horizontal one starts where the data start.
+    const double pad = std::pow(std::max(highest / lowest, 1.05), horizontal ? 0 : 0.04);
+    return lowest < highest ? Range{lowest / pad, highest * pad} : Range{lowest / 2, highest * 2};
+  }
+  const double span = highest - lowest;
+  const double pad = span > 0 ? (horizontal ? 0.02 : 0.05) * span : std::max(1e-12, 0.05 * std::abs(highest));
+  return {lowest - pad, highest + pad};
+}
+
+Range axis_range(const Panel& panel, bool horizontal) {
+  const Axis& axis = horizontal ? panel.x : panel.y;
+  const Range fitted = fitted_range(panel, horizontal);
+  return {axis.from.value_or(fitted.from), axis.to.value_or(fitted.to)};
+}
+
+// Equal steps of 1, 2 or 5 times a power of ten.
+std::vector<double> equal_ticks(Range range) {
+  const double rough = (range.to - range.from) / 6;
+  const double power = std::pow(10.0, std::floor(std::log10(rough)));
+  const double step = power * (rough / power < 1.5 ? 1 : rough / power < 3.5 ? 2 : rough / power < 7.5 ? 5 : 10);
+  std::vector<double> ticks;
+  for (double index = std::ceil(range.from / step); index * step <= range.to; ++index) ticks.push_back(index * step);
+  return ticks;
+}
+
+std::vector<double> ticks_between(Range range, double decades) {
+  if (decades < 0.5) return equal_ticks(range);
+  const std::vector<double> mantissas =
+      decades > 1.3 ? std::vector<double>{1, 2, 5} : std::vector<double>{1, 1.5, 2, 3, 4, 5, 7};
+  std::vector<double> ticks;
+  const int lowest = static_cast<int>(std::floor(std::log10(range.from)));
+  const int highest = static_cast<int>(std::ceil(std::log10(range.to)));
+  for (int exponent = lowest; exponent <= highest; ++exponent) {
+    for (const double mantissa : mantissas) {
+      const double tick = mantissa * std::pow(10.0, exponent);
+      if (tick >= range.from * (1 - 1e-9) && tick <= range.to * (1 + 1e-9)) ticks.push_back(tick);
+    }
+  }
+  return ticks;
+}
+
+// Ticks of a logarithmic axis: powers of ten over many decades, round numbers in between over few, so that no axis is
+// left with a single labelled tick.
+void write_logarithmic_ticks(std::ostream& script, char axis, Range range, bool vertical) {
+  const double decades = std::log10(range.to / range.from);
+  script << "set logscale " << axis << "\n";
+  if (decades > 2.6) {
+    const int step = std::max(1, static_cast<int>(std::ceil(decades / (vertical ? 7 : 10))));
+    script << "set format " << axis << " '10^{%T}'\nset " << axis << "tics " << std::pow(10.0, step) << "\nset m"
+           << axis << "tics " << (step == 1 ? 10 : 1) << "\n";
+    return;
+  }
+  script << "set format " << axis << " '%g'\nset " << axis << "tics (";
+  bool first = true;
+  for (const double tick : ticks_between(range, decades)) {
+    script << (first ? "" : ", ") << tick;
+    first = false;
+  }
+  script << ")\nset m" << axis << "tics 1\n";
+}
+
+void write_axis(std::ostream& script, char name, const Axis& axis, Range range) {
+  script << "set " << name << "label " << quoted(axis.label) << "\n";
+  if (axis.logarithmic) {
+    write_logarithmic_ticks(script, name, range, name == 'y');
+  } else {
+    script << "unset logscale " << name << "\nset format " << name << " '%g'\nset " << name << "tics autofreq\nset m"
+           << name << "tics default\n";
+  }
+  // Hair wider than asked for on a logarithmic axis, where a tick exactly on the end would lose its label to rounding.
+  const double hair = axis.logarithmic ? 1e-6 : 0;
+  script << "set " << name << "range [" << range.from * (1 - hair) << ":" << range.to * (1 + hair) << "]\n";
+}
+
+// Mixed with white rather than made transparent, so that overlapping marks stay as pale as single ones.
+std::string pale(const std::string& colour) {
+  std::string mixed = "#";
+  for (const std::size_t at : {1U, 3U, 5U}) {
+    const int channel = std::stoi(colour.substr(at, 2), nullptr, 16);
+    const int level = 255 - (255 - channel) * 55 / 100;
+    for (const int digit : {level / 16, level % 16}) mixed += "0123456789abcdef"[digit];
+  }
+  return mixed;
+}
+
+std::string style_of(const Curve& curve) {
+  const std::string solid = " lc rgb '" + curve.colour + "'";
+  const std::string faint = " lc rgb '" + pale(curve.colour) + "'";
+  switch (curve.mark) {
+    case Mark::line:
+      return "with lines lw 2" + solid;
+    case Mark::dashed:
+      return "with lines lw 1.6 dt (8,5)" + solid;
+    case Mark::dotted:
+      return "with lines lw 1.8 dt (2,4)" + solid;
+    case Mark::line_points:
+      return "with linespoints lw 1.4 pt 7 ps 0.5" + solid;
+    case Mark::points:
+      return "with points pt 7 ps 0.42" + solid;
+    case Mark::open_points:
+      return "with points pt 6 ps 0.8 lw 1.2" + solid;
+    case Mark::faint_points:
+      return "with points pt 7 ps 0.32" + faint;
+    case Mark::faint_bars:
+      return "with yerrorbars pt -1 lw 0.8" + faint;
+    case Mark::bars:
+      return "with yerrorbars pt 7 ps 0.6 lw 1.2" + solid;
+  }
+  return {};
+}
+
+bool has_points(const Curve& curve) {
+  return std::any_of(curve.segments.begin(), curve.segments.end(),
+                     [](const auto& segment) { return !segment.empty(); });
+}
+
+using Row = std::tuple<double, double, double, double>;
+
+std::vector<std::vector<Row>> rows_of(const Curve& curve) {
+  std::vector<std::vector<Row>> rows;
+  for (const auto& segment : curve.segments) {
+    if (segment.empty()) continue;
+    auto& block = rows.emplace_back();
+    for (const PlotPoint& point : segment) block.emplace_back(point.x, point.y, point.lower, point.upper);
+  }
+  return rows;
+}
+
+std::string block_name(std::size_t panel, std::size_t curve) {
+  return "$panel" + std::to_string(panel + 1) + "_curve" + std::to_string(curve + 1);
+}
+
+bool draws_error_bars(Mark mark) {
+  return mark == Mark::bars || mark == Mark::faint_bars;
+}
+
+void write_panel(std::ostream& script, const Panel& panel, std::size_t index) {
+  script << "set title " << quoted(panel.title) << "\n";
+  write_axis(script, 'x', panel.x, axis_range(panel, true));
+  write_axis(script, 'y', panel.y, axis_range(panel, false));
+  script << (panel.key ? "set key at graph 1.02, graph 1 left top Left reverse samplen 2 spacing 1.15\n"
+                       : "unset key\n");
+  script << "plot ";
+  bool first = true;
+  for (std::size_t i = 0; i < panel.curves.size(); ++i) {
+    const Curve& curve = panel.curves[i];
+    if (!has_points(curve)) {
+      if (curve.label.empty()) continue;
+      // A member of the family that has nothing to draw here still stands in the key, which says so by its label.
+      script << (first ? "" : ", \\\n     ") << "NaN " << style_of(curve) << " title " << quoted(curve.label);
+    } else {
+      script << (first ? "" : ", \\\n     ") << block_name(index, i) << " using "
+             << (draws_error_bars(curve.mark) ? "1:2:3:4 " : "1:2 ") << style_of(curve)
+             << (curve.label.empty() ? " notitle" : " title " + quoted(curve.label));
+    }
+    first = false;
+  }
+  if (first) script << "NaN notitle";
+  script << "\n";
+}
+
+}  // namespace
+
+void write_script(const Figure& figure, const std::filesystem::path& folder) {
+  const std::filesystem::path path = folder / (figure.name + ".gp");
+  std::FILE* file = std::fopen(path.c_str(), "w");
+  if (file == nullptr) {
+    throw std::filesystem::filesystem_error("cannot write", path, std::error_code(errno, std::generic_category()));
+  }
+  const int count = static_cast<int>(figure.panels.size());
+  const int columns = std::max(1, std::min(figure.columns, count));
+  const int rows = (count + columns - 1) / columns;
+  const bool key =
+      std::any_of(figure.panels.begin(), figure.panels.end(), [](const Panel& panel) { return panel.key; });
+  const int right = key ? key_width(figure) : right_margin;
+  const int column_gap = left_margin + right_margin;
+  const int row_gap = top_margin + bottom_margin + 10;
+  const int panel_width = figure.panel_width > 0
+                              ? figure.panel_width
+                              : (page_width - left_margin - right - (columns - 1) * column_gap) / columns;
+  const int width = left_margin + columns * panel_width + (columns - 1) * column_gap + right;
+  const int height = top_margin + rows * figure.panel_height + (rows - 1) * row_gap + bottom_margin;
+
+  // The stream writes to a file and not into a pipe: a script stays beside each picture for the reader to edit, and a
+  // gnuplot that is missing or fails shows in the status of its own process.
+  Gnuplot script(file);
+  script << std::defaultfloat << std::setprecision(9);
+  script << "# Makes " << figure.name << ".svg and " << figure.name << ".png:  gnuplot " << figure.name << ".gp\n"
+         << "set encoding utf8\nset minussign\n";
+  for (std::size_t p = 0; p < figure.panels.size(); ++p) {
+    for (std::size_t c = 0; c < figure.panels[p].curves.size(); ++c) {
+      const Curve& curve = figure.panels[p].curves[c];
+      if (!has_points(curve)) continue;
+      // send2d closes with a line "e", which serves as the end mark of the data block.
+      script << block_name(p, c) << " << e\n";
+      script.send2d(rows_of(curve));
+    }
+  }
+  script << "do for [form in 'svg png'] {\n"
+         << "if (form eq 'svg') { set terminal svg size " << width << "," << height
+         << " dynamic font 'Helvetica,Arial,sans-serif,13' lw 0.9 } else { "
+         << "set terminal pngcairo size " << 2 * width << "," << 2 * height << " font 'sans,12' fontscale 2 lw 1.8 "
+         << "pointscale 2 background 'white' }\n"
+         << "set output '" << figure.name << ".' . form\n"
+         << "set multiplot\nset grid lc rgb '#dddddd' lw 0.8 lt 1\nset border lc rgb '#333333' lw 0.8\n"
+         << "set tics nomirror\nset bars small\nset title offset 0,-0.4\n";
+  for (std::size_t p = 0; p < figure.panels.size(); ++p) {
+    const int column = static_cast<int>(p) % columns;
+    const int row = static_cast<int>(p) / columns;
+    const double left = left_margin + column * (panel_width + column_gap);
+    const double top = top_margin + row * (figure.panel_height + row_gap);
+    script << "set lmargin at screen " << left / width << "\nset rmargin at screen " << (left + panel_width) / width
+           << "\nset tmargin at screen " << 1 - top / height << "\nset bmargin at screen "
+           << 1 - (top + figure.panel_height) / height << "\n";
+    write_panel(script, figure.panels[p], p);
+  }
+  script << "unset multiplot\nunset output\n}\n";
+  script.flush();
+  if (!script.good()) {
+    throw std::filesystem::filesystem_error("cannot write", path, std::make_error_code(std::errc::io_error));
+  }
+}
+
+}  // namespace report

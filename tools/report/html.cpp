@@ -1,0 +1,266 @@
+#include "report/html.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+
+namespace report {
+
+namespace {
+
+constexpr std::string_view style = R"css(
+:root{color-scheme:light}
+*{box-sizing:border-box}
+body{margin:0;background:#f4f4f1;color:#1c1c1c;font:16px/1.55 "Source Serif 4",Charter,"Bitstream Charter",Georgia,"DejaVu Serif",serif}
+main{max-width:66rem;margin:0 auto;padding:2.5rem 2.75rem 4rem;background:#fff;box-shadow:0 0 12px #0001}
+h1,h2,h3,nav,table,figcaption,.reading,.notice,.sub{font-family:"Source Sans 3","Helvetica Neue",Arial,"DejaVu Sans",sans-serif}
+h1{font-size:1.9rem;line-height:1.2;margin:0 0 .3rem}
+h2{font-size:1.4rem;margin:3rem 0 .8rem;padding-top:.6rem;border-top:2px solid #1c1c1c}
+h3{font-size:1.08rem;margin:2rem 0 .4rem}
+p,ul{max-width:46rem;margin:.6rem 0}
+li{margin:.35rem 0}
+.sub{color:#555;margin:0 0 1.4rem;max-width:46rem}
+nav{font-size:.92rem;margin:1.2rem 0;columns:2;max-width:46rem}
+nav ol{margin:0;padding-left:1.4rem}
+nav li{margin:0;padding:.15rem 0}
+nav a,a{color:#00538a}
+.reading{background:#eef4f8;border-left:4px solid #0072b2;padding:.6rem .9rem;font-size:.93rem;max-width:46rem;margin:.8rem 0 1.2rem}
+.reading b{color:#00538a}
+.notice{background:#fdf1e3;border-left:4px solid #d55e00;padding:.7rem .9rem;margin:1rem 0;max-width:46rem}
+figure{margin:1.6rem 0 1.8rem}
+figure svg{width:100%;height:auto;display:block;background:#fff}
+figcaption,caption{font-size:.9rem;color:#333;text-align:left;line-height:1.45}
+figcaption{margin-top:.3rem;max-width:52rem}
+.files{color:#777;font-size:.84rem}
+.scroll{overflow-x:auto;margin:1.2rem 0 1.5rem}
+table{border-collapse:collapse;font-size:.87rem;line-height:1.35}
+caption{caption-side:top;padding-bottom:.45rem;max-width:52rem}
+th{border-bottom:1.5px solid #1c1c1c;padding:.25rem .7rem;vertical-align:bottom;font-weight:600;text-align:right}
+td{padding:.2rem .7rem;border-bottom:1px solid #e4e4e0;text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap}
+th.word,td.word{text-align:left;white-space:normal}
+td.word:last-child,th.word:last-child{min-width:18rem}
+.more{font-size:.9rem;color:#333;margin:.3rem 0}
+details{margin:1rem 0}summary{cursor:pointer}
+.finding{margin:.8rem 0}
+tbody tr:hover{background:#f6f8fa}
+code,pre{font:.88em/1.4 "DejaVu Sans Mono",Consolas,monospace}
+pre{background:#f4f4f1;padding:.6rem .8rem;overflow-x:auto}
+@media print{body{background:#fff}main{box-shadow:none;max-width:none;padding:0}figure,table{break-inside:avoid}}
+@media (max-width:640px){main{padding:1.2rem}nav{columns:1}}
+)css";
+
+bool is_id_character(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-' || c == '.' || c == ':';
+}
+
+std::string read_text(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return {};
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+std::string plain_text(std::string_view html) {
+  std::string text;
+  bool tag = false;
+  for (const char c : html) {
+    if (c == '<') tag = true;
+    if (!tag) text += c;
+    if (c == '>') tag = false;
+  }
+  return text;
+}
+
+std::string figure_html(const Figure& figure, const std::filesystem::path& folder) {
+  const std::string svg = read_text(folder / "figures" / (figure.name + ".svg"));
+  const std::string stem = "figures/" + figure.name;
+  std::string html = "<figure id=\"figure-" + figure.name + "\">\n";
+  if (svg.empty()) {
+    html +=
+        "<div class=\"notice\">This picture was not drawn. Its numbers are complete: once gnuplot is installed "
+        "(<code>apt-get install gnuplot-nox</code>), <code>gnuplot " +
+        figure.name + ".gp</code> in the folder <code>figures</code> draws it.</div>\n";
+  } else {
+    html += inline_svg(svg, figure.name + "-") + "\n";
+  }
+  html += "<figcaption>" + figure.caption + " <span class=\"files\">[";
+  if (!svg.empty()) html += "<a href=\"" + stem + ".svg\">SVG</a>, <a href=\"" + stem + ".png\">PNG</a>, ";
+  html += "<a href=\"" + stem + ".gp\">script with the data</a>]</span></figcaption>\n</figure>\n";
+  return html;
+}
+
+bool is_word_column(const Table& table, std::size_t column) {
+  return std::any_of(table.rows.begin(), table.rows.end(),
+                     [column](const auto& row) { return std::holds_alternative<std::string>(row[column]); });
+}
+
+std::string cell_html(const Cell& cell, const Column& column) {
+  if (const std::string* word = std::get_if<std::string>(&cell)) {
+    return column.formula ? html_formula(*word) : escape_html(*word);
+  }
+  const double value = std::get<double>(cell);
+  return html_number(std::abs(value) < column.zero_below ? 0 : value, column.digits);
+}
+
+std::string table_html(const Table& table) {
+  const std::string link = "<span class=\"files\">[<a href=\"tables/" + table.name + ".csv\">CSV</a>]</span>";
+  if (!table.on_page) return "<p class=\"more\">" + table.caption + " " + link + "</p>\n";
+  std::vector<std::size_t> shown;
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    if (table.columns[c].on_page) shown.push_back(c);
+  }
+  std::string html =
+      "<div class=\"scroll\"><table>\n<caption>" + table.caption + " " + link + "</caption>\n<thead><tr>";
+  for (const std::size_t c : shown) {
+    html += (is_word_column(table, c) ? "<th class=\"word\">" : "<th>") + table.columns[c].heading + "</th>";
+  }
+  html += "</tr></thead>\n<tbody>\n";
+  for (std::size_t r = 0; r < std::min(table.rows.size(), table.rows_on_page); ++r) {
+    const auto& row = table.rows[r];
+    html += "<tr>";
+    for (const std::size_t c : shown) {
+      html += is_word_column(table, c) ? "<td class=\"word\">" : "<td>";
+      html += cell_html(row[c], table.columns[c]) + "</td>";
+    }
+    html += "</tr>\n";
+  }
+  html += "</tbody></table>";
+  if (table.rows.size() > table.rows_on_page) {
+    html += "<p class=\"more\">The first " + std::to_string(table.rows_on_page) + " of " +
+            std::to_string(table.rows.size()) + " rows; all are in the CSV.</p>";
+  }
+  return html + "</div>\n";
+}
+
+std::string block_html(const Block& block, const std::filesystem::path& folder) {
+  if (const Figure* figure = std::get_if<Figure>(&block)) return figure_html(*figure, folder);
+  if (const Table* table = std::get_if<Table>(&block)) return table_html(*table);
+  return std::get<Html>(block).text + "\n";
+}
+
+}  // namespace
+
+std::string escape_html(std::string_view text) {
+  std::string safe;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        safe += "&amp;";
+        break;
+      case '<':
+        safe += "&lt;";
+        break;
+      case '>':
+        safe += "&gt;";
+        break;
+      case '"':
+        safe += "&quot;";
+        break;
+      case '\'':
+        safe += "&#39;";
+        break;
+      default:
+        safe += c;
+    }
+  }
+  return safe;
+}
+
+std::string html_formula(std::string_view formula) {
+  std::string html;
+  for (std::size_t i = 0; i < formula.size(); ++i) {
+    if (formula[i] != '^') {
+      html += escape_html(formula.substr(i, 1));
+      continue;
+    }
+    std::size_t end = i + 1;
+    while (end < formula.size() && (std::isalnum(static_cast<unsigned char>(formula[end])) != 0 || formula[end] == '.'))
+      ++end;
+    html += "<sup>" + escape_html(formula.substr(i + 1, end - i - 1)) + "</sup>";
+    i = end - 1;
+  }
+  return html;
+}
+
+std::string html_number(double value, int digits) {
+  if (std::isnan(value)) return "–";
+  if (std::isinf(value)) return value > 0 ? "∞" : "−∞";
+  char buffer[64];
+  std::snprintf(buffer, sizeof buffer, "%.*e", digits - 1, value);
+  const std::string scientific = buffer;
+  const std::size_t e = scientific.find('e');
+  const int exponent = std::stoi(scientific.substr(e + 1));
+  std::string text = scientific.substr(0, e);
+  std::string power;
+  if (exponent >= -4 && exponent < 6) {
+    // Rounded to the digits first, so that 380 does not come out as 380.4 where two digits are asked for.
+    const double rounded = std::strtod(scientific.c_str(), nullptr);
+    std::snprintf(buffer, sizeof buffer, "%.*f", std::max(0, digits - 1 - exponent), rounded);
+    text = buffer;
+  } else {
+    power = "·10<sup>" + std::string(exponent < 0 ? "−" : "") + std::to_string(std::abs(exponent)) + "</sup>";
+  }
+  if (text.find('.') != std::string::npos) {
+    text.erase(text.find_last_not_of('0') + 1);
+    if (text.back() == '.') text.pop_back();
+  }
+  if (text.front() == '-') text.replace(0, 1, "−");
+  return text + power;
+}
+
+std::string html_interval(double lower, double upper, int digits) {
+  if (std::isnan(lower) || std::isnan(upper)) return {};
+  return html_number(lower, digits) + " … " + html_number(upper, digits);
+}
+
+std::string inline_svg(std::string_view svg, std::string_view prefix) {
+  const std::size_t root = svg.find("<svg");
+  if (root == std::string_view::npos) return {};
+  svg.remove_prefix(root);
+  std::string result;
+  result.reserve(svg.size() + svg.size() / 16);
+  // gnuplot writes attributes with either quote, and refers to ids by href='#id' and by url(#id).
+  static constexpr std::string_view marks[] = {" id=\"", " id='", "\tid=\"", "\nid=\"", "href=\"#", "href='#", "url(#"};
+  for (std::size_t at = 0; at < svg.size();) {
+    const auto mark = std::find_if(std::begin(marks), std::end(marks), [&](std::string_view candidate) {
+      return svg.compare(at, candidate.size(), candidate) == 0;
+    });
+    if (mark == std::end(marks)) {
+      result += svg[at++];
+      continue;
+    }
+    result += *mark;
+    at += mark->size();
+    if (at < svg.size() && is_id_character(svg[at])) result += prefix;
+  }
+  return result;
+}
+
+std::string page_html(const Page& page, const std::filesystem::path& folder) {
+  std::string html =
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
+      escape_html(page.title) + "</title>\n<style>" + std::string(style) + "</style>\n</head>\n<body>\n<main>\n<h1>" +
+      escape_html(page.title) + "</h1>\n<p class=\"sub\">" + page.subtitle + "</p>\n";
+  if (!page.notice.empty()) html += "<div class=\"notice\">" + page.notice + "</div>\n";
+  html += "<nav><ol>\n";
+  for (const Section& section : page.sections) {
+    html += "<li><a href=\"#" + section.id + "\">" + plain_text(section.title) + "</a></li>\n";
+  }
+  html += "</ol></nav>\n";
+  int number = 0;
+  for (const Section& section : page.sections) {
+    html +=
+        "<section id=\"" + section.id + "\">\n<h2>" + std::to_string(++number) + "&ensp;" + section.title + "</h2>\n";
+    if (!section.reading.empty())
+      html += "<div class=\"reading\"><b>How to read this.</b> " + section.reading + "</div>\n";
+    for (const Block& block : section.blocks) html += block_html(block, folder);
+    html += "</section>\n";
+  }
+  return html + "</main>\n</body>\n</html>\n";
+}
+
+}  // namespace report

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "report/section.hpp"
+
+namespace report {
+
+/// Text made safe between tags and in quoted attributes.
+[[nodiscard]] std::string escape_html(std::string_view text);
+
+/// A formula of s with its powers raised.
+[[nodiscard]] std::string html_formula(std::string_view formula);
+
+/// A number for readers: so many significant digits, powers of ten as such, an en dash for NaN.
+[[nodiscard]] std::string html_number(double value, int digits = 4);
+/// "from ... to ..." for an interval; empty text when one end is NaN.
+[[nodiscard]] std::string html_interval(double lower, double upper, int digits = 4);
+
+/// An SVG file made fit to stand inside a page among others: prolog removed, every id and every reference to one
+/// prefixed.
+[[nodiscard]] std::string inline_svg(std::string_view svg, std::string_view prefix);
+
+struct Page {
+  std::string title;     // plain text
+  std::string subtitle;  // HTML
+  std::string notice;    // HTML, shown in a box on top; empty: none
+  std::vector<Section> sections;
+};
+
+/// The whole page, self-contained.  Pictures are read from figures/<name>.svg under `folder`; where one is missing the
+/// page says so in its place.
+[[nodiscard]] std::string page_html(const Page& page, const std::filesystem::path& folder);
+
+}  // namespace report

@@ -1,0 +1,381 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "backlash/jump_frequency.hpp"
+#include "backlash/jump_law.hpp"
+#include "io/number.hpp"
+#include "report/fixed_step_jump.hpp"
+#include "report/grid.hpp"
+#include "report/html.hpp"
+#include "report/sections.hpp"
+
+namespace report {
+
+namespace {
+
+using backlash::JumpCriterion;
+using backlash::JumpLaw;
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+// Mean over restitution at each force of one clearance, as the paper averages.
+std::map<double, double> mean_over_restitution(const JumpLaw& law, double clearance) {
+  std::map<double, std::pair<double, int>> sums;
+  for (const auto& point : law.points) {
+    if (point.clearance != clearance || !point.omega_jump) continue;
+    auto& [sum, count] = sums[point.force];
+    sum += *point.omega_jump;
+    ++count;
+  }
+  std::map<double, double> means;
+  for (const auto& [force, sum] : sums) means[force] = sum.first / sum.second;
+  return means;
+}
+
+Figure force_figure(const Scene& scene, const JumpLaw& law) {
+  Panel panel;
+  panel.title = "Jump frequency against force";
+  panel.x = {"F in N", true, {}, {}};
+  panel.y = {"ω_J in rad/s", true, {}, {}};
+  panel.key = true;
+  for (std::size_t i = 0; i < law.laws.size(); ++i) {
+    const double clearance = law.laws[i].clearance;
+    const std::string colour = family_colour(i, law.laws.size());
+    std::vector<double> force, omega, fitted;
+    for (const auto& [f, w] : mean_over_restitution(law, clearance)) {
+      force.push_back(f);
+      omega.push_back(w);
+      fitted.push_back(law.laws[i].law(f));
+    }
+    panel.curves.push_back(make_curve("Δ = " + io::format_number(clearance) + " m", colour, Mark::line, force, fitted));
+    panel.curves.push_back(make_curve("", colour, Mark::points, force, omega));
+  }
+  Figure figure;
+  figure.name = "fig9-jump-frequency";
+  figure.caption =
+      (scene.of_the_paper ? std::string("<b>Figure 9 of the paper.</b> ") : std::string()) +
+      "Jump frequency ω<sub>J</sub> against force amplitude, averaged over " +
+      std::to_string(scene.jump_restitutions.size()) +
+      " coefficients of restitution (points), with the law ω<sub>J</sub> = a F<sup>b</sup> fitted per clearance "
+      "(lines). Parallel lines mean one exponent b for all clearances.";
+  figure.panels = {std::move(panel)};
+  figure.panel_height = 400;
+  return figure;
+}
+
+double similarity_coefficient(const Scene& scene, const JumpLaw& law, double clearance) {
+  return law.mean_similarity_constant / std::sqrt(clearance * scene.mass2);
+}
+
+Figure clearance_figure(const Scene& scene, const JumpLaw& law) {
+  const backlash::PublishedJumpLaw published;
+  const double from = law.laws.front().clearance;
+  const double to = law.laws.back().clearance;
+  const std::vector<double> grid = logarithmic_grid(std::min(from, to), std::max(from, to), 60);
+  std::vector<double> clearance, a, b, a_fit, a_published, a_similar, b_fit, b_published;
+  for (const auto& entry : law.laws) {
+    clearance.push_back(entry.clearance);
+    a.push_back(entry.law.coefficient);
+    b.push_back(entry.law.exponent);
+  }
+  for (const double x : grid) {
+    a_fit.push_back(law.a_of_clearance(x));
+    b_fit.push_back(law.b_of_clearance(x));
+    a_similar.push_back(similarity_coefficient(scene, law, x));
+    a_published.push_back(published.a_coefficient * std::pow(x, published.a_exponent));
+    b_published.push_back(published.b_coefficient * std::pow(x, published.b_exponent));
+  }
+  Panel coefficient, exponent;
+  coefficient.title = "Coefficient a(Δ)";
+  coefficient.x = exponent.x = {"Δ in m", true, {}, {}};
+  coefficient.y = {"a in rad s^{-1} N^{-b}", true, {}, {}};
+  exponent.title = "Exponent b(Δ)";
+  exponent.y = {"b", false, 0.44, 0.6};
+  exponent.key = true;
+  coefficient.curves = {make_curve("", category_colour(1), Mark::line, grid, a_published),
+                        make_curve("", "#222222", Mark::line, grid, a_similar),
+                        make_curve("", category_colour(5), Mark::dashed, grid, a_fit),
+                        make_curve("", category_colour(0), Mark::points, clearance, a)};
+  exponent.curves = {
+      make_curve("published (8)", category_colour(1), Mark::line, grid, b_published),
+      make_curve("similarity, exact", "#222222", Mark::line, grid, std::vector<double>(grid.size(), 0.5)),
+      make_curve("power law fitted to ours", category_colour(5), Mark::dashed, grid, b_fit),
+      make_curve("ours, per clearance", category_colour(0), Mark::points, clearance, b)};
+  Figure figure;
+  figure.name = "fig10-jump-law";
+  figure.caption =
+      (scene.of_the_paper ? std::string("<b>Figure 10 of the paper.</b> ") : std::string()) +
+      "Coefficient a and exponent b of ω<sub>J</sub> = a F<sup>b</sup> against clearance: ours, the power laws fitted "
+      "to "
+      "ours, the published laws a = 1.193 Δ<sup>−0.564</sup> and b = 0.565 Δ<sup>0.024</sup>, and the similarity law "
+      "a = c (M<sub>2</sub>Δ)<sup>−1/2</sup>, b = 1/2. Ours and similarity lie on one another.";
+  figure.columns = 2;
+  figure.panel_height = 340;
+  figure.panels = {std::move(coefficient), std::move(exponent)};
+  return figure;
+}
+
+Table law_table(const Scene& scene, const JumpLaw& law) {
+  const backlash::PublishedJumpLaw published;
+  Table table{"jump-laws",
+              "Law ω<sub>J</sub> = a F<sup>b</sup> per clearance (equation 7) and its jump frequency at F = " +
+                  html_number(scene.force) + " N.",
+              {{"clearance_m", "Δ / m"},
+               {"a", "a, ours", 5},
+               {"b", "b, ours", 5},
+               {"b_ci95_lower", "95 % from", 5},
+               {"b_ci95_upper", "to", 5},
+               {"a_published", "a, published"},
+               {"b_published", "b, published"},
+               {"a_similarity", "a, similarity", 5},
+               {"b_similarity", "b, similarity"},
+               {"omega_jump_rad_s", "ω<sub>J</sub>, ours / (rad/s)"},
+               {"omega_jump_published_rad_s", "ω<sub>J</sub>, published / (rad/s)"}},
+              {}};
+  for (const auto& entry : law.laws) {
+    table.rows.push_back({entry.clearance, entry.law.coefficient, entry.law.exponent, entry.law.exponent_ci95_lower,
+                          entry.law.exponent_ci95_upper,
+                          published.a_coefficient * std::pow(entry.clearance, published.a_exponent),
+                          published.b_coefficient * std::pow(entry.clearance, published.b_exponent),
+                          similarity_coefficient(scene, law, entry.clearance), 0.5, entry.law(scene.force),
+                          published.omega_jump(scene.force, entry.clearance)});
+  }
+  return table;
+}
+
+Table clearance_table(const Scene& scene, const JumpLaw& law) {
+  const backlash::PublishedJumpLaw published;
+  Table table{"jump-law-of-clearance",
+              "Laws over the clearance (equation 8), quantity = coefficient · Δ<sup>exponent</sup>.",
+              {{"quantity", "quantity"},
+               {"source", "source"},
+               {"coefficient", "coefficient", 5},
+               {"coefficient_ci95_lower", "95 % from", 5},
+               {"coefficient_ci95_upper", "to", 5},
+               {"exponent", "exponent", 5, true, false, 1e-12},
+               {"exponent_ci95_lower", "95 % from", 5, true, false, 1e-12},
+               {"exponent_ci95_upper", "to", 5, true, false, 1e-12}},
+              {}};
+  const auto ours = [&table](const std::string& quantity, const frac::PowerLaw& fitted) {
+    table.rows.push_back({quantity, std::string("ours"), fitted.coefficient, fitted.coefficient_ci95_lower,
+                          fitted.coefficient_ci95_upper, fitted.exponent, fitted.exponent_ci95_lower,
+                          fitted.exponent_ci95_upper});
+  };
+  const auto other = [&table](const std::string& quantity, const std::string& source, double coefficient,
+                              double exponent) {
+    table.rows.push_back({quantity, source, coefficient, none, none, exponent, none, none});
+  };
+  ours("a", law.a_of_clearance);
+  other("a", "published", published.a_coefficient, published.a_exponent);
+  other("a", "similarity, exact", law.mean_similarity_constant / std::sqrt(scene.mass2), -0.5);
+  ours("b", law.b_of_clearance);
+  other("b", "published", published.b_coefficient, published.b_exponent);
+  other("b", "similarity, exact", 0.5, 0);
+  return table;
+}
+
+struct CriterionText {
+  JumpCriterion criterion;
+  std::string meaning;
+};
+
+const std::vector<CriterionText>& criteria() {
+  static const std::vector<CriterionText> all = {
+      {JumpCriterion::two_impact_loss, "two-impact orbit ends, seen with ω falling"},
+      {JumpCriterion::symmetry_loss, "symmetric orbit ends (pitchfork)"},
+      {JumpCriterion::saddle_node, "impacting motion collapses, ω rising"},
+      {JumpCriterion::contact_at_rest, "start in contact at rest: equation (6)"},
+      {JumpCriterion::mid_gap_at_rest, "start at mid-gap at rest"},
+      {JumpCriterion::sweep_up, "visible jump of a sweep with ω rising"},
+      {JumpCriterion::sweep_down, "visible jump of a sweep with ω falling"},
+  };
+  return all;
+}
+
+struct Constants {
+  Table table;
+  std::map<JumpCriterion, double> mean;
+};
+
+Constants constants_table(const Work& work) {
+  std::vector<double> restitutions = {0, 0.2, 0.4, 0.6, 0.8, 0.95, 1};
+  if (!work.scene.of_the_paper) restitutions = work.scene.restitutions;
+  const auto& all = criteria();
+  std::vector<double> constants(all.size() * restitutions.size(), none);
+  frac::parallel_for(constants.size(), work.threads, [&](std::size_t i) {
+    const auto jump = backlash::jump_similarity_constant(restitutions[i % restitutions.size()],
+                                                         all[i / restitutions.size()].criterion);
+    if (jump.similarity_constant) constants[i] = *jump.similarity_constant;
+  });
+  Constants result;
+  Table& table = result.table;
+  table.name = "jump-constants";
+  table.caption =
+      "Similarity constant c = ω<sub>J</sub>/√(F/(M<sub>2</sub>Δ)) by protocol and coefficient of restitution. Every "
+      "entry holds for "
+      "all forces, clearances and forced masses; a dash means that this protocol shows no such jump.";
+  table.columns = {{"criterion", "criterion"}, {"meaning", "what it marks"}};
+  for (const double restitution : restitutions) {
+    const std::string value = io::format_number(restitution);
+    table.columns.push_back({"c_at_restitution_" + value, "ε = " + value, 5});
+  }
+  table.columns.push_back({"mean", "mean", 5});
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    std::vector<Cell> row = {std::string(backlash::to_string(all[k].criterion)), all[k].meaning};
+    double sum = 0;
+    int count = 0;
+    for (std::size_t e = 0; e < restitutions.size(); ++e) {
+      const double c = constants[k * restitutions.size() + e];
+      row.emplace_back(c);
+      if (std::isnan(c)) continue;
+      sum += c;
+      ++count;
+    }
+    const double mean = count > 0 ? sum / count : none;
+    row.emplace_back(mean);
+    result.mean[all[k].criterion] = mean;
+    table.rows.push_back(std::move(row));
+  }
+  return result;
+}
+
+struct PublishedRange {
+  double lowest, highest, mean;
+};
+
+PublishedRange published_constants(const Scene& scene) {
+  const backlash::PublishedJumpLaw published;
+  double lowest = std::numeric_limits<double>::infinity();
+  double highest = 0, sum = 0;
+  for (const double force : scene.jump_forces) {
+    for (const double clearance : scene.jump_clearances) {
+      const double c = published.omega_jump(force, clearance) / std::sqrt(force / (scene.mass2 * clearance));
+      lowest = std::min(lowest, c);
+      highest = std::max(highest, c);
+      sum += c;
+    }
+  }
+  return {lowest, highest, sum / static_cast<double>(scene.jump_forces.size() * scene.jump_clearances.size())};
+}
+
+Table discontinuity_table(const Scene& scene, const Family& family) {
+  Table table{
+      "discontinuities",
+      "Discontinuities found from the values of the curves over ε alone, as one would in a measurement (largest three "
+      "per "
+      "curve). The bracket is the pair of neighbouring samples between which the step lies; a curve can hold several.",
+      {{"restitution", "ε"},
+       {"rank", "rank"},
+       {"omega_lower_rad_s", "bracket from / (rad/s)", 5},
+       {"omega_upper_rad_s", "to / (rad/s)", 5},
+       {"omega_rad_s", "ω<sub>J</sub> / (rad/s)", 5},
+       {"similarity_constant", "c", 4},
+       {"size", "relative size of the step", 3}},
+      {}};
+  for (const auto& sweep : family.sweeps) {
+    std::vector<double> omega;
+    for (const auto& point : sweep.points) omega.push_back(point.omega);
+    if (sweep.system.clearance() == 0) continue;
+    const auto found = backlash::find_discontinuities(sweep.data());
+    const double scale = std::sqrt(sweep.force_amplitude / (scene.mass2 * sweep.system.clearance()));
+    for (std::size_t i = 0; i < std::min<std::size_t>(found.size(), 3); ++i) {
+      table.rows.push_back({sweep.system.restitution(), static_cast<double>(i + 1), found[i].omega_lower,
+                            found[i].omega_upper, found[i].omega, found[i].omega / scale, found[i].size});
+    }
+    if (found.empty()) table.rows.push_back({sweep.system.restitution(), 0.0, none, none, none, none, none});
+  }
+  return table;
+}
+
+Table fixed_step_table(const Scene& scene, const PublishedRange& range, int threads) {
+  const backlash::PublishedJumpLaw published;
+  Table table = fixed_step_jumps(scene.jump_forces, scene.jump_clearances, threads);
+  const auto b = [&published](double clearance) {
+    return published.b_coefficient * std::pow(clearance, published.b_exponent);
+  };
+  const auto [smallest, largest] = std::minmax_element(scene.jump_clearances.begin(), scene.jump_clearances.end());
+  table.rows.push_back({std::string("published law"), range.lowest, range.highest, published.a_coefficient,
+                        published.a_exponent, b(*smallest), b(*largest)});
+  return table;
+}
+
+}  // namespace
+
+Section jump_section(const Work& work, const Curves& curves) {
+  const Scene& scene = work.scene;
+  Section section;
+  section.id = "jumps";
+  section.title = "Jump laws";
+  section.reading =
+      "At the jump frequency ω<sub>J</sub> the response changes from one steady motion to another; the paper condenses "
+      "it into "
+      "ω<sub>J</sub> = a F<sup>b</sup> with a and b power laws of the clearance. For two free masses and ideal impacts "
+      "dimensional "
+      "analysis leaves no choice: ω<sub>J</sub> = c √(F/(M<sub>2</sub>Δ)), so b = 1/2 and a falls with "
+      "Δ<sup>−1/2</sup>; only the "
+      "number c depends on restitution and on how the motion was started. The tables put the three side by side.";
+  const Constants constants = constants_table(work);
+  const PublishedRange published = published_constants(scene);
+  const bool has_grid = scene.jump_forces.size() >= 2 && scene.jump_clearances.size() >= 2;
+  if (has_grid) {
+    const JumpLaw law =
+        backlash::fit_jump_law(scene.mass1, scene.mass2, scene.jump_forces, scene.jump_clearances,
+                               scene.jump_restitutions, JumpCriterion::two_impact_loss, work.threads, work.progress);
+    section.blocks.emplace_back(force_figure(scene, law));
+    section.blocks.emplace_back(clearance_figure(scene, law));
+    section.blocks.emplace_back(law_table(scene, law));
+    section.blocks.emplace_back(clearance_table(scene, law));
+    section.facts.emplace_back("a_coefficient", law.a_of_clearance.coefficient);
+    section.facts.emplace_back("a_exponent", law.a_of_clearance.exponent);
+    section.facts.emplace_back("b_coefficient", law.b_of_clearance.coefficient);
+    section.facts.emplace_back("b_exponent", law.b_of_clearance.exponent);
+    section.facts.emplace_back("mean_similarity_constant", law.mean_similarity_constant);
+    section.findings.push_back("The jump law of the ideal model is a = " + html_number(law.a_of_clearance.coefficient) +
+                               " Δ<sup>" + html_number(law.a_of_clearance.exponent) +
+                               "</sup>, b = " + html_number(law.laws.front().law.exponent) +
+                               " for every clearance; similarity demands exactly Δ<sup>−1/2</sup> and 1/2. The paper "
+                               "printed a = 1.193 Δ<sup>−0.564</sup>, "
+                               "b = 0.565 Δ<sup>0.024</sup>.");
+  } else {
+    section.blocks.emplace_back(
+        Html{"<p>A fit of a(Δ) and b(Δ) needs at least two forces and two positive clearances; this scene has " +
+             std::to_string(scene.jump_forces.size()) + " and " + std::to_string(scene.jump_clearances.size()) +
+             ". The constants below give every jump all the same.</p>"});
+  }
+  section.blocks.emplace_back(constants.table);
+  if (scene.clearance > 0) section.blocks.emplace_back(discontinuity_table(scene, curves.restitutions));
+  if (has_grid && scene.of_the_paper) section.blocks.emplace_back(fixed_step_table(scene, published, work.threads));
+  section.blocks.emplace_back(Html{
+      "<h3>Why the published law differs</h3>"
+      "<p>On the grid of forces and clearances above the published law corresponds to c = " +
+      html_number(published.lowest) + " … " + html_number(published.highest) + ", mean " + html_number(published.mean) +
+      ". The protocols that show a jump on a curve give mean constants from " +
+      html_number(constants.mean.at(JumpCriterion::two_impact_loss)) + " (end of the two-impact orbit) to " +
+      html_number(constants.mean.at(JumpCriterion::symmetry_loss)) +
+      " (end of its symmetry). So the size of ω<sub>J</sub> agrees to about ten per cent; the exponents do not, and in "
+      "the ideal model "
+      "they cannot: no protocol leaves room for anything but b = 1/2 and Δ<sup>−1/2</sup>.</p>"
+      "<p>Exponents other than 1/2 need a further scale in the computation. A fixed time step is one." +
+      std::string(
+          scene.of_the_paper
+              ? " The last table measures what it does: c spreads over a range of the published size and grows with "
+                "ω<sub>J</sub>, as the published c does, but the exponent b then rises towards <em>small</em> "
+                "clearances, while "
+                "the published one rises towards large ones."
+              : "") +
+      " The published numbers are therefore consistent with an effect of the size of a fixed step’s, and this says "
+      "nothing about its "
+      "cause: how the jump was read off the curves, which start was used and how long each run was can matter as "
+      "much.</p>"});
+  section.facts.emplace_back("published_similarity_constant_mean", published.mean);
+  for (const auto& [criterion, mean] : constants.mean) {
+    section.facts.emplace_back("mean_constant_" + std::string(backlash::to_string(criterion)), mean);
+  }
+  return section;
+}
+
+}  // namespace report

@@ -1,0 +1,127 @@
+#include "report/ranking.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+
+#include "report/figure.hpp"
+
+namespace report {
+
+namespace {
+
+std::string plain_number(double value, int digits) {
+  char buffer[64];
+  std::snprintf(buffer, sizeof buffer, "%.*g", digits, value);
+  return buffer;
+}
+
+}  // namespace
+
+std::string described(const frac::RankedFit& fit) {
+  return fit.model_class == frac::ModelClass::fixed_curve ? fit.name + " (no free parameter)" : fit.fit.model;
+}
+
+std::string key_label(const frac::RankedFit& fit) {
+  // A long formula would take the room of the plot.
+  std::string text = described(fit);
+  if (text.size() > 30) text = fit.name;
+  const std::string safe = enhanced_escape(text);
+  // "s\^a" becomes a raised a.
+  std::string label;
+  for (std::size_t i = 0; i < safe.size(); ++i) {
+    if (safe.compare(i, 2, "\\^") != 0) {
+      label += safe[i];
+      continue;
+    }
+    const std::size_t begin = i + 2;
+    std::size_t end = begin;
+    while (end < safe.size() && (std::isalnum(static_cast<unsigned char>(safe[end])) != 0 || safe[end] == '.')) ++end;
+    label += "^{" + safe.substr(begin, end - begin) + "}";
+    i = end - 1;
+  }
+  return label;
+}
+
+std::string remark(const frac::ParameterEstimate& parameter) {
+  if (parameter.fixed) return "fixed";
+  if (parameter.at_bound) return "at bound";
+  if (!parameter.identified) return "not identified";
+  return {};
+}
+
+std::string estimate_text(const frac::ParameterEstimate& parameter) {
+  std::string text = parameter.name + " = " + plain_number(parameter.value, 4);
+  if (const std::string note = remark(parameter); !note.empty()) return text + " (" + note + ")";
+  if (std::isnan(parameter.ci95_lower)) return text;
+  return text + " (" + plain_number(parameter.ci95_lower, 4) + " … " + plain_number(parameter.ci95_upper, 4) + ")";
+}
+
+Table ranking_table(const std::string& name, const std::string& caption, const frac::IdentificationResult& result) {
+  Table table{name,
+              caption,
+              {{"rank", "rank"},
+               {"model", "structure", 0, true, true},
+               {"class", "class"},
+               {"free_parameters", "free"},
+               {"aicc", "AICc", 5, false},
+               {"delta_aicc", "ΔAICc", 4},
+               {"akaike_weight", "weight", 3, false},
+               {"rms_relative", "rms residual", 3},
+               {"largest_relative", "largest", 3, false},
+               {"parameters", "parameters (95 % interval)"}},
+              {}};
+  for (std::size_t i = 0; i < result.ranking.size(); ++i) {
+    const frac::RankedFit& ranked = result.ranking[i];
+    std::string parameters;
+    for (const auto& parameter : ranked.fit.parameters)
+      parameters += (parameters.empty() ? "" : "; ") + estimate_text(parameter);
+    if (ranked.fit.termination != frac::FitTermination::converged) {
+      parameters += (parameters.empty() ? "" : "; ") + ranked.fit.message;
+    }
+    if (i == result.chosen) parameters += (parameters.empty() ? "" : "; ") + std::string("[chosen]");
+    table.rows.push_back({static_cast<double>(i + 1), described(ranked),
+                          std::string(frac::to_string(ranked.model_class)),
+                          static_cast<double>(ranked.fit.free_parameters), ranked.fit.aicc, ranked.delta_aicc,
+                          ranked.akaike_weight, ranked.fit.rms, ranked.fit.max_residual, parameters});
+  }
+  table.rows_on_page = 12;
+  return table;
+}
+
+Table parameter_table(const std::string& name, const std::string& caption, const frac::IdentificationResult& result) {
+  Table table{name,
+              caption,
+              {{"rank", "rank"},
+               {"model", "structure"},
+               {"parameter", "parameter"},
+               {"value", "value"},
+               {"standard_error", "standard error"},
+               {"ci95_lower", "95 % from"},
+               {"ci95_upper", "to"},
+               {"remark", "remark"}},
+              {},
+              false};
+  for (std::size_t i = 0; i < result.ranking.size(); ++i) {
+    for (const auto& parameter : result.ranking[i].fit.parameters) {
+      table.rows.push_back({static_cast<double>(i + 1), described(result.ranking[i]), parameter.name, parameter.value,
+                            parameter.standard_error, parameter.ci95_lower, parameter.ci95_upper, remark(parameter)});
+    }
+  }
+  return table;
+}
+
+const frac::RankedFit* best_of(const frac::IdentificationResult& result, frac::ModelClass model_class) {
+  const auto found = std::find_if(result.ranking.begin(), result.ranking.end(),
+                                  [model_class](const frac::RankedFit& fit) { return fit.model_class == model_class; });
+  return found == result.ranking.end() ? nullptr : &*found;
+}
+
+const frac::ParameterEstimate* find_parameter(const frac::FitResult& fit, const std::string& name) {
+  const auto found = std::find_if(fit.parameters.begin(), fit.parameters.end(),
+                                  [&name](const frac::ParameterEstimate& parameter) { return parameter.name == name; });
+  return found == fit.parameters.end() ? nullptr : &*found;
+}
+
+}  // namespace report

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "frac/identification/identify.hpp"
+#include "report/table.hpp"
+
+namespace report {
+
+/// A structure in words for readers: its formula, with fixed curves named as such.
+[[nodiscard]] std::string described(const frac::RankedFit& fit);
+
+/// Formula of the names of parameters as enhanced text for keys.
+[[nodiscard]] std::string key_label(const frac::RankedFit& fit);
+
+/// What is to be said of an estimate beside its value: "fixed", "at bound", "not identified" or nothing.
+[[nodiscard]] std::string remark(const frac::ParameterEstimate& parameter);
+
+/// "0.667 (0.661 … 0.673)", plain text.
+[[nodiscard]] std::string estimate_text(const frac::ParameterEstimate& parameter);
+
+/// Ranking with AICc, evidence, rms and the parameters in one cell each.
+[[nodiscard]] Table ranking_table(const std::string& name, const std::string& caption,
+                                  const frac::IdentificationResult& result);
+
+/// One row per parameter, all digits in CSV.
+[[nodiscard]] Table parameter_table(const std::string& name, const std::string& caption,
+                                    const frac::IdentificationResult& result);
+
+/// Best ranked of a class, or null.
+[[nodiscard]] const frac::RankedFit* best_of(const frac::IdentificationResult& result, frac::ModelClass model_class);
+
+/// Parameter of that name, or null.
+[[nodiscard]] const frac::ParameterEstimate* find_parameter(const frac::FitResult& fit, const std::string& name);
+
+}  // namespace report

@@ -1,0 +1,224 @@
+#include "report/report.hpp"
+
+#include <chrono>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+
+#include "io/sweep_file.hpp"
+#include "report/bands.hpp"
+#include "report/html.hpp"
+#include "report/results_json.hpp"
+#include "report/sections.hpp"
+#include "report/staged_folder.hpp"
+
+#ifndef FRACFIT_BUILD_TYPE
+#error "FRACFIT_BUILD_TYPE comes from the build system"
+#endif
+
+namespace report {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Runs one stage after another: tells the caller which, and how long each took.
+class Stages {
+ public:
+  explicit Stages(const ReportOptions& options) : options_(options) {}
+
+  template <typename Body>
+  auto run(const std::string& name, Body body) {
+    if (options_.progress != nullptr) {
+      options_.progress->done = 0;
+      options_.progress->total = 0;
+    }
+    if (options_.stage) options_.stage(name);
+    const auto start = Clock::now();
+    auto result = body();
+    times_.push_back({name, std::chrono::duration<double>(Clock::now() - start).count()});
+    return result;
+  }
+
+  [[nodiscard]] const std::vector<StageTime>& times() const noexcept { return times_; }
+
+ private:
+  const ReportOptions& options_;
+  std::vector<StageTime> times_;
+};
+
+Section summary_section(const std::vector<Section>& sections) {
+  Section section;
+  section.id = "summary";
+  section.title = "Summary";
+  section.reading =
+      "The findings of the chapters below, each with its numbers. All values come from computations made for this "
+      "page; nothing is "
+      "copied from elsewhere except what is called published.";
+  std::string list = "<ul>\n";
+  for (const Section& other : sections) {
+    for (const std::string& finding : other.findings) list += "<li>" + finding + "</li>\n";
+  }
+  section.blocks.emplace_back(Html{list + "</ul>"});
+  return section;
+}
+
+Section provenance_section(const Provenance& provenance, const std::vector<Section>& sections) {
+  Section section;
+  section.id = "provenance";
+  section.title = "How it was made";
+  Table stages{"seconds",
+               "Seconds per stage, on " + std::to_string(provenance.threads) + " threads.",
+               {{"stage", "stage"}, {"seconds", "seconds", 3}},
+               {}};
+  for (const StageTime& stage : provenance.stages) stages.rows.push_back({stage.name, stage.seconds});
+  std::string files =
+      "<details><summary>Files beside this page</summary><ul>\n<li><code>results.json</code>: headline numbers and "
+      "all tables of this page</li>\n";
+  for (const Section& other : sections) {
+    for (const Block& block : other.blocks) {
+      if (const Table* table = std::get_if<Table>(&block)) {
+        files += "<li><code>tables/" + table->name + ".csv</code></li>\n";
+      } else if (const Figure* figure = std::get_if<Figure>(&block)) {
+        files += "<li><code>figures/" + figure->name +
+                 ".svg</code>, <code>.png</code> and the script <code>.gp</code></li>\n";
+      }
+    }
+  }
+  section.blocks.emplace_back(
+      Html{"<p>fracfit " + escape_html(provenance.version) + ", " + escape_html(provenance.compiler) + ", build type " +
+           escape_html(provenance.build_type) + ". Command:</p><pre>" + escape_html(provenance.command) + "</pre>"});
+  section.blocks.emplace_back(std::move(stages));
+  section.blocks.emplace_back(Html{files + "</ul></details>"});
+  return section;
+}
+
+std::vector<Section> scene_sections(const Work& work, Stages& stages) {
+  std::vector<Section> sections;
+  const Curves curves = stages.run("describing functions", [&] { return compute_curves(work); });
+  sections.push_back(curves_section(work, curves));
+  if (work.scene.clearance > 0) {
+    const Bands bands = stages.run("smooth bands", [&] { return smooth_bands(work, curves); });
+    sections.push_back(stages.run("fits", [&] { return fit_section(work, bands); }));
+    sections.push_back(stages.run("local slope", [&] { return slope_section(work, bands); }));
+  }
+  sections.push_back(stages.run("jump laws", [&] { return jump_section(work, curves); }));
+  sections.push_back(stages.run("speed against error", [&] { return speed_section(work); }));
+  return sections;
+}
+
+std::vector<Figure> figures_of(const std::vector<Section>& sections) {
+  std::vector<Figure> figures;
+  for (const Section& section : sections) {
+    for (const Block& block : section.blocks) {
+      if (const Figure* figure = std::get_if<Figure>(&block)) figures.push_back(*figure);
+    }
+  }
+  return figures;
+}
+
+void write_tables(const StagedFolder& folder, const std::vector<Section>& sections, const Provenance& provenance) {
+  for (const Section& section : sections) {
+    for (const Block& block : section.blocks) {
+      if (const Table* table = std::get_if<Table>(&block)) {
+        folder.write("tables/" + table->name + ".csv", csv_text(*table, {{"fracfit", provenance.version},
+                                                                         {"command", provenance.command},
+                                                                         {"table", table->name}}));
+      }
+    }
+  }
+}
+
+// Empty when every picture came out, else the first trouble.
+std::string draw_figures(const StagedFolder& folder, const std::vector<Figure>& figures, const ReportOptions& options) {
+  const std::filesystem::path place = folder.path() / "figures";
+  std::filesystem::create_directories(place);
+  for (const Figure& figure : figures) write_script(figure, place);
+  const auto gnuplot = find_gnuplot();
+  if (!gnuplot) return "gnuplot was not found; install it with \"apt-get install gnuplot-nox\"";
+  if (options.progress != nullptr) options.progress->total = figures.size();
+  std::vector<std::string> troubles(figures.size());
+  frac::parallel_for(figures.size(), options.threads, [&](std::size_t i) {
+    troubles[i] = draw(*gnuplot, place, figures[i].name);
+    if (options.progress != nullptr) ++options.progress->done;
+  });
+  for (const std::string& trouble : troubles) {
+    if (!trouble.empty()) return trouble;
+  }
+  return {};
+}
+
+Provenance provenance_of(const ReportOptions& options) {
+  const auto cores = static_cast<int>(std::thread::hardware_concurrency());
+  return {std::string(io::version()),
+          options.command,
+          "g++ " __VERSION__,
+          FRACFIT_BUILD_TYPE,
+          options.threads > 0 ? options.threads : cores,
+          {}};
+}
+
+Page page_of(const ReportOptions& options, const Scene& scene, std::vector<Section> sections,
+             const std::string& trouble) {
+  Page page;
+  if (!options.data.empty()) {
+    page.title = "Fractional-order identification of measured frequency responses";
+    page.subtitle = "Structures of fractional and of integer order, fitted to each file and ranked on equal terms.";
+  } else {
+    page.title = "Describing function of two masses with backlash";
+    page.subtitle =
+        std::string(
+            scene.of_the_paper
+                ? "The study of F. B. Duarte and J. A. Tenreiro Machado (Nonlinear Dynamics 56, 2009), computed "
+                  "afresh: "
+                : "A scene of your own: ") +
+        "describing functions of the static and of the impacting model, fractional-order fits, jump laws.";
+  }
+  if (!trouble.empty()) {
+    page.notice = "The pictures are missing: " + escape_html(trouble) + ". All numbers are complete.";
+  }
+  page.sections = std::move(sections);
+  return page;
+}
+
+}  // namespace
+
+ReportOutcome write_report(const ReportOptions& options) {
+  if (!options.data.empty() && options.scene) {
+    throw std::invalid_argument("a report is either on data files or on a scene; both were given");
+  }
+  StagedFolder folder(options.out);
+  Stages stages(options);
+  Work work;
+  work.threads = options.threads;
+  work.progress = options.progress;
+  work.scene = options.scene ? read_scene(*options.scene) : paper_scene();
+
+  std::vector<Section> sections;
+  if (options.data.empty()) {
+    sections = scene_sections(work, stages);
+  } else {
+    for (std::size_t i = 0; i < options.data.size(); ++i) {
+      sections.push_back(stages.run("fits of " + options.data[i].filename().string(),
+                                    [&] { return data_section(work, options.data[i], i + 1); }));
+    }
+  }
+  const std::string trouble =
+      stages.run("pictures", [&] { return draw_figures(folder, figures_of(sections), options); });
+
+  Provenance provenance = provenance_of(options);
+  provenance.stages = stages.times();
+  sections.insert(sections.begin(), summary_section(sections));
+  sections.push_back(provenance_section(provenance, sections));
+  write_tables(folder, sections, provenance);
+  folder.write("results.json", results_json(provenance, sections, trouble.empty()));
+  const Page page = page_of(options, work.scene, std::move(sections), trouble);
+  folder.write("index.html", page_html(page, folder.path()));
+  folder.publish("index.html");
+
+  const std::filesystem::path index = folder.target() / "index.html";
+  if (trouble.empty()) return {true, "report written to " + index.string(), index};
+  return {false, "report written to " + index.string() + " without pictures: " + trouble, index};
+}
+
+}  // namespace report

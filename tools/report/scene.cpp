@@ -1,0 +1,157 @@
+#include "report/scene.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "io/data_error.hpp"
+#include "io/number.hpp"
+#include "io/number_list.hpp"
+
+namespace report {
+
+namespace {
+
+using Json = nlohmann::json;
+
+[[noreturn]] void fail(const std::filesystem::path& file, const std::string& message) {
+  throw io::DataError(file.string(), 0, 0, message);
+}
+
+std::vector<double> numbers(const std::filesystem::path& file, const std::string& name, const Json& value) {
+  std::vector<double> list;
+  const auto take = [&](const Json& entry) {
+    if (!entry.is_number()) {
+      fail(file, "\"" + name + "\" holds " + entry.dump() + "; expected a number or a list of numbers");
+    }
+    list.push_back(entry.get<double>());
+  };
+  if (value.is_array()) {
+    for (const Json& entry : value) take(entry);
+  } else if (value.is_string() && name == "omega") {
+    try {
+      list = io::parse_grid(value.get<std::string>(), "\"omega\"");
+    } catch (const std::invalid_argument& error) {
+      fail(file, error.what());
+    }
+  } else {
+    take(value);
+  }
+  if (list.empty()) fail(file, "\"" + name + "\" is an empty list; expected at least one number");
+  return list;
+}
+
+void check_range(const std::filesystem::path& file, const std::string& name, const std::vector<double>& list,
+                 double above, bool may_equal, double at_most) {
+  for (const double value : list) {
+    if (!std::isfinite(value) || value < above || (value == above && !may_equal) || value > at_most) {
+      fail(file, "\"" + name + "\" holds " + io::format_number(value) + "; expected " + (may_equal ? ">= " : "> ") +
+                     io::format_number(above) +
+                     (std::isfinite(at_most) ? " and <= " + io::format_number(at_most) : ""));
+    }
+  }
+}
+
+void check_distinct(const std::filesystem::path& file, const std::string& name, std::vector<double> list) {
+  std::sort(list.begin(), list.end());
+  if (const auto twin = std::adjacent_find(list.begin(), list.end()); twin != list.end()) {
+    fail(file, "\"" + name + "\" holds " + io::format_number(*twin) + " twice; expected distinct values");
+  }
+}
+
+double single(const std::filesystem::path& file, const std::string& name, const std::vector<double>& list) {
+  if (list.size() != 1)
+    fail(file, "\"" + name + "\" is a list of " + std::to_string(list.size()) + "; expected one number");
+  return list.front();
+}
+
+}  // namespace
+
+Scene paper_scene() {
+  Scene scene;
+  scene.of_the_paper = true;
+  scene.mass1 = scene.mass2 = 1;
+  scene.force = 40;
+  scene.clearance = 0.3;
+  scene.restitution = 0.6;
+  scene.forces = {10, 20, 30, 40, 50};
+  scene.clearances = {0, 0.1, 0.2, 0.3, 0.4, 0.5};
+  scene.restitutions = {0, 0.2, 0.4, 0.6, 0.8, 1};
+  scene.omega_nichols = io::parse_grid("5:15:200log", "omega");
+  scene.omega_bode = io::parse_grid("0.5:25:200log", "omega");
+  scene.omega_family = io::parse_grid("5:35:200log", "omega");
+  scene.jump_forces = {10, 15, 20, 25, 30, 35, 40, 45, 50};
+  scene.jump_clearances = {0.01, 0.025, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5};
+  scene.jump_restitutions = scene.restitutions;
+  return scene;
+}
+
+Scene read_scene(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  if (!stream) fail(file, std::string("cannot be read: ") + std::strerror(errno));
+  Json json;
+  try {
+    json = Json::parse(stream);
+  } catch (const Json::parse_error& error) {
+    fail(file, std::string("is not JSON: ") + error.what());
+  }
+  const std::string expected =
+      "expected an object with clearance, restitution, force, omega and, if not 1 kg, m1 and m2";
+  if (!json.is_object()) fail(file, expected);
+  static const std::vector<std::string> known = {"m1", "m2", "clearance", "restitution", "force", "omega"};
+  for (const auto& [name, value] : json.items()) {
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      fail(file, "unknown member \"" + name + "\"; " + expected);
+  }
+  const auto member = [&](const std::string& name) {
+    if (!json.contains(name)) fail(file, "\"" + name + "\" is missing; " + expected);
+    return numbers(file, name, json.at(name));
+  };
+  const auto mass = [&](const std::string& name) {
+    if (!json.contains(name)) return 1.0;
+    const std::vector<double> list = member(name);
+    check_range(file, name, list, 0, false, std::numeric_limits<double>::infinity());
+    return single(file, name, list);
+  };
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Scene scene;
+  scene.mass1 = mass("m1");
+  scene.mass2 = mass("m2");
+  scene.forces = member("force");
+  scene.clearances = member("clearance");
+  scene.restitutions = member("restitution");
+  const std::vector<double> omega = member("omega");
+  check_range(file, "force", scene.forces, 0, false, infinity);
+  check_range(file, "clearance", scene.clearances, 0, true, infinity);
+  check_range(file, "restitution", scene.restitutions, 0, true, 1);
+  check_range(file, "omega", omega, 0, false, infinity);
+  check_distinct(file, "force", scene.forces);
+  check_distinct(file, "clearance", scene.clearances);
+  check_distinct(file, "restitution", scene.restitutions);
+  if (omega.size() < 5) fail(file, "\"omega\" has " + std::to_string(omega.size()) + " entries; expected at least 5");
+  for (std::size_t i = 1; i < omega.size(); ++i) {
+    if (omega[i] <= omega[i - 1]) {
+      fail(file, "\"omega\" holds " + io::format_number(omega[i]) + " after " + io::format_number(omega[i - 1]) +
+                     "; expected rising values");
+    }
+  }
+  scene.force = scene.forces.front();
+  const auto gap =
+      std::find_if(scene.clearances.begin(), scene.clearances.end(), [](double value) { return value > 0; });
+  scene.clearance = gap == scene.clearances.end() ? 0 : *gap;
+  scene.restitution = scene.restitutions.front();
+  scene.omega_nichols = scene.omega_bode = scene.omega_family = omega;
+  scene.jump_forces = scene.forces;
+  std::copy_if(scene.clearances.begin(), scene.clearances.end(), std::back_inserter(scene.jump_clearances),
+               [](double clearance) { return clearance > 0; });
+  scene.jump_restitutions = scene.restitutions;
+  return scene;
+}
+
+}  // namespace report

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "report/figure.hpp"
+#include "report/table.hpp"
+
+namespace report {
+
+struct Html {
+  std::string text;
+};
+using Block = std::variant<Html, Figure, Table>;
+
+/// One chapter of the page.
+struct Section {
+  std::string id;       // anchor
+  std::string title;    // HTML
+  std::string reading;  // "how to read this", HTML
+  std::vector<Block> blocks;
+  std::vector<std::string> findings;                // HTML sentences for the summary
+  std::vector<std::pair<std::string, Cell>> facts;  // headline numbers for results.json
+};
+
+}  // namespace report

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "backlash/describing_function.hpp"
+#include "frac/identification/identify.hpp"
+#include "frac/parallel_for.hpp"
+#include "report/scene.hpp"
+#include "report/section.hpp"
+
+namespace report {
+
+/// What every chapter is computed with.
+struct Work {
+  Scene scene;
+  int threads = 0;
+  frac::Progress* progress = nullptr;
+
+  [[nodiscard]] backlash::TwoMassSystem system() const {
+    return {scene.mass1, scene.mass2, scene.clearance, scene.restitution};
+  }
+};
+
+/// One family of curves over one grid.
+struct Family {
+  std::vector<std::string> labels;  // enhanced text for keys
+  std::vector<backlash::DescribingFunctionSweep> sweeps;
+};
+
+/// All curves of figures 3 to 8.
+struct Curves {
+  Family nichols_forces;                    // figure 4
+  Family bode;                              // figure 5, one curve
+  Family restitutions, clearances, forces;  // figures 6, 7, 8
+};
+
+[[nodiscard]] Curves compute_curves(const Work& work);
+
+struct Bands;  // bands.hpp
+
+[[nodiscard]] Section curves_section(const Work& work, const Curves& curves);
+[[nodiscard]] Section fit_section(const Work& work, const Bands& bands);
+[[nodiscard]] Section slope_section(const Work& work, const Bands& bands);
+[[nodiscard]] Section jump_section(const Work& work, const Curves& curves);
+[[nodiscard]] Section speed_section(const Work& work);
+[[nodiscard]] Section data_section(const Work& work, const std::filesystem::path& file, std::size_t number);
+
+}  // namespace report
