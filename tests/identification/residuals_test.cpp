@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <complex>
+#include <limits>
+#include <stdexcept>
 #include <vector>
 
 #include "identification/parameter_map.hpp"
@@ -47,11 +49,13 @@ TEST(Residuals, JacobianAgreesWithDifferencesForEveryComponentAndWeight) {
     const std::vector<double> theta = map.to_theta(test.parameters);
     for (const Component component :
          {Component::imaginary, Component::real, Component::both, Component::magnitude, Component::phase}) {
-      for (const Weight weight : {Weight::relative, Weight::absolute, Weight::given}) {
-        frac::FitOptions options;
-        options.component = component;
-        options.weight = weight;
-        const frac::detail::Residuals residuals(data, structure, options, map);
+      for (const Weight weight :
+           {Weight::relative, Weight::absolute, Weight::given, Weight::smoothed_relative, Weight::log_complex}) {
+        if (weight == Weight::log_complex && (component == Component::imaginary || component == Component::real))
+          continue;
+        const frac::Realisation exact = frac::ExactRealisation{};
+        const frac::detail::ResidualRule rule = frac::detail::residual_rule(data, component, weight);
+        const frac::detail::Residuals residuals(data, structure, exact, map, rule);
         const std::size_t rows = residuals.count(), columns = theta.size();
         std::vector<double> residual(rows), jacobian(rows * columns), above(rows), below(rows);
         ASSERT_TRUE(residuals.evaluate(theta, 0, data.size(), residual.data(), jacobian.data()));
@@ -92,7 +96,7 @@ TEST(Residuals, FollowTheirDefinitions) {
   const frac::FrequencyResponseData data({2.0}, {datum}, {0.1});
   const std::vector<std::complex<double>> model = {datum * std::polar(2.0, 0.5)};
   const auto residual = [&](Component component, Weight weight) {
-    return frac::detail::curve_residuals(data, model, component, weight);
+    return frac::detail::curve_residuals(data, frac::detail::residual_rule(data, component, weight), model);
   };
   constexpr double rounding = 1e-15;
   EXPECT_NEAR(residual(Component::magnitude, Weight::relative)[0], std::log(2.0), rounding);
@@ -100,10 +104,48 @@ TEST(Residuals, FollowTheirDefinitions) {
   EXPECT_NEAR(residual(Component::magnitude, Weight::given)[0], 5, 1e-14);
   EXPECT_NEAR(residual(Component::phase, Weight::relative)[0], 0.5, rounding);
   EXPECT_NEAR(residual(Component::phase, Weight::given)[0], 0.5 * 0.5 / 0.1, 1e-14);
+  EXPECT_NEAR(residual(Component::both, Weight::log_complex)[0], std::log(2.0), rounding);
+  EXPECT_NEAR(residual(Component::both, Weight::log_complex)[1], 0.5, rounding);
   const std::complex<double> difference = model[0] - datum;
   EXPECT_NEAR(residual(Component::imaginary, Weight::relative)[0], difference.imag() / 0.5, rounding);
   EXPECT_NEAR(residual(Component::both, Weight::absolute)[0], difference.real(), rounding);
   EXPECT_NEAR(residual(Component::both, Weight::absolute)[1], difference.imag(), rounding);
+}
+
+// Repeats at +-d around their mean have variance 2 d^2/(2 (2 - 1)) = d^2 per part; relative deviations are the same at
+// every frequency here, so pooling changes nothing.
+TEST(Residuals, RepeatsTellTheNoise) {
+  const std::complex<double> a(3, 4), b(0, -10);
+  const double relative = 0.01;
+  const frac::FrequencyResponseData data(
+      {1, 1, 2, 2}, {a * (1 + relative), a * (1 - relative), b * (1 + relative), b * (1 - relative)});
+  const auto rule = frac::detail::residual_rule(data, Component::both, Weight::repeats);
+  EXPECT_NEAR(rule.weight[0] * rule.unit, 1 / (5 * relative), 1e-10);
+  EXPECT_NEAR(rule.weight[3] * rule.unit, 1 / (10 * relative), 1e-10);
+  EXPECT_THROW((void)frac::detail::residual_rule({{1, 1, 2}, {a, b, a}}, Component::both, Weight::repeats),
+               std::invalid_argument);
+  EXPECT_THROW((void)frac::detail::residual_rule({{1, 1}, {a, a}}, Component::both, Weight::repeats),
+               std::invalid_argument);
+}
+
+// On a pure power law the smoothed magnitude is the magnitude itself: a straight line in logarithms.
+TEST(Residuals, SmoothingKeepsAPowerLaw) {
+  std::vector<double> omega;
+  std::vector<std::complex<double>> value;
+  for (int i = 0; i < 20; ++i) {
+    omega.push_back(0.1 * std::pow(1.3, i));
+    value.push_back(2.0 * std::pow(omega.back(), -0.7));
+  }
+  const frac::FrequencyResponseData data(omega, value);
+  const auto smooth = frac::detail::residual_rule(data, Component::both, Weight::smoothed_relative);
+  for (std::size_t i = 0; i < omega.size(); ++i)
+    EXPECT_NEAR(smooth.weight[i] * smooth.unit * std::abs(value[i]), 1, 1e-12);
+}
+
+TEST(Residuals, LogComplexNeedsMagnitudeOrPhase) {
+  const frac::FrequencyResponseData data({1}, {{1, 1}});
+  EXPECT_THROW((void)frac::detail::residual_rule(data, Component::imaginary, Weight::log_complex),
+               std::invalid_argument);
 }
 
 }  // namespace

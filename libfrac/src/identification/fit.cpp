@@ -146,7 +146,8 @@ FitResult fit(const FrequencyResponseData& data, const Structure& structure, con
   const auto begin = std::chrono::steady_clock::now();
   check_coverage(data, options.realisation);
   const detail::ParameterMap map(structure, options.constraints, data_scale(data));
-  const detail::Residuals residuals(data, structure, options, map);
+  const detail::ResidualRule rule = detail::residual_rule(data, options.component, options.weight);
+  const detail::Residuals residuals(data, structure, options.realisation, map, rule);
   if (residuals.count() < map.free().size()) {
     throw std::invalid_argument(std::to_string(residuals.count()) + " residuals cannot determine " +
                                 std::to_string(map.free().size()) + " free parameters");
@@ -187,8 +188,8 @@ FitResult fit(const FrequencyResponseData& data, const Structure& structure, con
 
   std::vector<double> residual(residuals.count());
   residuals.evaluate(solution.best.theta, 0, residuals.points(), residual.data(), nullptr);
-  for (double& value : residual) value *= residuals.unit();
-  const detail::Information information = detail::information(residual, found.rank, residuals.unit());
+  for (double& value : residual) value *= rule.unit;
+  const detail::Information information = detail::information(residual, found.rank, rule.unit);
   result.cost = information.cost;
   result.rms = information.rms;
   result.max_residual = information.max_residual;

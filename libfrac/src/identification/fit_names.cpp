@@ -25,7 +25,8 @@ Enum value_of(std::string_view text, const char* what, const std::array<std::str
 
 // In the order of the enumerators.
 constexpr std::array<std::string_view, 5> components = {"imaginary", "real", "both", "magnitude", "phase"};
-constexpr std::array<std::string_view, 3> weights = {"relative", "absolute", "given"};
+constexpr std::array<std::string_view, 6> weights = {"relative",          "absolute",    "given",
+                                                     "smoothed-relative", "log-complex", "repeats"};
 constexpr std::array<std::string_view, 3> losses = {"none", "huber", "cauchy"};
 constexpr std::array<std::string_view, 3> terminations = {"converged", "not-converged", "no-usable-start"};
 

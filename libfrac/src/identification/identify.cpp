@@ -9,7 +9,7 @@
 
 #include "frac/parallel_for.hpp"
 #include "information.hpp"
-#include "residuals.hpp"
+#include "residual_rule.hpp"
 
 namespace frac {
 
@@ -24,14 +24,13 @@ struct Outcome {
   std::string reason;
 };
 
-FitResult curve_fit(const FrequencyResponseData& data, const FixedCurve& curve, const FitOptions& options,
-                    double unit) {
+FitResult curve_fit(const FrequencyResponseData& data, const FixedCurve& curve, const detail::ResidualRule& rule) {
   if (curve.value.size() != data.size()) {
     throw std::invalid_argument("curve '" + curve.name + "' has " + std::to_string(curve.value.size()) +
                                 " values for " + std::to_string(data.size()) + " frequencies");
   }
-  const std::vector<double> residual = detail::curve_residuals(data, curve.value, options.component, options.weight);
-  const detail::Information information = detail::information(residual, 0, unit);
+  const std::vector<double> residual = detail::curve_residuals(data, rule, curve.value);
+  const detail::Information information = detail::information(residual, 0, rule.unit);
   FitResult result{};
   result.model = curve.name;
   result.cost = information.cost;
@@ -48,17 +47,18 @@ FitResult curve_fit(const FrequencyResponseData& data, const FixedCurve& curve, 
 
 /// (1 - r)/(1 + r) of the residuals, at most 1: the share of the points that carry news.
 double independent_share(const FrequencyResponseData& data, const RankedFit& best,
-                         const std::vector<FixedCurve>& curves, const FitOptions& options) {
+                         const std::vector<FixedCurve>& curves, const Realisation& realisation,
+                         const detail::ResidualRule& rule) {
   std::vector<std::complex<double>> model;
   if (best.model_class == ModelClass::fixed_curve) {
     for (const FixedCurve& curve : curves) {
       if (curve.name == best.name) model = curve.value;
     }
   } else {
-    model = fitted_response(best.fit, options.realisation, data.omega());
+    model = fitted_response(best.fit, realisation, data.omega());
   }
-  const std::vector<double> residual = detail::curve_residuals(data, model, options.component, options.weight);
-  const std::size_t stride = detail::residuals_per_point(options.component);
+  const std::vector<double> residual = detail::curve_residuals(data, rule, model);
+  const std::size_t stride = rule.per_point();
   double power = 0, product = 0;
   for (std::size_t i = 0; i < residual.size(); ++i) {
     power += residual[i] * residual[i];
@@ -101,7 +101,7 @@ std::string number(double value) {
 }
 
 void judge(IdentificationResult& result, const FrequencyResponseData& data, const std::vector<FixedCurve>& curves,
-           const FitOptions& options) {
+           const Realisation& realisation, const detail::ResidualRule& rule) {
   const RankedFit* fractional = best_of(result.ranking, true);
   const RankedFit* other = best_of(result.ranking, false);
   result.verdict = Verdict::undecided;
@@ -111,7 +111,7 @@ void judge(IdentificationResult& result, const FrequencyResponseData& data, cons
                                          : "No fractional-order candidate could be ranked, so nothing is compared.";
     return;
   }
-  const double share = independent_share(data, result.ranking.front(), curves, options);
+  const double share = independent_share(data, result.ranking.front(), curves, realisation, rule);
   result.evidence = share * (other->fit.aicc - fractional->fit.aicc);
   const std::string rivals = "'" + fractional->name + "' (rms " + number(fractional->fit.rms) + ") against '" +
                              other->name + "' (rms " + number(other->fit.rms) + "), evidence " +
@@ -157,7 +157,7 @@ IdentificationResult identify(const FrequencyResponseData& data, const std::vect
                               const std::vector<FixedCurve>& curves, const FitOptions& options, int threads) {
   if (models.empty() && curves.empty()) throw std::invalid_argument("identify needs at least one candidate");
   // Refuses weights that do not go with the data once, before every candidate would be skipped for it.
-  const double unit = detail::residual_unit(data, options.component, options.weight);
+  const detail::ResidualRule rule = detail::residual_rule(data, options.component, options.weight);
 
   std::vector<Outcome> outcomes(models.size());
   parallel_for(models.size(), threads, [&](std::size_t i) {
@@ -181,7 +181,7 @@ IdentificationResult identify(const FrequencyResponseData& data, const std::vect
     }
   }
   for (const FixedCurve& curve : curves) {
-    result.ranking.push_back({curve.name, ModelClass::fixed_curve, curve_fit(data, curve, options, unit), 0, 0});
+    result.ranking.push_back({curve.name, ModelClass::fixed_curve, curve_fit(data, curve, rule), 0, 0});
   }
   if (result.ranking.empty()) {
     throw std::invalid_argument("no candidate could be fitted; the first: " + result.skipped.front());
@@ -203,7 +203,7 @@ IdentificationResult identify(const FrequencyResponseData& data, const std::vect
       result.chosen = i;
     }
   }
-  judge(result, data, curves, options);
+  judge(result, data, curves, options.realisation, rule);
   return result;
 }
 

@@ -2,127 +2,19 @@
 
 #include <cmath>
 #include <limits>
-#include <stdexcept>
-#include <string>
 
 namespace frac::detail {
 
-namespace {
-
-/// 1/scale of the residual at each point; relative magnitude and phase are pure numbers already.
-std::vector<double> point_weights(const FrequencyResponseData& data, Component component, Weight weight) {
-  if (weight == Weight::given && data.sigma().empty()) {
-    throw std::invalid_argument("weight 'given' needs a standard deviation for each value, the data have none");
-  }
-  const bool needs_magnitude = component == Component::phase || (weight == Weight::relative);
-  std::vector<double> result(data.size(), 1.0);
-  for (std::size_t i = 0; i < data.size(); ++i) {
-    const double magnitude = std::abs(data.value()[i]);
-    if (needs_magnitude && !(magnitude > 0)) {
-      throw std::invalid_argument("the value at omega = " + std::to_string(data.omega()[i]) +
-                                  " rad/s is 0, which has no phase and no relative residual; use absolute weight");
-    }
-    switch (weight) {
-      case Weight::relative:
-        if (component != Component::phase && component != Component::magnitude) result[i] = 1 / magnitude;
-        break;
-      case Weight::absolute:
-        break;
-      case Weight::given:
-        // The phase of a value with standard deviation sigma is known to sigma/|value|.
-        result[i] = component == Component::phase ? magnitude / data.sigma()[i] : 1 / data.sigma()[i];
-        break;
-    }
-  }
-  return result;
-}
-
-bool is_finite(std::complex<double> value) {
-  return std::isfinite(value.real()) && std::isfinite(value.imag());
-}
-
-/// Residual of one point; false where the component of the model does not exist.
-bool point_residual(Component component, bool logarithmic_magnitude, double weight, std::complex<double> model,
-                    std::complex<double> data, double* residual) {
-  switch (component) {
-    case Component::imaginary:
-      residual[0] = weight * (model.imag() - data.imag());
-      return true;
-    case Component::real:
-      residual[0] = weight * (model.real() - data.real());
-      return true;
-    case Component::both:
-      residual[0] = weight * (model.real() - data.real());
-      residual[1] = weight * (model.imag() - data.imag());
-      return true;
-    case Component::magnitude:
-      if (logarithmic_magnitude) {
-        residual[0] = weight * std::log(std::abs(model) / std::abs(data));
-      } else {
-        residual[0] = weight * (std::abs(model) - std::abs(data));
-      }
-      return std::isfinite(residual[0]);
-    case Component::phase:
-      residual[0] = weight * std::arg(model / data);
-      return model != 0.0;
-  }
-  return false;
-}
-
-/// Derivative of the residual from that of the model.
-void point_derivative(Component component, bool logarithmic_magnitude, double weight, std::complex<double> model,
-                      std::complex<double> derivative, double* first, double* second) {
-  switch (component) {
-    case Component::imaginary:
-      *first = weight * derivative.imag();
-      break;
-    case Component::real:
-      *first = weight * derivative.real();
-      break;
-    case Component::both:
-      *first = weight * derivative.real();
-      *second = weight * derivative.imag();
-      break;
-    case Component::magnitude: {
-      const double relative = (derivative / model).real();
-      *first = weight * (logarithmic_magnitude ? relative : std::abs(model) * relative);
-      break;
-    }
-    case Component::phase:
-      *first = weight * (derivative / model).imag();
-      break;
-  }
-}
-
-}  // namespace
-
-double residual_unit(const FrequencyResponseData& data, Component component, Weight weight) {
-  const std::vector<double> weights = point_weights(data, component, weight);
-  if (component == Component::phase || weight == Weight::relative) return 1;
-  double sum = 0;
-  for (std::size_t i = 0; i < data.size(); ++i) sum += std::norm(weights[i] * data.value()[i]);
-  return sum > 0 ? std::sqrt(sum / static_cast<double>(data.size())) : 1;
-}
-
-std::size_t residuals_per_point(Component component) {
-  return component == Component::both ? 2 : 1;
-}
-
-Residuals::Residuals(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
-                     const ParameterMap& map)
+Residuals::Residuals(const FrequencyResponseData& data, const Structure& structure, const Realisation& realisation,
+                     const ParameterMap& map, const ResidualRule& rule)
     : data_(data),
       structure_(structure),
+      realisation_(realisation),
       map_(map),
-      component_(options.component),
-      realisation_(options.realisation),
-      logarithmic_magnitude_(options.weight == Weight::relative),
-      weight_(point_weights(data, options.component, options.weight)),
-      unit_(residual_unit(data, options.component, options.weight)),
+      rule_(rule),
       value_(data.size()),
       gradient_(data.size() * map.parameter_count()),
-      scratch_(count()) {
-  for (double& weight : weight_) weight /= unit_;
-}
+      scratch_(count()) {}
 
 bool Residuals::evaluate(std::span<const double> theta, std::size_t first, std::size_t points, double* residual,
                          double* jacobian_row_major) const {
@@ -137,10 +29,7 @@ bool Residuals::evaluate(std::span<const double> theta, std::size_t first, std::
   }
 
   for (std::size_t i = 0; i < points; ++i) {
-    if (!is_finite(value[i]) || !point_residual(component_, logarithmic_magnitude_, weight_[first + i], value[i],
-                                                data_.value()[first + i], residual + i * per_point())) {
-      return false;
-    }
+    if (!rule_.residual(first + i, value[i], data_.value()[first + i], residual + i * per_point())) return false;
   }
   if (!jacobian_row_major) return true;
 
@@ -148,8 +37,8 @@ bool Residuals::evaluate(std::span<const double> theta, std::size_t first, std::
   for (std::size_t i = 0; i < points; ++i) {
     double* row = by_parameter.data() + i * per_point() * all;
     for (std::size_t j = 0; j < all; ++j) {
-      point_derivative(component_, logarithmic_magnitude_, weight_[first + i], value[i], gradient_[i * all + j],
-                       row + j, per_point() == 2 ? row + j + all : nullptr);
+      rule_.derivative(first + i, value[i], gradient_[i * all + j], row + j,
+                       per_point() == 2 ? row + j + all : nullptr);
     }
   }
   Eigen::Map<RowMajorMatrix> jacobian(jacobian_row_major, by_parameter.rows(),
@@ -166,49 +55,35 @@ double Residuals::cost(std::span<const double> theta) const {
 }
 
 double Residuals::best_factor(std::span<const double> theta) const {
-  if (component_ == Component::phase || !std::isfinite(cost(theta))) return 1;
+  if (rule_.form == ResidualForm::phase || !std::isfinite(cost(theta))) return 1;
+  const bool logarithmic = rule_.form == ResidualForm::logarithmic || rule_.form == ResidualForm::log_magnitude;
   double product = 0, power = 0, sum = 0;
   for (std::size_t i = 0; i < points(); ++i) {
-    const std::complex<double> datum = weight_[i] * data_.value()[i];
-    switch (component_) {
-      case Component::imaginary:
-      case Component::real: {
-        const double target = component_ == Component::real ? datum.real() : datum.imag();
-        const double model = scratch_[i] + target;
-        product += model * target;
-        power += model * model;
+    const std::complex<double> datum = data_.value()[i];
+    const double* residual = scratch_.data() + i * per_point();
+    sum += residual[0];
+    const auto add = [&](double rest, double target) {
+      product += (rest + target) * target;
+      power += (rest + target) * (rest + target);
+    };
+    const double w = rule_.weight[i];
+    switch (rule_.form) {
+      case ResidualForm::imaginary:
+        add(residual[0], w * datum.imag());
         break;
-      }
-      case Component::both: {
-        const std::complex<double> model = std::complex<double>(scratch_[2 * i], scratch_[2 * i + 1]) + datum;
-        product += (std::conj(model) * datum).real();
-        power += std::norm(model);
+      case ResidualForm::real:
+        add(residual[0], w * datum.real());
         break;
-      }
+      case ResidualForm::cartesian:
+        add(residual[0], w * datum.real());
+        add(residual[1], w * datum.imag());
+        break;
       default:
-        sum += scratch_[i];
-        product += (scratch_[i] + std::abs(datum)) * std::abs(datum);
-        power += (scratch_[i] + std::abs(datum)) * (scratch_[i] + std::abs(datum));
+        add(residual[0], w * std::abs(datum));
     }
   }
-  const bool logarithmic = component_ == Component::magnitude && logarithmic_magnitude_;
   const double factor = logarithmic ? std::exp(-sum / static_cast<double>(points())) : product / power;
   return factor > 0 && std::isfinite(factor) ? factor : 1;
-}
-
-std::vector<double> curve_residuals(const FrequencyResponseData& data, const std::vector<std::complex<double>>& model,
-                                    Component component, Weight weight) {
-  const std::vector<double> weights = point_weights(data, component, weight);
-  std::vector<double> residual(data.size() * residuals_per_point(component));
-  for (std::size_t i = 0; i < data.size(); ++i) {
-    if (!is_finite(model[i]) ||
-        !point_residual(component, weight == Weight::relative, weights[i], model[i], data.value()[i],
-                        residual.data() + i * residuals_per_point(component))) {
-      throw std::invalid_argument("the curve has no finite residual at omega = " + std::to_string(data.omega()[i]) +
-                                  " rad/s");
-    }
-  }
-  return residual;
 }
 
 }  // namespace frac::detail

@@ -14,9 +14,16 @@ namespace frac {
 
 /// Part of G(j omega) that forms the residual.
 enum class Component { imaginary, real, both, magnitude, phase };
-/// relative: residual divided by |data|;  absolute: model - data;  given: divided by the sigma of the data.
-/// The phase residual (rad) is never divided by |data|; the relative magnitude residual is ln|model/data|.
-enum class Weight { relative, absolute, given };
+/// What a residual is divided by.  Magnitude and phase residuals are never divided by |data|: the relative magnitude
+/// residual is ln|model/data|, the phase residual an angle in rad (times |data|/sigma where the noise is known).
+enum class Weight {
+  relative,           // |data|
+  absolute,           // nothing
+  given,              // the sigma of the data
+  smoothed_relative,  // |data| smoothed over nine neighbours: noise in |data| does not bias the fit
+  log_complex,  // residuals are ln|model/data| and the angle from data to model (component both, magnitude, phase)
+  repeats,      // the standard deviation of repeats at each frequency, pooled over five frequencies
+};
 /// Robust loss on each residual, scaled by its own estimate of spread.
 enum class Loss { none, huber, cauchy };
 

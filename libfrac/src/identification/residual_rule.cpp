@@ -1,0 +1,243 @@
+#include "residual_rule.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace frac::detail {
+
+namespace {
+
+std::string at(double omega) {
+  return " at omega = " + std::to_string(omega) + " rad/s";
+}
+
+void require_nonzero(const FrequencyResponseData& data) {
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    if (!(std::abs(data.value()[i]) > 0)) {
+      throw std::invalid_argument("the value" + at(data.omega()[i]) +
+                                  " is 0, which has no phase and no relative residual; use absolute weight");
+    }
+  }
+}
+
+/// exp of the straight line through ln|data| over ln omega of the nine nearest points, at each point: |data| without
+/// its noise.
+std::vector<double> smoothed_magnitude(const FrequencyResponseData& data) {
+  constexpr std::size_t reach = 4;
+  std::vector<double> result(data.size());
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const std::size_t first = i > reach ? i - reach : 0, last = std::min(data.size(), i + reach + 1);
+    double n = 0, x = 0, y = 0, xx = 0, xy = 0;
+    for (std::size_t k = first; k < last; ++k) {
+      const double dx = std::log(data.omega()[k] / data.omega()[i]), dy = std::log(std::abs(data.value()[k]));
+      n += 1;
+      x += dx;
+      y += dy;
+      xx += dx * dx;
+      xy += dx * dy;
+    }
+    const double spread = n * xx - x * x;
+    result[i] = std::exp(spread > 0 ? (y * xx - x * xy) / spread : y / n);
+  }
+  return result;
+}
+
+/// Standard deviation at each frequency from its repeats; relative variances are pooled over five neighbouring
+/// frequencies, because that of two or three repeats alone is off by its own size.
+std::vector<double> deviation_of_repeats(const FrequencyResponseData& data) {
+  struct Group {
+    std::size_t first, last;
+    double square, degrees, magnitude;
+  };
+  std::vector<Group> groups;
+  for (std::size_t first = 0; first < data.size();) {
+    std::size_t last = first;
+    std::complex<double> mean = 0;
+    while (last < data.size() && data.omega()[last] == data.omega()[first]) mean += data.value()[last++];
+    const auto count = static_cast<double>(last - first);
+    mean /= count;
+    if (last - first < 2) {
+      throw std::invalid_argument("weight 'repeats' needs at least two values at every frequency; there is one" +
+                                  at(data.omega()[first]));
+    }
+    double square = 0;
+    for (std::size_t i = first; i < last; ++i) square += std::norm(data.value()[i] - mean);
+    groups.push_back({first, last, square / std::norm(mean), 2 * (count - 1), std::abs(mean)});
+    first = last;
+  }
+  std::vector<double> result(data.size());
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    double square = 0, degrees = 0;
+    for (std::size_t k = g > 2 ? g - 2 : 0; k < std::min(groups.size(), g + 3); ++k) {
+      square += groups[k].square;
+      degrees += groups[k].degrees;
+    }
+    const double deviation = groups[g].magnitude * std::sqrt(square / degrees);
+    if (!(deviation > 0) || !std::isfinite(deviation)) {
+      throw std::invalid_argument("the repeats around" + at(data.omega()[groups[g].first]) +
+                                  " are all equal (or average to 0), so they tell no noise; use another weight");
+    }
+    std::fill(result.begin() + static_cast<std::ptrdiff_t>(groups[g].first),
+              result.begin() + static_cast<std::ptrdiff_t>(groups[g].last), deviation);
+  }
+  return result;
+}
+
+ResidualForm form_of(Component component, Weight weight) {
+  const bool logarithmic = weight == Weight::log_complex;
+  switch (component) {
+    case Component::imaginary:
+    case Component::real:
+      if (logarithmic) {
+        throw std::invalid_argument(
+            "weight 'log-complex' compares magnitude and phase, so it takes component both, "
+            "magnitude or phase, not " +
+            std::string(to_string(component)));
+      }
+      return component == Component::real ? ResidualForm::real : ResidualForm::imaginary;
+    case Component::both:
+      return logarithmic ? ResidualForm::logarithmic : ResidualForm::cartesian;
+    case Component::magnitude:
+      return logarithmic || weight == Weight::relative ? ResidualForm::log_magnitude : ResidualForm::magnitude;
+    case Component::phase:
+      return ResidualForm::phase;
+  }
+  return ResidualForm::cartesian;
+}
+
+/// The standard deviation (or scale) the residual of a value is divided by.
+std::vector<double> scale_of(const FrequencyResponseData& data, Weight weight) {
+  std::vector<double> scale(data.size(), 1.0);
+  switch (weight) {
+    case Weight::absolute:
+    case Weight::log_complex:
+      break;
+    case Weight::relative:
+      for (std::size_t i = 0; i < data.size(); ++i) scale[i] = std::abs(data.value()[i]);
+      break;
+    case Weight::smoothed_relative:
+      scale = smoothed_magnitude(data);
+      break;
+    case Weight::given:
+      if (data.sigma().empty()) {
+        throw std::invalid_argument("weight 'given' needs a standard deviation for each value, the data have none");
+      }
+      scale = data.sigma();
+      break;
+    case Weight::repeats:
+      scale = deviation_of_repeats(data);
+      break;
+  }
+  return scale;
+}
+
+}  // namespace
+
+ResidualRule residual_rule(const FrequencyResponseData& data, Component component, Weight weight) {
+  ResidualRule rule{form_of(component, weight), {}, 1};
+  const bool pure_number = rule.form == ResidualForm::log_magnitude || rule.form == ResidualForm::logarithmic;
+  if (pure_number || rule.form == ResidualForm::phase || weight == Weight::relative ||
+      weight == Weight::smoothed_relative) {
+    require_nonzero(data);
+  }
+  if (pure_number) {
+    rule.weight.assign(data.size(), 1.0);
+    return rule;
+  }
+  rule.weight = scale_of(data, weight);
+  const bool known_noise = weight == Weight::given || weight == Weight::repeats;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    rule.weight[i] = 1 / rule.weight[i];
+    if (rule.form != ResidualForm::phase) continue;
+    // The phase of a value with standard deviation sigma is known to sigma/|value|.
+    rule.weight[i] = known_noise ? rule.weight[i] * std::abs(data.value()[i]) : 1;
+  }
+  if (rule.form == ResidualForm::phase || weight == Weight::relative) return rule;
+
+  double sum = 0;
+  for (std::size_t i = 0; i < data.size(); ++i) sum += std::norm(rule.weight[i] * data.value()[i]);
+  if (sum > 0) rule.unit = std::sqrt(sum / static_cast<double>(data.size()));
+  for (double& each : rule.weight) each /= rule.unit;
+  return rule;
+}
+
+bool ResidualRule::residual(std::size_t point, std::complex<double> model, std::complex<double> data,
+                            double* result) const {
+  if (!std::isfinite(model.real()) || !std::isfinite(model.imag())) return false;
+  switch (form) {
+    case ResidualForm::imaginary:
+      result[0] = model.imag() - data.imag();
+      break;
+    case ResidualForm::real:
+      result[0] = model.real() - data.real();
+      break;
+    case ResidualForm::cartesian:
+      result[0] = model.real() - data.real();
+      result[1] = weight[point] * (model.imag() - data.imag());
+      break;
+    case ResidualForm::logarithmic:
+      result[0] = std::log(std::abs(model) / std::abs(data));
+      result[1] = weight[point] * std::arg(model / data);
+      break;
+    case ResidualForm::magnitude:
+      result[0] = std::abs(model) - std::abs(data);
+      break;
+    case ResidualForm::log_magnitude:
+      result[0] = std::log(std::abs(model) / std::abs(data));
+      break;
+    case ResidualForm::phase:
+      result[0] = std::arg(model / data);
+      if (model == 0.0) return false;
+      break;
+  }
+  result[0] *= weight[point];
+  return std::isfinite(result[0]);
+}
+
+void ResidualRule::derivative(std::size_t point, std::complex<double> model, std::complex<double> by_parameter,
+                              double* first, double* second) const {
+  const double w = weight[point];
+  switch (form) {
+    case ResidualForm::imaginary:
+      *first = w * by_parameter.imag();
+      break;
+    case ResidualForm::real:
+      *first = w * by_parameter.real();
+      break;
+    case ResidualForm::cartesian:
+      *first = w * by_parameter.real();
+      *second = w * by_parameter.imag();
+      break;
+    case ResidualForm::logarithmic: {
+      const std::complex<double> relative = by_parameter / model;
+      *first = w * relative.real();
+      *second = w * relative.imag();
+      break;
+    }
+    case ResidualForm::magnitude:
+      *first = w * std::abs(model) * (by_parameter / model).real();
+      break;
+    case ResidualForm::log_magnitude:
+      *first = w * (by_parameter / model).real();
+      break;
+    case ResidualForm::phase:
+      *first = w * (by_parameter / model).imag();
+      break;
+  }
+}
+
+std::vector<double> curve_residuals(const FrequencyResponseData& data, const ResidualRule& rule,
+                                    const std::vector<std::complex<double>>& model) {
+  std::vector<double> residual(data.size() * rule.per_point());
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    if (!rule.residual(i, model[i], data.value()[i], residual.data() + i * rule.per_point())) {
+      throw std::invalid_argument("the curve has no finite residual" + at(data.omega()[i]));
+    }
+  }
+  for (double& value : residual) value *= rule.unit;
+  return residual;
+}
+
+}  // namespace frac::detail

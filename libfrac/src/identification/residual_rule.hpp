@@ -1,0 +1,48 @@
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <vector>
+
+#include "frac/identification/fit.hpp"
+
+namespace frac::detail {
+
+/// What is compared at each frequency.
+enum class ResidualForm {
+  imaginary,
+  real,
+  cartesian,      // real and imaginary part: two residuals
+  logarithmic,    // ln|model/data| and the angle between them: two residuals
+  magnitude,      // |model| - |data|
+  log_magnitude,  // ln|model/data|
+  phase,          // angle from data to model, in (-pi, pi]
+};
+
+/// Form and weights of the residuals of one fit.
+struct ResidualRule {
+  ResidualForm form;
+  std::vector<double> weight;  // of each point, divided by unit
+  /// Root mean square of the weighted data (1 where the residual is a pure number).  Residuals are computed in this
+  /// unit, so that solver tolerances mean the same for data of 1e-18 and of 1e18.
+  double unit;
+
+  [[nodiscard]] std::size_t per_point() const noexcept {
+    return form == ResidualForm::cartesian || form == ResidualForm::logarithmic ? 2 : 1;
+  }
+  /// Residual(s) of one point; false where they do not exist.
+  bool residual(std::size_t point, std::complex<double> model, std::complex<double> data, double* result) const;
+  /// Their derivative from that of the model.
+  void derivative(std::size_t point, std::complex<double> model, std::complex<double> by_parameter, double* first,
+                  double* second) const;
+};
+
+/// @throws std::invalid_argument  the weight does not go with the component or with the data, as fit.hpp says.
+[[nodiscard]] ResidualRule residual_rule(const FrequencyResponseData& data, Component component, Weight weight);
+
+/// Weighted residuals of given model values, in the unit fit.hpp defines them in.
+/// @throws std::invalid_argument  naming the frequency at which one does not exist.
+[[nodiscard]] std::vector<double> curve_residuals(const FrequencyResponseData& data, const ResidualRule& rule,
+                                                  const std::vector<std::complex<double>>& model);
+
+}  // namespace frac::detail

@@ -1,0 +1,60 @@
+// Verdicts on measured files that are not part of the repository; skipped where they are absent.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "frac/identification/identify.hpp"
+#include "io/frequency_response_file.hpp"
+
+namespace {
+
+struct Case {
+  const char* file;
+  bool capacitive_only;  // leaves out the inductive points, which none of the structures describes
+  frac::Verdict verdict;
+};
+
+class MeasuredCase : public testing::TestWithParam<Case> {};
+
+TEST_P(MeasuredCase, IsCalledWhatItIs) {
+  const std::string path = std::string(FRACFIT_SOURCE_DIR "/../shared/cases-ident/") + GetParam().file;
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
+  io::FrequencyResponseReadOptions options;
+  if (GetParam().capacitive_only) options.where.emplace_back("im<0");
+  frac::FitOptions fit;
+  fit.component = frac::Component::both;
+  const frac::IdentificationResult result =
+      frac::identify(io::read_frequency_response(path, options).data, frac::model_library(), {}, fit);
+  EXPECT_EQ(result.verdict, GetParam().verdict) << result.verdict_sentence;
+}
+
+// The dummy files were measured on a resistor in series with a resistor and capacitor in parallel, the others on a lithium-ion
+// cell and on a polymer, which have fractional orders.
+INSTANTIATE_TEST_SUITE_P(
+    Identify, MeasuredCase,
+    testing::Values(Case{"impedancepy_dummy1.csv", true, frac::Verdict::fractional_not_supported},
+                    Case{"impedancepy_dummy2.csv", true, frac::Verdict::fractional_not_supported},
+                    Case{"impedancepy_dummy3.csv", true, frac::Verdict::fractional_not_supported},
+                    Case{"impedancepy_exampleData.csv", true, frac::Verdict::fractional_supported},
+                    Case{"pyvisco_master.csv", false, frac::Verdict::fractional_supported}));
+
+// Default local fits of this circuit end in other minima; 5.4432e-3 is the best cost known, rounded up in its fifth digit.
+TEST(Fit, ReachesTheBestCostOfTheLithiumCellFromEverySeed) {
+  const std::string path = FRACFIT_SOURCE_DIR "/../shared/cases-ident/impedancepy_exampleData.csv";
+  if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";
+  io::FrequencyResponseReadOptions options;
+  options.where.emplace_back("im<0");
+  const frac::FrequencyResponseData data = io::read_frequency_response(path, options).data;
+  ASSERT_EQ(data.size(), 57u);
+  const frac::Structure structure("R0 + R1/(1 + R1 Q1 s^n1) + R2/(1 + R2 Q2 s^n2) + 1/(Q3 s^n3)");
+  frac::FitOptions fit;
+  fit.component = frac::Component::both;
+  fit.constraints = {{"n1", {}, {}, 1, {}}, {"n2", {}, {}, 1, {}}, {"n3", {}, {}, 1, {}}};
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    fit.seed = seed;
+    EXPECT_LE(frac::fit(data, structure, fit).cost, 5.4432e-3) << "seed " << seed;
+  }
+}
+
+}  // namespace
