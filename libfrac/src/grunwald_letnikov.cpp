@@ -14,6 +14,7 @@ namespace frac {
 
 std::vector<double> grunwald_letnikov_weights(double order, std::size_t memory_length) {
   detail::check_realised_order(order, "grunwald_letnikov_weights");
+  detail::check_memory_length(memory_length, "grunwald_letnikov_weights");
   return detail::grunwald_letnikov_weights(order, memory_length);
 }
 

@@ -11,7 +11,6 @@ namespace frac {
 namespace {
 
 constexpr int most_poles = 1000;
-constexpr std::size_t longest_memory = 100'000'000;
 
 void validate_as(const ExactRealisation&) {}
 
@@ -32,10 +31,7 @@ void validate_as(const GrunwaldLetnikovRealisation& realisation) {
     throw std::invalid_argument("grunwald-letnikov: sample_time = " + detail::number_text(realisation.sample_time) +
                                 " s is not positive and finite");
   }
-  if (realisation.memory_length > longest_memory) {
-    throw std::invalid_argument("grunwald-letnikov: memory_length = " + std::to_string(realisation.memory_length) +
-                                "; allowed are 0 (all samples) to " + std::to_string(longest_memory));
-  }
+  detail::check_memory_length(realisation.memory_length, "grunwald-letnikov");
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-# Installs the components that consumer NAME needs from the build tree BUILD_DIR into WORK_DIR/stage, then configures, builds and
-# runs the project SOURCE_DIR/NAME against it and checks what it prints.
+# Installs the components that consumer NAME needs from the build tree BUILD_DIR into WORK_DIR/stage, then configures,
+# builds and runs the project SOURCE_DIR/NAME against it and checks what it prints.
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(NOT status EQUAL 0)

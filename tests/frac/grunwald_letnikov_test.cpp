@@ -201,6 +201,8 @@ TEST(GrunwaldLetnikov, RefusesWhatIsOutOfRange) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   expect_invalid_argument([&] { (void)frac::grunwald_letnikov_weights(nan, 3); }, {"order = nan"});
   expect_invalid_argument([&] { (void)frac::grunwald_letnikov_weights(-21, 3); }, {"order = -21"});
+  expect_invalid_argument([&] { (void)frac::grunwald_letnikov_weights(0.5, 10'000'001); },
+                          {"memory_length = 10000001"});
   expect_invalid_argument([&] { (void)frac::grunwald_letnikov_response(0.5, 0, 3, 1); }, {"sample_time = 0 s"});
   expect_invalid_argument([&] { (void)frac::grunwald_letnikov_response(0.5, 0.1, 3, 0); }, {"omega = 0"});
   expect_invalid_argument([&] { (void)frac::grunwald_letnikov_response(0.5, 0.1, 3, 32); },

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "frac/fractional_transfer_function.hpp"
+#include "frac/parallel_for.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/relative_error.hpp"
 
@@ -102,7 +103,7 @@ TEST(Structure, EvaluatesEachOperation) {
 }
 
 // The principal value of a power of a negative multiple of s turns by -90 degrees times the order.
-TEST(Structure, PowersAreprincipalValues) {
+TEST(Structure, PowersArePrincipalValues) {
   const Structure power("(T s)^a");
   const std::vector<double> parameters{-3, 0.7};
   EXPECT_LT(relative_error(power.response(parameters, 2), std::pow(Complex(0, -6), 0.7)), 20 * eps);
@@ -146,6 +147,15 @@ TEST(Structure, RolesFollowFromThePlace) {
   for (const auto& each : cases) {
     EXPECT_EQ(Structure(each.formula).parameter_roles(), each.roles) << each.formula;
     EXPECT_EQ(Structure(each.formula).parameter_in_sum(), each.in_sum) << each.formula;
+  }
+}
+
+TEST(Structure, KnowsWhetherItIsOfFractionalOrder) {
+  for (const char* formula : {"s^0.5", "1/(T s^a + 1)", "sqrt(s)", "(1 + s)^b", "1/(1 + (T s)^1.5)", "sqrt(1 + s)"}) {
+    EXPECT_TRUE(Structure(formula).has_fractional_order()) << formula;
+  }
+  for (const char* formula : {"s^2", "K exp(-L s)/(T s + 1)", "(1 + s)^-3", "s^(4/2)", "sqrt(K) s", "K^0.5/(s + 1)"}) {
+    EXPECT_FALSE(Structure(formula).has_fractional_order()) << formula;
   }
 }
 
@@ -202,6 +212,18 @@ TEST(Structure, GridGivesTheSameAsSingleFrequencies) {
     EXPECT_EQ(plain_value[i], value[i]);
     for (std::size_t p = 0; p < 6; ++p) EXPECT_EQ(row[p], gradient[i * 6 + p]);
   }
+}
+
+// One structure serves any number of threads at a time.
+TEST(Structure, EvaluatesAlikeOnManyThreads) {
+  const Structure structure("K exp(-L s)/(T s^a + 1)");
+  const std::vector<double> omega = log_grid(1e-3, 1e3, 100);
+  const std::vector<double> parameters{2, 0.1, 0.7, 1.3};
+  const frac::Realisation realisations[] = {frac::ExactRealisation{}, frac::GrunwaldLetnikovRealisation{1e-3, 50}};
+  std::vector<std::vector<Complex>> results(64, std::vector<Complex>(omega.size()));
+  frac::parallel_for(results.size(), 4,
+                     [&](std::size_t i) { structure.response(parameters, omega, realisations[i % 2], results[i]); });
+  for (std::size_t i = 0; i < results.size(); ++i) EXPECT_EQ(results[i], results[i % 2]);
 }
 
 // Powers of s go through the realisation, s itself and (c s)^q included; the delay stays exact.

@@ -9,14 +9,14 @@ namespace frac {
 /// Weights w_k = (-1)^k binomial(order, k), k = 0 .. memory_length, of the Gruenwald-Letnikov difference
 ///   D^order f(n h) ~ h^-order sum_k w_k f((n - k) h)      (Podlubny 1999, eq. 7.23; first order accurate in h).
 /// Relative error below 4 eps (1 + |order|) (10 + ln k), eps = 2.2e-16.
-/// @throws std::invalid_argument  order not finite or |order| > 20.
+/// @throws std::invalid_argument  order not finite or |order| > 20, memory_length > 10^7.
 [[nodiscard]] std::vector<double> grunwald_letnikov_weights(double order, std::size_t memory_length);
 
 /// Frequency response of that difference as it will be deployed: sample time h (s), sum over k = 0 .. memory_length,
 /// that is the present sample and the memory_length before it.  memory_length = 0 means all: ((1 - e^{-j omega
 /// h})/h)^order.
-/// @throws std::invalid_argument  order as above, sample_time not positive and finite, omega not in (0,
-/// pi/sample_time].
+/// @throws std::invalid_argument  order or memory_length as above, sample_time not positive and finite, omega not in
+/// (0, pi/sample_time].
 [[nodiscard]] std::complex<double> grunwald_letnikov_response(double order, double sample_time,
                                                               std::size_t memory_length, double omega);
 

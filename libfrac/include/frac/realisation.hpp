@@ -21,7 +21,8 @@ struct OustaloupRealisation {
   bool operator==(const OustaloupRealisation&) const = default;
 };
 
-/// Gruenwald-Letnikov difference at a sample time (s); memory_length = 0 keeps all samples, see grunwald_letnikov.hpp.
+/// Gruenwald-Letnikov difference at a sample time (s); memory_length = 0 keeps all samples, else it
+/// is at most 10^7; see grunwald_letnikov.hpp.
 struct GrunwaldLetnikovRealisation {
   double sample_time;
   std::size_t memory_length;

@@ -43,7 +43,7 @@ class Program;
 /// juxtaposition ("R1 Q1 s^n1").  The exponent after ^ is a number, a name, or a parenthesised expression of those,
 /// with an optional sign; it must not contain s.  Juxtaposition binds like *; "1/Q s^n", which readers take both ways,
 /// is refused, and so is a^b^c.  A name with ( right behind it is refused as an unknown function: write "K (s + 1)" or
-/// "K*(s + 1)". At most 10000 characters and 200 open parentheses.
+/// "K*(s + 1)".  At most 10000 characters and 200 open parentheses.
 ///
 /// Powers are principal values; (c s)^q and sqrt(c s) count as the power s^q times |c|^q, everything free of s is real.
 /// Through a realisation each power of s, and s itself, is replaced by its realised response; functions stay exact, and
@@ -56,8 +56,8 @@ class Structure {
   [[nodiscard]] const std::string& formula() const noexcept { return formula_; }
   [[nodiscard]] const std::vector<std::string>& parameter_names() const noexcept { return names_; }
   [[nodiscard]] const std::vector<ParameterRole>& parameter_roles() const noexcept { return roles_; }
-  /// For each parameter whether it, or the power whose exponent it belongs to, is part of a term of a sum: a in K/(T
-  /// s^a + 1) is, p in K s^p is not.
+  /// For each parameter whether it, or the power whose exponent it belongs to, is part of a term of a sum:
+  /// a in K/(T s^a + 1) is, p in K s^p is not.
   [[nodiscard]] const std::vector<bool>& parameter_in_sum() const noexcept { return in_sum_; }
   /// Whether s stands under a root or a power that is no whole number, or whose order is a parameter.
   [[nodiscard]] bool has_fractional_order() const;
@@ -67,9 +67,8 @@ class Structure {
   /// Model value at s = j omega.  Not finite where the model has a pole or overflows, or where a part free of s has no
   /// real value (the root of a negative parameter).
   /// @throws std::invalid_argument  wrong number of parameters; omega not positive and finite, or beyond what the
-  /// realisation
-  ///                                covers; a realisation that is not valid, or cannot express a power: of a sum, other
-  ///                                than whole, or of order beyond 20.
+  ///     realisation covers; a realisation that is not valid, or that cannot express a power: one of a sum that is not
+  ///     whole, or one of order beyond 20.
   [[nodiscard]] std::complex<double> response(std::span<const double> parameters, double omega,
                                               const Realisation& realisation = ExactRealisation{}) const;
   /// On a grid, which costs less per frequency: value has one entry per omega.

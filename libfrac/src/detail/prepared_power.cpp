@@ -14,6 +14,7 @@ using Complex = std::complex<double>;
 
 void PreparedPower::prepare(const Realisation& realisation, double order) {
   order_ = order;
+  sum_.reset();
   if (std::holds_alternative<ExactRealisation>(realisation)) {
     method_ = Method::exact;
     exact_order_ = order;

@@ -16,6 +16,13 @@ void check_realised_order(double order, std::string_view where) {
   }
 }
 
+void check_memory_length(std::size_t memory_length, std::string_view where) {
+  if (memory_length > longest_memory) {
+    throw std::invalid_argument(std::string(where) + ": memory_length = " + std::to_string(memory_length) +
+                                "; allowed are 0 to " + std::to_string(longest_memory));
+  }
+}
+
 void check_omega(const Realisation& realisation, double omega, std::string_view where) {
   if (!(std::isfinite(omega) && omega > 0)) {
     throw std::invalid_argument(std::string(where) + ": omega = " + number_text(omega) +

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string_view>
 
 #include "frac/realisation.hpp"
@@ -8,6 +9,12 @@ namespace frac::detail {
 
 /// Largest |order| that Oustaloup and Gruenwald-Letnikov realise.
 inline constexpr double largest_realised_order = 20;
+
+/// Longest Gruenwald-Letnikov memory; its weights take 160 MB.
+inline constexpr std::size_t longest_memory = 10'000'000;
+
+/// @throws std::invalid_argument  memory_length beyond the longest; the text begins with `where`.
+void check_memory_length(std::size_t memory_length, std::string_view where);
 
 /// @throws std::invalid_argument  order not finite or |order| > 20; the text begins with `where`.
 void check_realised_order(double order, std::string_view where);

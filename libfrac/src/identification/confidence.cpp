@@ -56,12 +56,18 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
   const auto columns = static_cast<Eigen::Index>(free.size());
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   Confidence result{std::vector<double>(parameters, nan),
+                    std::vector<double>(parameters, nan),
+                    std::vector<std::vector<double>>(parameters, std::vector<double>(parameters, nan)),
                     std::vector<bool>(parameters, false),
                     std::vector<bool>(parameters, true),
                     std::vector<bool>(parameters, true),
                     0,
                     1,
                     nan};
+  for (std::size_t i = 0; i < parameters; ++i) {
+    if (!residuals.map().is_fixed(i)) continue;
+    for (std::size_t j = 0; j < parameters; ++j) result.covariance[i][j] = result.covariance[j][i] = 0;
+  }
   if (free.empty()) return result;
 
   Eigen::VectorXd residual(static_cast<Eigen::Index>(residuals.count()));
@@ -131,6 +137,18 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
     const bool wide = !(result.t * error <= 0.5 * std::abs(values[parameter])) && !std::isnan(error);
     result.identified[parameter] = !in_flat_direction && !wide;
     result.standard_error[parameter] = error;
+    // theta is the parameter at the middle of the band, as a logarithm or in its natural unit.
+    const double theta_error = deviation * (svd.matrixV().row(k) * inverse_sigma.asDiagonal()).norm() /
+                               norm[inner[static_cast<std::size_t>(k)]];
+    result.centre_standard_error[parameter] =
+        theta_error *
+        residuals.map().centre_value_by_theta(static_cast<std::size_t>(inner[static_cast<std::size_t>(k)]), values);
+    for (Eigen::Index other = 0; other < width; ++other) {
+      const std::size_t j = free[static_cast<std::size_t>(inner[static_cast<std::size_t>(other)])].parameter;
+      result.covariance[parameter][j] =
+          deviation * deviation *
+          spread.row(static_cast<Eigen::Index>(parameter)).dot(spread.row(static_cast<Eigen::Index>(j)));
+    }
   }
   return result;
 }

@@ -8,7 +8,9 @@ namespace frac::detail {
 
 /// What the curvature at a minimum says about each parameter of the user.
 struct Confidence {
-  std::vector<double> standard_error;  // NaN: fixed, at a bound, or not seen
+  std::vector<double> standard_error;         // NaN: fixed, at a bound, or not seen
+  std::vector<double> centre_standard_error;  // of the parameter with frequency in units of the middle of the band
+  std::vector<std::vector<double>> covariance;
   std::vector<bool> at_bound;
   std::vector<bool> seen;        // the residuals depend on it
   std::vector<bool> identified;  // seen, interval within 50 %, not part of a flat direction

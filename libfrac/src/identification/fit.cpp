@@ -51,14 +51,29 @@ void check_coverage(const FrequencyResponseData& data, const Realisation& realis
   }
 }
 
-/// 1.4826 times the median absolute residual: the standard deviation of the well-behaved part (normal residuals).
-double robust_spread(const detail::Residuals& residuals, const std::vector<double>& theta) {
+std::vector<double> residuals_at(const detail::Residuals& residuals, const std::vector<double>& theta) {
   std::vector<double> residual(residuals.count());
   residuals.evaluate(theta, 0, residuals.points(), residual.data(), nullptr);
+  return residual;
+}
+
+/// 1.4826 times the median absolute residual: the standard deviation of the well-behaved part (normal residuals).
+double robust_spread(std::vector<double> residual) {
   for (double& value : residual) value = std::abs(value);
   const auto middle = residual.begin() + static_cast<std::ptrdiff_t>(residual.size() / 2);
   std::nth_element(residual.begin(), middle, residual.end());
   return 1.4826 * *middle;
+}
+
+/// Points with a residual beyond five robust standard deviations: one in two million of normal residuals.
+std::vector<std::size_t> outliers(const std::vector<double>& residual, std::size_t per_point) {
+  std::vector<std::size_t> points;
+  const double limit = 5 * robust_spread(residual);
+  for (std::size_t i = 0; i < residual.size(); ++i) {
+    const std::size_t point = i / per_point;
+    if (std::abs(residual[i]) > limit && (points.empty() || points.back() != point)) points.push_back(point);
+  }
+  return points;
 }
 
 /// Loss scales that keep 95 % efficiency on normal residuals (Huber 1981; Holland, Welsch 1977).
@@ -70,11 +85,11 @@ double tuning_constant(Loss loss) {
 detail::LocalOptions robust_refinement(const detail::Residuals& residuals, Loss loss, detail::LocalSolution& solution) {
   detail::LocalOptions options;
   options.loss = loss;
-  double spread = robust_spread(residuals, solution.theta);
+  double spread = robust_spread(residuals_at(residuals, solution.theta));
   for (int pass = 0; pass < 30 && spread > 0; ++pass) {
     options.loss_scale = tuning_constant(loss) * spread;
     solution = local_solve(residuals, solution.theta, options);
-    const double next = robust_spread(residuals, solution.theta);
+    const double next = robust_spread(residuals_at(residuals, solution.theta));
     const bool settled = std::abs(next - spread) <= 1e-3 * spread;
     spread = next;
     if (settled) break;
@@ -167,7 +182,7 @@ FitResult fit(const FrequencyResponseData& data, const Structure& structure, con
     result.termination = FitTermination::no_usable_start;
     result.message = "The model is not finite on these frequencies anywhere it was tried.";
     for (std::size_t i = 0; i < names.size(); ++i) {
-      result.parameters.push_back({names[i], nan, nan, nan, nan, map.is_fixed(i), false, false, false});
+      result.parameters.push_back({names[i], nan, nan, nan, nan, map.is_fixed(i), false, false, nan, nan, false});
     }
     result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return result;
@@ -179,15 +194,27 @@ FitResult fit(const FrequencyResponseData& data, const Structure& structure, con
   const std::vector<double> values = map.to_user(solution.best.theta);
   for (std::size_t i = 0; i < names.size(); ++i) {
     const double half_width = found.t * found.standard_error[i];
-    const bool fixed = map.is_fixed(i);
-    result.parameters.push_back({names[i], values[i], fixed ? 0 : found.standard_error[i],
-                                 fixed ? nan : values[i] - half_width, fixed ? nan : values[i] + half_width, fixed,
-                                 found.at_bound[i], found.identified[i], false});
+    ParameterEstimate estimate{};
+    estimate.name = names[i];
+    estimate.value = estimate.centre_value = values[i];
+    estimate.fixed = map.is_fixed(i);
+    estimate.standard_error = estimate.fixed ? 0 : found.standard_error[i];
+    estimate.centre_standard_error = estimate.fixed ? 0 : found.centre_standard_error[i];
+    estimate.ci95_lower = estimate.fixed ? nan : values[i] - half_width;
+    estimate.ci95_upper = estimate.fixed ? nan : values[i] + half_width;
+    estimate.at_bound = found.at_bound[i];
+    estimate.identified = found.identified[i];
+    result.parameters.push_back(std::move(estimate));
   }
+  for (std::size_t k = 0; k < map.free().size(); ++k) {
+    result.parameters[map.free()[k].parameter].centre_value = map.centre_value(k, values);
+  }
+  result.covariance = found.covariance;
+  result.centre_omega = map.scale().omega;
   recover_unseen(result, found, data, structure, options);
 
-  std::vector<double> residual(residuals.count());
-  residuals.evaluate(solution.best.theta, 0, residuals.points(), residual.data(), nullptr);
+  std::vector<double> residual = residuals_at(residuals, solution.best.theta);
+  result.outliers = outliers(residual, residuals.per_point());
   for (double& value : residual) value *= rule.unit;
   const detail::Information information = detail::information(residual, found.rank, rule.unit);
   result.cost = information.cost;

@@ -213,4 +213,16 @@ Eigen::MatrixXd ParameterMap::jacobian(std::span<const double> parameters) const
   return result;
 }
 
+double ParameterMap::centre_value(std::size_t k, std::span<const double> parameters) const {
+  const double value = parameters[free_[k].parameter];
+  if (free_[k].role == ParameterRole::order) return value;
+  return value * std::pow(scale_.omega, -frequency_exponent(k, parameters));
+}
+
+double ParameterMap::centre_value_by_theta(std::size_t k, std::span<const double> parameters) const {
+  if (free_[k].role == ParameterRole::order) return 1;
+  if (free_[k].logarithmic) return centre_value(k, parameters);
+  return std::pow(scale_.value, free_[k].value_exponent);
+}
+
 }  // namespace frac::detail

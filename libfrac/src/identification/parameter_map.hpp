@@ -56,6 +56,9 @@ class ParameterMap {
   [[nodiscard]] Eigen::MatrixXd jacobian(std::span<const double> parameters) const;
   /// The frequency exponent of free()[k] at given parameter values.
   [[nodiscard]] double frequency_exponent(std::size_t k, std::span<const double> parameters) const;
+  /// free()[k] with frequency in units of the middle of the band, and its derivative by theta[k].
+  [[nodiscard]] double centre_value(std::size_t k, std::span<const double> parameters) const;
+  [[nodiscard]] double centre_value_by_theta(std::size_t k, std::span<const double> parameters) const;
 
  private:
   [[nodiscard]] double log_unit(std::size_t k, std::span<const double> parameters) const;

@@ -1,7 +1,6 @@
 // The furnace model, exactly and with each power of s realised by zeros and poles.
 #include <frac/fractional_transfer_function.hpp>
 #include <frac/oustaloup.hpp>
-
 #include <iostream>
 
 int main() {

@@ -64,7 +64,9 @@ struct ParameterEstimate {
   bool fixed;
   bool at_bound;
   bool identified;  // false: the data do not determine it (interval beyond 50 %, or scaled Fisher condition beyond 1e6)
-  bool from_other_component;  // the fitted component is blind to it; estimated from the other one with the rest held
+  double centre_value;  // with frequency in units of the band's geometric middle: T (1 rad/s)^a -> T omega_c^a,
+  double centre_standard_error;  // where a coefficient is least correlated with the orders
+  bool from_other_component;     // the fitted component is blind to it; estimated from the other one with the rest held
 };
 
 enum class FitTermination {
@@ -84,20 +86,23 @@ struct FitResult {
   double aicc;
   double bic;
   FitTermination termination;
-  std::string message;          // one sentence
-  std::size_t residuals;        // count
-  std::size_t free_parameters;  // count
-  std::size_t starts;           // local solves made
-  std::size_t starts_at_best;   // of which ended at the best cost
-  double condition;             // of the scaled Fisher matrix
+  std::string message;                // one sentence
+  std::size_t residuals;              // count
+  std::size_t free_parameters;        // count
+  std::size_t starts;                 // local solves made
+  std::size_t starts_at_best;         // of which ended at the best cost
+  double condition;                   // of the scaled Fisher matrix
+  std::vector<std::size_t> outliers;  // data points whose residual exceeds 5 robust standard deviations
+  /// Covariance of the estimates, one row per parameter: NaN beside one without standard error, 0 beside a fixed one.
+  std::vector<std::vector<double>> covariance;
+  double centre_omega;  // geometric middle of the band, rad/s
   double seconds;
 };
 
 /// Fits one structure: data-driven and seeded starts, Ceres for each, NLopt when they disagree.
-/// @throws std::invalid_argument  an unknown or contradictory constraint, fewer residuals than free parameters, weight
-/// `given`
-///                                without sigma, zero data under relative weight, or frequencies the realisation cannot
-///                                cover.
+/// @throws std::invalid_argument  an unknown or contradictory constraint; fewer residuals than free parameters; weight
+///     `given` without sigma or `repeats` without repeats; zero data under relative weight, log-complex weight, or for
+///     a phase; log-complex weight for one part; frequencies the realisation cannot cover.
 [[nodiscard]] FitResult fit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options);
 
 /// Model values at the estimated parameters.

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "frac/identification/fit.hpp"
+
+namespace frac {
+
+/// An interval that follows the cost itself instead of its curvature at the minimum.
+struct ProfileInterval {
+  double lower, upper;        // a side without end within the bounds of the parameter is -infinity or infinity
+  bool better_minimum_found;  // a refit went below the cost of the result: that was no minimum
+};
+
+/// 95 % interval of one parameter: where the least cost with the parameter held there exceeds the minimum by the factor
+/// 1 + t^2/(n - k) (Venzon, Moolgavkar 1988; t of Student with n - k degrees of freedom).
+/// @param result  of fit() on the same data with the same options
+/// @throws std::invalid_argument  an unknown, fixed or unseen parameter, or no degree of freedom left.
+[[nodiscard]] ProfileInterval profile_interval(const FrequencyResponseData& data, const FitOptions& options,
+                                               const FitResult& result, std::string_view parameter);
+
+/// Percentiles of refits to resampled residuals.
+struct BootstrapInterval {
+  double lower, upper;    // 2.5 % and 97.5 %
+  double standard_error;  // standard deviation of the refits; 0 when fixed
+};
+
+/// Residual bootstrap (Efron, Tibshirani 1993, sect. 9.4): the complex residuals, divided by |data| (relative,
+/// smoothed, log-complex weight and repeats), by sigma (given) or by nothing (absolute), are drawn with replacement,
+/// added to the fitted curve and fitted again from the result.  The same seed gives the same intervals for any number
+/// of threads.
+/// @return one interval per parameter
+/// @throws std::invalid_argument  fewer than 20 samples.
+[[nodiscard]] std::vector<BootstrapInterval> bootstrap(const FrequencyResponseData& data, const FitOptions& options,
+                                                       const FitResult& result, std::size_t samples, int threads = 0);
+
+/// Standard deviation of the fitted curve, from the covariance of the parameters (those without a standard error held).
+struct ResponseDeviation {
+  double real, imaginary;
+};
+[[nodiscard]] std::vector<ResponseDeviation> response_deviation(const FitResult& result, const Realisation& realisation,
+                                                                const std::vector<double>& omega);
+
+}  // namespace frac

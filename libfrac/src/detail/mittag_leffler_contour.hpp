@@ -1,0 +1,66 @@
+#pragma once
+
+#include <array>
+#include <complex>
+#include <cstddef>
+#include <span>
+
+namespace frac::detail {
+
+/// E_{alpha,beta} for 0 < alpha <= 2 by the trapezoidal rule on the line Re w = c of
+///   E(z) = (1/(2 pi i)) int e^{w^2} 2 w^(2 (alpha - beta) + 1) / (w^(2 alpha) - z) dw.
+/// With nodes c + i (k + offset) h, a pole w_j of residue R_j left of the line changes the rule by
+/// -R_j / (1 - e^{2 pi i offset - 2 pi (w_j - c)/h}), one right of it by R_j less than that: adding the quotient gives E
+/// on whichever side the pole is.
+class MittagLefflerContour {
+ public:
+  /// @param offset  0 or 1/2, of the nodes in steps.
+  MittagLefflerContour(double alpha, double beta, double offset);
+
+  [[nodiscard]] bool is(double alpha, double beta) const noexcept { return alpha == alpha_ && beta == beta_; }
+
+  /// Whether a pole is so near a node that the other offset cancels less.
+  [[nodiscard]] bool has_pole_at_node(std::complex<double> z) const;
+
+  struct ValueAndDerivative {
+    std::complex<double> value;
+    std::complex<double> derivative;
+  };
+  /// 0 < |z| < 1e140.  Infinite parts on overflow.
+  [[nodiscard]] std::complex<double> value(std::complex<double> z) const;
+  [[nodiscard]] ValueAndDerivative value_and_derivative(std::complex<double> z) const;
+
+  /// Each -1e140 < z < 0, and alpha < 1, so that no pole is met: accurate in relative terms.
+  void negative_values(std::span<const double> z, double* value) const;
+
+ private:
+  static constexpr std::size_t capacity = 128;
+  using Column = std::array<double, capacity>;
+  struct Pole {
+    std::complex<double> s, w;
+  };
+  struct Poles {
+    std::array<Pole, 4> pole;
+    std::size_t count = 0;
+  };
+  void choose_line();
+  void place_nodes();
+  [[nodiscard]] Poles poles(std::complex<double> z) const;
+  template <bool with_derivative>
+  [[nodiscard]] ValueAndDerivative evaluate(std::complex<double> z) const;
+
+  double alpha_;
+  double beta_;
+  double offset_;
+  double power_;           // of w in the integrand's numerator
+  double line_ = 0;        // c
+  double step_ = 0;        // h
+  double least_pole_ = 0;  // poles of smaller |w| fall under the bound for the branch point
+  std::size_t count_ = 0;
+  double leading_;  // 1/Gamma(beta - alpha), that of -1/z far out
+  // Pairs of conjugate nodes: the rule is sum a/(v - z) + conj(a)/(conj(v) - z), v = w^(2 alpha).
+  Column a_re_, a_im_, v_re_, v_im_;
+  Column av_re_, av_im_;  // a v, for E_{alpha,beta-alpha}
+};
+
+}  // namespace frac::detail

@@ -1,0 +1,8 @@
+#pragma once
+
+namespace frac::detail {
+
+/// 1/Gamma(x), entire: 0 at 0, -1, -2, ...
+[[nodiscard]] double reciprocal_gamma(double x);
+
+}  // namespace frac::detail

@@ -1,0 +1,188 @@
+#include "frac/identification/uncertainty.hpp"
+
+#include <algorithm>
+#include <boost/math/tools/toms748_solve.hpp>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <stdexcept>
+#include <string>
+
+#include "frac/parallel_for.hpp"
+#include "student_t.hpp"
+
+namespace frac {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Options of a refit that starts where another fit ended.
+FitOptions warm(const FitOptions& options, const std::vector<ParameterEstimate>& from) {
+  FitOptions result = options;
+  result.global_start = false;
+  for (const ParameterEstimate& estimate : from) {
+    if (estimate.fixed) continue;
+    const auto known =
+        std::find_if(result.constraints.begin(), result.constraints.end(),
+                     [&](const ParameterConstraint& constraint) { return constraint.name == estimate.name; });
+    if (known == result.constraints.end()) {
+      result.constraints.push_back({estimate.name, {}, {}, {}, estimate.value});
+    } else {
+      known->start = std::clamp(estimate.value, known->lower.value_or(-infinity), known->upper.value_or(infinity));
+    }
+  }
+  return result;
+}
+
+FitOptions held(FitOptions options, std::string_view parameter, double value) {
+  std::erase_if(options.constraints,
+                [&](const ParameterConstraint& constraint) { return constraint.name == parameter; });
+  options.constraints.push_back({std::string(parameter), value, {}, {}, {}});
+  return options;
+}
+
+const ParameterEstimate& estimate_of(const FitResult& result, std::string_view name) {
+  const Structure structure(result.model);
+  return result.parameters[structure.parameter_index(name)];
+}
+
+}  // namespace
+
+ProfileInterval profile_interval(const FrequencyResponseData& data, const FitOptions& options, const FitResult& result,
+                                 std::string_view parameter) {
+  const ParameterEstimate& estimate = estimate_of(result, parameter);
+  if (estimate.fixed)
+    throw std::invalid_argument("parameter '" + std::string(parameter) + "' is fixed, it has no interval");
+  if (estimate.from_other_component || !(std::isfinite(estimate.value))) {
+    throw std::invalid_argument("parameter '" + std::string(parameter) + "' is not seen by the fitted component");
+  }
+  const double degrees = static_cast<double>(result.residuals) - static_cast<double>(result.free_parameters);
+  if (!(degrees >= 1)) throw std::invalid_argument("a profile needs more residuals than free parameters");
+  const double t = detail::student_t_95(degrees);
+  const double limit = result.cost * (1 + t * t / degrees);
+
+  const Structure structure(result.model);
+  ProfileInterval interval{-infinity, infinity, false};
+  for (const int side : {-1, 1}) {
+    FitResult last = result;
+    const auto excess = [&](double value) {
+      const FitResult refit = fit(data, structure, held(warm(options, last.parameters), parameter, value));
+      if (std::isfinite(refit.cost)) last = refit;
+      interval.better_minimum_found = interval.better_minimum_found || refit.cost < result.cost * (1 - 1e-6);
+      return std::isfinite(refit.cost) ? refit.cost / limit - 1 : infinity;
+    };
+    double lower = -infinity, upper = infinity;
+    for (const ParameterConstraint& constraint : options.constraints) {
+      if (constraint.name != parameter) continue;
+      lower = constraint.lower.value_or(lower);
+      upper = constraint.upper.value_or(upper);
+    }
+    const auto role = structure.parameter_roles()[structure.parameter_index(parameter)];
+    if (role != ParameterRole::order && lower == -infinity && estimate.value > 0) lower = 0;
+    // Steps outward from the estimate until the cost is past the limit.
+    const double scale = std::isfinite(estimate.standard_error) && estimate.standard_error > 0
+                             ? std::min(estimate.standard_error, std::abs(estimate.value) + 1e-300)
+                             : 0.01 * std::abs(estimate.value) + 1e-300;
+    double inside = estimate.value, outside = estimate.value, step = scale;
+    bool found = false;
+    for (int i = 0; i < 60 && !found; ++i) {
+      outside = inside + side * step;
+      if (outside <= lower || outside >= upper) {
+        // Half the way to a bound that cannot be reached (a positive coefficient never is 0), and no further than 1e-6
+        // of it.
+        const double bound = side < 0 ? lower : upper;
+        outside = inside + (bound - inside) / 2;
+        if (!(std::abs(bound - outside) > 1e-6 * (std::abs(estimate.value) + std::abs(bound)))) break;
+      }
+      found = excess(outside) > 0;
+      if (!found) inside = outside;
+      step *= 1.6;
+    }
+    if (!found) continue;
+    std::uintmax_t iterations = 40;
+    const auto close = [&](double a, double b) { return std::abs(a - b) <= 1e-6 * (std::abs(a) + std::abs(b)); };
+    const auto bracket = inside < outside
+                             ? boost::math::tools::toms748_solve(excess, inside, outside, close, iterations)
+                             : boost::math::tools::toms748_solve(excess, outside, inside, close, iterations);
+    (side < 0 ? interval.lower : interval.upper) = 0.5 * (bracket.first + bracket.second);
+  }
+  return interval;
+}
+
+std::vector<BootstrapInterval> bootstrap(const FrequencyResponseData& data, const FitOptions& options,
+                                         const FitResult& result, std::size_t samples, int threads) {
+  if (samples < 20) {
+    throw std::invalid_argument("a bootstrap of " + std::to_string(samples) +
+                                " samples has no percentiles; use at least 20");
+  }
+  const std::size_t count = data.size();
+  const std::vector<std::complex<double>> model = fitted_response(result, options.realisation, data.omega());
+  std::vector<double> scale(count, 1.0);
+  std::vector<std::complex<double>> residual(count);
+  // Residuals are smaller than the noise, because parameters have followed it.
+  const double degrees = static_cast<double>(result.residuals) - static_cast<double>(result.free_parameters);
+  const double inflation = degrees > 0 ? std::sqrt(static_cast<double>(result.residuals) / degrees) : 1;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (options.weight == Weight::given) {
+      scale[i] = data.sigma()[i];
+    } else if (options.weight != Weight::absolute) {
+      scale[i] = std::abs(data.value()[i]);
+    }
+    residual[i] = inflation * (data.value()[i] - model[i]) / scale[i];
+  }
+
+  const Structure structure(result.model);
+  const FitOptions refit = warm(options, result.parameters);
+  std::vector<std::vector<double>> values(result.parameters.size(), std::vector<double>(samples));
+  parallel_for(samples, threads, [&](std::size_t sample) {
+    std::seed_seq seed{options.seed, static_cast<std::uint64_t>(sample)};
+    std::mt19937_64 generator(seed);
+    std::vector<std::complex<double>> value(count);
+    for (std::size_t i = 0; i < count; ++i) value[i] = model[i] + scale[i] * residual[generator() % count];
+    const FitResult again = fit({data.omega(), value, data.sigma()}, structure, refit);
+    for (std::size_t k = 0; k < values.size(); ++k) values[k][sample] = again.parameters[k].value;
+  });
+
+  std::vector<BootstrapInterval> intervals;
+  for (std::vector<double>& each : values) {
+    std::sort(each.begin(), each.end());
+    double mean = 0, square = 0;
+    for (const double value : each) mean += value / static_cast<double>(samples);
+    for (const double value : each) square += (value - mean) * (value - mean);
+    const auto percentile = [&](double share) {
+      const double place = share * static_cast<double>(samples - 1);
+      const auto below = static_cast<std::size_t>(place);
+      const double part = place - static_cast<double>(below);
+      return each[below] + (below + 1 < samples ? part * (each[below + 1] - each[below]) : 0);
+    };
+    intervals.push_back({percentile(0.025), percentile(0.975), std::sqrt(square / static_cast<double>(samples - 1))});
+  }
+  return intervals;
+}
+
+std::vector<ResponseDeviation> response_deviation(const FitResult& result, const Realisation& realisation,
+                                                  const std::vector<double>& omega) {
+  const Structure structure(result.model);
+  const std::size_t count = result.parameters.size();
+  std::vector<double> parameters;
+  for (const ParameterEstimate& estimate : result.parameters) parameters.push_back(estimate.value);
+  std::vector<ResponseDeviation> deviations;
+  std::vector<std::complex<double>> gradient(count);
+  for (const double each : omega) {
+    structure.response_and_gradient(parameters, each, realisation, gradient);
+    double real = 0, imaginary = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t j = 0; j < count; ++j) {
+        const double covariance = result.covariance[i][j];
+        if (std::isnan(covariance)) continue;
+        real += gradient[i].real() * covariance * gradient[j].real();
+        imaginary += gradient[i].imag() * covariance * gradient[j].imag();
+      }
+    }
+    deviations.push_back({std::sqrt(std::max(real, 0.0)), std::sqrt(std::max(imaginary, 0.0))});
+  }
+  return deviations;
+}
+
+}  // namespace frac

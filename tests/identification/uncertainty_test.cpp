@@ -1,0 +1,150 @@
+#include "frac/identification/uncertainty.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <random>
+#include <stdexcept>
+#include <vector>
+
+namespace {
+
+using frac::Component;
+
+std::vector<double> grid() {
+  std::vector<double> omega;
+  for (int i = 0; i < 60; ++i) omega.push_back(1e-2 * std::pow(1e4, i / 59.0));
+  return omega;
+}
+
+frac::FrequencyResponseData noisy(const char* formula, const std::vector<double>& parameters, double noise,
+                                  unsigned seed) {
+  const frac::Structure structure(formula);
+  std::mt19937_64 generator(seed);
+  std::normal_distribution<double> normal(0, noise);
+  std::vector<std::complex<double>> value;
+  for (const double w : grid()) {
+    const std::complex<double> exact = structure.response(parameters, w);
+    const double re = normal(generator), im = normal(generator);
+    value.push_back(exact + std::abs(exact) * std::complex<double>(re, im));
+  }
+  return {grid(), value};
+}
+
+frac::FitOptions both_parts() {
+  frac::FitOptions options;
+  options.component = Component::both;
+  return options;
+}
+
+// Where the model is linear in its parameter the profile is a parabola and both intervals are the same; the search
+// stops at 1e-6 relative.
+TEST(ProfileInterval, EqualsTheCurvatureIntervalOfALinearModel) {
+  const auto data = noisy("K/(0.5 s^0.6 + 1)", {2}, 0.02, 1);
+  const frac::FitResult result = frac::fit(data, frac::Structure("K/(0.5 s^0.6 + 1)"), both_parts());
+  const auto interval = frac::profile_interval(data, both_parts(), result, "K");
+  EXPECT_NEAR(interval.lower, result.parameters[0].ci95_lower, 1e-5);
+  EXPECT_NEAR(interval.upper, result.parameters[0].ci95_upper, 1e-5);
+  EXPECT_FALSE(interval.better_minimum_found);
+}
+
+// At 1 % noise the lag is linear within its uncertainty to some per cent: third-order terms are of the size of the
+// relative standard errors (below 5 %).
+TEST(ProfileInterval, IsNearTheCurvatureIntervalAtSmallNoise) {
+  const auto data = noisy("K/(T s^a + 1)", {2, 0.5, 0.6}, 0.01, 2);
+  const frac::FitResult result = frac::fit(data, frac::Structure("K/(T s^a + 1)"), both_parts());
+  for (const auto& estimate : result.parameters) {
+    const auto interval = frac::profile_interval(data, both_parts(), result, estimate.name);
+    const double half_width = estimate.ci95_upper - estimate.value;
+    EXPECT_NEAR(interval.lower, estimate.ci95_lower, 0.1 * half_width) << estimate.name;
+    EXPECT_NEAR(interval.upper, estimate.ci95_upper, 0.1 * half_width) << estimate.name;
+  }
+}
+
+// A second arc three decades above the data: its resistance is bounded on one side only.
+TEST(ProfileInterval, IsOpenWhereTheDataSetNoLimit) {
+  const frac::Structure structure("K/(T s + 1)");
+  std::vector<double> omega;
+  std::vector<std::complex<double>> value;
+  std::mt19937_64 generator(3);
+  std::normal_distribution<double> normal(0, 0.02);
+  for (int i = 0; i < 40; ++i) {
+    omega.push_back(std::pow(10.0, i / 39.0));
+    const std::complex<double> exact = structure.response(std::vector<double>{2, 1e-4}, omega.back());
+    const double re = normal(generator), im = normal(generator);
+    value.push_back(exact + 2.0 * std::complex<double>(re, im));
+  }
+  const frac::FrequencyResponseData data(omega, value);
+  const frac::FitResult result = frac::fit(data, structure, both_parts());
+  const auto interval = frac::profile_interval(data, both_parts(), result, "T");
+  EXPECT_EQ(interval.lower, -std::numeric_limits<double>::infinity());
+  EXPECT_LT(interval.upper, 0.1);
+  EXPECT_GT(interval.upper, 1e-4);
+}
+
+TEST(ProfileInterval, RefusesWhatHasNone) {
+  const auto data = noisy("K/(T s^a + 1)", {2, 0.5, 0.6}, 0.01, 2);
+  frac::FitOptions options = both_parts();
+  options.constraints = {{"a", 0.6, {}, {}, {}}};
+  const frac::FitResult result = frac::fit(data, frac::Structure("K/(T s^a + 1)"), options);
+  EXPECT_THROW((void)frac::profile_interval(data, options, result, "a"), std::invalid_argument);
+  EXPECT_THROW((void)frac::profile_interval(data, options, result, "b"), std::invalid_argument);
+}
+
+// 400 resamples know a standard deviation to 1/sqrt(800) = 3.5 %, and resampling 60 residual pairs adds sqrt(1/240)
+// = 6.5 %; three of both together are 22 %.
+TEST(Bootstrap, AgreesWithTheCovarianceOnNormalNoise) {
+  const auto data = noisy("K/(T s^a + 1)", {2, 0.5, 0.6}, 0.01, 4);
+  const frac::FitResult result = frac::fit(data, frac::Structure("K/(T s^a + 1)"), both_parts());
+  const auto intervals = frac::bootstrap(data, both_parts(), result, 400);
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(intervals[i].standard_error / result.parameters[i].standard_error, 1, 0.22) << i;
+    EXPECT_LT(intervals[i].lower, result.parameters[i].value);
+    EXPECT_GT(intervals[i].upper, result.parameters[i].value);
+  }
+}
+
+TEST(Bootstrap, DoesNotDependOnThreads) {
+  const auto data = noisy("K/(T s^a + 1)", {2, 0.5, 0.6}, 0.01, 4);
+  const frac::FitResult result = frac::fit(data, frac::Structure("K/(T s^a + 1)"), both_parts());
+  const auto one = frac::bootstrap(data, both_parts(), result, 40, 1),
+             two = frac::bootstrap(data, both_parts(), result, 40, 2);
+  for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(one[i].lower, two[i].lower);
+  EXPECT_THROW((void)frac::bootstrap(data, both_parts(), result, 5), std::invalid_argument);
+}
+
+// A gain alone: the deviation of K G is sd(K) |part of G|, exactly.
+TEST(ResponseDeviation, FollowsTheGain) {
+  const auto data = noisy("K/(0.5 s^0.6 + 1)", {2}, 0.02, 1);
+  const frac::FitResult result = frac::fit(data, frac::Structure("K/(0.5 s^0.6 + 1)"), both_parts());
+  const auto deviation = frac::response_deviation(result, frac::ExactRealisation{}, {1.0});
+  const std::complex<double> shape = frac::Structure("1/(0.5 s^0.6 + 1)").response({}, 1.0);
+  EXPECT_NEAR(deviation[0].real, result.parameters[0].standard_error * shape.real(), 1e-15);
+  EXPECT_NEAR(deviation[0].imaginary, -result.parameters[0].standard_error * shape.imag(), 1e-15);
+}
+
+TEST(FitResult, NamesOutliersAndTheCentreOfTheBand) {
+  auto value = noisy("K/(T s^a + 1)", {2, 0.5, 0.6}, 0.01, 6).value();
+  value[17] *= 1.5;
+  const frac::FitResult result = frac::fit({grid(), value}, frac::Structure("K/(T s^a + 1)"), [] {
+    frac::FitOptions options = both_parts();
+    options.loss = frac::Loss::cauchy;
+    return options;
+  }());
+  EXPECT_EQ(result.outliers, std::vector<std::size_t>{17});
+  // The band from .01 to 100 has its middle at 1 rad/s, where T and T omega^a are the same.
+  EXPECT_NEAR(result.centre_omega, 1, 1e-12);
+  EXPECT_NEAR(result.parameters[1].centre_value, result.parameters[1].value, 1e-12);
+  // The covariance holds the squares of the standard errors, and Cauchy-Schwarz holds between them.
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double error = result.parameters[i].standard_error;
+    EXPECT_NEAR(result.covariance[i][i], error * error, 1e-12 * error * error);
+    for (std::size_t j = 0; j < 3; ++j) {
+      EXPECT_LE(std::abs(result.covariance[i][j]), error * result.parameters[j].standard_error * (1 + 1e-12));
+      EXPECT_NEAR(result.covariance[i][j], result.covariance[j][i], 1e-12 * std::abs(result.covariance[i][j]));
+    }
+  }
+}
+
+}  // namespace
