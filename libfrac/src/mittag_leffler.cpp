@@ -1,6 +1,7 @@
 #include "frac/mittag_leffler.hpp"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
@@ -45,12 +46,17 @@ const MittagLefflerContour& contour(double alpha, double beta) {
   return *latest;
 }
 
-const MittagLefflerContour& contour(double alpha, double beta, Complex z) {
+const MittagLefflerContour& contour(double alpha, double beta, const MittagLefflerContour::Poles& poles) {
   const MittagLefflerContour& usual = contour(alpha, beta);
-  if (!usual.has_pole_at_node(z)) return usual;
+  if (!usual.has_pole_at_node(poles)) return usual;
   thread_local std::optional<MittagLefflerContour> shifted;
   if (!shifted || !shifted->is(alpha, beta)) shifted.emplace(alpha, beta, 0.0);
   return *shifted;
+}
+
+// An infinity whose sign was lost by inf - inf; no other NaN can arise from finite arguments.
+Complex overflowed(Complex value) {
+  return {std::isnan(value.real()) ? infinity : value.real(), std::isnan(value.imag()) ? infinity : value.imag()};
 }
 
 // sum z^k/Gamma(alpha k + beta) and its derivative, where the terms fall from the start or cancel little.
@@ -178,14 +184,16 @@ Complex value(double alpha, double beta, Complex z) {
   if (std::abs(z) > far_radius) return far_out(alpha, beta, z).value;
   // 1/Gamma(beta) = 0 leaves a function that vanishes with z, which the rule would only meet to absolute accuracy.
   if (is_pole_of_gamma(beta) && std::abs(z) < 1) return z * value(alpha, beta + alpha, z);
-  return contour(alpha, beta, z).value(z);
+  const auto poles = MittagLefflerContour::poles(alpha, z);
+  return contour(alpha, beta, poles).value(z, poles);
 }
 
 ValueAndDerivative value_and_derivative(double alpha, double beta, Complex z) {
   if (series_serves(alpha, z)) return series(alpha, beta, z);
   if (alpha > 2) return over_roots(alpha, beta, z, value_and_derivative);
   if (std::abs(z) > far_radius) return far_out(alpha, beta, z);
-  return contour(alpha, beta, z).value_and_derivative(z);
+  const auto poles = MittagLefflerContour::poles(alpha, z);
+  return contour(alpha, beta, poles).value_and_derivative(z, poles);
 }
 
 bool has_fixed_rational(double alpha, double z) {
@@ -204,14 +212,14 @@ double mittag_leffler(double alpha, double beta, double z) {
   check_orders(alpha, beta, "mittag_leffler");
   check_argument(z, "z", "mittag_leffler");
   if (has_fixed_rational(alpha, z) && !is_pole_of_gamma(beta)) return negative_value(contour(alpha, beta), z);
-  return value(alpha, beta, z).real();
+  return overflowed(value(alpha, beta, z)).real();
 }
 
 Complex mittag_leffler(double alpha, double beta, Complex z) {
   if (z.imag() == 0) return mittag_leffler(alpha, beta, z.real());
   check_orders(alpha, beta, "mittag_leffler");
   check_argument(z, "z", "mittag_leffler");
-  return value(alpha, beta, z);
+  return overflowed(value(alpha, beta, z));
 }
 
 void mittag_leffler(double alpha, double beta, std::span<const double> z, std::span<double> value) {
@@ -260,7 +268,7 @@ double mittag_leffler_derivative(double alpha, double beta, double z) {
 Complex mittag_leffler_derivative(double alpha, double beta, Complex z) {
   check_orders(alpha, beta, "mittag_leffler_derivative");
   check_argument(z, "z", "mittag_leffler_derivative");
-  return value_and_derivative(alpha, beta, z).derivative;
+  return overflowed(value_and_derivative(alpha, beta, z).derivative);
 }
 
 }  // namespace frac

@@ -41,9 +41,10 @@ class Program;
 ///
 /// Grammar: numbers, parameter names, s, + - * / ^, parentheses, exp( ), sqrt( ), tanh( ), coth( ), products by
 /// juxtaposition ("R1 Q1 s^n1").  The exponent after ^ is a number, a name, or a parenthesised expression of those,
-/// with an optional sign; it must not contain s.  Juxtaposition binds like *; "1/Q s^n", which readers take both ways,
-/// is refused, and so is a^b^c.  A name with ( right behind it is refused as an unknown function: write "K (s + 1)" or
-/// "K*(s + 1)".  At most 10000 characters and 200 open parentheses.
+/// with an optional sign; it must not contain s.  Juxtaposition binds like *, so "K/(T s + 1) exp(-L s)" is
+/// the lag with a delay; "1/Q s^n", which readers take both ways, is refused, and so is a^b^c.  A name with ( right
+/// behind it is refused as an unknown function: write "K (s + 1)" or "K*(s + 1)".  At most 10000 characters and 200
+/// open parentheses.
 ///
 /// Powers are principal values; (c s)^q and sqrt(c s) count as the power s^q times |c|^q, everything free of s is real.
 /// Through a realisation each power of s, and s itself, is replaced by its realised response; functions stay exact, and

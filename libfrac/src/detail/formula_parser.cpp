@@ -102,19 +102,19 @@ class Parser {
   int product() {
     const std::size_t begin = position_;
     int left = signed_power();
-    bool below_the_line = false;
+    bool below_the_line = false;  // behind a division by something without parentheses
     for (;;) {
       if (accept('*')) {
         below_the_line = false;
         const int right = signed_power();
         left = builder_.binary(Operation::multiply, left, right, since(begin));
       } else if (accept('/')) {
-        below_the_line = true;
+        below_the_line = peek() != '(';
         const int right = signed_power();
         left = builder_.binary(Operation::divide, left, right, since(begin));
       } else if (starts_juxtaposed_factor()) {
         if (below_the_line) {
-          fail("a/b c can be read as (a/b) c and as a/(b c); write * or parentheses", position_);
+          fail("a/b c can be read as (a/b) c and as a/(b c); write * or put the divisor in parentheses", position_);
         }
         const int right = power();
         left = builder_.binary(Operation::multiply, left, right, since(begin));

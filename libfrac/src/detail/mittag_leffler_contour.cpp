@@ -17,6 +17,8 @@ constexpr double pi = std::numbers::pi;
 constexpr double accuracy = 40;
 // A line nearer to the origin keeps e^{c^2} and with it the rounding small, at the price of nodes: e^{2.6} and 26.
 constexpr double usual_line = 1.6;
+// Towards alpha = 1 the values at z < 0 fade with 1 - alpha and the weights do not.
+constexpr double line_near_one = 0.8;
 
 // The product without the check for NaN that the standard's operator carries.
 Complex times(Complex a, Complex b) {
@@ -48,7 +50,7 @@ MittagLefflerContour::MittagLefflerContour(double alpha, double beta, double off
 // are to be small against the integrand at its saddle sqrt(p/2), which is the scale of 1/Gamma.
 void MittagLefflerContour::choose_line() {
   const double p = -power_;
-  line_ = usual_line;
+  line_ = alpha_ > 0.95 && alpha_ < 1 ? line_near_one : usual_line;
   double scale = 0;
   if (p > 2) {
     line_ = std::max(line_, std::sqrt(p / 2) + 1);
@@ -91,79 +93,93 @@ void MittagLefflerContour::place_nodes() {
     av_re_[k] = a_re_[k] * v_re_[k] - a_im_[k] * v_im_[k];
     av_im_[k] = a_re_[k] * v_im_[k] + a_im_[k] * v_re_[k];
   }
+  // Full lanes: nodes without weight, far from every z.
+  for (; count_ % lanes != 0; ++count_) {
+    a_re_[count_] = a_im_[count_] = av_re_[count_] = av_im_[count_] = v_im_[count_] = 0;
+    v_re_[count_] = 1e70;
+  }
 }
 
-// s = z^(1/alpha) on the principal sheet; those with |arg s| < pi have Re w > 0.
-MittagLefflerContour::Poles MittagLefflerContour::poles(Complex z) const {
+MittagLefflerContour::Poles MittagLefflerContour::poles(double alpha, Complex z) {
   Poles result;
-  const double theta = std::arg(z);
-  const double radius = std::pow(std::abs(z), 1 / alpha_);
-  const double w_radius = std::sqrt(radius);
-  if (!(w_radius > least_pole_)) return result;
-  const double first = std::ceil((-pi * alpha_ - theta) / (2 * pi));
-  for (double j = first; result.count < 4; ++j) {
-    const double argument = (theta + 2 * pi * j) / alpha_;
+  const double theta = std::atan2(z.imag(), z.real());
+  double j = std::ceil((-pi * alpha - theta) / (2 * pi));
+  if ((theta + 2 * pi * j) / alpha > pi) return result;
+  result.log_radius = std::log(std::hypot(z.real(), z.imag())) / alpha;
+  result.radius = std::exp(result.log_radius);
+  const double w_radius = std::sqrt(result.radius);
+  for (; result.count < result.w.size(); ++j) {
+    const double argument = (theta + 2 * pi * j) / alpha;
     if (argument > pi) break;
     if (argument <= -pi) continue;
-    const double cosine = std::cos(argument / 2);
-    const double sine = std::sin(argument / 2);
-    // s from the doubled angle, exact in the real case.
-    result.pole[result.count++] = {
-        {radius * std::cos(argument), argument == 0 ? 0 : radius * std::sin(argument)},
-        {w_radius * cosine, argument == 0 ? 0 : w_radius * sine}};
+    result.argument[result.count] = argument;
+    result.w[result.count] = {w_radius * std::cos(argument / 2), w_radius * std::sin(argument / 2)};
+    ++result.count;
   }
   return result;
 }
 
-bool MittagLefflerContour::has_pole_at_node(Complex z) const {
-  const Poles near = poles(z);
-  for (std::size_t j = 0; j < near.count; ++j) {
-    const double x = (near.pole[j].w.real() - line_) / step_;
-    const double y = near.pole[j].w.imag() / step_ - offset_;
+bool MittagLefflerContour::has_pole_at_node(const Poles& poles) const {
+  for (std::size_t j = 0; j < poles.count; ++j) {
+    const double x = (poles.w[j].real() - line_) / step_;
+    const double y = poles.w[j].imag() / step_ - offset_;
     if (std::abs(x) < 0.25 && std::abs(y - std::round(y)) < 0.25) return true;
   }
   return false;
 }
 
 template <bool with_derivative>
-MittagLefflerContour::ValueAndDerivative MittagLefflerContour::evaluate(Complex z) const {
-  double sum_re = 0, sum_im = 0, slope_re = 0, slope_im = 0;
+MittagLefflerContour::ValueAndDerivative MittagLefflerContour::evaluate(Complex z, const Poles& poles) const {
+  double sum_re[lanes] = {}, sum_im[lanes] = {}, slope_re[lanes] = {}, slope_im[lanes] = {};
   const double x = z.real();
   const double y = z.imag();
-  for (std::size_t k = 0; k < count_; ++k) {
-    const double d_re = v_re_[k] - x;
-    for (const double sign : {1.0, -1.0}) {
-      const double a_im = sign * a_im_[k];
-      const double d_im = sign * v_im_[k] - y;
-      const double inverse = 1 / (d_re * d_re + d_im * d_im);
-      const double q_re = (a_re_[k] * d_re + a_im * d_im) * inverse;
-      const double q_im = (a_im * d_re - a_re_[k] * d_im) * inverse;
-      sum_re += q_re;
-      sum_im += q_im;
+  for (std::size_t k = 0; k < count_; k += lanes) {
+    for (std::size_t i = 0; i < lanes; ++i) {
+      const double a_re = a_re_[k + i], a_im = a_im_[k + i];
+      const double d_re = v_re_[k + i] - x;
+      const double upper_im = v_im_[k + i] - y, lower_im = -v_im_[k + i] - y;
+      const double upper_square = d_re * d_re + upper_im * upper_im;
+      const double lower_square = d_re * d_re + lower_im * lower_im;
+      const double inverse = 1 / (upper_square * lower_square);
+      const double upper = inverse * lower_square, lower = inverse * upper_square;
+      const double upper_re = (a_re * d_re + a_im * upper_im) * upper;
+      const double upper_part = (a_im * d_re - a_re * upper_im) * upper;
+      const double lower_re = (a_re * d_re - a_im * lower_im) * lower;
+      const double lower_part = (-a_im * d_re - a_re * lower_im) * lower;
+      sum_re[i] += upper_re + lower_re;
+      sum_im[i] += upper_part + lower_part;
       if constexpr (with_derivative) {
-        slope_re += (q_re * d_re + q_im * d_im) * inverse;
-        slope_im += (q_im * d_re - q_re * d_im) * inverse;
+        slope_re[i] += (upper_re * d_re + upper_part * upper_im) * upper +
+                       (lower_re * d_re + lower_part * lower_im) * lower;
+        slope_im[i] += (upper_part * d_re - upper_re * upper_im) * upper +
+                       (lower_part * d_re - lower_re * lower_im) * lower;
       }
     }
   }
-  Complex value(sum_re, sum_im);
-  Complex slope(slope_re, slope_im);
+  Complex value = 0;
+  Complex slope = 0;
+  for (std::size_t i = 0; i < lanes; ++i) {
+    value += Complex(sum_re[i], sum_im[i]);
+    slope += Complex(slope_re[i], slope_im[i]);
+  }
 
-  const Poles found = poles(z);
-  for (std::size_t j = 0; j < found.count; ++j) {
-    const auto& [s, w] = found.pole[j];
-    const double rate = 2 * pi / step_;
-    const double exponent_re = -rate * (w.real() - line_);
-    if (exponent_re > 745) continue;
-    // Below e^-45 the quotient is the residue itself.
+  const double rate = 2 * pi / step_;
+  for (std::size_t j = 0; j < poles.count; ++j) {
+    const Complex w = poles.w[j];
+    const double argument = poles.argument[j];
+    const double decay = -rate * (w.real() - line_);
+    if (decay > 745 || std::sqrt(poles.radius) < least_pole_) continue;
     Complex quotient = 1;
     Complex leaving = 0;
-    if (exponent_re > -45) {
-      leaving = std::polar(std::exp(exponent_re), 2 * pi * offset_ - rate * w.imag());
-      quotient = 1.0 / (1.0 - leaving);
+    if (decay > -accuracy) {
+      const double size = std::exp(decay);
+      const double angle = 2 * pi * offset_ - rate * w.imag();
+      leaving = {size * std::cos(angle), size * std::sin(angle)};
+      const Complex d(1 - leaving.real(), -leaving.imag());
+      quotient = std::conj(d) / std::norm(d);
     }
-    const Complex log_s(2 * std::log(std::abs(w)), 2 * std::arg(w));
-    const Complex exponent = s + (1 - beta_) * log_s;
+    const Complex s(poles.radius * std::cos(argument), argument == 0 ? 0 : poles.radius * std::sin(argument));
+    const Complex exponent = s + (1 - beta_) * Complex(poles.log_radius, argument);
     if (exponent.real() < -745) continue;
     const Complex part = quotient / alpha_;
     value += scaled_exp(exponent, part);
@@ -177,12 +193,12 @@ MittagLefflerContour::ValueAndDerivative MittagLefflerContour::evaluate(Complex 
   return {value, slope};
 }
 
-Complex MittagLefflerContour::value(Complex z) const {
-  return evaluate<false>(z).value;
+Complex MittagLefflerContour::value(Complex z, const Poles& poles) const {
+  return evaluate<false>(z, poles).value;
 }
 
-MittagLefflerContour::ValueAndDerivative MittagLefflerContour::value_and_derivative(Complex z) const {
-  return evaluate<true>(z);
+MittagLefflerContour::ValueAndDerivative MittagLefflerContour::value_and_derivative(Complex z, const Poles& poles) const {
+  return evaluate<true>(z, poles);
 }
 
 // 2 Re sum a/(v - z).  Where 1/Gamma(beta - alpha), the coefficient of -1/z far out, is small against the weights the

@@ -19,35 +19,38 @@ class MittagLefflerContour {
 
   [[nodiscard]] bool is(double alpha, double beta) const noexcept { return alpha == alpha_ && beta == beta_; }
 
+  /// The roots of s^alpha = z on the principal sheet, where w = sqrt(s) has a positive real part.
+  struct Poles {
+    std::size_t count = 0;
+    double log_radius = 0;  // of s
+    double radius = 0;
+    std::array<double, 4> argument;
+    std::array<std::complex<double>, 4> w;
+  };
+  [[nodiscard]] static Poles poles(double alpha, std::complex<double> z);
+
   /// Whether a pole is so near a node that the other offset cancels less.
-  [[nodiscard]] bool has_pole_at_node(std::complex<double> z) const;
+  [[nodiscard]] bool has_pole_at_node(const Poles& poles) const;
 
   struct ValueAndDerivative {
     std::complex<double> value;
     std::complex<double> derivative;
   };
   /// 0 < |z| < 1e140.  Infinite parts on overflow.
-  [[nodiscard]] std::complex<double> value(std::complex<double> z) const;
-  [[nodiscard]] ValueAndDerivative value_and_derivative(std::complex<double> z) const;
+  [[nodiscard]] std::complex<double> value(std::complex<double> z, const Poles& poles) const;
+  [[nodiscard]] ValueAndDerivative value_and_derivative(std::complex<double> z, const Poles& poles) const;
 
   /// Each -1e140 < z < 0, and alpha < 1, so that no pole is met: accurate in relative terms.
   void negative_values(std::span<const double> z, double* value) const;
 
  private:
-  static constexpr std::size_t capacity = 128;
+  static constexpr std::size_t capacity = 128;  // a multiple of lanes
+  static constexpr std::size_t lanes = 4;       // partial sums that run side by side
   using Column = std::array<double, capacity>;
-  struct Pole {
-    std::complex<double> s, w;
-  };
-  struct Poles {
-    std::array<Pole, 4> pole;
-    std::size_t count = 0;
-  };
   void choose_line();
   void place_nodes();
-  [[nodiscard]] Poles poles(std::complex<double> z) const;
   template <bool with_derivative>
-  [[nodiscard]] ValueAndDerivative evaluate(std::complex<double> z) const;
+  [[nodiscard]] ValueAndDerivative evaluate(std::complex<double> z, const Poles& poles) const;
 
   double alpha_;
   double beta_;

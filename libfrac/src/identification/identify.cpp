@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "autocorrelation.hpp"
 #include "frac/parallel_for.hpp"
 #include "information.hpp"
 #include "residual_rule.hpp"
@@ -30,7 +31,7 @@ FitResult curve_fit(const FrequencyResponseData& data, const FixedCurve& curve, 
                                 " values for " + std::to_string(data.size()) + " frequencies");
   }
   const std::vector<double> residual = detail::curve_residuals(data, rule, curve.value);
-  const detail::Information information = detail::information(residual, 0, rule.unit);
+  const detail::Information information = detail::information(residual, curve.fitted_parameters, rule.unit);
   FitResult result{};
   result.model = curve.name;
   result.cost = information.cost;
@@ -39,7 +40,8 @@ FitResult curve_fit(const FrequencyResponseData& data, const FixedCurve& curve, 
   result.aicc = information.aicc;
   result.bic = information.bic;
   result.termination = FitTermination::converged;
-  result.message = "A curve without parameters: compared, not fitted.";
+  result.message = "A given curve: compared, not fitted.";
+  result.free_parameters = curve.fitted_parameters;
   result.residuals = residual.size();
   result.condition = 1;
   return result;
@@ -58,13 +60,7 @@ double independent_share(const FrequencyResponseData& data, const RankedFit& bes
     model = fitted_response(best.fit, realisation, data.omega());
   }
   const std::vector<double> residual = detail::curve_residuals(data, rule, model);
-  const std::size_t stride = rule.per_point();
-  double power = 0, product = 0;
-  for (std::size_t i = 0; i < residual.size(); ++i) {
-    power += residual[i] * residual[i];
-    if (i >= stride) product += residual[i] * residual[i - stride];
-  }
-  const double correlation = power > 0 ? std::clamp(product / power, 0.0, 0.999) : 0.0;
+  const double correlation = std::clamp(detail::autocorrelation(residual, rule.per_point(), 1), 0.0, 0.999);
   return (1 - correlation) / (1 + correlation);
 }
 

@@ -9,10 +9,11 @@
 
 namespace frac {
 
-/// A parameter-free model: values at the frequencies of the data, e.g. the static-backlash curve.
+/// A model given by its values at the frequencies of the data, e.g. the static-backlash curve.
 struct FixedCurve {
   std::string name;
   std::vector<std::complex<double>> value;
+  std::size_t fitted_parameters = 0;  // that were adjusted to these data elsewhere and are charged in AICc and BIC
 };
 
 struct RankedFit {
@@ -43,9 +44,8 @@ struct IdentificationResult {
   std::string verdict_sentence;
 };
 
-/// @throws std::invalid_argument  no candidate, none that can be fitted, a curve of another length than the data, or
-/// weight and
-///                                data that do not go together (see fit()).
+/// @throws std::invalid_argument  no candidate, none that can be fitted, a curve of another length than the data, or a
+///     weight that does not go with the data (see fit()).
 [[nodiscard]] IdentificationResult identify(const FrequencyResponseData& data, const std::vector<NamedModel>& models,
                                             const std::vector<FixedCurve>& curves, const FitOptions& options,
                                             int threads = 0);

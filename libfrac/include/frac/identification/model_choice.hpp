@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "frac/identification/identify.hpp"
+
+namespace frac {
+
+/// Whether residuals look like noise along the frequency axis.
+struct ResidualWhiteness {
+  double lag_one_correlation;  // 0: unrelated neighbours; towards 1: the model misses a shape
+  double p_value;  // of the Ljung-Box statistic over min(10, n/5) lags: small means not white; NaN below 10 points
+};
+
+/// Of the weighted residuals of a fit, both parts together (Ljung, Box 1978).
+[[nodiscard]] ResidualWhiteness residual_whiteness(const FrequencyResponseData& data, const FitOptions& options,
+                                                   const FitResult& result);
+
+/// F test of a structure against one it contains: p is the chance of so large an improvement if the simple one is true.
+/// @throws std::invalid_argument  the larger fit has no more free parameters, or no degree of freedom is left.
+struct FTest {
+  double statistic;
+  double p_value;
+};
+[[nodiscard]] FTest f_test(const FitResult& simple, const FitResult& full);
+
+/// k-fold cross-validation over blocks of neighbouring frequencies: each block is predicted by a fit to the others.
+/// @return rms of the weighted residuals of the predictions; infinity where a fold could not be fitted
+/// @throws std::invalid_argument  folds < 2, or a fold would leave fewer residuals than free parameters.
+[[nodiscard]] double cross_validation(const FrequencyResponseData& data, const Structure& structure,
+                                      const FitOptions& options, std::size_t folds);
+
+/// A family of structures in which each member contains the one before.
+enum class GrowthFamily {
+  powers,       // K1 s^a1 + K2 s^a2 + ...
+  denominator,  // 1/(b0 + b1 s^a1 + b2 s^a2 + ...)
+  arcs,         // R0 + R1/(1 + R1 Q1 s^n1) + R2/(1 + R2 Q2 s^n2) + ...
+};
+[[nodiscard]] NamedModel grown_model(GrowthFamily family, std::size_t terms);
+
+/// Starts from one term and adds another only while the data pay for it: AICc must fall by more than 2 in the measure
+/// of identify(), and the F test must reject the smaller one at 1 %.
+/// @return the fits made, simplest first; the last but one is the chosen one unless most_terms was reached
+struct Growth {
+  std::vector<FitResult> fits;
+  std::size_t chosen;  // index into fits
+};
+[[nodiscard]] Growth grow(const FrequencyResponseData& data, GrowthFamily family, const FitOptions& options,
+                          std::size_t most_terms = 4);
+
+}  // namespace frac

@@ -1,0 +1,131 @@
+#include "error_measure.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+#include "flux_law.hpp"
+
+namespace frac::detail {
+namespace {
+
+using Extended = long double;
+using ExtendedComplex = std::complex<Extended>;
+
+struct Deviation {
+  Extended relative;
+  Extended decibels;
+  Extended degrees;
+};
+
+class Ratio {
+ public:
+  Ratio(const ZeroPoleGain& system, double order)
+      : system_(system),
+        order_(order),
+        turn_(std::polar(Extended{1}, -static_cast<Extended>(order) * std::numbers::pi_v<Extended> / 2)) {}
+
+  // H(j omega)/(j omega)^order - 1.
+  [[nodiscard]] Deviation operator()(Extended omega) const {
+    // Factors are divided by the larger of root and omega, and zeros are taken with poles, so that no product leaves
+    // the range.
+    ExtendedComplex numerator = turn_;
+    ExtendedComplex denominator = 1;
+    Extended size = static_cast<Extended>(system_.gain) / std::pow(omega, static_cast<Extended>(order_));
+    const auto real_factor = [&](ExtendedComplex& product, double root) {
+      const Extended larger = std::max(omega, static_cast<Extended>(std::abs(root)));
+      const Extended real = -static_cast<Extended>(root) / larger;
+      const Extended imaginary = omega / larger;
+      product = {product.real() * real - product.imag() * imaginary, product.real() * imaginary + product.imag() * real};
+      return larger;
+    };
+    const auto pair_factor = [&](ExtendedComplex& product, std::complex<double> root) {
+      const Extended re = root.real();
+      const Extended im = root.imag();
+      const Extended larger = std::max(omega, std::hypot(re, im));
+      product *= ExtendedComplex((re / larger) * (re / larger) + (im / larger - omega / larger) * (im / larger + omega / larger),
+                                 -2 * (omega / larger) * (re / larger));
+      return larger * larger;
+    };
+    for (std::size_t i = 0; i < std::max(system_.zeros.size(), system_.poles.size()); ++i) {
+      if (i < system_.zeros.size()) size *= real_factor(numerator, system_.zeros[i]);
+      if (i < system_.poles.size()) size /= real_factor(denominator, system_.poles[i]);
+    }
+    for (std::size_t i = 0; i < std::max(system_.zero_pairs.size(), system_.pole_pairs.size()); ++i) {
+      if (i < system_.zero_pairs.size()) size *= pair_factor(numerator, system_.zero_pairs[i]);
+      if (i < system_.pole_pairs.size()) size /= pair_factor(denominator, system_.pole_pairs[i]);
+    }
+    const ExtendedComplex ratio = size * numerator / denominator;
+    return {std::abs(ratio - Extended{1}), std::abs(20 * std::log10(std::abs(ratio))),
+            std::abs(std::arg(ratio)) * 180 / std::numbers::pi_v<Extended>};
+  }
+
+ private:
+  const ZeroPoleGain& system_;
+  double order_;
+  ExtendedComplex turn_;
+};
+
+// Ten times the ladder's own density, eight points per pole, and never fewer than forty per decade.
+std::vector<double> log_offsets(std::size_t poles, double half_width) {
+  constexpr double per_e_fold = 40 / std::numbers::ln10;
+  const double wanted = std::max(40.0 * static_cast<double>(poles) + 40, std::max(240.0, per_e_fold * half_width));
+  return FluxLaw(half_width).band_grid(static_cast<int>(wanted));
+}
+
+}  // namespace
+
+ApproximationError measured_error(const ZeroPoleGain& system, double fractional_order, FrequencyBand band) {
+  const Extended lower = std::log(static_cast<Extended>(band.lower));
+  const Extended upper = std::log(static_cast<Extended>(band.upper));
+  const Extended middle = (lower + upper) / 2;
+  const std::size_t poles = system.poles.size() + 2 * system.pole_pairs.size();
+  const auto half = log_offsets(poles, static_cast<double>((upper - lower) / 2));
+  std::vector<Extended> log_omega;
+  for (std::size_t i = half.size(); i-- > 1;) log_omega.push_back(middle - half[i]);
+  for (const double offset : half) log_omega.push_back(middle + offset);
+  log_omega.front() = lower;
+  log_omega.back() = upper;
+
+  const Ratio ratio(system, fractional_order);
+  const auto deviation = [&](Extended log_frequency) { return ratio(std::exp(log_frequency)); };
+  Deviation largest{-1, 0, 0};
+  std::size_t place = 0;
+  for (std::size_t i = 0; i < log_omega.size(); ++i) {
+    const Deviation here = deviation(log_omega[i]);
+    if (here.relative > largest.relative) {
+      largest.relative = here.relative;
+      place = i;
+    }
+    largest.decibels = std::max(largest.decibels, here.decibels);
+    largest.degrees = std::max(largest.degrees, here.degrees);
+  }
+  // The maximum lies between the neighbours of the largest sample: golden section down to where the error, flat at
+  // its top, no longer changes.
+  Extended left = log_omega[place == 0 ? 0 : place - 1];
+  Extended right = log_omega[std::min(place + 1, log_omega.size() - 1)];
+  Extended at_maximum = log_omega[place];
+  constexpr int sections = 20;
+  for (int i = 0; i < sections; ++i) {
+    const Extended step = (right - left) / std::numbers::phi_v<Extended>;
+    const Extended a = right - step;
+    const Extended b = left + step;
+    const Extended at_a = deviation(a).relative;
+    const Extended at_b = deviation(b).relative;
+    if (std::max(at_a, at_b) > largest.relative) {
+      largest.relative = std::max(at_a, at_b);
+      at_maximum = at_a > at_b ? a : b;
+    }
+    (at_a > at_b ? right : left) = at_a > at_b ? b : a;
+  }
+  ApproximationError error;
+  error.max_relative = static_cast<double>(largest.relative);
+  error.omega_at_maximum = std::clamp(static_cast<double>(std::exp(at_maximum)), band.lower, band.upper);
+  error.max_decibels = static_cast<double>(largest.decibels);
+  error.max_degrees = static_cast<double>(largest.degrees);
+  error.grid_points = static_cast<int>(log_omega.size());
+  return error;
+}
+
+}  // namespace frac::detail

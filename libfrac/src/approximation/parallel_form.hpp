@@ -1,0 +1,10 @@
+#pragma once
+
+#include "frac/approximate.hpp"
+
+namespace frac::detail {
+
+/// Partial fractions of `system` without its whole power of s; all its poles are simple.
+[[nodiscard]] ParallelForm parallel_form(const ZeroPoleGain& system);
+
+}  // namespace frac::detail

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+namespace frac::detail {
+
+/// Autocorrelation of `stride` interleaved series at a lag, pooled; 0 where all values are 0.
+[[nodiscard]] inline double autocorrelation(std::span<const double> values, std::size_t stride, std::size_t lag) {
+  double power = 0, product = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    power += values[i] * values[i];
+    if (i >= stride * lag) product += values[i] * values[i - stride * lag];
+  }
+  return power > 0 ? product / power : 0;
+}
+
+}  // namespace frac::detail

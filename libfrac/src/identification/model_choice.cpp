@@ -1,0 +1,146 @@
+#include "frac/identification/model_choice.hpp"
+
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/fisher_f.hpp>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "autocorrelation.hpp"
+#include "residual_rule.hpp"
+
+namespace frac {
+
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+std::vector<double> residuals_of(const FrequencyResponseData& data, const FitOptions& options,
+                                 const FitResult& result) {
+  const detail::ResidualRule rule = detail::residual_rule(data, options.component, options.weight);
+  return detail::curve_residuals(data, rule, fitted_response(result, options.realisation, data.omega()));
+}
+
+FrequencyResponseData part_of(const FrequencyResponseData& data, std::size_t first, std::size_t last, bool inside) {
+  std::vector<double> omega, sigma;
+  std::vector<std::complex<double>> value;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    if ((i >= first && i < last) != inside) continue;
+    omega.push_back(data.omega()[i]);
+    value.push_back(data.value()[i]);
+    if (!data.sigma().empty()) sigma.push_back(data.sigma()[i]);
+  }
+  return {omega, value, sigma};
+}
+
+}  // namespace
+
+ResidualWhiteness residual_whiteness(const FrequencyResponseData& data, const FitOptions& options,
+                                     const FitResult& result) {
+  const std::size_t stride = detail::residual_rule(data, options.component, options.weight).per_point();
+  const std::vector<double> residual = residuals_of(data, options, result);
+  const std::size_t points = data.size();
+  ResidualWhiteness whiteness{detail::autocorrelation(residual, stride, 1), nan};
+  if (points < 10) return whiteness;
+  const std::size_t lags = std::min<std::size_t>(10, points / 5);
+  // Pooled over the parts, a correlation of white residuals has the variance 1/(stride n).
+  const auto n = static_cast<double>(points);
+  double statistic = 0;
+  for (std::size_t lag = 1; lag <= lags; ++lag) {
+    const double correlation = detail::autocorrelation(residual, stride, lag);
+    statistic += static_cast<double>(stride) * n * (n + 2) * correlation * correlation / (n - static_cast<double>(lag));
+  }
+  const boost::math::chi_squared distribution(static_cast<double>(lags));
+  whiteness.p_value = boost::math::cdf(boost::math::complement(distribution, statistic));
+  return whiteness;
+}
+
+FTest f_test(const FitResult& simple, const FitResult& full) {
+  if (full.free_parameters <= simple.free_parameters) {
+    throw std::invalid_argument("f_test: the full structure has " + std::to_string(full.free_parameters) +
+                                " free parameters, the simple one " + std::to_string(simple.free_parameters) +
+                                "; it must have more");
+  }
+  if (full.residuals <= full.free_parameters) throw std::invalid_argument("f_test: no degree of freedom is left");
+  const auto extra = static_cast<double>(full.free_parameters - simple.free_parameters);
+  const auto degrees = static_cast<double>(full.residuals - full.free_parameters);
+  if (!(simple.cost > full.cost)) return {0, 1};
+  const double statistic = (simple.cost - full.cost) / extra / (full.cost / degrees);
+  if (!std::isfinite(statistic)) return {infinity, 0};
+  const boost::math::fisher_f distribution(extra, degrees);
+  return {statistic, boost::math::cdf(boost::math::complement(distribution, statistic))};
+}
+
+double cross_validation(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
+                        std::size_t folds) {
+  if (folds < 2 || folds > data.size()) {
+    throw std::invalid_argument("cross_validation: " + std::to_string(folds) +
+                                " folds; allowed are 2 to the number of points, " + std::to_string(data.size()));
+  }
+  const detail::ResidualRule rule = detail::residual_rule(data, options.component, options.weight);
+  double square = 0;
+  for (std::size_t fold = 0; fold < folds; ++fold) {
+    const std::size_t first = fold * data.size() / folds, last = (fold + 1) * data.size() / folds;
+    const FitResult result = fit(part_of(data, first, last, false), structure, options);
+    if (result.termination == FitTermination::no_usable_start) return infinity;
+    const std::vector<std::complex<double>> model = fitted_response(result, options.realisation, data.omega());
+    for (std::size_t i = first; i < last; ++i) {
+      double residual[2] = {0, 0};
+      if (!rule.residual(i, model[i], data.value()[i], residual)) return infinity;
+      square += residual[0] * residual[0] + residual[1] * residual[1];
+    }
+  }
+  return rule.unit * std::sqrt(square / static_cast<double>(data.size() * rule.per_point()));
+}
+
+NamedModel grown_model(GrowthFamily family, std::size_t terms) {
+  std::string formula;
+  NamedModel model{"", "", ModelClass::fractional, "", {}};
+  for (std::size_t i = 1; i <= terms; ++i) {
+    const std::string n = std::to_string(i);
+    switch (family) {
+      case GrowthFamily::powers:
+        formula += (i > 1 ? " + " : "") + ("K" + n) + " s^a" + n;
+        model.constraints.push_back({"K" + n, {}, -infinity, {}, {}});
+        model.constraints.push_back({"a" + n, {}, -4, 4, {}});
+        break;
+      case GrowthFamily::denominator:
+        formula += " + b" + n + " s^a" + n;
+        break;
+      case GrowthFamily::arcs:
+        formula += " + R" + n + "/(1 + R" + n + " Q" + n + " s^n" + n + ")";
+        model.constraints.push_back({"n" + n, {}, 0, 1, {}});
+        break;
+    }
+  }
+  if (family == GrowthFamily::denominator) formula = "1/(b0" + formula + ")";
+  if (family == GrowthFamily::arcs) formula = "R0" + formula;
+  model.name = model.formula = formula;
+  return model;
+}
+
+Growth grow(const FrequencyResponseData& data, GrowthFamily family, const FitOptions& options, std::size_t most_terms) {
+  Growth growth{{}, 0};
+  for (std::size_t terms = 1; terms <= most_terms; ++terms) {
+    const NamedModel model = grown_model(family, terms);
+    const Structure structure(model.formula);
+    if (terms > 1 && structure.parameter_names().size() >= data.size() * (options.component == Component::both ? 2 : 1))
+      break;
+    FitOptions of_model = options;
+    of_model.constraints.insert(of_model.constraints.end(), model.constraints.begin(), model.constraints.end());
+    growth.fits.push_back(fit(data, structure, of_model));
+    if (terms == 1) continue;
+    const FitResult& simple = growth.fits[growth.chosen];
+    const FitResult& full = growth.fits.back();
+    const double correlation = std::max(0.0, residual_whiteness(data, options, full).lag_one_correlation);
+    const double gain = (simple.aicc - full.aicc) * (1 - correlation) / (1 + correlation);
+    if (!(gain > 2) || !(f_test(simple, full).p_value < 0.01)) break;
+    growth.chosen = growth.fits.size() - 1;
+  }
+  return growth;
+}
+
+}  // namespace frac
