@@ -34,8 +34,7 @@ void check_orders(double alpha, double beta, const char* function) {
 void check_argument(Complex z, const std::string& name, const char* function) {
   if (!std::isfinite(z.real()) || !std::isfinite(z.imag())) {
     throw std::invalid_argument(std::string(function) + ": " + name + " = " + detail::number_text(z.real()) +
-                                (z.imag() == 0 ? "" : " + " + detail::number_text(z.imag()) + " i") +
-                                " is not finite");
+                                (z.imag() == 0 ? "" : " + " + detail::number_text(z.imag()) + " i") + " is not finite");
   }
 }
 
@@ -175,9 +174,11 @@ bool is_pole_of_gamma(double x) {
 Complex value(double alpha, double beta, Complex z) {
   if (z == 0.0) return detail::reciprocal_gamma(beta);
   if (alpha > 2 && !series_serves(alpha, z)) {
-    return over_roots(alpha, beta, z, [](double a, double b, Complex root) {
-             return ValueAndDerivative{value(a, b, root), 0};
-           }).value;
+    return over_roots(alpha, beta, z,
+                      [](double a, double b, Complex root) {
+                        return ValueAndDerivative{value(a, b, root), 0};
+                      })
+        .value;
   }
   if (const auto exact = elementary(alpha, beta, z)) return *exact;
   if (series_serves(alpha, z)) return series(alpha, beta, z).value;

@@ -1,5 +1,5 @@
-#include <boost/math/quadrature/gauss.hpp>
 #include <algorithm>
+#include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 #include <complex>
 #include <limits>
@@ -18,8 +18,8 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double largest_root = 1000;
 
-// e^s s^-beta (1 - z s^-alpha)^-gamma: on the principal sheet the last power is cut along the segments from 0 to the roots
-// of s^alpha = z alone.
+// e^s s^-beta (1 - z s^-alpha)^-gamma: on the principal sheet the last power is cut along the segments from 0 to the
+// roots of s^alpha = z alone.
 class Integrand {
  public:
   Integrand(double alpha, double beta, double gamma, Complex z) : alpha_(alpha), beta_(beta), gamma_(gamma), z_(z) {}
@@ -50,8 +50,8 @@ Complex along(const Function& f, Complex from, Complex to) {
   return sum * half;
 }
 
-// From -infinity below to -infinity above, right of all roots.  Distance gamma from them and from 0 balances e^s against
-// the growth of the power, as for 1/Gamma.
+// From -infinity below to -infinity above, right of all roots.  Distance gamma from them and from 0 balances e^s
+// against the growth of the power, as for 1/Gamma.
 Complex contour_integral(double alpha, double beta, double gamma, Complex z) {
   double right = 0;
   double height = 0;
@@ -64,7 +64,7 @@ Complex contour_integral(double alpha, double beta, double gamma, Complex z) {
     right = std::max(right, poles.radius * std::cos(poles.argument[j]));
     height = std::max(height, std::abs(poles.radius * std::sin(poles.argument[j])));
   }
-  const double margin = std::max(1.0, gamma);
+  const double margin = std::max(1.0, gamma * std::min(1.0, std::abs(z)));
   right = std::max(right + margin, beta);
   height += margin;
   const double left = -45;  // e^-45 is below the rounding

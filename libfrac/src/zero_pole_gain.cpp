@@ -1,6 +1,7 @@
 #include "frac/zero_pole_gain.hpp"
 
 #include <algorithm>
+#include <cstddef>
 
 #include "detail/exact_power.hpp"
 
@@ -13,6 +14,12 @@ std::complex<double> ZeroPoleGain::response(double omega) const {
   for (std::size_t i = 0; i < std::max(zeros.size(), poles.size()); ++i) {
     const std::complex<double> numerator = i < zeros.size() ? s - zeros[i] : 1;
     const std::complex<double> denominator = i < poles.size() ? s - poles[i] : 1;
+    value *= numerator / denominator;
+  }
+  const auto pair_factor = [&](std::complex<double> root) { return (s - root) * (s - std::conj(root)); };
+  for (std::size_t i = 0; i < std::max(zero_pairs.size(), pole_pairs.size()); ++i) {
+    const std::complex<double> numerator = i < zero_pairs.size() ? pair_factor(zero_pairs[i]) : 1;
+    const std::complex<double> denominator = i < pole_pairs.size() ? pair_factor(pole_pairs[i]) : 1;
     value *= numerator / denominator;
   }
   return value;

@@ -23,18 +23,17 @@ struct PlainMotion {
   [[nodiscard]] long double position(long double h) const {
     return u + (rate - gamma * std::sin(tau)) * h - gamma * (std::cos(tau + h) - std::cos(tau));
   }
-  [[nodiscard]] long double velocity(long double h) const {
-    return rate + gamma * (std::sin(tau + h) - std::sin(tau));
-  }
+  [[nodiscard]] long double velocity(long double h) const { return rate + gamma * (std::sin(tau + h) - std::sin(tau)); }
 };
 
 PlainMotion plain(const GapState& state, double gamma) {
-  const long double tau =
-      static_cast<long double>(state.half_period) * std::numbers::pi_v<long double> - std::numbers::pi_v<long double> / 2 + state.s;
+  const long double tau = static_cast<long double>(state.half_period) * std::numbers::pi_v<long double> -
+                          std::numbers::pi_v<long double> / 2 + state.s;
   return {gamma, tau, state.position(), state.position_rate()};
 }
 
-// First contact by small steps and bisection.  Empty where a wall is only just missed or touched, so that steps may miss it.
+// First contact by small steps and bisection.  Empty where a wall is only just missed or touched, so that steps may
+// miss it.
 struct Contact {
   long double h;
   int wall;
@@ -96,8 +95,8 @@ TEST(GapMotion, NextContactIsTheFirstOneSmallStepsFind) {
 }
 
 TEST(GapMotion, HopsUnderAStrongForceKeepRelativePrecision) {
-  // A hop of speed w against the pressure p = gamma |sin s| lasts 2w/p (1 + (w/p) cot s (2/3) + ...): compare with the root of the series of
-  // the distance up to h^5 in long double, which leaves (h)^4 = 1e-20.
+  // A hop of speed w against the pressure p = gamma |sin s| lasts 2w/p (1 + (w/p) cot s (2/3) + ...): compare with the
+  // root of the series of the distance up to h^5 in long double, which leaves (h)^4 = 1e-20.
   for (const double gamma : {1.0, 1e3, 1e9}) {
     for (const double s : {-1.4, -0.3, 0.2, 1.5}) {
       GapState state;

@@ -62,7 +62,8 @@ TEST(TwoMassSystem, ImpactKeepsMomentumObeysRestitutionAndLosesEnergy) {
     const double e_before = reduced / 2 * relative * relative;
     const double relative_after = after.mass1 - after.mass2;
     const double e_after = reduced / 2 * relative_after * relative_after;
-    EXPECT_NEAR(backlash::impact_energy_loss(system, relative) / reduced, (e_before - e_after) / reduced, 100 * speed_rounding);
+    EXPECT_NEAR(backlash::impact_energy_loss(system, relative) / reduced, (e_before - e_after) / reduced,
+                100 * speed_rounding);
   }
 }
 

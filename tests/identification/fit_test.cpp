@@ -199,6 +199,24 @@ TEST(Fit, TakesWhatTheImaginaryPartCannotSeeFromTheRealPart) {
   EXPECT_FALSE(estimate_of(result, "c").from_other_component);
 }
 
+// b2 wants to be 0: its logarithm runs to its bound, where the residuals no longer feel it.  It must stay there, not be
+// taken from the real part, and the parameters reported must give the cost reported.
+TEST(Fit, ParametersGiveTheCostEvenWhereOneVanishes) {
+  std::vector<double> omega = logarithmic(3, 6.6, 60);
+  std::vector<std::complex<double>> value;
+  for (const double w : omega) value.emplace_back(-1 / (2 * w * w), 0.0005 * std::pow(w, 0.46));
+  FitOptions options;
+  options.constraints = {{"K", {}, -infinity, {}, {}}};
+  const FitResult result = frac::fit({omega, value}, Structure("K/(b2 s^2 + b1 s + 1)"), options);
+  const auto model = frac::fitted_response(result, frac::ExactRealisation{}, omega);
+  double cost = 0;
+  for (std::size_t i = 0; i < omega.size(); ++i) {
+    cost += std::pow((model[i].imag() - value[i].imag()) / std::abs(value[i]), 2);
+  }
+  EXPECT_NEAR(result.cost, cost, 1e-9 * cost);
+  EXPECT_FALSE(estimate_of(result, "b2").from_other_component);
+}
+
 TEST(Fit, SaysThatAPhaseCannotSeeAGain) {
   const FrequencyResponseData data = sample("K/(T s^a + 1)", {3, 0.4, 0.7}, logarithmic(1e-2, 1e3, 60));
   FitOptions options;

@@ -71,6 +71,8 @@ int main(int argc, char** argv) {
     fracfit::add_fit(program, run);
     fracfit::add_identify(program, run);
     fracfit::add_jump_law(program, run);
+    fracfit::add_approximate(program, run);
+    fracfit::add_mittag_leffler(program, run);
     fracfit::add_report(program, run);
     return parse_and_run(program, run, argc, argv);
   } catch (const io::DataError& error) {

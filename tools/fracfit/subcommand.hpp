@@ -12,10 +12,12 @@ namespace fracfit {
 using Run = std::function<int()>;
 
 /// Each adds one subcommand, which stores its work in `run` when it is chosen.
+void add_approximate(CLI::App& program, Run& run);
 void add_simulate(CLI::App& program, Run& run);
 void add_fit(CLI::App& program, Run& run);
 void add_identify(CLI::App& program, Run& run);
 void add_jump_law(CLI::App& program, Run& run);
+void add_mittag_leffler(CLI::App& program, Run& run);
 void add_report(CLI::App& program, Run& run);
 
 }  // namespace fracfit

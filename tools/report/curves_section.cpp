@@ -345,14 +345,16 @@ Section curves_section(const Work& work, const Curves& curves) {
                     "The same for several force amplitudes, " + base_scene_text(scene, false, true, true) + "."),
         curves.forces));
   }
-  section.blocks.emplace_back(
-      sweep_table("nichols", "All points of the Nichols chart with impacts:", curves.nichols_forces.sweeps));
+  section.blocks.emplace_back(sweep_table(
+      "nichols",
+      "All points of the Nichols chart with impacts, with regime and uncertainty:", curves.nichols_forces.sweeps));
   section.blocks.emplace_back(sweep_table("bode", "All points of the Bode diagram:", curves.bode.sweeps));
-  section.blocks.emplace_back(
-      sweep_table("restitution-family", "All points of the family over ε:", curves.restitutions.sweeps));
-  section.blocks.emplace_back(
-      sweep_table("clearance-family", "All points of the family over Δ:", curves.clearances.sweeps));
-  section.blocks.emplace_back(sweep_table("force-family", "All points of the family over F:", curves.forces.sweeps));
+  const auto add_family = [&section](const std::string& name, const std::string& caption, const Family& family) {
+    if (family.sweeps.size() > 1) section.blocks.emplace_back(sweep_table(name, caption, family.sweeps));
+  };
+  add_family("restitution-family", "All points of the family over ε:", curves.restitutions);
+  add_family("clearance-family", "All points of the family over Δ:", curves.clearances);
+  add_family("force-family", "All points of the family over F:", curves.forces);
   return section;
 }
 

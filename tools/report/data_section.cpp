@@ -4,7 +4,6 @@
 
 #include "frac/identification/model_library.hpp"
 #include "frac/structure.hpp"
-#include "io/frequency_response_file.hpp"
 #include "report/html.hpp"
 #include "report/ranking.hpp"
 #include "report/sections.hpp"
@@ -104,13 +103,13 @@ Figure data_figure(const std::string& name, const std::string& caption, const fr
 
 }  // namespace
 
-Section data_section(const Work& work, const std::filesystem::path& file, std::size_t number) {
-  const io::FrequencyResponseFile read = io::read_frequency_response(file.string());
+Section data_section(const Work& work, const std::string& name, const io::FrequencyResponseFile& read,
+                     std::size_t number) {
   const frac::FrequencyResponseData data = thinned(read.data);
   const std::string id = "data-" + std::to_string(number);
   Section section;
   section.id = id;
-  section.title = escape_html(file.filename().string());
+  section.title = escape_html(name);
   section.reading =
       "Both parts of the response are fitted together by every structure of the library. The ranking weighs closeness "
       "against the "
@@ -154,7 +153,7 @@ Section data_section(const Work& work, const std::filesystem::path& file, std::s
   section.blocks.emplace_back(Html{verdict + "</p>"});
   section.blocks.emplace_back(ranking_table(id + "-ranking", "Structures ranked by AICc.", result));
   section.blocks.emplace_back(parameter_table(id + "-parameters", "All parameters of the ranked structures:", result));
-  section.facts.emplace_back("file_" + id, file.string());
+  section.facts.emplace_back("file_" + id, name);
   section.facts.emplace_back("verdict_" + id, std::string(frac::to_string(result.verdict)));
   section.facts.emplace_back("evidence_aicc_" + id, result.evidence);
   section.findings.push_back("<b>" + section.title + "</b>: " + escape_html(result.verdict_sentence));

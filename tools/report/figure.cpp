@@ -4,8 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <limits>
-#include <sstream>
+#include <string_view>
 #include <utility>
 
 namespace report {

@@ -11,7 +11,7 @@ namespace report {
 struct PlotPoint {
   double x;
   double y;
-  double lower;  // error bar, equal to upper where there is none
+  double lower;  // error bar, equal to y where there is none
   double upper;
 };
 
@@ -24,7 +24,6 @@ enum class Mark {
   open_points,   // circles that let what lies below show through
   faint_points,  // small, pale: values that carry a large uncertainty
   faint_bars,    // pale error bars
-  bars,          // points with error bars
 };
 
 /// One family member.  Segments are drawn apart from each other: a line never crosses from one into the next.
@@ -54,7 +53,6 @@ struct Figure {
   std::string caption;  // HTML
   std::vector<Panel> panels;
   int columns = 1;
-  int panel_width = 0;     // px of the axes box; 0: what fills a page
   int panel_height = 300;  // px of the axes box
 };
 
@@ -71,8 +69,7 @@ struct Figure {
 /// Plain text made safe for gnuplot's enhanced mode.
 [[nodiscard]] std::string enhanced_escape(std::string_view text);
 
-/// Text of the gnuplot script: data inside, and both an SVG and a PNG picture of the figure's name out.
-/// Writes folder/name.gp.
+/// Writes folder/name.gp, a gnuplot script with the data inside that makes name.svg and name.png.
 /// @throws std::filesystem::filesystem_error  the file cannot be written.
 void write_script(const Figure& figure, const std::filesystem::path& folder);
 

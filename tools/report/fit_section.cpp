@@ -256,11 +256,10 @@ void add_band(Section& section, const Work& work, const std::vector<DescribingFu
                                       [](const frac::RankedFit& fit) { return fit.name == "power-law"; });
   std::string finding = "<b>" + band.heading + " (" + range + "): " + verdict_words(result.verdict) + ".</b> ";
   if (const auto* best = best_of(result, frac::ModelClass::fractional)) {
-    finding += "The best fractional structure, <i>" + html_formula(best->fit.model) + "</code>, follows Im N to " +
+    finding += "The best fractional structure, " + html_formula(best->fit.model) + ", follows Im N to " +
                percent(best->fit.rms) + " (rms)";
     if (const auto* whole = best_of(result, frac::ModelClass::integer_order)) {
-      finding += ", the best integer-order one, <code>" + escape_html(whole->fit.model) + "</code>, to " +
-                 percent(whole->fit.rms);
+      finding += ", the best integer-order one, " + html_formula(whole->fit.model) + ", to " + percent(whole->fit.rms);
     }
     if (const auto* fixed = best_of(result, frac::ModelClass::fixed_curve)) {
       finding += "; the static model is off by " + percent(fixed->fit.rms);
@@ -282,7 +281,7 @@ void add_band(Section& section, const Work& work, const std::vector<DescribingFu
       section.blocks.emplace_back(Html{
           "<p>What the imaginary part cannot see is recovered afterwards from the real part: with c and q of the power "
           "law held, "
-          "<code>1/(M s^2) + d + c s^q</code> gives M = " +
+          "<span class=\"formula\">1/(M s<sup>2</sup>) + d + c s<sup>q</sup></span> gives M = " +
           html_number(free_mass) + " kg (M<sub>1</sub> + M<sub>2</sub> = " + html_number(scene.mass1 + scene.mass2) +
           " kg) and d = " + html_number(constant->value) + " m/N, with " + percent(real->rms) +
           " rms left. In a fit of the imaginary part alone M and d would be arbitrary, so they are not offered "

@@ -9,7 +9,6 @@
 #include <fstream>
 #include <string>
 #include <system_error>
-#include <vector>
 
 #include "report/figure.hpp"
 

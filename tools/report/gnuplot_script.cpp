@@ -50,7 +50,7 @@ int key_width(const Figure& figure) {
       longest = std::max(longest, static_cast<std::size_t>(drawn));
     }
   }
-  return 64 + static_cast<int>(8.4 * static_cast<double>(longest));
+  return 68 + static_cast<int>(9.0 * static_cast<double>(longest));
 }
 
 struct Range {
@@ -178,8 +178,6 @@ std::string style_of(const Curve& curve) {
       return "with points pt 7 ps 0.32" + faint;
     case Mark::faint_bars:
       return "with yerrorbars pt -1 lw 0.8" + faint;
-    case Mark::bars:
-      return "with yerrorbars pt 7 ps 0.6 lw 1.2" + solid;
   }
   return {};
 }
@@ -205,10 +203,6 @@ std::string block_name(std::size_t panel, std::size_t curve) {
   return "$panel" + std::to_string(panel + 1) + "_curve" + std::to_string(curve + 1);
 }
 
-bool draws_error_bars(Mark mark) {
-  return mark == Mark::bars || mark == Mark::faint_bars;
-}
-
 void write_panel(std::ostream& script, const Panel& panel, std::size_t index) {
   script << "set title " << quoted(panel.title) << "\n";
   write_axis(script, 'x', panel.x, axis_range(panel, true));
@@ -225,7 +219,7 @@ void write_panel(std::ostream& script, const Panel& panel, std::size_t index) {
       script << (first ? "" : ", \\\n     ") << "NaN " << style_of(curve) << " title " << quoted(curve.label);
     } else {
       script << (first ? "" : ", \\\n     ") << block_name(index, i) << " using "
-             << (draws_error_bars(curve.mark) ? "1:2:3:4 " : "1:2 ") << style_of(curve)
+             << (curve.mark == Mark::faint_bars ? "1:2:3:4 " : "1:2 ") << style_of(curve)
              << (curve.label.empty() ? " notitle" : " title " + quoted(curve.label));
     }
     first = false;
@@ -250,9 +244,7 @@ void write_script(const Figure& figure, const std::filesystem::path& folder) {
   const int right = key ? key_width(figure) : right_margin;
   const int column_gap = left_margin + right_margin;
   const int row_gap = top_margin + bottom_margin + 10;
-  const int panel_width = figure.panel_width > 0
-                              ? figure.panel_width
-                              : (page_width - left_margin - right - (columns - 1) * column_gap) / columns;
+  const int panel_width = (page_width - left_margin - right - (columns - 1) * column_gap) / columns;
   const int width = left_margin + columns * panel_width + (columns - 1) * column_gap + right;
   const int height = top_margin + rows * figure.panel_height + (rows - 1) * row_gap + bottom_margin;
 

@@ -42,16 +42,20 @@ caption{caption-side:top;padding-bottom:.45rem;max-width:52rem}
 th{border-bottom:1.5px solid #1c1c1c;padding:.25rem .7rem;vertical-align:bottom;font-weight:600;text-align:right}
 td{padding:.2rem .7rem;border-bottom:1px solid #e4e4e0;text-align:right;font-variant-numeric:tabular-nums;white-space:nowrap}
 th.word,td.word{text-align:left;white-space:normal}
-td.word:last-child,th.word:last-child{min-width:18rem}
+td.word{min-width:7rem}
+td.long{min-width:22rem}
 .more{font-size:.9rem;color:#333;margin:.3rem 0}
 details{margin:1rem 0}summary{cursor:pointer}
-.finding{margin:.8rem 0}
+.formula{font-family:"Source Sans 3","Helvetica Neue",Arial,"DejaVu Sans",sans-serif;font-size:.95em}
 tbody tr:hover{background:#f6f8fa}
 code,pre{font:.88em/1.4 "DejaVu Sans Mono",Consolas,monospace}
 pre{background:#f4f4f1;padding:.6rem .8rem;overflow-x:auto}
 @media print{body{background:#fff}main{box-shadow:none;max-width:none;padding:0}figure,table{break-inside:avoid}}
 @media (max-width:640px){main{padding:1.2rem}nav{columns:1}}
 )css";
+
+// Words of more bytes get a wide column, so that they do not run down the page.
+constexpr std::size_t long_word = 60;
 
 bool is_id_character(char c) {
   return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '-' || c == '.' || c == ':';
@@ -84,7 +88,8 @@ std::string figure_html(const Figure& figure, const std::filesystem::path& folde
         "(<code>apt-get install gnuplot-nox</code>), <code>gnuplot " +
         figure.name + ".gp</code> in the folder <code>figures</code> draws it.</div>\n";
   } else {
-    html += inline_svg(svg, figure.name + "-") + "\n";
+    html += "<div role=\"img\" aria-label=\"" + escape_html(plain_text(figure.caption)) + "\">" +
+            inline_svg(svg, figure.name + "-") + "</div>\n";
   }
   html += "<figcaption>" + figure.caption + " <span class=\"files\">[";
   if (!svg.empty()) html += "<a href=\"" + stem + ".svg\">SVG</a>, <a href=\"" + stem + ".png\">PNG</a>, ";
@@ -122,7 +127,9 @@ std::string table_html(const Table& table) {
     const auto& row = table.rows[r];
     html += "<tr>";
     for (const std::size_t c : shown) {
-      html += is_word_column(table, c) ? "<td class=\"word\">" : "<td>";
+      const std::string* word = std::get_if<std::string>(&row[c]);
+      const bool is_long = word != nullptr && word->size() > long_word;
+      html += is_long ? "<td class=\"word long\">" : is_word_column(table, c) ? "<td class=\"word\">" : "<td>";
       html += cell_html(row[c], table.columns[c]) + "</td>";
     }
     html += "</tr>\n";
@@ -170,7 +177,7 @@ std::string escape_html(std::string_view text) {
 }
 
 std::string html_formula(std::string_view formula) {
-  std::string html;
+  std::string html = "<span class=\"formula\">";
   for (std::size_t i = 0; i < formula.size(); ++i) {
     if (formula[i] != '^') {
       html += escape_html(formula.substr(i, 1));
@@ -182,7 +189,7 @@ std::string html_formula(std::string_view formula) {
     html += "<sup>" + escape_html(formula.substr(i + 1, end - i - 1)) + "</sup>";
     i = end - 1;
   }
-  return html;
+  return html + "</span>";
 }
 
 std::string html_number(double value, int digits) {
@@ -211,9 +218,11 @@ std::string html_number(double value, int digits) {
   return text + power;
 }
 
-std::string html_interval(double lower, double upper, int digits) {
-  if (std::isnan(lower) || std::isnan(upper)) return {};
-  return html_number(lower, digits) + " … " + html_number(upper, digits);
+std::string html_seconds(double seconds) {
+  if (seconds < 1e-6) return html_number(1e9 * seconds, 2) + " ns";
+  if (seconds < 1e-3) return html_number(1e6 * seconds, 2) + " µs";
+  if (seconds < 1) return html_number(1e3 * seconds, 2) + " ms";
+  return html_number(seconds, 2) + " s";
 }
 
 std::string inline_svg(std::string_view svg, std::string_view prefix) {
@@ -225,6 +234,13 @@ std::string inline_svg(std::string_view svg, std::string_view prefix) {
   // gnuplot writes attributes with either quote, and refers to ids by href='#id' and by url(#id).
   static constexpr std::string_view marks[] = {" id=\"", " id='", "\tid=\"", "\nid=\"", "href=\"#", "href='#", "url(#"};
   for (std::size_t at = 0; at < svg.size();) {
+    // Browsers show titles as tooltips; gnuplot's say no more than "Gnuplot" and "gnuplot_plot_1".
+    if (svg.compare(at, 7, "<title>") == 0) {
+      const std::size_t end = svg.find("</title>", at);
+      if (end == std::string_view::npos) return {};
+      at = end + std::string_view("</title>").size();
+      continue;
+    }
     const auto mark = std::find_if(std::begin(marks), std::end(marks), [&](std::string_view candidate) {
       return svg.compare(at, candidate.size(), candidate) == 0;
     });

@@ -17,8 +17,8 @@ namespace report {
 
 /// A number for readers: so many significant digits, powers of ten as such, an en dash for NaN.
 [[nodiscard]] std::string html_number(double value, int digits = 4);
-/// "from ... to ..." for an interval; empty text when one end is NaN.
-[[nodiscard]] std::string html_interval(double lower, double upper, int digits = 4);
+/// A time in the unit that suits it.
+[[nodiscard]] std::string html_seconds(double seconds);
 
 /// An SVG file made fit to stand inside a page among others: prolog removed, every id and every reference to one
 /// prefixed.

@@ -267,7 +267,8 @@ Table discontinuity_table(const Scene& scene, const Family& family) {
       "discontinuities",
       "Discontinuities found from the values of the curves over ε alone, as one would in a measurement (largest three "
       "per "
-      "curve). The bracket is the pair of neighbouring samples between which the step lies; a curve can hold several.",
+      "curve). The bracket is the pair of neighbouring samples between which the step lies; a curve can hold several. "
+      "In irregular stretches the scatter of the means can count as a step too.",
       {{"restitution", "ε"},
        {"rank", "rank"},
        {"omega_lower_rad_s", "bracket from / (rad/s)", 5},
@@ -334,12 +335,16 @@ Section jump_section(const Work& work, const Curves& curves) {
     section.facts.emplace_back("b_coefficient", law.b_of_clearance.coefficient);
     section.facts.emplace_back("b_exponent", law.b_of_clearance.exponent);
     section.facts.emplace_back("mean_similarity_constant", law.mean_similarity_constant);
-    section.findings.push_back("The jump law of the ideal model is a = " + html_number(law.a_of_clearance.coefficient) +
-                               " Δ<sup>" + html_number(law.a_of_clearance.exponent) +
-                               "</sup>, b = " + html_number(law.laws.front().law.exponent) +
-                               " for every clearance; similarity demands exactly Δ<sup>−1/2</sup> and 1/2. The paper "
-                               "printed a = 1.193 Δ<sup>−0.564</sup>, "
-                               "b = 0.565 Δ<sup>0.024</sup>.");
+    section.findings.push_back(
+        "<b>Jump law.</b> For the ideal model a = " + html_number(law.a_of_clearance.coefficient) + " Δ<sup>" +
+        html_number(law.a_of_clearance.exponent) + "</sup> and b = " + html_number(law.laws.front().law.exponent) +
+        " at every clearance, as similarity demands (−1/2 and 1/2, exactly). The paper printed a = 1.193 "
+        "Δ<sup>−0.564</sup>, b = 0.565 "
+        "Δ<sup>0.024</sup>. In ω<sub>J</sub> = c √(F/(M<sub>2</sub>Δ)) the mean c is " +
+        html_number(constants.mean.at(JumpCriterion::sweep_up)) + " for the visible jump with ω rising, " +
+        html_number(constants.mean.at(JumpCriterion::sweep_down)) + " with ω falling, and " +
+        html_number(published.mean) + " for the published law (" + html_number(published.lowest) + " … " +
+        html_number(published.highest) + ").");
   } else {
     section.blocks.emplace_back(
         Html{"<p>A fit of a(Δ) and b(Δ) needs at least two forces and two positive clearances; this scene has " +
@@ -360,13 +365,13 @@ Section jump_section(const Work& work, const Curves& curves) {
       "the ideal model "
       "they cannot: no protocol leaves room for anything but b = 1/2 and Δ<sup>−1/2</sup>.</p>"
       "<p>Exponents other than 1/2 need a further scale in the computation. A fixed time step is one." +
-      std::string(
-          scene.of_the_paper
-              ? " The last table measures what it does: c spreads over a range of the published size and grows with "
-                "ω<sub>J</sub>, as the published c does, but the exponent b then rises towards <em>small</em> "
-                "clearances, while "
-                "the published one rises towards large ones."
-              : "") +
+      std::string(scene.of_the_paper
+                      ? " The last table measures what it does: over runs of 10 to 20 periods c spreads over a range "
+                        "of the published size and grows with "
+                        "ω<sub>J</sub>, as the published c does, but the exponent b then rises towards <em>small</em> "
+                        "clearances, while "
+                        "the published one rises towards large ones."
+                      : "") +
       " The published numbers are therefore consistent with an effect of the size of a fixed step’s, and this says "
       "nothing about its "
       "cause: how the jump was read off the curves, which start was used and how long each run was can matter as "

@@ -46,6 +46,7 @@ std::string key_label(const frac::RankedFit& fit) {
 
 std::string remark(const frac::ParameterEstimate& parameter) {
   if (parameter.fixed) return "fixed";
+  if (parameter.from_other_component) return "from the other part";
   if (parameter.at_bound) return "at bound";
   if (!parameter.identified) return "not identified";
   return {};

@@ -14,7 +14,8 @@ namespace report {
 /// Formula of the names of parameters as enhanced text for keys.
 [[nodiscard]] std::string key_label(const frac::RankedFit& fit);
 
-/// What is to be said of an estimate beside its value: "fixed", "at bound", "not identified" or nothing.
+/// What is to be said of an estimate beside its value: "fixed", "from the other part" (the fitted one does not depend
+/// on it), "at bound", "not identified" or nothing.
 [[nodiscard]] std::string remark(const frac::ParameterEstimate& parameter);
 
 /// "0.667 (0.661 … 0.673)", plain text.

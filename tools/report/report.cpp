@@ -5,6 +5,7 @@
 #include <thread>
 #include <utility>
 
+#include "io/number.hpp"
 #include "io/sweep_file.hpp"
 #include "report/bands.hpp"
 #include "report/html.hpp"
@@ -118,12 +119,12 @@ std::vector<Figure> figures_of(const std::vector<Section>& sections) {
 }
 
 void write_tables(const StagedFolder& folder, const std::vector<Section>& sections, const Provenance& provenance) {
+  Metadata metadata = {{"fracfit", provenance.version}, {"command", provenance.command}};
+  metadata.insert(metadata.end(), provenance.inputs.begin(), provenance.inputs.end());
   for (const Section& section : sections) {
     for (const Block& block : section.blocks) {
       if (const Table* table = std::get_if<Table>(&block)) {
-        folder.write("tables/" + table->name + ".csv", csv_text(*table, {{"fracfit", provenance.version},
-                                                                         {"command", provenance.command},
-                                                                         {"table", table->name}}));
+        folder.write("tables/" + table->name + ".csv", csv_text(*table, metadata));
       }
     }
   }
@@ -148,14 +149,52 @@ std::string draw_figures(const StagedFolder& folder, const std::vector<Figure>& 
   return {};
 }
 
-Provenance provenance_of(const ReportOptions& options) {
+std::string list_text(const std::vector<double>& values) {
+  std::string text;
+  for (const double value : values) text += (text.empty() ? "" : " ") + io::format_number(value);
+  return text;
+}
+
+std::string range_text(const std::vector<double>& values) {
+  return io::format_number(values.front()) + " to " + io::format_number(values.back()) + " in " +
+         std::to_string(values.size()) + " points";
+}
+
+Metadata inputs_of(const ReportOptions& options, const Scene& scene) {
+  Metadata inputs;
+  for (const auto& file : options.data) inputs.emplace_back("data_" + std::to_string(inputs.size() + 1), file.string());
+  if (!inputs.empty()) return inputs;
+  return {{"m1_kg", io::format_number(scene.mass1)},
+          {"m2_kg", io::format_number(scene.mass2)},
+          {"base_force_n", io::format_number(scene.force)},
+          {"base_clearance_m", io::format_number(scene.clearance)},
+          {"base_restitution", io::format_number(scene.restitution)},
+          {"forces_n", list_text(scene.forces)},
+          {"clearances_m", list_text(scene.clearances)},
+          {"restitutions", list_text(scene.restitutions)},
+          {"omega_nichols_rad_s", range_text(scene.omega_nichols)},
+          {"omega_bode_rad_s", range_text(scene.omega_bode)},
+          {"omega_families_rad_s", range_text(scene.omega_family)},
+          {"jump_forces_n", list_text(scene.jump_forces)},
+          {"jump_clearances_m", list_text(scene.jump_clearances)},
+          {"jump_restitutions", list_text(scene.jump_restitutions)}};
+}
+
+#if defined(__clang__)
+constexpr const char* compiler = "clang " __clang_version__;
+#else
+constexpr const char* compiler = "g++ " __VERSION__;
+#endif
+
+Provenance provenance_of(const ReportOptions& options, const Scene& scene) {
   const auto cores = static_cast<int>(std::thread::hardware_concurrency());
   return {std::string(io::version()),
           options.command,
-          "g++ " __VERSION__,
+          compiler,
           FRACFIT_BUILD_TYPE,
           options.threads > 0 ? options.threads : cores,
-          {}};
+          {},
+          inputs_of(options, scene)};
 }
 
 Page page_of(const ReportOptions& options, const Scene& scene, std::vector<Section> sections,
@@ -192,21 +231,24 @@ ReportOutcome write_report(const ReportOptions& options) {
   Work work;
   work.threads = options.threads;
   work.progress = options.progress;
+  // Every file is read before the long work, so that a bad one is found at once.
+  std::vector<io::FrequencyResponseFile> files;
+  for (const auto& file : options.data) files.push_back(io::read_frequency_response(file.string()));
   work.scene = options.scene ? read_scene(*options.scene) : paper_scene();
 
   std::vector<Section> sections;
   if (options.data.empty()) {
     sections = scene_sections(work, stages);
   } else {
-    for (std::size_t i = 0; i < options.data.size(); ++i) {
-      sections.push_back(stages.run("fits of " + options.data[i].filename().string(),
-                                    [&] { return data_section(work, options.data[i], i + 1); }));
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      const std::string name = options.data[i].filename().string();
+      sections.push_back(stages.run("fits of " + name, [&] { return data_section(work, name, files[i], i + 1); }));
     }
   }
   const std::string trouble =
       stages.run("pictures", [&] { return draw_figures(folder, figures_of(sections), options); });
 
-  Provenance provenance = provenance_of(options);
+  Provenance provenance = provenance_of(options, work.scene);
   provenance.stages = stages.times();
   sections.insert(sections.begin(), summary_section(sections));
   sections.push_back(provenance_section(provenance, sections));

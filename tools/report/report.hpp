@@ -33,9 +33,9 @@ struct ReportOutcome {
 /// Writes out/index.html (self-contained), out/figures (SVG, PNG and the gnuplot scripts that made them), out/tables
 /// (CSV) and out/results.json.  All of it is made in a hidden folder and moved into place at the end, so nothing is
 /// left half-written; only files that a report writes are replaced.
-/// @throws std::invalid_argument  both data and scene given.
+/// @throws std::invalid_argument  both data and scene given, or `out` cannot be written; found before any computation.
 /// @throws io::DataError  a data or scene file that cannot be read or parsed.
-/// @throws std::filesystem::filesystem_error  `out` cannot be written; found before any computation.
+/// @throws std::filesystem::filesystem_error  a file cannot be written in full, e.g. the disk is full.
 [[nodiscard]] ReportOutcome write_report(const ReportOptions& options);
 
 }  // namespace report

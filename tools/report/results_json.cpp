@@ -36,6 +36,8 @@ std::string results_json(const Provenance& provenance, const std::vector<Section
   json["build_type"] = provenance.build_type;
   json["threads"] = provenance.threads;
   json["pictures"] = pictures;
+  json["inputs"] = Json::object();
+  for (const auto& [name, value] : provenance.inputs) json["inputs"][name] = value;
   json["seconds"] = Json::object();
   for (const StageTime& stage : provenance.stages) json["seconds"][stage.name] = stage.seconds;
   json["facts"] = Json::object();

@@ -18,6 +18,7 @@ struct Provenance {
   std::string version, command, compiler, build_type;
   int threads;
   std::vector<StageTime> stages;
+  Metadata inputs;  // what it was made from: the scene in SI units, or the data files
 };
 
 /// results.json: provenance, headline numbers, every table of the page in full and the names of the rest.

@@ -1,14 +1,13 @@
 #pragma once
 
-#include <filesystem>
-#include <functional>
+#include <cstddef>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "backlash/describing_function.hpp"
 #include "frac/identification/identify.hpp"
 #include "frac/parallel_for.hpp"
+#include "io/frequency_response_file.hpp"
 #include "report/scene.hpp"
 #include "report/section.hpp"
 
@@ -47,6 +46,9 @@ struct Bands;  // bands.hpp
 [[nodiscard]] Section slope_section(const Work& work, const Bands& bands);
 [[nodiscard]] Section jump_section(const Work& work, const Curves& curves);
 [[nodiscard]] Section speed_section(const Work& work);
-[[nodiscard]] Section data_section(const Work& work, const std::filesystem::path& file, std::size_t number);
+/// @param name    of the file, for the reader
+/// @param number  from 1, makes the names of figures and tables
+[[nodiscard]] Section data_section(const Work& work, const std::string& name, const io::FrequencyResponseFile& file,
+                                   std::size_t number);
 
 }  // namespace report

@@ -147,10 +147,9 @@ void add_describing_function(Section& section, const Work& work) {
     panel.curves.push_back(make_curve("fixed step, " + point.name, shade, Mark::line_points, step_time, step_error));
     panel.curves.push_back(make_curve("event-driven", shade, Mark::open_points, event_time, event_error));
     if (point.name == "symmetric orbit" || !compared) {
-      compared = "One value of N (" + point.name + ", " + html_number(point.omega, 3) + " rad/s) takes " +
-                 html_number(1e6 * event_time.back(), 2) + " µs exactly; a fixed step takes " +
-                 html_number(1e6 * step_time.back(), 2) + " µs and is still off by " +
-                 html_number(100 * step_error.back(), 2) +
+      compared = "One value of N (" + point.name + ", " + html_number(point.omega, 3) + " rad/s) is exact after " +
+                 html_seconds(event_time.back()) + "; a fixed step takes " + html_seconds(step_time.back()) +
+                 " and is still off by " + html_number(100 * step_error.back(), 2) +
                  " %, converging to the same value with the first power of the step.";
     }
   }
@@ -263,8 +262,7 @@ void add_power(Section& section) {
     error.push_back(value.error);
     time.push_back(value.nanoseconds);
   }
-  by_time.curves.push_back(
-      make_curve("Grünwald-Letnikov, 10 … 10^4 samples", category_colour(3), Mark::line_points, time, error));
+  by_time.curves.push_back(make_curve("Grünwald-Letnikov", category_colour(3), Mark::line_points, time, error));
   const Measured all = measured(grid, [sample_time](double omega) {
     return frac::grunwald_letnikov_response(power_order, sample_time, 0, omega);
   });

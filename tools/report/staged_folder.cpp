@@ -1,9 +1,10 @@
 #include "report/staged_folder.hpp"
 
-#include <unistd.h>
+#include <stdlib.h>
 
 #include <cerrno>
 #include <fstream>
+#include <stdexcept>
 #include <string>
 #include <system_error>
 #include <vector>
@@ -12,17 +13,22 @@ namespace report {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+[[noreturn]] void refuse(const fs::path& folder, const std::error_code& cause) {
+  throw std::invalid_argument("folder \"" + folder.string() + "\" cannot be written: " + cause.message());
+}
+
+}  // namespace
+
 StagedFolder::StagedFolder(const fs::path& target) : target_(fs::absolute(target).lexically_normal()) {
   if (!target_.has_filename()) target_ = target_.parent_path();
-  created_ = fs::create_directories(target_);
-  if (access(target_.c_str(), W_OK | X_OK) != 0) {
-    throw fs::filesystem_error("cannot write into folder", target_, std::error_code(errno, std::generic_category()));
-  }
+  std::error_code error;
+  created_ = fs::create_directories(target_, error);
+  if (error) refuse(target_, error);
   // Inside the target, so that every later move is a rename and the parent folder need not be writable.
   std::string name = (target_ / ".report-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) {
-    throw fs::filesystem_error("cannot write into folder", target_, std::error_code(errno, std::generic_category()));
-  }
+  if (mkdtemp(name.data()) == nullptr) refuse(target_, std::error_code(errno, std::generic_category()));
   staging_ = name;
 }
 

@@ -9,7 +9,7 @@ namespace report {
 class StagedFolder {
  public:
   /// @param target  made if missing
-  /// @throws std::filesystem::filesystem_error  it is a file, or cannot be made or written.
+  /// @throws std::invalid_argument  it is a file, or cannot be made or written; the text gives path and cause.
   explicit StagedFolder(const std::filesystem::path& target);
   ~StagedFolder();
   StagedFolder(const StagedFolder&) = delete;

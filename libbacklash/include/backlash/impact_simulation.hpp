@@ -32,6 +32,7 @@ struct Rest {
   double from;  // s
   double to;    // s
   Wall wall;
+  double chatter_energy_loss;  // J lost in the last impacts before it, which are not listed
 };
 
 struct ImpactHistory {

@@ -47,10 +47,11 @@ struct Discontinuity {
   double size;  // |step of Im G beyond the local trend| over the larger |Im G| of the two, in (0, 1]
 };
 
-/// The discontinuities of the imaginary part of a sampled curve, largest first: steps of ln|Im G| that stand out of the
-/// steps around them by a robust test (six standard deviations estimated from the median deviation, and at least 2 %).
-/// Empty when none does.  A curve with fewer than five samples on either side of a step says little about that step;
-/// chaotic parts of a response hide steps of the size of their scatter.
+/// The discontinuities of the imaginary part of a sampled curve, largest first.  Robust lines (Theil, Sen) through up
+/// to six samples of ln|Im G| over ln omega on either side of a step must miss each other there by five standard
+/// deviations of the scatter about them and by 2 %, and the step itself must carry at least half of that.  Empty when
+/// none does.  Steps of the size of the scatter, as in chaotic parts of a response, and steps next to the first or last
+/// sample stay hidden.
 /// @throws std::invalid_argument  fewer than 5 different frequencies.
 [[nodiscard]] std::vector<Discontinuity> find_discontinuities(const frac::FrequencyResponseData& data);
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "backlash/jump_frequency.hpp"
@@ -14,20 +15,21 @@ struct JumpPoint {
   std::optional<double> omega_jump;  // rad/s; empty when the criterion gives none
 };
 
-/// w_J = a F^b at one clearance (eq. 7), w_J averaged over restitution first.
+/// w_J = a F^b at one clearance (eq. 7), w_J averaged first over the restitutions that have a jump.
 struct ForceLaw {
-  double clearance;
+  double clearance;    // m
   frac::PowerLaw law;  // coefficient a, exponent b
 };
 
 /// Eqs. (7) and (8): a(Delta) and b(Delta) as power laws of the clearance.
 struct JumpLaw {
   JumpCriterion criterion;
-  std::vector<JumpPoint> points;
+  std::vector<JumpPoint> points;  // clearance slowest, restitution fastest
   std::vector<ForceLaw> laws;
   frac::PowerLaw a_of_clearance;
   frac::PowerLaw b_of_clearance;
-  double mean_similarity_constant;  // mean of c over restitution: similarity says a = c Delta^-1/2 M2^-1/2, b = 1/2
+  double mean_similarity_constant;  // mean of c over the restitutions that have a jump: similarity says a = c
+                                    // Delta^-1/2 M2^-1/2, b = 1/2
 };
 
 /// The constants printed in Duarte, Tenreiro Machado (2009), eq. (8).
@@ -39,6 +41,10 @@ struct PublishedJumpLaw {
   [[nodiscard]] double omega_jump(double force, double clearance) const;
 };
 
+/// Jump frequencies on a grid of scenes and their power laws; the same for any number of threads.
+/// largest_discontinuity takes each from a sweep upwards over 1.2 to 1.75 sqrt(F/(M2 clearance)), 116 points.
+/// @param mass1,mass2  kg;  @param force  N, > 0;  @param clearance  m, > 0;  @param restitution  in [0, 1]
+/// @param progress  counts what is computed, if given
 /// @throws std::invalid_argument  a list empty, fewer than 2 forces or 2 clearances, an entry out of range, or no jump
 /// anywhere.
 [[nodiscard]] JumpLaw fit_jump_law(double mass1, double mass2, const std::vector<double>& force,

@@ -22,9 +22,16 @@ Arcs arcs(double h) noexcept {
   if (std::abs(h) < 0.5) {
     const double x = h * h;
     const double one_minus_cos =
-        x / 2 * (1 - x / 12 * (1 - x / 30 * (1 - x / 56 * (1 - x / 90 * (1 - x / 132 * (1 - x / 182))))));
+        0.5 * x *
+        (1 - x * (1.0 / 12) *
+                 (1 - x * (1.0 / 30) *
+                          (1 - x * (1.0 / 56) * (1 - x * (1.0 / 90) * (1 - x * (1.0 / 132) * (1 - x * (1.0 / 182)))))));
     const double h_minus_sin =
-        h * x / 6 * (1 - x / 20 * (1 - x / 42 * (1 - x / 72 * (1 - x / 110 * (1 - x / 156 * (1 - x / 210))))));
+        h * x * (1.0 / 6) *
+        (1 -
+         x * (1.0 / 20) *
+             (1 - x * (1.0 / 42) *
+                      (1 - x * (1.0 / 72) * (1 - x * (1.0 / 110) * (1 - x * (1.0 / 156) * (1 - x * (1.0 / 210)))))));
     return {one_minus_cos, h - h_minus_sin, h_minus_sin};
   }
   const double s = std::sin(h);
@@ -32,45 +39,55 @@ Arcs arcs(double h) noexcept {
   return {1 - c, s, h - s};
 }
 
-// Fraction of a piece of motion between two velocity zeros after which it has covered the share y of its length, to 3 %
-// as if it were a cubic: a starting value.
-double cubic_fraction(double y) noexcept {
+// Starting value for the fraction of a monotone piece of motion after which it has covered the share y of its length:
+// inverts the cubic that begins with `slope` (in lengths per piece) and ends with 0, by one Newton step from a blend of
+// its cases slope 0 and 2.
+double cubic_fraction(double y, double slope) noexcept {
   const double share = std::clamp(y, 0.0, 1.0);
   const double near = std::min(share, 1 - share);
-  const double fraction = std::sqrt(near / 3) * (1 + 0.45 * near);
-  return share <= 0.5 ? fraction : 1 - fraction;
+  const double root = std::sqrt(near * (1.0 / 3)) * (1 + 0.45 * near);
+  const double both_at_rest = share <= 0.5 ? root : 1 - root;
+  const double blend = std::min(0.5 * slope, 1.0);
+  const double t = both_at_rest + blend * (1 - std::sqrt(1 - share) - both_at_rest);
+  const double value = t * (slope + t * (3 - 2 * slope + t * (slope - 2)));
+  const double rate = slope + t * (6 - 4 * slope + t * (3 * slope - 6));
+  return rate > 0 ? std::clamp(t - (value - share) / rate, 0.0, 1.0) : t;
 }
 
-// Root of distance(h) = target on [lower, upper], where the distance is monotone and brackets the target: Halley's
-// iteration inside a shrinking bracket.
+// Root of distance(h) = target on [lower, upper], where the distance is monotone and brackets the target: Householder's
+// iteration of fourth order inside a shrinking bracket.
 struct Root {
   double h;
   double velocity;
 };
 Root monotone_root(const GapState& start, const Flight& flight, double target, double lower, double upper, double guess,
                    bool rising) noexcept {
-  double h = guess;
-  if (!(h >= lower && h <= upper)) h = 0.5 * (lower + upper);
+  const double push = flight.push;
+  const double pull = flight.pull;
+  const double offset = start.distance - target;
+  double h = guess >= lower && guess <= upper ? guess : 0.5 * (lower + upper);
   double velocity = 0;
   for (int iteration = 0; iteration < 200; ++iteration) {
     const Arcs a = arcs(h);
-    const double residual =
-        (start.distance - target) + start.velocity * h + flight.push * a.one_minus_cos + flight.pull * a.h_minus_sin;
-    velocity = start.velocity + flight.push * a.sin + flight.pull * a.one_minus_cos;
-    const double acceleration = flight.push * (1 - a.one_minus_cos) + flight.pull * a.sin;
-    if ((residual < 0) == rising) {
-      lower = h;
-    } else {
-      upper = h;
-    }
-    const double step = -residual / (velocity - 0.5 * residual * acceleration / velocity);
-    // Halley's error is of the order of the cube of the step.
-    if (std::abs(step) <= 1e-6 * h) {
+    const double residual = offset + start.velocity * h + push * a.one_minus_cos + pull * a.h_minus_sin;
+    velocity = start.velocity + push * a.sin + pull * a.one_minus_cos;
+    const double acceleration = push * (1 - a.one_minus_cos) + pull * a.sin;
+    const double jerk = pull * (1 - a.one_minus_cos) - push * a.sin;
+    ((residual < 0) == rising ? lower : upper) = h;
+    const double inverse = 1 / velocity;
+    const double newton = residual * inverse;
+    const double curvature = acceleration * inverse;
+    const double twist = jerk * inverse;
+    const double bend = newton * curvature;
+    const double step = -newton * (1 - 0.5 * bend) / (1 - bend + newton * newton * twist * (1.0 / 6));
+    // The error that the step leaves is about step (step m)^3, 1/m the length over which the velocity changes by
+    // itself.
+    const double turned = step * step * (curvature * curvature + std::abs(twist));
+    if (step * step * turned * turned * turned <= 1e-33 * h * h) {
       const double next = std::clamp(h + step, lower, upper);
       const double last = next - h;
-      velocity += last * (acceleration + 0.5 * last * (flight.pull * (1 - a.one_minus_cos) - flight.push * a.sin));
-      h = next;
-      break;
+      velocity += last * (acceleration + last * (0.5 * jerk - last * acceleration * (1.0 / 6)));
+      return {next, velocity};
     }
     double next = h + step;
     if (!(next > lower && next < upper)) next = 0.5 * (lower + upper);
@@ -225,6 +242,7 @@ Flight GapMotion::next_flight(GapState& start) const noexcept {
   bottom = std::max(bottom, top);
   double rise_from = 0;
   double rise_from_distance = start.distance;
+  double rise_velocity = start.velocity;
   std::int64_t passed = 0;
   // Where the velocity vanishes sin(s + h) is known, so the distance there needs no trigonometric function; but that
   // form cancels in short flights and under strong forces.
@@ -238,8 +256,9 @@ Flight GapMotion::next_flight(GapState& start) const noexcept {
   for (;;) {
     const double top_distance = top_at(top);
     if (top_distance >= 1) {
-      const double guess = rise_from + (top - rise_from) * cubic_fraction((1 - rise_from_distance) /
-                                                                          (top_distance - rise_from_distance));
+      const double rise = top_distance - rise_from_distance;
+      const double guess = rise_from + (top - rise_from) * cubic_fraction((1 - rise_from_distance) / rise,
+                                                                          rise_velocity * (top - rise_from) / rise);
       const Root root = monotone_root(start, flight, 1, rise_from, top, guess, true);
       flight.hits = flight.crosses = true;
       flight.duration = root.h;
@@ -248,7 +267,7 @@ Flight GapMotion::next_flight(GapState& start) const noexcept {
     }
     const double bottom_distance = bottom_at(bottom);
     if (bottom_distance < 0) {
-      const double guess = top + (bottom - top) * cubic_fraction(top_distance / (top_distance - bottom_distance));
+      const double guess = top + (bottom - top) * cubic_fraction(top_distance / (top_distance - bottom_distance), 0);
       const Root root = monotone_root(start, flight, 0, top, bottom, guess, false);
       flight.hits = true;
       flight.crosses = false;
@@ -266,6 +285,7 @@ Flight GapMotion::next_flight(GapState& start) const noexcept {
     top += 2 * pi * skip;
     bottom += 2 * pi * skip;
     rise_from = bottom - 2 * pi;
+    rise_velocity = 0;
     rise_from_distance = bottom_at(rise_from);
   }
 }
@@ -292,7 +312,8 @@ ChatterTail GapMotion::chatter_tail(const GapState& after_impact) const noexcept
   const double e3 = restitution_ * restitution_ * restitution_;
   tail.area = 2.0 / 3.0 * after_impact.velocity * after_impact.velocity * after_impact.velocity /
               (pressure * pressure * (1 - e3));
-  tail.area_error = tail.area * tail.duration * (1 + 4 / to_reversal);
+  // Relative change of the pressure, cot s per radian, and turn of e^{-j k tau}, k <= 5, over the tail.
+  tail.area_error = tail.area * tail.duration * (5 + 4 * std::abs(after_impact.cos_s / after_impact.sin_s));
   return tail;
 }
 

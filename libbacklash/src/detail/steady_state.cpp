@@ -107,9 +107,8 @@ SteadyState orbit_from_release(const GapMotion& motion, const GapState& release,
         chatters ? std::numeric_limits<double>::infinity() : 2 * static_cast<double>(impacts) / half_periods;
     steady.harmonics = flights.harmonics(motion.gamma(), half_periods);
     steady.spectral_radius = 0;
-    // Phases are exact to rounding; each impact adds the rounding of its share of the integral.
-    steady.uncertainty = 2 / (pi * half_periods) * neglected +
-                         8 * rounding * (std::abs(steady.harmonics.u[0]) + 1 / (1 + std::cbrt(motion.gamma())));
+    // A few dozen roundings of phases and of integrals over flights, each below 1.
+    steady.uncertainty = 2 / (pi * half_periods) * neglected + 32 * rounding;
     steady.end = state_at_next_peak(motion, release, limit);
     return steady;
   }

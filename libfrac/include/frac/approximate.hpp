@@ -19,9 +19,9 @@ enum class ApproximationMethod {
   oustaloup_widened,  // the same on a band wider by the margin that makes the error on the asked band smallest
   refined_oustaloup,  // Xue, Zhao, Chen (2006), b = 10, d = 9, with mid-band gain exactly 1; levels off at 2.7 .. 12 %
   matsuda,            // Matsuda, Fujii (1993): interpolates x^a at 2N+1 real points spread evenly in logarithm
-  carlson,            // Carlson, Halijak (1964): Halley's iteration for the q-th root of s^m, a = m/q, q <= 10
-  cfe,                // continued fraction of s^a at mid-band, its [N/N] Pade approximant
-  charef,             // Charef, Sun, Tsao, Onaral (1992): corners at equal steps of the asymptotes
+  carlson,  // Carlson, Halijak (1964): Halley's iteration for roots s^(1/q); products of them for a = m/q, q <= 10
+  cfe,      // continued fraction of s^a at mid-band, its [N/N] Pade approximant
+  charef,   // Charef, Sun, Tsao, Onaral (1992): corners at equal steps of the asymptotes
 };
 
 /// Names as on the command line: ladder, oustaloup, oustaloup-widened, refined-oustaloup, matsuda, carlson, cfe,
@@ -66,7 +66,7 @@ struct ApproximationError {
 /// H(s)/s^integer_order = direct + sum residue/(s - pole) over the poles and, for a conjugate pair, over both members.
 struct ParallelForm {
   double direct = 0;
-  std::vector<double> residues;                    // one per real pole, in the order of ZeroPoleGain::poles
+  std::vector<double> residues;                     // one per real pole, in the order of ZeroPoleGain::poles
   std::vector<std::complex<double>> pair_residues;  // of the pole in ZeroPoleGain::pole_pairs; its conjugate's follows
 };
 

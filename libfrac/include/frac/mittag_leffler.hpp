@@ -12,8 +12,8 @@ namespace frac {
 /// Error for |beta| <= 10: 1e-14 (1 + |E|) max(1, |z E'/E|); for z < 0, 0 < alpha <= 0.99 and beta >= alpha also 1e-13
 /// |E|, the zeros of E apart.  Infinite on overflow alone, never NaN.
 /// Evaluation: inverse Laplace transform along a vertical line in w, s = w^2, where the trapezoidal rule converges
-/// geometrically and each pole s^alpha = z is taken out in closed form, so that no z is near a boundary between formulas
-/// (Trefethen, Weideman 2014, section 5; Garrappa 2015 for the poles).
+/// geometrically and each pole s^alpha = z is taken out in closed form, so that no z is near a boundary between
+/// formulas (Trefethen, Weideman 2014, section 5; Garrappa 2015 for the poles).
 /// @throws std::invalid_argument  alpha not in (0, 100], |beta| > 50, or an argument not finite.
 [[nodiscard]] double mittag_leffler(double alpha, double beta, double z);
 [[nodiscard]] std::complex<double> mittag_leffler(double alpha, double beta, std::complex<double> z);

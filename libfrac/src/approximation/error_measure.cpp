@@ -1,6 +1,7 @@
 #include "error_measure.hpp"
 
 #include <algorithm>
+#include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -37,15 +38,17 @@ class Ratio {
       const Extended larger = std::max(omega, static_cast<Extended>(std::abs(root)));
       const Extended real = -static_cast<Extended>(root) / larger;
       const Extended imaginary = omega / larger;
-      product = {product.real() * real - product.imag() * imaginary, product.real() * imaginary + product.imag() * real};
+      product = {product.real() * real - product.imag() * imaginary,
+                 product.real() * imaginary + product.imag() * real};
       return larger;
     };
     const auto pair_factor = [&](ExtendedComplex& product, std::complex<double> root) {
       const Extended re = root.real();
       const Extended im = root.imag();
       const Extended larger = std::max(omega, std::hypot(re, im));
-      product *= ExtendedComplex((re / larger) * (re / larger) + (im / larger - omega / larger) * (im / larger + omega / larger),
-                                 -2 * (omega / larger) * (re / larger));
+      product *= ExtendedComplex(
+          (re / larger) * (re / larger) + (im / larger - omega / larger) * (im / larger + omega / larger),
+          -2 * (omega / larger) * (re / larger));
       return larger * larger;
     };
     for (std::size_t i = 0; i < std::max(system_.zeros.size(), system_.poles.size()); ++i) {
@@ -101,23 +104,15 @@ ApproximationError measured_error(const ZeroPoleGain& system, double fractional_
     largest.decibels = std::max(largest.decibels, here.decibels);
     largest.degrees = std::max(largest.degrees, here.degrees);
   }
-  // The maximum lies between the neighbours of the largest sample: golden section down to where the error, flat at
-  // its top, no longer changes.
-  Extended left = log_omega[place == 0 ? 0 : place - 1];
-  Extended right = log_omega[std::min(place + 1, log_omega.size() - 1)];
+  // The maximum lies between the neighbours of the largest sample.
+  constexpr int bits = 24;
+  const auto [at, negative] = boost::math::tools::brent_find_minima(
+      [&](Extended log_frequency) { return -deviation(log_frequency).relative; }, log_omega[place == 0 ? 0 : place - 1],
+      log_omega[std::min(place + 1, log_omega.size() - 1)], bits);
   Extended at_maximum = log_omega[place];
-  constexpr int sections = 20;
-  for (int i = 0; i < sections; ++i) {
-    const Extended step = (right - left) / std::numbers::phi_v<Extended>;
-    const Extended a = right - step;
-    const Extended b = left + step;
-    const Extended at_a = deviation(a).relative;
-    const Extended at_b = deviation(b).relative;
-    if (std::max(at_a, at_b) > largest.relative) {
-      largest.relative = std::max(at_a, at_b);
-      at_maximum = at_a > at_b ? a : b;
-    }
-    (at_a > at_b ? right : left) = at_a > at_b ? b : a;
+  if (-negative > largest.relative) {
+    largest.relative = -negative;
+    at_maximum = at;
   }
   ApproximationError error;
   error.max_relative = static_cast<double>(largest.relative);

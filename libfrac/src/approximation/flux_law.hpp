@@ -7,10 +7,10 @@ namespace frac::detail {
 /// Where the zeros and poles of the best approximation of a fractional power gather as their number grows: the
 /// equilibrium distribution on the negative real axis opposite the band +-j [e^-half_width, e^half_width].
 ///
-/// With s = e^u the band is a slit Im u = pi/2 and the negative axis the line Im u = pi.  For Re u > 0 (the rest follows
-/// by symmetry) cosh, a square, and a square root map the field between the two to a half-plane; with a = e^(-half_width/2)
-/// the share of the flux that arrives between Re u = 0 and x is F(atan(v/a), k)/K(k), k^2 = 1 - a^4, where
-/// sinh x = v sqrt(v^2 + 2 cosh half_width).
+/// With s = e^u the band is a slit Im u = pi/2 and the negative axis the line Im u = pi.  For Re u > 0 (the rest
+/// follows by symmetry) cosh, a square, and a square root map the field between the two to a half-plane; with a =
+/// e^(-half_width/2) the share of the flux that arrives between Re u = 0 and x is F(atan(v/a), k)/K(k), k^2 = 1 - a^4,
+/// where sinh x = v sqrt(v^2 + 2 cosh half_width).
 class FluxLaw {
  public:
   explicit FluxLaw(double half_width);

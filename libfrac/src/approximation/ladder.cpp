@@ -15,12 +15,17 @@ namespace {
 using Extended = long double;
 using ExtendedComplex = std::complex<Extended>;
 
-// k-th positive zero of the Bessel function J_order, |order| < 1.  The first from the quotient of two Rayleigh sums
-// (within 0.6 %, and exact where it goes to zero, order -> -1), the others by McMahon (within 0.1 %).
+// k-th positive zero of the Bessel function J_order, |order| < 1, by McMahon (within 0.2 %).  Where the first goes to
+// zero, order -> -1, from the quotient of two Rayleigh sums, joined to McMahon at order 0: what matters more than the
+// last digit is that poles and zeros, which stand at J_-a and J_a, meet neither at a -> 0 nor at a -> 1.
 double bessel_zero(double order, int k) {
-  if (k == 1) return std::sqrt(8 * (order + 1) * (order + 2) * (order + 4) / (5 * order + 11));
-  const double leading = (k + order / 2 - 0.25) * std::numbers::pi;
-  return leading - (4 * order * order - 1) / (8 * leading);
+  const auto mcmahon = [](double of, int index) {
+    const double leading = (index + of / 2 - 0.25) * std::numbers::pi;
+    return leading - (4 * of * of - 1) / (8 * leading);
+  };
+  if (k > 1 || order >= 0) return mcmahon(order, k);
+  const auto rayleigh = [](double of) { return std::sqrt(8 * (of + 1) * (of + 2) * (of + 4) / (5 * of + 11)); };
+  return rayleigh(order) * (1 + (1 + order) * (mcmahon(0, 1) / rayleigh(0) - 1));
 }
 
 // Logarithms of the poles, rising.  Poles stand at equal steps of the flux; the shares next to the two ends follow the
@@ -120,11 +125,15 @@ class LogPoleProblem {
     double predicted;        // weighted mean after it, to first order: no ladder nearby has a smaller largest error
   };
 
-  [[nodiscard]] Step gauss_newton(const std::vector<Extended>& log_poles) const {
+  // With more poles than the error needs, some displacements hardly change it and would be driven far by rounding and
+  // curvature; a ridge proportional to the error (Yamashita, Fukushima 2001) holds them back.
+  [[nodiscard]] Step gauss_newton(const std::vector<Extended>& log_poles, double damping) const {
     std::vector<double> poles;
     for (const Extended x : log_poles) poles.push_back(static_cast<double>(std::exp(x)));
-    Eigen::MatrixXd jacobian(2 * points(), poles_);
-    Eigen::VectorXd residual(2 * points());
+    const double ridge = damping * weighted_mean();
+    Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(2 * points() + poles_, poles_);
+    Eigen::VectorXd residual = Eigen::VectorXd::Zero(2 * points() + poles_);
+    jacobian.bottomRows(poles_).diagonal().setConstant(ridge);
     for (Eigen::Index i = 0; i < points(); ++i) {
       const auto index = static_cast<std::size_t>(i);
       const double length = static_cast<double>(std::abs(error_[index]));
@@ -177,7 +186,7 @@ std::vector<Extended> moved(const std::vector<Extended>& log_poles, const Eigen:
 }
 
 std::vector<Extended> optimal_log_poles(const UnitProblem& problem, int poles, double hopeless_above) {
-  constexpr int most_steps = 40;
+  constexpr int most_steps = 60;
   constexpr int most_sharpenings = 18;
   constexpr double close_enough = 1.015;  // largest error by the bound on it
   // Below it the error is the rounding of the extended evaluation.
@@ -190,8 +199,13 @@ std::vector<Extended> optimal_log_poles(const UnitProblem& problem, int poles, d
   double best_error = least.largest();
   double bound = 0;
   int sharpenings = 0;
+  // Relative to the error, and its bounds: below the lower a displacement is not held at all in double, the upper
+  // leaves a minimax step unchanged to six digits.
+  double damping = 1e-5;
+  constexpr double least_damping = 1e-9;
+  constexpr double most_damping = 1e-3;
   for (int i = 0; i < most_steps && best_error > noise; ++i) {
-    const LogPoleProblem::Step step = least.gauss_newton(current);
+    const LogPoleProblem::Step step = least.gauss_newton(current, damping);
     if (!step.change.allFinite()) break;
     const bool settled = least.largest() < 4 * step.predicted;
     if (settled) {
@@ -211,7 +225,13 @@ std::vector<Extended> optimal_log_poles(const UnitProblem& problem, int poles, d
         break;
       }
     }
-    if (!improved) break;
+    if (!improved && damping == most_damping) break;
+    damping = !improved || least.weighted_mean() > 0.5 * mean ? std::min(10 * damping, most_damping)
+                                                              : std::max(damping / 10, least_damping);
+    if (!improved) {
+      least.evaluate(current);
+      continue;
+    }
     if (least.largest() < best_error) {
       best_error = least.largest();
       best = current;

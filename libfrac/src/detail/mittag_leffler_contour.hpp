@@ -10,8 +10,8 @@ namespace frac::detail {
 /// E_{alpha,beta} for 0 < alpha <= 2 by the trapezoidal rule on the line Re w = c of
 ///   E(z) = (1/(2 pi i)) int e^{w^2} 2 w^(2 (alpha - beta) + 1) / (w^(2 alpha) - z) dw.
 /// With nodes c + i (k + offset) h, a pole w_j of residue R_j left of the line changes the rule by
-/// -R_j / (1 - e^{2 pi i offset - 2 pi (w_j - c)/h}), one right of it by R_j less than that: adding the quotient gives E
-/// on whichever side the pole is.
+/// -R_j / (1 - e^{2 pi i offset - 2 pi (w_j - c)/h}), one right of it by R_j less than that: adding the quotient gives
+/// E on whichever side the pole is.
 class MittagLefflerContour {
  public:
   /// @param offset  0 or 1/2, of the nodes in steps.
@@ -36,11 +36,11 @@ class MittagLefflerContour {
     std::complex<double> value;
     std::complex<double> derivative;
   };
-  /// 0 < |z| < 1e140.  Infinite parts on overflow.
+  /// 0 < |z| < 1e60.  Infinite parts on overflow.
   [[nodiscard]] std::complex<double> value(std::complex<double> z, const Poles& poles) const;
   [[nodiscard]] ValueAndDerivative value_and_derivative(std::complex<double> z, const Poles& poles) const;
 
-  /// Each -1e140 < z < 0, and alpha < 1, so that no pole is met: accurate in relative terms.
+  /// Each -1e60 < z < 0, and alpha < 1, so that no pole is met: accurate in relative terms.
   void negative_values(std::span<const double> z, double* value) const;
 
  private:
@@ -49,6 +49,10 @@ class MittagLefflerContour {
   using Column = std::array<double, capacity>;
   void choose_line();
   void place_nodes();
+  template <bool cancels_far_out>
+  void negative_blocks(std::span<const double> z, double* value) const;
+  void negative_plain(std::span<const double> z, double* value) const;
+  void negative_cancelling(std::span<const double> z, double* value) const;
   template <bool with_derivative>
   [[nodiscard]] ValueAndDerivative evaluate(std::complex<double> z, const Poles& poles) const;
 

@@ -1,4 +1,4 @@
-#include "detail/reciprocal_gamma.hpp"
+#include "reciprocal_gamma.hpp"
 
 #include <cmath>
 

@@ -86,7 +86,8 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
     const double theta = solution.theta[index];
     const std::size_t parameter = free[index].parameter;
     result.at_bound[parameter] = theta - free[index].lower <= margin || free[index].upper - theta <= margin;
-    result.seen[parameter] = norm[k] > unseen_column * norm.maxCoeff();
+    // A logarithm at its bound has a vanishing column too, but because the data have driven it there.
+    result.seen[parameter] = result.at_bound[parameter] || norm[k] > unseen_column * norm.maxCoeff();
     if (!result.seen[parameter]) {
       result.identified[parameter] = false;
     } else if (result.at_bound[parameter]) {

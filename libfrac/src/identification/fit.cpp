@@ -122,14 +122,32 @@ detail::GlobalSolution solve(const detail::Residuals& residuals, const Frequency
   return result;
 }
 
+/// What is left of a cost of 0 by rounding.
+double rounding_cost(const detail::Residuals& residuals) {
+  return static_cast<double>(residuals.count()) * 1e-28;
+}
+
+/// A fit through Oustaloup's ladder can end on a whole order, where the realisation jumps: a corner, not a minimum.
+void refuse_whole_orders(FitResult& result, const Structure& structure, const Realisation& realisation) {
+  if (!std::holds_alternative<OustaloupRealisation>(realisation)) return;
+  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+    ParameterEstimate& estimate = result.parameters[i];
+    if (structure.parameter_roles()[i] != ParameterRole::order || estimate.fixed || estimate.at_bound) continue;
+    if (std::abs(estimate.value - std::round(estimate.value)) > 1e-4) continue;
+    estimate.identified = false;
+    result.message += " Order " + estimate.name +
+                      " ended on a whole number, where the Oustaloup realisation jumps: widen its band or add poles.";
+  }
+}
+
 Component other_component(Component component) {
   return component == Component::imaginary ? Component::real : Component::imaginary;
 }
 
 /// What the fitted component is blind to (a real constant in an imaginary part) is estimated from the other one, the
 /// rest held.
-void recover_unseen(FitResult& result, const detail::Confidence& found, const FrequencyResponseData& data,
-                    const Structure& structure, const FitOptions& options) {
+void recover_unseen(FitResult& result, const detail::Confidence& found, const detail::Residuals& residuals, double cost,
+                    const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
   if (options.component != Component::imaginary && options.component != Component::real) return;
   const bool all_seen = std::find(found.seen.begin(), found.seen.end(), false) == found.seen.end();
   const bool none_seen = std::find(found.seen.begin(), found.seen.end(), true) == found.seen.end();
@@ -148,6 +166,10 @@ void recover_unseen(FitResult& result, const detail::Confidence& found, const Fr
     }
   }
   const FitResult recovered = fit(data, structure, rest);
+  std::vector<double> values;
+  for (const ParameterEstimate& estimate : recovered.parameters) values.push_back(estimate.value);
+  // The fitted component must not notice: blindness at the minimum alone is not enough.
+  if (!(residuals.cost(residuals.map().to_theta(values)) <= cost * (1 + 1e-6) + rounding_cost(residuals))) return;
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
     if (found.seen[i]) continue;
     result.parameters[i] = recovered.parameters[i];
@@ -189,6 +211,11 @@ FitResult fit(const FrequencyResponseData& data, const Structure& structure, con
   }
 
   detail::LocalOptions local;
+  if (!solution.best.converged) {
+    detail::LocalOptions patient;
+    patient.iterations = 1000;
+    solution.best = local_solve(residuals, solution.best.theta, patient);
+  }
   if (options.loss != Loss::none) local = robust_refinement(residuals, options.loss, solution.best);
   const detail::Confidence found = confidence(residuals, solution.best, local);
   const std::vector<double> values = map.to_user(solution.best.theta);
@@ -211,7 +238,12 @@ FitResult fit(const FrequencyResponseData& data, const Structure& structure, con
   }
   result.covariance = found.covariance;
   result.centre_omega = map.scale().omega;
-  recover_unseen(result, found, data, structure, options);
+  result.message = solution.best.converged
+                       ? std::to_string(solution.starts_at_best) + " of " + std::to_string(solution.starts) +
+                             " local solves ended at the best cost."
+                       : "The solver stopped before the cost settled; the best point found is returned.";
+  recover_unseen(result, found, residuals, solution.best.cost, data, structure, options);
+  refuse_whole_orders(result, structure, options.realisation);
 
   std::vector<double> residual = residuals_at(residuals, solution.best.theta);
   result.outliers = outliers(residual, residuals.per_point());
@@ -224,10 +256,6 @@ FitResult fit(const FrequencyResponseData& data, const Structure& structure, con
   result.bic = information.bic;
   result.condition = found.condition;
   result.termination = solution.best.converged ? FitTermination::converged : FitTermination::not_converged;
-  result.message = solution.best.converged
-                       ? std::to_string(solution.starts_at_best) + " of " + std::to_string(solution.starts) +
-                             " local solves ended at the best cost."
-                       : "The solver stopped before the cost settled; the best point found is returned.";
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return result;
 }

@@ -9,6 +9,4 @@ int main() {
   for (const double omega : {0.1, 1.0, 10.0}) {  // rad/s
     std::cout << omega << "  " << furnace.response(omega) << "  " << furnace.response(omega, realisation) << '\n';
   }
-  const frac::ZeroPoleGain half_derivative = frac::oustaloup(0.5, {1e-2, 1e2}, 4);
-  for (const double pole : half_derivative.poles) std::cout << "s^0.5 has a pole at " << pole << " rad/s\n";
 }

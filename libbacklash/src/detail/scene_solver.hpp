@@ -1,0 +1,51 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "detail/scene_model.hpp"
+
+namespace backlash::detail {
+
+struct SceneBounds {
+  SceneVector lower, upper;  // equal where fixed
+  [[nodiscard]] bool is_free(std::size_t k) const { return lower[k] < upper[k]; }
+};
+
+/// The steady motion a point is compared with.
+struct PointChoice {
+  enum class Kind { none, two_impact, free, motion };
+  Kind kind = Kind::none;
+  MotionBranch motion{};       // when kind is motion
+  bool used = false;           // near enough to form residuals
+  std::complex<double> model;  // at the estimate
+  double misfit = 0;           // |model - data| of the fitted parts over its deviation
+};
+
+/// Sums of products over the residuals.
+struct NormalEquations {
+  std::array<std::array<double, 4>, 4> matrix{};
+  std::array<double, 4> gradient{};
+  double cost = 0;
+  std::size_t residuals = 0;
+};
+/// At an estimate, each residual divided by its deviation at that estimate; points whose motion has ended do not enter.
+[[nodiscard]] NormalEquations normal_equations(const SceneData& data, const SceneVector& theta,
+                                               const std::vector<PointChoice>& choices);
+
+struct LocalScene {
+  SceneVector theta{};
+  std::vector<PointChoice> choices;
+  double robust_cost = 0;
+  bool converged = false;
+  bool usable = false;  // at least as many residuals as free parameters
+};
+
+/// Alternates between choosing the steady motion of each point at the estimate and least squares over the points near
+/// enough to theirs, until neither changes.
+/// @param explore  also looks for closed orbits that are neither of two impacts nor chattering, where points are not
+///                 explained without; costs a simulation per such point and start
+[[nodiscard]] LocalScene solve_scene(const SceneData& data, const SceneBounds& bounds, const SceneVector& start,
+                                     bool explore, int threads);
+
+}  // namespace backlash::detail

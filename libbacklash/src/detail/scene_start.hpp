@@ -1,0 +1,24 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "detail/scene_solver.hpp"
+
+namespace backlash::detail {
+
+/// gamma from which on the motion from contact at rest chatters every period, for every larger gamma too; from a table,
+/// rounded up.
+[[nodiscard]] double chatter_onset(double restitution);
+
+/// What is given of the scene: values where fixed.
+using FixedScene = std::array<std::optional<double>, 4>;  // mass1, mass2, clearance, restitution
+
+/// Places from which to search, best first: the best nodes of a grid over mass2 clearance and restitution that are not
+/// near each other.
+/// @param jumps  values of mass2 clearance for which the scene would jump where the data do, more nodes of the grid
+[[nodiscard]] std::vector<SceneVector> scene_starts(const SceneData& data, const SceneBounds& bounds,
+                                                    const FixedScene& fixed, const std::vector<double>& jumps,
+                                                    std::size_t count);
+
+}  // namespace backlash::detail

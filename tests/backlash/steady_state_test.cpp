@@ -1,0 +1,329 @@
+#include "detail/steady_state.hpp"
+
+#include <gtest/gtest.h>
+
+#include <boost/math/distributions/students_t.hpp>
+#include <boost/math/quadrature/gauss.hpp>
+#include <chrono>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "backlash/chatter_reference.hpp"
+#include "detail/closed_orbit.hpp"
+#include "support/random.hpp"
+#include "support/reference_table.hpp"
+#include "support/relative_error.hpp"
+
+namespace {
+
+using backlash::Regime;
+using backlash::detail::ClosedOrbit;
+using backlash::detail::find_steady_state;
+using backlash::detail::Flight;
+using backlash::detail::GapMotion;
+using backlash::detail::GapState;
+using backlash::detail::state_at_peak;
+using backlash::detail::SteadyState;
+using support::relative_error;
+using Complex = std::complex<double>;
+
+constexpr double pi = std::numbers::pi;
+
+GapState mid_gap() {
+  return state_at_peak(0.5, 0);
+}
+
+TEST(SteadyState, AgreesWithQuadruplePrecisionToTheLastDigits) {
+  const auto rows = support::reference_table("df_orbits.csv");
+  ASSERT_EQ(rows.size(), 9u);
+  for (const auto& row : rows) {
+    const double restitution = row[0];
+    const double gamma = row[1];
+    const SteadyState steady = find_steady_state(GapMotion(gamma, restitution), mid_gap(), 1e-10);
+    SCOPED_TRACE(testing::Message() << "restitution " << restitution << ", gamma " << gamma);
+    // Rounding of a period of up to 62 impacts, amplified by 1/(1 - spectral radius) < 3: 1e-13 of the fundamental. The
+    // fifth harmonic comes from the same sums and is 30 to 300 times smaller.
+    EXPECT_LT(relative_error(steady.harmonics.u[0], {row[2], row[3]}), 1e-13);
+    EXPECT_LT(std::abs(steady.harmonics.u[1] - Complex(row[4], row[5])), 1e-13);
+    EXPECT_LT(std::abs(steady.harmonics.u[2] - Complex(row[6], row[7])), 1e-13);
+    // The reported uncertainty holds.
+    EXPECT_LE(std::abs(steady.harmonics.u[0] - Complex(row[2], row[3])), steady.uncertainty);
+    EXPECT_LT(steady.uncertainty, 1e-12);
+    EXPECT_EQ(steady.period, 1);
+    // Rows with dozens of impacts are complete chatter, cut off by the table.
+    if (row[8] > 10) {
+      EXPECT_EQ(steady.regime, Regime::chatter);
+      EXPECT_TRUE(std::isinf(steady.impacts_per_period));
+    } else {
+      EXPECT_EQ(steady.regime, Regime::periodic);
+      EXPECT_EQ(steady.impacts_per_period, row[8]);
+    }
+  }
+}
+
+TEST(SteadyState, StickingOrbitsAgreeWithFiftyDigitsUpToStrongForces) {
+  for (const double restitution : {0.0, 1e-12, 0.1, 0.3, 0.6, 0.9}) {
+    for (const double gamma : {100.0, 1e4, 1e6, 1e9}) {
+      if (restitution == 0.9 && gamma < 1e4) continue;  // chatter is not complete before the force reverses
+      const SteadyState steady = find_steady_state(GapMotion(gamma, restitution), mid_gap(), 1e-10);
+      const Complex expected = reference::sticking_orbit_harmonic(gamma, restitution);
+      SCOPED_TRACE(testing::Message() << "restitution " << restitution << ", gamma " << gamma);
+      EXPECT_EQ(steady.regime, restitution == 0 ? Regime::periodic : Regime::chatter);
+      EXPECT_LT(relative_error(steady.harmonics.u[0], expected), 1e-14);
+      // Im U falls like gamma^(-1/3); chatter is cut off at 1e-13 of that.
+      EXPECT_NEAR(steady.harmonics.u[0].imag() / expected.imag(), 1, 1e-12);
+      EXPECT_LE(std::abs(steady.harmonics.u[0] - expected), steady.uncertainty);
+    }
+  }
+}
+
+TEST(SteadyState, LowFrequencyLimitFollowsTheTwoThirdsLaw) {
+  // |Im U| gamma^(1/3) -> K(restitution), printed to six digits; the next term is of relative order gamma^(-2/3).
+  const double rows[][2] = {{0, .867611}, {.2, .871860}, {.4, .900510}, {.6, .985674}, {.8, 1.229968}};
+  for (const auto& [restitution, k] : rows) {
+    const SteadyState steady = find_steady_state(GapMotion(1e12, restitution), mid_gap(), 1e-10);
+    EXPECT_NEAR(-steady.harmonics.u[0].imag() * 1e4, k, 5.1e-7 + 1e-7);
+  }
+  EXPECT_NEAR(-find_steady_state(GapMotion(1e12, 0), mid_gap(), 1e-10).harmonics.u[0].imag() * 1e4,
+              std::pow(6.0, 4.0 / 3) / (4 * pi), 1e-7);
+}
+
+TEST(SteadyState, WithoutRestitutionTheOrbitIsExactForAnyForceAboveOneOverPi) {
+  // s - sin s = 1/gamma, v = gamma (1 - cos s), Im U = -v^2/(pi gamma).
+  for (const double gamma : {0.32, 0.5, 1.0, 3.0, 1e3}) {
+    double s = std::cbrt(6 / gamma);
+    for (int i = 0; i < 50; ++i) s -= (s - std::sin(s) - 1 / gamma) / (1 - std::cos(s));
+    const double v = gamma * (1 - std::cos(s));
+    const SteadyState steady = find_steady_state(GapMotion(gamma, 0), mid_gap(), 1e-10);
+    // s - sin s cancels at large gamma, here at most to s^2/6 = 1e-3 of s.
+    EXPECT_NEAR(steady.harmonics.u[0].imag() / (-v * v / (pi * gamma)), 1, 1e-12) << gamma;
+    EXPECT_EQ(steady.regime, Regime::periodic);
+    EXPECT_EQ(steady.impacts_per_period, 2);
+  }
+  const SteadyState steady = find_steady_state(GapMotion(1, 0), mid_gap(), 1e-10);
+  EXPECT_LT(std::abs(steady.harmonics.u[0] - Complex(.0850136087, -.5851127401)), 1e-10);
+}
+
+// Harmonic k of the motion over `periods`, by Gauss-Legendre quadrature of u itself on pieces of each flight.
+Complex by_quadrature(const GapMotion& motion, GapState state, int impacts, int k, double half_periods) {
+  Complex sum = 0;
+  for (int i = 0; i < impacts; ++i) {
+    const Flight flight = motion.next_flight(state);
+    const double begin = static_cast<double>(state.half_period) * pi - pi / 2 + state.s;
+    const int pieces = 8;
+    for (int piece = 0; piece < pieces; ++piece) {
+      const double from = flight.duration * piece / pieces;
+      const double to = flight.duration * (piece + 1) / pieces;
+      const auto part = [&](auto weight) {
+        return boost::math::quadrature::gauss<double, 20>::integrate(
+            [&](double h) {
+              const double distance = motion.along(state, flight, h).distance;
+              return (state.wall == 0 ? distance : 1 - distance) * weight(k * (begin + h));
+            },
+            from, to);
+      };
+      sum += Complex(part([](double x) { return std::cos(x); }), -part([](double x) { return std::sin(x); }));
+    }
+    state = motion.after_impact(state, flight);
+  }
+  return sum * 2.0 / (pi * half_periods);
+}
+
+// Closed orbits of several kinds, found from mid-gap at rest.
+std::vector<std::pair<GapMotion, ClosedOrbit>> closed_orbits() {
+  std::vector<std::pair<GapMotion, ClosedOrbit>> orbits;
+  const double scenes[][4] = {// gamma, restitution, impacts, periods
+                              {0.3, 0.6, 2, 1},    {0.45, 0.6, 2, 1}, {0.82493, 0.6, 3, 1}, {1.1756, 0.6, 4, 1},
+                              {0.6419, 0.6, 6, 2}, {0.48, 0.3, 2, 1}, {2.702, 0.6, 6, 1}};
+  for (const auto& [gamma, restitution, impacts, periods] : scenes) {
+    const GapMotion motion(gamma, restitution);
+    GapState state = mid_gap();
+    for (int i = 0; i < 2000; ++i) {
+      const Flight flight = motion.next_flight(state);
+      state = motion.after_impact(state, flight);
+    }
+    state.half_period &= 1;  // phases of an orbit are counted from its beginning
+    const auto orbit =
+        backlash::detail::close_orbit(motion, state, static_cast<int>(impacts), 2 * static_cast<int>(periods), 1e-10);
+    if (orbit) orbits.emplace_back(motion, *orbit);
+  }
+  return orbits;
+}
+
+TEST(ClosedOrbit, HarmonicsEqualQuadratureAndBothClosedFormsAgree) {
+  const auto orbits = closed_orbits();
+  ASSERT_GE(orbits.size(), 6u);
+  for (const auto& [motion, orbit] : orbits) {
+    const auto half_periods = static_cast<double>(orbit.half_periods);
+    const backlash::detail::Harmonics by_jumps = backlash::detail::orbit_harmonics(motion, orbit);
+    backlash::detail::FlightSum flights;
+    GapState state = orbit.start;
+    for (int i = 0; i < orbit.impacts; ++i) {
+      const Flight flight = motion.next_flight(state);
+      const GapState next = motion.after_impact(state, flight);
+      flights.add_flight(state, flight);
+      if (flight.crosses) flights.add_crossing(next);
+      state = next;
+    }
+    const backlash::detail::Harmonics by_flights = flights.harmonics(motion.gamma(), half_periods);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const int k = backlash::detail::harmonic_orders[i];
+      // Smooth integrands on pieces below pi/4: the quadrature is exact to rounding, as are the sums of some ten terms
+      // below 3; the orbit itself is closed to 1e-14.
+      const Complex expected = by_quadrature(motion, orbit.start, orbit.impacts, k, half_periods);
+      EXPECT_LT(std::abs(by_jumps.u[i] - expected), 1e-13) << motion.gamma() << ", " << k;
+      EXPECT_LT(std::abs(by_flights.u[i] - expected), 1e-13) << motion.gamma() << ", " << k;
+    }
+    EXPECT_LT(std::abs(by_jumps.u1_plus_gamma - (by_jumps.u[0] + motion.gamma())), 1e-14);
+  }
+}
+
+TEST(ClosedOrbit, MultipliersHaveTheProductOfRestitutionAndAgreeWithFiniteDifferences) {
+  for (const auto& [motion, orbit] : closed_orbits()) {
+    SCOPED_TRACE(testing::Message() << "gamma " << motion.gamma());
+    const double expected = std::pow(motion.restitution(), 2.0 * orbit.impacts);
+    EXPECT_NEAR(orbit.jacobian.determinant() / expected, 1, 1e-9);
+
+    const auto image = [&](double phase_step, double velocity_step) {
+      GapState state = orbit.start;
+      backlash::detail::advance_phase(state, phase_step);
+      state.velocity += velocity_step;
+      for (int i = 0; i < orbit.impacts; ++i) {
+        const Flight flight = motion.next_flight(state);
+        state = motion.after_impact(state, flight);
+      }
+      return std::pair{state.s, state.velocity};
+    };
+    // Central differences: rounding 1e-15/step against step^2 times third derivatives of up to 1e3.
+    const double step = 1e-6;
+    const double tolerance = 1e-7;
+    const auto phase_plus = image(step, 0);
+    const auto phase_minus = image(-step, 0);
+    const auto velocity_plus = image(0, step);
+    const auto velocity_minus = image(0, -step);
+    EXPECT_NEAR(orbit.jacobian.phase_phase, (phase_plus.first - phase_minus.first) / (2 * step), tolerance);
+    EXPECT_NEAR(orbit.jacobian.velocity_phase, (phase_plus.second - phase_minus.second) / (2 * step), tolerance);
+    EXPECT_NEAR(orbit.jacobian.phase_velocity, (velocity_plus.first - velocity_minus.first) / (2 * step), tolerance);
+    EXPECT_NEAR(orbit.jacobian.velocity_velocity, (velocity_plus.second - velocity_minus.second) / (2 * step),
+                tolerance);
+  }
+}
+
+TEST(ClosedOrbit, NewtonReachesTheClosedFormOfTheSymmetricOrbitFromNearby) {
+  const double restitution = 0.6;
+  const auto exact = backlash::detail::symmetric_two_impact_orbit(0.3, restitution).value();
+  GapState guess = exact.start;
+  backlash::detail::advance_phase(guess, 0.02);
+  guess.velocity *= 1.03;
+  const auto orbit = backlash::detail::close_orbit(GapMotion(0.3, restitution), guess, 2, 2, 1e-10);
+  ASSERT_TRUE(orbit);
+  EXPECT_NEAR(orbit->start.s, exact.start.s, 1e-14);
+  EXPECT_NEAR(orbit->start.velocity, exact.start.velocity, 1e-14);
+}
+
+TEST(SteadyState, FindsLongPeriodsBeyondTheFirst) {
+  // Period of force periods and impacts per period at restitution 0.6, reached by sweeping up; the label must be the
+  // least period.
+  const SteadyState steady = find_steady_state(GapMotion(0.6419, 0.6), mid_gap(), 1e-10);
+  ASSERT_EQ(steady.regime, Regime::periodic);
+  GapState state = steady.end;
+  const GapMotion motion(0.6419, 0.6);
+  // The state repeats after `period` periods and not earlier.
+  const double position = state.position();
+  const double rate = state.position_rate();
+  for (int period = 1; period <= steady.period; ++period) {
+    GapState moved = state;
+    moved.half_period = 1;
+    state = backlash::detail::state_at_next_peak(motion, moved, 0);
+    const double distance = std::abs(state.position() - position) + std::abs(state.position_rate() - rate);
+    if (period < steady.period) {
+      EXPECT_GT(distance, 1e-6);
+    } else {
+      EXPECT_LT(distance, 1e-12);
+    }
+  }
+}
+
+TEST(SteadyState, LongTimeMeanAgreesWithAnotherStartWithinItsUncertainty) {
+  // A chaotic response: two starts give two independent means.  Each half width holds 95 % of the time, so five times
+  // their sum is never left by normally distributed means (10 standard deviations of a difference).
+  int averaged = 0;
+  for (const double gamma : {0.85, 0.9, 1.0, 1.1, 2.0, 2.2}) {
+    const GapMotion motion(gamma, 0.6);
+    const SteadyState one = find_steady_state(motion, mid_gap(), 1e-10);
+    const SteadyState two = find_steady_state(motion, state_at_peak(0.1, 0.3), 1e-10);
+    if (one.regime != Regime::averaged || two.regime != Regime::averaged) continue;
+    ++averaged;
+    EXPECT_EQ(one.period, 0);
+    EXPECT_GT(one.uncertainty, 1e-6);
+    EXPECT_LT(one.uncertainty, 0.05);
+    EXPECT_LT(std::abs(one.harmonics.u[0] - two.harmonics.u[0]), 5 * (one.uncertainty + two.uncertainty)) << gamma;
+  }
+  EXPECT_GE(averaged, 3);
+}
+
+TEST(SteadyState, EnergyBalanceHoldsInEveryRegime) {
+  // A passive motion takes energy from the force: Im U <= 0; and |U| <= 2/pi for a motion between walls.
+  support::Random random(5);
+  for (int i = 0; i < 300; ++i) {
+    const double gamma = random.log_uniform(0.02, 1e4);
+    const double restitution = i % 10 == 0 ? 0 : random.unit();
+    const SteadyState steady =
+        find_steady_state(GapMotion(gamma, restitution), state_at_peak(random.unit(), random.uniform(-1, 1)), 1e-10);
+    SCOPED_TRACE(testing::Message() << "gamma " << gamma << ", restitution " << restitution);
+    EXPECT_LE(steady.harmonics.u[0].imag(), steady.uncertainty);
+    EXPECT_LE(std::abs(steady.harmonics.u[0]), 2 / pi + steady.uncertainty);
+    EXPECT_TRUE(std::isfinite(steady.uncertainty));
+    if (steady.regime != Regime::averaged && steady.regime != Regime::free) {
+      EXPECT_GE(steady.period, 1);
+      EXPECT_LE(steady.spectral_radius, 1);
+    }
+  }
+}
+
+TEST(SteadyState, HardCasesEndInTime) {
+  const auto begin = std::chrono::steady_clock::now();
+  for (const double restitution : {0.0, 1e-12, 0.9, 0.99, 0.999, 1 - 1e-12, 1.0}) {
+    for (const double gamma : {1e-9, 0.25, 0.5, 1 / pi, 1.0, 10.0, 1e3, 1e5, 1e9}) {
+      for (const GapState& start : {mid_gap(), state_at_peak(0, 0), state_at_peak(1, 0), state_at_peak(0, 1e-12)}) {
+        const SteadyState steady = find_steady_state(GapMotion(gamma, restitution), start, 1e-10);
+        SCOPED_TRACE(testing::Message() << "gamma " << gamma << ", restitution " << restitution);
+        EXPECT_TRUE(std::isfinite(std::abs(steady.harmonics.u[0])));
+        EXPECT_TRUE(std::isfinite(steady.uncertainty));
+        EXPECT_LE(std::abs(steady.harmonics.u[0]), 2 / pi + 1e-12 + steady.uncertainty);
+      }
+    }
+  }
+  // 252 points of at most 4e5 impacts each, most of them far fewer.  A hang would take for ever; half a minute is no
+  // hang anywhere.
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(), 30);
+}
+
+TEST(SteadyState, TooShortAMeanSaysSo) {
+  // Without dissipation a strong force makes more impacts in a few periods than are followed: the bound of |U| is all
+  // that is known.
+  const SteadyState steady = find_steady_state(GapMotion(1e9, 1), mid_gap(), 1e-10);
+  EXPECT_EQ(steady.regime, Regime::averaged);
+  EXPECT_NEAR(steady.uncertainty, 4 / pi, 1e-12);
+}
+
+TEST(SteadyState, QuantilesAreThoseOfStudent) {
+  // The widths of the mean use tabled two-sided 95 % quantiles.
+  for (const auto& [degrees, tabled] :
+       {std::pair{31, 2.0395134463964077}, {15, 2.1314495455597742}, {7, 2.3646242515927849}}) {
+    EXPECT_NEAR(boost::math::quantile(boost::math::students_t(degrees), 0.975), tabled, 1e-12);
+  }
+}
+
+TEST(SteadyState, FreeMotionIsRecognised) {
+  const SteadyState steady = find_steady_state(GapMotion(0.2, 0.6), mid_gap(), 1e-10);
+  EXPECT_EQ(steady.regime, Regime::free);
+  EXPECT_EQ(steady.harmonics.u[0], -0.2);
+  EXPECT_EQ(steady.harmonics.u1_plus_gamma, 0.0);
+  EXPECT_EQ(steady.impacts_per_period, 0);
+}
+
+}  // namespace

@@ -1,0 +1,529 @@
+#include "report/report.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <cmath>
+#include <complex>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "io/data_error.hpp"
+#include "io/number.hpp"
+#include "io/text_table.hpp"
+#include "report/figure.hpp"
+#include "report/fixed_step_reference.hpp"
+#include "report/html.hpp"
+#include "report/scene.hpp"
+#include "report/staged_folder.hpp"
+#include "report/sweep_curves.hpp"
+#include "report/table.hpp"
+#include "temporary_folder.hpp"
+
+namespace {
+
+using namespace report;
+namespace fs = std::filesystem;
+
+/// PATH with another value for the time of one test.
+class SearchPath {
+ public:
+  explicit SearchPath(const std::string& value) : before_(std::getenv("PATH")) { ::setenv("PATH", value.c_str(), 1); }
+  ~SearchPath() { ::setenv("PATH", before_.c_str(), 1); }
+  SearchPath(const SearchPath&) = delete;
+  SearchPath& operator=(const SearchPath&) = delete;
+
+ private:
+  std::string before_;
+};
+
+std::set<std::string> all_matches(const std::string& text, const std::string& pattern) {
+  std::set<std::string> found;
+  const std::regex expression(pattern);
+  for (std::sregex_iterator it(text.begin(), text.end(), expression), end; it != end; ++it) found.insert((*it)[1]);
+  return found;
+}
+
+Figure small_figure(const std::string& name) {
+  Panel panel;
+  panel.title = "Reader's view";
+  panel.x = {"ω in rad/s", true, {}, {}};
+  panel.y = {"N/m", false, {}, {}};
+  panel.key = true;
+  panel.curves = {
+      make_curve("first", category_colour(0), Mark::line, {1, 2, 3, 4}, {1, std::nan(""), 3, 4.5}),
+      make_curve("second", category_colour(1), Mark::open_points, {1, 2, 4}, {2, 2, 2}),
+  };
+  Figure figure;
+  figure.name = name;
+  figure.panels = {panel, panel};
+  return figure;
+}
+
+TEST(EscapeHtml, LeavesNoCharacterThatEndsTextOrAnAttribute) {
+  EXPECT_EQ(escape_html("a<b>&\"c\"'d'"), "a&lt;b&gt;&amp;&quot;c&quot;&#39;d&#39;");
+  EXPECT_EQ(escape_html("Δ = 0.3 m"), "Δ = 0.3 m");
+}
+
+TEST(HtmlNumber, WritesWhatReadersExpect) {
+  EXPECT_EQ(html_number(0), "0");
+  EXPECT_EQ(html_number(3.14159, 3), "3.14");
+  EXPECT_EQ(html_number(380.4, 2), "380");
+  EXPECT_EQ(html_number(-0.5, 4), "−0.5");
+  EXPECT_EQ(html_number(99.996, 4), "100");
+  EXPECT_EQ(html_number(1.5e-7, 3), "1.5·10<sup>−7</sup>");
+  EXPECT_EQ(html_number(2e9, 3), "2·10<sup>9</sup>");
+  EXPECT_EQ(html_number(std::nan("")), "–");
+  EXPECT_EQ(html_number(-INFINITY), "−∞");
+}
+
+TEST(HtmlSeconds, PicksTheUnit) {
+  EXPECT_EQ(html_seconds(1.5e-6), "1.5 µs");
+  EXPECT_EQ(html_seconds(0.0132), "13 ms");
+  EXPECT_EQ(html_seconds(2.5e-8), "25 ns");
+  EXPECT_EQ(html_seconds(12), "12 s");
+}
+
+TEST(HtmlFormula, RaisesPowersAndEscapes) {
+  EXPECT_EQ(html_formula("K s^a1/(T s^0.5 + 1)"),
+            "<span class=\"formula\">K s<sup>a1</sup>/(T s<sup>0.5</sup> + 1)</span>");
+  EXPECT_EQ(html_formula("a<b"), "<span class=\"formula\">a&lt;b</span>");
+}
+
+TEST(InlineSvg, GivesEveryPictureIdsOfItsOwnAndKeepsReferencesWhole) {
+  const std::string svg =
+      "<?xml version=\"1.0\"?>\n<!DOCTYPE svg>\n<svg viewBox=\"0 0 1 1\" xmlns=\"http://www.w3.org/2000/svg\">\n"
+      "<title>Gnuplot</title><defs>\n\t<circle id='gpPt5' r='1'/>\n<use xlink:href='#gpPt5' id='gpPt6' "
+      "fill='currentColor'/>"
+      "<pattern id=\"fill\"/></defs>\n<g id=\"plot_1\" fill=\"url(#fill)\"><use xlink:href='#gpPt6'/></g></svg>";
+  const std::string one = inline_svg(svg, "one-");
+  const std::string two = inline_svg(svg, "two-");
+  EXPECT_EQ(one.rfind("<svg", 0), 0U);
+  EXPECT_EQ(one.find("Gnuplot"), std::string::npos) << "would be shown as a tooltip";
+  const std::string id = "[\\s]id=['\"]([^'\"]+)['\"]";
+  const std::string reference = "(?:href=['\"]#|url\\(#)([^'\")]+)";
+  EXPECT_EQ(all_matches(one, id), (std::set<std::string>{"one-gpPt5", "one-gpPt6", "one-fill", "one-plot_1"}));
+  EXPECT_EQ(all_matches(one, reference), (std::set<std::string>{"one-gpPt5", "one-gpPt6", "one-fill"}));
+  EXPECT_EQ(all_matches(two, id).count("one-gpPt5"), 0U);
+}
+
+TEST(InlineSvg, IsEmptyForWhatIsNoPicture) {
+  EXPECT_EQ(inline_svg("gnuplot: error", "x-"), "");
+}
+
+TEST(EnhancedEscape, TakesTheMeaningFromEveryMarkupCharacter) {
+  EXPECT_EQ(enhanced_escape("my_file^2 {a}@&~\\"), "my\\_file\\^2 \\{a\\}\\@\\&\\~\\\\");
+  EXPECT_EQ(enhanced_escape("two\nlines"), "two lines");
+}
+
+TEST(MakeCurve, BreaksTheLineWhereThereIsNoNumber) {
+  const Curve curve = make_curve("c", "#000000", Mark::line, {1, 2, 3, 4}, {1, std::nan(""), 3, 4});
+  ASSERT_EQ(curve.segments.size(), 2U);
+  EXPECT_EQ(curve.segments[0].size(), 1U);
+  EXPECT_EQ(curve.segments[1].size(), 2U);
+}
+
+TEST(FamilyColour, GetsLighterFromMemberToMember) {
+  // Luma of ITU-R BT.601: a grey print keeps the order of the family.
+  double before = -1;
+  for (std::size_t i = 0; i < 8; ++i) {
+    const std::string colour = family_colour(i, 8);
+    const auto channel = [&](std::size_t at) { return std::stoi(colour.substr(at, 2), nullptr, 16); };
+    const double luma = 0.299 * channel(1) + 0.587 * channel(3) + 0.114 * channel(5);
+    EXPECT_GT(luma, before) << i;
+    before = luma;
+  }
+  EXPECT_LT(before, 200) << "the last member must stand out from white paper";
+}
+
+TEST(WriteScript, NeedsNoGnuplotAndHoldsTheData) {
+  const SearchPath nothing("");
+  const TemporaryFolder folder;
+  write_script(small_figure("picture"), folder.path());
+  const std::string script = content_of(folder.path("picture.gp"));
+  EXPECT_NE(script.find("set title 'Reader''s view'"), std::string::npos);
+  EXPECT_NE(script.find("set logscale x"), std::string::npos);
+  EXPECT_NE(script.find("title 'second'"), std::string::npos);
+  // The break of the first curve is a blank line between its points.
+  EXPECT_NE(script.find("$panel1_curve1 << e\n1 1 1 1\n\n3 3 3 3\n4 4.5 4.5 4.5\n"), std::string::npos)
+      << script.substr(0, 400);
+}
+
+TEST(WriteScript, SaysWhichFileCannotBeWritten) {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("file", "");
+  EXPECT_THROW(write_script(small_figure("picture"), fs::path(file) / "below"), fs::filesystem_error);
+}
+
+TEST(FindGnuplot, FindsNothingOnAnEmptyPathAndSkipsWhatCannotRun) {
+  const TemporaryFolder folder;
+  folder.write("gnuplot", "not executable");
+  {
+    const SearchPath nothing("");
+    EXPECT_FALSE(find_gnuplot());
+  }
+  const SearchPath here(":" + folder.path() + ":");
+  // A plain file without the executable bit is no program.
+  EXPECT_FALSE(find_gnuplot());
+}
+
+TEST(Draw, SaysWhatAProgramThatFailsHadToSay) {
+  const TemporaryFolder folder;
+  const std::string program = folder.write("gnuplot", "#!/bin/sh\necho 'line 7: undefined variable'\nexit 3\n");
+  ::chmod(program.c_str(), 0755);
+  const std::string trouble = draw(program, folder.path(), "picture");
+  EXPECT_NE(trouble.find("picture.gp"), std::string::npos) << trouble;
+  EXPECT_NE(trouble.find("line 7: undefined variable"), std::string::npos) << trouble;
+}
+
+TEST(Draw, NoticesThatASuccessfulProgramMadeNoPicture) {
+  const TemporaryFolder folder;
+  const std::string program = folder.write("gnuplot", "#!/bin/sh\n: > picture.svg\nexit 0\n");
+  ::chmod(program.c_str(), 0755);
+  EXPECT_NE(draw(program, folder.path(), "picture").find("made no picture"), std::string::npos);
+}
+
+TEST(Draw, NoticesThatAProgramCannotBeStarted) {
+  const TemporaryFolder folder;
+  EXPECT_NE(draw(folder.path("missing"), folder.path(), "picture").find("cannot be started"), std::string::npos);
+}
+
+TEST(Draw, MakesBothPicturesWithTheRealProgram) {
+  const auto gnuplot = find_gnuplot();
+  if (!gnuplot) GTEST_SKIP() << "gnuplot is not installed";
+  const TemporaryFolder folder;
+  write_script(small_figure("picture"), folder.path());
+  EXPECT_EQ(draw(*gnuplot, folder.path(), "picture"), "");
+  EXPECT_EQ(content_of(folder.path("picture.png")).substr(1, 3), "PNG");
+  const std::string svg = inline_svg(content_of(folder.path("picture.svg")), "p-");
+  const std::string id = "[\\s]id=['\"]([^'\"]+)['\"]";
+  const std::set<std::string> ids = all_matches(svg, id);
+  EXPECT_FALSE(ids.empty());
+  for (const std::string& name : ids) EXPECT_EQ(name.rfind("p-", 0), 0U) << name;
+  for (const std::string& name : all_matches(svg, "(?:href=['\"]#|url\\(#)([^'\")]+)")) {
+    EXPECT_EQ(ids.count(name), 1U) << name;
+  }
+}
+
+TEST(CsvText, ReadsBackWithTheSameValues) {
+  const double third = 1.0 / 3;
+  const Table table{"t",
+                    "caption",
+                    {{"name", "n"}, {"value", "v"}},
+                    {{std::string("a, b; c"), third}, {std::string("d"), std::nan("")}}};
+  const TemporaryFolder folder;
+  const std::string file = folder.write("t.csv", csv_text(table, {{"command", "fracfit report\n--out x"}}));
+  const io::TextTable read(file);
+  ASSERT_EQ(read.header().size(), 2U);
+  EXPECT_EQ(read.header()[1].text, "value");
+  EXPECT_EQ(io::find_value(read.metadata(), "command"), "fracfit report --out x");
+  std::vector<double> values;
+  read.for_each_row([&](const io::TextTable::Row& row) { values.push_back(io::parse_number(row.fields[1]).value()); });
+  ASSERT_EQ(values.size(), 2U);
+  EXPECT_EQ(values[0], third);
+  EXPECT_TRUE(std::isnan(values[1]));
+}
+
+backlash::DescribingFunctionPoint point(double omega, backlash::Regime regime, int period, double impacts) {
+  return {omega, {-1 / omega, 0.1}, regime, period, impacts, 0.01, 0};
+}
+
+TEST(SweepCurves, NeverJoinAcrossAJumpOrToALongTimeMean) {
+  using backlash::Regime;
+  const backlash::TwoMassSystem system(1, 1, 0.3, 0.6);
+  const backlash::DescribingFunctionSweep sweep{
+      system,
+      40,
+      {},
+      {point(1, Regime::chatter, 1, INFINITY), point(2, Regime::chatter, 1, INFINITY),
+       point(3, Regime::averaged, 0, 3.2), point(4, Regime::periodic, 1, 3), point(5, Regime::periodic, 1, 2),
+       point(6, Regime::symmetric, 1, 2)}};
+  const auto curves = sweep_curves(sweep, "label", "#000000", [](const auto& p) {
+    return std::optional<PlotPoint>(
+        {p.omega, p.value.real(), p.value.real() - p.uncertainty, p.value.real() + p.uncertainty});
+  });
+  std::map<Mark, std::vector<std::size_t>> lengths;
+  for (const Curve& curve : curves) {
+    for (const auto& segment : curve.segments) lengths[curve.mark].push_back(segment.size());
+  }
+  EXPECT_EQ(lengths[Mark::line], (std::vector<std::size_t>{2, 2}));
+  EXPECT_EQ(lengths[Mark::points], (std::vector<std::size_t>{1}));
+  EXPECT_EQ(lengths[Mark::faint_points], (std::vector<std::size_t>{1}));
+}
+
+TEST(NegativeInverse, CarriesTheUncertaintyAndHasNoValueWhereNothingMoves) {
+  backlash::DescribingFunctionPoint p = point(2, backlash::Regime::symmetric, 1, 2);
+  p.value = {-0.5, 0};
+  p.uncertainty = 1e-3;
+  const auto inverse = negative_inverse(p);
+  ASSERT_TRUE(inverse);
+  EXPECT_DOUBLE_EQ(inverse->value.real(), 2);
+  // d(1/N) = dN/N^2.
+  EXPECT_DOUBLE_EQ(inverse->uncertainty, 4e-3);
+  p.value = 0;
+  EXPECT_FALSE(negative_inverse(p));
+}
+
+// U at gamma = 0.3, eps = 0.6 from the closed form of the symmetric orbit in quadruple precision; N1 = -(1 +
+// U/gamma)/(M1 + M2) at omega = 1.  The method is first order: a quarter of the step leaves a quarter of the error. The
+// error of a single step size scatters by where the impact falls within its step, hence the wide bracket.
+TEST(FixedStepReference, ConvergesToTheClosedFormWithFirstOrder) {
+  const FixedStepScene scene{1, 1, 1, 0.6, 0.3};
+  const std::complex<double> relative(0.27179811, -0.25733052);
+  const std::complex<double> exact = -(1.0 + relative / 0.3) / 2.0;
+  const auto error = [&](std::size_t steps) {
+    return std::abs(fixed_step_describing_function(scene, 1, steps, 80, 20) - exact) / std::abs(exact);
+  };
+  const double coarse = error(512);
+  const double fine = error(8192);
+  EXPECT_LT(coarse, 0.03);
+  const double order = std::log2(coarse / fine) / 4;
+  EXPECT_NEAR(order, 1, 0.2);
+}
+
+TEST(PaperScene, HoldsTheFamiliesOfTheFigures) {
+  const Scene scene = paper_scene();
+  EXPECT_EQ(scene.forces, (std::vector<double>{10, 20, 30, 40, 50}));
+  EXPECT_EQ(scene.clearances, (std::vector<double>{0, 0.1, 0.2, 0.3, 0.4, 0.5}));
+  EXPECT_EQ(scene.restitutions, (std::vector<double>{0, 0.2, 0.4, 0.6, 0.8, 1}));
+  EXPECT_EQ(scene.jump_clearances, (std::vector<double>{0.01, 0.025, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5}));
+  EXPECT_EQ(scene.omega_bode.front(), 0.5);
+  EXPECT_EQ(scene.omega_family.back(), 35);
+}
+
+TEST(ReadScene, TakesNumbersListsAndGrids) {
+  const TemporaryFolder folder;
+  const Scene scene = read_scene(folder.write(
+      "scene.json", R"({"m1": 2, "clearance": [0, 0.2], "restitution": 0.5, "force": [10, 30], "omega": "1:9:5"})"));
+  EXPECT_EQ(scene.mass1, 2);
+  EXPECT_EQ(scene.mass2, 1);
+  EXPECT_EQ(scene.clearance, 0.2);
+  EXPECT_EQ(scene.jump_clearances, (std::vector<double>{0.2}));
+  EXPECT_EQ(scene.force, 10);
+  EXPECT_EQ(scene.omega_bode, (std::vector<double>{1, 3, 5, 7, 9}));
+}
+
+TEST(ReadScene, NamesTheMemberThatIsWrong) {
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {R"({"clearance": 0.3, "restitution": 0.6, "omega": "1:9:5"})", "\"force\" is missing"},
+      {R"({"clearance": -1, "restitution": 0.6, "force": 1, "omega": "1:9:5"})", "\"clearance\" holds -1"},
+      {R"({"clearance": 1, "restitution": 1.5, "force": 1, "omega": "1:9:5"})", "\"restitution\" holds 1.5"},
+      {R"({"clearance": 1, "restitution": "high", "force": 1, "omega": "1:9:5"})", "\"restitution\" holds \"high\""},
+      {R"({"clearance": 1, "restitution": 1, "force": [], "omega": "1:9:5"})", "\"force\" is an empty list"},
+      {R"({"clearance": 1, "restitution": 1, "force": [5, 5], "omega": "1:9:5"})", "\"force\" holds 5 twice"},
+      {R"({"clearance": 1, "restitution": 1, "force": 1, "omega": [3, 2, 4, 5, 6]})", "\"omega\" holds 2 after 3"},
+      {R"({"clearance": 1, "restitution": 1, "force": 1, "omega": [0, 2, 4, 5, 6]})", "\"omega\" holds 0"},
+      {R"({"clearance": 1, "restitution": 1, "force": 1, "omega": [1, 2]})", "\"omega\" has 2 entries"},
+      {R"({"clearance": 1, "restitution": 1, "force": 1, "omega": "1:9"})", "omega"},
+      {R"({"clearance": 1, "restitution": 1, "force": 1, "omega": "1:9:5", "gap": 2})", "unknown member \"gap\""},
+      {R"({"m1": [1, 2], "clearance": 1, "restitution": 1, "force": 1, "omega": "1:9:5"})", "\"m1\" is a list"},
+      {R"([1, 2])", "expected an object"},
+      {R"({"clearance": )", "is not JSON"},
+  };
+  const TemporaryFolder folder;
+  for (const auto& [text, expected] : cases) {
+    const std::string file = folder.write("scene.json", text);
+    try {
+      static_cast<void>(read_scene(file));
+      ADD_FAILURE() << text;
+    } catch (const io::DataError& error) {
+      EXPECT_NE(std::string(error.what()).find(expected), std::string::npos) << error.what();
+    }
+  }
+  EXPECT_THROW(static_cast<void>(read_scene(folder.path("missing.json"))), io::DataError);
+}
+
+TEST(StagedFolder, LeavesNothingBehindUnlessPublished) {
+  const TemporaryFolder folder;
+  {
+    const StagedFolder staged(folder.path("new/report"));
+    staged.write("tables/a.csv", "a\n1\n");
+  }
+  EXPECT_FALSE(fs::exists(folder.path("new/report")));
+}
+
+TEST(StagedFolder, PublishesFilesAndKeepsWhatElseIsThere) {
+  const TemporaryFolder folder;
+  folder.write("notes.txt", "mine");
+  folder.write("index.html", "old");
+  StagedFolder staged(folder.path());
+  staged.write("tables/a.csv", "a\n1\n");
+  staged.write("index.html", "new");
+  EXPECT_EQ(content_of(folder.path("index.html")), "old");
+  staged.publish("index.html");
+  EXPECT_EQ(content_of(folder.path("index.html")), "new");
+  EXPECT_EQ(content_of(folder.path("tables/a.csv")), "a\n1\n");
+  EXPECT_EQ(content_of(folder.path("notes.txt")), "mine");
+}
+
+TEST(StagedFolder, RefusesAFileInPlaceOfTheFolder) {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("report", "");
+  EXPECT_THROW(StagedFolder(fs::path(file)), std::invalid_argument);
+  EXPECT_THROW(StagedFolder(fs::path(file) / "below"), std::invalid_argument);
+}
+
+TEST(WriteReport, FindsAnUnusableFolderBeforeAnyWork) {
+  const TemporaryFolder folder;
+  ReportOptions options;
+  options.out = folder.write("file", "");
+  bool worked = false;
+  options.stage = [&](std::string_view) { worked = true; };
+  EXPECT_THROW(static_cast<void>(write_report(options)), std::invalid_argument);
+  EXPECT_FALSE(worked);
+}
+
+TEST(WriteReport, RefusesDataTogetherWithAScene) {
+  const TemporaryFolder folder;
+  ReportOptions options;
+  options.out = folder.path("out");
+  options.data = {"a.csv"};
+  options.scene = "b.json";
+  EXPECT_THROW(static_cast<void>(write_report(options)), std::invalid_argument);
+}
+
+TEST(WriteReport, LeavesNoFolderWhenTheDataCannotBeRead) {
+  const TemporaryFolder folder;
+  ReportOptions options;
+  options.out = folder.path("out");
+  options.data = {folder.path("missing.csv")};
+  EXPECT_THROW(static_cast<void>(write_report(options)), io::DataError);
+  EXPECT_FALSE(fs::exists(folder.path("out")));
+}
+
+/// Everything that results.json promises is there, and every table reads back as a table of as many columns in each
+/// row.
+void expect_complete(const fs::path& out, bool pictures) {
+  const std::string page = content_of((out / "index.html").string());
+  const auto json = nlohmann::json::parse(content_of((out / "results.json").string()));
+  EXPECT_EQ(json.at("schema"), "fracfit-report/1");
+  EXPECT_EQ(json.at("pictures"), pictures);
+  std::size_t tables = 0, drawings = 0;
+  for (const std::string file : json.at("files")) {
+    const fs::path path = out / file;
+    ASSERT_TRUE(fs::exists(path)) << file;
+    EXPECT_GT(fs::file_size(path), 0U) << file;
+    if (path.extension() == ".csv") {
+      ++tables;
+      const io::TextTable table(path.string());
+      EXPECT_GE(table.header().size(), 2U) << file;
+      std::size_t rows = 0;
+      table.for_each_row([&rows](const io::TextTable::Row&) { ++rows; });
+      EXPECT_GT(rows, 0U) << file;
+    }
+    drawings += path.extension() == ".svg" ? 1 : 0;
+  }
+  EXPECT_GT(tables, 0U);
+  EXPECT_EQ(drawings > 0, pictures);
+  // Self-contained: nothing to load, nothing to run, no link out.
+  for (const char* foreign : {"<script", "<link", "<img", "<iframe", " src=", "href=\"http", "@import"}) {
+    EXPECT_EQ(page.find(foreign), std::string::npos) << foreign;
+  }
+  // One page, one meaning per id.
+  std::map<std::string, int> ids;
+  const std::regex id("[\\s]id=['\"]([^'\"]+)['\"]");
+  for (std::sregex_iterator it(page.begin(), page.end(), id), end; it != end; ++it) ++ids[(*it)[1]];
+  for (const auto& [name, count] : ids) EXPECT_EQ(count, 1) << name;
+  for (const auto& entry : fs::directory_iterator(out)) {
+    EXPECT_NE(entry.path().filename().string().front(), '.') << "left over: " << entry.path();
+  }
+}
+
+TEST(WriteReport, WritesEverythingForASmallScene) {
+  const TemporaryFolder folder;
+  ReportOptions options;
+  options.out = folder.path("out/report");
+  options.command = "fracfit report --scene <scene>";
+  options.scene = folder.write(
+      "scene.json", R"({"clearance": [0.2, 0.3], "restitution": [0.6], "force": [20, 40], "omega": "1:30:60log"})");
+  std::vector<std::string> stages;
+  options.stage = [&](std::string_view name) { stages.emplace_back(name); };
+  const ReportOutcome outcome = write_report(options);
+  EXPECT_EQ(outcome.pictures, find_gnuplot().has_value()) << outcome.message;
+  EXPECT_EQ(outcome.index.filename(), "index.html");
+  EXPECT_GE(stages.size(), 5U);
+  expect_complete(options.out, outcome.pictures);
+  const auto json = nlohmann::json::parse(content_of((options.out / "results.json").string()));
+  // Similarity: b = 1/2 and a proportional to clearance^-1/2 hold exactly, so least squares finds them to rounding.
+  EXPECT_NEAR(json.at("facts").at("a_exponent").get<double>(), -0.5, 1e-9);
+  EXPECT_NEAR(json.at("facts").at("b_coefficient").get<double>(), 0.5, 1e-9);
+  // Sticking motion leaves its asymptote by about gamma^(-2/3); at a sixth of 1 rad/s, gamma = 7200 for the first
+  // scene.
+  EXPECT_NEAR(json.at("facts").at("lowest_local_slope").get<double>(), 2.0 / 3, 0.01);
+  EXPECT_NE(content_of(outcome.index.string()).find("fracfit report --scene &lt;scene&gt;"), std::string::npos);
+  // The scene stands in every file, so that each can be made again.
+  EXPECT_EQ(json.at("inputs").at("forces_n"), "20 40");
+  const io::TextTable family((options.out / "tables/force-family.csv").string());
+  EXPECT_EQ(io::find_value(family.metadata(), "clearances_m"), "0.2 0.3");
+  EXPECT_EQ(io::find_value(family.metadata(), "m2_kg"), "1");
+}
+
+TEST(WriteReport, ReportsOnRigidMassesWithoutFits) {
+  const SearchPath nothing("");
+  const TemporaryFolder folder;
+  ReportOptions options;
+  options.out = folder.path("out");
+  options.scene =
+      folder.write("scene.json", R"({"clearance": 0, "restitution": 0.6, "force": 40, "omega": "1:30:10log"})");
+  const ReportOutcome outcome = write_report(options);
+  expect_complete(options.out, false);
+  EXPECT_FALSE(outcome.pictures);
+}
+
+// K/(T s^a + 1) with K = 2, T = 0.5, a = 0.7, computed here and rounded to 6 digits.
+std::string fractional_lag_csv() {
+  std::string text = "omega_rad_s,re,im\n";
+  for (int i = 0; i < 40; ++i) {
+    const double omega = std::pow(10.0, -2 + 4.0 * i / 39);
+    const std::complex<double> value = 2.0 / (0.5 * std::pow(std::complex<double>(0, omega), 0.7) + 1.0);
+    char line[128];
+    std::snprintf(line, sizeof line, "%.6g,%.6g,%.6g\n", omega, value.real(), value.imag());
+    text += line;
+  }
+  return text;
+}
+
+TEST(WriteReport, WritesAllNumbersAndSaysWhatToInstallWithoutGnuplot) {
+  const SearchPath nothing("");
+  const TemporaryFolder folder;
+  ReportOptions options;
+  options.out = folder.path("out");
+  options.data = {folder.write("lag <1>.csv", fractional_lag_csv())};
+  const ReportOutcome outcome = write_report(options);
+  EXPECT_FALSE(outcome.pictures);
+  EXPECT_NE(outcome.message.find("gnuplot-nox"), std::string::npos) << outcome.message;
+  expect_complete(options.out, false);
+  const std::string page = content_of(outcome.index.string());
+  EXPECT_NE(page.find("apt-get install gnuplot-nox"), std::string::npos);
+  EXPECT_NE(page.find("lag &lt;1&gt;.csv"), std::string::npos);
+  EXPECT_EQ(page.find("lag <1>.csv"), std::string::npos);
+  EXPECT_TRUE(fs::exists(options.out / "figures/data-1.gp"));
+}
+
+TEST(WriteReport, FindsTheStructureThatMadeTheData) {
+  const SearchPath nothing("");
+  const TemporaryFolder folder;
+  ReportOptions options;
+  options.out = folder.path("out");
+  options.data = {folder.write("lag.csv", fractional_lag_csv())};
+  static_cast<void>(write_report(options));
+  const auto json = nlohmann::json::parse(content_of(folder.path("out/results.json")));
+  EXPECT_EQ(json.at("facts").at("verdict_data-1"), "supported");
+  std::optional<double> order;
+  const io::TextTable table(folder.path("out/tables/data-1-parameters.csv"));
+  table.for_each_row([&](const io::TextTable::Row& row) {
+    if (row.fields[1] == "K/(T s^a + 1)" && row.fields[2] == "a") order = io::parse_number(row.fields[3]);
+  });
+  ASSERT_TRUE(order);
+  // Six digits per value leave the order uncertain by about 1e-6.
+  EXPECT_NEAR(*order, 0.7, 1e-5);
+}
+
+}  // namespace

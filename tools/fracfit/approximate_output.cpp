@@ -1,0 +1,145 @@
+#include "approximate_output.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "aligned_table.hpp"
+#include "io/number.hpp"
+#include "io/sweep_file.hpp"
+
+namespace fracfit {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json array_of(const std::vector<double>& values) {
+  Json array = Json::array();
+  for (const double value : values) array.push_back(number(value));
+  return array;
+}
+
+Json array_of(const std::vector<std::complex<double>>& values) {
+  Json array = Json::array();
+  for (const auto& value : values) array.push_back({number(value.real()), number(value.imag())});
+  return array;
+}
+
+std::string band_text(const frac::FrequencyBand& band) {
+  return short_number(band.lower) + " .. " + short_number(band.upper) + " rad/s";
+}
+
+}  // namespace
+
+std::string approximation_json(const frac::Approximation& result, const std::string& command) {
+  Json json{{"fracfit", io::version()}, {"command", command}};
+  json["order"] = number(result.order);
+  json["band"] = {{"lower", number(result.band.lower)}, {"upper", number(result.band.upper)}};
+  json["method"] = frac::to_string(result.method);
+  json["parameters"] = Json::object();
+  for (const auto& [name, value] : result.parameters) json["parameters"][name] = number(value);
+  json["status"] = frac::to_string(result.status);
+  json["message"] = result.message;
+  json["integer_order"] = result.system.integer_order;
+  json["gain"] = number(result.system.gain);
+  json["zeros"] = array_of(result.system.zeros);
+  json["poles"] = array_of(result.system.poles);
+  json["zero_pairs"] = array_of(result.system.zero_pairs);
+  json["pole_pairs"] = array_of(result.system.pole_pairs);
+  json["parallel"] = {{"direct", number(result.parallel.direct)},
+                      {"residues", array_of(result.parallel.residues)},
+                      {"pair_residues", array_of(result.parallel.pair_residues)}};
+  json["pole_count"] = result.poles;
+  json["limit_poles"] = result.limit_poles;
+  json["max_relative_error"] = number(result.error.max_relative);
+  json["omega_at_max_relative_error"] = number(result.error.omega_at_maximum);
+  json["max_error_decibels"] = number(result.error.max_decibels);
+  json["max_error_degrees"] = number(result.error.max_degrees);
+  json["grid_points"] = result.error.grid_points;
+  return json.dump(2) + "\n";
+}
+
+std::string approximation_csv(const frac::Approximation& result, const std::string& command) {
+  const auto& system = result.system;
+  std::string text = "# fracfit: " + std::string(io::version()) + "\n# command: " + command + "\n";
+  const auto entry = [&](const std::string& key, const std::string& value) {
+    text += "# " + key + ": " + value + "\n";
+  };
+  entry("method", std::string(frac::to_string(result.method)));
+  for (const auto& [name, value] : result.parameters) entry(name, io::format_number(value));
+  entry("status", std::string(frac::to_string(result.status)));
+  entry("message", result.message);
+  entry("integer_order", std::to_string(system.integer_order));
+  entry("gain", io::format_number(system.gain));
+  entry("max_relative_error", io::format_number(result.error.max_relative));
+  entry("omega_at_max_relative_error", io::format_number(result.error.omega_at_maximum));
+  entry("max_error_decibels", io::format_number(result.error.max_decibels));
+  entry("max_error_degrees", io::format_number(result.error.max_degrees));
+  entry("limit_poles", std::to_string(result.limit_poles));
+  text += "root,re_rad_s,im_rad_s,residue_re,residue_im\n";
+  const auto root = [&](const char* kind, std::complex<double> place) {
+    text += std::string(kind) + "," + io::format_number(place.real()) + "," + io::format_number(place.imag());
+  };
+  const auto residue = [&](std::complex<double> value) {
+    text += "," + io::format_number(value.real()) + "," + io::format_number(value.imag()) + "\n";
+  };
+  for (const double zero : system.zeros) {
+    root("zero", zero);
+    text += ",,\n";
+  }
+  for (const auto& pair : system.zero_pairs) {
+    for (const auto& zero : {pair, std::conj(pair)}) {
+      root("zero", zero);
+      text += ",,\n";
+    }
+  }
+  for (std::size_t i = 0; i < system.poles.size(); ++i) {
+    root("pole", system.poles[i]);
+    residue(result.parallel.residues[i]);
+  }
+  for (std::size_t i = 0; i < system.pole_pairs.size(); ++i) {
+    root("pole", system.pole_pairs[i]);
+    residue(result.parallel.pair_residues[i]);
+    root("pole", std::conj(system.pole_pairs[i]));
+    residue(std::conj(result.parallel.pair_residues[i]));
+  }
+  return text;
+}
+
+std::string approximation_table(const frac::Approximation& result) {
+  const auto& system = result.system;
+  std::string text = "s^" + short_number(result.order) + " on " + band_text(result.band) + ", " +
+                     std::string(frac::to_string(result.method));
+  for (const auto& [name, value] : result.parameters) text += ", " + name + " " + short_number(value);
+  text += "\n\n";
+  AlignedTable roots({"", "zero, rad/s", "pole, rad/s", "residue"});
+  for (std::size_t i = 0; i < system.poles.size(); ++i) {
+    roots.add({std::to_string(i + 1), i < system.zeros.size() ? short_number(system.zeros[i]) : "",
+               short_number(system.poles[i]), short_number(result.parallel.residues[i])});
+  }
+  const auto complex_text = [](std::complex<double> value, bool both) {
+    const std::string sign = both ? " +-" : value.imag() < 0 ? " -" : " +";
+    return short_number(value.real()) + sign + short_number(std::abs(value.imag())) + "j";
+  };
+  for (std::size_t i = 0; i < std::max(system.zero_pairs.size(), system.pole_pairs.size()); ++i) {
+    const bool has_pole = i < system.pole_pairs.size();
+    roots.add({"pair " + std::to_string(i + 1),
+               i < system.zero_pairs.size() ? complex_text(system.zero_pairs[i], true) : "",
+               has_pole ? complex_text(system.pole_pairs[i], true) : "",
+               has_pole ? complex_text(result.parallel.pair_residues[i], false) : ""});
+  }
+  if (result.poles > 0) text += roots.text() + "\n";
+  text += "gain " + short_number(system.gain);
+  if (system.integer_order != 0) text += ", times s^" + std::to_string(system.integer_order);
+  text += "\nlargest error " + short_number(result.error.max_relative) + " relative at " +
+          short_number(result.error.omega_at_maximum) + " rad/s, " + short_number(result.error.max_decibels) + " dB, " +
+          short_number(result.error.max_degrees) + " deg\n";
+  text += "poles " + std::to_string(result.poles) + ", attainable limit " + std::to_string(result.limit_poles) + "\n";
+  return text + result.message + "\n";
+}
+
+}  // namespace fracfit
