@@ -81,6 +81,7 @@ Cut best_cut(const LaplaceImage& y) {
 // known to the rounding of s t, is common to a cluster.
 Complex exponential(Complex zeta, Complex offset, double t) {
   const Complex middle = std::exp(zeta) * t;
+  if (middle.real() < -700) return 0;
   if (offset == 0.0) return std::exp(middle);
   const double half_sine = std::sin(offset.imag() / 2);
   const Complex relative(std::expm1(offset.real()) * std::cos(offset.imag()) - 2 * half_sine * half_sine,
@@ -153,7 +154,7 @@ Estimate ReferenceResponse::Prepared::by_cut(double t) const {
     sum += integral * step / pi;
     rounding += magnitude * step / pi;
   }
-  return {sum, rounding * eps};
+  return {sum, 3 * eps * rounding};
 }
 
 // s = w^2/t on Re w = c, as for the Mittag-Leffler function.  The three errors of the rule are bounded with the terms
@@ -230,7 +231,7 @@ Estimate ReferenceResponse::Prepared::by_parabola(double t) const {
     sum += part.value;
     rounding += part.rounding;
   }
-  return {sum, rounding * eps};
+  return {sum, 3 * eps * rounding};
 }
 
 ReferenceValue ReferenceResponse::Prepared::at_start() const {

@@ -21,8 +21,8 @@ struct ZeroPoleGain {
   std::vector<double> poles;
   double gain = 1;
   int integer_order = 0;
-  std::vector<std::complex<double>> zero_pairs;
-  std::vector<std::complex<double>> pole_pairs;
+  std::vector<std::complex<double>> zero_pairs = {};
+  std::vector<std::complex<double>> pole_pairs = {};
 
   /// H(j omega), omega in rad/s, > 0.
   [[nodiscard]] std::complex<double> response(double omega) const;

@@ -30,16 +30,16 @@ struct Found {
 
 class Search {
  public:
-  explicit Search(const std::vector<PowerTerm>& sum) : sum_(sum) {
-    rate_ = 0.01;
-    for (const PowerTerm& term : sum) rate_ = std::max(rate_, term.order - sum.back().order);
-  }
+  explicit Search(const std::vector<PowerTerm>& sum) : sum_(sum) {}
 
   // NaN where an edge meets a root.
   [[nodiscard]] double count(const Box& box) const {
-    return winding_number([this](Complex zeta) { return scaled_sum(sum_, zeta).value; },
-                          {{box.left, box.bottom}, {box.right, box.bottom}, {box.right, box.top}, {box.left, box.top}},
-                          rate_);
+    return winding_number(
+        [this](Complex zeta) {
+          const ScaledSum f = scaled_sum(sum_, zeta);
+          return ValueAndSlope{f.value, f.slope};
+        },
+        {{box.left, box.bottom}, {box.right, box.bottom}, {box.right, box.top}, {box.left, box.top}});
   }
 
   void divide(const Box& box, int expected, int depth) {
@@ -93,7 +93,6 @@ class Search {
   }
 
   const std::vector<PowerTerm>& sum_;
-  double rate_;
   std::vector<Found> found_;
   bool complete_ = true;
 };

@@ -9,27 +9,39 @@
 
 namespace frac::detail {
 
+/// A function's value and derivative, both times the same positive factor, which may differ from point to point.
+struct ValueAndSlope {
+  std::complex<double> value;
+  std::complex<double> slope;
+};
+
+// A zero of multiplicity m at distance d makes |f'/f| about m/d: steps of length below 0.7 |f/f'| at both ends cannot
+// pass one unseen.
 template <typename Function>
-double phase_change(const Function& f, std::complex<double> from, std::complex<double> to, std::complex<double> f_from,
-                    std::complex<double> f_to, double longest, int depth) {
-  const double change = std::arg(f_to / f_from);
-  if (std::abs(change) < 0.7 && std::abs(to - from) <= longest) return change;
+double phase_change(const Function& f, std::complex<double> from, std::complex<double> to, const ValueAndSlope& at_from,
+                    const ValueAndSlope& at_to, int depth) {
+  const double change = std::arg(at_to.value / at_from.value);
+  const double length = std::abs(to - from);
+  if (std::abs(change) < 1 && std::abs(at_from.slope) * length < 0.7 * std::abs(at_from.value) &&
+      std::abs(at_to.slope) * length < 0.7 * std::abs(at_to.value)) {
+    return change;
+  }
   if (depth == 0 || !std::isfinite(change)) return std::numeric_limits<double>::quiet_NaN();
   const std::complex<double> middle = (from + to) / 2.0;
-  const std::complex<double> f_middle = f(middle);
-  return phase_change(f, from, middle, f_from, f_middle, longest, depth - 1) +
-         phase_change(f, middle, to, f_middle, f_to, longest, depth - 1);
+  const ValueAndSlope at_middle = f(middle);
+  return phase_change(f, from, middle, at_from, at_middle, depth - 1) +
+         phase_change(f, middle, to, at_middle, at_to, depth - 1);
 }
 
-/// Change of arg f along the closed polygon divided by 2 pi, for f analytic that winds at most `rate` rad per unit
-/// length away from its zeros.  NaN where the path runs into a zero.
+/// Change of arg f along the closed polygon over 2 pi: the zeros inside less the poles, for f that gives ValueAndSlope
+/// and is analytic about the path.  NaN where the path runs into a zero.
 template <typename Function>
-[[nodiscard]] double winding_number(const Function& f, const std::vector<std::complex<double>>& polygon, double rate) {
+[[nodiscard]] double winding_number(const Function& f, const std::vector<std::complex<double>>& polygon) {
   double total = 0;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     const std::complex<double> from = polygon[i];
     const std::complex<double> to = polygon[(i + 1) % polygon.size()];
-    total += phase_change(f, from, to, f(from), f(to), 0.6 / rate, 48);
+    total += phase_change(f, from, to, f(from), f(to), 40);
   }
   return total / (2 * std::numbers::pi);
 }

@@ -1,0 +1,107 @@
+#include "detail/power_sum_roots.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "detail/power_sum.hpp"
+#include "support/random.hpp"
+#include "support/step_systems.hpp"
+
+namespace {
+
+using Complex = std::complex<double>;
+using frac::PowerTerm;
+using frac::detail::RootCluster;
+constexpr double pi = std::numbers::pi;
+
+int count(const frac::detail::PowerSumRoots& roots, double largest_argument) {
+  int total = 0;
+  for (const RootCluster& root : roots.clusters) {
+    if (root.log_s.imag() <= largest_argument) total += root.multiplicity * (root.is_conjugate ? 1 : 2);
+  }
+  return total;
+}
+
+}  // namespace
+
+TEST(PowerSumRoots, AreThoseOfTheTable) {
+  for (const auto& [name, system] : support::step_systems()) {
+    const auto roots = frac::detail::power_sum_roots(system.model.denominator(), pi - 1e-6);
+    EXPECT_TRUE(roots.complete) << name;
+    std::size_t listed = 0;
+    for (std::size_t at = system.poles.find('('); at != std::string::npos; at = system.poles.find('(', at + 1)) {
+      ++listed;
+      std::size_t used = 0;
+      const double re = std::stod(system.poles.substr(at + 1), &used);
+      const Complex pole(re, std::stod(system.poles.substr(at + 1 + used + 3)));
+      double nearest = 1;
+      for (const RootCluster& root : roots.clusters) {
+        nearest = std::min(nearest, std::abs(std::exp(root.log_s) / pole - 1.0));
+      }
+      // 17 digits in the table, a few roundings of ln s.
+      EXPECT_LE(nearest, 1e-14) << name << pole;
+    }
+    EXPECT_EQ(roots.clusters.size(), listed) << name;
+  }
+}
+
+// prod (s^q - c_k) with c_k in conjugate pairs: every root is c_k^(1/q) on its sheet.
+TEST(PowerSumRoots, OfCommensurateOrdersAreThePowersOfPolynomialRoots) {
+  support::Random random(1);
+  for (int trial = 0; trial < 60; ++trial) {
+    const double q = random.uniform(0.2, 1.5);
+    std::vector<PowerTerm> sum{{1, 0}};
+    std::vector<Complex> expected;
+    const std::size_t pairs = 1 + random.below(4);
+    for (std::size_t k = 0; k < pairs; ++k) {
+      const double radius = random.log_uniform(0.1, 10);
+      const double angle = random.uniform(0.05, pi - 0.05);
+      sum = frac::detail::product(sum, {{1, 2 * q}, {-2 * radius * std::cos(angle), q}, {radius * radius, 0}});
+      for (int sheet = -8; sheet <= 8; ++sheet) {
+        for (const double sign : {1.0, -1.0}) {
+          const double argument = (sign * angle + 2 * pi * sheet) / q;
+          if (argument > 0 && argument < 1.4 * pi) expected.emplace_back(std::log(radius) / q, argument);
+        }
+      }
+    }
+    const auto roots = frac::detail::power_sum_roots(sum, 1.4 * pi);
+    EXPECT_TRUE(roots.complete);
+    std::size_t found = 0;
+    for (const RootCluster& root : roots.clusters) found += static_cast<std::size_t>(root.multiplicity);
+    EXPECT_EQ(found, expected.size()) << trial;
+    for (const Complex log_s : expected) {
+      double nearest = 1;
+      for (const RootCluster& root : roots.clusters) nearest = std::min(nearest, std::abs(root.log_s - log_s));
+      // Eight factors with roots at least some 1e-2 apart condition the coefficients by 1e4 or so.
+      EXPECT_LE(nearest, 1e-8) << trial;
+    }
+  }
+}
+
+TEST(PowerSumRoots, MultipleRootsAreClusters) {
+  const auto expect_one_cluster = [](const std::vector<PowerTerm>& sum, Complex log_s, int multiplicity,
+                                     bool conjugate) {
+    const auto roots = frac::detail::power_sum_roots(sum, pi + 0.1);
+    EXPECT_TRUE(roots.complete);
+    ASSERT_EQ(roots.clusters.size(), 1u);
+    EXPECT_EQ(roots.clusters[0].multiplicity, multiplicity);
+    EXPECT_EQ(roots.clusters[0].is_conjugate, conjugate);
+    EXPECT_LE(std::abs(roots.clusters[0].log_s - log_s), roots.clusters[0].spread + 1e-9);
+  };
+  expect_one_cluster({{1, 2}, {2, 1}, {1, 0}}, {0, pi}, 2, false);
+  expect_one_cluster({{1, 3}, {3, 2}, {3, 1}, {1, 0}}, {0, pi}, 3, false);
+  expect_one_cluster({{1, 1}, {-2, 0.5}, {1, 0}}, 0, 2, true);
+  expect_one_cluster({{1, 4}, {2, 2}, {1, 0}}, {0, pi / 2}, 2, false);
+  expect_one_cluster({{1, 1}, {-2, 0.5}, {1 + 1e-9, 0}}, 0, 2, true);
+}
+
+TEST(PowerSumRoots, RealAndWidelySpreadRoots) {
+  const auto roots =
+      frac::detail::power_sum_roots(frac::detail::product({{1, 0.5}, {-1e-8, 0}}, {{1, 0.7}, {-1e9, 0}}), pi);
+  EXPECT_TRUE(roots.complete);
+  EXPECT_EQ(count(roots, pi), 2);
+  for (const RootCluster& root : roots.clusters) EXPECT_TRUE(root.is_conjugate);
+  EXPECT_TRUE(frac::detail::power_sum_roots({{3, 0.4}}, pi).clusters.empty());
+}
