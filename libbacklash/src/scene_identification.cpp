@@ -27,6 +27,10 @@ constexpr std::array<std::string_view, 4> parameter_names = {"mass1", "mass2", "
 constexpr std::size_t starts_solved = 8;
 // Of which so many, when they lead to different scenes, are looked at with every closed orbit.
 constexpr std::size_t starts_explored = 2;
+// Of the places looked at, those with at most so many times the robust cost of the best are pursued, or with a cost per
+// point that small.
+constexpr double worth_settling = 3;
+constexpr double negligible_cost = 0.1;
 // Estimates that agree to this are one.
 constexpr double same_estimate = 1e-4;
 // Factor by which masses and clearance may differ from what the data suggest.
@@ -190,6 +194,10 @@ bool same_scene(const detail::LocalScene& one, const detail::LocalScene& other) 
          std::abs(one.theta[3] - other.theta[3]) < same_estimate;
 }
 
+bool better(const detail::LocalScene& one, const detail::LocalScene& other) {
+  return one.robust_cost < other.robust_cost;
+}
+
 struct Search {
   detail::LocalScene best;
   std::size_t starts;
@@ -209,13 +217,21 @@ Search search(const detail::SceneData& data, const KnownScene& known, const std:
     starts.insert(starts.begin(), given);
   }
   std::vector<detail::LocalScene> solved(starts.size());
-  frac::parallel_for(starts.size(), threads,
-                     [&](std::size_t i) { solved[i] = detail::solve_scene(data, known.bounds, starts[i], false, 1); });
-  std::erase_if(solved, [](const detail::LocalScene& local) { return !local.usable; });
-  if (solved.empty()) return {{}, starts.size(), 0};
-  const auto better = [](const detail::LocalScene& one, const detail::LocalScene& other) {
-    return one.robust_cost < other.robust_cost;
+  const auto solve_all = [&](detail::Effort effort) {
+    frac::parallel_for(solved.size(), threads, [&](std::size_t i) {
+      solved[i] = detail::solve_scene(data, known.bounds,
+                                      effort == detail::Effort::glance ? starts[i] : solved[i].theta, effort, 1);
+    });
+    std::erase_if(solved, [](const detail::LocalScene& local) { return !local.usable; });
   };
+  solve_all(detail::Effort::glance);
+  if (solved.empty()) return {{}, starts.size(), 0};
+  const double least = std::min_element(solved.begin(), solved.end(), better)->robust_cost;
+  std::erase_if(solved, [&](const detail::LocalScene& local) {
+    return local.robust_cost > worth_settling * least + static_cast<double>(data.points.size()) * negligible_cost;
+  });
+  solve_all(detail::Effort::settle);
+  if (solved.empty()) return {{}, starts.size(), 0};
   std::stable_sort(solved.begin(), solved.end(), better);
 
   detail::LocalScene best = solved.front();
@@ -230,7 +246,8 @@ Search search(const detail::SceneData& data, const KnownScene& known, const std:
     explored.push_back(&candidate);
     // Nothing is left to explain: no other scene can be better.
     if (complete) break;
-    detail::LocalScene further = detail::solve_scene(data, known.bounds, candidate.theta, true, threads);
+    detail::LocalScene further =
+        detail::solve_scene(data, known.bounds, candidate.theta, detail::Effort::explore, threads);
     if (further.usable && better(further, best)) best = std::move(further);
   }
   const auto agreeing = static_cast<std::size_t>(std::count_if(

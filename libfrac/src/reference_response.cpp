@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "detail/branch_cut.hpp"
 #include "detail/laplace_image.hpp"
 #include "detail/number_text.hpp"
 #include "detail/power_sum.hpp"
@@ -53,30 +54,6 @@ LaplaceImage image(const FractionalTransferFunction& model, const ResponseInput&
   return {detail::scaled(model.numerator(), gain, 0), detail::product(model.denominator(), input_denominator(input))};
 }
 
-// Angle of the cut and half width of the strip of ln s about it that holds no pole and no growth of e^{st}.
-struct Cut {
-  double angle;
-  double half_width;
-};
-
-Cut best_cut(const LaplaceImage& y) {
-  const auto half_width = [&](double angle) {
-    double width = std::min(angle - pi / 2, 1.5 * pi - angle);
-    for (const detail::RootCluster& pole : y.poles().clusters) {
-      width = std::min(width, std::abs(angle - pole.log_s.imag()) - pole.spread);
-    }
-    return width;
-  };
-  // Along the negative axis nothing oscillates; another angle has to be much better.
-  Cut best{pi, half_width(pi)};
-  if (best.half_width > 0.5) return best;
-  for (int i = 1; i < 400; ++i) {
-    const double angle = pi / 2 + pi * i / 400;
-    if (half_width(angle) > 1.3 * best.half_width) best = {angle, half_width(angle)};
-  }
-  return best;
-}
-
 // e^{st} at ln s = zeta + offset.  The distance to the middle is formed without it, so that the phase of the middle,
 // known to the rounding of s t, is common to a cluster.
 Complex exponential(Complex zeta, Complex offset, double t) {
@@ -93,7 +70,7 @@ Complex exponential(Complex zeta, Complex offset, double t) {
 
 struct ReferenceResponse::Prepared {
   Prepared(const FractionalTransferFunction& model, const ResponseInput& input)
-      : y(image(model, input)), cut(best_cut(y)), delay(model.delay()) {
+      : y(image(model, input)), cut(detail::best_cut(y, 0.5, 1.3)), delay(model.delay()) {
     // Up to s^-1/2, so that the integral along the cut converges quickly at the origin.
     early = y.origin_expansion(-0.5);
     late = y.origin_expansion(1.5);
@@ -104,7 +81,7 @@ struct ReferenceResponse::Prepared {
   [[nodiscard]] ReferenceValue at_start() const;
 
   LaplaceImage y;
-  Cut cut;
+  detail::BranchCut cut;
   double delay;
   LaplaceImage::OriginExpansion early;
   // With more terms, those that vanish for t > 0 among them: late responses to relative accuracy.

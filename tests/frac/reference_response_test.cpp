@@ -22,13 +22,6 @@ constexpr ResponseInput step{ResponseInput::Kind::step};
 constexpr ResponseInput impulse{ResponseInput::Kind::impulse};
 constexpr ResponseInput ramp{ResponseInput::Kind::ramp};
 
-// Both methods agree, the stated error covers the true one and is what conditioning allows: `tolerance` of the value.
-void expect_value(const frac::ReferenceValue& value, double exact, double tolerance, const std::string& where) {
-  EXPECT_EQ(value.status, ResponseStatus::exact) << where;
-  EXPECT_LE(std::abs(value.value - exact), value.error_estimate + 4e-16 * std::abs(exact)) << where;
-  EXPECT_LE(value.error_estimate, tolerance * std::abs(exact)) << where;
-}
-
 }  // namespace
 
 TEST(ReferenceResponse, AgreesWithTheTable) {

@@ -281,6 +281,20 @@ TEST(Fit, FromGivenStartsMakesOneSolve) {
   EXPECT_NEAR(value_of(result, "a"), 0.7, 1e-8);
 }
 
+// Starts are searched on every n-th of many points; the fit itself must use them all: the cost is that of all, and the
+// gain is the mean of a noise that alternates between the points kept and those left out.
+TEST(Fit, UsesEveryPointOfALongFile) {
+  const std::vector<double> omega = logarithmic(1, 10, 1600);
+  std::vector<std::complex<double>> value;
+  for (std::size_t i = 0; i < omega.size(); ++i) value.emplace_back(i % 4 == 0 ? 1.03 : 0.99, 0.5);
+  FitOptions options;
+  options.component = Component::real;
+  options.weight = Weight::absolute;
+  const FitResult result = frac::fit({omega, value}, Structure("K"), options);
+  EXPECT_EQ(result.residuals, 1600u);
+  EXPECT_NEAR(value_of(result, "K"), (1.03 + 3 * 0.99) / 4, 1e-9);
+}
+
 TEST(Fit, IsRepeatable) {
   const FrequencyResponseData data = sample("K/(T s^a + 1)", {1, 0.4, 0.7}, logarithmic(1e-2, 1e2, 60));
   FitOptions options;

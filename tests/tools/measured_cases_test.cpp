@@ -29,17 +29,17 @@ TEST_P(MeasuredCase, IsCalledWhatItIs) {
   EXPECT_EQ(result.verdict, GetParam().verdict) << result.verdict_sentence;
 }
 
-// The dummy files were measured on a resistor in series with a resistor and capacitor in parallel, the others on a lithium-ion
-// cell and on a polymer, which have fractional orders.
-INSTANTIATE_TEST_SUITE_P(
-    Identify, MeasuredCase,
-    testing::Values(Case{"impedancepy_dummy1.csv", true, frac::Verdict::fractional_not_supported},
-                    Case{"impedancepy_dummy2.csv", true, frac::Verdict::fractional_not_supported},
-                    Case{"impedancepy_dummy3.csv", true, frac::Verdict::fractional_not_supported},
-                    Case{"impedancepy_exampleData.csv", true, frac::Verdict::fractional_supported},
-                    Case{"pyvisco_master.csv", false, frac::Verdict::fractional_supported}));
+// The dummy files were measured on a resistor in series with a resistor and capacitor in parallel, the others on a
+// lithium-ion cell and on a polymer, which have fractional orders.
+INSTANTIATE_TEST_SUITE_P(Identify, MeasuredCase,
+                         testing::Values(Case{"impedancepy_dummy1.csv", true, frac::Verdict::fractional_not_supported},
+                                         Case{"impedancepy_dummy2.csv", true, frac::Verdict::fractional_not_supported},
+                                         Case{"impedancepy_dummy3.csv", true, frac::Verdict::fractional_not_supported},
+                                         Case{"impedancepy_exampleData.csv", true, frac::Verdict::fractional_supported},
+                                         Case{"pyvisco_master.csv", false, frac::Verdict::fractional_supported}));
 
-// Default local fits of this circuit end in other minima; 5.4432e-3 is the best cost known, rounded up in its fifth digit.
+// Default local fits of this circuit end in other minima; 5.4432e-3 is the best cost known, rounded up in its fifth
+// digit.
 TEST(Fit, ReachesTheBestCostOfTheLithiumCellFromEverySeed) {
   const std::string path = FRACFIT_SOURCE_DIR "/../shared/cases-ident/impedancepy_exampleData.csv";
   if (!std::filesystem::exists(path)) GTEST_SKIP() << path << " is not there";

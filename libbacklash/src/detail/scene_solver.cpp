@@ -20,6 +20,8 @@ using Vector4 = Eigen::Matrix<double, 4, 1>;
 
 constexpr int most_rounds = 40;
 constexpr int most_iterations = 100;
+constexpr int rounds_of_a_glance = 2;
+constexpr int iterations_of_a_glance = 6;
 // Robust standard deviations beyond which a point does not lie on its motion; normally distributed noise leaves a point
 // in 10^8 beyond, so the choice does not narrow the intervals.
 constexpr double far_away = 6;
@@ -47,13 +49,15 @@ class Solver {
   Solver(const SceneData& data, const SceneBounds& bounds, int threads)
       : data_(data), bounds_(bounds), threads_(threads), choices_(data.points.size()) {}
 
-  LocalScene run(const SceneVector& start, bool explore) {
+  LocalScene run(const SceneVector& start, Effort effort) {
     LocalScene result;
     theta_ = start;
-    for (int round = 0; round < most_rounds; ++round) {
+    iterations_ = effort == Effort::glance ? iterations_of_a_glance : most_iterations;
+    const int rounds = effort == Effort::glance ? rounds_of_a_glance : most_rounds;
+    for (int round = 0; round < rounds; ++round) {
       // A second exploration finds what the first missed at an estimate not yet good.
       const std::vector<PointChoice> before = choices_;
-      choose(explore && round < 2);
+      choose(effort == Effort::explore && round < 2);
       if (count_used() * data_.residuals_per_point() < free_count()) break;
       result.usable = true;
       if (round > 2 && settled(before) && moved_ < 1e-9) {
@@ -239,6 +243,7 @@ class Solver {
   int threads_;
   std::vector<PointChoice> choices_;
   SceneVector theta_{};
+  int iterations_ = most_iterations;
   double moved_ = 0;
   bool least_squares_converged_ = false;
 };
@@ -295,7 +300,7 @@ void Solver::least_squares() {
   least_squares_converged_ = false;
   Evaluation current = evaluate(theta_, deviation);
   drop(current.ended);
-  for (int iteration = 0; iteration < most_iterations && !least_squares_converged_;) {
+  for (int iteration = 0; iteration < iterations_ && !least_squares_converged_;) {
     const NormalEquations equations = products(data_, theta_, choices_, &deviation);
     std::array<bool, 4> inner{};
     double largest = 0;
@@ -310,7 +315,7 @@ void Solver::least_squares() {
       break;
     }
     for (;; ++iteration) {
-      if (iteration >= most_iterations) break;
+      if (iteration >= iterations_) break;
       Matrix4 matrix = Matrix4::Identity();
       Vector4 gradient = Vector4::Zero();
       for (std::size_t k = 0; k < 4; ++k) {
@@ -371,9 +376,9 @@ NormalEquations normal_equations(const SceneData& data, const SceneVector& theta
   return products(data, theta, choices, nullptr);
 }
 
-LocalScene solve_scene(const SceneData& data, const SceneBounds& bounds, const SceneVector& start, bool explore,
+LocalScene solve_scene(const SceneData& data, const SceneBounds& bounds, const SceneVector& start, Effort effort,
                        int threads) {
-  return Solver(data, bounds, threads).run(start, explore);
+  return Solver(data, bounds, threads).run(start, effort);
 }
 
 }  // namespace backlash::detail

@@ -41,11 +41,16 @@ struct LocalScene {
   bool usable = false;  // at least as many residuals as free parameters
 };
 
+enum class Effort {
+  glance,   // a few steps, to see whether the place is worth more
+  settle,   // until nothing changes
+  explore,  // also looks for closed orbits that are neither of two impacts nor chattering where points are not
+            // explained without, at a simulation per such point and start
+};
+
 /// Alternates between choosing the steady motion of each point at the estimate and least squares over the points near
 /// enough to theirs, until neither changes.
-/// @param explore  also looks for closed orbits that are neither of two impacts nor chattering, where points are not
-///                 explained without; costs a simulation per such point and start
 [[nodiscard]] LocalScene solve_scene(const SceneData& data, const SceneBounds& bounds, const SceneVector& start,
-                                     bool explore, int threads);
+                                     Effort effort, int threads);
 
 }  // namespace backlash::detail

@@ -25,6 +25,9 @@ class LaplaceImage {
   /// Y e^exponent at s = e^zeta, without overflow on the way.
   [[nodiscard]] std::complex<double> value(std::complex<double> zeta, std::complex<double> exponent = 0) const;
 
+  /// Distance of cluster k from the next, or from its own conjugate, in ln s.
+  [[nodiscard]] double clearance(std::size_t k) const noexcept { return clearance_[k]; }
+
   /// ln of the largest numerator term over the largest denominator term at |s| = e^log_radius.
   [[nodiscard]] double log_magnitude(double log_radius) const;
   /// d ln|Y| / d ln|s| of the terms that dominate there.

@@ -106,10 +106,35 @@ void check_start(const detail::ParameterMap& map, const Structure& structure) {
   }
 }
 
-detail::GlobalSolution solve(const detail::Residuals& residuals, const FrequencyResponseData& data,
-                             const Structure& structure, const FitOptions& options) {
+/// Every n-th point, so few that a search over many starts stays quick and so many that it sees the same shape.
+struct Thinned {
+  FrequencyResponseData data;
+  detail::ResidualRule rule;
+};
+Thinned thinned(const FrequencyResponseData& data, const detail::ResidualRule& rule) {
+  constexpr std::size_t enough = 500;
+  const std::size_t stride = (data.size() + enough - 1) / enough;
+  std::vector<double> omega;
+  std::vector<std::complex<double>> value;
+  detail::ResidualRule thin{rule.form, {}, rule.unit};
+  for (std::size_t i = 0; i < data.size(); i += stride) {
+    omega.push_back(data.omega()[i]);
+    value.push_back(data.value()[i]);
+    thin.weight.push_back(rule.weight[i]);
+  }
+  return {{std::move(omega), std::move(value)}, std::move(thin)};
+}
+
+detail::GlobalSolution solve(const detail::Residuals& residuals, const detail::ResidualRule& rule,
+                             const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
   if (options.global_start && !residuals.map().free().empty()) {
-    return global_search(residuals, detail::suggested_orders(data), options.seed);
+    const Thinned thin = thinned(data, rule);
+    const detail::Residuals few(thin.data, structure, options.realisation, residuals.map(), thin.rule);
+    detail::GlobalSolution found = global_search(few, detail::suggested_orders(thin.data), options.seed);
+    if (found.starts_at_best == 0 || thin.data.size() == data.size()) return found;
+    found.best = local_solve(residuals, found.best.theta, {});
+    if (!std::isfinite(found.best.cost)) found.starts_at_best = 0;
+    return found;
   }
   check_start(residuals.map(), structure);
   detail::GlobalSolution result;
@@ -190,7 +215,7 @@ FitResult fit(const FrequencyResponseData& data, const Structure& structure, con
                                 std::to_string(map.free().size()) + " free parameters");
   }
 
-  detail::GlobalSolution solution = solve(residuals, data, structure, options);
+  detail::GlobalSolution solution = solve(residuals, rule, data, structure, options);
   FitResult result{};
   result.model = structure.formula();
   result.residuals = residuals.count();
