@@ -198,14 +198,23 @@ bool better(const detail::LocalScene& one, const detail::LocalScene& other) {
   return one.robust_cost < other.robust_cost;
 }
 
+// Every point lies on its motion, within what counts as tolerable.
+bool complete(const detail::LocalScene& local) {
+  return std::all_of(local.choices.begin(), local.choices.end(),
+                     [](const detail::PointChoice& choice) { return choice.used; }) &&
+         local.robust_cost < static_cast<double>(local.choices.size());
+}
+
 struct Search {
   detail::LocalScene best;
   std::size_t starts;
   std::size_t starts_at_best;
 };
 
-Search search(const detail::SceneData& data, const KnownScene& known, const std::vector<double>& jumps, int threads) {
-  std::vector<SceneVector> starts = detail::scene_starts(data, known.bounds, known.fixed, jumps, starts_solved);
+Search search(const detail::SceneData& data, const KnownScene& known, const std::vector<double>& jumps,
+              bool rate_irregular, int threads) {
+  std::vector<SceneVector> starts =
+      detail::scene_starts(data, known.bounds, known.fixed, jumps, rate_irregular, starts_solved);
   const bool has_start =
       std::any_of(known.start.begin(), known.start.end(), [](const auto& s) { return s.has_value(); });
   if (has_start) {
@@ -219,8 +228,9 @@ Search search(const detail::SceneData& data, const KnownScene& known, const std:
   std::vector<detail::LocalScene> solved(starts.size());
   const auto solve_all = [&](detail::Effort effort) {
     frac::parallel_for(solved.size(), threads, [&](std::size_t i) {
-      solved[i] = detail::solve_scene(data, known.bounds,
-                                      effort == detail::Effort::glance ? starts[i] : solved[i].theta, effort, 1);
+      solved[i] =
+          detail::solve_scene(data, known.bounds, effort == detail::Effort::glance ? starts[i] : solved[i].theta,
+                              effort, rate_irregular, 1);
     });
     std::erase_if(solved, [](const detail::LocalScene& local) { return !local.usable; });
   };
@@ -240,14 +250,12 @@ Search search(const detail::SceneData& data, const KnownScene& known, const std:
     if (explored.size() == starts_explored) break;
     const bool known_already =
         std::any_of(explored.begin(), explored.end(), [&](const auto* other) { return same_scene(*other, candidate); });
-    const bool complete = std::all_of(candidate.choices.begin(), candidate.choices.end(),
-                                      [](const detail::PointChoice& choice) { return choice.used; });
     if (known_already) continue;
     explored.push_back(&candidate);
     // Nothing is left to explain: no other scene can be better.
-    if (complete) break;
+    if (complete(candidate)) break;
     detail::LocalScene further =
-        detail::solve_scene(data, known.bounds, candidate.theta, detail::Effort::explore, threads);
+        detail::solve_scene(data, known.bounds, candidate.theta, detail::Effort::explore, rate_irregular, threads);
     if (further.usable && better(further, best)) best = std::move(further);
   }
   const auto agreeing = static_cast<std::size_t>(std::count_if(
@@ -358,7 +366,9 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
     throw std::invalid_argument("the data form " + std::to_string(residuals) + " residuals, fewer than the " +
                                 std::to_string(free_count(known.bounds)) + " free parameters");
   }
-  const Search found = search(data, known, products_from_jumps(curves), options.threads);
+  const std::vector<double> jumps = products_from_jumps(curves);
+  Search found = search(data, known, jumps, false, options.threads);
+  if (!found.best.usable || !complete(found.best)) found = search(data, known, jumps, true, options.threads);
 
   SceneIdentification result{};
   result.starts = found.starts;

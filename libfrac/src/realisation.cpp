@@ -1,8 +1,11 @@
 #include "frac/realisation.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
+#include "approximation/ladder_table.hpp"
 #include "detail/number_text.hpp"
 #include "detail/prepared_power.hpp"
 #include "detail/realisation_checks.hpp"
@@ -34,7 +37,34 @@ void validate_as(const GrunwaldLetnikovRealisation& realisation) {
   detail::check_memory_length(realisation.memory_length, "grunwald-letnikov");
 }
 
+// Its constructor has checked it.
+void validate_as(const LadderRealisation&) {}
+
 }  // namespace
+
+LadderRealisation::LadderRealisation(FrequencyBand band, int poles) : band_(band), poles_(poles) {
+  constexpr double fewest_decades = 0.1;
+  constexpr double most_decades = 24;
+  // Beyond it the poles are no longer determined well enough to be interpolated in the order.
+  constexpr double least_error = 1e-8;
+  const bool ordered = band.lower > 0 && band.lower < band.upper && std::isfinite(band.upper);
+  const double width = ordered ? std::log(band.upper) - std::log(band.lower) : 0;
+  // The slack admits a tenth of a decade that was computed.
+  if (width < fewest_decades * std::numbers::ln10 * (1 - 1e-9) ||
+      width > most_decades * std::numbers::ln10 * (1 + 1e-9)) {
+    throw std::invalid_argument("ladder: band = " + detail::number_text(band.lower) + " to " +
+                                detail::number_text(band.upper) +
+                                " rad/s; needed is 0 < lower < upper < infinity, 0.1 to 24 decades apart");
+  }
+  // The limit of approximate.hpp at order 1/2.
+  const int most = static_cast<int>(
+      std::ceil((width + 4 * std::numbers::ln2) / (std::numbers::pi * std::numbers::pi) * std::log(2 / least_error)));
+  if (poles < 1 || poles > most) {
+    throw std::invalid_argument("ladder: poles = " + std::to_string(poles) + "; allowed on this band are 1 to " +
+                                std::to_string(most));
+  }
+  table_ = std::make_shared<const detail::LadderTable>(width / 2, poles);
+}
 
 void validate(const Realisation& realisation) {
   std::visit([](const auto& choice) { validate_as(choice); }, realisation);
@@ -43,6 +73,7 @@ void validate(const Realisation& realisation) {
 std::string to_string(const Realisation& realisation) {
   if (std::holds_alternative<OustaloupRealisation>(realisation)) return "oustaloup";
   if (std::holds_alternative<GrunwaldLetnikovRealisation>(realisation)) return "grunwald-letnikov";
+  if (std::holds_alternative<LadderRealisation>(realisation)) return "ladder";
   return "exact";
 }
 

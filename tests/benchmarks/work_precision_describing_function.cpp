@@ -15,7 +15,7 @@
 #include "backlash/impact_simulation.hpp"
 #include "backlash/jump_law.hpp"
 #include "backlash/static_backlash.hpp"
-#include "benchmarks/fixed_step_reference.hpp"
+#include "report/fixed_step_reference.hpp"
 #include "support/reference_table.hpp"
 #include "support/relative_error.hpp"
 
@@ -112,14 +112,14 @@ void against_reference(int repeats, bool smoke) {
       });
       row(name, "event-driven", "tolerance " + number(tolerance), support::relative_error(value, expected), seconds);
     }
-    for (const int steps : smoke ? std::vector<int>{100} : std::vector<int>{100, 1000, 10'000, 100'000}) {
+    for (const std::size_t steps :
+         smoke ? std::vector<std::size_t>{100} : std::vector<std::size_t>{100, 1000, 10'000, 100'000}) {
       std::complex<double> value;
       const double seconds = median_seconds(steps > 1000 ? 1 : 3, [&] {
-        value =
-            -(1.0 + benchmark::fixed_step_harmonic(gamma, restitution, steps, 60, 20).u1 / gamma) / (2 * omega * omega);
+        value = report::fixed_step_describing_function({1, 1, 1, restitution, 1}, omega, steps, 60, 20);
       });
-      row(name, "fixed-step", "step " + number(1.0 / steps) + " of a period", support::relative_error(value, expected),
-          seconds);
+      row(name, "fixed-step", "step " + number(1.0 / static_cast<double>(steps)) + " of a period",
+          support::relative_error(value, expected), seconds);
     }
   }
 }

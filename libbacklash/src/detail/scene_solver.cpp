@@ -18,8 +18,8 @@ using Complex = std::complex<double>;
 using Matrix4 = Eigen::Matrix<double, 4, 4>;
 using Vector4 = Eigen::Matrix<double, 4, 1>;
 
-constexpr int most_rounds = 40;
-constexpr int most_iterations = 100;
+constexpr int most_rounds = 20;
+constexpr int most_iterations = 40;
 constexpr int rounds_of_a_glance = 2;
 constexpr int iterations_of_a_glance = 6;
 // Robust standard deviations beyond which a point does not lie on its motion; normally distributed noise leaves a point
@@ -27,6 +27,8 @@ constexpr int iterations_of_a_glance = 6;
 constexpr double far_away = 6;
 // What the motions themselves are known to, as a share of their deviation: below it no point counts as far away.
 constexpr double model_accuracy = 1e-7;
+// A round that moves the estimate by less than this, in standard errors, is the last.
+constexpr double settled_step = 1e-4;
 // The two-impact orbit is followed this far beyond its loss of stability, for an estimate that places the loss a little
 // beside that of the data.
 constexpr double beyond_loss = 1.05;
@@ -46,8 +48,12 @@ struct Evaluation {
 
 class Solver {
  public:
-  Solver(const SceneData& data, const SceneBounds& bounds, int threads)
-      : data_(data), bounds_(bounds), threads_(threads), choices_(data.points.size()) {}
+  Solver(const SceneData& data, const SceneBounds& bounds, bool rate_irregular, int threads)
+      : data_(data),
+        bounds_(bounds),
+        rate_irregular_(rate_irregular),
+        threads_(threads),
+        choices_(data.points.size()) {}
 
   LocalScene run(const SceneVector& start, Effort effort) {
     LocalScene result;
@@ -60,7 +66,7 @@ class Solver {
       choose(effort == Effort::explore && round < 2);
       if (count_used() * data_.residuals_per_point() < free_count()) break;
       result.usable = true;
-      if (round > 2 && settled(before) && moved_ < 1e-9) {
+      if (round > 2 && settled(before) && moved_ < settled_step) {
         result.converged = least_squares_converged_;
         break;
       }
@@ -72,7 +78,7 @@ class Solver {
     for (std::size_t i = 0; i < choices_.size(); ++i) {
       const bool known = choices_[i].kind != PointChoice::Kind::none;
       result.robust_cost +=
-          data_.robust_cost(data_.points[i], known ? std::optional<Complex>(choices_[i].model) : std::nullopt);
+          data_.robust_cost(data_.points[i], known ? std::optional<Complex>(choices_[i].model) : mean_of_irregular(i));
     }
     result.choices = std::move(choices_);
     return result;
@@ -94,6 +100,14 @@ class Solver {
       if (choices_[i].used && choices_[i].kind != before[i].kind) return false;
     }
     return true;
+  }
+
+  // What N is about where the scene is irregular.
+  [[nodiscard]] std::optional<Complex> mean_of_irregular(std::size_t i) const {
+    if (!rate_irregular_) return std::nullopt;
+    const auto h = irregular_h(gamma_at(theta_, data_.points[i]), theta_[3]);
+    if (!h) return std::nullopt;
+    return point_value(output_coefficients(theta_, data_.output), data_.points[i], *h);
   }
 
   // Takes the candidate when it lies nearer to the data than what is there.
@@ -240,6 +254,7 @@ class Solver {
 
   const SceneData& data_;
   const SceneBounds& bounds_;
+  bool rate_irregular_;
   int threads_;
   std::vector<PointChoice> choices_;
   SceneVector theta_{};
@@ -341,7 +356,7 @@ void Solver::least_squares() {
       const Evaluation next = evaluate(trial, deviation);
       if (next.ended.empty() && next.cost <= current.cost) {
         // Rounding of the cost hides steps this small.
-        least_squares_converged_ = change < 1e-11 || current.cost - next.cost <= 1e-13 * current.cost;
+        least_squares_converged_ = change < 1e-11 || current.cost - next.cost <= 1e-9 * current.cost;
         theta_ = trial;
         current = next;
         damping = std::max(damping * 0.1, 1e-15);
@@ -365,8 +380,15 @@ void Solver::least_squares() {
       }
     }
   }
-  moved_ = 0;
-  for (std::size_t k = 0; k < 4; ++k) moved_ = std::max(moved_, std::abs(theta_[k] - start[k]));
+  // Length of the way in units of the standard errors, rounding aside.
+  const NormalEquations end = products(data_, theta_, choices_, &deviation);
+  double square = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    for (std::size_t l = 0; l < 4; ++l) square += (theta_[k] - start[k]) * end.matrix[k][l] * (theta_[l] - start[l]);
+  }
+  const double count = static_cast<double>(std::max<std::size_t>(1, end.residuals));
+  const double accuracy = 1e-9 * data_.typical_misfit;
+  moved_ = std::sqrt(std::max(square, 0.0) / (end.cost / count + accuracy * accuracy));
 }
 
 }  // namespace
@@ -377,8 +399,8 @@ NormalEquations normal_equations(const SceneData& data, const SceneVector& theta
 }
 
 LocalScene solve_scene(const SceneData& data, const SceneBounds& bounds, const SceneVector& start, Effort effort,
-                       int threads) {
-  return Solver(data, bounds, threads).run(start, effort);
+                       bool rate_irregular, int threads) {
+  return Solver(data, bounds, rate_irregular, threads).run(start, effort);
 }
 
 }  // namespace backlash::detail

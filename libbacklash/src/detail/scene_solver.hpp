@@ -50,7 +50,10 @@ enum class Effort {
 
 /// Alternates between choosing the steady motion of each point at the estimate and least squares over the points near
 /// enough to theirs, until neither changes.
+/// @param rate_irregular  the robust cost compares points where the scene is irregular with its mean there, from a
+/// table
+///                        that takes a second to make; else they count as not explained at all
 [[nodiscard]] LocalScene solve_scene(const SceneData& data, const SceneBounds& bounds, const SceneVector& start,
-                                     Effort effort, int threads);
+                                     Effort effort, bool rate_irregular, int threads);
 
 }  // namespace backlash::detail

@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <limits>
 
+#include "detail/steady_state.hpp"
 #include "detail/two_impact_orbit.hpp"
+#include "frac/parallel_for.hpp"
 
 namespace backlash::detail {
 namespace {
@@ -18,6 +20,8 @@ constexpr double log_gamma_step = 0.05;
 // Chatter is smooth in gamma: every few steps are enough.
 constexpr int chatter_stride = 4;
 constexpr std::array<double, 12> restitutions = {0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.88, 0.94, 0.97};
+// Between, the mean over chaotic and subharmonic motions is known to some percent at best.
+constexpr int irregular_stride = 5;
 // Points of the data that rate a node.
 constexpr std::size_t most_points = 120;
 constexpr double node_step = 0.1;  // of ln(mass2 clearance)
@@ -30,6 +34,7 @@ constexpr double near_restitution = 0.11;
 // h(gamma) at one restitution, where it is cheap and definite: two impacts per period, and chatter.
 struct Row {
   double restitution;
+  double loss;  // gamma where the orbit of two impacts ends
   double chatter_onset;
   std::vector<std::optional<Complex>> h;
 
@@ -43,11 +48,15 @@ struct Row {
   }
 };
 
+double gamma_of(int i) {
+  return std::exp(log_gamma_lower + log_gamma_step * i);
+}
+
 Row make_row(double restitution) {
   const int count = static_cast<int>(std::lround((log_gamma_upper - log_gamma_lower) / log_gamma_step)) + 1;
-  Row row{restitution, std::exp(log_gamma_upper), std::vector<std::optional<Complex>>(static_cast<std::size_t>(count))};
-  const auto gamma_of = [](int i) { return std::exp(log_gamma_lower + log_gamma_step * i); };
   const double loss = restitution > 0 ? two_impact_loss(restitution).gamma : symmetry_loss(restitution).gamma;
+  Row row{restitution, loss, std::exp(log_gamma_upper),
+          std::vector<std::optional<Complex>>(static_cast<std::size_t>(count))};
   for (int i = 0; i < count && gamma_of(i) <= loss; ++i) {
     if (const auto response = two_impact_response(gamma_of(i), restitution)) {
       row.h[static_cast<std::size_t>(i)] = response->h;
@@ -72,11 +81,39 @@ Row make_row(double restitution) {
   return row;
 }
 
-const std::vector<Row>& table() {
+const std::vector<Row>& regular_table() {
   static const std::vector<Row> rows = [] {
     std::vector<Row> made;
     for (const double restitution : restitutions) made.push_back(make_row(restitution));
     return made;
+  }();
+  return rows;
+}
+
+// Fills what a row leaves open between its two motions, by averages from contact at rest.
+void fill_irregular(Row& row) {
+  const auto first = static_cast<int>(std::floor((std::log(row.loss) - log_gamma_lower) / log_gamma_step));
+  std::optional<Complex> before;
+  int place = first;
+  for (int i = std::max(first, 0); i < static_cast<int>(row.h.size()); i += irregular_stride) {
+    const auto steady = find_steady_state(GapMotion(gamma_of(i), row.restitution), contact_at_rest_state(), 1e-6);
+    const Complex here = steady.harmonics.u1_plus_gamma / gamma_of(i);
+    for (int k = place; before && k <= i; ++k) {
+      auto& entry = row.h[static_cast<std::size_t>(k)];
+      const double share = static_cast<double>(k - place) / (i - place);
+      if (!entry) entry = (1 - share) * *before + share * here;
+    }
+    before = here;
+    place = i;
+    if (gamma_of(i) >= row.chatter_onset) break;
+  }
+}
+
+const std::vector<Row>& full_table() {
+  static const std::vector<Row> rows = [] {
+    std::vector<Row> filled = regular_table();
+    frac::parallel_for(filled.size(), 0, [&](std::size_t i) { fill_irregular(filled[filled.size() - 1 - i]); });
+    return filled;
   }();
   return rows;
 }
@@ -237,7 +274,7 @@ std::vector<double> log_products(const SceneData& data, const FixedScene& fixed,
 }  // namespace
 
 double chatter_onset(double restitution) {
-  const auto& rows = table();
+  const auto& rows = regular_table();
   for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
     if (restitution <= rows[i + 1].restitution) {
       return restitution == rows[i].restitution ? rows[i].chatter_onset
@@ -248,12 +285,24 @@ double chatter_onset(double restitution) {
   return std::numeric_limits<double>::infinity();
 }
 
+std::optional<Complex> irregular_h(double gamma, double restitution) {
+  const auto& rows = full_table();
+  std::size_t above = 1;
+  while (above + 1 < rows.size() && rows[above].restitution < restitution) ++above;
+  const auto lower = rows[above - 1].at(std::log(gamma));
+  const auto upper = rows[above].at(std::log(gamma));
+  if (!lower || !upper) return std::nullopt;
+  const double width = rows[above].restitution - rows[above - 1].restitution;
+  const double share = std::min((restitution - rows[above - 1].restitution) / width, 1.0);
+  return (1 - share) * *lower + share * *upper;
+}
+
 std::vector<SceneVector> scene_starts(const SceneData& data, const SceneBounds& bounds, const FixedScene& fixed,
-                                      const std::vector<double>& jumps, std::size_t count) {
+                                      const std::vector<double>& jumps, bool rate_irregular, std::size_t count) {
   const NodeRater rater(data, bounds, fixed);
   std::vector<RatedStart> rated;
   for (const double log_product : log_products(data, fixed, jumps)) {
-    for (const Row& row : table()) {
+    for (const Row& row : rate_irregular ? full_table() : regular_table()) {
       if (fixed[3] && std::abs(row.restitution - *fixed[3]) > near_restitution) continue;
       if (const auto start = rater.rate({log_product, &row, fixed[3].value_or(row.restitution)})) {
         rated.push_back(*start);

@@ -38,7 +38,8 @@ class ResponseFilter {
   ResponseFilter(ResponseFilter&&) noexcept;
   ResponseFilter& operator=(ResponseFilter&&) noexcept;
 
-  /// Takes u(n T), returns y(n T).  No allocation.  A sample that is not finite is not checked for and spoils the state.
+  /// Takes u(n T), returns y(n T).  No allocation.  A sample that is not finite is not checked for and spoils the
+  /// state.
   double operator()(double sample) noexcept;
   /// The same for many samples, faster; continues where the last call ended.
   void operator()(std::span<const double> samples, std::span<double> output);
@@ -58,8 +59,8 @@ class ResponseFilter {
 [[nodiscard]] std::vector<double> respond(const FractionalTransferFunction& model, std::span<const double> samples,
                                           double sample_time, double tolerance = 1e-9, Hold hold = Hold::zero_order);
 
-/// The same by Gruenwald-Letnikov differences of every term, full memory: first order accurate, cost proportional to the
-/// square of the number of samples; what most toolboxes do, for comparison.  Dead time is rounded to samples.
+/// The same by Gruenwald-Letnikov differences of every term, full memory: first order accurate, cost proportional to
+/// the square of the number of samples; what most toolboxes do, for comparison.  Dead time is rounded to samples.
 /// @throws std::invalid_argument  as respond(); highest denominator order below the numerator's.
 [[nodiscard]] std::vector<double> respond_grunwald_letnikov(const FractionalTransferFunction& model,
                                                             std::span<const double> samples, double sample_time);

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "flux_law.hpp"
+#include "ladder_sensitivity.hpp"
 
 namespace frac::detail {
 namespace {
@@ -36,13 +37,6 @@ double relative_error(ExtendedComplex logarithmic) {
     return std::hypot(std::expm1(log_gain), 2 * std::exp(log_gain / 2) * half_sine);
   };
   return std::max(at(real), at(-real));
-}
-
-// d E/d ln p at j omega.
-std::complex<double> sensitivity(double omega, double pole) {
-  const double q = omega * pole;
-  const double r = omega / pole;
-  return {1 / (1 + 1 / (q * q)) - 1 / (1 + r * r), 1 / (q + 1 / q) + 1 / (r + 1 / r)};
 }
 
 std::vector<double> values_of(const LogPoles& log_poles) {
@@ -178,7 +172,7 @@ LogPoleProblem::Step LogPoleProblem::weighted_step(const LogPoles& log_poles, do
     residual[2 * i] = -scale * static_cast<double>(error_[index].real());
     residual[2 * i + 1] = -scale * static_cast<double>(error_[index].imag());
     for (Eigen::Index k = 0; k < poles_; ++k) {
-      const auto slope = scale * sensitivity(static_cast<double>(omega_[index]), poles[static_cast<std::size_t>(k)]);
+      const auto slope = scale * ladder_sensitivity(static_cast<double>(omega_[index]), poles[static_cast<std::size_t>(k)]);
       matrix(2 * i, k) = slope.real();
       matrix(2 * i + 1, k) = slope.imag();
     }
@@ -207,7 +201,7 @@ std::vector<double> LogPoleProblem::power_step(const LogPoles& log_poles, int po
     residual[3 * i] = -scale * error.real();
     residual[3 * i + 1] = -scale * error.imag();
     for (Eigen::Index k = 0; k < poles_; ++k) {
-      const auto slope = scale * sensitivity(static_cast<double>(omega_[index]), poles[static_cast<std::size_t>(k)]);
+      const auto slope = scale * ladder_sensitivity(static_cast<double>(omega_[index]), poles[static_cast<std::size_t>(k)]);
       matrix(3 * i, k) = slope.real();
       matrix(3 * i + 1, k) = slope.imag();
       matrix(3 * i + 2, k) =

@@ -1,9 +1,12 @@
 #include "prepared_power.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
+#include "../approximation/ladder_sensitivity.hpp"
+#include "../approximation/ladder_table.hpp"
 #include "exact_power.hpp"
 #include "number_text.hpp"
 #include "realisation_checks.hpp"
@@ -36,6 +39,24 @@ void PreparedPower::prepare(const Realisation& realisation, double order) {
     for (std::size_t i = 0; i < poles_.size(); ++i) {
       poles_[i] = std::exp(std::log(recursive->band.lower) + (static_cast<double>(i) + 0.5 + fractional / 2) * rung_);
     }
+    return;
+  }
+  if (const auto* ladder = std::get_if<LadderRealisation>(&realisation)) {
+    method_ = Method::smooth_ladder;
+    exact_order_ = std::trunc(order);
+    exact_phase_ = quarter_turns(exact_order_);
+    const double fractional = order - exact_order_;
+    reciprocal_ = fractional < 0;
+    log_centre_ = (std::log(ladder->band().lower) + std::log(ladder->band().upper)) / 2;
+    centre_ = std::exp(log_centre_);
+    ladder->table().evaluate(std::abs(fractional), log_poles_, log_poles_by_order_);
+    poles_.resize(log_poles_.size());
+    double log_gain = std::abs(fractional) * log_centre_;
+    for (std::size_t i = 0; i < poles_.size(); ++i) {
+      poles_[i] = std::exp(log_poles_[i]);
+      log_gain += log_poles_[i];
+    }
+    gain_ = std::exp(log_gain);
     return;
   }
   const auto& sampled = std::get<GrunwaldLetnikovRealisation>(realisation);
@@ -83,6 +104,32 @@ Complex PreparedPower::ladder_log_derivative(double omega) const {
   return log_upper_ - sum * (rung_ / 2);
 }
 
+Complex PreparedPower::smooth_ladder(double omega) const {
+  const double scaled = omega / centre_;
+  Complex product = gain_;
+  // The zero next below a pole is the reciprocal of its mirror: with it no partial product leaves the range of double.
+  for (std::size_t i = 0; i < poles_.size(); ++i) {
+    const double zero = 1 / poles_[poles_.size() - 1 - i];
+    const double pole = poles_[i];
+    // (j w + z)/(j w + p) divided by the larger of p and w above and below.
+    const double larger = std::max(pole, scaled);
+    const double p = pole / larger;
+    const double w = scaled / larger;
+    product *= Complex(zero / larger * p + w * w, w * (p - zero / larger)) / (p * p + w * w);
+  }
+  return reciprocal_ ? 1.0 / product : product;
+}
+
+// d/d order of ln H; the fractional part and, with it, the sign of the exponent turn together where it is negative.
+Complex PreparedPower::smooth_ladder_log_derivative(double omega) const {
+  const double scaled = omega / centre_;
+  Complex sum = log_centre_;
+  for (std::size_t i = 0; i < poles_.size(); ++i) {
+    sum += log_poles_by_order_[i] * ladder_sensitivity(scaled, poles_[i]);
+  }
+  return sum;
+}
+
 PowerResponse PreparedPower::all_samples(double omega) const {
   // (1 - e^{-jx})/h = (2/h) sin(x/2) e^{j (pi - x)/2}: no cancellation at small x = omega h.
   const double x = omega * sample_time_;
@@ -105,6 +152,10 @@ Complex PreparedPower::value(double omega) const {
       const Complex whole = real_power(omega, exact_order_) * exact_phase_;
       return order_ == exact_order_ ? whole : whole * ladder(omega);
     }
+    case Method::smooth_ladder: {
+      const Complex whole = real_power(omega, exact_order_) * exact_phase_;
+      return order_ == exact_order_ ? whole : whole * smooth_ladder(omega);
+    }
     case Method::all_samples:
       return all_samples(omega).value;
     case Method::finite_memory:
@@ -122,6 +173,10 @@ PowerResponse PreparedPower::response(double omega, double log_omega) const {
     case Method::oustaloup: {
       const Complex result = value(omega);
       return {result, result * ladder_log_derivative(omega)};
+    }
+    case Method::smooth_ladder: {
+      const Complex result = value(omega);
+      return {result, result * smooth_ladder_log_derivative(omega)};
     }
     case Method::all_samples:
       return all_samples(omega);

@@ -1,0 +1,107 @@
+#pragma once
+
+#include <array>
+#include <complex>
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+#include "backlash/describing_function.hpp"
+#include "backlash/impact_simulation.hpp"
+#include "backlash/two_mass_system.hpp"
+#include "frac/parallel_for.hpp"
+
+namespace backlash {
+
+/// Bifurcations of periodic orbits in one parameter.
+enum class Bifurcation {
+  saddle_node,        // a multiplier +1: two orbits meet and vanish
+  symmetry_breaking,  // a multiplier +1 at which the orbit parts from its mirror image (pitchfork)
+  period_doubling,    // a multiplier -1
+  grazing,            // a contact of speed 0 is gained or lost
+};
+
+/// Why a branch ends.
+enum class BranchEnd {
+  range,              // at the end of the frequencies asked for
+  grazing,            // at a bifurcation of that kind
+  symmetry_breaking,  // at the bifurcation it is born from
+  period_doubling,    // the same
+  closed,             // a closed loop, ended where it began
+  lost,               // Newton's iteration failed
+  too_long,           // after 20 000 orbits
+};
+
+[[nodiscard]] std::string_view to_string(Bifurcation bifurcation);
+[[nodiscard]] std::string_view to_string(BranchEnd end);
+/// @throws std::invalid_argument  naming the allowed spellings.
+[[nodiscard]] Bifurcation bifurcation_from_string(std::string_view text);
+[[nodiscard]] BranchEnd branch_end_from_string(std::string_view text);
+
+struct OrbitImpact {
+  double phase;  // omega t at the impact, rad
+  Wall wall;
+  double speed;  // |x2' - x1'| before the impact, m/s
+};
+
+/// A periodic orbit, stable or not.
+struct PeriodicOrbit {
+  double omega;                                     // rad/s
+  std::complex<double> value;                       // describing function, m/N
+  std::array<std::complex<double>, 2> multipliers;  // of the map over the whole orbit, larger modulus first; infinite
+                                                    // where an impact has speed 0
+  bool stable;                                      // both multipliers within the unit circle
+  std::vector<OrbitImpact> impacts;                 // of the whole orbit, in order of time
+};
+
+/// The orbit of x2 - x1 -> clearance - (x2 - x1) half a force period later: again one, with the same describing
+/// function and multipliers. A symmetric orbit is its own twin.
+[[nodiscard]] PeriodicOrbit mirror_twin(const PeriodicOrbit& orbit, int period);
+
+struct BifurcationPoint {
+  Bifurcation kind;
+  PeriodicOrbit orbit;
+  std::size_t after;  // index of the last orbit of the branch before it
+};
+
+/// A one-parameter family of orbits of one pattern.
+struct OrbitBranch {
+  int period;      // force periods per orbit
+  int impacts;     // per orbit
+  bool symmetric;  // the second half is the mirror image of the first one
+  std::vector<PeriodicOrbit> orbits;
+  std::vector<BifurcationPoint> bifurcations;
+  BranchEnd begin;
+  BranchEnd end;
+};
+
+struct OrbitContinuationOptions {
+  Output output = Output::x1;
+  int longest_period = 4;  // force periods: longer orbits are left out, >= 1
+  int most_impacts = 16;   // per orbit: orbits of more are left out, >= 2
+  int threads = 0;         // 0: one per core
+};
+
+struct OrbitDiagram {
+  TwoMassSystem system;
+  double force_amplitude;  // N
+  double omega_from;       // rad/s
+  double omega_to;         // rad/s
+  OrbitContinuationOptions options;
+  std::vector<OrbitBranch> branches;  // of few impacts and short period first
+};
+
+/// The periodic orbits between two frequencies: those that simulations from several starts settle on, continued through
+/// folds by pseudo-arclength (Keller 1977) in ln omega, and those that branch off them at symmetry breaking, period
+/// doubling and grazing.  Orbits along a branch are exact to rounding; bifurcations are refined to 1e-10 of omega.
+/// Orbits in which the masses rest in contact (see Regime::chatter) are not among them: a branch ends at the grazing
+/// before.
+/// @param force_amplitude  N, > 0
+/// @param omega_from,omega_to  rad/s, 0 < omega_from < omega_to
+/// @param progress  counts starts, if given
+/// @throws std::invalid_argument  naming the quantity, its value and what is allowed; clearance 0 has no impacts.
+[[nodiscard]] OrbitDiagram orbit_diagram(const TwoMassSystem& system, double force_amplitude, double omega_from,
+                                         double omega_to, const OrbitContinuationOptions& options = {},
+                                         frac::Progress* progress = nullptr);
+
+}  // namespace backlash

@@ -1,0 +1,228 @@
+#include "filter_bank.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+// Copies for processors with wider registers, chosen when the program is loaded.
+#if defined(__x86_64__) && defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#define FRACFIT_WIDE_VECTORS __attribute__((target_clones("arch=skylake-avx512", "arch=haswell", "default")))
+#else
+#define FRACFIT_WIDE_VECTORS
+#endif
+
+namespace frac::detail {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr std::size_t width = 8;
+constexpr std::size_t block = FilterBank::block;
+// Eight doubles, at any address.
+typedef double Vector __attribute__((vector_size(8 * width), aligned(8), may_alias));
+
+Vector& vector_at(double* at) {
+  return *reinterpret_cast<Vector*>(at);
+}
+const Vector& vector_at(const double* at) {
+  return *reinterpret_cast<const Vector*>(at);
+}
+
+// output[0..block) += sum_k factor[k] row(k)[0..block), rows `stride` doubles apart.
+FRACFIT_WIDE_VECTORS void add_rows(const double* factor, std::size_t count, const double* row, std::ptrdiff_t stride,
+                                   double* output) {
+  Vector a = vector_at(output), b = vector_at(output + 8), c = vector_at(output + 16), d = vector_at(output + 24);
+  for (std::size_t k = 0; k < count; ++k, row += stride) {
+    const double x = factor[k];
+    a += x * vector_at(row);
+    b += x * vector_at(row + 8);
+    c += x * vector_at(row + 16);
+    d += x * vector_at(row + 24);
+  }
+  vector_at(output) = a;
+  vector_at(output + 8) = b;
+  vector_at(output + 16) = c;
+  vector_at(output + 24) = d;
+}
+
+// sum[0..size) += sum_l gamma[l] drive[l * size + ..], a few vectors of states at a time.
+FRACFIT_WIDE_VECTORS void add_drive(const double* gamma, const double* drive, std::size_t size, double* sum) {
+  std::size_t s = 0;
+  for (; s + 4 * width <= size; s += 4 * width) {
+    Vector a = vector_at(sum + s), b = vector_at(sum + s + 8), c = vector_at(sum + s + 16), d = vector_at(sum + s + 24);
+    for (std::size_t l = 0; l < block; ++l) {
+      const double x = gamma[l];
+      const double* row = drive + l * size + s;
+      a += x * vector_at(row);
+      b += x * vector_at(row + 8);
+      c += x * vector_at(row + 16);
+      d += x * vector_at(row + 24);
+    }
+    vector_at(sum + s) = a;
+    vector_at(sum + s + 8) = b;
+    vector_at(sum + s + 16) = c;
+    vector_at(sum + s + 24) = d;
+  }
+  for (; s < size; s += width) {
+    Vector a = vector_at(sum + s);
+    for (std::size_t l = 0; l < block; ++l) a += gamma[l] * vector_at(drive + l * size + s);
+    vector_at(sum + s) = a;
+  }
+}
+
+// Below this a state is worth nothing and, denormal, slow.
+double flushed(double x) {
+  return std::abs(x) < 1e-280 ? 0 : x;
+}
+
+std::size_t filled_up(std::size_t count) {
+  return (count + width - 1) / width * width;
+}
+
+// phi_n(z) = sum_k z^k/(k+n)!, n = 1 .. count.
+std::vector<Complex> phi(Complex z, std::size_t count) {
+  std::vector<Complex> value(count + 1);
+  double factorial = 1;
+  if (std::abs(z) < 2) {
+    for (std::size_t n = 1; n <= count; ++n) {
+      factorial *= static_cast<double>(n);
+      Complex term = 1 / factorial;
+      for (std::size_t k = 1; k < 40; ++k) {
+        value[n] += term;
+        term *= z / static_cast<double>(k + n);
+      }
+    }
+    return value;
+  }
+  value[0] = std::exp(z);
+  for (std::size_t n = 1; n <= count; ++n) {
+    value[n] = (value[n - 1] - 1 / factorial) / z;
+    factorial *= static_cast<double>(n);
+  }
+  return value;
+}
+
+}  // namespace
+
+FilterBank::FilterBank(const std::vector<Exponential>& terms, double sample_time, double theta,
+                       const std::vector<double>& now)
+    : channels_(now.size()), now_(now) {
+  const auto is_real = [](const Exponential& term) { return term.rate.imag() == 0; };
+  real_count_ = static_cast<std::size_t>(std::count_if(terms.begin(), terms.end(), is_real));
+  complex_count_ = terms.size() - real_count_;
+  real_size_ = filled_up(real_count_);
+  complex_size_ = filled_up(complex_count_);
+  size_ = real_size_ + 2 * complex_size_;
+  state_.assign(size_, 0);
+  factor_re_.assign(real_size_ + complex_size_, 0);
+  factor_im_.assign(complex_size_, 0);
+  block_factor_re_ = factor_re_;
+  block_factor_im_ = factor_im_;
+  output_.assign(size_, 0);
+  drive_.assign(channels_ * size_, 0);
+  block_output_.assign(size_ * block, 0);
+  block_drive_.assign(channels_ * block * size_, 0);
+  block_drive_sum_.assign(channels_ * size_, 0);
+  kernel_.assign(channels_ * 2 * block, 0);
+  kernel_sum_.assign(channels_ * block, 0);
+  for (std::size_t channel = 0; channel < channels_; ++channel) kernel_[channel * 2 * block + block] = now_[channel];
+
+  std::size_t next_real = 0;
+  std::size_t next_complex = real_size_;
+  for (const Exponential& term : terms) {
+    const bool real = is_real(term);
+    const std::size_t s = real ? next_real++ : next_complex++;
+    const std::size_t s_im = s + complex_size_;
+    const Complex z = term.rate * sample_time;
+    const Complex factor = std::exp(z);
+    const std::vector<Complex> phis = phi(z, channels_);
+    factor_re_[s] = factor.real();
+    if (!real) factor_im_[s - real_size_] = factor.imag();
+    Complex output = term.weight * std::exp(theta * z);
+    output_[s] = output.real();
+    if (!real) output_[s_im] = -output.imag();
+    Complex power = 1;  // factor^i
+    for (std::size_t i = 0; i < block; ++i) {
+      const Complex at = output * power;
+      block_output_[s * block + i] = flushed(at.real());
+      if (!real) block_output_[s_im * block + i] = flushed(-at.imag());
+      for (std::size_t channel = 0; channel < channels_; ++channel) {
+        const Complex drive = z * phis[channel + 1];
+        const Complex later = drive * power;
+        double* row = &block_drive_[(channel * block + block - 1 - i) * size_];
+        row[s] = flushed(later.real());
+        if (!real) row[s_im] = flushed(later.imag());
+        if (i + 1 < block) kernel_[channel * 2 * block + block + 1 + i] += (at * drive).real();
+        if (i == 0) {
+          drive_[channel * size_ + s] = drive.real();
+          if (!real) drive_[channel * size_ + s_im] = drive.imag();
+        }
+      }
+      power = std::abs(power * factor) < 1e-280 ? 0 : power * factor;
+    }
+    block_factor_re_[s] = power.real();
+    if (!real) block_factor_im_[s - real_size_] = power.imag();
+  }
+  for (std::size_t channel = 0; channel < channels_; ++channel) {
+    double sum = 0;
+    for (std::size_t i = 0; i < block; ++i) {
+      sum += kernel_[channel * 2 * block + block + i];
+      kernel_sum_[channel * block + i] = sum;
+      for (std::size_t s = 0; s < size_; ++s) {
+        block_drive_sum_[channel * size_ + s] += block_drive_[(channel * block + i) * size_ + s];
+      }
+    }
+  }
+}
+
+void FilterBank::reset() noexcept {
+  std::fill(state_.begin(), state_.end(), 0);
+}
+
+double FilterBank::step(std::span<const double> gamma) noexcept {
+  double y = 0;
+  for (std::size_t s = 0; s < size_; ++s) y += output_[s] * state_[s];
+  for (std::size_t s = 0; s < real_size_; ++s) state_[s] = flushed(factor_re_[s] * state_[s]);
+  for (std::size_t k = 0; k < complex_size_; ++k) {
+    double& re = state_[real_size_ + k];
+    double& im = state_[real_size_ + complex_size_ + k];
+    const double a = factor_re_[real_size_ + k];
+    const double b = factor_im_[k];
+    const double next = a * re - b * im;
+    im = flushed(b * re + a * im);
+    re = flushed(next);
+  }
+  for (std::size_t channel = 0; channel < channels_; ++channel) {
+    y += now_[channel] * gamma[channel];
+    for (std::size_t s = 0; s < size_; ++s) state_[s] += drive_[channel * size_ + s] * gamma[channel];
+  }
+  return y;
+}
+
+void FilterBank::run_block(const double* gamma, double* output) noexcept {
+  std::fill(output, output + block, 0);
+  add_rows(state_.data(), size_, block_output_.data(), block, output);
+  for (std::size_t s = 0; s < real_size_; ++s) state_[s] = flushed(block_factor_re_[s] * state_[s]);
+  for (std::size_t k = 0; k < complex_size_; ++k) {
+    double& re = state_[real_size_ + k];
+    double& im = state_[real_size_ + complex_size_ + k];
+    const double a = block_factor_re_[real_size_ + k];
+    const double b = block_factor_im_[k];
+    const double next = a * re - b * im;
+    im = flushed(b * re + a * im);
+    re = flushed(next);
+  }
+  for (std::size_t channel = 0; channel < channels_; ++channel) {
+    const double* in = gamma + channel * block;
+    if (std::all_of(in, in + block, [in](double each) { return each == in[0]; })) {
+      if (in[0] == 0) continue;
+      for (std::size_t i = 0; i < block; ++i) output[i] += in[0] * kernel_sum_[channel * block + i];
+      for (std::size_t s = 0; s < size_; ++s) state_[s] += in[0] * block_drive_sum_[channel * size_ + s];
+    } else {
+      // Row l of the convolution is the kernel moved right by l.
+      add_rows(in, block, &kernel_[channel * 2 * block + block], -1, output);
+      add_drive(in, &block_drive_[channel * block * size_], size_, state_.data());
+    }
+  }
+}
+
+}  // namespace frac::detail

@@ -1,0 +1,299 @@
+#include "frac/respond.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "detail/exponential_sum.hpp"
+#include "detail/filter_bank.hpp"
+#include "detail/number_text.hpp"
+#include "detail/power_sum.hpp"
+#include "frac/grunwald_letnikov.hpp"
+#include "frac/reference_response.hpp"
+
+namespace frac {
+namespace {
+
+using detail::FilterBank;
+
+void check_sample_time(double sample_time, const char* function) {
+  if (!(sample_time > 0 && std::isfinite(sample_time))) {
+    throw std::invalid_argument(std::string(function) + ": sample_time = " + detail::number_text(sample_time) +
+                                " s; allowed is above 0, finite");
+  }
+}
+
+void check_samples(std::span<const double> samples, const char* function) {
+  if (samples.empty()) throw std::invalid_argument(std::string(function) + ": no samples");
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (!std::isfinite(samples[i])) {
+      throw std::invalid_argument(std::string(function) + ": samples[" + std::to_string(i) +
+                                  "] = " + detail::number_text(samples[i]) + " is not finite");
+    }
+  }
+}
+
+double order_at_infinity(const FractionalTransferFunction& model) {
+  return model.numerator().front().order - model.denominator().front().order;
+}
+
+// Whole integrations that G s^m at the origin is rid of, so that it grows slower than 1/|s|.
+std::size_t integrators(const FractionalTransferFunction& model) {
+  const double order = model.numerator().back().order - model.denominator().back().order;
+  return order <= -1 ? static_cast<std::size_t>(std::floor(-order)) : 0;
+}
+
+FractionalTransferFunction times_power(const FractionalTransferFunction& model, double order) {
+  return {detail::scaled(model.numerator(), 1, order), model.denominator()};
+}
+
+struct Design {
+  std::size_t integrators;
+  std::size_t channels;
+  double direct;     // G at infinity
+  std::size_t dead;  // whole samples of dead time
+  double theta;      // instant within the interval that the output is read at, in (0, 1]
+  FilterBank bank;
+};
+
+Design design(const FractionalTransferFunction& model, double sample_time, double tolerance, Hold hold,
+              double horizon) {
+  check_sample_time(sample_time, "respond");
+  if (!(tolerance >= 1e-13 && tolerance <= 0.1)) {
+    throw std::invalid_argument("respond: tolerance = " + detail::number_text(tolerance) + "; allowed is 1e-13 to 0.1");
+  }
+  if (!(horizon >= 1 && horizon <= 1e12)) {
+    throw std::invalid_argument("respond: horizon = " + detail::number_text(horizon) +
+                                " samples; allowed is 1 to 1e12");
+  }
+  const double high_order = order_at_infinity(model);
+  if (high_order > 0) {
+    throw std::invalid_argument("respond: the model grows as s^" + detail::number_text(high_order) +
+                                " at high frequency; allowed is a proper model");
+  }
+  const std::size_t m = integrators(model);
+  if (m > 8) throw std::invalid_argument("respond: " + std::to_string(m) + " integrators; allowed is up to 8");
+  const double direct =
+      high_order == 0 ? model.numerator().front().coefficient / model.denominator().front().coefficient : 0;
+  const double samples_late = model.delay() / sample_time;
+  if (!(samples_late <= 1e9)) {
+    throw std::invalid_argument("respond: dead time of " + detail::number_text(samples_late) +
+                                " samples; allowed is up to 1e9");
+  }
+  // Within rounding of a whole number of samples it is one.
+  double whole = std::floor(samples_late);
+  double fraction = samples_late - whole;
+  if (fraction > 1 - 1e-9) {
+    whole += 1;
+    fraction = 0;
+  } else if (fraction < 1e-9) {
+    fraction = 0;
+  }
+  const double theta = 1 - fraction;
+
+  const FractionalTransferFunction core = times_power({model.numerator(), model.denominator()}, static_cast<double>(m));
+  const detail::LaplaceImage step(core.numerator(), detail::scaled(core.denominator(), 1, 1));
+  if (!step.poles().complete) throw std::domain_error("respond: the poles of the model could not be counted");
+  const std::vector<detail::Exponential> terms =
+      detail::exponential_sum(step, theta * sample_time, horizon * sample_time, tolerance);
+
+  const std::size_t channels = m + (hold == Hold::first_order ? 2 : 1);
+  std::vector<double> now;
+  for (std::size_t i = 0; i < channels; ++i) {
+    const auto power = static_cast<double>(i);
+    const ReferenceResponse response(times_power(core, -power));
+    now.push_back(response(theta * sample_time).value / std::pow(sample_time, power));
+  }
+  return {m, channels, direct, static_cast<std::size_t>(whole), theta, FilterBank(terms, sample_time, theta, now)};
+}
+
+}  // namespace
+
+struct ResponseFilter::Filter {
+  Filter(const FractionalTransferFunction& model, double sample_time, double tolerance, Hold hold_, double horizon)
+      : hold(hold_),
+        step_size(sample_time),
+        now(design(model, sample_time, tolerance, hold_, horizon)),
+        gamma(now.channels * FilterBank::block, 0) {
+    scale = std::pow(sample_time, static_cast<double>(now.integrators));
+    waiting.reserve(now.dead);
+  }
+
+  // The integrals of the input and the input itself over the interval between `latest` and `next`.
+  void fill(double next, double* column, std::size_t stride) const {
+    for (std::size_t i = 0; i < now.integrators; ++i) column[i * stride] = integral[i];
+    column[now.integrators * stride] = latest * scale;
+    if (hold == Hold::first_order) column[(now.integrators + 1) * stride] = (next - latest) * scale;
+  }
+
+  void advance(double next, const double* column, std::size_t stride) {
+    for (std::size_t q = 0; q < now.integrators; ++q) {
+      double sum = 0;
+      double factorial = 1;
+      for (std::size_t i = q; i < now.channels; ++i) {
+        sum += column[i * stride] / factorial;
+        factorial *= static_cast<double>(i - q + 1);
+      }
+      integral[q] = sum;
+    }
+    latest = next;
+  }
+
+  // Straight from the input when the output is read where the input jumps.
+  [[nodiscard]] double jump(double next) const {
+    return now.theta == 1 && hold == Hold::zero_order ? now.direct * (next - latest) : 0;
+  }
+
+  double take(double sample) noexcept {
+    if (!started) {
+      started = true;
+      latest = sample;
+      return now.theta == 1 ? now.direct * sample : 0;
+    }
+    fill(sample, gamma.data(), 1);
+    const double y = now.bank.step({gamma.data(), now.channels}) + jump(sample);
+    advance(sample, gamma.data(), 1);
+    return y;
+  }
+
+  void take(std::span<const double> samples, double* output) {
+    constexpr std::size_t block = FilterBank::block;
+    std::size_t k = 0;
+    if (!started && !samples.empty()) output[k++] = take(samples[0]);
+    for (; k + block <= samples.size(); k += block) {
+      double jumps[block];
+      for (std::size_t i = 0; i < block; ++i) {
+        const double next = samples[k + i];
+        fill(next, &gamma[i], block);
+        jumps[i] = jump(next);
+        advance(next, &gamma[i], block);
+      }
+      now.bank.run_block(gamma.data(), output + k);
+      for (std::size_t i = 0; i < block; ++i) output[k + i] += jumps[i];
+    }
+    for (; k < samples.size(); ++k) output[k] = take(samples[k]);
+  }
+
+  Hold hold;
+  double step_size;
+  Design now;
+  std::vector<double> gamma;
+  double scale = 1;
+  double integral[8] = {};  // of the input: the (m - i)-fold one times T^i
+  double latest = 0;
+  bool started = false;
+  std::vector<double> waiting;  // samples within the dead time, a ring once full
+  std::size_t oldest = 0;
+};
+
+ResponseFilter::ResponseFilter(const FractionalTransferFunction& model, double sample_time, double tolerance, Hold hold,
+                               double horizon)
+    : filter_(std::make_unique<Filter>(model, sample_time, tolerance, hold, horizon)) {}
+ResponseFilter::~ResponseFilter() = default;
+ResponseFilter::ResponseFilter(const ResponseFilter& other) : filter_(std::make_unique<Filter>(*other.filter_)) {
+  filter_->waiting.reserve(filter_->now.dead);
+}
+ResponseFilter& ResponseFilter::operator=(const ResponseFilter& other) {
+  return *this = ResponseFilter(other);
+}
+ResponseFilter::ResponseFilter(ResponseFilter&&) noexcept = default;
+ResponseFilter& ResponseFilter::operator=(ResponseFilter&&) noexcept = default;
+
+double ResponseFilter::operator()(double sample) noexcept {
+  Filter& f = *filter_;
+  if (f.now.dead == 0) return f.take(sample);
+  if (f.waiting.size() < f.now.dead) {
+    f.waiting.push_back(sample);
+    return 0;
+  }
+  std::swap(sample, f.waiting[f.oldest]);
+  f.oldest = (f.oldest + 1) % f.now.dead;
+  return f.take(sample);
+}
+
+void ResponseFilter::operator()(std::span<const double> samples, std::span<double> output) {
+  if (samples.size() != output.size()) {
+    throw std::invalid_argument("respond: " + std::to_string(samples.size()) + " samples but room for " +
+                                std::to_string(output.size()) + " values");
+  }
+  Filter& f = *filter_;
+  if (f.now.dead == 0) {
+    f.take(samples, output.data());
+    return;
+  }
+  std::vector<double> delayed;
+  delayed.reserve(samples.size());
+  std::size_t silent = 0;
+  for (const double sample : samples) {
+    if (f.waiting.size() < f.now.dead) {
+      f.waiting.push_back(sample);
+      output[silent++] = 0;
+    } else {
+      delayed.push_back(std::exchange(f.waiting[f.oldest], sample));
+      f.oldest = (f.oldest + 1) % f.now.dead;
+    }
+  }
+  f.take(delayed, output.data() + silent);
+}
+
+void ResponseFilter::reset() noexcept {
+  filter_->now.bank.reset();
+  std::fill(std::begin(filter_->integral), std::end(filter_->integral), 0);
+  filter_->started = false;
+  filter_->latest = 0;
+  filter_->waiting.clear();
+  filter_->oldest = 0;
+}
+
+std::size_t ResponseFilter::states() const noexcept {
+  return filter_->now.bank.states() + filter_->now.integrators;
+}
+
+std::vector<double> respond(const FractionalTransferFunction& model, std::span<const double> samples,
+                            double sample_time, double tolerance, Hold hold) {
+  check_samples(samples, "respond");
+  ResponseFilter filter(model, sample_time, tolerance, hold, static_cast<double>(samples.size()));
+  std::vector<double> output(samples.size());
+  filter(samples, output);
+  return output;
+}
+
+std::vector<double> respond_grunwald_letnikov(const FractionalTransferFunction& model, std::span<const double> samples,
+                                              double sample_time) {
+  check_samples(samples, "respond_grunwald_letnikov");
+  check_sample_time(sample_time, "respond_grunwald_letnikov");
+  if (order_at_infinity(model) > 0) {
+    throw std::invalid_argument("respond_grunwald_letnikov: the model grows as s^" +
+                                detail::number_text(order_at_infinity(model)) +
+                                " at high frequency; allowed is a proper model");
+  }
+  // sum_k left_k y_(n-k) = sum_k right_k u_(n-k), the weights of all terms together.
+  const std::size_t count = samples.size();
+  const auto weights = [&](const std::vector<PowerTerm>& terms) {
+    std::vector<double> sum(count, 0);
+    for (const PowerTerm& term : terms) {
+      const std::vector<double> each = grunwald_letnikov_weights(term.order, count - 1);
+      const double factor = term.coefficient * std::pow(sample_time, -term.order);
+      for (std::size_t k = 0; k < count; ++k) sum[k] += factor * each[k];
+    }
+    return sum;
+  };
+  const std::vector<double> left = weights(model.denominator());
+  const std::vector<double> right = weights(model.numerator());
+  std::vector<double> output(count, 0);
+  for (std::size_t n = 0; n < count; ++n) {
+    double sum = 0;
+    for (std::size_t k = 0; k <= n; ++k) sum += right[k] * samples[n - k];
+    for (std::size_t k = 1; k <= n; ++k) sum -= left[k] * output[n - k];
+    output[n] = sum / left[0];
+  }
+  const auto late =
+      std::min(static_cast<std::size_t>(std::llround(std::min(model.delay() / sample_time, 1e15))), count);
+  std::rotate(output.begin(), output.end() - static_cast<std::ptrdiff_t>(late), output.end());
+  std::fill_n(output.begin(), late, 0);
+  return output;
+}
+
+}  // namespace frac
