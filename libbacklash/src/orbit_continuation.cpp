@@ -138,13 +138,18 @@ class Explorer {
   Explorer(const detail::LogRange& range, const OrbitContinuationOptions& options) : range_(range), options_(options) {}
 
   void follow(const OrbitSegment& orbit) {
-    if (!is_wanted(orbit) || is_known(orbit)) return;
-    if (std::optional<SegmentBranch> branch = detail::branch_through(orbit, range_)) keep(std::move(*branch));
+    follow_if_new(orbit);
     while (!queue_.empty() && branches_.size() < most_branches) {
       const Start start = std::move(queue_.front());
       queue_.pop_front();
       std::optional<SegmentBranch> branch = detail::branch_from(start.orbit, start.direction, start.begin, range_);
-      if (!branch || is_known(branch->points[branch->points.size() / 2].orbit)) continue;
+      if (!branch) continue;
+      const OrbitSegment& middle = branch->points[branch->points.size() / 2].orbit;
+      if (is_repeated(middle)) {
+        follow_if_new(middle);
+        continue;
+      }
+      if (is_known(middle)) continue;
       if (start.begin == SegmentEnd::birth) {
         branch->events.insert(branch->events.begin(), {SegmentEvent::birth, *start.parent, 0});
       } else {
@@ -195,8 +200,8 @@ class Explorer {
           break;
         }
         case SegmentEvent::birth:
-          // The parent branch passes there.
-          add_both_ways(event.orbit);
+          // The branch of the halves passes there.
+          follow_if_new(event.orbit);
           break;
         case SegmentEvent::grazing:
           add_past_grazing(event.orbit);
@@ -210,7 +215,14 @@ class Explorer {
     if (is_wanted(start.orbit)) queue_.push_back(std::move(start));
   }
 
-  void add_both_ways(const OrbitSegment& orbit) {
+  static bool is_repeated(const OrbitSegment& orbit) {
+    const std::optional<detail::Halves> parts = detail::halves(orbit);
+    return parts && detail::dot(parts->difference, parts->difference) < 1e-12;
+  }
+
+  void follow_if_new(const OrbitSegment& found) {
+    OrbitSegment orbit = found;
+    while (is_repeated(orbit)) orbit = detail::halves(orbit)->mean;
     if (!is_wanted(orbit) || is_known(orbit)) return;
     if (std::optional<SegmentBranch> branch = detail::branch_through(orbit, range_)) keep(std::move(*branch));
   }
@@ -218,6 +230,8 @@ class Explorer {
   // With a contact of speed 0 more or less the same motion is an orbit of another pattern.
   void add_past_grazing(const OrbitSegment& orbit) {
     const detail::ContactMargin margin = detail::contact_margin(orbit);
+    // A symmetric orbit touches both walls, and may gain an impact at one of them alone.
+    if (orbit.symmetric() && !margin.is_speed) add_past_grazing(detail::doubled(orbit));
     if (!margin.is_speed) {
       const OrbitSegment more = detail::with_impact(orbit, margin.index, margin.touch);
       detail::Direction speed(2 * more.impacts.size() + 1, 0.0);
@@ -249,6 +263,12 @@ std::optional<OrbitSegment> settled(double gamma, double restitution, const deta
   if (steady.regime != Regime::periodic && steady.regime != Regime::symmetric) return std::nullopt;
   const auto impacts = static_cast<int>(std::lround(steady.impacts_per_period * steady.period));
   return detail::orbit_through(motion, steady.end, impacts, 2 * steady.period);
+}
+
+// The half of a symmetric two-impact orbit.
+OrbitSegment segment_of(const detail::TwoImpactOrbit& orbit, double restitution) {
+  const double phase = static_cast<double>(orbit.start.half_period) * pi - pi / 2 + orbit.start.s;
+  return {std::log(orbit.gamma), restitution, 1, {{phase, orbit.speed, orbit.start.wall}}};
 }
 
 void check(const TwoMassSystem& system, double force_amplitude, double omega_from, double omega_to,
@@ -313,6 +333,15 @@ OrbitDiagram orbit_diagram(const TwoMassSystem& system, double force_amplitude, 
     if (progress != nullptr) ++progress->done;
   });
   Explorer explorer(range, options);
+  // The symmetric two-impact orbit in closed form, which attracts nothing at restitution 1 or at low frequency.
+  for (std::size_t i = 0; i < seed_frequencies; ++i) {
+    const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(seed_frequencies);
+    const double gamma = std::exp(range.lower + share * (range.upper - range.lower));
+    const auto orbit = detail::symmetric_two_impact_orbit(gamma, system.restitution());
+    if (!orbit) continue;
+    const OrbitSegment segment = segment_of(*orbit, system.restitution());
+    if (const auto exact = detail::corrected(segment, detail::gamma_direction(segment))) explorer.follow(*exact);
+  }
   for (const auto& seed : seeds) {
     if (seed) explorer.follow(*seed);
   }

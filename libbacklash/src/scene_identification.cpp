@@ -25,12 +25,15 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array<std::string_view, 4> parameter_names = {"mass1", "mass2", "clearance", "restitution"};
 
 constexpr std::size_t starts_solved = 8;
+constexpr std::size_t starts_at_once = 2;
 // Of which so many, when they lead to different scenes, are looked at with every closed orbit.
 constexpr std::size_t starts_explored = 2;
 // Of the places looked at, those with at most so many times the robust cost of the best are pursued, or with a cost per
 // point that small.
 constexpr double worth_settling = 3;
 constexpr double negligible_cost = 0.1;
+// Robust cost per point below which nothing is left to explain: noise of 2 %.
+constexpr double complete_cost = 0.6;
 // Estimates that agree to this are one.
 constexpr double same_estimate = 1e-4;
 // Factor by which masses and clearance may differ from what the data suggest.
@@ -202,7 +205,7 @@ bool better(const detail::LocalScene& one, const detail::LocalScene& other) {
 bool complete(const detail::LocalScene& local) {
   return std::all_of(local.choices.begin(), local.choices.end(),
                      [](const detail::PointChoice& choice) { return choice.used; }) &&
-         local.robust_cost < static_cast<double>(local.choices.size());
+         local.robust_cost < complete_cost * static_cast<double>(local.choices.size());
 }
 
 struct Search {
@@ -225,23 +228,31 @@ Search search(const detail::SceneData& data, const KnownScene& known, const std:
     }
     starts.insert(starts.begin(), given);
   }
-  std::vector<detail::LocalScene> solved(starts.size());
-  const auto solve_all = [&](detail::Effort effort) {
-    frac::parallel_for(solved.size(), threads, [&](std::size_t i) {
-      solved[i] =
-          detail::solve_scene(data, known.bounds, effort == detail::Effort::glance ? starts[i] : solved[i].theta,
-                              effort, rate_irregular, 1);
+  // In batches, so that places after one that explains all the data cost nothing.
+  std::vector<detail::LocalScene> solved;
+  std::size_t tried = 0;
+  while (tried < starts.size() && std::none_of(solved.begin(), solved.end(), complete)) {
+    const std::size_t batch = std::min(starts.size() - tried, starts_at_once);
+    std::vector<detail::LocalScene> glances(batch);
+    frac::parallel_for(batch, threads, [&](std::size_t i) {
+      glances[i] =
+          detail::solve_scene(data, known.bounds, starts[tried + i], detail::Effort::glance, rate_irregular, 1);
     });
-    std::erase_if(solved, [](const detail::LocalScene& local) { return !local.usable; });
-  };
-  solve_all(detail::Effort::glance);
-  if (solved.empty()) return {{}, starts.size(), 0};
+    tried += batch;
+    for (detail::LocalScene& glance : glances) {
+      if (glance.usable) solved.push_back(std::move(glance));
+    }
+  }
+  if (solved.empty()) return {{}, tried, 0};
   const double least = std::min_element(solved.begin(), solved.end(), better)->robust_cost;
   std::erase_if(solved, [&](const detail::LocalScene& local) {
     return local.robust_cost > worth_settling * least + static_cast<double>(data.points.size()) * negligible_cost;
   });
-  solve_all(detail::Effort::settle);
-  if (solved.empty()) return {{}, starts.size(), 0};
+  frac::parallel_for(solved.size(), threads, [&](std::size_t i) {
+    solved[i] = detail::solve_scene(data, known.bounds, solved[i].theta, detail::Effort::settle, rate_irregular, 1);
+  });
+  std::erase_if(solved, [](const detail::LocalScene& local) { return !local.usable; });
+  if (solved.empty()) return {{}, tried, 0};
   std::stable_sort(solved.begin(), solved.end(), better);
 
   detail::LocalScene best = solved.front();
@@ -260,7 +271,7 @@ Search search(const detail::SceneData& data, const KnownScene& known, const std:
   }
   const auto agreeing = static_cast<std::size_t>(std::count_if(
       solved.begin(), solved.end(), [&](const auto& local) { return same_scene(local, solved.front()); }));
-  return {std::move(best), starts.size(), agreeing};
+  return {std::move(best), tried, agreeing};
 }
 
 PointStatus status_of(const detail::PointChoice& choice) {

@@ -43,18 +43,18 @@ void validate_as(const LadderRealisation&) {}
 }  // namespace
 
 LadderRealisation::LadderRealisation(FrequencyBand band, int poles) : band_(band), poles_(poles) {
-  constexpr double fewest_decades = 0.1;
+  constexpr double fewest_decades = 0.5;
   constexpr double most_decades = 24;
   // Beyond it the poles are no longer determined well enough to be interpolated in the order.
   constexpr double least_error = 1e-8;
   const bool ordered = band.lower > 0 && band.lower < band.upper && std::isfinite(band.upper);
   const double width = ordered ? std::log(band.upper) - std::log(band.lower) : 0;
-  // The slack admits a tenth of a decade that was computed.
+  // The slack admits a width that was computed.
   if (width < fewest_decades * std::numbers::ln10 * (1 - 1e-9) ||
       width > most_decades * std::numbers::ln10 * (1 + 1e-9)) {
     throw std::invalid_argument("ladder: band = " + detail::number_text(band.lower) + " to " +
                                 detail::number_text(band.upper) +
-                                " rad/s; needed is 0 < lower < upper < infinity, 0.1 to 24 decades apart");
+                                " rad/s; needed is 0 < lower < upper < infinity, 0.5 to 24 decades apart");
   }
   // The limit of approximate.hpp at order 1/2.
   const int most = static_cast<int>(

@@ -114,7 +114,6 @@ Design design(const FractionalTransferFunction& model, double sample_time, doubl
 struct ResponseFilter::Filter {
   Filter(const FractionalTransferFunction& model, double sample_time, double tolerance, Hold hold_, double horizon)
       : hold(hold_),
-        step_size(sample_time),
         now(design(model, sample_time, tolerance, hold_, horizon)),
         gamma(now.channels * FilterBank::block, 0) {
     scale = std::pow(sample_time, static_cast<double>(now.integrators));
@@ -130,12 +129,15 @@ struct ResponseFilter::Filter {
 
   void advance(double next, const double* column, std::size_t stride) {
     for (std::size_t q = 0; q < now.integrators; ++q) {
-      double sum = 0;
+      double increment = lost[q];
       double factorial = 1;
-      for (std::size_t i = q; i < now.channels; ++i) {
-        sum += column[i * stride] / factorial;
+      for (std::size_t i = q + 1; i < now.channels; ++i) {
+        increment += column[i * stride] / factorial;
         factorial *= static_cast<double>(i - q + 1);
       }
+      // What the sum cannot hold is added next time.
+      const double sum = integral[q] + increment;
+      lost[q] = increment - (sum - integral[q]);
       integral[q] = sum;
     }
     latest = next;
@@ -163,25 +165,40 @@ struct ResponseFilter::Filter {
     std::size_t k = 0;
     if (!started && !samples.empty()) output[k++] = take(samples[0]);
     for (; k + block <= samples.size(); k += block) {
+      const double* next = &samples[k];
       double jumps[block];
-      for (std::size_t i = 0; i < block; ++i) {
-        const double next = samples[k + i];
-        fill(next, &gamma[i], block);
-        jumps[i] = jump(next);
-        advance(next, &gamma[i], block);
+      const bool has_jumps = now.theta == 1 && hold == Hold::zero_order && now.direct != 0;
+      if (has_jumps) {
+        jumps[0] = now.direct * (next[0] - latest);
+        for (std::size_t i = 1; i < block; ++i) jumps[i] = now.direct * (next[i] - next[i - 1]);
+      }
+      if (now.integrators == 0) {
+        gamma[0] = latest;
+        std::copy(next, next + block - 1, &gamma[1]);
+        latest = next[block - 1];
+        if (hold == Hold::first_order) {
+          for (std::size_t i = 0; i < block; ++i) gamma[block + i] = next[i] - gamma[i];
+        }
+      } else {
+        for (std::size_t i = 0; i < block; ++i) {
+          fill(next[i], &gamma[i], block);
+          advance(next[i], &gamma[i], block);
+        }
       }
       now.bank.run_block(gamma.data(), output + k);
-      for (std::size_t i = 0; i < block; ++i) output[k + i] += jumps[i];
+      if (has_jumps) {
+        for (std::size_t i = 0; i < block; ++i) output[k + i] += jumps[i];
+      }
     }
     for (; k < samples.size(); ++k) output[k] = take(samples[k]);
   }
 
   Hold hold;
-  double step_size;
   Design now;
   std::vector<double> gamma;
   double scale = 1;
   double integral[8] = {};  // of the input: the (m - i)-fold one times T^i
+  double lost[8] = {};      // of them, to rounding
   double latest = 0;
   bool started = false;
   std::vector<double> waiting;  // samples within the dead time, a ring once full
@@ -241,6 +258,7 @@ void ResponseFilter::operator()(std::span<const double> samples, std::span<doubl
 void ResponseFilter::reset() noexcept {
   filter_->now.bank.reset();
   std::fill(std::begin(filter_->integral), std::end(filter_->integral), 0);
+  std::fill(std::begin(filter_->lost), std::end(filter_->lost), 0);
   filter_->started = false;
   filter_->latest = 0;
   filter_->waiting.clear();

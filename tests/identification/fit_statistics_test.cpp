@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "frac/identification/fit.hpp"
+#include "support/noisy_response.hpp"
 
 namespace {
 
@@ -23,10 +24,10 @@ struct Problem {
   Component component;
 };
 
+constexpr int points = 100;
+
 std::vector<double> grid() {
-  std::vector<double> omega;
-  for (int i = 0; i < 100; ++i) omega.push_back(1e-2 * std::pow(1e4, i / 99.0));
-  return omega;
+  return support::four_decades(points);
 }
 
 /// Inverse Fisher matrix for normal relative noise of standard deviation `noise` on real and imaginary part each, from
@@ -53,16 +54,7 @@ Eigen::MatrixXd cramer_rao(const Problem& problem, double noise) {
 }
 
 frac::FrequencyResponseData noisy(const Problem& problem, double noise, std::mt19937_64& generator) {
-  const frac::Structure structure(problem.formula);
-  std::normal_distribution<double> normal(0, noise);
-  const std::vector<double> omega = grid();
-  std::vector<std::complex<double>> value;
-  for (const double w : omega) {
-    const std::complex<double> exact = structure.response(problem.parameters, w);
-    const double re = normal(generator), im = normal(generator);
-    value.push_back(exact + std::abs(exact) * std::complex<double>(re, im));
-  }
-  return {omega, value};
+  return support::noisy_response(problem.formula, problem.parameters, noise, generator, points);
 }
 
 class NoiseTrials : public testing::TestWithParam<Problem> {};

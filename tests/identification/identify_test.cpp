@@ -10,30 +10,23 @@
 #include <string>
 #include <vector>
 
+#include "support/noisy_response.hpp"
+
 namespace {
 
 using frac::Component;
 using frac::ModelClass;
 using frac::Verdict;
 
-std::vector<double> grid(int count = 80) {
-  std::vector<double> omega;
-  for (int i = 0; i < count; ++i) omega.push_back(1e-2 * std::pow(1e4, i / (count - 1.0)));
-  return omega;
+constexpr int points = 80;
+
+std::vector<double> grid() {
+  return support::four_decades(points);
 }
 
-frac::FrequencyResponseData noisy(const std::string& formula, const std::vector<double>& parameters, double noise,
+frac::FrequencyResponseData noisy(const char* formula, const std::vector<double>& parameters, double noise,
                                   unsigned seed) {
-  const frac::Structure structure(formula);
-  std::mt19937_64 generator(seed);
-  std::normal_distribution<double> normal(0, noise);
-  std::vector<std::complex<double>> value;
-  for (const double w : grid()) {
-    const std::complex<double> exact = structure.response(parameters, w);
-    const double re = normal(generator), im = normal(generator);
-    value.push_back(exact + std::abs(exact) * std::complex<double>(re, im));
-  }
-  return {grid(), value};
+  return support::noisy_response(formula, parameters, noise, seed, points);
 }
 
 std::vector<frac::NamedModel> models(const std::vector<std::string>& names) {

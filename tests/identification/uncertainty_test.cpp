@@ -8,28 +8,19 @@
 #include <stdexcept>
 #include <vector>
 
+#include "support/noisy_response.hpp"
+
 namespace {
 
 using frac::Component;
 
 std::vector<double> grid() {
-  std::vector<double> omega;
-  for (int i = 0; i < 60; ++i) omega.push_back(1e-2 * std::pow(1e4, i / 59.0));
-  return omega;
+  return support::four_decades(60);
 }
 
 frac::FrequencyResponseData noisy(const char* formula, const std::vector<double>& parameters, double noise,
-                                  unsigned seed) {
-  const frac::Structure structure(formula);
-  std::mt19937_64 generator(seed);
-  std::normal_distribution<double> normal(0, noise);
-  std::vector<std::complex<double>> value;
-  for (const double w : grid()) {
-    const std::complex<double> exact = structure.response(parameters, w);
-    const double re = normal(generator), im = normal(generator);
-    value.push_back(exact + std::abs(exact) * std::complex<double>(re, im));
-  }
-  return {grid(), value};
+                                  unsigned seed, int count = 60) {
+  return support::noisy_response(formula, parameters, noise, seed, count);
 }
 
 frac::FitOptions both_parts() {

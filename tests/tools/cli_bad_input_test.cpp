@@ -134,7 +134,7 @@ TEST_F(FitFailure, OptionsAreChecked) {
 }
 
 TEST_F(FitFailure, RealisationsNeedTheirOwnOptionsOnly) {
-  expect({"--model", "power-law", "--realisation", "ladder"}, 2, "not available");
+  expect({"--model", "power-law", "--realisation", "ladder"}, 2, "needs --band");
   expect({"--model", "power-law", "--realisation", "magic"}, 2, "expected exact");
   expect({"--model", "power-law", "--realisation", "oustaloup"}, 2, "needs --band");
   expect({"--model", "power-law", "--realisation", "oustaloup", "--band", "1", "--poles", "3"}, 2, "LOW:HIGH");

@@ -35,15 +35,16 @@ frac::Realisation realisation_of(const FitRequest& request) {
                   {"--memory", &request.memory}});
     return frac::ExactRealisation{};
   }
-  if (kind == "oustaloup") {
+  if (kind == "oustaloup" || kind == "ladder") {
     refuse(kind, {{"--sample-time", &request.sample_time}, {"--memory", &request.memory}});
     require(kind, {{"--band", &request.band}, {"--poles", &request.poles}});
     const auto [lower, upper] = range_option("--band", request.band);
     constexpr std::size_t most_poles = 1000;
     const std::size_t poles = count_option("--poles", request.poles, 1);
     if (poles > most_poles) throw std::invalid_argument("--poles " + request.poles + ": expected at most 1000");
-    return frac::OustaloupRealisation{{number_option("--band", lower), number_option("--band", upper)},
-                                      static_cast<int>(poles)};
+    const frac::FrequencyBand band{number_option("--band", lower), number_option("--band", upper)};
+    if (kind == "ladder") return frac::LadderRealisation(band, static_cast<int>(poles));
+    return frac::OustaloupRealisation{band, static_cast<int>(poles)};
   }
   if (kind == "grunwald-letnikov") {
     refuse(kind, {{"--band", &request.band}, {"--poles", &request.poles}});
@@ -51,10 +52,7 @@ frac::Realisation realisation_of(const FitRequest& request) {
     const std::size_t memory = request.memory.empty() ? 0 : count_option("--memory", request.memory, 0);
     return frac::GrunwaldLetnikovRealisation{number_option("--sample-time", request.sample_time), memory};
   }
-  if (kind == "ladder")
-    throw std::invalid_argument(
-        "--realisation ladder is not available in this version; use exact, oustaloup or grunwald-letnikov");
-  throw std::invalid_argument("--realisation " + io::quoted(kind) + ": expected exact, oustaloup or grunwald-letnikov");
+  throw std::invalid_argument("--realisation " + io::quoted(kind) + ": expected exact, oustaloup, ladder or grunwald-letnikov");
 }
 
 std::uint64_t seed_of(const std::string& text) {
@@ -67,10 +65,15 @@ std::uint64_t seed_of(const std::string& text) {
 
 io::Metadata realisation_entries(const frac::Realisation& realisation) {
   io::Metadata entries{{"realisation", frac::to_string(realisation)}};
+  const auto add_ladder = [&](const frac::FrequencyBand& band, int poles) {
+    entries.emplace_back("band", io::format_number(band.lower) + ":" + io::format_number(band.upper));
+    entries.emplace_back("poles", std::to_string(poles));
+  };
   if (const auto* oustaloup = std::get_if<frac::OustaloupRealisation>(&realisation)) {
-    entries.emplace_back("band",
-                         io::format_number(oustaloup->band.lower) + ":" + io::format_number(oustaloup->band.upper));
-    entries.emplace_back("poles", std::to_string(oustaloup->poles));
+    add_ladder(oustaloup->band, oustaloup->poles);
+  }
+  if (const auto* ladder = std::get_if<frac::LadderRealisation>(&realisation)) {
+    add_ladder(ladder->band(), ladder->poles());
   }
   if (const auto* difference = std::get_if<frac::GrunwaldLetnikovRealisation>(&realisation)) {
     entries.emplace_back("sample-time", io::format_number(difference->sample_time));
@@ -99,11 +102,11 @@ void add_fit_options(CLI::App& subcommand, FitRequest& request) {
       ->capture_default_str()
       ->type_name("LOSS");
   subcommand
-      .add_option("--realisation", request.realisation, "Powers of s through: exact, oustaloup or grunwald-letnikov")
+      .add_option("--realisation", request.realisation, "Powers of s through: exact, oustaloup, ladder or grunwald-letnikov")
       ->capture_default_str()
       ->type_name("R");
-  subcommand.add_option("--band", request.band, "Band of the Oustaloup realisation, rad/s")->type_name("LOW:HIGH");
-  subcommand.add_option("--poles", request.poles, "Poles of the Oustaloup realisation per power of s")->type_name("N");
+  subcommand.add_option("--band", request.band, "Band of the oustaloup or ladder realisation, rad/s")->type_name("LOW:HIGH");
+  subcommand.add_option("--poles", request.poles, "Poles of that realisation per power of s")->type_name("N");
   subcommand.add_option("--sample-time", request.sample_time, "Sample time of the Gruenwald-Letnikov realisation, s")
       ->type_name("T");
   subcommand.add_option("--memory", request.memory, "Samples it keeps, 0 for all (default)")->type_name("N");

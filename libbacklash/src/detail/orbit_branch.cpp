@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace backlash::detail {
@@ -264,6 +265,30 @@ SegmentBranch joined(SegmentBranch before, SegmentBranch after) {
   return result;
 }
 
+// The orbit begun at each of its impacts, and its mirror image the same way.
+std::vector<OrbitSegment> representations(const OrbitSegment& orbit) {
+  std::vector<OrbitSegment> result;
+  for (const OrbitSegment& image : {orbit, mirror_image(orbit)}) {
+    for (std::size_t first = 0; first < orbit.impacts.size(); ++first) {
+      OrbitSegment begun = image;
+      for (std::size_t i = 0; i < orbit.impacts.size(); ++i) begun.impacts[i] = image.impact(first + i);
+      result.push_back(std::move(begun));
+    }
+  }
+  return result;
+}
+
+// Shifts by whole periods to the phases of another orbit; false where the walls differ.
+bool shift_to(OrbitSegment& orbit, const OrbitSegment& other) {
+  const double period = 2 * std::numbers::pi;
+  const double turns = std::round((other.impacts.front().phase - orbit.impacts.front().phase) / period);
+  for (std::size_t i = 0; i < orbit.impacts.size(); ++i) {
+    if (orbit.impacts[i].wall != other.impacts[i].wall) return false;
+    orbit.impacts[i].phase += turns * period;
+  }
+  return true;
+}
+
 }  // namespace
 
 std::optional<SegmentBranch> branch_through(const OrbitSegment& orbit, const LogRange& log_gamma) {
@@ -291,30 +316,25 @@ std::optional<SegmentBranch> branch_from(const OrbitSegment& start, const Direct
 bool contains(const SegmentBranch& branch, const OrbitSegment& orbit) {
   const OrbitSegment& first = branch.points.front().orbit;
   if (first.impacts.size() != orbit.impacts.size() || first.half_periods != orbit.half_periods) return false;
-  // The fundamental and the lost energy are the same for an orbit, its shifts in time and its mirror image.
-  const auto energy = [](const OrbitSegment& of) {
-    double sum = 0;
-    for (const SegmentImpact& impact : of.impacts) sum += impact.speed * impact.speed;
-    return sum;
-  };
-  const auto is_same = [&](const OrbitSegment& other) {
-    const double size = 1 + energy(orbit);
-    return std::abs(energy(other) - energy(orbit)) < 1e-7 * size &&
-           std::abs(harmonic(other, 1) - harmonic(orbit, 1)) < 1e-7 &&
-           std::abs(std::abs(harmonic(other, 3)) - std::abs(harmonic(orbit, 3))) < 1e-7;
-  };
+  const std::vector<OrbitSegment> candidates = representations(orbit);
   for (std::size_t i = 0; i + 1 < branch.points.size(); ++i) {
-    const OrbitSegment& a = branch.points[i].orbit;
-    const OrbitSegment& b = branch.points[i + 1].orbit;
-    if ((a.log_gamma - orbit.log_gamma) * (b.log_gamma - orbit.log_gamma) > 0) continue;
-    // Neighbours are a short step apart.
-    if (std::abs(energy(a) - energy(orbit)) > 0.1 * (1 + energy(orbit)) + std::abs(energy(a) - energy(b))) continue;
-    const double step = b.log_gamma - a.log_gamma;
-    const double share = step == 0 ? 0.5 : (orbit.log_gamma - a.log_gamma) / step;
-    OrbitSegment guess = moved(a, difference(b, a), share);
-    guess.log_gamma = orbit.log_gamma;
-    const std::optional<OrbitSegment> between = corrected(guess, gamma_direction(guess));
-    if (between && is_same(*between)) return true;
+    const OrbitSegment& from = branch.points[i].orbit;
+    Direction chord = difference(branch.points[i + 1].orbit, from);
+    const double length = std::sqrt(dot(chord, chord));
+    if (!(length > 0)) continue;
+    for (double& value : chord) value /= length;
+    for (OrbitSegment candidate : candidates) {
+      if (!shift_to(candidate, from)) continue;
+      const Direction offset = difference(candidate, from);
+      const double along = dot(offset, chord);
+      const double aside = dot(offset, offset) - along * along;
+      // A branch leaves the chord of a step by less than its length.
+      if (along < -0.1 * length || along > 1.1 * length || aside > 0.1 * length * length + 1e-12) continue;
+      const std::optional<OrbitSegment> there = corrected(moved(from, chord, along), chord);
+      if (!there) continue;
+      const Direction apart = difference(candidate, *there);
+      if (dot(apart, apart) < 1e-14) return true;
+    }
   }
   return false;
 }

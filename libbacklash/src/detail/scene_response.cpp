@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
+#include "detail/closed_orbit.hpp"
 #include "detail/steady_state.hpp"
 #include "detail/two_impact_orbit.hpp"
 
@@ -109,14 +111,26 @@ std::optional<GapResponse> two_impact_response(double gamma, double restitution)
 }
 
 std::optional<BranchValue> motion_from(double gamma, double restitution, const GapState& start) {
-  const SteadyState steady = find_steady_state(GapMotion(gamma, restitution), start, tolerance);
+  const GapMotion motion(gamma, restitution);
+  const SteadyState steady = find_steady_state(motion, start, tolerance);
   if (steady.regime != Regime::periodic && steady.regime != Regime::chatter) return std::nullopt;
-  return BranchValue{{steady.regime, steady.period, steady.impacts_per_period, steady.end},
-                     steady.harmonics.u1_plus_gamma / gamma};
+  MotionBranch branch{steady.regime, steady.period, steady.impacts_per_period, steady.end, steady.spectral_radius > 0};
+  if (branch.flies) {
+    const Flight flight = motion.next_flight(branch.state);
+    branch.state = motion.after_impact(branch.state, flight);
+  }
+  return BranchValue{branch, steady.harmonics.u1_plus_gamma / gamma};
 }
 
 std::optional<Complex> continued(const MotionBranch& branch, double gamma, double restitution) {
-  const SteadyState steady = find_steady_state(GapMotion(gamma, restitution), branch.state, tolerance);
+  const GapMotion motion(gamma, restitution);
+  if (branch.flies) {
+    const auto impacts = static_cast<int>(std::lround(branch.impacts_per_period * branch.period));
+    const auto orbit = close_orbit(motion, branch.state, impacts, 2 * std::int64_t{branch.period}, tolerance);
+    if (!orbit) return std::nullopt;
+    return orbit_harmonics(motion, *orbit).u1_plus_gamma / gamma;
+  }
+  const SteadyState steady = find_steady_state(motion, branch.state, tolerance);
   if (!same_motion(steady, branch)) return std::nullopt;
   return steady.harmonics.u1_plus_gamma / gamma;
 }

@@ -25,7 +25,8 @@ struct MotionBranch {
   Regime regime;
   int period;
   double impacts_per_period;
-  GapState state;  // at a peak of the force
+  GapState state;  // at a peak of the force; just after an impact where `flies`
+  bool flies;      // never rests: followed by Newton's iteration on its impacts, stable or not
 };
 
 /// The motion that a start leads to; empty when it is averaged, free of impacts, or the two-impact orbit.

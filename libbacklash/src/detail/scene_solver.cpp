@@ -142,8 +142,8 @@ class Solver {
       offer(i, coefficients, PointChoice::Kind::free, 0.0, nullptr);
     }
     if (before.kind == PointChoice::Kind::motion) {
-      if (const auto found = motion_from(gamma, restitution, before.motion.state)) {
-        offer(i, coefficients, PointChoice::Kind::motion, found->h, &found->branch);
+      if (const auto h = continued(before.motion, gamma, restitution)) {
+        offer(i, coefficients, PointChoice::Kind::motion, *h, &before.motion);
       }
     }
     if (gamma >= onset && (before.kind != PointChoice::Kind::motion || before.motion.regime != Regime::chatter)) {
@@ -154,29 +154,15 @@ class Solver {
   }
 
   // The motions met in a sweep over a curve, as a measurement sees them, and from contact at rest.
+  // The motions reached from contact at rest and from mid-gap at rest.
   void explore_curve(std::size_t curve, const OutputCoefficients& coefficients, double near) {
-    const std::size_t begin = data_.curve_begin[curve];
-    const std::size_t end = data_.curve_begin[curve + 1];
-    GapState carried = state_at_peak(0.5, 0);
-    double carried_omega = data_.points[begin].omega;
-    for (std::size_t i = begin; i < end; ++i) {
-      if (choices_[i].kind != PointChoice::Kind::none && choices_[i].misfit <= near) {
-        if (choices_[i].kind == PointChoice::Kind::motion) {
-          carried = choices_[i].motion.state;
-          carried_omega = data_.points[i].omega;
-        }
-        continue;
-      }
+    for (std::size_t i = data_.curve_begin[curve]; i < data_.curve_begin[curve + 1]; ++i) {
       const double gamma = gamma_at(theta_, data_.points[i]);
-      const GapState from =
-          state_at_peak(carried.position(), carried.position_rate() * (carried_omega / data_.points[i].omega));
-      for (const GapState& start : {from, contact_at_rest_state()}) {
-        const auto found = motion_from(gamma, theta_[3], start);
-        if (!found) continue;
-        offer(i, coefficients, PointChoice::Kind::motion, found->h, &found->branch);
-        carried = found->branch.state;
-        carried_omega = data_.points[i].omega;
-        if (choices_[i].misfit <= near) break;
+      for (const GapState& start : {contact_at_rest_state(), state_at_peak(0.5, 0)}) {
+        if (choices_[i].kind != PointChoice::Kind::none && choices_[i].misfit <= near) break;
+        if (const auto found = motion_from(gamma, theta_[3], start)) {
+          offer(i, coefficients, PointChoice::Kind::motion, found->h, &found->branch);
+        }
       }
     }
   }
@@ -356,7 +342,7 @@ void Solver::least_squares() {
       const Evaluation next = evaluate(trial, deviation);
       if (next.ended.empty() && next.cost <= current.cost) {
         // Rounding of the cost hides steps this small.
-        least_squares_converged_ = change < 1e-11 || current.cost - next.cost <= 1e-9 * current.cost;
+        least_squares_converged_ = change < 1e-11 || current.cost - next.cost <= 1e-6 * current.cost;
         theta_ = trial;
         current = next;
         damping = std::max(damping * 0.1, 1e-15);

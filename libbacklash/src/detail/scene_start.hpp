@@ -23,6 +23,6 @@ using FixedScene = std::array<std::optional<double>, 4>;  // mass1, mass2, clear
 /// @param rate_irregular  as in solve_scene
 [[nodiscard]] std::vector<SceneVector> scene_starts(const SceneData& data, const SceneBounds& bounds,
                                                     const FixedScene& fixed, const std::vector<double>& jumps,
-                                                    std::size_t count);
+                                                    bool rate_irregular, std::size_t count);
 
 }  // namespace backlash::detail

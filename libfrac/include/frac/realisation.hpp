@@ -33,7 +33,7 @@ class LadderRealisation {
  public:
   /// Designs the ladders of all orders, which takes some milliseconds (up to a second for wide bands and many poles);
   /// copies share them.
-  /// @throws std::invalid_argument  band not 0 < lower < upper < infinity, 0.1 to 24 decades apart; poles below 1 or
+  /// @throws std::invalid_argument  band not 0 < lower < upper < infinity, 0.5 to 24 decades apart; poles below 1 or
   /// more than take the error to 1e-8 at order 1/2.
   LadderRealisation(FrequencyBand band, int poles);
 

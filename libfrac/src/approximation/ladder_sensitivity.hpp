@@ -4,8 +4,8 @@
 
 namespace frac::detail {
 
-/// d/d ln p of ln((1 + j omega p)/(p + j omega)), with full relative precision in both parts: the derivative by the order
-/// of a pole that goes to infinity multiplies it with as large a number.
+/// d/d ln p of ln((1 + j omega p)/(p + j omega)), with full relative precision in both parts: the derivative by the
+/// order of a pole that goes to infinity multiplies it with as large a number.
 [[nodiscard]] inline std::complex<double> ladder_sensitivity(double omega, double pole) {
   const double q = omega * pole;
   const double r = omega / pole;

@@ -172,7 +172,8 @@ LogPoleProblem::Step LogPoleProblem::weighted_step(const LogPoles& log_poles, do
     residual[2 * i] = -scale * static_cast<double>(error_[index].real());
     residual[2 * i + 1] = -scale * static_cast<double>(error_[index].imag());
     for (Eigen::Index k = 0; k < poles_; ++k) {
-      const auto slope = scale * ladder_sensitivity(static_cast<double>(omega_[index]), poles[static_cast<std::size_t>(k)]);
+      const auto slope =
+          scale * ladder_sensitivity(static_cast<double>(omega_[index]), poles[static_cast<std::size_t>(k)]);
       matrix(2 * i, k) = slope.real();
       matrix(2 * i + 1, k) = slope.imag();
     }
@@ -201,7 +202,8 @@ std::vector<double> LogPoleProblem::power_step(const LogPoles& log_poles, int po
     residual[3 * i] = -scale * error.real();
     residual[3 * i + 1] = -scale * error.imag();
     for (Eigen::Index k = 0; k < poles_; ++k) {
-      const auto slope = scale * ladder_sensitivity(static_cast<double>(omega_[index]), poles[static_cast<std::size_t>(k)]);
+      const auto slope =
+          scale * ladder_sensitivity(static_cast<double>(omega_[index]), poles[static_cast<std::size_t>(k)]);
       matrix(3 * i, k) = slope.real();
       matrix(3 * i + 1, k) = slope.imag();
       matrix(3 * i + 2, k) =

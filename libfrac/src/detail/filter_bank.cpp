@@ -6,7 +6,7 @@
 
 // Copies for processors with wider registers, chosen when the program is loaded.
 #if defined(__x86_64__) && defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define FRACFIT_WIDE_VECTORS __attribute__((target_clones("arch=skylake-avx512", "arch=haswell", "default")))
+#define FRACFIT_WIDE_VECTORS __attribute__((target_clones("avx512f", "fma", "default")))
 #else
 #define FRACFIT_WIDE_VECTORS
 #endif
@@ -78,6 +78,12 @@ std::size_t filled_up(std::size_t count) {
   return (count + width - 1) / width * width;
 }
 
+Complex expm1(Complex z) {
+  const double half_sine = std::sin(z.imag() / 2);
+  return {std::expm1(z.real()) * std::cos(z.imag()) - 2 * half_sine * half_sine,
+          std::exp(z.real()) * std::sin(z.imag())};
+}
+
 // phi_n(z) = sum_k z^k/(k+n)!, n = 1 .. count.
 std::vector<Complex> phi(Complex z, std::size_t count) {
   std::vector<Complex> value(count + 1);
@@ -103,9 +109,10 @@ std::vector<Complex> phi(Complex z, std::size_t count) {
 
 }  // namespace
 
-FilterBank::FilterBank(const std::vector<Exponential>& terms, double sample_time, double theta,
-                       const std::vector<double>& now)
+FilterBank::FilterBank(std::vector<Exponential> terms, double sample_time, double theta, const std::vector<double>& now)
     : channels_(now.size()), now_(now) {
+  std::sort(terms.begin(), terms.end(),
+            [](const Exponential& a, const Exponential& b) { return a.rate.real() < b.rate.real(); });
   const auto is_real = [](const Exponential& term) { return term.rate.imag() == 0; };
   real_count_ = static_cast<std::size_t>(std::count_if(terms.begin(), terms.end(), is_real));
   complex_count_ = terms.size() - real_count_;
@@ -113,10 +120,10 @@ FilterBank::FilterBank(const std::vector<Exponential>& terms, double sample_time
   complex_size_ = filled_up(complex_count_);
   size_ = real_size_ + 2 * complex_size_;
   state_.assign(size_, 0);
-  factor_re_.assign(real_size_ + complex_size_, 0);
-  factor_im_.assign(complex_size_, 0);
-  block_factor_re_ = factor_re_;
-  block_factor_im_ = factor_im_;
+  change_re_.assign(real_size_ + complex_size_, 0);
+  change_im_.assign(complex_size_, 0);
+  block_change_re_ = change_re_;
+  block_change_im_ = change_im_;
   output_.assign(size_, 0);
   drive_.assign(channels_ * size_, 0);
   block_output_.assign(size_ * block, 0);
@@ -135,8 +142,14 @@ FilterBank::FilterBank(const std::vector<Exponential>& terms, double sample_time
     const Complex z = term.rate * sample_time;
     const Complex factor = std::exp(z);
     const std::vector<Complex> phis = phi(z, channels_);
-    factor_re_[s] = factor.real();
-    if (!real) factor_im_[s - real_size_] = factor.imag();
+    const Complex change = expm1(z);
+    const Complex block_change = expm1(z * static_cast<double>(block));
+    change_re_[s] = change.real();
+    block_change_re_[s] = block_change.real();
+    if (!real) {
+      change_im_[s - real_size_] = change.imag();
+      block_change_im_[s - real_size_] = block_change.imag();
+    }
     Complex output = term.weight * std::exp(theta * z);
     output_[s] = output.real();
     if (!real) output_[s_im] = -output.imag();
@@ -159,9 +172,11 @@ FilterBank::FilterBank(const std::vector<Exponential>& terms, double sample_time
       }
       power = std::abs(power * factor) < 1e-280 ? 0 : power * factor;
     }
-    block_factor_re_[s] = power.real();
-    if (!real) block_factor_im_[s - real_size_] = power.imag();
   }
+  // To a constant input from its end values: the instantaneous part less what the states withdraw.
+  steady_gain_ = now_[0];
+  for (std::size_t s = 0; s < real_size_ + complex_size_; ++s) steady_gain_ -= output_[s];
+  for (const double output : output_) largest_ = std::max(largest_, std::abs(output));
   for (std::size_t channel = 0; channel < channels_; ++channel) {
     double sum = 0;
     for (std::size_t i = 0; i < block; ++i) {
@@ -176,21 +191,28 @@ FilterBank::FilterBank(const std::vector<Exponential>& terms, double sample_time
 
 void FilterBank::reset() noexcept {
   std::fill(state_.begin(), state_.end(), 0);
+  steady_ = 0;
+  first_real_ = first_complex_ = 0;
 }
 
-double FilterBank::step(std::span<const double> gamma) noexcept {
-  double y = 0;
-  for (std::size_t s = 0; s < size_; ++s) y += output_[s] * state_[s];
-  for (std::size_t s = 0; s < real_size_; ++s) state_[s] = flushed(factor_re_[s] * state_[s]);
+void FilterBank::change(const std::vector<double>& by_re, const std::vector<double>& by_im) noexcept {
+  for (std::size_t s = 0; s < real_size_; ++s) state_[s] = flushed(state_[s] + by_re[s] * state_[s]);
   for (std::size_t k = 0; k < complex_size_; ++k) {
     double& re = state_[real_size_ + k];
     double& im = state_[real_size_ + complex_size_ + k];
-    const double a = factor_re_[real_size_ + k];
-    const double b = factor_im_[k];
-    const double next = a * re - b * im;
-    im = flushed(b * re + a * im);
+    const double a = by_re[real_size_ + k];
+    const double b = by_im[k];
+    const double next = re + (a * re - b * im);
+    im = flushed(im + (b * re + a * im));
     re = flushed(next);
   }
+}
+
+double FilterBank::step(std::span<const double> gamma) noexcept {
+  leave_constant();
+  double y = 0;
+  for (std::size_t s = 0; s < size_; ++s) y += output_[s] * state_[s];
+  change(change_re_, change_im_);
   for (std::size_t channel = 0; channel < channels_; ++channel) {
     y += now_[channel] * gamma[channel];
     for (std::size_t s = 0; s < size_; ++s) state_[s] += drive_[channel * size_ + s] * gamma[channel];
@@ -198,22 +220,74 @@ double FilterBank::step(std::span<const double> gamma) noexcept {
   return y;
 }
 
-void FilterBank::run_block(const double* gamma, double* output) noexcept {
-  std::fill(output, output + block, 0);
-  add_rows(state_.data(), size_, block_output_.data(), block, output);
-  for (std::size_t s = 0; s < real_size_; ++s) state_[s] = flushed(block_factor_re_[s] * state_[s]);
-  for (std::size_t k = 0; k < complex_size_; ++k) {
+void FilterBank::leave_constant() noexcept {
+  if (steady_ != 0) {
+    for (std::size_t s = 0; s < real_size_ + complex_size_; ++s) state_[s] -= steady_;
+  }
+  steady_ = 0;
+  first_real_ = first_complex_ = 0;
+}
+
+void FilterBank::run_constant(double value, double* output) noexcept {
+  if (steady_ != value) {
+    leave_constant();
+    steady_ = value;
+    for (std::size_t s = 0; s < real_size_ + complex_size_; ++s) state_[s] += steady_;
+  }
+  std::fill(output, output + block, value * steady_gain_);
+  const auto add = [&](std::size_t from, std::size_t to) {
+    add_rows(&state_[0] + from, to - from, block_output_.data() + from * block, block, output);
+  };
+  const std::size_t imaginary = real_size_ + complex_size_;
+  add(first_real_, real_size_);
+  add(real_size_ + first_complex_, imaginary);
+  add(imaginary + first_complex_, size_);
+  for (std::size_t s = first_real_; s < real_size_; ++s) {
+    state_[s] = flushed(state_[s] + block_change_re_[s] * state_[s]);
+  }
+  for (std::size_t k = first_complex_; k < complex_size_; ++k) {
     double& re = state_[real_size_ + k];
-    double& im = state_[real_size_ + complex_size_ + k];
-    const double a = block_factor_re_[real_size_ + k];
-    const double b = block_factor_im_[k];
-    const double next = a * re - b * im;
-    im = flushed(b * re + a * im);
+    double& im = state_[imaginary + k];
+    const double a = block_change_re_[real_size_ + k];
+    const double b = block_change_im_[k];
+    const double next = re + (a * re - b * im);
+    im = flushed(im + (b * re + a * im));
     re = flushed(next);
   }
+  // 1e-22 of the largest output weight is nothing to any sum of a few hundred.
+  const auto has_decayed = [&](double state, std::size_t s) {
+    return std::abs(state) * std::hypot(output_[s], s < real_size_ ? 0 : output_[s + complex_size_]) <
+           1e-22 * std::abs(value) * largest_;
+  };
+  while (first_real_ < real_count_ && has_decayed(state_[first_real_], first_real_)) state_[first_real_++] = 0;
+  while (first_complex_ < complex_count_) {
+    const std::size_t s = real_size_ + first_complex_;
+    if (!has_decayed(std::hypot(state_[s], state_[s + complex_size_]), s)) break;
+    state_[s] = state_[s + complex_size_] = 0;
+    ++first_complex_;
+  }
+}
+
+void FilterBank::run_block(const double* gamma, double* output) noexcept {
+  const auto is_constant = [gamma](std::size_t channel) {
+    const double* in = gamma + channel * block;
+    return std::all_of(in, in + block, [in](double each) { return each == in[0]; });
+  };
+  bool settles = is_constant(0) && gamma[0] != 0;
+  for (std::size_t channel = 1; channel < channels_; ++channel) {
+    settles = settles && gamma[channel * block] == 0 && is_constant(channel);
+  }
+  if (settles) {
+    run_constant(gamma[0], output);
+    return;
+  }
+  leave_constant();
+  std::fill(output, output + block, 0);
+  add_rows(state_.data(), size_, block_output_.data(), block, output);
+  change(block_change_re_, block_change_im_);
   for (std::size_t channel = 0; channel < channels_; ++channel) {
     const double* in = gamma + channel * block;
-    if (std::all_of(in, in + block, [in](double each) { return each == in[0]; })) {
+    if (is_constant(channel)) {
       if (in[0] == 0) continue;
       for (std::size_t i = 0; i < block; ++i) output[i] += in[0] * kernel_sum_[channel * block + i];
       for (std::size_t s = 0; s < size_; ++s) state_[s] += in[0] * block_drive_sum_[channel * size_ + s];

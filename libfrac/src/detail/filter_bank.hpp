@@ -17,7 +17,7 @@ class FilterBank {
   static constexpr std::size_t block = 32;
 
   /// @param now  for each channel the output at theta T to (tau/T)^i/i! from rest.
-  FilterBank(const std::vector<Exponential>& terms, double sample_time, double theta, const std::vector<double>& now);
+  FilterBank(std::vector<Exponential> terms, double sample_time, double theta, const std::vector<double>& now);
 
   [[nodiscard]] double step(std::span<const double> gamma) noexcept;
   /// gamma[channel * block + j].
@@ -26,19 +26,30 @@ class FilterBank {
   [[nodiscard]] std::size_t states() const noexcept { return real_count_ + 2 * complex_count_; }
 
  private:
+  void change(const std::vector<double>& by_re, const std::vector<double>& by_im) noexcept;
+  void leave_constant() noexcept;
+  void run_constant(double value, double* output) noexcept;
+
   // States: the real ones, then all real parts, then all imaginary parts, each group filled up to whole vectors.
   std::size_t channels_, real_count_, complex_count_, real_size_, complex_size_, size_;
   std::vector<double> state_;
-  std::vector<double> factor_re_, factor_im_;              // e^{rate T}
-  std::vector<double> block_factor_re_, block_factor_im_;  // e^{rate block T}
-  std::vector<double> output_;                             // by state, for one step
-  std::vector<double> drive_;                              // by channel and state, for one step
+  // e^{rate T} - 1 and e^{rate block T} - 1: next to 1 the factors themselves would round the rates away.
+  std::vector<double> change_re_, change_im_, block_change_re_, block_change_im_;
+  std::vector<double> output_;  // by state, for one step
+  std::vector<double> drive_;   // by channel and state, for one step
   std::vector<double> now_;
   std::vector<double> block_output_;     // by state and sample of the block
   std::vector<double> block_drive_;      // by channel, sample and state
   std::vector<double> block_drive_sum_;  // by channel and state: of a constant input
   std::vector<double> kernel_;           // by channel: block zeros, then the response within the block
   std::vector<double> kernel_sum_;       // by channel and sample: to a constant input
+  // In a run of one constant value u a state is its end value -u plus what still decays.  States come by falling decay,
+  // and those before first_real_ and first_complex_ have decayed.
+  double steady_ = 0;
+  double steady_gain_ = 0;
+  double largest_ = 0;  // output weight
+  std::size_t first_real_ = 0;
+  std::size_t first_complex_ = 0;
 };
 
 }  // namespace frac::detail

@@ -51,8 +51,8 @@ class Search {
         return;
       }
     }
-    // A double root is only known to the square root of the rounding.
-    if (box.size() < 1e-5 || depth == 0) {
+    // A double root is only known to the square root of the rounding, a triple one to the third.
+    if (box.size() < 1e-4 || depth == 0) {
       found_.push_back({box.centre(), expected, box.size()});
       return;
     }

@@ -106,7 +106,7 @@ void check_start(const detail::ParameterMap& map, const Structure& structure) {
   }
 }
 
-/// Every n-th point, so few that a search over many starts stays quick and so many that it sees the same shape.
+/// Every n-th point, so few that searches and first iterations stay quick and so many that they see the same shape.
 struct Thinned {
   FrequencyResponseData data;
   detail::ResidualRule rule;
@@ -127,23 +127,22 @@ Thinned thinned(const FrequencyResponseData& data, const detail::ResidualRule& r
 
 detail::GlobalSolution solve(const detail::Residuals& residuals, const detail::ResidualRule& rule,
                              const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
-  if (options.global_start && !residuals.map().free().empty()) {
-    const Thinned thin = thinned(data, rule);
-    const detail::Residuals few(thin.data, structure, options.realisation, residuals.map(), thin.rule);
-    detail::GlobalSolution found = global_search(few, detail::suggested_orders(thin.data), options.seed);
-    if (found.starts_at_best == 0 || thin.data.size() == data.size()) return found;
-    found.best = local_solve(residuals, found.best.theta, {});
-    if (!std::isfinite(found.best.cost)) found.starts_at_best = 0;
-    return found;
-  }
-  check_start(residuals.map(), structure);
+  const Thinned thin = thinned(data, rule);
+  const detail::Residuals few(thin.data, structure, options.realisation, residuals.map(), thin.rule);
   detail::GlobalSolution result;
-  result.starts = 1;
-  const std::vector<double> start = residuals.map().to_theta(residuals.map().start());
-  result.best = {start, residuals.cost(start), false};
-  if (!std::isfinite(result.best.cost)) return result;
-  result.best = local_solve(residuals, start, {});
-  result.starts_at_best = 1;
+  if (options.global_start && !residuals.map().free().empty()) {
+    result = global_search(few, detail::suggested_orders(thin.data), options.seed);
+    if (result.starts_at_best == 0) return result;
+  } else {
+    check_start(residuals.map(), structure);
+    result.starts = 1;
+    result.best.theta = residuals.map().to_theta(residuals.map().start());
+    if (!std::isfinite(residuals.cost(result.best.theta))) return result;
+    result.best = local_solve(few, result.best.theta, {});
+  }
+  if (thin.data.size() < data.size()) result.best = local_solve(residuals, result.best.theta, {});
+  if (!std::isfinite(result.best.cost)) return {};
+  result.starts_at_best = std::max<std::size_t>(result.starts_at_best, 1);
   return result;
 }
 

@@ -1,0 +1,345 @@
+#include "backlash/orbit_continuation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include "backlash/jump_frequency.hpp"
+#include "detail/gap_motion.hpp"
+#include "detail/orbit_branch.hpp"
+#include "detail/two_impact_orbit.hpp"
+#include "support/expect_invalid_argument.hpp"
+
+namespace {
+
+using backlash::Bifurcation;
+using backlash::BifurcationPoint;
+using backlash::BranchEnd;
+using backlash::orbit_diagram;
+using backlash::OrbitBranch;
+using backlash::OrbitDiagram;
+using backlash::PeriodicOrbit;
+using backlash::Wall;
+using backlash::detail::GapMotion;
+using backlash::detail::GapState;
+using backlash::detail::OrbitSegment;
+using backlash::detail::SegmentBranch;
+using backlash::detail::SegmentEnd;
+using backlash::detail::SegmentEvent;
+using support::expect_invalid_argument;
+
+constexpr double pi = std::numbers::pi;
+
+// Force, masses and clearance 1, so that omega = gamma^(-1/2).
+OrbitDiagram unit_diagram(double restitution, double from, double to) {
+  return orbit_diagram({1, 1, 1, restitution}, 1, from, to);
+}
+
+double gamma_of(const PeriodicOrbit& orbit) {
+  return 1 / (orbit.omega * orbit.omega);
+}
+
+const OrbitBranch* find_branch(const OrbitDiagram& diagram, int period, int impacts, bool symmetric) {
+  for (const OrbitBranch& branch : diagram.branches) {
+    if (branch.period == period && branch.impacts == impacts && branch.symmetric == symmetric) return &branch;
+  }
+  return nullptr;
+}
+
+std::optional<PeriodicOrbit> first_of(const OrbitBranch& branch, Bifurcation kind) {
+  for (const BifurcationPoint& point : branch.bifurcations) {
+    if (point.kind == kind) return point.orbit;
+  }
+  return std::nullopt;
+}
+
+TEST(OrbitDiagram, RefinesTheEndsOfTheTwoImpactOrbitToTenDigits) {
+  // Closed forms for the symmetric orbit; for the doublings, ten digits of a Newton iteration with numerical
+  // derivatives on the impact map, written apart from this library.
+  for (const auto& [restitution, doubling] : {std::pair{0.6, .5042444674}, {0.8, .4627560031}}) {
+    SCOPED_TRACE(restitution);
+    const OrbitDiagram diagram = unit_diagram(restitution, 1.3, 6);
+    const OrbitBranch* symmetric = find_branch(diagram, 1, 2, true);
+    const OrbitBranch* asymmetric = find_branch(diagram, 1, 2, false);
+    ASSERT_TRUE(symmetric != nullptr && asymmetric != nullptr);
+    const auto node = first_of(*symmetric, Bifurcation::saddle_node);
+    const auto breaking = first_of(*symmetric, Bifurcation::symmetry_breaking);
+    const auto loss = first_of(*asymmetric, Bifurcation::period_doubling);
+    const auto birth = first_of(*asymmetric, Bifurcation::symmetry_breaking);
+    ASSERT_TRUE(node && breaking && loss && birth);
+    EXPECT_NEAR(gamma_of(*node) / backlash::detail::saddle_node_gamma(restitution), 1, 1e-12);
+    EXPECT_NEAR(gamma_of(*breaking) / backlash::detail::symmetry_breaking_gamma(restitution), 1, 1e-12);
+    EXPECT_NEAR(gamma_of(*birth) / gamma_of(*breaking), 1, 1e-12);
+    EXPECT_NEAR(gamma_of(*loss), doubling, 6e-11);
+    EXPECT_TRUE(asymmetric->begin == BranchEnd::symmetry_breaking || asymmetric->end == BranchEnd::symmetry_breaking);
+  }
+}
+
+TEST(OrbitDiagram, FollowsTheSymmetricOrbitThroughItsFold) {
+  const double restitution = 0.2;
+  const OrbitDiagram diagram = unit_diagram(restitution, 1.5, 2.4);
+  const OrbitBranch* branch = find_branch(diagram, 1, 2, true);
+  ASSERT_TRUE(branch != nullptr);
+  // The quadratic for the impact speed v has two roots, v1 + v2 = pi (1+e)/a and v1 v2 = (1 - 4 gamma^2)/a.
+  const double a = std::pow(1 - restitution, 2) + std::pow(pi * (1 + restitution) / 2, 2);
+  int upper = 0;
+  int lower = 0;
+  for (const PeriodicOrbit& orbit : branch->orbits) {
+    const double gamma = gamma_of(orbit);
+    const double v = orbit.impacts.front().speed / orbit.omega;
+    // A few roundings of terms below 10.
+    EXPECT_NEAR(a * v * v - pi * (1 + restitution) * v + 1 - 4 * gamma * gamma, 0, 1e-13);
+    // N = -(1 + U/gamma)/((M1 + M2) omega^2) with Im U = -(1 - e^2) v^2/(pi gamma).
+    EXPECT_NEAR(orbit.value.imag(), (1 - restitution * restitution) * v * v / (pi * gamma) / 2, 1e-14 * (1 + v * v));
+    (v > pi * (1 + restitution) / (2 * a) ? upper : lower) += 1;
+    if (v < pi * (1 + restitution) / (2 * a) - 1e-6) EXPECT_FALSE(orbit.stable);
+  }
+  EXPECT_GT(upper, 10);
+  EXPECT_GT(lower, 3);
+}
+
+// Every orbit of a diagram closes under the event-driven motion, in the same impacts.
+TEST(OrbitDiagram, HoldsOrbitsThatTheEventDrivenMotionRepeats) {
+  std::size_t orbits = 0;
+  for (const double restitution : {0.15, 0.6, 0.9}) {
+    for (const OrbitBranch& branch : unit_diagram(restitution, 1.2, 2.2).branches) {
+      EXPECT_TRUE(branch.begin != BranchEnd::lost && branch.end != BranchEnd::lost) << restitution;
+      for (const PeriodicOrbit& orbit : branch.orbits) {
+        const double gamma = gamma_of(orbit);
+        double slowest = 1;
+        for (const auto& impact : orbit.impacts) slowest = std::min(slowest, impact.speed / orbit.omega);
+        // Errors of the start grow with the multiplier, and with the square root of the rounding near grazing.
+        if (!(std::abs(orbit.multipliers[0]) < 100) || slowest < 1e-3) continue;
+        const GapMotion motion(gamma, restitution);
+        GapState state;
+        state.half_period = 0;
+        state.s = -pi / 2;
+        const double first_phase = orbit.impacts.front().phase;
+        backlash::detail::advance_phase(state, first_phase + pi);
+        state.half_period -= 0;
+        const double offset = static_cast<double>(state.half_period) * pi - pi / 2 + state.s - first_phase;
+        ASSERT_NEAR(std::remainder(offset, 2 * pi), 0, 1e-12);
+        state.wall = orbit.impacts.front().wall == Wall::near ? 0 : 1;
+        state.velocity = restitution * orbit.impacts.front().speed / orbit.omega;
+        ++orbits;
+        for (std::size_t i = 1; i <= orbit.impacts.size(); ++i) {
+          const auto& next = orbit.impacts[i % orbit.impacts.size()];
+          const double expected = next.phase + (i == orbit.impacts.size() ? 2 * pi * branch.period : 0);
+          const auto flight = motion.next_flight(state);
+          ASSERT_TRUE(flight.hits);
+          state = motion.after_impact(state, flight);
+          const double phase = static_cast<double>(state.half_period) * pi - pi / 2 + state.s - offset;
+          ASSERT_NEAR(phase, expected, 1e-9) << restitution << " " << orbit.omega << " " << i;
+          ASSERT_EQ(state.wall, next.wall == Wall::near ? 0 : 1);
+          ASSERT_NEAR(flight.speed, next.speed / orbit.omega, 1e-9);
+        }
+        // The product of the multipliers is the contraction of 2 n impacts.
+        const double product = std::pow(restitution, 2.0 * branch.impacts);
+        EXPECT_NEAR((orbit.multipliers[0] * orbit.multipliers[1]).real() / product, 1, 1e-9);
+        EXPECT_EQ(orbit.stable, std::abs(orbit.multipliers[0]) <= 1 + 1e-12) << orbit.omega;
+      }
+    }
+  }
+  EXPECT_GT(orbits, 1000u);
+}
+
+TEST(OrbitDiagram, StableOrbitsHaveTheDescribingFunctionOfTheSweep) {
+  const double restitution = 0.6;
+  const OrbitDiagram diagram = unit_diagram(restitution, 1.35, 1.9);
+  std::vector<double> omega;
+  for (int i = 0; i < 40; ++i) omega.push_back(1.36 + 0.0125 * i);
+  for (const auto protocol : {backlash::Protocol::sweep_up, backlash::Protocol::sweep_down}) {
+    backlash::SweepOptions options;
+    options.protocol = protocol;
+    int met = 0;
+    for (const auto& point : backlash::describing_function_sweep({1, 1, 1, restitution}, 1, omega, options).points) {
+      if (point.period < 1 || point.period > 4 || point.impacts_per_period * point.period > 16) continue;
+      // Some branch of that pattern passes this value: compare with the parabola through three neighbouring orbits.
+      double nearest = 1;
+      for (const OrbitBranch& branch : diagram.branches) {
+        if (branch.period != point.period || branch.impacts != point.impacts_per_period * point.period) continue;
+        for (std::size_t i = 0; i + 1 < branch.orbits.size(); ++i) {
+          const PeriodicOrbit& a = branch.orbits[i];
+          const PeriodicOrbit& b = branch.orbits[i + 1];
+          if ((a.omega - point.omega) * (b.omega - point.omega) > 0 || a.omega == b.omega) continue;
+          const double share = (point.omega - a.omega) / (b.omega - a.omega);
+          nearest = std::min(nearest, std::abs(a.value + share * (b.value - a.value) - point.value));
+        }
+      }
+      // Steps of at most 0.03 along the branch bend the chord by less than this.
+      EXPECT_LT(nearest, 5e-4) << point.omega;
+      ++met;
+    }
+    EXPECT_GT(met, 30);
+  }
+}
+
+TEST(OrbitDiagram, BothSidesOfTheHysteresisEndWhereTheSweepsJump) {
+  // Sweeping up at restitution 0.6 the three-impact orbit lives to its saddle-node; the bracket of the jump is 1e-6
+  // wide, and a fold attracts slowly.
+  const OrbitDiagram diagram = unit_diagram(0.6, 1.35, 1.7);
+  const OrbitBranch* three = find_branch(diagram, 1, 3, false);
+  ASSERT_TRUE(three != nullptr);
+  const auto node = first_of(*three, Bifurcation::saddle_node);
+  ASSERT_TRUE(node);
+  const double up =
+      backlash::jump_similarity_constant(0.6, backlash::JumpCriterion::sweep_up).similarity_constant.value();
+  EXPECT_NEAR(node->omega / up, 1, 5e-6);
+  // Stable and unstable orbits of the same pattern at one frequency below it.
+  EXPECT_TRUE(std::any_of(three->orbits.begin(), three->orbits.end(), [](const auto& orbit) { return orbit.stable; }));
+  EXPECT_TRUE(std::any_of(three->orbits.begin(), three->orbits.end(), [](const auto& orbit) { return !orbit.stable; }));
+}
+
+TEST(OrbitDiagram, BifurcationsHaveTheMultiplierThatDefinesThem) {
+  int seen[4] = {};
+  for (const double restitution : {0.4, 0.6, 0.8}) {
+    for (const OrbitBranch& branch : unit_diagram(restitution, 1.25, 2).branches) {
+      for (const BifurcationPoint& point : branch.bifurcations) {
+        ++seen[static_cast<int>(point.kind)];
+        const auto& mu = point.orbit.multipliers;
+        const auto distance = [&](double to) { return std::min(std::abs(mu[0] - to), std::abs(mu[1] - to)); };
+        // Across a bifurcation the multiplier moves at a rate of up to 1e4 per unit of the branch, located to 1e-14,
+        // and is a quotient by the slowest impact.
+        switch (point.kind) {
+          case Bifurcation::saddle_node:
+          case Bifurcation::symmetry_breaking:
+            EXPECT_LT(distance(1), 1e-7) << point.orbit.omega;
+            break;
+          case Bifurcation::period_doubling:
+            EXPECT_LT(distance(-1), 1e-7) << point.orbit.omega;
+            break;
+          case Bifurcation::grazing:
+            break;
+        }
+      }
+    }
+  }
+  for (const int count : seen) EXPECT_GT(count, 0);
+}
+
+TEST(OrbitDiagram, MirrorTwinIsAnOrbitOfTheSameResponse) {
+  const OrbitDiagram diagram = unit_diagram(0.6, 1.45, 1.6);
+  const OrbitBranch* branch = find_branch(diagram, 1, 2, false);
+  ASSERT_TRUE(branch != nullptr);
+  const PeriodicOrbit& orbit = branch->orbits[branch->orbits.size() / 2];
+  const PeriodicOrbit twin = mirror_twin(orbit, 1);
+  // The twin's impacts close under the motion: flight from one to the other, starting from either.
+  GapState state;
+  state.half_period = 0;
+  state.s = -pi / 2;
+  backlash::detail::advance_phase(state, twin.impacts[0].phase + pi / 2 + pi / 2);
+  state.wall = twin.impacts[0].wall == Wall::near ? 0 : 1;
+  state.velocity = 0.6 * twin.impacts[0].speed / twin.omega;
+  const auto flight = GapMotion(gamma_of(twin), 0.6).next_flight(state);
+  EXPECT_NEAR(flight.duration, twin.impacts[1].phase - twin.impacts[0].phase, 1e-11);
+  EXPECT_GT(std::abs(twin.impacts[1].phase - twin.impacts[0].phase - pi), 1e-3);
+  const PeriodicOrbit back = mirror_twin(twin, 1);
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_NEAR(std::remainder(back.impacts[i].phase - orbit.impacts[i].phase, 2 * pi), 0, 1e-14);
+    EXPECT_EQ(back.impacts[i].wall, orbit.impacts[i].wall);
+  }
+}
+
+TEST(OrbitDiagram, ScalesWithTheSceneAndDoesNotDependOnThreads) {
+  const OrbitDiagram unit = unit_diagram(0.6, 1.4, 1.7);
+  const backlash::TwoMassSystem system(3, 0.5, 0.02, 0.6);
+  const double scale = std::sqrt(7 / 0.5 / 0.02);
+  backlash::OrbitContinuationOptions options;
+  options.threads = 2;
+  const OrbitDiagram scene = orbit_diagram(system, 7, 1.4 * scale, 1.7 * scale, options);
+  ASSERT_EQ(scene.branches.size(), unit.branches.size());
+  for (std::size_t i = 0; i < unit.branches.size(); ++i) {
+    ASSERT_EQ(scene.branches[i].bifurcations.size(), unit.branches[i].bifurcations.size());
+    for (std::size_t j = 0; j < unit.branches[i].bifurcations.size(); ++j) {
+      EXPECT_NEAR(
+          scene.branches[i].bifurcations[j].orbit.omega / scale / unit.branches[i].bifurcations[j].orbit.omega, 1,
+          1e-10);
+    }
+  }
+}
+
+TEST(OrbitDiagram, NamesWhatIsOutOfRange) {
+  const backlash::TwoMassSystem system(1, 1, 1, 0.6);
+  expect_invalid_argument([&] { (void)orbit_diagram(system, 0, 1, 2); }, {"force_amplitude"});
+  expect_invalid_argument([&] { (void)orbit_diagram({1, 1, 0, 0.6}, 1, 1, 2); }, {"clearance"});
+  expect_invalid_argument([&] { (void)orbit_diagram(system, 1, 2, 2); }, {"omega_from", "omega_to"});
+  expect_invalid_argument([&] { (void)orbit_diagram(system, 1, -1, 2); }, {"omega_from", "-1"});
+  backlash::OrbitContinuationOptions options;
+  options.longest_period = 0;
+  expect_invalid_argument([&] { (void)orbit_diagram(system, 1, 1, 2, options); }, {"longest_period", "0"});
+  for (const auto kind : {Bifurcation::saddle_node, Bifurcation::symmetry_breaking, Bifurcation::period_doubling,
+                          Bifurcation::grazing}) {
+    EXPECT_EQ(backlash::bifurcation_from_string(to_string(kind)), kind);
+  }
+  expect_invalid_argument([] { (void)backlash::branch_end_from_string("x"); }, {"branch end", "range"});
+}
+
+// The branch of the symmetric two-impact orbit from just above its saddle-node, by continuation.
+std::optional<SegmentBranch> symmetric_branch(double restitution, double lower, double upper) {
+  const double node = backlash::detail::saddle_node_gamma(restitution);
+  const double gamma = node > 0 ? 1.02 * node : 0.1;
+  const auto orbit = backlash::detail::symmetric_two_impact_orbit(gamma, restitution);
+  if (!orbit) return std::nullopt;
+  const double phase = static_cast<double>(orbit->start.half_period) * pi - pi / 2 + orbit->start.s;
+  const OrbitSegment guess{std::log(gamma), restitution, 1, {{phase, orbit->speed, orbit->start.wall}}};
+  const auto segment = backlash::detail::corrected(guess, backlash::detail::gamma_direction(guess));
+  if (!segment) return std::nullopt;
+  return backlash::detail::branch_through(*segment, {std::log(lower), std::log(upper)});
+}
+
+TEST(JumpCriteria, AgreeWithContinuationOnAFineGridOfRestitution) {
+  using backlash::JumpCriterion;
+  const auto constant = [](double restitution, JumpCriterion criterion) {
+    return backlash::jump_similarity_constant(restitution, criterion).similarity_constant;
+  };
+  int compared = 0;
+  for (int i = 1; i <= 100; ++i) {
+    const double restitution = i / 100.0;
+    SCOPED_TRACE(restitution);
+    const double node = backlash::detail::saddle_node_gamma(restitution);
+    const auto branch = symmetric_branch(restitution, node > 0 ? 0.5 * node : 0.05, 1.5);
+    ASSERT_TRUE(branch);
+    std::optional<double> fold;
+    std::optional<OrbitSegment> breaking;
+    std::optional<double> grazing;
+    for (const auto& event : branch->events) {
+      if (event.kind == SegmentEvent::fold) fold = event.orbit.gamma();
+      if (event.kind == SegmentEvent::flip && !breaking) breaking = event.orbit;
+      if (event.kind == SegmentEvent::grazing && backlash::detail::return_map(event.orbit).scale > 0.1)
+        grazing = event.orbit.gamma();
+    }
+    // c = gamma^(-1/2).
+    if (i < 100) {
+      ASSERT_TRUE(fold);
+      EXPECT_NEAR(*constant(restitution, JumpCriterion::saddle_node) * std::sqrt(*fold), 1, 1e-9);
+    } else {
+      EXPECT_FALSE(constant(restitution, JumpCriterion::saddle_node));
+    }
+    ASSERT_TRUE(breaking || grazing);
+    const bool breaks = breaking && (!grazing || breaking->gamma() < *grazing);
+    const double symmetry = breaks ? breaking->gamma() : *grazing;
+    EXPECT_NEAR(*constant(restitution, JumpCriterion::symmetry_loss) * std::sqrt(symmetry), 1, 1e-9);
+    double loss = symmetry;
+    if (breaks) {
+      const auto asymmetric = backlash::detail::branch_from(backlash::detail::doubled(*breaking),
+                                                            backlash::detail::flip_direction(*breaking),
+                                                            SegmentEnd::birth, {std::log(0.05), std::log(1.5)});
+      ASSERT_TRUE(asymmetric && !asymmetric->events.empty());
+      loss = asymmetric->events.front().orbit.gamma();
+    }
+    EXPECT_NEAR(*constant(restitution, JumpCriterion::two_impact_loss) * std::sqrt(loss), 1, 1e-9);
+    ++compared;
+  }
+  EXPECT_EQ(compared, 100);
+  // At restitution 0 the masses stick: neither loss, and the saddle-node is the closed one, gamma = 1/(2
+  // sqrt(1 + pi^2/4)).
+  EXPECT_FALSE(constant(0, JumpCriterion::two_impact_loss));
+  EXPECT_FALSE(constant(0, JumpCriterion::symmetry_loss));
+  EXPECT_NEAR(*constant(0, JumpCriterion::saddle_node), std::sqrt(2 * std::sqrt(1 + pi * pi / 4)), 1e-14);
+}
+
+}  // namespace
