@@ -73,6 +73,10 @@ DescribingFunctionPoint point_of(const TwoMassSystem& system, double omega, doub
   point.uncertainty = share * steady.uncertainty / gamma / inertia + 4 * rounding * std::abs(point.value);
   const double fundamental = std::abs(numerator);
   point.third_harmonic_ratio = fundamental > 0 ? share * std::abs(steady.harmonics.u[1]) / gamma / fundamental : nan;
+  point.even_harmonic_ratio =
+      fundamental > 0 ? share * std::abs(steady.harmonics.u[detail::second_harmonic]) / gamma / fundamental : nan;
+  point.energy_defect = steady.energy_defect;
+  point.lyapunov_exponent = steady.lyapunov;
   return point;
 }
 
@@ -85,6 +89,8 @@ DescribingFunctionPoint rigid_point(const TwoMassSystem& system, double omega, d
   point.period = 1;
   const double share = output == Output::x1 ? 1 : system.mass1() / system.mass2();
   point.uncertainty = (share / gamma + 2 * rounding) / inertia;
+  point.even_harmonic_ratio = 0;
+  point.energy_defect = 0;
   return point;
 }
 
@@ -93,6 +99,7 @@ detail::SteadyState free_state(double gamma, const detail::GapState& end) {
   steady.regime = Regime::free;
   steady.period = 1;
   steady.harmonics.u[0] = -gamma;
+  steady.lyapunov = nan;
   steady.end = end;
   return steady;
 }
@@ -134,6 +141,8 @@ std::vector<DescribingFunctionPoint> carried_points(const TwoMassSystem& system,
   std::vector<DescribingFunctionPoint> points(omega.size());
   const bool down = options.protocol == Protocol::sweep_down;
   detail::GapState state = mid_gap_at_rest();
+  const bool follows_orbit = options.protocol == Protocol::two_impact && system.restitution() > 0;
+  const double loss_gamma = follows_orbit ? detail::two_impact_loss(system.restitution()).gamma : 0;
   double state_omega = down ? omega.back() : omega.front();
   for (std::size_t step = 0; step < omega.size(); ++step) {
     const std::size_t i = down ? omega.size() - 1 - step : step;
@@ -143,7 +152,7 @@ std::vector<DescribingFunctionPoint> carried_points(const TwoMassSystem& system,
     } else {
       std::optional<detail::SteadyState> steady;
       if (options.protocol == Protocol::two_impact) {
-        const auto orbit = detail::stable_two_impact_orbit(gamma, system.restitution());
+        const auto orbit = detail::stable_two_impact_orbit(gamma, system.restitution(), loss_gamma);
         if (orbit) steady = detail::two_impact_steady_state(*orbit, system.restitution());
       }
       if (!steady) steady = steady_state(system, gamma, carried(state, state_omega, omega[i]), options.tolerance);

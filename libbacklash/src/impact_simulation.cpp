@@ -68,9 +68,8 @@ ImpactHistory simulate_impacts(const TwoMassSystem& system, double force_amplitu
       const detail::GapState release = motion.release_after(state);
       const bool lasts = release.half_period >= last_peak;
       const double until = lasts ? history.duration : time_of(release, omega);
-      // All that is left of the relative motion is lost.
       const double reduced_mass = system.mass1() / total_mass * system.mass2();
-      const double energy = reduced_mass / 2 * std::pow(state.velocity * speed_unit, 2);
+      const double energy = reduced_mass * motion.chatter_tail(state).loss * speed_unit * speed_unit;
       history.rests.push_back({time_of(state, omega), until, wall_of(state), energy});
       if (lasts) {
         end_at(state.wall, 0);

@@ -54,9 +54,7 @@ class Scene {
   Scene(const TwoMassSystem& system, double force_amplitude, Output output)
       : system_(system), force_(force_amplitude), output_(output) {}
 
-  [[nodiscard]] double log_gamma(double omega) const {
-    return std::log(dimensionless_force(system_, force_, omega));
-  }
+  [[nodiscard]] double log_gamma(double omega) const { return std::log(dimensionless_force(system_, force_, omega)); }
   [[nodiscard]] double omega(double log_gamma) const {
     return std::sqrt(force_ / system_.mass2() / system_.clearance()) * std::exp(-0.5 * log_gamma);
   }
@@ -66,15 +64,15 @@ class Scene {
     result.omega = omega(segment.log_gamma);
     const double inertia = (system_.mass1() + system_.mass2()) * result.omega * result.omega;
     const std::complex<double> u = detail::harmonic(segment, 1) / segment.gamma();
-    result.value =
-        (output_ == Output::x1 ? -(1.0 + u) : -1.0 + system_.mass1() / system_.mass2() * u) / inertia;
+    result.value = (output_ == Output::x1 ? -(1.0 + u) : -1.0 + system_.mass1() / system_.mass2() * u) / inertia;
     result.multipliers = detail::multipliers(segment);
     result.stable = detail::return_map(segment).stable();
     const std::size_t count = segment.impacts.size() * (segment.symmetric() ? 2 : 1);
     const double unit = system_.clearance() * result.omega;
+    const double begin = 2 * pi * std::floor(segment.impacts.front().phase / (2 * pi));
     for (std::size_t i = 0; i < count; ++i) {
       const SegmentImpact impact = segment.impact(i);
-      result.impacts.push_back({impact.phase, impact.wall == 0 ? Wall::near : Wall::far, impact.speed * unit});
+      result.impacts.push_back({impact.phase - begin, impact.wall == 0 ? Wall::near : Wall::far, impact.speed * unit});
     }
     return result;
   }
@@ -278,8 +276,8 @@ void check(const TwoMassSystem& system, double force_amplitude, double omega_fro
   detail::require_positive("omega_from", "rad/s", omega_from);
   detail::require_positive("omega_to", "rad/s", omega_to);
   if (!(omega_from < omega_to)) {
-    throw std::invalid_argument("omega_from is " + detail::text(omega_from) + "; it must be less than omega_to = " +
-                                detail::text(omega_to) + " (rad/s)");
+    throw std::invalid_argument("omega_from is " + detail::text(omega_from) +
+                                "; it must be less than omega_to = " + detail::text(omega_to) + " (rad/s)");
   }
   for (const auto& [name, value, least] :
        {std::tuple{"longest_period", options.longest_period, 1}, std::tuple{"most_impacts", options.most_impacts, 2},

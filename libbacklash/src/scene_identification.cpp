@@ -26,8 +26,8 @@ constexpr std::array<std::string_view, 4> parameter_names = {"mass1", "mass2", "
 
 constexpr std::size_t starts_solved = 8;
 constexpr std::size_t starts_at_once = 2;
-// Of which so many, when they lead to different scenes, are looked at with every closed orbit.
-constexpr std::size_t starts_explored = 2;
+// Before the table of irregular motion is made, to see whether all the data can be explained without.
+constexpr std::size_t starts_of_first_look = 4;
 // Of the places looked at, those with at most so many times the robust cost of the best are pursued, or with a cost per
 // point that small.
 constexpr double worth_settling = 3;
@@ -216,8 +216,8 @@ struct Search {
 
 Search search(const detail::SceneData& data, const KnownScene& known, const std::vector<double>& jumps,
               bool rate_irregular, int threads) {
-  std::vector<SceneVector> starts =
-      detail::scene_starts(data, known.bounds, known.fixed, jumps, rate_irregular, starts_solved);
+  std::vector<SceneVector> starts = detail::scene_starts(data, known.bounds, known.fixed, jumps, rate_irregular,
+                                                         rate_irregular ? starts_solved : starts_of_first_look);
   const bool has_start =
       std::any_of(known.start.begin(), known.start.end(), [](const auto& s) { return s.has_value(); });
   if (has_start) {
@@ -235,43 +235,29 @@ Search search(const detail::SceneData& data, const KnownScene& known, const std:
     const std::size_t batch = std::min(starts.size() - tried, starts_at_once);
     std::vector<detail::LocalScene> glances(batch);
     frac::parallel_for(batch, threads, [&](std::size_t i) {
-      glances[i] =
-          detail::solve_scene(data, known.bounds, starts[tried + i], detail::Effort::glance, rate_irregular, 1);
+      glances[i] = detail::solve_scene(data, known.bounds, starts[tried + i], detail::Effort::glance, rate_irregular);
     });
     tried += batch;
     for (detail::LocalScene& glance : glances) {
       if (glance.usable) solved.push_back(std::move(glance));
     }
   }
-  if (solved.empty()) return {{}, tried, 0};
+  const bool explained = std::any_of(solved.begin(), solved.end(), complete);
+  if (solved.empty() || (!rate_irregular && !explained)) return {{}, tried, 0};
   const double least = std::min_element(solved.begin(), solved.end(), better)->robust_cost;
   std::erase_if(solved, [&](const detail::LocalScene& local) {
     return local.robust_cost > worth_settling * least + static_cast<double>(data.points.size()) * negligible_cost;
   });
   frac::parallel_for(solved.size(), threads, [&](std::size_t i) {
-    solved[i] = detail::solve_scene(data, known.bounds, solved[i].theta, detail::Effort::settle, rate_irregular, 1);
+    solved[i] = detail::solve_scene(data, known.bounds, solved[i].theta, detail::Effort::settle, rate_irregular);
   });
   std::erase_if(solved, [](const detail::LocalScene& local) { return !local.usable; });
   if (solved.empty()) return {{}, tried, 0};
   std::stable_sort(solved.begin(), solved.end(), better);
 
-  detail::LocalScene best = solved.front();
-  std::vector<const detail::LocalScene*> explored;
-  for (const detail::LocalScene& candidate : solved) {
-    if (explored.size() == starts_explored) break;
-    const bool known_already =
-        std::any_of(explored.begin(), explored.end(), [&](const auto* other) { return same_scene(*other, candidate); });
-    if (known_already) continue;
-    explored.push_back(&candidate);
-    // Nothing is left to explain: no other scene can be better.
-    if (complete(candidate)) break;
-    detail::LocalScene further =
-        detail::solve_scene(data, known.bounds, candidate.theta, detail::Effort::explore, rate_irregular, threads);
-    if (further.usable && better(further, best)) best = std::move(further);
-  }
   const auto agreeing = static_cast<std::size_t>(std::count_if(
       solved.begin(), solved.end(), [&](const auto& local) { return same_scene(local, solved.front()); }));
-  return {std::move(best), tried, agreeing};
+  return {solved.front(), tried, agreeing};
 }
 
 PointStatus status_of(const detail::PointChoice& choice) {
@@ -283,8 +269,8 @@ Regime regime_of(const detail::PointChoice& choice, double gamma, double restitu
   switch (choice.kind) {
     case detail::PointChoice::Kind::two_impact:
       return gamma <= detail::symmetry_breaking_gamma(restitution) ? Regime::symmetric : Regime::periodic;
-    case detail::PointChoice::Kind::motion:
-      return choice.motion.regime;
+    case detail::PointChoice::Kind::sticking:
+      return restitution > 0 ? Regime::chatter : Regime::periodic;
     case detail::PointChoice::Kind::free:
       return Regime::free;
     case detail::PointChoice::Kind::none:

@@ -96,15 +96,23 @@ Design design(const FractionalTransferFunction& model, double sample_time, doubl
   const FractionalTransferFunction core = times_power({model.numerator(), model.denominator()}, static_cast<double>(m));
   const detail::LaplaceImage step(core.numerator(), detail::scaled(core.denominator(), 1, 1));
   if (!step.poles().complete) throw std::domain_error("respond: the poles of the model could not be counted");
+  const double latest = horizon * sample_time;
+  const ReferenceResponse response(core);
+  double size = 0;
+  for (const double t : {latest, latest / 3, latest / 20}) {
+    const double value = std::abs(response(t).value);
+    if (std::isfinite(value)) size = std::max(size, value);
+  }
   const std::vector<detail::Exponential> terms =
-      detail::exponential_sum(step, theta * sample_time, horizon * sample_time, tolerance);
+      detail::exponential_sum(step, theta * sample_time, latest, tolerance, size);
 
   const std::size_t channels = m + (hold == Hold::first_order ? 2 : 1);
   std::vector<double> now;
   for (std::size_t i = 0; i < channels; ++i) {
     const auto power = static_cast<double>(i);
-    const ReferenceResponse response(times_power(core, -power));
-    now.push_back(response(theta * sample_time).value / std::pow(sample_time, power));
+    const double value = i == 0 ? response(theta * sample_time).value
+                                : ReferenceResponse(times_power(core, -power))(theta * sample_time).value;
+    now.push_back(value / std::pow(sample_time, power));
   }
   return {m, channels, direct, static_cast<std::size_t>(whole), theta, FilterBank(terms, sample_time, theta, now)};
 }

@@ -205,4 +205,45 @@ TEST(GapMotion, TouchingWithoutSpeedIsNoImpact) {
   EXPECT_NEAR(flight.duration, std::acos(1 - 1 / 0.51), 1e-14);
 }
 
+// Every flight of long irregular motions ends at a wall, at the speed reported.
+TEST(GapMotion, FlightsEndAtTheirWall) {
+  const double gammas[] = {0.55, 0.9, 1.4, 2.2, 4.6889036618842406, 9, 25};
+  for (const double restitution : {0.4, 0.61029110591143432, 0.8, 0.95, 1.0}) {
+    for (const double gamma : gammas) {
+      const GapMotion motion(gamma, restitution);
+      GapState state = backlash::detail::state_at_peak(0.37, 0.11);
+      for (int i = 0; i < 20'000; ++i) {
+        if (motion.rests(state) || motion.chatter_tail(state).negligible(1e-13)) {
+          // Sticking repeats itself: on with another speed.
+          state = motion.release_after(state);
+          state.velocity = 1e-3 * (1 + i % 997);
+        }
+        const Flight flight = motion.next_flight(state);
+        ASSERT_TRUE(flight.hits);
+        const backlash::detail::DistanceAndVelocity end = motion.along(state, flight, flight.duration);
+        // Terms of the distance are below (1 + gamma)(1 + duration); the speed follows the time by the acceleration.
+        const double rounding = 1e-15 * (1 + gamma) * (1 + flight.duration);
+        ASSERT_NEAR(end.distance, flight.crosses ? 1 : 0, 4 * rounding) << gamma << " " << restitution << " " << i;
+        ASSERT_NEAR(std::abs(end.velocity), flight.speed, 1e-10) << gamma << " " << restitution << " " << i;
+        state = motion.after_impact(state, flight);
+      }
+    }
+  }
+}
+
+TEST(GapMotion, SpeedAlmostLostOnTheWayLeadsToTheOppositeWall) {
+  // After the impact the force brakes down to a speed of 0.03, nowhere to 0, and then drives across.
+  GapState state;
+  advance_phase(state, -0.2122509357574572);
+  state.velocity = 0.13804297811194313;
+  const GapMotion motion(4.6889036618842406, 0.61);
+  const PlainMotion reference = plain(state, 4.6889036618842406);
+  bool doubtful = false;
+  const std::optional<Contact> expected = contact_by_steps(reference, doubtful);
+  ASSERT_TRUE(expected && expected->wall == 1);
+  const Flight flight = motion.next_flight(state);
+  ASSERT_TRUE(flight.hits && flight.crosses);
+  EXPECT_NEAR(flight.duration, static_cast<double>(expected->h), 1e-14);
+}
+
 }  // namespace

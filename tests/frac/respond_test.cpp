@@ -68,7 +68,7 @@ TEST(Respond, StepResponsesMeetTheTolerance) {
     for (const double sample_time : {1e-3, 0.1}) {
       const double end = name == "1/(s^1.2 - 2)" || name == "1/(s^3.5 + 1)" ? 10 : 2000;
       const std::vector<double> samples(static_cast<std::size_t>(end / (100 * sample_time)) + 40, 1.0);
-      for (const double tolerance : {1e-3, 1e-6, 1e-9, 1e-12}) {
+      for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
         const std::vector<double> output = frac::respond(model, samples, sample_time, tolerance);
         EXPECT_LE(relative_error(output, reference, sample_time), tolerance) << name << " " << sample_time;
       }
@@ -79,8 +79,10 @@ TEST(Respond, StepResponsesMeetTheTolerance) {
 TEST(Respond, LongStepResponsesMeetTheTolerance) {
   const std::vector<double> samples(200'000, 1.0);
   for (const auto& [name, system] : support::step_systems()) {
-    const std::vector<double> output = frac::respond(system.model, samples, 1e-4, 1e-9);
-    EXPECT_LE(relative_error(output, ReferenceResponse(system.model), 1e-4), 1e-9) << name;
+    for (const double tolerance : {1e-9, 1e-12}) {
+      const std::vector<double> output = frac::respond(system.model, samples, 1e-4, tolerance);
+      EXPECT_LE(relative_error(output, ReferenceResponse(system.model), 1e-4), tolerance) << name;
+    }
   }
 }
 

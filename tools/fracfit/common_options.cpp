@@ -78,6 +78,11 @@ CommandLine& CommandLine::argument(const std::string& value) {
   return *this;
 }
 
+CommandLine& CommandLine::flag(const std::string& name) {
+  text_ += " " + name;
+  return *this;
+}
+
 CommandLine& CommandLine::option(const std::string& name, const std::string& value) {
   text_ += " " + name;
   return argument(value);

@@ -45,6 +45,7 @@ class CommandLine {
  public:
   explicit CommandLine(std::string subcommand);
   CommandLine& argument(const std::string& value);
+  CommandLine& flag(const std::string& name);
   CommandLine& option(const std::string& name, const std::string& value);
   [[nodiscard]] const std::string& text() const noexcept { return text_; }
 

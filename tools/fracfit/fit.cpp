@@ -1,9 +1,12 @@
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <optional>
+#include <stdexcept>
 
 #include "exit_code.hpp"
 #include "fit_output.hpp"
 #include "fit_request.hpp"
+#include "fit_statistics.hpp"
 #include "frac/structure.hpp"
 #include "json_output.hpp"
 #include "model_choice.hpp"
@@ -16,31 +19,80 @@ struct FitArguments {
   CommonOptions common;
   FitRequest request;
   std::string model;
+  std::string grow;
   ParameterOptions parameters;
+  bool profile = false;
+  std::string bootstrap;
 };
+
+void check(const FitArguments& given) {
+  if (given.model.empty() == given.grow.empty())
+    throw std::invalid_argument("give either --model or --grow: the structure, or the family to grow it in");
+  if (given.grow.empty()) return;
+  for (const auto& [name, values] :
+       {std::pair{"--fix", &given.parameters.fix}, std::pair{"--bound", &given.parameters.bound},
+        std::pair{"--start", &given.parameters.start}})
+    if (!values->empty())
+      throw std::invalid_argument(std::string(name) +
+                                  " has no meaning with --grow, whose parameters differ from structure to structure");
+}
 
 std::string command_of(const FitArguments& given, const frac::FitOptions& options) {
   CommandLine command("fit");
-  command.argument(given.request.data).option("--model", given.model);
+  command.argument(given.request.data);
+  if (given.grow.empty()) command.option("--model", given.model);
+  if (!given.grow.empty()) command.option("--grow", given.grow);
   append_to(command, given.request, options);
   for (const auto& text : given.parameters.bound) command.option("--bound", text);
   for (const auto& text : given.parameters.fix) command.option("--fix", text);
   for (const auto& text : given.parameters.start) command.option("--start", text);
+  if (given.profile) command.flag("--profile");
+  if (!given.bootstrap.empty()) command.option("--bootstrap", given.bootstrap);
   return command.text();
 }
 
+// The fit, and in `options` the constraints it was made with.
+struct Fitted {
+  frac::FitResult result;
+  std::optional<frac::Growth> growth;
+};
+
+Fitted fitted(const FitArguments& given, const frac::FrequencyResponseData& data, frac::FitOptions& options) {
+  if (given.grow.empty()) {
+    const auto model = chosen_model(given.model);
+    return {frac::fit(data, frac::Structure(model.formula), options), std::nullopt};
+  }
+  const auto family = frac::growth_family_from_string(given.grow);
+  auto growth = frac::grow(data, family, options);
+  options.constraints = frac::grown_model(family, growth.chosen + 1).constraints;
+  auto result = growth.fits.at(growth.chosen);
+  return {std::move(result), std::move(growth)};
+}
+
 int run_fit(const FitArguments& given) {
+  check(given);
   const io::OutputFile out(given.common.out);
   auto options = fit_options(given.request);
-  const auto model = chosen_model(given.model);
-  options.constraints = constraints_of(model, given.parameters);
-  const frac::Structure structure(model.formula);
+  if (given.grow.empty()) {
+    const auto model = chosen_model(given.model);
+    const frac::Structure parsed(model.formula);
+    options.constraints = constraints_of(model, given.parameters);
+  } else {
+    static_cast<void>(frac::growth_family_from_string(given.grow));
+  }
+  constexpr std::size_t fewest_samples = 20;
+  const StatisticsRequest request{
+      given.profile, given.bootstrap.empty() ? 0 : count_option("--bootstrap", given.bootstrap, fewest_samples)};
   const auto file = read_data(given.request, given.common);
-  const auto result = frac::fit(file.data, structure, options);
+  const auto [result, growth] = fitted(given, file.data, options);
+  auto statistics = fit_statistics(file.data, options, result, request, given.common.threads);
+  statistics.growth = growth;
 
   const FitRun run = fit_run(given.request, options, file, command_of(given, options));
   const std::string format = chosen_format(given.common, "json");
-  out.write(format == "json" ? fit_json(run, result) : format == "csv" ? fit_csv(run, result) : fit_table(run, result));
+  out.write(format == "json"  ? fit_json(run, result, statistics)
+            : format == "csv" ? fit_csv(run, result, statistics)
+                              : fit_table(run, result, statistics));
   if (result.termination == frac::FitTermination::converged) return usable_result;
   say(given.common, "no usable result: " + result.message);
   return no_usable_result;
@@ -54,17 +106,23 @@ void add_fit(CLI::App& program, Run& run) {
   add_fit_options(*fit, given->request);
   fit->add_option("--model", given->model,
                   "Preset or formula of s and named parameters, e.g. 'K exp(-L s)/(T s^a + 1)'")
-      ->required()
       ->type_name("MODEL");
+  fit->add_option("--grow", given->grow,
+                  "Instead of --model: powers, denominator or arcs; terms are added only while the data pay for them")
+      ->type_name("FAMILY");
   add_repeatable(*fit, "--fix", given->parameters.fix, "Hold a parameter at a value; repeatable", "NAME=VALUE");
   add_repeatable(*fit, "--bound", given->parameters.bound, "Limit a parameter; one side may be left out; repeatable",
                  "NAME=LOW:HIGH");
   add_repeatable(*fit, "--start", given->parameters.start, "Start a parameter at a value; repeatable", "NAME=VALUE");
+  fit->add_flag("--profile", given->profile, "Add profile-likelihood intervals, which follow the cost itself");
+  fit->add_option("--bootstrap", given->bootstrap, "Add intervals from N refits to resampled residuals, N >= 20")
+      ->type_name("N");
   add_common_options(*fit, given->common, {"json", "csv", "table"});
   fit->footer("Presets:\n" + preset_list() +
               "Examples:\n"
               "  fracfit fit curve.csv --model power-law --where 'omega>20'\n"
-              "  fracfit fit cell.csv --model 'R0 + R1/(1 + R1 Q1 s^n1)' --component both --bound n1=:1\n"
+              "  fracfit fit cell.csv --model 'R0 + R1/(1 + R1 Q1 s^n1)' --component both --bound n1=:1 --profile\n"
+              "  fracfit fit cell.csv --grow arcs --component both\n"
               "  fracfit fit curve.csv --model 'K/(T s^a + 1)' --realisation oustaloup --band 0.01:1000 --poles 9 "
               "--out fit.json");
   fit->callback([given, &run] { run = [given] { return run_fit(*given); }; });

@@ -1,11 +1,16 @@
 #include "fit_output.hpp"
 
+#include <limits>
+
 #include "aligned_table.hpp"
+#include "io/csv_line.hpp"
 #include "io/number.hpp"
 #include "io/sweep_file.hpp"
 
 namespace fracfit {
 namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 std::string interval(double lower, double upper) {
   return short_number(lower) + " .. " + short_number(upper);
@@ -43,6 +48,48 @@ std::string parameter_table(const frac::FitResult& result) {
   return table.text();
 }
 
+std::string added_intervals(const frac::FitResult& result, const FitStatistics& statistics) {
+  if (statistics.profile.empty() && statistics.bootstrap.empty()) return {};
+  std::vector<std::string> names{"95 % intervals"};
+  if (!statistics.profile.empty()) names.emplace_back("profile likelihood");
+  if (!statistics.bootstrap.empty()) names.push_back("bootstrap of " + std::to_string(statistics.bootstrap_samples));
+  names.emplace_back("");
+  AlignedTable table(names);
+  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+    std::vector<std::string> row{result.parameters[i].name};
+    std::string remark;
+    if (!statistics.profile.empty()) {
+      const auto& profile = statistics.profile[i];
+      row.push_back(profile ? interval(profile->lower, profile->upper) : "-");
+      if (profile && profile->better_minimum_found) remark = "the profile found a better minimum";
+    }
+    if (!statistics.bootstrap.empty())
+      row.push_back(interval(statistics.bootstrap[i].lower, statistics.bootstrap[i].upper));
+    row.push_back(remark);
+    table.add(row);
+  }
+  return table.text() + "\n";
+}
+
+std::string residual_remarks(const FitStatistics& statistics) {
+  std::string text = "residuals: correlation of neighbours " + short_number(statistics.whiteness.lag_one_correlation) +
+                     ", chance of that from noise alone " + short_number(statistics.whiteness.p_value) + "\n";
+  if (statistics.outlier_omega.empty()) return text;
+  text += std::to_string(statistics.outlier_omega.size()) + " outliers at omega =";
+  for (const double omega : statistics.outlier_omega) text += " " + short_number(omega);
+  return text + " rad/s\n";
+}
+
+std::string growth_table(const frac::Growth& growth) {
+  AlignedTable table({"structures tried", "free", "rms", "AICc", ""});
+  for (std::size_t i = 0; i < growth.fits.size(); ++i) {
+    const auto& fit = growth.fits[i];
+    table.add({fit.model, std::to_string(fit.free_parameters), short_number(fit.rms), short_number(fit.aicc),
+               i == growth.chosen ? "chosen" : ""});
+  }
+  return table.text() + "\n";
+}
+
 std::string closing(const frac::FitResult& result) {
   std::string text = "cost " + short_number(result.cost) + " (sum of " + std::to_string(result.residuals) +
                      " squared residuals), rms " + short_number(result.rms) + ", largest " +
@@ -59,34 +106,39 @@ std::string csv_header(const FitRun& run) {
   return text;
 }
 
-// A field that holds a comma or a quote is put in quotes.
-std::string csv_text(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string quoted = "\"";
-  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return quoted + "\"";
-}
-
 std::string yes_no(bool value) {
   return value ? "true" : "false";
 }
 
 }  // namespace
 
-std::string fit_table(const FitRun& run, const frac::FitResult& result) {
-  return "model      " + result.model + "\n" + heading(run) + "\n" + parameter_table(result) + "\n" + closing(result);
+std::string fit_table(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
+  return "model      " + result.model + "\n" + heading(run) + "\n" +
+         (statistics.growth ? growth_table(*statistics.growth) : "") + parameter_table(result) + "\n" +
+         added_intervals(result, statistics) + residual_remarks(statistics) + closing(result);
 }
 
-std::string identification_table(const FitRun& run, const frac::IdentificationResult& result) {
-  AlignedTable ranking({"model", "class", "free", "rms", "AICc above best", "share of evidence", ""});
+std::string identification_table(const FitRun& run, const frac::IdentificationResult& result,
+                                 const std::vector<double>& prediction_rms) {
+  std::vector<std::string> names{"model", "class", "free", "rms", "AICc above best", "share of evidence"};
+  if (!prediction_rms.empty()) names.emplace_back("rms of predictions");
+  names.emplace_back("");
+  AlignedTable ranking(names);
+  std::size_t index = 0;
   for (const auto& candidate : result.ranking) {
     std::string remark;
     if (candidate.fit.termination != frac::FitTermination::converged)
       remark = frac::to_string(candidate.fit.termination);
     if (&candidate == &result.ranking.at(result.chosen)) remark = "chosen: simplest within 2 of the best";
-    ranking.add({candidate.name, std::string(frac::to_string(candidate.model_class)),
-                 std::to_string(candidate.fit.free_parameters), short_number(candidate.fit.rms),
-                 short_number(candidate.delta_aicc), short_number(candidate.akaike_weight), remark});
+    std::vector<std::string> row{candidate.name,
+                                 std::string(frac::to_string(candidate.model_class)),
+                                 std::to_string(candidate.fit.free_parameters),
+                                 short_number(candidate.fit.rms),
+                                 short_number(candidate.delta_aicc),
+                                 short_number(candidate.akaike_weight)};
+    if (!prediction_rms.empty()) row.push_back(short_number(prediction_rms[index++]));
+    row.push_back(remark);
+    ranking.add(row);
   }
   const auto& chosen = result.ranking.at(result.chosen);
   std::string text = heading(run) + "\n" + ranking.text() + "\n" + chosen.name;
@@ -95,36 +147,55 @@ std::string identification_table(const FitRun& run, const frac::IdentificationRe
   return text + "verdict: " + std::string(frac::to_string(result.verdict)) + ". " + result.verdict_sentence + "\n";
 }
 
-std::string fit_csv(const FitRun& run, const frac::FitResult& result) {
+std::string fit_csv(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
   std::string text = csv_header(run);
   text += "# formula: " + result.model + "\n# cost: " + io::format_number(result.cost) +
           "\n# rms: " + io::format_number(result.rms) + "\n# aicc: " + io::format_number(result.aicc) +
           "\n# bic: " + io::format_number(result.bic) +
-          "\n# termination: " + std::string(frac::to_string(result.termination)) + "\n";
-  text += "name,value,standard_error,ci95_lower,ci95_upper,identified,at_bound,fixed\n";
-  for (const auto& parameter : result.parameters) {
+          "\n# termination: " + std::string(frac::to_string(result.termination)) +
+          "\n# lag_one_correlation: " + io::format_number(statistics.whiteness.lag_one_correlation) +
+          "\n# whiteness_p_value: " + io::format_number(statistics.whiteness.p_value) + "\n";
+  text += "name,value,standard_error,ci95_lower,ci95_upper,identified,at_bound,fixed";
+  if (!statistics.profile.empty()) text += ",profile_lower,profile_upper";
+  if (!statistics.bootstrap.empty()) text += ",bootstrap_lower,bootstrap_upper,bootstrap_standard_error";
+  text += "\n";
+  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+    const auto& parameter = result.parameters[i];
     text += parameter.name;
     for (const double number : {parameter.value, parameter.standard_error, parameter.ci95_lower, parameter.ci95_upper})
       text += "," + io::format_number(number);
     for (const bool flag : {parameter.identified, parameter.at_bound, parameter.fixed}) text += "," + yes_no(flag);
+    if (!statistics.profile.empty()) {
+      const auto interval = statistics.profile[i].value_or(frac::ProfileInterval{nan, nan, false});
+      text += "," + io::format_number(interval.lower) + "," + io::format_number(interval.upper);
+    }
+    if (!statistics.bootstrap.empty())
+      for (const double number :
+           {statistics.bootstrap[i].lower, statistics.bootstrap[i].upper, statistics.bootstrap[i].standard_error})
+        text += "," + io::format_number(number);
     text += "\n";
   }
   return text;
 }
 
-std::string identification_csv(const FitRun& run, const frac::IdentificationResult& result) {
+std::string identification_csv(const FitRun& run, const frac::IdentificationResult& result,
+                               const std::vector<double>& prediction_rms) {
   std::string text = csv_header(run);
   text += "# verdict: " + std::string(frac::to_string(result.verdict)) +
           "\n# evidence: " + io::format_number(result.evidence) +
           "\n# chosen: " + result.ranking.at(result.chosen).name + "\n";
-  text += "name,class,model,free_parameters,cost,rms,aicc,bic,delta_aicc,akaike_weight,termination\n";
+  text += "name,class,model,free_parameters,cost,rms,aicc,bic,delta_aicc,akaike_weight,termination";
+  text += prediction_rms.empty() ? "\n" : ",prediction_rms\n";
+  std::size_t index = 0;
   for (const auto& candidate : result.ranking) {
-    text += csv_text(candidate.name) + "," + std::string(frac::to_string(candidate.model_class)) + "," +
-            csv_text(candidate.fit.model) + "," + std::to_string(candidate.fit.free_parameters);
+    text += io::csv_field(candidate.name) + "," + std::string(frac::to_string(candidate.model_class)) + "," +
+            io::csv_field(candidate.fit.model) + "," + std::to_string(candidate.fit.free_parameters);
     for (const double number : {candidate.fit.cost, candidate.fit.rms, candidate.fit.aicc, candidate.fit.bic,
                                 candidate.delta_aicc, candidate.akaike_weight})
       text += "," + io::format_number(number);
-    text += "," + std::string(frac::to_string(candidate.fit.termination)) + "\n";
+    text += "," + std::string(frac::to_string(candidate.fit.termination));
+    if (!prediction_rms.empty()) text += "," + io::format_number(prediction_rms[index++]);
+    text += "\n";
   }
   return text;
 }

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "fit_statistics.hpp"
 #include "frac/identification/fit.hpp"
 #include "frac/identification/identify.hpp"
 #include "io/text_table.hpp"
@@ -19,12 +20,14 @@ struct FitRun {
   io::Metadata options;
 };
 
-// Tables for people.
-[[nodiscard]] std::string fit_table(const FitRun& run, const frac::FitResult& result);
-[[nodiscard]] std::string identification_table(const FitRun& run, const frac::IdentificationResult& result);
+// Tables for people.  prediction_rms: of cross-validation, one per candidate of the ranking; empty when not asked for.
+[[nodiscard]] std::string fit_table(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics);
+[[nodiscard]] std::string identification_table(const FitRun& run, const frac::IdentificationResult& result,
+                                               const std::vector<double>& prediction_rms);
 
 // CSV: version, command and options as "# key: value" lines, then one row per parameter or candidate.
-[[nodiscard]] std::string fit_csv(const FitRun& run, const frac::FitResult& result);
-[[nodiscard]] std::string identification_csv(const FitRun& run, const frac::IdentificationResult& result);
+[[nodiscard]] std::string fit_csv(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics);
+[[nodiscard]] std::string identification_csv(const FitRun& run, const frac::IdentificationResult& result,
+                                             const std::vector<double>& prediction_rms);
 
 }  // namespace fracfit

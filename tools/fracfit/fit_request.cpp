@@ -11,7 +11,10 @@ namespace fracfit {
 namespace {
 
 bool names_weight(const std::string& text) {
-  return text == "relative" || text == "absolute" || text == "given";
+  for (const auto weight : {frac::Weight::relative, frac::Weight::absolute, frac::Weight::given,
+                            frac::Weight::smoothed_relative, frac::Weight::log_complex, frac::Weight::repeats})
+    if (text == frac::to_string(weight)) return true;
+  return false;
 }
 
 void refuse(const std::string& realisation, std::initializer_list<std::pair<const char*, const std::string*>> options) {
@@ -52,7 +55,8 @@ frac::Realisation realisation_of(const FitRequest& request) {
     const std::size_t memory = request.memory.empty() ? 0 : count_option("--memory", request.memory, 0);
     return frac::GrunwaldLetnikovRealisation{number_option("--sample-time", request.sample_time), memory};
   }
-  throw std::invalid_argument("--realisation " + io::quoted(kind) + ": expected exact, oustaloup, ladder or grunwald-letnikov");
+  throw std::invalid_argument("--realisation " + io::quoted(kind) +
+                              ": expected exact, oustaloup, ladder or grunwald-letnikov");
 }
 
 std::uint64_t seed_of(const std::string& text) {
@@ -90,22 +94,31 @@ void add_fit_options(CLI::App& subcommand, FitRequest& request) {
                   "Frequency response: CSV or TSV with a header naming columns and units; - for standard input")
       ->required()
       ->type_name("FILE");
+  add_residual_options(subcommand, request);
+}
+
+void add_residual_options(CLI::App& subcommand, FitRequest& request) {
   subcommand
       .add_option("--component", request.component, "Part fitted: imaginary (default), real, both, magnitude or phase")
       ->type_name("PART");
   subcommand
-      .add_option("--weight", request.weight,
-                  "relative, absolute, given (the file's sigma or weight column) or the name of a column")
+      .add_option(
+          "--weight", request.weight,
+          "Residuals are divided by: relative |data|; absolute nothing; given the file's sigma or weight column, or "
+          "any column by its name; smoothed-relative |data| smoothed over nine neighbours; log-complex: ln of "
+          "the magnitude ratio and angle; repeats: the spread of repeated values at each frequency")
       ->capture_default_str()
       ->type_name("WEIGHT");
   subcommand.add_option("--loss", request.loss, "Robust loss: none, huber or cauchy")
       ->capture_default_str()
       ->type_name("LOSS");
   subcommand
-      .add_option("--realisation", request.realisation, "Powers of s through: exact, oustaloup, ladder or grunwald-letnikov")
+      .add_option("--realisation", request.realisation,
+                  "Powers of s through: exact, oustaloup, ladder or grunwald-letnikov")
       ->capture_default_str()
       ->type_name("R");
-  subcommand.add_option("--band", request.band, "Band of the oustaloup or ladder realisation, rad/s")->type_name("LOW:HIGH");
+  subcommand.add_option("--band", request.band, "Band of the oustaloup or ladder realisation, rad/s")
+      ->type_name("LOW:HIGH");
   subcommand.add_option("--poles", request.poles, "Poles of that realisation per power of s")->type_name("N");
   subcommand.add_option("--sample-time", request.sample_time, "Sample time of the Gruenwald-Letnikov realisation, s")
       ->type_name("T");

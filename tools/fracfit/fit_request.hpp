@@ -23,6 +23,8 @@ struct FitRequest {
 };
 
 void add_fit_options(CLI::App& subcommand, FitRequest& request);
+/// Those without the data.
+void add_residual_options(CLI::App& subcommand, FitRequest& request);
 
 /// The options without constraints. @throws std::invalid_argument  naming the option.
 [[nodiscard]] frac::FitOptions fit_options(const FitRequest& request);

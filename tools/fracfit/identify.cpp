@@ -1,6 +1,8 @@
 #include "frac/identification/identify.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -9,6 +11,8 @@
 #include "exit_code.hpp"
 #include "fit_output.hpp"
 #include "fit_request.hpp"
+#include "frac/identification/model_choice.hpp"
+#include "frac/parallel_for.hpp"
 #include "io/number.hpp"
 #include "json_output.hpp"
 #include "model_choice.hpp"
@@ -22,21 +26,35 @@ struct IdentifyArguments {
   FitRequest request;
   std::string models;
   std::string force, clearance, mass1, mass2;
+  std::string folds;
 };
 
-std::vector<frac::NamedModel> chosen_models(const std::string& list) {
-  if (list.empty()) return frac::model_library();
-  std::vector<frac::NamedModel> models;
-  for (std::size_t begin = 0; begin <= list.size();) {
-    const auto end = std::min(list.find(',', begin), list.size());
-    const std::string text = list.substr(begin, end - begin);
-    if (text.find_first_not_of(' ') == std::string::npos)
-      throw std::invalid_argument("--models '" + list + "': entry " + std::to_string(models.size() + 1) +
-                                  " is empty; expected presets or formulas separated by commas");
-    models.push_back(chosen_model(text));
-    begin = end + 1;
-  }
-  return models;
+// rms of cross-validation for each candidate; that of a fixed curve, which nothing was fitted to, is its own.
+std::vector<double> prediction_rms(const frac::FrequencyResponseData& data, const frac::FitOptions& options,
+                                   const std::vector<frac::NamedModel>& models,
+                                   const frac::IdentificationResult& result, std::size_t folds,
+                                   const CommonOptions& common) {
+  std::vector<double> rms(result.ranking.size(), std::numeric_limits<double>::quiet_NaN());
+  std::vector<std::string> notes(rms.size());
+  frac::parallel_for(rms.size(), common.threads, [&](std::size_t i) {
+    const auto& candidate = result.ranking[i];
+    if (candidate.model_class == frac::ModelClass::fixed_curve) {
+      rms[i] = candidate.fit.rms;
+      return;
+    }
+    const auto model = std::find_if(models.begin(), models.end(),
+                                    [&](const frac::NamedModel& each) { return each.name == candidate.name; });
+    auto of_model = options;
+    of_model.constraints = model->constraints;
+    try {
+      rms[i] = frac::cross_validation(data, frac::Structure(model->formula), of_model, folds);
+    } catch (const std::invalid_argument& error) {
+      notes[i] = "no cross-validation of " + candidate.name + ": " + error.what();
+    }
+  });
+  for (const auto& note : notes)
+    if (!note.empty()) say(common, note);
+  return rms;
 }
 
 // What the static-backlash candidate needs.
@@ -85,7 +103,11 @@ int run_identify(const IdentifyArguments& given) {
   const io::OutputFile out(given.common.out);
   const auto options = fit_options(given.request);
   const auto models = chosen_models(given.models);
+  const std::size_t folds = given.folds.empty() ? 0 : count_option("--folds", given.folds, 2);
   const auto file = read_data(given.request, given.common);
+  if (folds > file.data.size())
+    throw std::invalid_argument("--folds " + given.folds + ": more than the " + std::to_string(file.data.size()) +
+                                " points of " + given.request.data);
   const auto scene = static_scene(given, file.metadata);
   std::vector<frac::FixedCurve> curves;
   CommandLine command("identify");
@@ -99,13 +121,16 @@ int run_identify(const IdentifyArguments& given) {
     command.option("--clearance", scene->clearance).option("--force", scene->force);
     command.option("--m1", scene->mass1).option("--m2", scene->mass2);
   }
+  if (folds > 0) command.option("--folds", given.folds);
   const auto result = frac::identify(file.data, models, curves, options, given.common.threads);
 
+  const auto predictions =
+      folds > 0 ? prediction_rms(file.data, options, models, result, folds, given.common) : std::vector<double>{};
   const FitRun run = fit_run(given.request, options, file, command.text());
   const std::string format = chosen_format(given.common, "json");
-  out.write(format == "json"  ? identification_json(run, result)
-            : format == "csv" ? identification_csv(run, result)
-                              : identification_table(run, result));
+  out.write(format == "json"  ? identification_json(run, result, predictions)
+            : format == "csv" ? identification_csv(run, result, predictions)
+                              : identification_table(run, result, predictions));
   if (result.ranking.at(result.chosen).fit.termination == frac::FitTermination::converged) return usable_result;
   say(given.common, "no usable result: " + result.ranking.at(result.chosen).fit.message);
   return no_usable_result;
@@ -126,6 +151,11 @@ void add_identify(CLI::App& program, Run& run) {
   identification->add_option("--force", given->force, "Its force amplitude, N")->type_name("F");
   identification->add_option("--m1", given->mass1, "Its mass 1, kg (default 1)")->type_name("M1");
   identification->add_option("--m2", given->mass2, "Its mass 2, kg (default 1)")->type_name("M2");
+  identification
+      ->add_option(
+          "--folds", given->folds,
+          "Cross-validate each candidate: predict each of K blocks of neighbouring frequencies from the others")
+      ->type_name("K");
   add_common_options(*identification, given->common, {"json", "csv", "table"});
   identification->footer(
       "Examples:\n"

@@ -70,6 +70,49 @@ void append_fit(Json& json, const frac::FitResult& result) {
   json["seconds"] = number(result.seconds);
 }
 
+Json interval(double lower, double upper) {
+  return {number(lower), number(upper)};
+}
+
+void append_statistics(Json& json, const frac::FitResult& result, const FitStatistics& statistics) {
+  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+    const auto& estimate = result.parameters[i];
+    Json& parameter = json["parameters"][i];
+    parameter["centre"] = {{"value", number(estimate.centre_value)},
+                           {"standard_error", number(estimate.centre_standard_error)}};
+    if (!statistics.profile.empty()) {
+      const auto& profile = statistics.profile[i];
+      parameter["profile_ci95"] = profile ? interval(profile->lower, profile->upper) : Json(nullptr);
+      if (profile) parameter["profile_found_better_minimum"] = profile->better_minimum_found;
+    }
+    if (!statistics.bootstrap.empty()) {
+      const auto& bootstrap = statistics.bootstrap[i];
+      parameter["bootstrap_ci95"] = interval(bootstrap.lower, bootstrap.upper);
+      parameter["bootstrap_standard_error"] = number(bootstrap.standard_error);
+    }
+  }
+  json["centre_omega"] = number(result.centre_omega);
+  json["correlation"] = Json::array();
+  for (const auto& row : statistics.correlation) {
+    Json numbers = Json::array();
+    for (const double value : row) numbers.push_back(number(value));
+    json["correlation"].push_back(std::move(numbers));
+  }
+  json["outliers"] = Json::array();
+  for (std::size_t i = 0; i < statistics.outlier_omega.size(); ++i)
+    json["outliers"].push_back({{"index", result.outliers[i]}, {"omega", number(statistics.outlier_omega[i])}});
+  json["whiteness"] = {{"lag_one_correlation", number(statistics.whiteness.lag_one_correlation)},
+                       {"p_value", number(statistics.whiteness.p_value)}};
+  if (statistics.bootstrap_samples > 0) json["bootstrap_samples"] = statistics.bootstrap_samples;
+  if (!statistics.growth) return;
+  json["growth"] = {{"chosen", statistics.growth->chosen}, {"fits", Json::array()}};
+  for (const auto& fit : statistics.growth->fits) {
+    Json grown;
+    append_fit(grown, fit);
+    json["growth"]["fits"].push_back(std::move(grown));
+  }
+}
+
 Json origin_of_fit(const FitRun& run) {
   Json json = origin(run.command);
   json["data"] = {{"file", run.file},
@@ -109,7 +152,10 @@ std::string sweep_json(const backlash::DescribingFunctionSweep& sweep, const std
                               {"period", point.period},
                               {"impacts_per_period", number(point.impacts_per_period)},
                               {"uncertainty_m_per_n", number(point.uncertainty)},
-                              {"third_harmonic_ratio", number(point.third_harmonic_ratio)}});
+                              {"third_harmonic_ratio", number(point.third_harmonic_ratio)},
+                              {"even_harmonic_ratio", number(point.even_harmonic_ratio)},
+                              {"energy_defect", number(point.energy_defect)},
+                              {"lyapunov_exponent", number(point.lyapunov_exponent)}});
   return text_of(json);
 }
 
@@ -125,13 +171,15 @@ std::string static_curve_json(const io::StaticCurve& curve, const std::string& c
   return text_of(json);
 }
 
-std::string fit_json(const FitRun& run, const frac::FitResult& result) {
+std::string fit_json(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
   Json json = origin_of_fit(run);
   append_fit(json, result);
+  append_statistics(json, result, statistics);
   return text_of(json);
 }
 
-std::string identification_json(const FitRun& run, const frac::IdentificationResult& result) {
+std::string identification_json(const FitRun& run, const frac::IdentificationResult& result,
+                                const std::vector<double>& prediction_rms) {
   Json json = origin_of_fit(run);
   json["ranking"] = Json::array();
   for (const auto& candidate : result.ranking) {
@@ -139,6 +187,7 @@ std::string identification_json(const FitRun& run, const frac::IdentificationRes
     append_fit(ranked, candidate.fit);
     ranked["delta_aicc"] = number(candidate.delta_aicc);
     ranked["akaike_weight"] = number(candidate.akaike_weight);
+    if (!prediction_rms.empty()) ranked["prediction_rms"] = number(prediction_rms[json["ranking"].size()]);
     json["ranking"].push_back(std::move(ranked));
   }
   json["chosen"] = result.ranking.at(result.chosen).name;

@@ -70,9 +70,15 @@ int main(int argc, char** argv) {
     fracfit::add_simulate(program, run);
     fracfit::add_fit(program, run);
     fracfit::add_identify(program, run);
+    fracfit::add_identify_scene(program, run);
+    fracfit::add_batch(program, run);
+    fracfit::add_merge(program, run);
     fracfit::add_jump_law(program, run);
     fracfit::add_approximate(program, run);
+    fracfit::add_analyse(program, run);
+    fracfit::add_respond(program, run);
     fracfit::add_mittag_leffler(program, run);
+    fracfit::add_orbits(program, run);
     fracfit::add_report(program, run);
     return parse_and_run(program, run, argc, argv);
   } catch (const io::DataError& error) {

@@ -57,6 +57,21 @@ frac::NamedModel chosen_model(const std::string& text) {
   return frac::find_model(text);
 }
 
+std::vector<frac::NamedModel> chosen_models(const std::string& list) {
+  if (list.empty()) return frac::model_library();
+  std::vector<frac::NamedModel> models;
+  for (std::size_t begin = 0; begin <= list.size();) {
+    const auto end = std::min(list.find(',', begin), list.size());
+    const std::string text = list.substr(begin, end - begin);
+    if (text.find_first_not_of(' ') == std::string::npos)
+      throw std::invalid_argument("--models '" + list + "': entry " + std::to_string(models.size() + 1) +
+                                  " is empty; expected presets or formulas separated by commas");
+    models.push_back(chosen_model(text));
+    begin = end + 1;
+  }
+  return models;
+}
+
 std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& model, const ParameterOptions& given) {
   auto constraints = model.constraints;
   for (const auto& text : given.bound) {

@@ -2,6 +2,7 @@
 
 #include <complex>
 #include <cstddef>
+#include <limits>
 #include <string_view>
 #include <vector>
 
@@ -59,6 +60,16 @@ struct DescribingFunctionPoint {
   double impacts_per_period;  // infinity for complete chatter; NaN where not one whole period could be followed
   double uncertainty;         // of |value|, m/N: rounding for closed orbits, 95 % half width of the mean when averaged
   double third_harmonic_ratio;  // |third harmonic|/|fundamental| of the output position; NaN where the fundamental is 0
+  double even_harmonic_ratio = std::numeric_limits<double>::quiet_NaN();  // |second harmonic|/|fundamental| of the
+                                                                          // output position: 0 for a symmetric motion
+  double energy_defect =
+      std::numeric_limits<double>::quiet_NaN();  // |work of the force - impact losses| over the energy of relative
+                                                 // motion that the impacts meet: rounding and closure of the orbit; 0
+                                                 // without impacts
+  double lyapunov_exponent =
+      std::numeric_limits<double>::quiet_NaN();  // largest, per force period: negative on orbits, positive where the
+                                                 // motion is chaotic, near 0 in slow transients; -infinity where a
+                                                 // stick forgets every disturbance, NaN where nothing was followed
 };
 
 struct DescribingFunctionSweep {

@@ -39,7 +39,7 @@ enum class BranchEnd {
 [[nodiscard]] BranchEnd branch_end_from_string(std::string_view text);
 
 struct OrbitImpact {
-  double phase;  // omega t at the impact, rad
+  double phase;  // omega t at the impact, rad; that of the first one in [0, 2 pi)
   Wall wall;
   double speed;  // |x2' - x1'| before the impact, m/s
 };

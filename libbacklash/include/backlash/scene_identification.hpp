@@ -22,7 +22,8 @@ struct MeasuredDescribingFunction {
 struct SceneIdentificationOptions {
   Output output = Output::x1;                         // whose motion was measured
   frac::Component component = frac::Component::both;  // both, real or imaginary
-  /// relative: noise in proportion to |N| at the fitted model; given: the sigma of the data; absolute: equal noise.
+  /// relative: noise in proportion to |N|, that of the model for both parts, of the data for one; given: the sigma of
+  /// the data; absolute: equal noise.
   frac::Weight weight = frac::Weight::relative;
   /// Of mass1, mass2 (kg), clearance (m) and restitution.  Default limits: a factor 1e6 about what the data suggest for
   /// masses and clearance, [0, 1] for restitution.
@@ -48,8 +49,9 @@ enum class PointStatus {
   used,
   off_branch,  // more than six robust standard deviations from every steady motion of the fitted scene: another
                // motion than predicted (near a jump), or an outlier
-  irregular,   // the fitted scene has no closed orbit there (subharmonic beyond measure or chaotic), or nothing there
-               // depends on the scene (no impacts)
+  irregular,   // the fitted scene has neither two impacts per period nor a motion that sticks: more impacts,
+              // subharmonics or chaos, which depend on how the frequency was reached; or x1 without impacts, which
+              // stands still
 };
 [[nodiscard]] std::string_view to_string(PointStatus status);
 
@@ -61,7 +63,7 @@ struct ScenePoint {
   PointStatus status;
   Regime regime;                  // of the steady motion it is compared with
   std::complex<double> model;     // m/N at the estimate; NaN when irregular
-  std::complex<double> residual;  // (model - data) over its standard deviation (sigma, |model| or 1 m/N); NaN likewise
+  std::complex<double> residual;  // (model - data) over its standard deviation (sigma, |N| or 1 m/N); NaN likewise
 };
 
 struct SceneIdentification {
@@ -99,9 +101,10 @@ struct SceneIdentification {
 /// and determines that product only.  What the data at hand leave free is found from their Fisher matrix and reported.
 ///
 /// Each point is compared with the steady motion of the scene that lies nearest: the orbit of two impacts per period
-/// (closed form, with exact derivatives, also followed a little past its loss of stability, so that a jump in the data
-/// does not trap the search), motion that chatters, or an orbit of more impacts.  Points are chosen anew at each
-/// estimate: those where the scene is irregular, or far from every steady motion, are left out and listed.
+/// (closed form, with exact derivatives, at first also followed past its loss of stability, so that a jump in the data
+/// does not trap the search), motion that sticks every period after chatter, or none at all (x2).  Between the first
+/// two, where the motion is chaotic or depends on its history, points are left out, as are points far from every
+/// motion; which ones is decided anew at each estimate and listed.
 ///
 /// The search begins on a grid over mass2 clearance and restitution, with the masses from linear least squares, and
 /// where the discontinuities of the data place the jump; the best places are solved by Levenberg and Marquardt's method

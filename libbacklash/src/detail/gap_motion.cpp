@@ -79,18 +79,22 @@ Root monotone_root(const GapState& start, const Flight& flight, double target, d
     const double curvature = acceleration * inverse;
     const double twist = jerk * inverse;
     const double bend = newton * curvature;
-    const double step = -newton * (1 - 0.5 * bend) / (1 - bend + newton * newton * twist * (1.0 / 6));
+    // Far from the root, as where the velocity is almost lost on the way, the series behind the iteration means
+    // nothing.
+    const bool is_near = std::abs(bend) + newton * newton * std::abs(twist) < 1;
+    const double step =
+        is_near ? -newton * (1 - 0.5 * bend) / (1 - bend + newton * newton * twist * (1.0 / 6)) : -newton;
     // The error that the step leaves is about step (step m)^3, 1/m the length over which the velocity changes by
     // itself.
     const double turned = step * step * (curvature * curvature + std::abs(twist));
-    if (step * step * turned * turned * turned <= 1e-33 * h * h) {
+    if (is_near && step * step * turned * turned * turned <= 1e-33 * h * h) {
       const double next = std::clamp(h + step, lower, upper);
       const double last = next - h;
       velocity += last * (acceleration + last * (0.5 * jerk - last * acceleration * (1.0 / 6)));
       return {next, velocity};
     }
     double next = h + step;
-    if (!(next > lower && next < upper)) next = 0.5 * (lower + upper);
+    if (!(next > lower && next < upper) || iteration % 8 == 7) next = 0.5 * (lower + upper);
     if (next == h) break;
     h = next;
   }
@@ -314,6 +318,9 @@ ChatterTail GapMotion::chatter_tail(const GapState& after_impact) const noexcept
               (pressure * pressure * (1 - e3));
   // Relative change of the pressure, cot s per radian, and turn of e^{-j k tau}, k <= 5, over the tail.
   tail.area_error = tail.area * tail.duration * (5 + 4 * std::abs(after_impact.cos_s / after_impact.sin_s));
+  // Work of the force over the tail: int a dd = -int a' d, the rate of the acceleration a being parity gamma cos s.
+  tail.loss = 0.5 * after_impact.velocity * after_impact.velocity -
+              after_impact.parity() * gamma_ * after_impact.cos_s * tail.area;
   return tail;
 }
 

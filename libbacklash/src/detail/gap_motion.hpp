@@ -52,6 +52,7 @@ struct ChatterTail {
   double duration = 0;     // from here to rest, radians
   double area = 0;         // integral of the distance over the tail
   double area_error = 0;   // bound of its error
+  double loss = 0;         // energy lost in it, per unit of reduced mass: the kinetic one and the work of the force
   [[nodiscard]] bool negligible(double limit) const noexcept { return completes && area_error <= limit; }
 };
 

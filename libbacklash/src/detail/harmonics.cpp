@@ -10,18 +10,22 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double pi = std::numbers::pi;
 
-// With tau = K pi - pi/2 + s, e^{-j k tau} = (-1)^K j^k e^{-j k s} for odd k; the sign joins the parity of the state,
-// and j^k is exact.
+// With tau = K pi - pi/2 + s, e^{-j k tau} = (-1)^(K k) j^k e^{-j k s}; with the side of the wall, +1 or -1, the sign
+// makes the parity of the state for odd k, and j^k is exact.
 
-// e^{-jks} for k = 1, 3, 5.
-std::array<Complex, 3> odd_powers(double sin_s, double cos_s) noexcept {
+// e^{-jks} times that sign for the orders kept.
+HarmonicSums signed_powers(const GapState& state) noexcept {
+  const double sin_s = state.sin_s;
+  const double cos_s = state.cos_s;
+  const double parity = state.parity();
+  const double side = state.wall == 0 ? 1 : -1;
   const Complex e1(cos_s, -sin_s);
   const Complex e2(cos_s * cos_s - sin_s * sin_s, -2 * sin_s * cos_s);
   const auto times_e2 = [&e2](Complex z) {
     return Complex(z.real() * e2.real() - z.imag() * e2.imag(), z.real() * e2.imag() + z.imag() * e2.real());
   };
   const Complex e3 = times_e2(e1);
-  return {e1, e3, times_e2(e3)};
+  return {parity * e1, parity * e3, parity * times_e2(e3), side * e2};
 }
 
 // Integral of e^{-j n x} over [0, h].
@@ -96,8 +100,9 @@ Complex quarter_turns(int k, Complex z) noexcept {
 }
 
 void JumpSum::add(const GapState& state, double speed) noexcept {
-  const double jump = state.parity() * (state.velocity + speed);
-  const std::array<Complex, 3> e = odd_powers(state.sin_s, state.cos_s);
+  const double jump = state.velocity + speed;
+  const HarmonicSums e = signed_powers(state);
+  squared_speeds_ += speed * speed;
   for (std::size_t i = 0; i < e.size(); ++i) sums_[i] += jump * e[i];
 }
 
@@ -113,23 +118,23 @@ Harmonics harmonics_of_jumps(const JumpSum& jumps, double gamma, double half_per
 }
 
 void FlightSum::add_flight(const GapState& start, const Flight& flight) noexcept {
-  const std::array<Complex, 3> e = odd_powers(start.sin_s, start.cos_s);
+  const HarmonicSums e = signed_powers(start);
   for (std::size_t i = 0; i < e.size(); ++i) {
     const int k = harmonic_orders[i];
     const Complex integral =
         flight.duration < 0.4 ? short_flight_integral(start, flight, k) : long_flight_integral(start, flight, k);
-    flights_[i] += start.parity() * e[i] * integral;
+    flights_[i] += e[i] * integral;
   }
 }
 
 void FlightSum::add_crossing(const GapState& state) noexcept {
-  const std::array<Complex, 3> e = odd_powers(state.sin_s, state.cos_s);
-  for (std::size_t i = 0; i < e.size(); ++i) crossings_[i] += state.parity() * e[i];
+  const HarmonicSums e = signed_powers(state);
+  for (std::size_t i = 0; i < e.size(); ++i) crossings_[i] += e[i];
 }
 
 void FlightSum::add_tail(const GapState& state, const ChatterTail& tail) noexcept {
-  const std::array<Complex, 3> e = odd_powers(state.sin_s, state.cos_s);
-  for (std::size_t i = 0; i < e.size(); ++i) flights_[i] += state.parity() * tail.area * e[i];
+  const HarmonicSums e = signed_powers(state);
+  for (std::size_t i = 0; i < e.size(); ++i) flights_[i] += tail.area * e[i];
 }
 
 Harmonics FlightSum::harmonics(double gamma, double half_periods) const {
@@ -139,6 +144,7 @@ Harmonics FlightSum::harmonics(double gamma, double half_periods) const {
     const double scale = 2 / (pi * half_periods);
     result.u[i] = quarter_turns(k, flights_[i]) * scale - quarter_turns(k - 1, crossings_[i]) * (scale / k);
   }
+  if (std::fmod(half_periods, 2) != 0) result.u[second_harmonic] = 0;
   result.u1_plus_gamma = result.u[0] + gamma;
   return result;
 }

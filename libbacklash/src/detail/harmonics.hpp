@@ -2,17 +2,20 @@
 
 #include <array>
 #include <complex>
+#include <cstddef>
 
 #include "detail/gap_motion.hpp"
 
 namespace backlash::detail {
 
-/// Orders k of the harmonics kept.  Even ones do not enter the describing function.
-inline constexpr std::array<int, 3> harmonic_orders = {1, 3, 5};
+/// Orders k of the harmonics kept; the second one, last, shows a broken symmetry.
+inline constexpr std::array<int, 4> harmonic_orders = {1, 3, 5, 2};
+inline constexpr std::size_t second_harmonic = 3;  // its index
+using HarmonicSums = std::array<std::complex<double>, harmonic_orders.size()>;
 
 /// Phasors U_k of u(tau) = Re sum U_k e^{j k tau}.
 struct Harmonics {
-  std::array<std::complex<double>, 3> u{};
+  HarmonicSums u{};
   std::complex<double> u1_plus_gamma;  // U_1 + gamma, free of cancellation where the motion is nearly free
 };
 
@@ -25,10 +28,13 @@ class JumpSum {
  public:
   /// @param state  just after the impact;  @param speed  before it
   void add(const GapState& state, double speed) noexcept;
-  [[nodiscard]] const std::array<std::complex<double>, 3>& sums() const noexcept { return sums_; }
+  [[nodiscard]] const HarmonicSums& sums() const noexcept { return sums_; }
+  /// Sum of the squared speeds before the impacts.
+  [[nodiscard]] double squared_speeds() const noexcept { return squared_speeds_; }
 
  private:
-  std::array<std::complex<double>, 3> sums_{};
+  HarmonicSums sums_{};
+  double squared_speeds_ = 0;
 };
 
 /// Harmonics of a closed orbit without rests over `half_periods` half periods of the force.
@@ -44,12 +50,13 @@ class FlightSum {
   void add_crossing(const GapState& state) noexcept;
   /// The tail of a chatter that begins at `state`.
   void add_tail(const GapState& state, const ChatterTail& tail) noexcept;
-  /// Harmonics of the motion, which must be closed over `half_periods`, or be one mirror half of an orbit that is.
+  /// Harmonics of the motion, which must be closed over `half_periods`, or, where their number is odd, be one mirror
+  /// half of an orbit that is.
   [[nodiscard]] Harmonics harmonics(double gamma, double half_periods) const;
 
  private:
-  std::array<std::complex<double>, 3> flights_{};
-  std::array<std::complex<double>, 3> crossings_{};
+  HarmonicSums flights_{};
+  HarmonicSums crossings_{};
 };
 
 }  // namespace backlash::detail

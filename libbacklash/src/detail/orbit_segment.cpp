@@ -264,8 +264,7 @@ ContactMargin contact_margin(const OrbitSegment& orbit) {
         // At restitution 0 the flight begins with velocity 0, which is no turning point.
         if (h <= 1e-7) continue;
         const double half_sin = std::sin(0.5 * h);
-        const double u =
-            from.wall + start * h + gamma * (cos0 * 2 * half_sin * half_sin - sin0 * (h - std::sin(h)));
+        const double u = from.wall + start * h + gamma * (cos0 * 2 * half_sin * half_sin - sin0 * (h - std::sin(h)));
         const double margin = rising ? u : 1 - u;
         if (margin < least.margin) least = {margin, false, i, {tau, 0, rising ? 0 : 1}};
       }

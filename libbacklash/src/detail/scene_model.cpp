@@ -35,7 +35,8 @@ double SceneData::deviation(const MeasuredPoint& point, Complex model) const {
     case frac::Weight::given:
       return point.sigma;
     case frac::Weight::relative:
-      return std::abs(model);
+      // The part not fitted is free to grow: it must not make the other one weigh less.
+      return std::abs(component == frac::Component::both ? model : point.value);
     default:
       return 1;
   }
@@ -46,7 +47,8 @@ double SceneData::robust_cost(const MeasuredPoint& point, std::optional<Complex>
   double tolerable = tolerable_share * typical;
   if (weight == frac::Weight::given) tolerable = tolerable_sigmas * point.sigma;
   if (weight == frac::Weight::relative) {
-    tolerable = tolerable_share * std::max(std::abs(point.value), model ? std::abs(*model) : 0.0);
+    const bool whole = component == frac::Component::both && model;
+    tolerable = tolerable_share * std::max(std::abs(point.value), whole ? std::abs(*model) : 0.0);
   }
   // Where only part of N is fitted, a point without motion is as bad as one missed by the whole of N.
   const double share = misfit / tolerable;

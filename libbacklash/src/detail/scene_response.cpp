@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <numbers>
 
-#include "detail/closed_orbit.hpp"
 #include "detail/steady_state.hpp"
 #include "detail/two_impact_orbit.hpp"
 
@@ -94,11 +92,6 @@ std::optional<ByLoss> asymmetric_response(double gamma, double kappa) {
   return AsymmetricMember(x, kappa).response();
 }
 
-bool same_motion(const SteadyState& steady, const MotionBranch& branch) {
-  return steady.regime == branch.regime && steady.period == branch.period &&
-         steady.impacts_per_period == branch.impacts_per_period;
-}
-
 }  // namespace
 
 std::optional<GapResponse> two_impact_response(double gamma, double restitution) {
@@ -110,35 +103,17 @@ std::optional<GapResponse> two_impact_response(double gamma, double restitution)
   return GapResponse{response->h, response->by_log_gamma, response->by_loss * kappa_by_restitution};
 }
 
-std::optional<BranchValue> motion_from(double gamma, double restitution, const GapState& start) {
-  const GapMotion motion(gamma, restitution);
-  const SteadyState steady = find_steady_state(motion, start, tolerance);
-  if (steady.regime != Regime::periodic && steady.regime != Regime::chatter) return std::nullopt;
-  MotionBranch branch{steady.regime, steady.period, steady.impacts_per_period, steady.end, steady.spectral_radius > 0};
-  if (branch.flies) {
-    const Flight flight = motion.next_flight(branch.state);
-    branch.state = motion.after_impact(branch.state, flight);
-  }
-  return BranchValue{branch, steady.harmonics.u1_plus_gamma / gamma};
-}
-
-std::optional<Complex> continued(const MotionBranch& branch, double gamma, double restitution) {
-  const GapMotion motion(gamma, restitution);
-  if (branch.flies) {
-    const auto impacts = static_cast<int>(std::lround(branch.impacts_per_period * branch.period));
-    const auto orbit = close_orbit(motion, branch.state, impacts, 2 * std::int64_t{branch.period}, tolerance);
-    if (!orbit) return std::nullopt;
-    return orbit_harmonics(motion, *orbit).u1_plus_gamma / gamma;
-  }
-  const SteadyState steady = find_steady_state(motion, branch.state, tolerance);
-  if (!same_motion(steady, branch)) return std::nullopt;
+std::optional<Complex> sticking_h(double gamma, double restitution) {
+  const SteadyState steady = find_steady_state(GapMotion(gamma, restitution), contact_at_rest_state(), tolerance);
+  // Its multiplier is exactly 0.
+  if (steady.spectral_radius != 0) return std::nullopt;
   return steady.harmonics.u1_plus_gamma / gamma;
 }
 
-std::optional<GapResponse> branch_response(const MotionBranch& branch, double gamma, double restitution) {
-  const auto here = continued(branch, gamma, restitution);
-  const auto weaker = continued(branch, gamma * std::exp(-difference_step), restitution);
-  const auto stronger = continued(branch, gamma * std::exp(difference_step), restitution);
+std::optional<GapResponse> sticking_response(double gamma, double restitution) {
+  const auto here = sticking_h(gamma, restitution);
+  const auto weaker = sticking_h(gamma * std::exp(-difference_step), restitution);
+  const auto stronger = sticking_h(gamma * std::exp(difference_step), restitution);
   if (!here || !weaker || !stronger) return std::nullopt;
   // At an end of [0, 1] both neighbours lie on the inner side.
   const double step = restitution >= difference_step && restitution <= 1 - difference_step ? difference_step
@@ -146,13 +121,13 @@ std::optional<GapResponse> branch_response(const MotionBranch& branch, double ga
                                                                                            : -2 * difference_step;
   Complex by_restitution;
   if (step == difference_step) {
-    const auto below = continued(branch, gamma, restitution - step);
-    const auto above = continued(branch, gamma, restitution + step);
+    const auto below = sticking_h(gamma, restitution - step);
+    const auto above = sticking_h(gamma, restitution + step);
     if (!below || !above) return std::nullopt;
     by_restitution = (*above - *below) / (2 * step);
   } else {
-    const auto near = continued(branch, gamma, restitution + 0.5 * step);
-    const auto far = continued(branch, gamma, restitution + step);
+    const auto near = sticking_h(gamma, restitution + 0.5 * step);
+    const auto far = sticking_h(gamma, restitution + step);
     if (!near || !far) return std::nullopt;
     by_restitution = (4.0 * *near - *far - 3.0 * *here) / step;
   }

@@ -20,27 +20,11 @@ struct GapResponse {
 /// @param restitution  in [0, 1]
 [[nodiscard]] std::optional<GapResponse> two_impact_response(double gamma, double restitution);
 
-/// Any other closed motion, told apart by regime, period and impacts, and found again from a state on it.
-struct MotionBranch {
-  Regime regime;
-  int period;
-  double impacts_per_period;
-  GapState state;  // at a peak of the force; just after an impact where `flies`
-  bool flies;      // never rests: followed by Newton's iteration on its impacts, stable or not
-};
-
-/// The motion that a start leads to; empty when it is averaged, free of impacts, or the two-impact orbit.
-struct BranchValue {
-  MotionBranch branch;
-  std::complex<double> h;
-};
-[[nodiscard]] std::optional<BranchValue> motion_from(double gamma, double restitution, const GapState& start);
-
-/// The same branch at another gamma and restitution; empty where the motion has become another one.
-[[nodiscard]] std::optional<std::complex<double>> continued(const MotionBranch& branch, double gamma,
-                                                            double restitution);
-/// With derivatives by central differences; empty also where a neighbour they need is another motion.
-[[nodiscard]] std::optional<GapResponse> branch_response(const MotionBranch& branch, double gamma, double restitution);
+/// h of the motion that sticks every period after release from contact, mostly after chatter: it has forgotten its
+/// past, so there is only one.  Empty where the motion from contact at rest becomes another one.
+[[nodiscard]] std::optional<std::complex<double>> sticking_h(double gamma, double restitution);
+/// With derivatives by differences; empty also where a neighbour they need does not stick.
+[[nodiscard]] std::optional<GapResponse> sticking_response(double gamma, double restitution);
 
 /// Contact at rest, the force at its peak: leads to the chattering motion where there is one.
 [[nodiscard]] GapState contact_at_rest_state();

@@ -9,7 +9,6 @@
 
 #include "detail/scene_start.hpp"
 #include "detail/two_impact_orbit.hpp"
-#include "frac/parallel_for.hpp"
 
 namespace backlash::detail {
 namespace {
@@ -29,16 +28,17 @@ constexpr double far_away = 6;
 constexpr double model_accuracy = 1e-7;
 // A round that moves the estimate by less than this, in standard errors, is the last.
 constexpr double settled_step = 1e-4;
-// The two-impact orbit is followed this far beyond its loss of stability, for an estimate that places the loss a little
-// beside that of the data.
-constexpr double beyond_loss = 1.05;
+// The two-impact orbit is followed this far beyond its loss of stability in the first rounds, whose estimates may place
+// the loss beside that of the data; not to the end, since a period that has just doubled lies near to it.
+constexpr double beyond_loss = 1.1;
+constexpr int rounds_beyond_loss = 3;
 // Median of the modulus of two, and of one, standard normal variables.
 constexpr double median_of_two = 1.1774100225154747;
 constexpr double median_of_one = 0.67448975019608171;
 
-double two_impact_limit(double restitution) {
+double two_impact_end(double restitution) {
   // At restitution 0 the orbit of two impacts, each followed by a rest, goes on; without rests it ends at 1/pi.
-  return beyond_loss * (restitution > 0 ? two_impact_loss(restitution).gamma : std::numbers::inv_pi);
+  return restitution > 0 ? two_impact_loss(restitution).gamma : std::numbers::inv_pi;
 }
 
 struct Evaluation {
@@ -48,12 +48,8 @@ struct Evaluation {
 
 class Solver {
  public:
-  Solver(const SceneData& data, const SceneBounds& bounds, bool rate_irregular, int threads)
-      : data_(data),
-        bounds_(bounds),
-        rate_irregular_(rate_irregular),
-        threads_(threads),
-        choices_(data.points.size()) {}
+  Solver(const SceneData& data, const SceneBounds& bounds, bool rate_irregular)
+      : data_(data), bounds_(bounds), rate_irregular_(rate_irregular), choices_(data.points.size()) {}
 
   LocalScene run(const SceneVector& start, Effort effort) {
     LocalScene result;
@@ -61,18 +57,17 @@ class Solver {
     iterations_ = effort == Effort::glance ? iterations_of_a_glance : most_iterations;
     const int rounds = effort == Effort::glance ? rounds_of_a_glance : most_rounds;
     for (int round = 0; round < rounds; ++round) {
-      // A second exploration finds what the first missed at an estimate not yet good.
       const std::vector<PointChoice> before = choices_;
-      choose(effort == Effort::explore && round < 2);
+      choose(round);
       if (count_used() * data_.residuals_per_point() < free_count()) break;
       result.usable = true;
-      if (round > 2 && settled(before) && moved_ < settled_step) {
+      if (round > rounds_beyond_loss && settled(before) && moved_ < settled_step) {
         result.converged = least_squares_converged_;
         break;
       }
       least_squares();
     }
-    choose(false);
+    choose(rounds);
     result.usable = count_used() * data_.residuals_per_point() >= std::max<std::size_t>(1, free_count());
     result.theta = theta_;
     for (std::size_t i = 0; i < choices_.size(); ++i) {
@@ -111,8 +106,7 @@ class Solver {
   }
 
   // Takes the candidate when it lies nearer to the data than what is there.
-  void offer(std::size_t i, const OutputCoefficients& coefficients, PointChoice::Kind kind, Complex h,
-             const MotionBranch* motion) {
+  void offer(std::size_t i, const OutputCoefficients& coefficients, PointChoice::Kind kind, Complex h) {
     const MeasuredPoint& point = data_.points[i];
     const Complex model = point_value(coefficients, point, h);
     const double deviation = data_.deviation(point, model);
@@ -123,47 +117,24 @@ class Solver {
     choice.kind = kind;
     choice.model = model;
     choice.misfit = misfit;
-    if (motion != nullptr) choice.motion = *motion;
   }
 
-  void offer_known_motions(std::size_t i, const OutputCoefficients& coefficients, double limit, double onset) {
+  void offer_motions(std::size_t i, const OutputCoefficients& coefficients, double limit, double onset) {
     const MeasuredPoint& point = data_.points[i];
     const double gamma = gamma_at(theta_, point);
     const double restitution = theta_[3];
-    const PointChoice before = choices_[i];
     choices_[i] = {};
     if (gamma <= limit) {
       if (const auto response = two_impact_response(gamma, restitution)) {
-        offer(i, coefficients, PointChoice::Kind::two_impact, response->h, nullptr);
+        offer(i, coefficients, PointChoice::Kind::two_impact, response->h);
       }
     }
     // Without impacts x1 stands still, and the imaginary part of x2 is 0.
     if (data_.output == Output::x2 && data_.component != frac::Component::imaginary && gamma <= limit) {
-      offer(i, coefficients, PointChoice::Kind::free, 0.0, nullptr);
+      offer(i, coefficients, PointChoice::Kind::free, 0.0);
     }
-    if (before.kind == PointChoice::Kind::motion) {
-      if (const auto h = continued(before.motion, gamma, restitution)) {
-        offer(i, coefficients, PointChoice::Kind::motion, *h, &before.motion);
-      }
-    }
-    if (gamma >= onset && (before.kind != PointChoice::Kind::motion || before.motion.regime != Regime::chatter)) {
-      if (const auto found = motion_from(gamma, restitution, contact_at_rest_state())) {
-        offer(i, coefficients, PointChoice::Kind::motion, found->h, &found->branch);
-      }
-    }
-  }
-
-  // The motions met in a sweep over a curve, as a measurement sees them, and from contact at rest.
-  // The motions reached from contact at rest and from mid-gap at rest.
-  void explore_curve(std::size_t curve, const OutputCoefficients& coefficients, double near) {
-    for (std::size_t i = data_.curve_begin[curve]; i < data_.curve_begin[curve + 1]; ++i) {
-      const double gamma = gamma_at(theta_, data_.points[i]);
-      for (const GapState& start : {contact_at_rest_state(), state_at_peak(0.5, 0)}) {
-        if (choices_[i].kind != PointChoice::Kind::none && choices_[i].misfit <= near) break;
-        if (const auto found = motion_from(gamma, theta_[3], start)) {
-          offer(i, coefficients, PointChoice::Kind::motion, found->h, &found->branch);
-        }
-      }
+    if (gamma >= onset) {
+      if (const auto h = sticking_h(gamma, restitution)) offer(i, coefficients, PointChoice::Kind::sticking, *h);
     }
   }
 
@@ -177,16 +148,11 @@ class Solver {
     return far_away * std::max(median_of(misfits) / unit, model_accuracy * data_.typical_misfit);
   }
 
-  void choose(bool explore) {
+  void choose(int round) {
     const OutputCoefficients coefficients = output_coefficients(theta_, data_.output);
-    const double limit = two_impact_limit(theta_[3]);
+    const double limit = two_impact_end(theta_[3]) * (round < rounds_beyond_loss ? beyond_loss : 1);
     const double onset = chatter_onset(theta_[3]);
-    for (std::size_t i = 0; i < choices_.size(); ++i) offer_known_motions(i, coefficients, limit, onset);
-    if (explore) {
-      const double near = near_limit();
-      frac::parallel_for(data_.curve_begin.size() - 1, threads_,
-                         [&](std::size_t curve) { explore_curve(curve, coefficients, near); });
-    }
+    for (std::size_t i = 0; i < choices_.size(); ++i) offer_motions(i, coefficients, limit, onset);
     const double near = near_limit();
     for (PointChoice& choice : choices_) {
       choice.used = choice.kind != PointChoice::Kind::none && choice.misfit <= near;
@@ -208,14 +174,16 @@ class Solver {
         const auto response = two_impact_response(gamma, theta[3]);
         return response ? std::optional<Complex>(response->h) : std::nullopt;
       }
-      case PointChoice::Kind::motion:
-        return continued(choices_[i].motion, gamma, theta[3]);
+      case PointChoice::Kind::sticking:
+        // Chaotic motion takes a long mean to be told from motion that sticks: not tried where it is expected.
+        if (gamma < chatter_onset(theta[3])) return std::nullopt;
+        return sticking_h(gamma, theta[3]);
       default:
         return Complex(0);
     }
   }
 
-  [[nodiscard]] Evaluation evaluate(const SceneVector& theta, const std::vector<double>& deviation) const {
+  [[nodiscard]] Evaluation evaluate(const SceneVector& theta, const std::vector<double>& deviation, bool all) const {
     Evaluation result;
     const OutputCoefficients coefficients = output_coefficients(theta, data_.output);
     for (std::size_t i = 0; i < choices_.size(); ++i) {
@@ -223,6 +191,7 @@ class Solver {
       const auto h = h_at(i, theta);
       if (!h) {
         result.ended.push_back(i);
+        if (!all) return result;
         continue;
       }
       const MeasuredPoint& point = data_.points[i];
@@ -241,7 +210,6 @@ class Solver {
   const SceneData& data_;
   const SceneBounds& bounds_;
   bool rate_irregular_;
-  int threads_;
   std::vector<PointChoice> choices_;
   SceneVector theta_{};
   int iterations_ = most_iterations;
@@ -255,8 +223,8 @@ std::optional<GapResponse> response_of(const SceneData& data, const SceneVector&
   switch (choice.kind) {
     case PointChoice::Kind::two_impact:
       return two_impact_response(gamma, theta[3]);
-    case PointChoice::Kind::motion:
-      return branch_response(choice.motion, gamma, theta[3]);
+    case PointChoice::Kind::sticking:
+      return sticking_response(gamma, theta[3]);
     case PointChoice::Kind::free:
       return GapResponse{};
     case PointChoice::Kind::none:
@@ -299,7 +267,7 @@ void Solver::least_squares() {
   double damping = 1e-4;
   int rejected = 0;
   least_squares_converged_ = false;
-  Evaluation current = evaluate(theta_, deviation);
+  Evaluation current = evaluate(theta_, deviation, true);
   drop(current.ended);
   for (int iteration = 0; iteration < iterations_ && !least_squares_converged_;) {
     const NormalEquations equations = products(data_, theta_, choices_, &deviation);
@@ -339,7 +307,7 @@ void Solver::least_squares() {
         least_squares_converged_ = true;
         break;
       }
-      const Evaluation next = evaluate(trial, deviation);
+      const Evaluation next = evaluate(trial, deviation, false);
       if (next.ended.empty() && next.cost <= current.cost) {
         // Rounding of the cost hides steps this small.
         least_squares_converged_ = change < 1e-11 || current.cost - next.cost <= 1e-6 * current.cost;
@@ -358,8 +326,8 @@ void Solver::least_squares() {
         if (next.ended.empty()) {
           least_squares_converged_ = true;
         } else {
-          drop(next.ended);
-          current = evaluate(theta_, deviation);
+          drop(evaluate(trial, deviation, true).ended);
+          current = evaluate(theta_, deviation, true);
         }
         ++iteration;
         break;
@@ -385,8 +353,8 @@ NormalEquations normal_equations(const SceneData& data, const SceneVector& theta
 }
 
 LocalScene solve_scene(const SceneData& data, const SceneBounds& bounds, const SceneVector& start, Effort effort,
-                       bool rate_irregular, int threads) {
-  return Solver(data, bounds, rate_irregular, threads).run(start, effort);
+                       bool rate_irregular) {
+  return Solver(data, bounds, rate_irregular).run(start, effort);
 }
 
 }  // namespace backlash::detail

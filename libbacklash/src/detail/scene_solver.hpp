@@ -14,9 +14,8 @@ struct SceneBounds {
 
 /// The steady motion a point is compared with.
 struct PointChoice {
-  enum class Kind { none, two_impact, free, motion };
+  enum class Kind { none, two_impact, sticking, free };
   Kind kind = Kind::none;
-  MotionBranch motion{};       // when kind is motion
   bool used = false;           // near enough to form residuals
   std::complex<double> model;  // at the estimate
   double misfit = 0;           // |model - data| of the fitted parts over its deviation
@@ -42,10 +41,8 @@ struct LocalScene {
 };
 
 enum class Effort {
-  glance,   // a few steps, to see whether the place is worth more
-  settle,   // until nothing changes
-  explore,  // also looks for closed orbits that are neither of two impacts nor chattering where points are not
-            // explained without, at a simulation per such point and start
+  glance,  // a few steps, to see whether the place is worth more
+  settle,  // until nothing changes
 };
 
 /// Alternates between choosing the steady motion of each point at the estimate and least squares over the points near
@@ -54,6 +51,6 @@ enum class Effort {
 /// table
 ///                        that takes a second to make; else they count as not explained at all
 [[nodiscard]] LocalScene solve_scene(const SceneData& data, const SceneBounds& bounds, const SceneVector& start,
-                                     Effort effort, bool rate_irregular, int threads);
+                                     Effort effort, bool rate_irregular);
 
 }  // namespace backlash::detail

@@ -23,10 +23,10 @@ constexpr std::array<double, 12> restitutions = {0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6
 // Between, the mean over chaotic and subharmonic motions is known to some percent at best.
 constexpr int irregular_stride = 5;
 // Points of the data that rate a node.
-constexpr std::size_t most_points = 120;
+constexpr std::size_t most_points = 60;
 constexpr double node_step = 0.1;  // of ln(mass2 clearance)
 // Rounds of reweighting for the masses.
-constexpr int linear_rounds = 4;
+constexpr int linear_rounds = 3;
 // Nodes nearer to each other than this lead to one estimate.
 constexpr double near_log = 0.25;
 constexpr double near_restitution = 0.11;
@@ -65,17 +65,15 @@ Row make_row(double restitution) {
   int last = count - 1;
   std::optional<Complex> last_h;
   for (int i = count - 1; i >= 0; i -= chatter_stride) {
-    const auto found = motion_from(gamma_of(i), restitution, contact_at_rest_state());
-    // Restitution 0 needs no chatter to stick.
-    const bool sticks = found && (found->branch.regime == Regime::chatter || restitution == 0);
-    if (!sticks || gamma_of(i) <= loss) break;
-    row.h[static_cast<std::size_t>(i)] = found->h;
+    const auto h = sticking_h(gamma_of(i), restitution);
+    if (!h || gamma_of(i) <= loss) break;
+    row.h[static_cast<std::size_t>(i)] = h;
     for (int k = i + 1; last_h && k < last; ++k) {
       const double share = static_cast<double>(k - i) / (last - i);
-      row.h[static_cast<std::size_t>(k)] = (1 - share) * found->h + share * *last_h;
+      row.h[static_cast<std::size_t>(k)] = (1 - share) * *h + share * *last_h;
     }
     last = i;
-    last_h = found->h;
+    last_h = h;
     row.chatter_onset = gamma_of(i);
   }
   return row;
@@ -275,14 +273,15 @@ std::vector<double> log_products(const SceneData& data, const FixedScene& fixed,
 
 double chatter_onset(double restitution) {
   const auto& rows = regular_table();
-  for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
-    if (restitution <= rows[i + 1].restitution) {
-      return restitution == rows[i].restitution ? rows[i].chatter_onset
-                                                : std::max(rows[i].chatter_onset, rows[i + 1].chatter_onset);
-    }
-  }
-  // Chatter of a nearly elastic mass needs ever stronger forces; past the table they are not looked for.
-  return std::numeric_limits<double>::infinity();
+  std::size_t above = 1;
+  while (above + 1 < rows.size() && rows[above].restitution < restitution) ++above;
+  // Past the table it grows like 1/(1 - restitution)^2 and more: the last row stretched by the same law.
+  const Row& lower = rows[above - 1];
+  const Row& upper = rows[above];
+  if (restitution >= 1) return std::numeric_limits<double>::infinity();
+  const double slope =
+      std::log(upper.chatter_onset / lower.chatter_onset) / std::log((1 - lower.restitution) / (1 - upper.restitution));
+  return lower.chatter_onset * std::pow((1 - lower.restitution) / (1 - restitution), slope);
 }
 
 std::optional<Complex> irregular_h(double gamma, double restitution) {

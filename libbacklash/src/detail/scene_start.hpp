@@ -7,8 +7,8 @@
 
 namespace backlash::detail {
 
-/// gamma from which on the motion from contact at rest chatters every period, for every larger gamma too; from a table,
-/// rounded up.
+/// gamma from which on the motion from contact at rest sticks every period, about, from a table; infinite at
+/// restitution 1.
 [[nodiscard]] double chatter_onset(double restitution);
 
 /// Mean of h between the orbits of two impacts and chatter, from a coarse table; empty elsewhere.

@@ -51,10 +51,22 @@ struct WindowRecord {
   Strobe strobe;
   std::int64_t period = 0;
   JumpSum jumps;
+  double log_growth = 0;  // of a small disturbance since the beginning of the window
 };
 
 double distance_between(const GapState& a, const GapState& b) {
   return std::abs(a.s - b.s) + std::abs(a.velocity - b.velocity) / (1 + b.velocity);
+}
+
+// Work of the force on the relative motion over its losses, both over a time of `half_periods` and per unit of reduced
+// mass: the work is pi gamma |Im U_1| per period, the losses (1 - restitution^2) v^2/2 per impact and those of a
+// chatter that is cut off.
+double energy_defect(const GapMotion& motion, const Harmonics& harmonics, double half_periods, double squared_speeds,
+                     double tail_loss = 0) {
+  const double work = -0.5 * pi * half_periods * motion.gamma() * harmonics.u[0].imag();
+  const double kept = motion.restitution() * motion.restitution();
+  const double loss = 0.5 * (1 - kept) * squared_speeds + tail_loss;
+  return squared_speeds > 0 ? std::abs(work - loss) / (0.5 * squared_speeds) : 0;
 }
 
 // |U_1| changes by at most about the change of the state; a state error grows over one period by the rounding of its
@@ -80,11 +92,14 @@ SteadyState orbit_from_release(const GapMotion& motion, const GapState& release,
   std::int64_t impacts = 0;
   bool chatters = false;
   double neglected = 0;
+  double squared_speeds = 0;
+  double tail_loss = 0;
   for (;;) {
     if (!motion.rests(state)) {
       const Flight flight = motion.next_flight(state);
       const GapState next = motion.after_impact(state, flight);
       ++impacts;
+      squared_speeds += flight.speed * flight.speed;
       flights.add_flight(state, flight);
       if (flight.crosses) flights.add_crossing(next);
       state = next;
@@ -94,6 +109,7 @@ SteadyState orbit_from_release(const GapMotion& motion, const GapState& release,
         chatters = true;
         flights.add_tail(state, tail);
         neglected = tail.area_error;
+        tail_loss = tail.loss;
       }
     }
     const GapState next_release = motion.release_after(state);
@@ -107,6 +123,8 @@ SteadyState orbit_from_release(const GapMotion& motion, const GapState& release,
         chatters ? std::numeric_limits<double>::infinity() : 2 * static_cast<double>(impacts) / half_periods;
     steady.harmonics = flights.harmonics(motion.gamma(), half_periods);
     steady.spectral_radius = 0;
+    steady.energy_defect = energy_defect(motion, steady.harmonics, half_periods, squared_speeds, tail_loss);
+    steady.lyapunov = -std::numeric_limits<double>::infinity();
     // A few dozen roundings of phases and of integrals over flights, each below 1.
     steady.uncertainty = 2 / (pi * half_periods) * neglected + 32 * rounding;
     steady.end = state_at_next_peak(motion, release, limit);
@@ -114,13 +132,16 @@ SteadyState orbit_from_release(const GapMotion& motion, const GapState& release,
   }
 }
 
-// Two-sided 95 % quantiles of Student's t with 31, 15 and 7 degrees of freedom.
+// Batches that the window is divided into, and 95 % quantiles F(1, batches - 1) and F(2, 2 (batches - 1)) of the
+// squared error of a complex mean over its estimated variance: for errors along a line, and for errors alike in all
+// directions.
 struct BatchSize {
   int batches;
-  double quantile;
+  double line_quantile;
+  double plane_quantile;
 };
-constexpr std::array<BatchSize, 3> batch_sizes = {
-    {{32, 2.0395134463964077}, {16, 2.1314495455597742}, {8, 2.3646242515927849}}};
+constexpr std::array<BatchSize, 2> batch_sizes = {
+    {{16, 4.543077165217305, 3.3158295010135213}, {8, 5.5914478512207371, 3.7388918324407374}}};
 
 Harmonics mean_harmonics(const WindowRecord& from, const WindowRecord& to, double gamma) {
   // Two integrations by parts over whole periods leave the velocity jumps and the difference of the end states.
@@ -138,13 +159,16 @@ Harmonics mean_harmonics(const WindowRecord& from, const WindowRecord& to, doubl
   return result;
 }
 
-// Long-time mean with the 95 % half width of batch means; the widest of three batch sizes, since short batches of a
-// slowly varying motion are correlated and give too narrow a width.
-SteadyState averaged(const std::vector<WindowRecord>& window, double gamma) {
+// Long-time mean with the 95 % half width of batch means; the wider of two batch sizes, since short batches of a slowly
+// varying motion are correlated and give too narrow a width.
+SteadyState averaged(const std::vector<WindowRecord>& window, const GapMotion& motion) {
+  const double gamma = motion.gamma();
   SteadyState steady;
   steady.regime = Regime::averaged;
   steady.period = 0;
   steady.spectral_radius = nan;
+  steady.energy_defect = nan;
+  steady.lyapunov = nan;
   const auto periods = static_cast<std::int64_t>(window.size()) - 1;
   if (periods < batch_sizes.back().batches) {
     // Too few periods to judge: |U_1| of a motion between the walls lies in [0, 2/pi].
@@ -159,18 +183,37 @@ SteadyState averaged(const std::vector<WindowRecord>& window, double gamma) {
   steady.harmonics = mean_harmonics(first, last, gamma);
   steady.impacts_per_period =
       static_cast<double>(last.strobe.impacts - first.strobe.impacts) / static_cast<double>(periods);
+  const double followed = static_cast<double>(last.period - first.period);
+  // The work of the force changes the kinetic energy too, and the mean of a motion that does not close has ends.
+  const double squared_speeds = last.jumps.squared_speeds() - first.jumps.squared_speeds();
+  const double kinetic = 0.5 * (last.strobe.position_rate * last.strobe.position_rate -
+                                first.strobe.position_rate * first.strobe.position_rate);
+  const double ends = gamma * (last.strobe.position - first.strobe.position);
+  const double work = ends - pi * followed * gamma * steady.harmonics.u[0].imag();
+  const double loss = 0.5 * (1 - motion.restitution() * motion.restitution()) * squared_speeds;
+  steady.energy_defect = squared_speeds > 0 ? std::abs(work - loss - kinetic) / (0.5 * squared_speeds) : 0;
+  steady.lyapunov = (last.log_growth - first.log_growth) / followed;
   if (periods < batch_sizes.back().batches) return steady;
   steady.uncertainty = 0;
   for (const BatchSize& size : batch_sizes) {
     const std::int64_t length = periods / size.batches;
     if (length == 0) continue;
-    double squares = 0;
+    double squares = 0;               // sum of |deviation|^2
+    std::complex<double> pseudo = 0;  // sum of deviation^2, which tells a line from a plane
     for (int i = 0; i < size.batches; ++i) {
       const auto from = static_cast<std::size_t>(i * length);
       const auto to = static_cast<std::size_t>((i + 1) * length);
-      squares += std::norm(mean_harmonics(window[from], window[to], gamma).u[0] - steady.harmonics.u[0]);
+      const std::complex<double> deviation =
+          mean_harmonics(window[from], window[to], gamma).u[0] - steady.harmonics.u[0];
+      squares += std::norm(deviation);
+      pseudo += deviation * deviation;
     }
-    const double half_width = size.quantile * std::sqrt(squares / (size.batches - 1.0) / size.batches);
+    // The variances along the principal axes are (squares +- |pseudo|)/2: degrees of freedom (sum)^2/(sum of squares)
+    // between 1 and 2 (Satterthwaite 1946).
+    const double ratio = squares > 0 ? std::norm(pseudo) / (squares * squares) : 1;
+    const double degrees = 2 / (1 + std::min(1.0, ratio));
+    const double quantile = size.line_quantile + (degrees - 1) * (size.plane_quantile - size.line_quantile);
+    const double half_width = std::sqrt(quantile * squares / (size.batches - 1.0) / size.batches);
     steady.uncertainty = std::max(steady.uncertainty, half_width);
   }
   return steady;
@@ -210,6 +253,17 @@ ClosedOrbit without_repeats(const GapMotion& motion, const ClosedOrbit& orbit, d
   return orbit;
 }
 
+double orbit_energy_defect(const GapMotion& motion, const ClosedOrbit& orbit, const Harmonics& harmonics) {
+  double squared_speeds = 0;
+  GapState state = orbit.start;
+  for (int i = 0; i < orbit.impacts; ++i) {
+    const Flight flight = motion.next_flight(state);
+    squared_speeds += flight.speed * flight.speed;
+    state = motion.after_impact(state, flight);
+  }
+  return energy_defect(motion, harmonics, static_cast<double>(orbit.half_periods), squared_speeds);
+}
+
 std::optional<SteadyState> closed_orbit_near(const GapMotion& motion, const GapState& state, int impacts, int period,
                                              double tolerance) {
   std::optional<ClosedOrbit> orbit = close_orbit(motion, state, impacts, 2 * period, tolerance);
@@ -236,9 +290,46 @@ std::optional<SteadyState> closed_orbit_near(const GapMotion& motion, const GapS
   steady.harmonics = orbit_harmonics(motion, *orbit);
   steady.uncertainty = orbit_uncertainty(*orbit, radius);
   steady.spectral_radius = radius;
+  steady.energy_defect = orbit_energy_defect(motion, *orbit, steady.harmonics);
+  steady.lyapunov = std::log(radius) / steady.period;
   steady.end = state_at_next_peak(motion, orbit->start, 0);
   return steady;
 }
+
+// Growth of a small disturbance of a motion, followed from impact to impact.
+class Disturbance {
+ public:
+  void advance(const GapMotion& motion, const GapState& from, const Flight& flight, const GapState& to) noexcept {
+    const Jacobian step = chain({}, motion, from, flight, to);
+    const double phase = step.phase_phase * phase_ + step.phase_velocity * velocity_;
+    velocity_ = step.velocity_phase * phase_ + step.velocity_velocity * velocity_;
+    phase_ = phase;
+    const double size = std::abs(phase_) + std::abs(velocity_);
+    if (size > 1e-60 && size < 1e60) return;
+    renormalise();
+  }
+  [[nodiscard]] double log_growth() noexcept {
+    renormalise();
+    return log_growth_;
+  }
+
+ private:
+  void renormalise() noexcept {
+    const double size = std::abs(phase_) + std::abs(velocity_);
+    // A disturbance lost at restitution 0, or grown without bound at a touch of speed 0, begins anew.
+    if (!(size > 0) || !std::isfinite(size)) {
+      phase_ = velocity_ = 1;
+      return;
+    }
+    log_growth_ += std::log(size);
+    phase_ /= size;
+    velocity_ /= size;
+  }
+
+  double phase_ = 1;
+  double velocity_ = 1;
+  double log_growth_ = 0;
+};
 
 SteadyState free_motion(double gamma, const GapState& end) {
   SteadyState steady;
@@ -248,6 +339,8 @@ SteadyState free_motion(double gamma, const GapState& end) {
   steady.harmonics.u[0] = -gamma;
   steady.uncertainty = 0;
   steady.spectral_radius = nan;
+  steady.energy_defect = 0;
+  steady.lyapunov = nan;
   steady.end = end;
   return steady;
 }
@@ -341,6 +434,8 @@ SteadyState two_impact_steady_state(const TwoImpactOrbit& orbit, double restitut
   steady.harmonics = two_impact_harmonics(orbit, restitution);
   steady.uncertainty = 16 * rounding * (1 + orbit.gamma);
   steady.spectral_radius = spectral_radius(stability.trace, stability.determinant);
+  steady.energy_defect = energy_defect(motion, steady.harmonics, 2, 2 * orbit.speed * orbit.speed);
+  steady.lyapunov = std::log(steady.spectral_radius);
   steady.end = state_at_next_peak(motion, orbit.start, 0);
   return steady;
 }
@@ -352,6 +447,7 @@ SteadyState find_steady_state(const GapMotion& motion, const GapState& start, do
   std::optional<GapState> released;
   Window window;
   JumpSum jumps;
+  Disturbance disturbance;
   GapState state = start;
   GapState last_peak = start;
   std::int64_t next_peak = start.half_period + 2;
@@ -359,7 +455,7 @@ SteadyState find_steady_state(const GapMotion& motion, const GapState& start, do
   std::int64_t impacts = 0;
 
   const auto finish = [&] {
-    SteadyState steady = averaged(window.records(), motion.gamma());
+    SteadyState steady = averaged(window.records(), motion);
     steady.end = last_peak;
     return steady;
   };
@@ -370,7 +466,7 @@ SteadyState find_steady_state(const GapMotion& motion, const GapState& start, do
     const Strobe strobe{position, position_rate, impacts};
     if (window.stride() == 1 && !candidate) candidate = returns.add(periods, strobe);
     const bool transient = window.empty() && periods < transient_periods && impacts < transient_impacts;
-    const bool more = transient || window.add({strobe, periods, jumps});
+    const bool more = transient || window.add({strobe, periods, jumps, disturbance.log_growth()});
     next_peak += 2 * window.stride();
     return more;
   };
@@ -399,6 +495,7 @@ SteadyState find_steady_state(const GapMotion& motion, const GapState& start, do
       if (!pass_peak(peak.position(), peak.position_rate())) return finish();
     }
     jumps.add(next, flight.speed);
+    if (!window.empty()) disturbance.advance(motion, state, flight, next);
     ++impacts;
     state = next;
     if (impacts >= transient_impacts + window_impacts) return finish();

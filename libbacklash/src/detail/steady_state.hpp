@@ -15,6 +15,8 @@ struct SteadyState {
   Harmonics harmonics;
   double uncertainty;      // of |U_1|
   double spectral_radius;  // of the orbit's period map; NaN when averaged or free
+  double energy_defect;    // |work of the force - impact losses| over the energy of relative motion that impacts meet
+  double lyapunov;         // largest exponent per force period; -infinity where every disturbance is forgotten
   GapState end;            // a state at a peak of the force on (or, when averaged, near) the long-run motion
 };
 

@@ -116,6 +116,11 @@ TwoImpactStability two_impact_stability(const TwoImpactOrbit& orbit, double rest
 }
 
 std::optional<TwoImpactOrbit> stable_two_impact_orbit(double gamma, double restitution) {
+  const bool needs_loss = restitution > 0 && gamma > symmetry_breaking_gamma(restitution);
+  return stable_two_impact_orbit(gamma, restitution, needs_loss ? two_impact_loss(restitution).gamma : 0);
+}
+
+std::optional<TwoImpactOrbit> stable_two_impact_orbit(double gamma, double restitution, double loss_gamma) {
   const double breaking = symmetry_breaking_gamma(restitution);
   if (gamma <= breaking) {
     const std::optional<TwoImpactOrbit> orbit = symmetric_two_impact_orbit(gamma, restitution);
@@ -123,7 +128,7 @@ std::optional<TwoImpactOrbit> stable_two_impact_orbit(double gamma, double resti
     return orbit;
   }
   // gamma rises with the asymmetry up to the end of the stable family.
-  if (restitution == 0 || gamma > two_impact_loss(restitution).gamma) return std::nullopt;
+  if (restitution == 0 || gamma > loss_gamma) return std::nullopt;
   const double asymmetry =
       boundary(0.0, 0.5 * pi, [&](double x) { return asymmetric_two_impact_orbit(x, restitution).gamma <= gamma; });
   const TwoImpactOrbit orbit = asymmetric_two_impact_orbit(asymmetry, restitution);

@@ -40,6 +40,9 @@ struct TwoImpactStability {
 
 /// The stable two-impact orbit at this gamma, symmetric or not; empty when there is none.
 [[nodiscard]] std::optional<TwoImpactOrbit> stable_two_impact_orbit(double gamma, double restitution);
+/// The same where the gamma of its two_impact_loss is at hand, whose search is the dear part.
+[[nodiscard]] std::optional<TwoImpactOrbit> stable_two_impact_orbit(double gamma, double restitution,
+                                                                    double loss_gamma);
 
 /// Harmonics in closed form.
 [[nodiscard]] Harmonics two_impact_harmonics(const TwoImpactOrbit& orbit, double restitution);

@@ -46,7 +46,7 @@ using ApproximationGoal = std::variant<PoleCount, Tolerance>;
 
 enum class ApproximationStatus {
   as_asked,        // poles were given
-  met,             // the tolerance is kept, and by this method not with fewer poles
+  met,             // the tolerance is kept, and the method's design with a pole less does not keep it
   not_attainable,  // the tolerance is not kept; the result is the best found
 };
 

@@ -20,7 +20,8 @@ enum class Hold {
 ///   G(s) s^m / s = sum over poles and nodes of weight/(s - rate) + constants:
 /// the residues of the poles and the integral along the branch cut by the trapezoidal rule in ln|s|.  Each term answers
 /// a piecewise polynomial exactly, so that only the approximation of G itself errs, by `tolerance` of the largest value
-/// of the step response over the horizon.  Sub-sample dead time is exact too.
+/// of the step response over the horizon, down to the rounding of terms that cancel where the horizon ends long before
+/// the response has risen.  Sub-sample dead time is exact too.
 /// Not for improper G (step response infinite at its start).  One object serves one signal; copies are independent.
 class ResponseFilter {
  public:

@@ -50,7 +50,8 @@ void add_pole(const LaplaceImage& image, std::size_t k, bool on_cut, double late
 }
 
 // Exponentials that have not decayed at the end of the horizon, replaced by fewer at Chebyshev points of their common
-// ray: e^{rt} is interpolated in r, with an error below (|r| t/4)^n 2/n! for |r| t up to 2.
+// ray: (e^{rt} - 1)/r is interpolated in r, with an error below 2 t (|r| t/4)^n/n! for |r| t up to 2; divided by r it
+// bears weights that grow towards the origin.
 void merge_slow(std::vector<Exponential>& terms, std::size_t first, double angle, double latest, double tolerance) {
   const double end = 2 / latest;
   const auto slow = std::stable_partition(terms.begin() + static_cast<std::ptrdiff_t>(first), terms.end(),
@@ -75,16 +76,19 @@ void merge_slow(std::vector<Exponential>& terms, std::size_t first, double angle
       share[j] = weight[j] / (r == point[j] ? 1e-300 : r - point[j]);
       sum += share[j];
     }
-    for (std::size_t j = 0; j < count; ++j) merged[j] += term->weight * (share[j] / sum);
+    for (std::size_t j = 0; j < count; ++j) merged[j] += term->weight * (r / point[j] * (share[j] / sum));
   }
   terms.erase(slow, terms.end());
   const Complex direction = angle == pi ? Complex(-1) : std::polar(1.0, angle);
   for (std::size_t j = 0; j < count; ++j) terms.push_back({point[j] * direction, merged[j]});
 }
 
-}  // namespace
+// What a term adds to the sum by the end of the horizon.
+double effect(const Exponential& term, double latest) {
+  return std::abs(term.weight) * std::min(1.0, std::abs(term.rate) * latest);
+}
 
-std::vector<Exponential> exponential_sum(const LaplaceImage& image, double earliest, double latest, double tolerance) {
+std::vector<Exponential> with_tolerance(const LaplaceImage& image, double earliest, double latest, double tolerance) {
   std::vector<Exponential> terms;
   const std::vector<RootCluster>& poles = image.poles().clusters;
   if (has_integer_orders(image)) {
@@ -110,17 +114,29 @@ std::vector<Exponential> exponential_sum(const LaplaceImage& image, double earli
     const double log_r = upper - k * step;
     const Complex zeta(log_r, cut.angle);
     const Complex weight = Complex(0, -step / pi) * image.value(zeta, zeta);
-    const double effect = std::abs(weight) * std::min(1.0, std::exp(log_r) * latest);
-    largest = std::max(largest, effect);
     if (cut.angle == pi) {
       terms.push_back({-std::exp(log_r), weight.real()});
     } else {
       terms.push_back({std::exp(zeta), weight});
     }
-    if (log_r < lowest && effect < 0.03 * step * tolerance * largest) break;
+    const double added = std::abs(weight) * std::min(1.0, std::exp(log_r) * latest);
+    largest = std::max(largest, added);
+    if (log_r < lowest && added < 0.03 * step * tolerance * largest) break;
   }
   merge_slow(terms, first_of_cut, cut.angle, latest, tolerance);
   return terms;
+}
+
+}  // namespace
+
+std::vector<Exponential> exponential_sum(const LaplaceImage& image, double earliest, double latest, double tolerance,
+                                         double size) {
+  std::vector<Exponential> terms = with_tolerance(image, earliest, latest, tolerance);
+  double largest = 0;
+  for (const Exponential& term : terms) largest = std::max(largest, effect(term, latest));
+  // Beyond 1e-16 the rounding of the parts decides.
+  const double finer = std::max(1e-16, tolerance * size / largest);
+  return finer < 0.5 * tolerance ? with_tolerance(image, earliest, latest, finer) : terms;
 }
 
 }  // namespace frac::detail

@@ -14,8 +14,9 @@ struct Exponential {
 };
 
 /// Exponentials with y(t) = constant + sum weight (e^{rate t} - 1) for the original y of `image` on earliest <= t <=
-/// latest, within `tolerance` of its largest value there.  The image is s^q, q > -2, at the origin.
+/// latest, within tolerance * size.  The image is s^q, q > -2, at the origin.
+/// @param size  of y on that interval; parts of the sum that are larger and cancel are made as much more accurate.
 [[nodiscard]] std::vector<Exponential> exponential_sum(const LaplaceImage& image, double earliest, double latest,
-                                                       double tolerance);
+                                                       double tolerance, double size);
 
 }  // namespace frac::detail

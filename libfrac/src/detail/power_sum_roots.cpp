@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "winding_number.hpp"
 
@@ -16,9 +17,8 @@ struct Box {
   double left, right, bottom, top;
   [[nodiscard]] Complex centre() const { return {(left + right) / 2, (bottom + top) / 2}; }
   [[nodiscard]] double size() const { return std::max(right - left, top - bottom); }
-  [[nodiscard]] bool contains(Complex z, double margin) const {
-    return z.real() >= left - margin && z.real() <= right + margin && z.imag() >= bottom - margin &&
-           z.imag() <= top + margin;
+  [[nodiscard]] bool contains(Complex z) const {
+    return z.real() >= left && z.real() <= right && z.imag() >= bottom && z.imag() <= top;
   }
 };
 
@@ -45,9 +45,9 @@ class Search {
   void divide(const Box& box, int expected, int depth) {
     if (expected == 0) return;
     if (expected == 1) {
-      const Complex root = polished(box.centre());
-      if (box.contains(root, 0)) {
-        found_.push_back({root, 1, 0});
+      const std::optional<Complex> root = polished(box.centre());
+      if (root && box.contains(*root)) {
+        found_.push_back({*root, 1, 0});
         return;
       }
     }
@@ -80,16 +80,19 @@ class Search {
   [[nodiscard]] bool complete() const { return complete_; }
 
  private:
-  [[nodiscard]] Complex polished(Complex zeta) const {
+  // Empty where Newton's method has not converged.
+  [[nodiscard]] std::optional<Complex> polished(Complex zeta) const {
     for (int i = 0; i < 60; ++i) {
       const ScaledSum f = scaled_sum(sum_, zeta);
       Complex step = f.value / f.slope;
-      if (!std::isfinite(step.real()) || !std::isfinite(step.imag())) break;
+      if (!std::isfinite(step.real()) || !std::isfinite(step.imag())) return std::nullopt;
       if (std::abs(step) > 0.5) step *= 0.5 / std::abs(step);
       zeta -= step;
-      if (std::abs(step) < 1e-15 * (1 + std::abs(zeta))) break;
+      if (std::abs(step) < 1e-15 * (1 + std::abs(zeta))) return zeta;
+      // Where rounding keeps the steps from getting smaller they are smaller than this.
+      if (i >= 20 && std::abs(step) < 1e-9) return zeta;
     }
-    return zeta;
+    return std::nullopt;
   }
 
   const std::vector<PowerTerm>& sum_;

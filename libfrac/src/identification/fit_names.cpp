@@ -3,6 +3,7 @@
 #include <string>
 
 #include "frac/identification/fit.hpp"
+#include "frac/identification/model_choice.hpp"
 
 namespace frac {
 
@@ -29,6 +30,7 @@ constexpr std::array<std::string_view, 6> weights = {"relative",          "absol
                                                      "smoothed-relative", "log-complex", "repeats"};
 constexpr std::array<std::string_view, 3> losses = {"none", "huber", "cauchy"};
 constexpr std::array<std::string_view, 3> terminations = {"converged", "not-converged", "no-usable-start"};
+constexpr std::array<std::string_view, 3> growth_families = {"powers", "denominator", "arcs"};
 
 }  // namespace
 
@@ -44,6 +46,9 @@ std::string_view to_string(Loss loss) {
 std::string_view to_string(FitTermination termination) {
   return name_of(termination, terminations);
 }
+std::string_view to_string(GrowthFamily family) {
+  return name_of(family, growth_families);
+}
 Component component_from_string(std::string_view text) {
   return value_of<Component>(text, "component", components);
 }
@@ -52,6 +57,9 @@ Weight weight_from_string(std::string_view text) {
 }
 Loss loss_from_string(std::string_view text) {
   return value_of<Loss>(text, "loss", losses);
+}
+GrowthFamily growth_family_from_string(std::string_view text) {
+  return value_of<GrowthFamily>(text, "growth family", growth_families);
 }
 
 }  // namespace frac

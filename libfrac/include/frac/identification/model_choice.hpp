@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string_view>
 #include <vector>
 
 #include "frac/identification/identify.hpp"
@@ -37,6 +38,10 @@ enum class GrowthFamily {
   denominator,  // 1/(b0 + b1 s^a1 + b2 s^a2 + ...)
   arcs,         // R0 + R1/(1 + R1 Q1 s^n1) + R2/(1 + R2 Q2 s^n2) + ...
 };
+/// Command-line spellings.  from_string throws std::invalid_argument naming the allowed ones.
+[[nodiscard]] std::string_view to_string(GrowthFamily family);
+[[nodiscard]] GrowthFamily growth_family_from_string(std::string_view text);
+
 [[nodiscard]] NamedModel grown_model(GrowthFamily family, std::size_t terms);
 
 /// Starts from one term and adds another only while the data pay for it: AICc must fall by more than 2 in the measure

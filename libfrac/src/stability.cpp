@@ -1,0 +1,311 @@
+#include "frac/stability.hpp"
+
+#include <algorithm>
+#include <boost/math/quadrature/gauss_kronrod.hpp>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+
+#include "detail/frequency_axis.hpp"
+#include "detail/laplace_image.hpp"
+#include "detail/number_text.hpp"
+#include "detail/power_sum.hpp"
+#include "detail/winding_number.hpp"
+
+namespace frac {
+namespace {
+
+using Complex = std::complex<double>;
+using detail::LaplaceImage;
+using detail::RootCluster;
+using detail::ScaledSum;
+constexpr double pi = std::numbers::pi;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+// Margin of arg s about pi/2 within which rounding of the coefficients decides.
+constexpr double axis_width = 1e-9;
+
+double order_at_origin(const FractionalTransferFunction& model) {
+  return model.numerator().back().order - model.denominator().back().order;
+}
+
+double order_at_infinity(const FractionalTransferFunction& model) {
+  return model.numerator().front().order - model.denominator().front().order;
+}
+
+// Largest q = 1/n with every order a whole multiple of q, then the common divisor of the multiples.
+std::optional<double> common_order(const FractionalTransferFunction& model) {
+  std::vector<double> orders;
+  for (const auto* terms : {&model.numerator(), &model.denominator()}) {
+    for (const PowerTerm& term : *terms) orders.push_back(std::abs(term.order));
+  }
+  for (int n = 1; n <= 1000; ++n) {
+    long long divisor = 0;
+    const bool fits = std::all_of(orders.begin(), orders.end(), [&](double order) {
+      const double multiple = std::round(order * n);
+      divisor = std::gcd(divisor, static_cast<long long>(multiple));
+      return std::abs(order - multiple / n) <= 1e-10;
+    });
+    if (fits && divisor > 0) return static_cast<double>(divisor) / n;
+  }
+  return std::nullopt;
+}
+
+bool is_cancelled(const std::vector<PowerTerm>& numerator, const RootCluster& root) {
+  const ScaledSum top = detail::scaled_sum(numerator, root.log_s);
+  return std::abs(top.value) < 1e-9 * top.magnitude;
+}
+
+LaplaceImage image(const FractionalTransferFunction& model) {
+  return {model.numerator(), model.denominator()};
+}
+
+double first_u(const LaplaceImage& y, double delay) {
+  return std::min(y.lowest_corner(), delay > 0 ? -std::log(delay) : 0.0) - 12;
+}
+
+}  // namespace
+
+std::string_view to_string(Stability stability) noexcept {
+  switch (stability) {
+    case Stability::stable:
+      return "stable";
+    case Stability::marginal:
+      return "marginal";
+    case Stability::unstable:
+      return "unstable";
+    case Stability::integrating:
+      return "integrating";
+    case Stability::differentiating:
+      return "differentiating";
+    case Stability::undetermined:
+      break;
+  }
+  return "undetermined";
+}
+
+StabilityAnalysis analyse_stability(const FractionalTransferFunction& model) {
+  StabilityAnalysis result{};
+  const detail::PowerSumRoots roots = detail::power_sum_roots(model.denominator(), pi);
+  bool unstable = false;
+  bool marginal = false;
+  for (const RootCluster& root : roots.clusters) {
+    const Complex s = std::exp(root.log_s);
+    const bool real = root.is_conjugate || root.log_s.imag() > pi - 1e-12;
+    const bool cancelled = is_cancelled(model.numerator(), root);
+    result.poles.push_back({real ? Complex(s.real()) : s, root.multiplicity, cancelled});
+    if (cancelled) continue;
+    marginal = marginal || std::abs(root.log_s.imag() - pi / 2) <= axis_width + root.spread;
+    unstable = unstable || root.log_s.imag() < pi / 2 - axis_width - root.spread;
+  }
+  result.commensurate_order = common_order(model);
+  if (result.commensurate_order) {
+    const double q = *result.commensurate_order;
+    std::vector<PowerTerm> polynomial = model.denominator();
+    for (PowerTerm& term : polynomial) term.order = std::round((term.order - model.denominator().back().order) / q);
+    for (const RootCluster& root : detail::power_sum_roots(polynomial, pi).clusters) {
+      const double argument = root.log_s.imag();
+      const Complex lambda = std::exp(root.log_s);
+      result.sheet_roots.push_back({root.is_conjugate || argument > pi - 1e-12 ? Complex(lambda.real()) : lambda,
+                                    root.multiplicity, argument <= q * pi * (1 + 1e-12), argument > q * pi / 2});
+    }
+  }
+  if (!roots.complete) {
+    result.stability = Stability::undetermined;
+  } else if (unstable) {
+    result.stability = Stability::unstable;
+  } else if (order_at_infinity(model) > 0) {
+    result.stability = Stability::differentiating;
+  } else if (order_at_origin(model) < 0) {
+    result.stability = Stability::integrating;
+  } else {
+    result.stability = marginal ? Stability::marginal : Stability::stable;
+  }
+  return result;
+}
+
+ClosedLoopStability analyse_closed_loop(const FractionalTransferFunction& loop) {
+  const double high_order = order_at_infinity(loop);
+  const double high_gain = std::abs(loop.numerator().front().coefficient / loop.denominator().front().coefficient);
+  if (high_order > 0 || (high_order == 0 && high_gain >= 1)) {
+    throw std::invalid_argument("analyse_closed_loop: |L| tends to " +
+                                (high_order > 0 ? std::string("infinity") : detail::number_text(high_gain)) +
+                                " at high frequency; allowed is below 1");
+  }
+  const double delay = loop.delay();
+  // Orders from 0: multiplying by a power of s changes no root right of the axis.
+  const double lowest = std::min(loop.numerator().back().order, loop.denominator().back().order);
+  const std::vector<PowerTerm> top = detail::scaled(loop.numerator(), 1, -lowest);
+  const std::vector<PowerTerm> bottom = detail::scaled(loop.denominator(), 1, -lowest);
+  const auto characteristic = [&](Complex zeta) {
+    const ScaledSum n = detail::scaled_sum(top, zeta);
+    const ScaledSum d = detail::scaled_sum(bottom, zeta);
+    const Complex s = std::exp(zeta);
+    const double scale = std::max(n.scale, d.scale);
+    const Complex late = std::exp(-delay * s + (n.scale - scale));
+    const double own = std::exp(d.scale - scale);
+    return detail::ValueAndSlope{d.value * own + n.value * late,
+                                 d.slope * own + (n.slope - delay * s * n.value) * late};
+  };
+  // Beyond `last` |L| < 1/2 or its limit; below `first` the lowest terms alone are left and the dead time is nothing.
+  std::vector<PowerTerm> all = top;
+  all.insert(all.end(), bottom.begin(), bottom.end());
+  double lowest_corner = 0;
+  double highest_corner = 0;
+  for (const PowerTerm& a : all) {
+    for (const PowerTerm& b : all) {
+      if (a.order - b.order < 1e-13) continue;
+      const double corner = std::log(std::abs(b.coefficient / a.coefficient)) / (a.order - b.order);
+      lowest_corner = std::min(lowest_corner, corner);
+      highest_corner = std::max(highest_corner, corner);
+    }
+  }
+  if (delay > 0) lowest_corner = std::min(lowest_corner, -std::log(delay));
+  double smallest_step = 1;
+  for (std::size_t i = 0; i + 1 < all.size(); ++i) {
+    for (std::size_t j = i + 1; j < all.size(); ++j) {
+      const double gap = std::abs(all[i].order - all[j].order);
+      if (gap > 1e-13) smallest_step = std::min(smallest_step, gap);
+    }
+  }
+  const double first = lowest_corner - 8 / smallest_step;
+  const double last = highest_corner + 3 / smallest_step;
+  const double right = pi / 2 - axis_width;
+  const double count =
+      detail::winding_number(characteristic, {{first, -right}, {last, -right}, {last, right}, {first, right}});
+  if (!std::isfinite(count)) return {Stability::marginal, 0};
+  const int unstable = static_cast<int>(std::lround(count));
+  if (std::abs(count - unstable) > 0.01 || unstable < 0) return {Stability::undetermined, 0};
+  if (unstable > 0) return {Stability::unstable, unstable};
+  const double left = pi / 2 + axis_width;
+  const double with_axis =
+      detail::winding_number(characteristic, {{first, -left}, {last, -left}, {last, left}, {first, left}});
+  return {std::abs(with_axis) < 0.01 ? Stability::stable : Stability::marginal, 0};
+}
+
+PeakGain h_infinity_norm(const FractionalTransferFunction& model) {
+  if (analyse_stability(model).stability != Stability::stable)
+    return {infinity, std::numeric_limits<double>::quiet_NaN()};
+  const LaplaceImage y = image(model);
+  const detail::FrequencyAxis axis(y, 0);
+  const auto limit = [](double order, const PowerTerm& top, const PowerTerm& bottom) {
+    return order == 0 ? std::abs(top.coefficient / bottom.coefficient) : 0.0;
+  };
+  PeakGain best{limit(order_at_origin(model), model.numerator().back(), model.denominator().back()), 0};
+  const double high = limit(order_at_infinity(model), model.numerator().front(), model.denominator().front());
+  if (high > best.gain) best = {high, infinity};
+  const std::vector<double> points = axis.breakpoints(first_u(y, 0), y.highest_corner() + 12);
+  const auto slope = [&](double u) { return axis.log_slope(u).real(); };
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    if (!(slope(points[i]) > 0 && slope(points[i + 1]) <= 0)) continue;
+    const double u = detail::bisected(slope, points[i], points[i + 1]);
+    const double gain = std::exp(axis.log_gain(u));
+    if (gain > best.gain) best = {gain, std::exp(u)};
+  }
+  return best;
+}
+
+double h2_norm(const FractionalTransferFunction& model) {
+  const double origin = 2 * order_at_origin(model) + 1;
+  const double far = 2 * order_at_infinity(model) + 1;
+  const Stability stability = analyse_stability(model).stability;
+  const bool has_stable_poles = stability == Stability::stable || stability == Stability::integrating;
+  if (!has_stable_poles || origin <= 0 || far >= 0) return infinity;
+  const LaplaceImage y = image(model);
+  const detail::FrequencyAxis axis(y, 0);
+  // |G|^2 omega falls as omega^origin and omega^far outwards: 1e-17 of it is left beyond the ends.
+  const double first = y.lowest_corner() - 3 - 40 / origin;
+  const double last = y.highest_corner() + 3 - 40 / far;
+  std::vector<double> ends{first, last};
+  for (const RootCluster& pole : y.poles().clusters) {
+    // About a resonance panels grow with the distance from it.
+    const double width = std::max(1e-12, std::abs(pole.log_s.imag() - pi / 2));
+    ends.push_back(pole.log_s.real());
+    for (double offset = width; offset < 2; offset *= 3) {
+      ends.push_back(pole.log_s.real() - offset);
+      ends.push_back(pole.log_s.real() + offset);
+    }
+  }
+  std::sort(ends.begin(), ends.end());
+  std::erase_if(ends, [&](double u) { return u < first || u > last; });
+  double sum = 0;
+  for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
+    if (ends[i + 1] - ends[i] < 1e-14) continue;
+    sum += boost::math::quadrature::gauss_kronrod<double, 31>::integrate(
+        [&](double u) { return std::exp(2 * axis.log_gain(u) + u); }, ends[i], ends[i + 1], 12, 1e-14);
+  }
+  return std::sqrt(sum / pi);
+}
+
+Margins margins(const FractionalTransferFunction& loop) {
+  const LaplaceImage y = image(loop);
+  const detail::FrequencyAxis axis(y, loop.delay());
+  double last = y.highest_corner() + 12;
+  const double far = order_at_infinity(loop);
+  // With dead time up to where |L| has fallen to 1e-3 for good, or a thousand turns.
+  if (loop.delay() > 0) {
+    const double small =
+        far < 0 ? y.highest_corner() + 2 + std::max(0.0, (7 + y.log_magnitude(y.highest_corner())) / -far) : infinity;
+    last = std::min(small, std::max(y.highest_corner() + 2, std::log(2000 * pi / loop.delay())));
+  }
+  std::vector<double> points = axis.breakpoints(first_u(y, loop.delay()), last);
+  // Not more than a quarter turn between neighbours.
+  std::vector<double> fine;
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    const double turns = loop.delay() * (std::exp(points[i + 1]) - std::exp(points[i])) / (pi / 2);
+    const double pieces = 1 + std::floor(turns);
+    for (double piece = 0; piece < pieces; ++piece) {
+      fine.push_back(points[i] + (points[i + 1] - points[i]) * piece / pieces);
+    }
+  }
+  fine.push_back(points.back());
+  // Extrema of gain and phase are ends of intervals too, so that two crossings in one interval are not missed.
+  points = fine;
+  for (std::size_t i = 0; i + 1 < fine.size(); ++i) {
+    for (const bool gain : {true, false}) {
+      const auto slope = [&](double u) {
+        const Complex both = axis.log_slope(u);
+        return gain ? both.real() : both.imag();
+      };
+      if ((slope(fine[i]) < 0) != (slope(fine[i + 1]) < 0)) {
+        points.push_back(detail::bisected(slope, fine[i], fine[i + 1]));
+      }
+    }
+  }
+  std::sort(points.begin(), points.end());
+
+  Margins result;
+  result.gain_margin = result.phase_margin = result.delay_margin = infinity;
+  const auto log_gain = [&](double u) { return axis.log_gain(u); };
+  const auto imaginary = [&](double u) {
+    const Complex value = axis.value(u);
+    return value.imag() / std::abs(value);
+  };
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    const double a = points[i];
+    const double b = points[i + 1];
+    if ((log_gain(a) < 0) != (log_gain(b) < 0)) {
+      const double u = detail::bisected(log_gain, a, b);
+      const double margin = std::arg(-axis.value(u));
+      result.phase.push_back({std::exp(u), margin});
+      result.phase_margin = std::min(result.phase_margin, std::abs(margin));
+      const double turn = margin >= 0 ? margin : margin + 2 * pi;
+      result.delay_margin = std::min(result.delay_margin, turn / std::exp(u));
+    }
+    if ((imaginary(a) < 0) != (imaginary(b) < 0)) {
+      const double u = detail::bisected(imaginary, a, b);
+      // A change of sign in Re > 0 is the positive axis.
+      if (axis.value(u).real() >= 0) continue;
+      const double factor = std::exp(-log_gain(u));
+      if (factor > 1e3 && loop.delay() > 0) continue;
+      result.gain.push_back({std::exp(u), factor});
+      if (factor >= 1) result.gain_margin = std::min(result.gain_margin, factor);
+      if (factor < 1) result.gain_reduction = std::max(result.gain_reduction, factor);
+    }
+  }
+  return result;
+}
+
+}  // namespace frac

@@ -1,0 +1,297 @@
+#include "backlash/scene_identification.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <vector>
+
+#include "backlash/jump_frequency.hpp"
+#include "backlash/scene_comparison.hpp"
+#include "detail/scene_response.hpp"
+#include "detail/two_impact_orbit.hpp"
+#include "support/expect_invalid_argument.hpp"
+#include "support/random.hpp"
+#include "support/relative_error.hpp"
+
+namespace {
+
+using backlash::describing_function_sweep;
+using backlash::identify_scene;
+using backlash::MeasuredDescribingFunction;
+using backlash::Output;
+using backlash::PointStatus;
+using backlash::SceneIdentification;
+using backlash::SceneIdentificationOptions;
+using backlash::TwoMassSystem;
+using support::expect_invalid_argument;
+using support::log_grid;
+using Complex = std::complex<double>;
+
+const TwoMassSystem scene(1.5, 0.8, 0.3, 0.6);
+const std::vector<double> forces = {10, 20, 30, 40, 50};
+
+// Frequencies from `lower` to `upper` times sqrt(F/(mass2 clearance)), with relative noise in both parts.
+std::vector<MeasuredDescribingFunction> measured(const TwoMassSystem& system, double lower, double upper, int count,
+                                                 double noise, support::Random& random, Output output = Output::x1) {
+  std::vector<MeasuredDescribingFunction> curves;
+  for (const double force : forces) {
+    const double unit = std::sqrt(force / system.mass2() / system.clearance());
+    backlash::SweepOptions options;
+    options.output = output;
+    const auto data =
+        describing_function_sweep(system, force, log_grid(lower * unit, upper * unit, count), options).data();
+    std::vector<Complex> value = data.value();
+    for (Complex& z : value) {
+      const double real = random.normal();
+      z += noise * std::abs(z) * Complex(real, random.normal());
+    }
+    curves.push_back({{data.omega(), value}, force});
+  }
+  return curves;
+}
+
+SceneIdentificationOptions with_mass1(double mass1) {
+  SceneIdentificationOptions options;
+  options.constraints.push_back({"mass1", mass1, {}, {}, {}});
+  return options;
+}
+
+std::array<double, 4> truth_of(const TwoMassSystem& system) {
+  return {system.mass1(), system.mass2(), system.clearance(), system.restitution()};
+}
+
+// The symmetric band of restitution 0.6: c between c_sb = 1.653 and c_sn = 3.567.
+constexpr double band_lower = 1.75, band_upper = 3.3;
+
+TEST(SceneResponse, AgreesWithTheOrbitAndWithDifferencesOnBothFamilies) {
+  // Central differences: step^2 times third derivatives, which grow like gamma - gamma_sn to the power -5/2 near the
+  // saddle-node, and rounding over step: 1e-6 covers both at these points.
+  constexpr double step = 1e-5;
+  for (const double restitution : {0.2, 0.4, 0.6, 0.8}) {
+    for (const double gamma : {0.22, 0.3, 0.4, 0.45}) {
+      const auto orbit = backlash::detail::stable_two_impact_orbit(gamma, restitution);
+      ASSERT_TRUE(orbit);
+      const auto response = backlash::detail::two_impact_response(gamma, restitution);
+      ASSERT_TRUE(response);
+      const Complex expected = backlash::detail::two_impact_harmonics(*orbit, restitution).u1_plus_gamma / gamma;
+      EXPECT_LT(support::relative_error(response->h, expected), 1e-13) << restitution << " " << gamma;
+      const auto h = [&](double log_change, double change) {
+        return backlash::detail::two_impact_response(gamma * std::exp(log_change), restitution + change)->h;
+      };
+      EXPECT_LT(support::relative_error(response->by_log_gamma, (h(step, 0) - h(-step, 0)) / (2 * step)), 1e-6);
+      EXPECT_LT(support::relative_error(response->by_restitution, (h(0, step) - h(0, -step)) / (2 * step)), 1e-6);
+    }
+  }
+}
+
+TEST(SceneIdentification, RecoversExactDataToRounding) {
+  support::Random random(1);
+  for (const double restitution : {0.3, 0.6, 0.85}) {
+    const TwoMassSystem system(1.5, 0.8, 0.3, restitution);
+    const auto result = identify_scene(measured(system, 1.75, 2.4, 30, 0, random), with_mass1(1.5));
+    ASSERT_EQ(result.termination, frac::FitTermination::converged) << result.message;
+    EXPECT_EQ(result.points_used, result.points.size());
+    const auto truth = truth_of(system);
+    for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(result.parameters[k].value, truth[k], 1e-6 * truth[k]);
+  }
+}
+
+// The figure to reach: clearance and restitution from N with 1 % noise, F spanning a factor 5.
+TEST(SceneIdentification, IntervalsCoverTheTruthInNinetyFivePercentOfNoiseTrials) {
+  constexpr int trials = 200;
+  support::Random random(20);
+  std::array<int, 4> covered{};
+  const auto truth = truth_of(scene);
+  for (int trial = 0; trial < trials; ++trial) {
+    const auto result = identify_scene(measured(scene, band_lower, band_upper, 20, 0.01, random), with_mass1(1.5));
+    ASSERT_EQ(result.termination, frac::FitTermination::converged) << result.message;
+    for (std::size_t k = 1; k < 4; ++k) {
+      ASSERT_TRUE(result.parameters[k].identified);
+      covered[k] += result.parameters[k].ci95_lower <= truth[k] && truth[k] <= result.parameters[k].ci95_upper ? 1 : 0;
+    }
+  }
+  // Binomial(200, 0.95): mean 190, standard deviation 3.08; 3.3 of them on either side, so that three counts miss by
+  // chance in less than 1 of 300 seeds.
+  for (std::size_t k = 1; k < 4; ++k) {
+    EXPECT_GE(covered[k], 180) << k;
+    EXPECT_LE(covered[k], 199) << k;
+  }
+}
+
+TEST(SceneIdentification, AJumpInTheDataDoesNotTrapIt) {
+  for (const double restitution : {0.2, 0.6}) {
+    const TwoMassSystem system(1.5, 0.8, 0.3, restitution);
+    support::Random random(3);
+    const auto curves = measured(system, 0.5, 3.0, 60, 0.01, random);
+    const auto jump = backlash::jump_similarity_constant(restitution, backlash::JumpCriterion::sweep_up);
+    ASSERT_TRUE(jump.similarity_constant && *jump.similarity_constant > 0.5 && *jump.similarity_constant < 3.0);
+    const auto result = identify_scene(curves, with_mass1(1.5));
+    ASSERT_EQ(result.termination, frac::FitTermination::converged) << result.message;
+    const auto truth = truth_of(system);
+    for (std::size_t k = 1; k < 4; ++k) {
+      // Five standard errors: by chance in less than 1 of 10^6 trials.
+      EXPECT_NEAR(result.parameters[k].value, truth[k], 5 * result.parameters[k].standard_error)
+          << restitution << ": " << result.message;
+      EXPECT_LT(result.parameters[k].standard_error, 0.02 * truth[k]);
+    }
+    EXPECT_LT(result.points_used, result.points.size());
+  }
+}
+
+TEST(SceneIdentification, X1DeterminesTheSumOfTheMassesOnly) {
+  support::Random random(4);
+  const auto result = identify_scene(measured(scene, band_lower, band_upper, 30, 0.01, random), {});
+  EXPECT_FALSE(result.parameters[0].identified);
+  EXPECT_FALSE(result.parameters[1].identified);
+  EXPECT_FALSE(result.parameters[2].identified);
+  EXPECT_TRUE(std::isnan(result.parameters[2].standard_error));
+  EXPECT_TRUE(result.parameters[3].identified);
+  EXPECT_EQ(result.free_directions.size(), 1u);
+  EXPECT_EQ(result.free_parameters, 3u);
+  const auto& [total, product, ratio] = result.combinations;
+  EXPECT_NEAR(total.value, 2.3, 5 * total.standard_error);
+  EXPECT_NEAR(product.value, 0.24, 5 * product.standard_error);
+  EXPECT_FALSE(ratio.identified);
+}
+
+TEST(SceneIdentification, X2DeterminesAllFour) {
+  support::Random random(5);
+  const auto result = [&] {
+    SceneIdentificationOptions options;
+    options.output = Output::x2;
+    return identify_scene(measured(scene, band_lower, band_upper, 30, 0.01, random, Output::x2), options);
+  }();
+  const auto truth = truth_of(scene);
+  for (std::size_t k = 0; k < 4; ++k) {
+    EXPECT_TRUE(result.parameters[k].identified);
+    EXPECT_NEAR(result.parameters[k].value, truth[k], 5 * result.parameters[k].standard_error);
+  }
+}
+
+TEST(SceneIdentification, TheImaginaryPartAloneIsEnoughInTheTwoImpactBand) {
+  support::Random random(6);
+  for (const Output output : {Output::x1, Output::x2}) {
+    SceneIdentificationOptions options = with_mass1(1.5);
+    options.output = output;
+    options.component = frac::Component::imaginary;
+    const auto result = identify_scene(measured(scene, band_lower, band_upper, 40, 0.01, random, output), options);
+    ASSERT_EQ(result.termination, frac::FitTermination::converged) << result.message;
+    EXPECT_EQ(result.residuals, result.points_used);
+    const auto truth = truth_of(scene);
+    for (std::size_t k = 1; k < 4; ++k) {
+      EXPECT_NEAR(result.parameters[k].value, truth[k], 5 * result.parameters[k].standard_error) << result.message;
+    }
+  }
+}
+
+TEST(SceneIdentification, TheImaginaryPartOfChatterIsOnePowerLaw) {
+  support::Random random(7);
+  SceneIdentificationOptions options = with_mass1(1.5);
+  options.component = frac::Component::imaginary;
+  // gamma from 400 to 10^4.
+  const auto result = identify_scene(measured(scene, 0.01, 0.05, 30, 0.01, random), options);
+  EXPECT_FALSE(result.parameters[2].identified) << result.message;
+  EXPECT_FALSE(result.parameters[3].identified) << result.message;
+}
+
+TEST(SceneIdentification, OutliersAreListed) {
+  support::Random random(8);
+  auto curves = measured(scene, band_lower, band_upper, 30, 0.01, random);
+  auto value = curves[1].data.value();
+  value[7] *= 1.5;
+  curves[1].data = {curves[1].data.omega(), value};
+  const auto result = identify_scene(curves, with_mass1(1.5));
+  EXPECT_EQ(result.points_used + 1, result.points.size());
+  EXPECT_EQ(result.points[30 + 7].status, PointStatus::off_branch);
+  EXPECT_EQ(result.points[30 + 7].curve, 1u);
+  EXPECT_EQ(result.points[30 + 7].index, 7u);
+}
+
+TEST(SceneIdentification, SigmaWeighsThePoints) {
+  support::Random random(9);
+  auto curves = measured(scene, band_lower, band_upper, 30, 0.01, random);
+  auto options = with_mass1(1.5);
+  options.weight = frac::Weight::given;
+  expect_invalid_argument([&] { return identify_scene(curves, options); }, {"sigma"});
+  for (auto& curve : curves) {
+    std::vector<double> sigma;
+    for (const Complex& z : curve.data.value()) sigma.push_back(0.01 * std::abs(z));
+    curve.data = {curve.data.omega(), curve.data.value(), sigma};
+  }
+  const auto result = identify_scene(curves, options);
+  // Chi square with 300 residuals: the rms in units of sigma is 1 within 4/sqrt(2 * 300).
+  EXPECT_NEAR(result.rms, 1, 0.17);
+  EXPECT_NEAR(result.parameters[3].value, 0.6, 5 * result.parameters[3].standard_error);
+}
+
+TEST(SceneIdentification, RefusesWhatMakesNoSense) {
+  support::Random random(10);
+  const auto curves = measured(scene, band_lower, band_upper, 5, 0, random);
+  const auto refuse = [&](const frac::ParameterConstraint& constraint, const std::vector<std::string>& parts) {
+    SceneIdentificationOptions options;
+    options.constraints.push_back(constraint);
+    expect_invalid_argument([&] { return identify_scene(curves, options); }, parts);
+  };
+  expect_invalid_argument([] { return identify_scene({}); }, {"curves"});
+  expect_invalid_argument([&] { return identify_scene({{curves[0].data, -1}}); }, {"curve 0", "force_amplitude", "-1"});
+  expect_invalid_argument([&] { return identify_scene({{{{1.0}, {Complex(1, 1)}}, 1}}); }, {"2 residuals", "4 free"});
+  expect_invalid_argument([&] { return identify_scene({{{{1.0, 2.0}, {0.0, 0.0}}, 1}}); }, {"zero"});
+  refuse({"mass3", 1.0, {}, {}, {}}, {"mass3"});
+  refuse({"restitution", 1.5, {}, {}, {}}, {"restitution", "1.5", "[0, 1]"});
+  refuse({"clearance", -0.1, {}, {}, {}}, {"clearance", "-0.1"});
+  refuse({"mass1", {}, 2.0, 1.0, {}}, {"mass1", "2", "1"});
+  refuse({"mass1", {}, 1.0, 2.0, 3.0}, {"mass1", "start", "3"});
+  SceneIdentificationOptions options;
+  options.component = frac::Component::phase;
+  expect_invalid_argument([&] { return identify_scene(curves, options); }, {"component", "phase"});
+  options.component = frac::Component::both;
+  options.weight = frac::Weight::log_complex;
+  expect_invalid_argument([&] { return identify_scene(curves, options); }, {"weight"});
+}
+
+TEST(SceneComparison, TellsTheTwoMassesFromTheirRivals) {
+  support::Random random(11);
+  const auto curves = measured(scene, band_lower, band_upper, 30, 0.01, random);
+  const auto options = with_mass1(1.5);
+  const auto identification = identify_scene(curves, options);
+  const std::vector<frac::NamedModel> models = {frac::find_model("K/(T s^a + 1)"), frac::find_model("K/(T s^2 + 1)")};
+  const auto comparison = backlash::compare_explanations(curves, options, identification, models);
+  ASSERT_EQ(comparison.ranking.size(), 4u);
+  EXPECT_EQ(comparison.ranking.front().explanation, backlash::Explanation::two_masses) << comparison.sentence;
+  EXPECT_EQ(comparison.ranking.front().free_parameters, 3u);
+  EXPECT_GT(comparison.ranking[1].delta_aicc, 10);
+  EXPECT_EQ(comparison.residuals, 300u);
+  for (const auto& fit : comparison.ranking) {
+    // Three parameters of the fractional structure, two of the other, at each of five forces; mass and clearance.
+    const std::size_t expected = fit.explanation == backlash::Explanation::fractional        ? 15
+                                 : fit.explanation == backlash::Explanation::integer_order   ? 10
+                                 : fit.explanation == backlash::Explanation::static_backlash ? 2
+                                                                                             : 3;
+    EXPECT_EQ(fit.free_parameters, expected) << fit.name;
+  }
+  expect_invalid_argument([&] { return backlash::compare_explanations({curves[0]}, options, identification, models); },
+                          {"points"});
+}
+
+TEST(SceneComparison, AFractionalCurveIsNotTwoMasses) {
+  std::vector<MeasuredDescribingFunction> curves;
+  const std::vector<double> omega = log_grid(5, 35, 40);
+  support::Random random(12);
+  for (const double force : {10.0, 50.0}) {
+    std::vector<Complex> value;
+    for (const double w : omega) {
+      const Complex exact = 1.0 / (1.0 + 0.02 * std::pow(Complex(0, w), 1.4));
+      const double real = random.normal();
+      value.push_back(exact + 0.01 * std::abs(exact) * Complex(real, random.normal()));
+    }
+    curves.push_back({{omega, value}, force});
+  }
+  const auto identification = identify_scene(curves, {});
+  const std::vector<frac::NamedModel> models = {frac::find_model("K/(T s^a + 1)"), frac::find_model("K/(T s + 1)")};
+  const auto comparison = backlash::compare_explanations(curves, {}, identification, models);
+  EXPECT_EQ(comparison.ranking.front().explanation, backlash::Explanation::fractional) << comparison.sentence;
+}
+
+}  // namespace

@@ -1,0 +1,117 @@
+// Time responses: error against seconds for the exponential sum and for Gruenwald-Letnikov, with the reference itself
+// as judge.  Prints case,method,setting,error,seconds; error is the largest over the largest value, at 300 samples
+// spread in logarithm, seconds are for the whole response (set-up apart), the median of 7 repeats.  The case "fft" is
+// the unit F(2^20): one real FFT of that length, by Eigen's kissfft divided by 4, about what FFTW takes.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <string>
+#include <unsupported/Eigen/FFT>
+#include <vector>
+
+#include "frac/reference_response.hpp"
+#include "frac/respond.hpp"
+#include "support/random.hpp"
+#include "support/step_systems.hpp"
+
+namespace {
+
+using frac::FractionalTransferFunction;
+constexpr double sample_time = 1e-4;
+
+template <typename Work>
+double median_seconds(int repeats, const Work& work) {
+  std::vector<double> seconds;
+  for (int repeat = 0; repeat < repeats; ++repeat) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    seconds.push_back(elapsed.count());
+  }
+  std::nth_element(seconds.begin(), seconds.begin() + repeats / 2, seconds.end());
+  return seconds[static_cast<std::size_t>(repeats / 2)];
+}
+
+double step_error(const FractionalTransferFunction& model, const std::vector<double>& output, double time_step) {
+  const frac::ReferenceResponse reference(model);
+  double error = 0;
+  double largest = 0;
+  const double ratio = std::log(static_cast<double>(output.size() - 1)) / 299;
+  for (int i = 0; i < 300; ++i) {
+    const auto n = static_cast<std::size_t>(std::lround(std::exp(ratio * i)));
+    const double exact = reference(static_cast<double>(n) * time_step).value;
+    error = std::max(error, std::abs(output[n] - exact));
+    largest = std::max(largest, std::abs(exact));
+  }
+  return error / largest;
+}
+
+void print(const std::string& name, const char* method, const std::string& setting, double error, double seconds) {
+  std::printf("%s,%s,%s,%.3e,%.3e\n", name.c_str(), method, setting.c_str(), error, seconds);
+  std::fflush(stdout);
+}
+
+void run(const std::string& name, const FractionalTransferFunction& model, std::size_t count, double tolerance) {
+  char setting[64];
+  std::snprintf(setting, sizeof setting, "%zu samples tolerance %.0e", count, tolerance);
+  const auto horizon = static_cast<double>(count);
+  const auto make = [&] {
+    return frac::ResponseFilter(model, sample_time, tolerance, frac::Hold::zero_order, horizon);
+  };
+  frac::ResponseFilter filter = make();
+  const std::string with_states = setting + (" states " + std::to_string(filter.states()));
+  print(name, "set-up", with_states, std::numeric_limits<double>::quiet_NaN(),
+        median_seconds(7, [&] { (void)make(); }));
+  std::vector<double> samples(count, 1.0);
+  std::vector<double> output(count);
+  const double seconds = median_seconds(7, [&] {
+    filter.reset();
+    filter(samples, output);
+  });
+  print(name, "exponential sum: step", with_states, step_error(model, output, sample_time), seconds);
+  support::Random random(1);
+  for (double& sample : samples) sample = random.normal();
+  print(name, "exponential sum: noise", with_states, std::numeric_limits<double>::quiet_NaN(), median_seconds(7, [&] {
+          filter.reset();
+          filter(samples, output);
+        }));
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  // --smoke leaves out the million samples and the minutes of Gruenwald-Letnikov.
+  const bool quick = argc > 1 && std::string(argv[1]) == "--smoke";
+  std::printf("# %s, GCC %s, median of 7 repeats\ncase,method,setting,error,seconds\n", FRACFIT_BUILD_TYPE,
+              __VERSION__);
+  {
+    Eigen::FFT<double> fft;
+    std::vector<double> time(std::size_t{1} << 20, 1.0);
+    std::vector<std::complex<double>> spectrum;
+    print("fft", "F(2^20)", "kissfft/4", std::numeric_limits<double>::quiet_NaN(),
+          median_seconds(7, [&] { fft.fwd(spectrum, time); }) / 4);
+  }
+  std::vector<std::pair<std::string, FractionalTransferFunction>> systems;
+  for (const auto& [name, system] : support::step_systems()) systems.emplace_back(name, system.model);
+  systems.emplace_back("furnace", FractionalTransferFunction::parse("1/(0.8 s^2.2 + 0.5 s^0.9 + 1)"));
+  systems.emplace_back("pole near the cut", FractionalTransferFunction::parse("1/(s^0.99 + 1)"));
+  for (const auto& [name, model] : systems) {
+    for (const double tolerance : {1e-3, 1e-6, 1e-9, 1e-12}) run(name, model, quick ? 10'000 : 1'000'000, tolerance);
+  }
+  const FractionalTransferFunction furnace = systems[systems.size() - 2].second;
+  for (const std::size_t count :
+       quick ? std::vector<std::size_t>{1000} : std::vector<std::size_t>{1000, 10'000, 100'000}) {
+    const double time_step = 30 / static_cast<double>(count);
+    const std::vector<double> samples(count + 1, 1.0);
+    std::vector<double> output;
+    const std::string setting = std::to_string(count) + " samples over 30 s";
+    const double slow =
+        median_seconds(1, [&] { output = frac::respond_grunwald_letnikov(furnace, samples, time_step); });
+    print("furnace", "grunwald-letnikov", setting, step_error(furnace, output, time_step), slow);
+    const double fast = median_seconds(7, [&] { output = frac::respond(furnace, samples, time_step, 1e-12); });
+    print("furnace", "exponential sum with set-up", setting + " tolerance 1e-12",
+          step_error(furnace, output, time_step), fast);
+  }
+}

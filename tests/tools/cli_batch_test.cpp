@@ -1,0 +1,252 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "run_program.hpp"
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+/// A power law K s^a with a force in its header.
+std::string curve(double coefficient, double order, double force) {
+  std::ostringstream stream;
+  stream.precision(17);
+  stream << "# force_n: " << force << "\nomega_rad_s,re,im\n";
+  for (int i = 0; i <= 20; ++i) {
+    const double omega = std::pow(10.0, -1 + i / 10.0);
+    const auto value = coefficient * std::pow(std::complex<double>(0, omega), order);
+    stream << omega << ',' << value.real() << ',' << value.imag() << '\n';
+  }
+  return stream.str();
+}
+
+/// Seven files; K = 2 F^0.5, so its law is known exactly.
+class Batch : public testing::Test {
+ protected:
+  Batch() {
+    std::filesystem::create_directory(folder.path("data"));
+    for (int i = 1; i <= 7; ++i)
+      folder.write("data/force_" + std::to_string(i) + ".csv", curve(2 * std::sqrt(i), 0.7, i));
+  }
+
+  [[nodiscard]] std::vector<std::string> command(const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments{"batch",       folder.path("data"), "--model", "power-law",
+                                       "--power-law", "K:force_n",         "--quiet"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  }
+
+  [[nodiscard]] std::string whole(const std::string& name) const {
+    const auto result = run_fracfit(command({"--out", folder.path(name)}));
+    EXPECT_EQ(result.code, 0) << result.error;
+    return content_of(folder.path(name));
+  }
+
+  TemporaryFolder folder;
+};
+
+TEST_F(Batch, OneRowPerFileInOrderAndThePowerLawOfTheData) {
+  const auto lines = lines_of(whole("all.csv"));
+  std::vector<std::string> rows;
+  std::string law;
+  for (const auto& line : lines) {
+    if (line.starts_with(folder.path("data"))) rows.push_back(line);
+    if (line.starts_with("# power_law: K:force_n ")) law = line;
+  }
+  ASSERT_EQ(rows.size(), 7U);
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    EXPECT_TRUE(rows[i].starts_with(folder.path("data/force_" + std::to_string(i + 1) + ".csv,converged,")));
+  const auto number_after = [&](const std::string& key) { return std::stod(law.substr(law.find(key) + key.size())); };
+  // The data are exact to 17 digits; the solver stops at a relative change of the cost near 1e-12, so K holds 1e-6 and
+  // so does the law through its values.
+  EXPECT_EQ(number_after(" points="), 7);
+  EXPECT_NEAR(number_after(" coefficient="), 2, 2e-6);
+  EXPECT_NEAR(number_after(" exponent="), 0.5, 1e-6);
+}
+
+TEST_F(Batch, ShardsMergedAreTheSingleRunByteForByte) {
+  for (const std::string extension : {".csv", ".jsonl"}) {
+    const auto single = whole("all" + extension);
+    std::vector<std::string> merge{"merge", folder.path("merged" + extension)};
+    for (const char* shard : {"3", "1", "2"}) {
+      const auto part = folder.path(std::string("part") + shard + extension);
+      EXPECT_EQ(run_fracfit(command({"--shard", std::string(shard) + "/3", "--out", part})).code, 0);
+      merge.push_back(part);
+    }
+    const auto result = run_fracfit(merge);
+    EXPECT_EQ(result.code, 0) << result.error;
+    EXPECT_EQ(content_of(folder.path("merged" + extension)), single);
+  }
+}
+
+TEST_F(Batch, MoreShardsThanFilesLeaveSomeEmpty) {
+  const auto part = folder.path("part.csv");
+  EXPECT_EQ(run_fracfit(command({"--shard", "9/9", "--out", part})).code, 0);
+  const auto result = run_fracfit({"merge", folder.path("merged.csv"), part});
+  EXPECT_EQ(result.code, 1);
+  EXPECT_NE(result.error.find("7 of 7 files are missing"), std::string::npos) << result.error;
+}
+
+TEST_F(Batch, AnInterruptedRunResumesToTheSameBytes) {
+  for (const std::string extension : {".csv", ".jsonl"}) {
+    const auto single = whole("all" + extension);
+    // Cut anywhere below the manifest: between rows, within a row, within the law.
+    const auto lines = lines_of(single);
+    std::size_t manifest = 0;
+    for (const auto& line : lines) {
+      manifest += line.size() + 1;
+      if (line.starts_with("file,") || line.starts_with("{\"fracfit\"")) break;
+    }
+    for (std::size_t cut = manifest; cut < single.size(); cut += (single.size() - manifest) / 9) {
+      const auto out = folder.write("cut" + extension, single.substr(0, cut));
+      EXPECT_EQ(run_fracfit(command({"--out", out})).code, 0) << cut;
+      EXPECT_EQ(content_of(out), single) << cut;
+    }
+  }
+}
+
+TEST_F(Batch, FinishedRowsAreNotDoneAgain) {
+  const auto single = whole("all.csv");
+  // With the data of a finished row gone, only a run that keeps the row can still give it.
+  const auto file = folder.path("data/force_4.csv");
+  const auto data = content_of(file);
+  folder.write("data/force_4.csv", "nothing of use\n");
+  EXPECT_EQ(run_fracfit(command({"--out", folder.path("all.csv")})).code, 0);
+  EXPECT_EQ(content_of(folder.path("all.csv")), single);
+}
+
+TEST_F(Batch, ABadFileAmongGoodOnesIsARowWithItsError) {
+  const auto bad = folder.write("data/force_3.csv", "omega_rad_s,re,im\n1,2,three, \"quoted\"\n");
+  const auto csv = run_fracfit(command({}));
+  EXPECT_EQ(csv.code, 0);
+  EXPECT_NE(csv.output.find(bad + ",invalid-data,"), std::string::npos) << csv.output;
+  const auto jsonl = run_fracfit(command({"--format", "jsonl"}));
+  std::size_t converged = 0;
+  for (const auto& line : lines_of(jsonl.output)) {
+    const auto json = Json::parse(line);
+    if (!json.contains("file")) continue;
+    if (json["file"] != bad) {
+      EXPECT_EQ(json["status"], "converged");
+      ++converged;
+      continue;
+    }
+    EXPECT_EQ(json["status"], "invalid-data");
+    EXPECT_NE(json["message"].get<std::string>().find(bad + ":2"), std::string::npos) << json["message"];
+    EXPECT_TRUE(json["K"].is_null());
+  }
+  EXPECT_EQ(converged, 6U);
+}
+
+TEST_F(Batch, NoResultAtAllIsExitCodeOne) {
+  const auto result =
+      run_fracfit({"batch", folder.path("missing.csv"), folder.write("empty.csv", ""), "--model", "power-law"});
+  EXPECT_EQ(result.code, 1);
+  EXPECT_NE(result.output.find("missing.csv,invalid-data,"), std::string::npos) << result.output;
+  EXPECT_NE(result.error.find("2 of 2 files gave no result"), std::string::npos) << result.error;
+}
+
+TEST_F(Batch, ThreadsDoNotChangeAByte) {
+  EXPECT_EQ(run_fracfit(command({"--threads", "1"})).output, run_fracfit(command({"--threads", "3"})).output);
+}
+
+TEST_F(Batch, ModelsAreRankedForEachFile) {
+  const auto result =
+      run_fracfit({"batch", folder.path("data"), "--models", "power-law,lag,gain", "--format", "jsonl"});
+  EXPECT_EQ(result.code, 0) << result.error;
+  std::size_t rows = 0;
+  for (const auto& line : lines_of(result.output)) {
+    const auto json = Json::parse(line);
+    if (!json.contains("file")) continue;
+    ++rows;
+    EXPECT_EQ(json["chosen"], "power-law");
+    EXPECT_EQ(json["verdict"], "supported");
+    EXPECT_NEAR(json["a"].get<double>(), 0.7, 1e-6);
+  }
+  EXPECT_EQ(rows, 7U);
+}
+
+TEST_F(Batch, MergeRefusesWhatDoesNotBelongTogether) {
+  const auto one = folder.path("one.csv");
+  const auto two = folder.path("two.csv");
+  EXPECT_EQ(run_fracfit(command({"--shard", "1/2", "--out", one})).code, 0);
+  EXPECT_EQ(run_fracfit(command({"--shard", "2/2", "--seed", "2", "--out", two})).code, 0);
+  const auto expect_refusal = [&](const std::vector<std::string>& in, const std::string& part) {
+    std::vector<std::string> arguments{"merge", folder.path("merged.csv")};
+    arguments.insert(arguments.end(), in.begin(), in.end());
+    const auto result = run_fracfit(arguments);
+    EXPECT_EQ(result.code, 3);
+    EXPECT_NE(result.error.find(part), std::string::npos) << result.error;
+    EXPECT_FALSE(std::filesystem::exists(folder.path("merged.csv")));
+  };
+  expect_refusal({one, two}, "has command");
+  expect_refusal({one, one}, "force_1.csv, which");
+  expect_refusal({one, folder.path("data/force_1.csv")}, "expected a table written by fracfit batch");
+  expect_refusal({folder.path("absent.csv")}, "is missing");
+}
+
+TEST_F(Batch, WhatIsMissingIsNamedAndCanBeDoneAfterwards) {
+  const auto single = whole("all.csv");
+  const auto one = folder.path("one.csv");
+  const auto merged = folder.path("merged.csv");
+  EXPECT_EQ(run_fracfit(command({"--shard", "1/2", "--out", one})).code, 0);
+  const auto result = run_fracfit({"merge", merged, one});
+  EXPECT_EQ(result.code, 1);
+  EXPECT_NE(result.error.find("3 of 7 files are missing"), std::string::npos) << result.error;
+  EXPECT_NE(result.error.find("force_2.csv"), std::string::npos) << result.error;
+  EXPECT_EQ(run_fracfit(command({"--out", merged})).code, 0);
+  EXPECT_EQ(content_of(merged), single);
+}
+
+TEST_F(Batch, ResultsOfAnotherCommandAreNotOverwritten) {
+  const auto single = whole("all.csv");
+  const auto other = run_fracfit(command({"--out", folder.path("all.csv"), "--seed", "2"}));
+  EXPECT_EQ(other.code, 2);
+  EXPECT_NE(other.error.find("holds the results of another command"), std::string::npos) << other.error;
+  EXPECT_EQ(content_of(folder.path("all.csv")), single);
+  const auto data = content_of(folder.path("data/force_1.csv"));
+  EXPECT_EQ(run_fracfit(command({"--out", folder.path("data/force_1.csv")})).code, 3);
+  EXPECT_EQ(content_of(folder.path("data/force_1.csv")), data);
+}
+
+TEST_F(Batch, WrongUsageIsNamed) {
+  const auto data = folder.path("data");
+  const auto expect_refusal = [](const std::vector<std::string>& more, const std::string& part) {
+    std::vector<std::string> arguments{"batch"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto result = run_fracfit(arguments);
+    EXPECT_EQ(result.code, 2);
+    EXPECT_EQ(result.output, "");
+    EXPECT_NE(result.error.find(part), std::string::npos) << result.error;
+  };
+  expect_refusal({data}, "either --model");
+  expect_refusal({data, "--model", "gain", "--models", "gain"}, "either --model");
+  expect_refusal({data, "--model", "power-law", "--shard", "4/3"}, "1 <= i <= n");
+  expect_refusal({data, "--model", "power-law", "--shard", "0/3"}, "--shard '0'");
+  expect_refusal({data, "--model", "power-law", "--shard", "2"}, "expected i/n");
+  expect_refusal({data, "--model", "power-law", "--fix", "b=1"}, "'b' does not occur");
+  expect_refusal({data, "--model", "power-law", "--bound", "a=2:1"}, "lies above");
+  expect_refusal({data, "--model", "power-law", "--power-law", "K"}, "PARAMETER:VARIABLE");
+  expect_refusal({data, "--model", "power-law", "--power-law", "b:force_n"}, "'b' is no parameter");
+  expect_refusal({data, "--models", "power-law", "--power-law", "K:force_n"}, "needs --model");
+  expect_refusal({data, "--model", "rms s^a"}, "two columns 'rms'");
+  expect_refusal({data, data, "--model", "power-law"}, "given twice");
+  expect_refusal({"-", "--model", "power-law"}, "not standard input");
+  const TemporaryFolder empty;
+  expect_refusal({empty.path(), "--model", "power-law"}, "holds no file");
+}
+
+}  // namespace

@@ -1,0 +1,95 @@
+// identify-scene from the files that simulate writes.
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "run_program.hpp"
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// The two-impact band of restitution 0.6 in clearance 0.3 at mass2 = 1: 1.75 to 3.3 times sqrt(F/0.3).
+std::string simulated(const TemporaryFolder& folder, const std::string& force, const std::string& omega,
+                      const std::vector<std::string>& more = {}) {
+  const std::string file = folder.path("f" + force + ".csv");
+  std::vector<std::string> arguments{"simulate", "--force", force, "--clearance", "0.3", "--restitution", "0.6", "--m1",
+                                     "2",        "--m2",    "1",   "--omega",     omega, "--out",         file};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  const auto result = run_fracfit(arguments);
+  EXPECT_EQ(result.code, 0) << result.error;
+  return file;
+}
+
+class IdentifyScene : public ::testing::Test {
+ protected:
+  TemporaryFolder folder;
+  std::string weak = simulated(folder, "10", "10.2:19:25log");
+  std::string strong = simulated(folder, "50", "22.8:42.5:25log");
+};
+
+TEST_F(IdentifyScene, FindsTheSceneOfSimulatedFiles) {
+  const auto result = run_fracfit({"identify-scene", weak, strong, "--fix", "m1=2", "--format", "json"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const auto json = Json::parse(result.output);
+  const std::vector<std::pair<std::string, double>> truth{
+      {"mass1", 2}, {"mass2", 1}, {"clearance", 0.3}, {"restitution", 0.6}};
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    EXPECT_EQ(json["parameters"][i]["name"], truth[i].first);
+    // The files hold every digit; the estimate is asked to 1e-6.
+    EXPECT_NEAR(json["parameters"][i]["value"], truth[i].second, 1e-6 * truth[i].second);
+    EXPECT_EQ(json["parameters"][i]["identified"], true);
+  }
+  EXPECT_EQ(json["data"][1]["force_n"], 50);
+  EXPECT_EQ(json["points_used"], 50);
+  EXPECT_EQ(json["points"].size(), 50u);
+}
+
+TEST_F(IdentifyScene, ForcesOfTheCommandLineGoBeforeThoseOfTheFiles) {
+  // Twice the force means twice the clearance times mass2.
+  const auto result =
+      run_fracfit({"identify-scene", weak, strong, "--force", "20,100", "--fix", "m1=2", "--format", "json"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  EXPECT_NEAR(Json::parse(result.output)["combinations"][1]["value"], 0.6, 1e-6);
+}
+
+TEST_F(IdentifyScene, SaysWhatIsNotIdentified) {
+  const auto result = run_fracfit({"identify-scene", weak, strong, "--format", "table"});
+  EXPECT_EQ(result.code, 0) << result.error;
+  EXPECT_NE(result.output.find("not identified by these data"), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find("The data leave"), std::string::npos) << result.output;
+}
+
+TEST_F(IdentifyScene, TakesTheMassFromTheFiles) {
+  const auto file = simulated(folder, "30", "18:33:25log", {"--output", "x2"});
+  const auto result = run_fracfit({"identify-scene", file, "--format", "json"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const auto json = Json::parse(result.output);
+  EXPECT_EQ(json["options"]["output"], "x2");
+  EXPECT_NEAR(json["parameters"][0]["value"], 2, 1e-5);
+  EXPECT_EQ(run_fracfit({"identify-scene", file, weak}).code, 2);
+}
+
+TEST_F(IdentifyScene, RefusesWrongInput) {
+  const auto expect_failure = [](std::vector<std::string> arguments, int code, const std::string& part) {
+    arguments.insert(arguments.begin(), "identify-scene");
+    const auto result = run_fracfit(arguments);
+    EXPECT_EQ(result.code, code) << result.error;
+    EXPECT_NE(result.error.find(part), std::string::npos) << result.error;
+  };
+  expect_failure({}, 2, "DATA");
+  expect_failure({folder.path("none.csv")}, 3, "none.csv");
+  expect_failure({weak, strong, "--force", "1,2,3"}, 2, "--force names 3");
+  expect_failure({weak, "--force", "-1"}, 2, "force_amplitude");
+  expect_failure({weak, "--fix", "mass3=1"}, 2, "mass3");
+  expect_failure({weak, "--fix", "mass1"}, 2, "NAME=VALUE");
+  expect_failure({weak, "--fix", "restitution=2"}, 2, "restitution");
+  expect_failure({weak, "--component", "phase"}, 2, "phase");
+  expect_failure({weak, "--weight", "given"}, 3, "sigma");
+  expect_failure({folder.write("plain.csv", "omega_rad_s,re,im\n1,1,1\n2,1,1\n3,1,1\n")}, 2, "--force");
+  expect_failure({folder.write("bad.csv", "# force_n: strong\nomega_rad_s,re,im\n1,1,1\n2,1,1\n")}, 3, "force_n");
+}
+
+}  // namespace

@@ -1,0 +1,134 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "run_program.hpp"
+
+namespace {
+
+using Json = nlohmann::json;
+
+struct Table {
+  std::string head;
+  std::vector<double> time, output;
+};
+
+Table response_to(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), "respond");
+  const auto result = run_fracfit(arguments);
+  EXPECT_EQ(result.code, 0) << result.error;
+  Table table;
+  std::istringstream lines(result.output);
+  std::string line;
+  while (std::getline(lines, line) && line != "time_s,output") table.head += line + "\n";
+  while (std::getline(lines, line)) {
+    std::size_t comma = 0;
+    table.time.push_back(std::stod(line, &comma));
+    table.output.push_back(std::stod(line.substr(comma + 1)));
+  }
+  return table;
+}
+
+void expect_failure(const std::vector<std::string>& arguments, int code, const std::string& part) {
+  const auto result = run_fracfit(arguments);
+  EXPECT_EQ(result.code, code) << part;
+  EXPECT_EQ(result.output, "");
+  EXPECT_NE(result.error.find(part), std::string::npos) << result.error;
+}
+
+const std::string furnace = "1/(0.8 s^2.2 + 0.5 s^0.9 + 1)";
+
+}  // namespace
+
+TEST(Respond, MethodsAgreeWithTheKnownValues) {
+  const Table exact = response_to({"--model", furnace, "--time", "1,5,20,30"});
+  const double known[] = {0.423976252450147, 0.585082992742685, 0.991079096205464, 1.014164778110849};
+  ASSERT_EQ(exact.output.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(exact.output[i], known[i], 2e-15);
+  EXPECT_NE(exact.head.find("# method: reference\n"), std::string::npos) << exact.head;
+  EXPECT_NE(exact.head.find("# fracfit: "), std::string::npos);
+  EXPECT_NE(exact.head.find("# error_estimate: "), std::string::npos);
+
+  const Table fast = response_to({"--model", furnace, "--time", "0:30:3001", "--tolerance", "1e-10"});
+  EXPECT_NE(fast.head.find("# method: exponential-sum\n"), std::string::npos) << fast.head;
+  ASSERT_EQ(fast.output.size(), 3001u);
+  EXPECT_EQ(fast.output[0], 0);
+  // The largest value is about 1.7.
+  EXPECT_NEAR(fast.output[100], known[0], 2e-10);
+  EXPECT_NEAR(fast.output[2000], known[2], 2e-10);
+  // First order in the step of 0.01 s.
+  const Table slow = response_to({"--model", furnace, "--time", "0:30:3001", "--method", "grunwald-letnikov"});
+  EXPECT_NEAR(slow.output[2000], known[2], 0.02);
+  EXPECT_NE(slow.output[2000], fast.output[2000]);
+}
+
+TEST(Respond, OtherInputs) {
+  // 1/(s + 1): e^-t, t - 1 + e^-t, (e^-t - cos t + sin t)/2.
+  const double e = std::exp(-2.0);
+  EXPECT_NEAR(response_to({"--model", "1/(s+1)", "--input", "impulse", "--time", "2"}).output[0], e, 1e-14);
+  EXPECT_NEAR(response_to({"--model", "1/(s+1)", "--input", "ramp", "--time", "2"}).output[0], 1 + e, 1e-14);
+  EXPECT_NEAR(response_to({"--model", "1/(s+1)", "--input", "sine", "--omega", "1", "--time", "2"}).output[0],
+              (e - std::cos(2.0) + std::sin(2.0)) / 2, 1e-14);
+}
+
+TEST(Respond, FilesOfSamples) {
+  const TemporaryFolder folder;
+  std::string text = "time_s,input\n";
+  for (int n = 0; n <= 400; ++n) text += std::to_string(0.01 * n) + "," + std::to_string(0.03 * n) + "\n";
+  const Table table =
+      response_to({"--model", "1/(s+1)", "--input", folder.write("ramp.csv", text), "--hold", "first-order"});
+  ASSERT_EQ(table.output.size(), 401u);
+  for (const std::size_t n : {0u, 1u, 100u, 400u}) {
+    const double t = 0.01 * static_cast<double>(n);
+    // Six decimals in the file.
+    EXPECT_NEAR(table.output[n], 3 * (t + std::expm1(-t)), 1e-6);
+  }
+}
+
+TEST(Respond, WhatIsWrongIsNamed) {
+  const TemporaryFolder folder;
+  expect_failure({"respond", "--time", "1"}, 2, "--model");
+  expect_failure({"respond", "--model", "1/(s+1)"}, 2, "--time");
+  expect_failure({"respond", "--model", "1/(s+", "--time", "1"}, 2, "1/(s+");
+  expect_failure({"respond", "--model", "1/(s+1)", "--time", "-1,2"}, 2, "t[0] = -1");
+  expect_failure({"respond", "--model", "1/(s+1)", "--input", "sine", "--time", "1"}, 2, "--omega");
+  expect_failure({"respond", "--model", "1/(s+1)", "--time", "1,2,4", "--method", "exponential-sum"}, 2, "0:T:N");
+  expect_failure({"respond", "--model", "1/(s+1)", "--input", folder.path("none.csv")}, 3, "none.csv");
+  const auto uneven = folder.write("uneven.csv", "time_s,input\n0,1\n1,1\n3,1\n");
+  expect_failure({"respond", "--model", "1/(s+1)", "--input", uneven}, 3, "equal steps");
+  const auto broken = folder.write("broken.csv", "time_s,input\n0,1\n1,nan\n");
+  expect_failure({"respond", "--model", "1/(s+1)", "--input", broken}, 3, "broken.csv:3:3");
+  const auto unnamed = folder.write("unnamed.csv", "time_s,x\n0,1\n1,1\n");
+  expect_failure({"respond", "--model", "1/(s+1)", "--input", unnamed}, 3, "input, u");
+}
+
+TEST(Analyse, ReportsTheFurnace) {
+  const auto result = run_fracfit({"analyse", "--model", furnace});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const Json json = Json::parse(result.output);
+  EXPECT_EQ(json["stability"], "stable");
+  ASSERT_EQ(json["poles"].size(), 1u);
+  EXPECT_NEAR(json["poles"][0]["re"].get<double>(), -0.10841680291289, 1e-13);
+  EXPECT_NEAR(json["h2_norm"].get<double>(), 1.5345842681944, 2e-13);
+  EXPECT_NEAR(json["h_infinity_norm"]["gain"].get<double>(), 4.6208373031928, 1e-13);
+  EXPECT_NEAR(json["commensurate_order"].get<double>(), 0.1, 1e-15);
+  EXPECT_EQ(json["sheet_roots"].size(), 11u);
+  const auto table = run_fracfit({"analyse", "--model", furnace, "--format", "table"});
+  EXPECT_NE(table.output.find("stability: stable"), std::string::npos) << table.output;
+}
+
+TEST(Analyse, ReportsALoop) {
+  // e^-s/s: phase -pi at pi/2, gain 2/pi there; |L| = 1 at 1.
+  const auto result = run_fracfit({"analyse", "--model", "exp(-1 s)/s"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const Json json = Json::parse(result.output);
+  EXPECT_EQ(json["stability"], "integrating");
+  EXPECT_EQ(json["unity_feedback"]["stability"], "stable");
+  EXPECT_NEAR(json["margins"]["gain_margin"].get<double>(), std::acos(-1.0) / 2, 1e-12);
+  EXPECT_NEAR(json["margins"]["phase_margin_rad"].get<double>(), std::acos(-1.0) / 2 - 1, 1e-12);
+  EXPECT_TRUE(json["h2_norm"].is_null());
+}

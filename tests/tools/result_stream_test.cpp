@@ -1,0 +1,83 @@
+#include "io/result_stream.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "frac/parallel_for.hpp"
+#include "io/csv_line.hpp"
+#include "io/input_files.hpp"
+#include "temporary_folder.hpp"
+
+namespace {
+
+TEST(ResultStream, LinesAreOnDiskBeforeTheEndAndInOrderAfterIt) {
+  const TemporaryFolder folder;
+  const auto path = folder.path("out.csv");
+  io::ResultStream stream(path, "# header\n", {{"b", "b,2"}});
+  stream.append("c", "c,3");
+  EXPECT_EQ(content_of(path), "# header\nb,2\nc,3\n");
+  stream.append("a", "a,1");
+  stream.finish({"a", "b", "c"}, "# end\n");
+  EXPECT_EQ(content_of(path), "# header\na,1\nb,2\nc,3\n# end\n");
+  EXPECT_EQ(folder.entries(), 1U);
+}
+
+TEST(ResultStream, LinesFromManyThreadsStayWhole) {
+  const TemporaryFolder folder;
+  const auto path = folder.path("out.csv");
+  io::ResultStream stream(path, "", {});
+  frac::parallel_for(200, 4, [&](std::size_t i) { stream.append(std::to_string(i), std::string(1000, 'x')); });
+  const auto lines = io::whole_lines(path);
+  EXPECT_EQ(lines.size(), 200U);
+  for (const auto& line : lines) EXPECT_EQ(line, std::string(1000, 'x'));
+}
+
+TEST(ResultStream, ASecondRunOnTheSameFileIsRefused) {
+  const TemporaryFolder folder;
+  const auto path = folder.path("out.csv");
+  io::ResultStream first(path, "# header\n", {});
+  first.append("a", "a,1");
+  EXPECT_THROW(io::ResultStream(path, "# other\n", {}), std::invalid_argument);
+  EXPECT_EQ(content_of(path), "# header\na,1\n");
+}
+
+TEST(ResultStream, WhatCannotHoldResultsIsRefused) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(io::ResultStream("/dev/null", "", {}), std::invalid_argument);
+  EXPECT_THROW(io::ResultStream(folder.path(), "", {}), std::invalid_argument);
+  EXPECT_THROW(io::ResultStream(folder.path("no/such/file"), "", {}), std::invalid_argument);
+}
+
+TEST(WholeLines, ALineCutOffIsLeftOut) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(io::whole_lines(folder.write("a", "1\n\n2\n3")), (std::vector<std::string>{"1", "", "2"}));
+  EXPECT_TRUE(io::whole_lines(folder.path("absent")).empty());
+}
+
+TEST(CsvLine, FieldsComeBackAsTheyWere) {
+  const std::vector<std::string> fields{"plain", "a,b", "say \"x\"", "\"", "", "# no comment", ","};
+  std::string line;
+  for (const auto& field : fields) line += (line.empty() ? "" : ",") + io::csv_field(field);
+  EXPECT_EQ(io::split_csv_line(line), fields);
+  EXPECT_EQ(io::csv_field("two\nlines"), "two lines");
+  EXPECT_FALSE(io::split_csv_line("a,\"open"));
+  EXPECT_FALSE(io::split_csv_line("\"a\"b,c"));
+  EXPECT_EQ(io::split_csv_line(""), std::vector<std::string>{""});
+  EXPECT_EQ(io::split_csv_line("a,"), (std::vector<std::string>{"a", ""}));
+}
+
+TEST(InputFiles, AFolderGivesItsDataFilesByName) {
+  const TemporaryFolder folder;
+  for (const char* name : {"b.CSV", "a.txt", "c.png", ".hidden.csv", "out.csv"}) folder.write(name, "x");
+  std::filesystem::create_directory(folder.path("sub.csv"));
+  EXPECT_EQ(io::input_files({"z.csv", folder.path()}, folder.path("out.csv")),
+            (std::vector<std::string>{"z.csv", folder.path("a.txt"), folder.path("b.CSV")}));
+  EXPECT_THROW(static_cast<void>(io::input_files({folder.path("a.txt"), folder.path()}, "")), std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(io::input_files({"a\nb"}, "")), std::invalid_argument);
+}
+
+}  // namespace

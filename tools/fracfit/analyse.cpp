@@ -1,0 +1,164 @@
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <optional>
+#include <stdexcept>
+
+#include "aligned_table.hpp"
+#include "common_options.hpp"
+#include "exit_code.hpp"
+#include "frac/stability.hpp"
+#include "io/sweep_file.hpp"
+#include "subcommand.hpp"
+
+namespace fracfit {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct AnalyseOptions {
+  CommonOptions common;
+  std::string model;
+};
+
+struct Analysis {
+  frac::FractionalTransferFunction model;
+  frac::StabilityAnalysis stability;
+  frac::PeakGain peak;
+  double h2;
+  frac::Margins margins;
+  std::optional<frac::ClosedLoopStability> closed_loop;  // empty where the loop does not fall below 1
+};
+
+Analysis analysis_of(const std::string& formula) {
+  const auto model = frac::FractionalTransferFunction::parse(formula);
+  Analysis result{model,
+                  frac::analyse_stability(model),
+                  frac::h_infinity_norm(model),
+                  frac::h2_norm(model),
+                  frac::margins(model),
+                  std::nullopt};
+  try {
+    result.closed_loop = frac::analyse_closed_loop(model);
+  } catch (const std::invalid_argument&) {
+    result.closed_loop.reset();
+  }
+  return result;
+}
+
+Json number(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+Json complex_number(std::complex<double> value) {
+  return {{"re", number(value.real())}, {"im", number(value.imag())}};
+}
+
+Json crossovers(const std::vector<frac::Crossover>& list, const char* margin) {
+  Json array = Json::array();
+  for (const auto& crossover : list) array.push_back({{"omega", crossover.omega}, {margin, crossover.margin}});
+  return array;
+}
+
+std::string json_text(const Analysis& result, const std::string& command) {
+  Json json{{"fracfit", io::version()}, {"command", command}, {"model", result.model.formula()}};
+  json["stability"] = frac::to_string(result.stability.stability);
+  json["poles"] = Json::array();
+  for (const auto& pole : result.stability.poles) {
+    Json entry = complex_number(pole.value);
+    entry["multiplicity"] = pole.multiplicity;
+    entry["cancelled"] = pole.cancelled;
+    json["poles"].push_back(entry);
+  }
+  const auto& order = result.stability.commensurate_order;
+  json["commensurate_order"] = order ? Json(*order) : Json(nullptr);
+  json["sheet_roots"] = Json::array();
+  for (const auto& root : result.stability.sheet_roots) {
+    Json entry = complex_number(root.lambda);
+    entry["multiplicity"] = root.multiplicity;
+    entry["on_principal_sheet"] = root.on_principal_sheet;
+    entry["stable"] = root.stable;
+    json["sheet_roots"].push_back(entry);
+  }
+  json["h2_norm"] = number(result.h2);
+  json["h_infinity_norm"] = {{"gain", number(result.peak.gain)}, {"omega", number(result.peak.omega)}};
+  json["margins"] = {{"gain_margin", number(result.margins.gain_margin)},
+                     {"gain_reduction", number(result.margins.gain_reduction)},
+                     {"phase_margin_rad", number(result.margins.phase_margin)},
+                     {"delay_margin_s", number(result.margins.delay_margin)},
+                     {"gain_crossovers", crossovers(result.margins.phase, "phase_margin_rad")},
+                     {"phase_crossovers", crossovers(result.margins.gain, "gain_margin")}};
+  json["unity_feedback"] = nullptr;
+  if (result.closed_loop) {
+    json["unity_feedback"] = {{"stability", frac::to_string(result.closed_loop->stability)},
+                              {"unstable_poles", result.closed_loop->unstable_poles}};
+  }
+  return json.dump(2) + "\n";
+}
+
+std::string complex_text(std::complex<double> value) {
+  std::string text = short_number(value.real());
+  if (value.imag() != 0) text += " +- " + short_number(value.imag()) + " i";
+  return text;
+}
+
+std::string table_text(const Analysis& result) {
+  std::string text =
+      result.model.formula() + "\nstability: " + std::string(frac::to_string(result.stability.stability)) + "\n\n";
+  if (result.stability.poles.empty()) {
+    text += "no poles on the principal sheet\n";
+  } else {
+    AlignedTable table({"pole [rad/s]", "natural frequency [rad/s]", "damping ratio", "multiplicity", ""});
+    for (const auto& pole : result.stability.poles) {
+      const double modulus = std::abs(pole.value);
+      table.add({complex_text(pole.value), short_number(modulus), short_number(-pole.value.real() / modulus),
+                 std::to_string(pole.multiplicity), pole.cancelled ? "cancelled" : ""});
+    }
+    text += table.text();
+  }
+  if (result.stability.commensurate_order) {
+    text += "commensurate order: " + short_number(*result.stability.commensurate_order) + ", " +
+            std::to_string(result.stability.sheet_roots.size()) + " roots in the upper half of all sheets\n";
+  } else {
+    text += "orders not commensurate above 1/1000\n";
+  }
+  text += "\nH2 norm: " + short_number(result.h2) + "\nH-infinity norm: " + short_number(result.peak.gain);
+  if (std::isfinite(result.peak.omega)) text += " at " + short_number(result.peak.omega) + " rad/s";
+  text += "\n\nas a loop under unity feedback: ";
+  text += result.closed_loop ? std::string(frac::to_string(result.closed_loop->stability))
+                             : "not judged, |L| does not fall below 1 at high frequency";
+  text += "\ngain margin: factor " + short_number(result.margins.gain_margin) + " up, " +
+          short_number(result.margins.gain_reduction) +
+          " down\nphase margin: " + short_number(result.margins.phase_margin * 180 / std::numbers::pi) +
+          " deg\ndelay margin: " + short_number(result.margins.delay_margin) + " s\n";
+  return text;
+}
+
+int analyse(const AnalyseOptions& given) {
+  const io::OutputFile file(given.common.out);
+  const Analysis result = analysis_of(given.model);
+  const std::string command = CommandLine("analyse").option("--model", given.model).text();
+  file.write(chosen_format(given.common, "json") == "table" ? table_text(result) : json_text(result, command));
+  return result.stability.stability == frac::Stability::undetermined ? no_usable_result : usable_result;
+}
+
+}  // namespace
+
+void add_analyse(CLI::App& program, Run& run) {
+  const auto given = std::make_shared<AnalyseOptions>();
+  auto* analysis =
+      program.add_subcommand("analyse", "Poles, stability, norms and margins of a fractional transfer function");
+  analysis->add_option("--model", given->model, "Formula, e.g. \"1/(0.8 s^2.2 + 0.5 s^0.9 + 1)\"")
+      ->required()
+      ->type_name("FORMULA");
+  add_common_options(*analysis, given->common, {"json", "table"});
+  analysis->footer(
+      "Examples:\n"
+      "  fracfit analyse --model \"1/(0.8 s^2.2 + 0.5 s^0.9 + 1)\" --format table\n"
+      "  fracfit analyse --model \"exp(-0.5 s) 2/(s^0.8 (s + 1))\" --out loop.json");
+  analysis->callback([given, &run] { run = [given] { return analyse(*given); }; });
+}
+
+}  // namespace fracfit

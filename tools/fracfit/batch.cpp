@@ -1,0 +1,194 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <stdexcept>
+
+#include "aligned_table.hpp"
+#include "batch_fit.hpp"
+#include "batch_power_law.hpp"
+#include "exit_code.hpp"
+#include "frac/parallel_for.hpp"
+#include "frac/structure.hpp"
+#include "io/data_error.hpp"
+#include "io/input_files.hpp"
+#include "io/progress_bar.hpp"
+#include "io/result_stream.hpp"
+#include "io/sweep_file.hpp"
+#include "model_choice.hpp"
+#include "subcommand.hpp"
+
+namespace fracfit {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct BatchArguments {
+  CommonOptions common;
+  FitRequest request;
+  std::vector<std::string> data;
+  std::string model, models, shard;
+  ParameterOptions parameters;
+  std::vector<std::string> laws;
+};
+
+void check_names(const frac::NamedModel& model) {
+  const auto names = frac::Structure(model.formula).parameter_names();
+  for (const auto& constraint : model.constraints) {
+    if (std::find(names.begin(), names.end(), constraint.name) == names.end())
+      throw std::invalid_argument("parameter " + io::quoted(constraint.name) + " does not occur in " + model.formula);
+    if (constraint.lower && constraint.upper && *constraint.lower > *constraint.upper)
+      throw std::invalid_argument("--bound " + constraint.name + ": the lower limit lies above the upper one");
+  }
+}
+
+BatchTask task_of(const BatchArguments& given) {
+  if (given.model.empty() == given.models.empty())
+    throw std::invalid_argument("give either --model, which is fitted, or --models, which are ranked");
+  BatchTask task{
+      given.request, fit_options(given.request), {}, {"force_n", "clearance_m", "restitution"}, given.model.empty()};
+  if (task.ranked) {
+    const auto& options = given.parameters;
+    if (!options.fix.empty() || !options.bound.empty() || !options.start.empty())
+      throw std::invalid_argument("--fix, --bound and --start have no meaning with --models");
+    if (!given.laws.empty())
+      throw std::invalid_argument("--power-law needs --model: parameters of different structures form no law");
+    task.models = chosen_models(given.models);
+  } else {
+    task.models = {chosen_model(given.model)};
+    task.models.front().constraints = constraints_of(task.models.front(), given.parameters);
+  }
+  for (const auto& model : task.models) check_names(model);
+  for (const auto& law : given.laws) {
+    const auto request = power_law_request(law);
+    const auto names = frac::Structure(task.models.front().formula).parameter_names();
+    if (std::find(names.begin(), names.end(), request.parameter) == names.end())
+      throw std::invalid_argument("--power-law " + io::quoted(law) + ": " + io::quoted(request.parameter) +
+                                  " is no parameter of " + task.models.front().formula);
+    if (std::find(task.variables.begin(), task.variables.end(), request.variable) == task.variables.end())
+      task.variables.push_back(request.variable);
+  }
+  return task;
+}
+
+std::string command_of(const BatchArguments& given, const BatchTask& task) {
+  CommandLine command("batch");
+  if (!task.ranked) command.option("--model", given.model);
+  if (task.ranked) command.option("--models", given.models);
+  append_to(command, given.request, task.options);
+  for (const auto& text : given.parameters.bound) command.option("--bound", text);
+  for (const auto& text : given.parameters.fix) command.option("--fix", text);
+  for (const auto& text : given.parameters.start) command.option("--start", text);
+  for (const auto& text : given.laws) command.option("--power-law", text);
+  return command.text();
+}
+
+BatchFormat format_of(const BatchArguments& given) {
+  if (given.common.format.empty()) return given.common.out.ends_with(".jsonl") ? BatchFormat::jsonl : BatchFormat::csv;
+  return given.common.format == "jsonl" ? BatchFormat::jsonl : BatchFormat::csv;
+}
+
+// Rows an interrupted run of the same command has left in the output.
+std::map<std::string, std::string> finished_rows(const std::string& out, BatchFormat format,
+                                                 const BatchManifest& manifest, const std::vector<std::string>& files) {
+  std::map<std::string, std::string> rows;
+  std::error_code ignored;
+  if (!fs::is_regular_file(out, ignored) || fs::file_size(out, ignored) == 0) return rows;
+  const auto table = read_batch_table(out);
+  if (table.format != format || table.manifest.version != manifest.version ||
+      table.manifest.command != manifest.command || table.manifest.shard != manifest.shard ||
+      table.manifest.columns != manifest.columns)
+    throw std::invalid_argument("--out " + out + " holds the results of another command: " + table.manifest.command +
+                                (table.manifest.shard.empty() ? "" : " --shard " + table.manifest.shard) +
+                                " (fracfit " + table.manifest.version + "); remove it or choose another file");
+  for (const auto& [file, line] : table.rows) {
+    if (std::find(files.begin(), files.end(), file) == files.end())
+      throw std::invalid_argument("--out " + out + " holds a result for " + file +
+                                  ", which is not among the data; remove it or choose another file");
+    rows.emplace(file, line);
+  }
+  return rows;
+}
+
+std::string status_of(BatchFormat format, const BatchManifest& manifest, const std::string& line) {
+  return read_row(format, manifest.columns, line).value().at("status");
+}
+
+int run_batch(const BatchArguments& given) {
+  const auto task = task_of(given);
+  const auto format = format_of(given);
+  const bool to_file = !given.common.out.empty() && given.common.out != "-";
+  const io::OutputFile out(given.common.out);
+  const auto inputs = io::input_files(given.data, to_file ? given.common.out : "");
+  const auto files = shard_of(inputs, given.shard);
+  const BatchManifest manifest{std::string(io::version()), command_of(given, task), given.shard, given.laws, inputs,
+                               batch_columns(task)};
+  const auto header = header_text(format, manifest);
+
+  std::unique_ptr<io::ResultStream> stream;
+  if (to_file)
+    stream = std::make_unique<io::ResultStream>(given.common.out, header,
+                                                finished_rows(given.common.out, format, manifest, files));
+  std::vector<std::string> lines(files.size());
+  frac::Progress progress;
+  progress.total = files.size();
+  {
+    const io::ProgressBar bar("batch", progress, !given.common.quiet);
+    frac::parallel_for(files.size(), given.common.threads, [&](std::size_t i) {
+      if (stream && stream->contains(files[i])) {
+        lines[i] = stream->line(files[i]);
+      } else {
+        lines[i] = row_line(format, batch_row(task, files[i]));
+        if (stream) stream->append(files[i], lines[i]);
+      }
+      ++progress.done;
+    });
+  }
+  const auto laws = given.shard.empty() ? power_law_remarks(format, manifest, lines) : std::string();
+  if (stream) {
+    stream->finish(files, laws);
+  } else {
+    std::string text = header;
+    for (const auto& line : lines) text += line + "\n";
+    out.write(text + laws);
+  }
+  std::size_t converged = 0;
+  for (const auto& line : lines) converged += status_of(format, manifest, line) == "converged" ? 1U : 0U;
+  if (converged < files.size())
+    say(given.common, std::to_string(files.size() - converged) + " of " + std::to_string(files.size()) +
+                          " files gave no result; see column status");
+  return converged > 0 || files.empty() ? usable_result : no_usable_result;
+}
+
+}  // namespace
+
+void add_batch(CLI::App& program, Run& run) {
+  const auto given = std::make_shared<BatchArguments>();
+  auto* batch = program.add_subcommand("batch", "Fits or identifies many files, one row each");
+  batch->add_option("DATA", given->data, "Frequency responses, or folders of them (.csv, .tsv, .txt, .dat)")
+      ->required()
+      ->type_name("FILE|FOLDER");
+  batch->add_option("--model", given->model, "Preset or formula to fit")->type_name("MODEL");
+  batch->add_option("--models", given->models, "Presets or formulas to rank, separated by commas")->type_name("LIST");
+  add_residual_options(*batch, given->request);
+  add_repeatable(*batch, "--fix", given->parameters.fix, "Hold a parameter at a value; repeatable", "NAME=VALUE");
+  add_repeatable(*batch, "--bound", given->parameters.bound, "Limit a parameter; repeatable", "NAME=LOW:HIGH");
+  add_repeatable(*batch, "--start", given->parameters.start, "Start a parameter at a value; repeatable", "NAME=VALUE");
+  add_repeatable(*batch, "--power-law", given->laws,
+                 "Parameter as a power of an entry of the file headers, e.g. a:force_n; repeatable",
+                 "PARAMETER:VARIABLE");
+  batch->add_option("--shard", given->shard, "Work on every n-th file only, from the i-th; join with fracfit merge")
+      ->type_name("i/n");
+  add_common_options(*batch, given->common, {"csv", "jsonl"});
+  batch->footer(
+      "With --out each row reaches the file as soon as it is finished; the same command again does what is left over\n"
+      "from an interrupted run.\n"
+      "Examples:\n"
+      "  fracfit batch sweeps --model power-law --where 'omega<4' --power-law K:force_n --out fits.csv\n"
+      "  fracfit batch sweeps --models power-law,lag,gain --shard 2/4 --out part2.csv\n"
+      "  fracfit merge all.csv part1.csv part2.csv part3.csv part4.csv");
+  batch->callback([given, &run] { run = [given] { return run_batch(*given); }; });
+}
+
+}  // namespace fracfit

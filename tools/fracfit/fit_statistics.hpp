@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "frac/identification/model_choice.hpp"
+#include "frac/identification/uncertainty.hpp"
+
+namespace fracfit {
+
+/// What was asked for beyond the fit itself.
+struct StatisticsRequest {
+  bool profile = false;
+  std::size_t bootstrap_samples = 0;  // 0: none
+};
+
+/// What the library says of a fit beside its parameters.  Lists have one entry per parameter.
+struct FitStatistics {
+  std::vector<std::vector<double>> correlation;  // of the estimates; NaN beside one without standard error
+  std::vector<double> outlier_omega;             // rad/s, in the order of FitResult::outliers
+  frac::ResidualWhiteness whiteness;             // NaN where the model is not finite
+  /// Empty when not asked for; unset for a parameter that has none: fixed, unseen by the fitted component, or no degree
+  /// of freedom left.
+  std::vector<std::optional<frac::ProfileInterval>> profile;
+  std::vector<frac::BootstrapInterval> bootstrap;  // empty when not asked for
+  std::size_t bootstrap_samples = 0;
+  std::optional<frac::Growth> growth;  // the structures tried, where the structure was grown
+};
+
+/// @param options  of the fit, with the constraints of the fitted structure
+[[nodiscard]] FitStatistics fit_statistics(const frac::FrequencyResponseData& data, const frac::FitOptions& options,
+                                           const frac::FitResult& result, const StatisticsRequest& request,
+                                           int threads);
+
+}  // namespace fracfit

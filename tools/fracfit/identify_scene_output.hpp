@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "backlash/scene_comparison.hpp"
+#include "backlash/scene_identification.hpp"
+#include "io/text_table.hpp"
+
+namespace fracfit {
+
+/// What a scene was identified from.
+struct SceneRun {
+  std::string command;
+  std::vector<std::string> files;
+  std::vector<double> forces;  // N, one per file
+  io::Metadata options;
+};
+
+[[nodiscard]] std::string scene_json(const SceneRun& run, const backlash::SceneIdentification& result,
+                                     const std::optional<backlash::SceneComparison>& comparison);
+[[nodiscard]] std::string scene_table(const SceneRun& run, const backlash::SceneIdentification& result,
+                                      const std::optional<backlash::SceneComparison>& comparison);
+
+}  // namespace fracfit

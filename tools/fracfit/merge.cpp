@@ -1,0 +1,103 @@
+#include <CLI/CLI.hpp>
+#include <map>
+#include <memory>
+#include <set>
+#include <stdexcept>
+
+#include "batch_power_law.hpp"
+#include "batch_table.hpp"
+#include "common_options.hpp"
+#include "exit_code.hpp"
+#include "io/data_error.hpp"
+#include "subcommand.hpp"
+
+namespace fracfit {
+namespace {
+
+struct MergeArguments {
+  std::string out;
+  std::vector<std::string> in;
+};
+
+void check_agreement(const BatchTable& first, const std::string& first_file, const BatchTable& other,
+                     const std::string& other_file) {
+  const auto refuse = [&](const std::string& what, const std::string& a, const std::string& b) {
+    throw io::DataError(other_file, 0, 0, "has " + what + " " + b + "; expected, as in " + first_file + ", " + a);
+  };
+  const auto format = [](const BatchTable& table) { return table.format == BatchFormat::csv ? "csv" : "jsonl"; };
+  if (first.format != other.format) refuse("format", format(first), format(other));
+  if (first.manifest.version != other.manifest.version)
+    refuse("version", first.manifest.version, other.manifest.version);
+  if (first.manifest.command != other.manifest.command)
+    refuse("command", first.manifest.command, other.manifest.command);
+  if (first.manifest.inputs != other.manifest.inputs)
+    refuse("a list of input files that differs:", std::to_string(first.manifest.inputs.size()) + " files",
+           std::to_string(other.manifest.inputs.size()) + " files");
+  if (first.manifest.columns != other.manifest.columns)
+    throw io::DataError(other_file, 0, 0, "has other columns than " + first_file);
+}
+
+// The first of a list of names, and how many more there are.
+std::string shortened(const std::vector<std::string>& names) {
+  constexpr std::size_t most = 10;
+  std::string text;
+  for (std::size_t i = 0; i < names.size() && i < most; ++i) text += (i > 0 ? ", " : "") + names[i];
+  return names.size() > most ? text + " and " + std::to_string(names.size() - most) + " more" : text;
+}
+
+int run_merge(const MergeArguments& given) {
+  const io::OutputFile out(given.out);
+  BatchTable merged;
+  std::map<std::string, std::pair<std::string, std::string>> rows;  // file: line and where it is from
+  for (const auto& name : given.in) {
+    auto table = read_batch_table(name);
+    if (&name == &given.in.front())
+      merged = table;
+    else
+      check_agreement(merged, given.in.front(), table, name);
+    const std::set<std::string> known(table.manifest.inputs.begin(), table.manifest.inputs.end());
+    for (const auto& [file, line] : table.rows) {
+      if (!known.contains(file))
+        throw io::DataError(name, 0, 0, "holds a row for " + file + ", which is none of its inputs");
+      const auto [found, is_new] = rows.try_emplace(file, line, name);
+      if (!is_new)
+        throw io::DataError(
+            name, 0, 0,
+            "holds a row for " + file + ", which " + found->second.second + " holds too; expected each file once");
+    }
+  }
+  merged.manifest.shard.clear();
+  std::vector<std::string> lines, missing;
+  for (const auto& file : merged.manifest.inputs) {
+    const auto found = rows.find(file);
+    if (found == rows.end())
+      missing.push_back(file);
+    else
+      lines.push_back(found->second.first);
+  }
+  std::string text = header_text(merged.format, merged.manifest);
+  for (const auto& line : lines) text += line + "\n";
+  if (missing.empty()) text += power_law_remarks(merged.format, merged.manifest, lines);
+  out.write(text);
+  if (missing.empty()) return usable_result;
+  say({}, std::to_string(missing.size()) + " of " + std::to_string(merged.manifest.inputs.size()) +
+              " files are missing: " + shortened(missing) +
+              "; the batch without --shard and with this --out does the rest");
+  return no_usable_result;
+}
+
+}  // namespace
+
+void add_merge(CLI::App& program, Run& run) {
+  const auto given = std::make_shared<MergeArguments>();
+  auto* merge = program.add_subcommand("merge", "Joins the shards of a batch");
+  merge->add_option("OUT", given->out, "Joined table; - for standard output")->required()->type_name("FILE");
+  merge->add_option("IN", given->in, "Tables written by fracfit batch --shard")->required()->type_name("FILE");
+  merge->footer(
+      "All must stem from the same command on the same files.  The result is that of the batch without --shard.\n"
+      "Example:\n"
+      "  fracfit merge all.csv part1.csv part2.csv part3.csv part4.csv");
+  merge->callback([given, &run] { run = [given] { return run_merge(*given); }; });
+}
+
+}  // namespace fracfit
