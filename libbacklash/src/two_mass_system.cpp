@@ -7,7 +7,7 @@
 namespace backlash {
 
 TwoMassSystem::TwoMassSystem(double mass1, double mass2, double clearance, double restitution)
-    : mass1_(mass1), mass2_(mass2), clearance_(clearance), restitution_(restitution) {
+    : mass1_(mass1), mass2_(mass2), clearance_(clearance + 0.0), restitution_(restitution) {
   detail::require_positive("mass1", "kg", mass1);
   detail::require_positive("mass2", "kg", mass2);
   detail::require_not_negative("clearance", "m", clearance);

@@ -8,10 +8,10 @@
 
 #include "detail/exponential_sum.hpp"
 #include "detail/filter_bank.hpp"
+#include "detail/inverse_laplace.hpp"
 #include "detail/number_text.hpp"
 #include "detail/power_sum.hpp"
 #include "frac/grunwald_letnikov.hpp"
-#include "frac/reference_response.hpp"
 
 namespace frac {
 namespace {
@@ -94,10 +94,13 @@ Design design(const FractionalTransferFunction& model, double sample_time, doubl
   const double theta = 1 - fraction;
 
   const FractionalTransferFunction core = times_power({model.numerator(), model.denominator()}, static_cast<double>(m));
-  const detail::LaplaceImage step(core.numerator(), detail::scaled(core.denominator(), 1, 1));
+  const auto step_response = [&core](double extra_integrations) {
+    return detail::InverseLaplace({core.numerator(), detail::scaled(core.denominator(), 1, 1 + extra_integrations)});
+  };
+  const detail::InverseLaplace response = step_response(0);
+  const detail::LaplaceImage& step = response.image();
   if (!step.poles().complete) throw std::domain_error("respond: the poles of the model could not be counted");
   const double latest = horizon * sample_time;
-  const ReferenceResponse response(core);
   double size = 0;
   for (const double t : {latest, latest / 3, latest / 20}) {
     const double value = std::abs(response(t).value);
@@ -110,8 +113,7 @@ Design design(const FractionalTransferFunction& model, double sample_time, doubl
   std::vector<double> now;
   for (std::size_t i = 0; i < channels; ++i) {
     const auto power = static_cast<double>(i);
-    const double value = i == 0 ? response(theta * sample_time).value
-                                : ReferenceResponse(times_power(core, -power))(theta * sample_time).value;
+    const double value = i == 0 ? response(theta * sample_time).value : step_response(power)(theta * sample_time).value;
     now.push_back(value / std::pow(sample_time, power));
   }
   return {m, channels, direct, static_cast<std::size_t>(whole), theta, FilterBank(terms, sample_time, theta, now)};

@@ -167,6 +167,18 @@ void figures(int repeats, int points) {
   }
 }
 
+// N over frequency and restitution with regime and uncertainty, all cores.
+void regime_map(int restitutions, int frequencies) {
+  SweepOptions options;
+  options.protocol = backlash::Protocol::two_impact;
+  std::vector<SweepScene> scenes;
+  for (const double e : linear_grid(0, 1, restitutions)) scenes.push_back({TwoMassSystem(1, 1, 1, e), 1});
+  row("regime map", "event-driven", number(restitutions) + " restitutions by " + number(frequencies) + " frequencies",
+      nan, median_seconds(1, [&] {
+        (void)backlash::describing_function_sweeps(scenes, support::log_grid(0.5, 4, frequencies), options);
+      }));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -177,4 +189,5 @@ int main(int argc, char** argv) {
   cost_per_impact(repeats);
   against_reference(repeats, smoke);
   figures(smoke ? 1 : 5, smoke ? 20 : 200);
+  regime_map(smoke ? 5 : 250, smoke ? 20 : 400);
 }

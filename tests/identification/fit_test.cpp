@@ -324,6 +324,37 @@ TEST(Fit, CostIsThePlainSumOfSquares) {
   EXPECT_NEAR(result.bic, 60 * std::log(cost / 60) + 3 * std::log(60.0), 1e-9);
 }
 
+// Exact data of one structure leave parameters of another unseen by both parts: nothing may be looked for without end.
+TEST(Fit, EndsOnDataThatSeeNoParameter) {
+  const std::vector<double> omega = logarithmic(0.1, 10, 20);
+  const std::vector<std::complex<double>> constant(omega.size(), 2.0);
+  for (const Component component : {Component::imaginary, Component::real, Component::both}) {
+    for (const char* formula : {"E0 + E1 (1 - 1/(1 + (T s)^a)^b)", "K/(1 + (T s)^a)^b", "R0 + R1/(1 + R1 Q1 s^n1)"}) {
+      FitOptions options;
+      options.component = component;
+      const FitResult result = frac::fit({omega, constant}, Structure(formula), options);
+      EXPECT_EQ(result.termination == frac::FitTermination::no_usable_start, component == Component::imaginary)
+          << formula;
+      EXPECT_FALSE(result.message.empty());
+    }
+  }
+}
+
+// Squares of such data vanish or overflow in double; the fit must not notice.
+TEST(Fit, TakesDataOfAnySize) {
+  for (const double size : {1e-200, 1e200}) {
+    const std::vector<double> omega = logarithmic(0.1, 10, 20);
+    std::vector<std::complex<double>> value;
+    for (const double w : omega) value.push_back(size / std::complex<double>(1, w));
+    FitOptions options;
+    options.component = Component::both;
+    options.weight = Weight::absolute;
+    const FitResult result = frac::fit({omega, value}, Structure("K/(T s + 1)"), options);
+    EXPECT_NEAR(value_of(result, "K") / size, 1, 1e-8);
+    EXPECT_NEAR(value_of(result, "T"), 1, 1e-8);
+  }
+}
+
 TEST(Fit, SaysWhenTheModelIsNowhereFinite) {
   const FrequencyResponseData data = sample("K", {1}, logarithmic(1, 10, 10));
   const FitResult result = frac::fit(data, Structure("K/(s - s)"), FitOptions{});
@@ -355,7 +386,7 @@ TEST(Fit, RefusesContradictionsByName) {
   expect_contains(with({{"Q", 1, {}, {}, {}}}), "Q");
   expect_contains(with({{"K", {}, 2, 1, {}}}), "'K'");
   expect_contains(with({{"K", 1, {}, 2, {}}}), "fixed");
-  expect_contains(with({{"K", {}, {}, {}, -1}}), "start must be positive");
+  expect_contains(with({{"T", {}, {}, {}, -1}}), "start must be positive");
   expect_contains(with({{"K", {}, {}, 2, 3}}), "outside");
   expect_contains(with({{"K", NAN, {}, {}, {}}}), "finite");
   expect_contains(with({{"K", 1, {}, {}, {}}, {"K", 2, {}, {}, {}}}), "twice");
@@ -368,6 +399,8 @@ TEST(Fit, RefusesContradictionsByName) {
   FitOptions sampled;
   sampled.realisation = frac::GrunwaldLetnikovRealisation{0.1, 10};
   expect_contains(refusal(data, "K/(T s^a + 1)", sampled), "Nyquist");
+  sampled.realisation = frac::GrunwaldLetnikovRealisation{1e-3, 1'000'000};
+  expect_contains(refusal(data, "K/(T s^a + 1)", sampled), "memory of 1000000");
   expect_contains(refusal({{1.0}, {{1, 1}}}, "K/(T s^a + 1)", {}), "cannot determine 3");
   expect_contains(refusal({{1.0, 2.0}, {{1, 1}, {0, 0}}}, "K", {}), "omega = 2");
 }

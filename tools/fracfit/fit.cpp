@@ -18,17 +18,16 @@ namespace {
 struct FitArguments {
   CommonOptions common;
   FitRequest request;
-  std::string model;
-  std::string grow;
+  std::optional<std::string> model, grow;  // one of them
   ParameterOptions parameters;
   bool profile = false;
   std::string bootstrap;
 };
 
 void check(const FitArguments& given) {
-  if (given.model.empty() == given.grow.empty())
+  if (given.model.has_value() == given.grow.has_value())
     throw std::invalid_argument("give either --model or --grow: the structure, or the family to grow it in");
-  if (given.grow.empty()) return;
+  if (!given.grow) return;
   for (const auto& [name, values] :
        {std::pair{"--fix", &given.parameters.fix}, std::pair{"--bound", &given.parameters.bound},
         std::pair{"--start", &given.parameters.start}})
@@ -40,8 +39,8 @@ void check(const FitArguments& given) {
 std::string command_of(const FitArguments& given, const frac::FitOptions& options) {
   CommandLine command("fit");
   command.argument(given.request.data);
-  if (given.grow.empty()) command.option("--model", given.model);
-  if (!given.grow.empty()) command.option("--grow", given.grow);
+  if (!given.grow) command.option("--model", *given.model);
+  if (given.grow) command.option("--grow", *given.grow);
   append_to(command, given.request, options);
   for (const auto& text : given.parameters.bound) command.option("--bound", text);
   for (const auto& text : given.parameters.fix) command.option("--fix", text);
@@ -51,18 +50,18 @@ std::string command_of(const FitArguments& given, const frac::FitOptions& option
   return command.text();
 }
 
-// The fit, and in `options` the constraints it was made with.
 struct Fitted {
   frac::FitResult result;
   std::optional<frac::Growth> growth;
 };
 
+// Leaves in `options` the constraints the fit was made with.
 Fitted fitted(const FitArguments& given, const frac::FrequencyResponseData& data, frac::FitOptions& options) {
-  if (given.grow.empty()) {
-    const auto model = chosen_model(given.model);
+  if (!given.grow) {
+    const auto model = chosen_model(*given.model);
     return {frac::fit(data, frac::Structure(model.formula), options), std::nullopt};
   }
-  const auto family = frac::growth_family_from_string(given.grow);
+  const auto family = frac::growth_family_from_string(*given.grow);
   auto growth = frac::grow(data, family, options);
   options.constraints = frac::grown_model(family, growth.chosen + 1).constraints;
   auto result = growth.fits.at(growth.chosen);
@@ -73,12 +72,12 @@ int run_fit(const FitArguments& given) {
   check(given);
   const io::OutputFile out(given.common.out);
   auto options = fit_options(given.request);
-  if (given.grow.empty()) {
-    const auto model = chosen_model(given.model);
+  if (!given.grow) {
+    const auto model = chosen_model(*given.model);
     const frac::Structure parsed(model.formula);
     options.constraints = constraints_of(model, given.parameters);
   } else {
-    static_cast<void>(frac::growth_family_from_string(given.grow));
+    static_cast<void>(frac::growth_family_from_string(*given.grow));
   }
   constexpr std::size_t fewest_samples = 20;
   const StatisticsRequest request{

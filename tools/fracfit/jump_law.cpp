@@ -67,7 +67,8 @@ void add_jump_law(CLI::App& program, Run& run) {
   jump_law
       ->add_option(
           "--criterion", given->criterion,
-          "two-impact-loss, symmetry-loss, saddle-node, contact-at-rest, mid-gap-at-rest, sweep-up or sweep-down")
+          "two-impact-loss, symmetry-loss, saddle-node, contact-at-rest, mid-gap-at-rest, sweep-up, sweep-down or "
+          "largest-discontinuity")
       ->capture_default_str()
       ->type_name("C");
   jump_law->add_option("--m1", given->mass1, "Mass 1, kg")->capture_default_str()->type_name("M1");

@@ -1,6 +1,7 @@
 #include "model_choice.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -67,6 +68,9 @@ std::vector<frac::NamedModel> chosen_models(const std::string& list) {
       throw std::invalid_argument("--models '" + list + "': entry " + std::to_string(models.size() + 1) +
                                   " is empty; expected presets or formulas separated by commas");
     models.push_back(chosen_model(text));
+    const auto same = [&](const auto& model) { return model.name == models.back().name; };
+    if (std::count_if(models.begin(), models.end(), same) > 1)
+      throw std::invalid_argument("--models '" + list + "': " + io::quoted(models.back().name) + " is listed twice");
     begin = end + 1;
   }
   return models;
@@ -78,12 +82,16 @@ std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& mo
     const auto [name, range] = assignment("--bound", text);
     const auto [lower, upper] = range_option("--bound", range);
     auto& constraint = constraint_of(constraints, name);
-    if (!lower.empty()) constraint.lower = limit(lower, text);
-    if (!upper.empty()) constraint.upper = limit(upper, text);
+    const bool free_of_limits = lower.empty() && upper.empty();
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    if (!lower.empty() || free_of_limits) constraint.lower = free_of_limits ? -infinity : limit(lower, text);
+    if (!upper.empty() || free_of_limits) constraint.upper = free_of_limits ? infinity : limit(upper, text);
   }
   for (const auto& text : given.fix) {
     const auto [name, value] = assignment("--fix", text);
-    constraint_of(constraints, name).fixed = number_option("--fix " + name, value);
+    auto& constraint = constraint_of(constraints, name);
+    if (constraint.fixed) throw std::invalid_argument("--fix " + io::quoted(text) + ": " + name + " is fixed twice");
+    constraint.fixed = number_option("--fix " + name, value);
   }
   for (const auto& text : given.start) {
     const auto [name, value] = assignment("--start", text);

@@ -72,13 +72,15 @@ Range fitted_range(const Panel& panel, bool horizontal) {
     }
   }
   if (lowest > highest) return axis.logarithmic ? Range{0.1, 10} : Range{0, 1};
+  // Values that differ by rounding only would make an axis too short to write down.
+  const bool constant = highest - lowest <= 1e-9 * std::max(std::abs(lowest), std::abs(highest));
   if (axis.logarithmic) {
     // A vertical axis keeps 4 % of its length free above and below; a horizontal one starts where the data start.
     const double pad = std::pow(std::max(highest / lowest, 1.05), horizontal ? 0 : 0.04);
-    return lowest < highest ? Range{lowest / pad, highest * pad} : Range{lowest / 2, highest * 2};
+    return constant ? Range{lowest / 2, highest * 2} : Range{lowest / pad, highest * pad};
   }
   const double span = highest - lowest;
-  const double pad = span > 0 ? (horizontal ? 0.02 : 0.05) * span : std::max(1e-12, 0.05 * std::abs(highest));
+  const double pad = constant ? std::max(1e-12, 0.05 * std::abs(highest)) : (horizontal ? 0.02 : 0.05) * span;
   return {lowest - pad, highest + pad};
 }
 

@@ -50,8 +50,8 @@ enum class PointStatus {
   off_branch,  // more than six robust standard deviations from every steady motion of the fitted scene: another
                // motion than predicted (near a jump), or an outlier
   irregular,   // the fitted scene has neither two impacts per period nor a motion that sticks: more impacts,
-              // subharmonics or chaos, which depend on how the frequency was reached; or x1 without impacts, which
-              // stands still
+               // subharmonics or chaos, which depend on how the frequency was reached; or x1 without impacts, which
+               // stands still
 };
 [[nodiscard]] std::string_view to_string(PointStatus status);
 

@@ -275,7 +275,7 @@ double chatter_onset(double restitution) {
   const auto& rows = regular_table();
   std::size_t above = 1;
   while (above + 1 < rows.size() && rows[above].restitution < restitution) ++above;
-  // Past the table it grows like 1/(1 - restitution)^2 and more: the last row stretched by the same law.
+  // A power of 1 - restitution between two rows, and beyond the last one.
   const Row& lower = rows[above - 1];
   const Row& upper = rows[above];
   if (restitution >= 1) return std::numeric_limits<double>::infinity();

@@ -174,6 +174,7 @@ SteadyState averaged(const std::vector<WindowRecord>& window, const GapMotion& m
     // Too few periods to judge: |U_1| of a motion between the walls lies in [0, 2/pi].
     steady.uncertainty = 4 / pi;
     if (periods < 1) {
+      steady.harmonics.u1_plus_gamma = gamma;  // U_1 = 0, the middle of what is possible
       steady.impacts_per_period = nan;
       return steady;
     }
@@ -193,6 +194,16 @@ SteadyState averaged(const std::vector<WindowRecord>& window, const GapMotion& m
   const double loss = 0.5 * (1 - motion.restitution() * motion.restitution()) * squared_speeds;
   steady.energy_defect = squared_speeds > 0 ? std::abs(work - loss - kinetic) / (0.5 * squared_speeds) : 0;
   steady.lyapunov = (last.log_growth - first.log_growth) / followed;
+  if (last.strobe.impacts == first.strobe.impacts) {
+    // Nothing was met: so far the motion is free, give or take the drift over the window.
+    steady.harmonics = {};
+    steady.harmonics.u[0] = -gamma;
+  }
+  // By as much the ends of a motion that does not close move its mean: two integrations by parts leave (u + j u')/(pi
+  // periods) at each.  A slow drift has them the same in every batch, where scatter cannot show them.
+  const double drift = (std::abs(last.strobe.position - first.strobe.position) +
+                        std::abs(last.strobe.position_rate - first.strobe.position_rate)) /
+                       (pi * followed);
   if (periods < batch_sizes.back().batches) return steady;
   steady.uncertainty = 0;
   for (const BatchSize& size : batch_sizes) {
@@ -216,6 +227,9 @@ SteadyState averaged(const std::vector<WindowRecord>& window, const GapMotion& m
     const double half_width = std::sqrt(quantile * squares / (size.batches - 1.0) / size.batches);
     steady.uncertainty = std::max(steady.uncertainty, half_width);
   }
+  const double impacts = static_cast<double>(last.strobe.impacts - first.strobe.impacts);
+  // Many impacts make the ends part of the scatter that the batches show.
+  if (impacts < 2.0 * static_cast<double>(periods)) steady.uncertainty += drift;
   return steady;
 }
 

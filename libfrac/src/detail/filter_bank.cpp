@@ -236,7 +236,7 @@ void FilterBank::run_constant(double value, double* output) noexcept {
   }
   std::fill(output, output + block, value * steady_gain_);
   const auto add = [&](std::size_t from, std::size_t to) {
-    add_rows(&state_[0] + from, to - from, block_output_.data() + from * block, block, output);
+    add_rows(state_.data() + from, to - from, block_output_.data() + from * block, block, output);
   };
   const std::size_t imaginary = real_size_ + complex_size_;
   add(first_real_, real_size_);
@@ -294,7 +294,7 @@ void FilterBank::run_block(const double* gamma, double* output) noexcept {
     } else {
       // Row l of the convolution is the kernel moved right by l.
       add_rows(in, block, &kernel_[channel * 2 * block + block], -1, output);
-      add_drive(in, &block_drive_[channel * block * size_], size_, state_.data());
+      add_drive(in, block_drive_.data() + channel * block * size_, size_, state_.data());
     }
   }
 }

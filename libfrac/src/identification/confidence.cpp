@@ -11,9 +11,6 @@ namespace frac::detail {
 
 namespace {
 
-// Beyond this condition of the scaled Fisher matrix the estimates of a flat direction are noise, whatever the
-// residuals.
-constexpr double flat_condition = 1e6;
 // Share of a parameter in a flat direction (a unit vector) from which on it counts as part of it.
 constexpr double flat_share = 0.1;
 // A column this much smaller than the largest is rounding: the residuals do not see the parameter.

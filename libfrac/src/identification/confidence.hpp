@@ -6,6 +6,10 @@
 
 namespace frac::detail {
 
+/// Beyond this condition of the scaled Fisher matrix the estimates along a flat direction are noise, whatever the
+/// residuals.
+inline constexpr double flat_condition = 1e6;
+
 /// What the curvature at a minimum says about each parameter of the user.
 struct Confidence {
   std::vector<double> standard_error;         // NaN: fixed, at a bound, or not seen

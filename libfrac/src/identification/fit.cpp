@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
@@ -43,6 +44,12 @@ void check_coverage(const FrequencyResponseData& data, const Realisation& realis
   validate(realisation);
   const auto* difference = std::get_if<GrunwaldLetnikovRealisation>(&realisation);
   if (!difference) return;
+  constexpr std::size_t longest_memory = 100'000;
+  if (difference->memory_length > longest_memory) {
+    throw std::invalid_argument("a memory of " + std::to_string(difference->memory_length) +
+                                " samples is too long to be summed in every step of a fit; allowed are 1 to " +
+                                std::to_string(longest_memory) + ", and 0 for all samples");
+  }
   const double nyquist = std::numbers::pi / difference->sample_time;
   if (data.omega().back() > nyquist) {
     throw std::invalid_argument("the data reach omega = " + std::to_string(data.omega().back()) +
@@ -95,6 +102,19 @@ detail::LocalOptions robust_refinement(const detail::Residuals& residuals, Loss 
     if (settled) break;
   }
   return options;
+}
+
+[[noreturn]] void refuse_count(std::size_t residuals, std::size_t parameters) {
+  throw std::invalid_argument(std::to_string(residuals) + " residuals cannot determine " + std::to_string(parameters) +
+                              " free parameters");
+}
+
+/// Whether the fitted part of the data is 0 everywhere.
+bool is_empty(const FrequencyResponseData& data, Component component) {
+  if (component != Component::imaginary && component != Component::real) return false;
+  return std::all_of(data.value().begin(), data.value().end(), [&](std::complex<double> value) {
+    return (component == Component::real ? value.real() : value.imag()) == 0;
+  });
 }
 
 void check_start(const detail::ParameterMap& map, const Structure& structure) {
@@ -168,6 +188,10 @@ Component other_component(Component component) {
   return component == Component::imaginary ? Component::real : Component::imaginary;
 }
 
+/// fit() with or without a look at the other component for what this one is blind to.
+FitResult fit_component(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
+                        bool recover);
+
 /// What the fitted component is blind to (a real constant in an imaginary part) is estimated from the other one, the
 /// rest held.
 void recover_unseen(FitResult& result, const detail::Confidence& found, const detail::Residuals& residuals, double cost,
@@ -189,7 +213,7 @@ void recover_unseen(FitResult& result, const detail::Confidence& found, const de
       if (constraint.name == name) rest.constraints.push_back(constraint);
     }
   }
-  const FitResult recovered = fit(data, structure, rest);
+  const FitResult recovered = fit_component(data, structure, rest, false);
   std::vector<double> values;
   for (const ParameterEstimate& estimate : recovered.parameters) values.push_back(estimate.value);
   // The fitted component must not notice: blindness at the minimum alone is not enough.
@@ -201,20 +225,24 @@ void recover_unseen(FitResult& result, const detail::Confidence& found, const de
   }
 }
 
-}  // namespace
-
-FitResult fit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
+FitResult fit_component(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
+                        bool recover) {
   const auto begin = std::chrono::steady_clock::now();
   check_coverage(data, options.realisation);
-  const detail::ParameterMap map(structure, options.constraints, data_scale(data));
+  const std::size_t most_residuals = 2 * data.size();
+  const std::size_t least_free =
+      structure.parameter_names().size() - std::min(structure.parameter_names().size(), options.constraints.size());
+  if (least_free > most_residuals) refuse_count(most_residuals, least_free);
+  const detail::ParameterMap map(structure, options.constraints, data_scale(data),
+                                 options.component == Component::magnitude);
   const detail::ResidualRule rule = detail::residual_rule(data, options.component, options.weight);
   const detail::Residuals residuals(data, structure, options.realisation, map, rule);
   if (residuals.count() < map.free().size()) {
-    throw std::invalid_argument(std::to_string(residuals.count()) + " residuals cannot determine " +
-                                std::to_string(map.free().size()) + " free parameters");
+    refuse_count(residuals.count(), map.free().size());
   }
 
-  detail::GlobalSolution solution = solve(residuals, rule, data, structure, options);
+  const bool empty = is_empty(data, options.component);
+  detail::GlobalSolution solution = empty ? detail::GlobalSolution{} : solve(residuals, rule, data, structure, options);
   FitResult result{};
   result.model = structure.formula();
   result.residuals = residuals.count();
@@ -226,7 +254,9 @@ FitResult fit(const FrequencyResponseData& data, const Structure& structure, con
   if (solution.starts_at_best == 0) {
     result.cost = result.rms = result.max_residual = result.aicc = result.bic = result.condition = nan;
     result.termination = FitTermination::no_usable_start;
-    result.message = "The model is not finite on these frequencies anywhere it was tried.";
+    result.message = empty ? "The " + std::string(to_string(options.component)) +
+                                 " part of the data is 0 everywhere: there is nothing to fit."
+                           : "The model is not finite on these frequencies anywhere it was tried.";
     for (std::size_t i = 0; i < names.size(); ++i) {
       result.parameters.push_back({names[i], nan, nan, nan, nan, map.is_fixed(i), false, false, nan, nan, false});
     }
@@ -254,7 +284,7 @@ FitResult fit(const FrequencyResponseData& data, const Structure& structure, con
     estimate.ci95_lower = estimate.fixed ? nan : values[i] - half_width;
     estimate.ci95_upper = estimate.fixed ? nan : values[i] + half_width;
     estimate.at_bound = found.at_bound[i];
-    estimate.identified = found.identified[i];
+    estimate.identified = found.identified[i] && !found.at_bound[i];
     result.parameters.push_back(std::move(estimate));
   }
   for (std::size_t k = 0; k < map.free().size(); ++k) {
@@ -266,7 +296,14 @@ FitResult fit(const FrequencyResponseData& data, const Structure& structure, con
                        ? std::to_string(solution.starts_at_best) + " of " + std::to_string(solution.starts) +
                              " local solves ended at the best cost."
                        : "The solver stopped before the cost settled; the best point found is returned.";
-  recover_unseen(result, found, residuals, solution.best.cost, data, structure, options);
+  if (found.condition > detail::flat_condition) {
+    char text[128];
+    std::snprintf(text, sizeof text,
+                  " The scaled Fisher condition is %.1e, beyond %.0e: some parameters only trade off.", found.condition,
+                  detail::flat_condition);
+    result.message += text;
+  }
+  if (recover) recover_unseen(result, found, residuals, solution.best.cost, data, structure, options);
   refuse_whole_orders(result, structure, options.realisation);
 
   std::vector<double> residual = residuals_at(residuals, solution.best.theta);
@@ -282,6 +319,12 @@ FitResult fit(const FrequencyResponseData& data, const Structure& structure, con
   result.termination = solution.best.converged ? FitTermination::converged : FitTermination::not_converged;
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return result;
+}
+
+}  // namespace
+
+FitResult fit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
+  return fit_component(data, structure, options, true);
 }
 
 std::vector<std::complex<double>> fitted_response(const FitResult& result, const Realisation& realisation,

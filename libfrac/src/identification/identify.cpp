@@ -78,7 +78,8 @@ const ParameterEstimate* decided_order(const FitResult& fit, double share) {
   double farthest = 1;
   for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
     const ParameterEstimate& estimate = fit.parameters[i];
-    if (structure.parameter_roles()[i] != ParameterRole::order || estimate.at_bound || !estimate.identified) continue;
+    if (structure.parameter_roles()[i] != ParameterRole::order || estimate.at_bound) continue;
+    if (!estimate.fixed && !std::isfinite(estimate.standard_error)) continue;
     const double distance = std::abs(estimate.value - std::round(estimate.value));
     const double half_width = estimate.fixed ? 0 : (estimate.ci95_upper - estimate.value) / std::sqrt(share);
     const double widths = half_width > 0 ? distance / half_width : (distance > 0 ? 1e300 : 0);

@@ -16,7 +16,7 @@ Information information(std::span<const double> residual, std::size_t parameters
   }
   result.rms = std::sqrt(result.cost / n);
   // Exact data leave rounding only; the floor keeps the logarithm finite so that then the parameter count decides.
-  const double log_likelihood_term = n * std::log(std::max(result.cost / n, 1e-30 * unit * unit));
+  const double log_likelihood_term = n * std::log(std::max(result.cost / n, 1e-28 * unit * unit));
   result.aicc =
       n > k + 1 ? log_likelihood_term + 2 * k + 2 * k * (k + 1) / (n - k - 1) : std::numeric_limits<double>::infinity();
   result.bic = log_likelihood_term + k * std::log(n);

@@ -15,7 +15,7 @@ struct Information {
   double bic;  // n ln(cost/n) + k ln n (Schwarz 1978)
 };
 
-/// @param unit  root mean square of the weighted data; residuals below 1e-15 of it are rounding.
+/// @param unit  root mean square of the weighted data; residuals below 1e-14 of it are rounding.
 [[nodiscard]] Information information(std::span<const double> residual, std::size_t parameters, double unit);
 
 }  // namespace frac::detail

@@ -137,7 +137,10 @@ Growth grow(const FrequencyResponseData& data, GrowthFamily family, const FitOpt
     const FitResult& full = growth.fits.back();
     const double correlation = std::max(0.0, residual_whiteness(data, options, full).lag_one_correlation);
     const double gain = (simple.aicc - full.aicc) * (1 - correlation) / (1 + correlation);
-    if (!(gain > 2) || !(f_test(simple, full).p_value < 0.01)) break;
+    const bool determined = full.termination == FitTermination::converged &&
+                            std::all_of(full.parameters.begin(), full.parameters.end(),
+                                        [](const ParameterEstimate& estimate) { return estimate.identified; });
+    if (!determined || !(gain > 2) || !(f_test(simple, full).p_value < 0.01)) break;
     growth.chosen = growth.fits.size() - 1;
   }
   return growth;

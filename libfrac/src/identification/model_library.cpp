@@ -125,7 +125,8 @@ const std::vector<NamedModel>& model_library() {
 
 NamedModel find_model(std::string_view name_or_formula) {
   for (const NamedModel& model : model_library()) {
-    if (model.name == name_or_formula) return model;
+    // A preset written out is the preset, with its limits.
+    if (model.name == name_or_formula || model.formula == name_or_formula) return model;
   }
   const Structure structure(name_or_formula);
   return {structure.formula(),

@@ -23,7 +23,7 @@ constexpr double log_range = 60;
   throw std::invalid_argument("parameter '" + name + "': " + reason);
 }
 
-void check(const ParameterConstraint& constraint, ParameterRole role) {
+void check(const ParameterConstraint& constraint, ParameterRole role, bool positive) {
   const auto finite = [&](const std::optional<double>& value, const char* what) {
     if (value && !std::isfinite(*value)) reject(constraint.name, std::string(what) + " must be finite");
   };
@@ -51,7 +51,7 @@ void check(const ParameterConstraint& constraint, ParameterRole role) {
       }
     }
   }
-  if (role == ParameterRole::coefficient && !constraint.lower) {
+  if (positive && !constraint.lower) {
     if (constraint.upper && *constraint.upper <= 0) {
       reject(constraint.name, "is positive unless a lower limit <= 0 is given, so its upper limit must be positive");
     }
@@ -64,7 +64,7 @@ void check(const ParameterConstraint& constraint, ParameterRole role) {
 }  // namespace
 
 ParameterMap::ParameterMap(const Structure& structure, const std::vector<ParameterConstraint>& constraints,
-                           const DataScale& scale)
+                           const DataScale& scale, bool blind_to_sign)
     : scale_(scale) {
   const auto& names = structure.parameter_names();
   const auto& roles = structure.parameter_roles();
@@ -73,7 +73,8 @@ ParameterMap::ParameterMap(const Structure& structure, const std::vector<Paramet
   for (const ParameterConstraint& constraint : constraints) {
     const std::size_t i = structure.parameter_index(constraint.name);
     if (!of[i].name.empty()) reject(constraint.name, "is constrained twice");
-    check(constraint, roles[i]);
+    check(constraint, roles[i],
+          roles[i] == ParameterRole::coefficient && (blind_to_sign || structure.parameter_in_sum()[i]));
     of[i] = constraint;
   }
 
@@ -118,11 +119,12 @@ ParameterMap::ParameterMap(const Structure& structure, const std::vector<Paramet
       case ParameterRole::coefficient: {
         entry.value_exponent = dimension[i].value_exponent;
         entry.frequency_exponent = intercept = dimension[i].frequency_exponent;
-        const double lower = of[i].lower.value_or(0.0), upper = of[i].upper.value_or(infinity);
-        entry.logarithmic = !of[i].lower || lower > 0;
+        const bool positive = blind_to_sign || structure.parameter_in_sum()[i] || (of[i].upper && *of[i].upper > 0);
+        const double lower = of[i].lower.value_or(positive ? 0.0 : -infinity), upper = of[i].upper.value_or(infinity);
+        entry.logarithmic = lower >= 0 && (!of[i].lower || lower > 0);
         entry.either_sign = lower < 0;
         // Limits in the unit of the user bound theta only if that unit does not move with the orders.
-        const bool movable = !(lower > 0) && upper == infinity && (lower == 0 || lower == -infinity);
+        const bool movable = upper == infinity && (lower == 0 || lower == -infinity);
         for (std::size_t k = 0; k < order_parameters_.size() && movable; ++k) {
           slope[k] = (shifted[k][i].frequency_exponent - dimension[i].frequency_exponent) / 0.5;
           intercept -= slope[k] * order_middle[order_parameters_[k]];

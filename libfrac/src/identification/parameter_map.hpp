@@ -26,9 +26,11 @@ struct DataScale {
 /// parameter at the middle of the band, where it is least correlated with the orders.
 class ParameterMap {
  public:
+  /// @param blind_to_sign  magnitudes are fitted: outer gains are positive too
   /// @throws std::invalid_argument  unknown or repeated name, fixed with limits, lower > upper, start outside, not
   /// finite.
-  ParameterMap(const Structure& structure, const std::vector<ParameterConstraint>& constraints, const DataScale& scale);
+  ParameterMap(const Structure& structure, const std::vector<ParameterConstraint>& constraints, const DataScale& scale,
+               bool blind_to_sign = false);
 
   /// How one free entry of theta is drawn and bounded.
   struct Free {

@@ -156,9 +156,14 @@ ResidualRule residual_rule(const FrequencyResponseData& data, Component componen
   }
   if (rule.form == ResidualForm::phase || weight == Weight::relative) return rule;
 
-  double sum = 0;
-  for (std::size_t i = 0; i < data.size(); ++i) sum += std::norm(rule.weight[i] * data.value()[i]);
-  if (sum > 0) rule.unit = std::sqrt(sum / static_cast<double>(data.size()));
+  // By the largest first, so that squares of data of 1e-200 or 1e200 neither vanish nor overflow.
+  double largest = 0, sum = 0;
+  for (std::size_t i = 0; i < data.size(); ++i) largest = std::max(largest, rule.weight[i] * std::abs(data.value()[i]));
+  for (std::size_t i = 0; i < data.size() && largest > 0; ++i) {
+    const double share = rule.weight[i] * std::abs(data.value()[i]) / largest;
+    sum += share * share;
+  }
+  if (largest > 0) rule.unit = largest * std::sqrt(sum / static_cast<double>(data.size()));
   for (double& each : rule.weight) each /= rule.unit;
   return rule;
 }

@@ -117,20 +117,26 @@ std::vector<BootstrapInterval> bootstrap(const FrequencyResponseData& data, cons
                                 " samples has no percentiles; use at least 20");
   }
   const std::size_t count = data.size();
+  const bool only_one_part = options.component == Component::imaginary || options.component == Component::real;
   const std::vector<std::complex<double>> model = fitted_response(result, options.realisation, data.omega());
-  std::vector<double> scale(count, 1.0);
+  // In units of the noise: relative to the model and turned with it, or in the unit of sigma or of the data.
+  std::vector<std::complex<double>> unit(count, 1.0);
   std::vector<std::complex<double>> residual(count);
   // Residuals are smaller than the noise, because parameters have followed it.
   const double degrees = static_cast<double>(result.residuals) - static_cast<double>(result.free_parameters);
   const double inflation = degrees > 0 ? std::sqrt(static_cast<double>(result.residuals) / degrees) : 1;
+  std::complex<double> mean_residual = 0;
   for (std::size_t i = 0; i < count; ++i) {
     if (options.weight == Weight::given) {
-      scale[i] = data.sigma()[i];
+      unit[i] = data.sigma()[i];
     } else if (options.weight != Weight::absolute) {
-      scale[i] = std::abs(data.value()[i]);
+      unit[i] = only_one_part ? std::abs(data.value()[i]) : model[i];
     }
-    residual[i] = inflation * (data.value()[i] - model[i]) / scale[i];
+    residual[i] = inflation * (data.value()[i] - model[i]) / unit[i];
+    mean_residual += residual[i] / static_cast<double>(count);
   }
+  // Resampling must not add the mean of the residuals once more (Freedman 1981).
+  for (std::complex<double>& each : residual) each -= mean_residual;
 
   const Structure structure(result.model);
   const FitOptions refit = warm(options, result.parameters);
@@ -139,7 +145,12 @@ std::vector<BootstrapInterval> bootstrap(const FrequencyResponseData& data, cons
     std::seed_seq seed{options.seed, static_cast<std::uint64_t>(sample)};
     std::mt19937_64 generator(seed);
     std::vector<std::complex<double>> value(count);
-    for (std::size_t i = 0; i < count; ++i) value[i] = model[i] + scale[i] * residual[generator() % count];
+    for (std::size_t i = 0; i < count; ++i) {
+      value[i] = model[i] + unit[i] * residual[generator() % count];
+      // The part that was not fitted follows no model and stays as it is.
+      if (options.component == Component::imaginary) value[i].real(data.value()[i].real());
+      if (options.component == Component::real) value[i].imag(data.value()[i].imag());
+    }
     const FitResult again = fit({data.omega(), value, data.sigma()}, structure, refit);
     for (std::size_t k = 0; k < values.size(); ++k) values[k][sample] = again.parameters[k].value;
   });

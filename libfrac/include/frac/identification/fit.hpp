@@ -35,9 +35,9 @@ enum class Loss { none, huber, cauchy };
 [[nodiscard]] Weight weight_from_string(std::string_view text);
 [[nodiscard]] Loss loss_from_string(std::string_view text);
 
-/// What is known of one parameter beforehand.  Unset limits take the defaults of its role: a coefficient is positive
-/// (fitted as its logarithm) unless a lower limit <= 0 is given, an order lies in [0, 4], or [-4, 4] when it stands in
-/// no sum, a delay in [0, 2 pi/lowest omega].
+/// What is known of one parameter beforehand.  Unset limits take the defaults of its role: a coefficient that stands in
+/// a sum is positive (fitted as its logarithm) unless a lower limit <= 0 is given, an outer gain has any sign (but in a
+/// fit of magnitudes), an order lies in [0, 4], or [-4, 4] when it stands in no sum, a delay in [0, 2 pi/lowest omega].
 struct ParameterConstraint {
   std::string name;
   std::optional<double> fixed;

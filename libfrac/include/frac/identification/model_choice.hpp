@@ -45,7 +45,8 @@ enum class GrowthFamily {
 [[nodiscard]] NamedModel grown_model(GrowthFamily family, std::size_t terms);
 
 /// Starts from one term and adds another only while the data pay for it: AICc must fall by more than 2 in the measure
-/// of identify(), and the F test must reject the smaller one at 1 %.
+/// of identify(), the F test must reject the smaller one at 1 %, and every parameter of the larger one must be
+/// identified.
 /// @return the fits made, simplest first; the last but one is the chosen one unless most_terms was reached
 struct Growth {
   std::vector<FitResult> fits;

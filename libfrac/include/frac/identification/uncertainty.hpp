@@ -26,10 +26,10 @@ struct BootstrapInterval {
   double standard_error;  // standard deviation of the refits; 0 when fixed
 };
 
-/// Residual bootstrap (Efron, Tibshirani 1993, sect. 9.4): the complex residuals, divided by |data| (relative,
-/// smoothed, log-complex weight and repeats), by sigma (given) or by nothing (absolute), are drawn with replacement,
-/// added to the fitted curve and fitted again from the result.  The same seed gives the same intervals for any number
-/// of threads.
+/// Residual bootstrap (Efron, Tibshirani 1993, sect. 9.4): the complex residuals, relative to the model (relative,
+/// smoothed, log-complex weight and repeats), to sigma (given) or as they are (absolute), are centred (Freedman 1981),
+/// drawn with replacement, added to the fitted curve and fitted again from the result.  In a fit of one part only that
+/// part is resampled.  The same seed gives the same intervals for any number of threads.
 /// @return one interval per parameter
 /// @throws std::invalid_argument  fewer than 20 samples.
 [[nodiscard]] std::vector<BootstrapInterval> bootstrap(const FrequencyResponseData& data, const FitOptions& options,
