@@ -354,4 +354,26 @@ TEST(DescribingFunction, SpellingsRoundTrip) {
   expect_invalid_argument([] { (void)backlash::output_from_string("x3"); }, {"output", "x3", "x1, x2"});
 }
 
+// Just below the frequency from which nothing is ever met the mass drifts between rare impacts; its mean must not pass
+// for a response. Passivity makes Im N1 >= 0 there, to within what the point says of itself.
+TEST(DescribingFunction, DriftBetweenRareImpactsIsPartOfTheUncertainty) {
+  std::vector<double> omega;
+  for (int i = 0; i < 200; ++i) omega.push_back(5 * std::pow(1000.0, i / 199.0));
+  const auto sweep = backlash::describing_function_sweep({1, 1, 0.3, 0.2}, 40, omega);
+  for (const auto& point : sweep.points) EXPECT_GE(point.value.imag(), -point.uncertainty) << point.omega;
+}
+
+// Without losses and pressed so hard that no period ends within the budget of impacts: the position is unknown within
+// the gap, N within its uncertainty of that of the rigid pair, -1/((M1 + M2) omega^2).
+TEST(DescribingFunction, AWindowWithoutAPeriodKeepsTheRigidPart) {
+  const auto point = backlash::describing_function_sweep({1, 1, 0.3, 1}, 40, {1e-4}).points.front();
+  EXPECT_EQ(point.regime, backlash::Regime::averaged);
+  EXPECT_NEAR(point.value.real(), -0.5e8, point.uncertainty + 1e-15 * 0.5e8);
+}
+
+TEST(DescribingFunction, NegativeZeroClearanceIsNoClearance) {
+  EXPECT_EQ(backlash::describing_function_sweep({1, 1, -0.0, 0.5}, 40, {1}).points.front().regime,
+            backlash::Regime::rigid);
+}
+
 }  // namespace
