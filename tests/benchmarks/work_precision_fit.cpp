@@ -68,7 +68,10 @@ void run(const Problem& problem, std::size_t points, frac::Component component, 
 int main() {
   const std::vector<Problem> problems = {
       {"fractional-lag", "K/(T s^a + 1)", {0.8, 0.4, 0.7}, {}},
-      {"furnace", "1/(b2 s^a2 + b1 s^a1 + b0)", {0.8, 2.2, 0.5, 0.9, 1}, {{"a1", {}, 0, 1.5, {}}, {"a2", {}, 1.5, 4, {}}}},
+      {"furnace",
+       "1/(b2 s^a2 + b1 s^a1 + b0)",
+       {0.8, 2.2, 0.5, 0.9, 1},
+       {{"a1", {}, 0, 1.5, {}}, {"a2", {}, 1.5, 4, {}}}},
       {"havriliak-negami", "K/(1 + (T s)^a)^b", {3, 0.5, 0.8, 0.45}, {{"a", {}, 0, 1, {}}, {"b", {}, 0, 1, {}}}},
   };
   std::printf("# %s, GCC %s, median of 11 seeds\ncase,method,setting,error,seconds\n", FRACFIT_BUILD_TYPE, __VERSION__);

@@ -48,7 +48,7 @@ INSTANTIATE_TEST_SUITE_P(
                     BadFormula{"sin(s)", 0, "unknown function 'sin'"},
                     BadFormula{"2 + K(s)", 4, "unknown function 'K'"}, BadFormula{"exp", 3, "needs its argument"},
                     BadFormula{"sqrt s", 5, "needs its argument"},                                             //
-                    BadFormula{"1/Q s^n", 4, "can be read"}, BadFormula{"1/-(s + 1) K", 11, "can be read"},     //
+                    BadFormula{"1/Q s^n", 4, "can be read"}, BadFormula{"1/-(s + 1) K", 11, "can be read"},    //
                     BadFormula{"a^b^c", 3, "write parentheses"}, BadFormula{"s^2^2", 3, "write parentheses"},  //
                     BadFormula{"2 3", 2, "a number cannot follow"}, BadFormula{"s 2", 2, "a number cannot follow"},
                     BadFormula{"1.2.3", 3, "a number cannot follow"},
