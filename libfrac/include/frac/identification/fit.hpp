@@ -59,20 +59,22 @@ struct FitOptions {
 struct ParameterEstimate {
   std::string name;
   double value;
-  double standard_error;  // scaled by the residual variance; 0 when fixed, NaN when not identified or at a bound
+  double standard_error;          // scaled by the residual variance; 0 when fixed, NaN when unseen or at a bound
   double ci95_lower, ci95_upper;  // Student t; NaN like standard_error
   bool fixed;
   bool at_bound;
-  bool identified;  // false: the data do not determine it (interval beyond 50 %, or scaled Fisher condition beyond 1e6)
-  double centre_value;  // with frequency in units of the band's geometric middle: T (1 rad/s)^a -> T omega_c^a,
-  double centre_standard_error;  // where a coefficient is least correlated with the orders
-  bool from_other_component;     // the fitted component is blind to it; estimated from the other one with the rest held
+  bool
+      identified;  // false: at a bound, interval beyond 50 %, or part of a flat direction (Fisher condition beyond 1e6)
+  /// With frequency in units of the band's geometric middle (T becomes T omega_c^a), where a coefficient is least
+  /// correlated with the orders.
+  double centre_value, centre_standard_error;
+  bool from_other_component;  // the fitted component is blind to it; estimated from the other one with the rest held
 };
 
 enum class FitTermination {
   converged,
   not_converged,    // best point found so far is returned
-  no_usable_start,  // the model is not finite anywhere it was tried
+  no_usable_start,  // the model is not finite anywhere it was tried, or the fitted part of the data is 0 everywhere
 };
 [[nodiscard]] std::string_view to_string(FitTermination termination);
 

@@ -42,16 +42,18 @@ enum class GrowthFamily {
 [[nodiscard]] std::string_view to_string(GrowthFamily family);
 [[nodiscard]] GrowthFamily growth_family_from_string(std::string_view text);
 
+/// The member of a family with that many terms (at least 1), and the ranges of its parameters.
 [[nodiscard]] NamedModel grown_model(GrowthFamily family, std::size_t terms);
 
-/// Starts from one term and adds another only while the data pay for it: AICc must fall by more than 2 in the measure
-/// of identify(), the F test must reject the smaller one at 1 %, and every parameter of the larger one must be
-/// identified.
-/// @return the fits made, simplest first; the last but one is the chosen one unless most_terms was reached
+/// The fits of a growing structure, simplest first; the one behind the chosen one did not pay for its term.
 struct Growth {
   std::vector<FitResult> fits;
   std::size_t chosen;  // index into fits
 };
+
+/// Starts from one term and adds another only while the data pay for it: AICc must fall by more than 2 in the measure
+/// of identify(), the F test must reject the smaller one at 1 %, and every parameter of the larger one must be
+/// identified.
 [[nodiscard]] Growth grow(const FrequencyResponseData& data, GrowthFamily family, const FitOptions& options,
                           std::size_t most_terms = 4);
 
