@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "support/both_parts.hpp"
 #include "support/noisy_response.hpp"
 
 namespace {
@@ -17,6 +18,7 @@ namespace {
 using frac::Component;
 using frac::ModelClass;
 using frac::Verdict;
+using support::both_parts;
 
 constexpr int points = 80;
 
@@ -33,12 +35,6 @@ std::vector<frac::NamedModel> models(const std::vector<std::string>& names) {
   std::vector<frac::NamedModel> result;
   for (const std::string& name : names) result.push_back(frac::find_model(name));
   return result;
-}
-
-frac::FitOptions both_parts() {
-  frac::FitOptions options;
-  options.component = Component::both;
-  return options;
 }
 
 TEST(Identify, SupportsAFractionalOrderWhereThereIsOne) {

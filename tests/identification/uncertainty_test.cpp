@@ -8,31 +8,23 @@
 #include <stdexcept>
 #include <vector>
 
+#include "support/both_parts.hpp"
 #include "support/noisy_response.hpp"
 
 namespace {
 
 using frac::Component;
+using support::both_parts;
+using support::noisy_response;
 
 std::vector<double> grid() {
   return support::four_decades(60);
 }
 
-frac::FrequencyResponseData noisy(const char* formula, const std::vector<double>& parameters, double noise,
-                                  unsigned seed, int count = 60) {
-  return support::noisy_response(formula, parameters, noise, seed, count);
-}
-
-frac::FitOptions both_parts() {
-  frac::FitOptions options;
-  options.component = Component::both;
-  return options;
-}
-
 // Where the model is linear in its parameter the profile is a parabola and both intervals are the same; the search
 // stops at 1e-6 relative.
 TEST(ProfileInterval, EqualsTheCurvatureIntervalOfALinearModel) {
-  const auto data = noisy("K/(0.5 s^0.6 + 1)", {2}, 0.02, 1);
+  const auto data = noisy_response("K/(0.5 s^0.6 + 1)", {2}, 0.02, 1);
   const frac::FitResult result = frac::fit(data, frac::Structure("K/(0.5 s^0.6 + 1)"), both_parts());
   const auto interval = frac::profile_interval(data, both_parts(), result, "K");
   EXPECT_NEAR(interval.lower, result.parameters[0].ci95_lower, 1e-5);
@@ -43,7 +35,7 @@ TEST(ProfileInterval, EqualsTheCurvatureIntervalOfALinearModel) {
 // At 1 % noise the lag is linear within its uncertainty to some per cent: third-order terms are of the size of the
 // relative standard errors (below 5 %).
 TEST(ProfileInterval, IsNearTheCurvatureIntervalAtSmallNoise) {
-  const auto data = noisy("K/(T s^a + 1)", {2, 0.5, 0.6}, 0.01, 2);
+  const auto data = noisy_response("K/(T s^a + 1)", {2, 0.5, 0.6}, 0.01, 2);
   const frac::FitResult result = frac::fit(data, frac::Structure("K/(T s^a + 1)"), both_parts());
   for (const auto& estimate : result.parameters) {
     const auto interval = frac::profile_interval(data, both_parts(), result, estimate.name);
@@ -75,7 +67,7 @@ TEST(ProfileInterval, IsOpenWhereTheDataSetNoLimit) {
 }
 
 TEST(ProfileInterval, RefusesWhatHasNone) {
-  const auto data = noisy("K/(T s^a + 1)", {2, 0.5, 0.6}, 0.01, 2);
+  const auto data = noisy_response("K/(T s^a + 1)", {2, 0.5, 0.6}, 0.01, 2);
   frac::FitOptions options = both_parts();
   options.constraints = {{"a", 0.6, {}, {}, {}}};
   const frac::FitResult result = frac::fit(data, frac::Structure("K/(T s^a + 1)"), options);
@@ -86,7 +78,7 @@ TEST(ProfileInterval, RefusesWhatHasNone) {
 // 400 resamples know a standard deviation to 1/sqrt(800) = 3.5 %, and resampling 60 residual pairs adds sqrt(1/240)
 // = 6.5 %; three of both together are 22 %.
 TEST(Bootstrap, AgreesWithTheCovarianceOnNormalNoise) {
-  const auto data = noisy("K/(T s^a + 1)", {2, 0.5, 0.6}, 0.01, 4);
+  const auto data = noisy_response("K/(T s^a + 1)", {2, 0.5, 0.6}, 0.01, 4);
   const frac::FitResult result = frac::fit(data, frac::Structure("K/(T s^a + 1)"), both_parts());
   const auto intervals = frac::bootstrap(data, both_parts(), result, 400);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -99,7 +91,7 @@ TEST(Bootstrap, AgreesWithTheCovarianceOnNormalNoise) {
 // The percentiles lie where the covariance puts the interval: 400 resamples know a 2.5 % point to 8 % of the half
 // width, and the residuals at hand shift it by some per cent more.  The same for the imaginary part alone.
 TEST(Bootstrap, PutsItsIntervalsWhereTheCovarianceDoes) {
-  const auto data = noisy("K/(T s^a + 1)", {2, 0.5, 0.6}, 0.01, 8);
+  const auto data = noisy_response("K/(T s^a + 1)", {2, 0.5, 0.6}, 0.01, 8);
   for (const Component component : {Component::both, Component::imaginary}) {
     frac::FitOptions options;
     options.component = component;
@@ -115,7 +107,7 @@ TEST(Bootstrap, PutsItsIntervalsWhereTheCovarianceDoes) {
 }
 
 TEST(Bootstrap, DoesNotDependOnThreads) {
-  const auto data = noisy("K/(T s^a + 1)", {2, 0.5, 0.6}, 0.01, 4);
+  const auto data = noisy_response("K/(T s^a + 1)", {2, 0.5, 0.6}, 0.01, 4);
   const frac::FitResult result = frac::fit(data, frac::Structure("K/(T s^a + 1)"), both_parts());
   const auto one = frac::bootstrap(data, both_parts(), result, 40, 1),
              two = frac::bootstrap(data, both_parts(), result, 40, 2);
@@ -125,7 +117,7 @@ TEST(Bootstrap, DoesNotDependOnThreads) {
 
 // A gain alone: the deviation of K G is sd(K) |part of G|, exactly.
 TEST(ResponseDeviation, FollowsTheGain) {
-  const auto data = noisy("K/(0.5 s^0.6 + 1)", {2}, 0.02, 1);
+  const auto data = noisy_response("K/(0.5 s^0.6 + 1)", {2}, 0.02, 1);
   const frac::FitResult result = frac::fit(data, frac::Structure("K/(0.5 s^0.6 + 1)"), both_parts());
   const auto deviation = frac::response_deviation(result, frac::ExactRealisation{}, {1.0});
   const std::complex<double> shape = frac::Structure("1/(0.5 s^0.6 + 1)").response({}, 1.0);
@@ -134,7 +126,7 @@ TEST(ResponseDeviation, FollowsTheGain) {
 }
 
 TEST(FitResult, NamesOutliersAndTheCentreOfTheBand) {
-  auto value = noisy("K/(T s^a + 1)", {2, 0.5, 0.6}, 0.01, 6).value();
+  auto value = noisy_response("K/(T s^a + 1)", {2, 0.5, 0.6}, 0.01, 6).value();
   value[17] *= 1.5;
   const frac::FitResult result = frac::fit({grid(), value}, frac::Structure("K/(T s^a + 1)"), [] {
     frac::FitOptions options = both_parts();

@@ -33,7 +33,7 @@ inline frac::FrequencyResponseData noisy_response(const char* formula, const std
 }
 
 inline frac::FrequencyResponseData noisy_response(const char* formula, const std::vector<double>& parameters,
-                                                  double noise, unsigned seed, int count) {
+                                                  double noise, unsigned seed, int count = 60) {
   std::mt19937_64 generator(seed);
   return noisy_response(formula, parameters, noise, generator, count);
 }

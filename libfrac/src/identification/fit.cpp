@@ -166,11 +166,6 @@ detail::GlobalSolution solve(const detail::Residuals& residuals, const detail::R
   return result;
 }
 
-/// What is left of a cost of 0 by rounding.
-double rounding_cost(const detail::Residuals& residuals) {
-  return static_cast<double>(residuals.count()) * 1e-28;
-}
-
 /// A fit through Oustaloup's ladder can end on a whole order, where the realisation jumps: a corner, not a minimum.
 void refuse_whole_orders(FitResult& result, const Structure& structure, const Realisation& realisation) {
   if (!std::holds_alternative<OustaloupRealisation>(realisation)) return;
@@ -217,7 +212,7 @@ void recover_unseen(FitResult& result, const detail::Confidence& found, const de
   std::vector<double> values;
   for (const ParameterEstimate& estimate : recovered.parameters) values.push_back(estimate.value);
   // The fitted component must not notice: blindness at the minimum alone is not enough.
-  if (!(residuals.cost(residuals.map().to_theta(values)) <= cost * (1 + 1e-6) + rounding_cost(residuals))) return;
+  if (!(residuals.cost(residuals.map().to_theta(values)) <= cost * (1 + 1e-6) + residuals.rounding_cost())) return;
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
     if (found.seen[i]) continue;
     result.parameters[i] = recovered.parameters[i];

@@ -186,8 +186,7 @@ GlobalSolution global_search(const Residuals& residuals, const std::vector<doubl
   GlobalSolution result;
   result.best.cost = std::numeric_limits<double>::infinity();
   std::vector<double> costs;
-  // Costs below rounding of the residuals are all zero.
-  const double floor = static_cast<double>(residuals.count()) * 1e-28;
+  const double floor = residuals.rounding_cost();
   LocalOptions scouting;
   scouting.iterations = 40;
   scouting.cost_tolerance = 1e-6;

@@ -32,6 +32,9 @@ class Residuals {
   /// Sum of squares over all points; infinity where the model is not finite.
   [[nodiscard]] double cost(std::span<const double> theta) const;
 
+  /// Costs below this are rounding: all of them are zero.
+  [[nodiscard]] double rounding_cost() const noexcept { return static_cast<double>(count()) * 1e-28; }
+
   /// Factor by which the whole model is to be multiplied to come nearest the data; 1 where there is no positive one or
   /// where the residuals are blind to it (phase).
   [[nodiscard]] double best_factor(std::span<const double> theta) const;
