@@ -9,6 +9,7 @@
 #include "exit_code.hpp"
 #include "io/progress_bar.hpp"
 #include "orbits_output.hpp"
+#include "scene_options.hpp"
 #include "subcommand.hpp"
 
 namespace fracfit {
@@ -16,8 +17,8 @@ namespace {
 
 struct OrbitsOptions {
   CommonOptions common;
+  SceneOptions scene;
   std::string restitution, from, to;
-  std::string force = "1", clearance = "1", mass1 = "1", mass2 = "1";
   std::string output = "x1", longest_period = "4", most_impacts = "16";
 };
 
@@ -31,9 +32,7 @@ int small_count(std::string_view name, const std::string& text, std::size_t lowe
 
 int run_orbits(const OrbitsOptions& given) {
   const io::OutputFile file(given.common.out);
-  const backlash::TwoMassSystem system(number_option("--m1", given.mass1), number_option("--m2", given.mass2),
-                                       number_option("--clearance", given.clearance),
-                                       number_option("--restitution", given.restitution));
+  const backlash::TwoMassSystem system = system_of(given.scene, given.restitution);
   backlash::OrbitContinuationOptions options;
   options.output = backlash::output_from_string(given.output);
   options.longest_period = small_count("--longest-period", given.longest_period, 1);
@@ -42,17 +41,14 @@ int run_orbits(const OrbitsOptions& given) {
   frac::Progress progress;
   const auto diagram = [&] {
     const io::ProgressBar bar("orbits", progress, !given.common.quiet);
-    return backlash::orbit_diagram(system, number_option("--force", given.force), number_option("--from", given.from),
-                                   number_option("--to", given.to), options, &progress);
+    return backlash::orbit_diagram(system, number_option("--force", given.scene.force),
+                                   number_option("--from", given.from), number_option("--to", given.to), options,
+                                   &progress);
   }();
-  const std::string command = CommandLine("orbits")
+  const std::string command = scene_command("orbits", given.scene)
                                   .option("--restitution", given.restitution)
                                   .option("--from", given.from)
                                   .option("--to", given.to)
-                                  .option("--force", given.force)
-                                  .option("--clearance", given.clearance)
-                                  .option("--m1", given.mass1)
-                                  .option("--m2", given.mass2)
                                   .option("--output", given.output)
                                   .option("--longest-period", given.longest_period)
                                   .option("--most-impacts", given.most_impacts)
@@ -83,12 +79,7 @@ void add_orbits(CLI::App& program, Run& run) {
       ->type_name("EPS");
   orbits->add_option("--from", given->from, "Lowest angular frequency, rad/s")->required()->type_name("W");
   orbits->add_option("--to", given->to, "Highest angular frequency, rad/s")->required()->type_name("W");
-  orbits->add_option("--force", given->force, "Force amplitude on mass 2, N, > 0")
-      ->capture_default_str()
-      ->type_name("F");
-  orbits->add_option("--clearance", given->clearance, "Clearance, m, > 0")->capture_default_str()->type_name("DELTA");
-  orbits->add_option("--m1", given->mass1, "Mass 1, kg")->capture_default_str()->type_name("M1");
-  orbits->add_option("--m2", given->mass2, "Mass 2, kg")->capture_default_str()->type_name("M2");
+  add_scene_options(*orbits, given->scene);
   orbits->add_option("--output", given->output, "Position read: x1 or x2")->capture_default_str()->type_name("x1|x2");
   orbits->add_option("--longest-period", given->longest_period, "Force periods of the longest orbits kept")
       ->capture_default_str()
