@@ -80,11 +80,8 @@ ImpactHistory simulate_impacts(const TwoMassSystem& system, double force_amplitu
     const detail::Flight flight = motion.next_flight(state);
     const detail::GapState next = flight.hits ? motion.after_impact(state, flight) : state;
     if (!flight.hits || next.half_period >= last_peak) {
-      const detail::DistanceAndVelocity at =
-          motion.along(state, flight, detail::radians_to_half_period(state, last_peak));
-      detail::GapState end = state;
-      end.distance = at.distance;
-      end.velocity = at.velocity;
+      const detail::GapState end =
+          motion.peak_state(state.wall, motion.along(state, flight, detail::radians_to_half_period(state, last_peak)));
       end_at(end.position(), end.position_rate());
       return history;
     }

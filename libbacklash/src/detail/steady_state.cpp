@@ -498,10 +498,11 @@ SteadyState find_steady_state(const GapMotion& motion, const GapState& start, do
     return mean.uncertainty <= goal.relative * std::abs(mean.harmonics.u[0] - goal.zero);
   };
   // False when the window is complete.
-  const auto pass_peak = [&](double position, double position_rate) {
+  const auto pass_peak = [&](int wall, const DistanceAndVelocity& at) {
     periods += window.stride();
-    last_peak = state_at_peak(position, position_rate);
-    const Strobe strobe{position, position_rate, impacts};
+    last_peak = motion.peak_state(wall, at);
+    // The impacts counted so far are those before; a contact at the peak itself is still to come.
+    const Strobe strobe{last_peak.position(), wall == 0 ? at.velocity : -at.velocity, impacts};
     if (window.stride() == 1 && !candidate) candidate = returns.add(periods, strobe);
     const bool transient = window.empty() && in_transient();
     const bool more = transient || (window.add({strobe, periods, jumps, disturbance.log_growth()}) && !meets_goal());
@@ -514,7 +515,7 @@ SteadyState find_steady_state(const GapMotion& motion, const GapState& start, do
       if (released) return orbit_from_release(motion, *released, tolerance);
       const GapState release = motion.release_after(state);
       while (release.half_period >= next_peak) {
-        if (!pass_peak(state.wall, 0)) return finish();
+        if (!pass_peak(state.wall, {0, 0})) return finish();
       }
       // Velocity jumps do not describe a rest.
       window.clear();
@@ -526,11 +527,8 @@ SteadyState find_steady_state(const GapMotion& motion, const GapState& start, do
     if (!flight.hits) return free_motion(motion.gamma(), last_peak);
     const GapState next = motion.after_impact(state, flight);
     while (next.half_period >= next_peak) {
-      const DistanceAndVelocity at = motion.along(state, flight, radians_to_half_period(state, next_peak));
-      GapState peak = state;
-      peak.distance = std::clamp(at.distance, 0.0, 1.0);
-      peak.velocity = at.velocity;
-      if (!pass_peak(peak.position(), peak.position_rate())) return finish();
+      if (!pass_peak(state.wall, motion.along(state, flight, radians_to_half_period(state, next_peak))))
+        return finish();
     }
     jumps.add(next, flight.speed);
     if (!window.empty()) disturbance.advance(motion, state, flight, next);
