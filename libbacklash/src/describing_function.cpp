@@ -13,6 +13,7 @@
 #include "detail/check.hpp"
 #include "detail/spelling.hpp"
 #include "detail/steady_state.hpp"
+#include "detail/symmetric_orbits.hpp"
 #include "detail/two_impact_orbit.hpp"
 
 namespace backlash {
@@ -61,20 +62,23 @@ DescribingFunctionPoint point_of(const TwoMassSystem& system, double omega, doub
   const double inertia = (system.mass1() + system.mass2()) * omega * omega;
   // With y = x2 - x1 = clearance Re(U e^{jwt}) and the centre of mass moving as F/(M1 + M2), in units of F/inertia:
   // x1 = -(U + gamma)/gamma, x2 = -1 + (M1/M2) U/gamma, and the harmonics of x1, x2 are those of U times share/gamma.
-  const double share = output == Output::x1 ? 1 : system.mass1() / system.mass2();
+  const double share = (output == Output::x1 ? 1 : system.mass1() / system.mass2()) / gamma;
   const std::complex<double> numerator =
-      output == Output::x1 ? -steady.harmonics.u1_plus_gamma / gamma : -1.0 + share * steady.harmonics.u[0] / gamma;
+      output == Output::x1 ? -share * steady.harmonics.u1_plus_gamma : -1.0 + share * steady.harmonics.u[0];
+  // Far from the ends of the range of numbers, so that the square of a modulus does not leave it.
+  const auto modulus = [](std::complex<double> z) { return std::sqrt(std::norm(z)); };
+  const double fundamental = modulus(numerator);
+  const double unit = 1 / inertia;
+  const double ratio = fundamental > 0 ? share / fundamental : nan;
   DescribingFunctionPoint point{};
   point.omega = omega;
-  point.value = numerator / inertia;
+  point.value = numerator * unit;
   point.regime = steady.regime;
   point.period = steady.period;
   point.impacts_per_period = steady.impacts_per_period;
-  point.uncertainty = share * steady.uncertainty / gamma / inertia + 4 * rounding * std::abs(point.value);
-  const double fundamental = std::abs(numerator);
-  point.third_harmonic_ratio = fundamental > 0 ? share * std::abs(steady.harmonics.u[1]) / gamma / fundamental : nan;
-  point.even_harmonic_ratio =
-      fundamental > 0 ? share * std::abs(steady.harmonics.u[detail::second_harmonic]) / gamma / fundamental : nan;
+  point.uncertainty = (share * steady.uncertainty + 4 * rounding * fundamental) * unit;
+  point.third_harmonic_ratio = ratio * modulus(steady.harmonics.u[1]);
+  point.even_harmonic_ratio = ratio * modulus(steady.harmonics.u[detail::second_harmonic]);
   point.energy_defect = steady.energy_defect;
   point.lyapunov_exponent = steady.lyapunov;
   return point;
@@ -146,19 +150,30 @@ std::vector<DescribingFunctionPoint> carried_points(const TwoMassSystem& system,
                                                     frac::Progress* progress) {
   std::vector<DescribingFunctionPoint> points(omega.size());
   const bool down = options.protocol == Protocol::sweep_down;
+  const bool follows_orbit = options.protocol == Protocol::two_impact && system.clearance() > 0;
+  std::optional<detail::SymmetricOrbits> symmetric;
+  if (follows_orbit) symmetric.emplace(system.restitution());
+  std::optional<double> loss_gamma;  // of the stable two-impact orbit, found where it is first asked for
   detail::GapState state = mid_gap_at_rest();
-  const bool follows_orbit = options.protocol == Protocol::two_impact && system.restitution() > 0;
-  const double loss_gamma = follows_orbit ? detail::two_impact_loss(system.restitution()).gamma : 0;
   double state_omega = down ? omega.back() : omega.front();
+  // gamma of the last point, where it was on the symmetric orbit and its state has not been needed yet.
+  std::optional<double> owed_state;
   for (std::size_t step = 0; step < omega.size(); ++step) {
     const std::size_t i = down ? omega.size() - 1 - step : step;
     const double gamma = dimensionless_force(system, force_amplitude, omega[i]);
     if (!(gamma < rigid_force)) {
       points[i] = rigid_point(system, omega[i], gamma, options.output);
+    } else if (symmetric && symmetric->contains(gamma)) {
+      points[i] = point_of(system, omega[i], gamma, options.output, symmetric->at(gamma));
+      owed_state = gamma;
     } else {
+      if (owed_state) state = symmetric->end_state(*owed_state);
+      owed_state.reset();
       std::optional<detail::SteadyState> steady;
-      if (options.protocol == Protocol::two_impact) {
-        const auto orbit = detail::stable_two_impact_orbit(gamma, system.restitution(), loss_gamma);
+      if (follows_orbit) {
+        if (!loss_gamma && system.restitution() > 0 && gamma > detail::symmetry_breaking_gamma(system.restitution()))
+          loss_gamma = detail::two_impact_loss(system.restitution()).gamma;
+        const auto orbit = detail::stable_two_impact_orbit(gamma, system.restitution(), loss_gamma.value_or(0));
         if (orbit) steady = detail::two_impact_steady_state(*orbit, system.restitution());
       }
       if (!steady) steady = steady_state(system, gamma, carried(state, state_omega, omega[i]), options);
@@ -206,7 +221,8 @@ frac::FrequencyResponseData DescribingFunctionSweep::data() const {
 
 DescribingFunctionSweep describing_function_sweep(const TwoMassSystem& system, double force_amplitude,
                                                   const std::vector<double>& omega, const SweepOptions& options) {
-  return describing_function_sweeps({{system, force_amplitude}}, omega, options).front();
+  std::vector<DescribingFunctionSweep> sweeps = describing_function_sweeps({{system, force_amplitude}}, omega, options);
+  return std::move(sweeps.front());
 }
 
 std::vector<DescribingFunctionSweep> describing_function_sweeps(const std::vector<SweepScene>& scenes,

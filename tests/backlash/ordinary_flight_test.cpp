@@ -121,7 +121,7 @@ double contact_time_error(double gamma, const Flight& flight) {
 TEST(OrdinaryFlight, ContactsAreThoseOfExtendedPrecision) {
   support::Random random(3);
   int ordinary = 0;
-  const int flights = 60'000;
+  const int flights = 30'000;
   for (int i = 0; i < flights; ++i) {
     const double gamma = random.log_uniform(0.01, 1e4);
     GapState start;
@@ -161,7 +161,7 @@ TEST(OrdinaryFlight, ContactsAreThoseOfExtendedPrecision) {
 
 TEST(OrdinaryFlight, NextFlightGivesTheSameContactWhereTheFlightIsNoOrdinaryOne) {
   support::Random random(4);
-  for (int i = 0; i < 20'000; ++i) {
+  for (int i = 0; i < 8'000; ++i) {
     const double gamma = random.log_uniform(0.02, 1e4);
     GapState start = state_at_peak(random.unit(), random.uniform(-2, 2));
     const GapMotion motion(gamma, 0.7);
