@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "detail/check.hpp"
+#include "detail/describing_function_point.hpp"
 #include "detail/spelling.hpp"
 #include "detail/steady_state.hpp"
 #include "detail/symmetric_orbits.hpp"
@@ -39,11 +40,6 @@ constexpr std::array<std::pair<Regime, std::string_view>, 6> regimes = {{
 }};
 constexpr std::array<std::pair<Output, std::string_view>, 2> outputs = {{{Output::x1, "x1"}, {Output::x2, "x2"}}};
 
-// Beyond this dimensionless force the clearance moves no digit of N: |U|/gamma < 1e-30.
-constexpr double rigid_force = 1e30;
-// Below it the mass would take more periods to reach a wall than are followed.
-constexpr double free_force = 1e-30;
-
 detail::GapState mid_gap_at_rest() {
   return detail::state_at_peak(0.5, 0);
 }
@@ -55,33 +51,6 @@ detail::GapState contact_at_rest() {
 // frequencies.
 detail::GapState carried(const detail::GapState& state, double old_omega, double new_omega) {
   return detail::state_at_peak(state.position(), state.position_rate() * (old_omega / new_omega));
-}
-
-DescribingFunctionPoint point_of(const TwoMassSystem& system, double omega, double gamma, Output output,
-                                 const detail::SteadyState& steady) {
-  const double inertia = (system.mass1() + system.mass2()) * omega * omega;
-  // With y = x2 - x1 = clearance Re(U e^{jwt}) and the centre of mass moving as F/(M1 + M2), in units of F/inertia:
-  // x1 = -(U + gamma)/gamma, x2 = -1 + (M1/M2) U/gamma, and the harmonics of x1, x2 are those of U times share/gamma.
-  const double share = (output == Output::x1 ? 1 : system.mass1() / system.mass2()) / gamma;
-  const std::complex<double> numerator =
-      output == Output::x1 ? -share * steady.harmonics.u1_plus_gamma : -1.0 + share * steady.harmonics.u[0];
-  // Far from the ends of the range of numbers, so that the square of a modulus does not leave it.
-  const auto modulus = [](std::complex<double> z) { return std::sqrt(std::norm(z)); };
-  const double fundamental = modulus(numerator);
-  const double unit = 1 / inertia;
-  const double ratio = fundamental > 0 ? share / fundamental : nan;
-  DescribingFunctionPoint point{};
-  point.omega = omega;
-  point.value = numerator * unit;
-  point.regime = steady.regime;
-  point.period = steady.period;
-  point.impacts_per_period = steady.impacts_per_period;
-  point.uncertainty = (share * steady.uncertainty + 4 * rounding * fundamental) * unit;
-  point.third_harmonic_ratio = ratio * modulus(steady.harmonics.u[1]);
-  point.even_harmonic_ratio = ratio * modulus(steady.harmonics.u[detail::second_harmonic]);
-  point.energy_defect = steady.energy_defect;
-  point.lyapunov_exponent = steady.lyapunov;
-  return point;
 }
 
 DescribingFunctionPoint rigid_point(const TwoMassSystem& system, double omega, double gamma, Output output) {
@@ -110,26 +79,15 @@ detail::SteadyState free_state(double gamma, const detail::GapState& end) {
 
 detail::SteadyState steady_state(const TwoMassSystem& system, double gamma, const detail::GapState& start,
                                  const SweepOptions& options) {
-  if (gamma < free_force) return free_state(gamma, start);
-  const double zero = options.output == Output::x1 ? -gamma : gamma * system.mass2() / system.mass1();
+  if (gamma < detail::free_force) return free_state(gamma, start);
   return detail::find_steady_state(detail::GapMotion(gamma, system.restitution()), start, options.tolerance,
-                                   {options.mean_tolerance, zero});
+                                   detail::mean_goal(system, gamma, options));
 }
 
 void check(double force_amplitude, const std::vector<double>& omega, const SweepOptions& options) {
   detail::require_positive("force_amplitude", "N", force_amplitude);
   detail::require_frequency_grid(omega);
-  if (!(options.tolerance > 0 && options.tolerance <= 0.01)) {
-    throw std::invalid_argument("tolerance is " + detail::text(options.tolerance) + "; it must be in (0, 0.01]");
-  }
-  if (!(options.mean_tolerance >= 0 && options.mean_tolerance < 1)) {
-    throw std::invalid_argument("mean_tolerance is " + detail::text(options.mean_tolerance) +
-                                "; it must be in [0, 1), 0 for means over a thousand periods");
-  }
-  if (options.threads < 0) {
-    throw std::invalid_argument("threads is " + std::to_string(options.threads) +
-                                "; it must be positive, or 0 for one per core");
-  }
+  detail::require_valid(options);
 }
 
 bool has_independent_points(Protocol protocol) {
@@ -139,9 +97,9 @@ bool has_independent_points(Protocol protocol) {
 DescribingFunctionPoint independent_point(const TwoMassSystem& system, double force_amplitude, double omega,
                                           const SweepOptions& options) {
   const double gamma = dimensionless_force(system, force_amplitude, omega);
-  if (!(gamma < rigid_force)) return rigid_point(system, omega, gamma, options.output);
+  if (!(gamma < detail::rigid_force)) return rigid_point(system, omega, gamma, options.output);
   const detail::GapState start = options.protocol == Protocol::contact_at_rest ? contact_at_rest() : mid_gap_at_rest();
-  return point_of(system, omega, gamma, options.output, steady_state(system, gamma, start, options));
+  return detail::point_of(system, omega, gamma, options.output, steady_state(system, gamma, start, options));
 }
 
 // Points that carry their state from one to the next.
@@ -161,10 +119,10 @@ std::vector<DescribingFunctionPoint> carried_points(const TwoMassSystem& system,
   for (std::size_t step = 0; step < omega.size(); ++step) {
     const std::size_t i = down ? omega.size() - 1 - step : step;
     const double gamma = dimensionless_force(system, force_amplitude, omega[i]);
-    if (!(gamma < rigid_force)) {
+    if (!(gamma < detail::rigid_force)) {
       points[i] = rigid_point(system, omega[i], gamma, options.output);
     } else if (symmetric && symmetric->contains(gamma)) {
-      points[i] = point_of(system, omega[i], gamma, options.output, symmetric->at(gamma));
+      points[i] = detail::point_of(system, omega[i], gamma, options.output, symmetric->at(gamma));
       owed_state = gamma;
     } else {
       if (owed_state) state = symmetric->end_state(*owed_state);
@@ -177,7 +135,7 @@ std::vector<DescribingFunctionPoint> carried_points(const TwoMassSystem& system,
         if (orbit) steady = detail::two_impact_steady_state(*orbit, system.restitution());
       }
       if (!steady) steady = steady_state(system, gamma, carried(state, state_omega, omega[i]), options);
-      points[i] = point_of(system, omega[i], gamma, options.output, *steady);
+      points[i] = detail::point_of(system, omega[i], gamma, options.output, *steady);
       state = steady->end;
     }
     state_omega = omega[i];
@@ -187,6 +145,55 @@ std::vector<DescribingFunctionPoint> carried_points(const TwoMassSystem& system,
 }
 
 }  // namespace
+
+namespace detail {
+
+DescribingFunctionPoint point_of(const TwoMassSystem& system, double omega, double gamma, Output output,
+                                 const SteadyState& steady) {
+  const double inertia = (system.mass1() + system.mass2()) * omega * omega;
+  // With y = x2 - x1 = clearance Re(U e^{jwt}) and the centre of mass moving as F/(M1 + M2), in units of F/inertia:
+  // x1 = -(U + gamma)/gamma, x2 = -1 + (M1/M2) U/gamma, and the harmonics of x1, x2 are those of U times share/gamma.
+  const double share = (output == Output::x1 ? 1 : system.mass1() / system.mass2()) / gamma;
+  const std::complex<double> numerator =
+      output == Output::x1 ? -share * steady.harmonics.u1_plus_gamma : -1.0 + share * steady.harmonics.u[0];
+  // Far from the ends of the range of numbers, so that the square of a modulus does not leave it.
+  const auto modulus = [](std::complex<double> z) { return std::sqrt(std::norm(z)); };
+  const double fundamental = modulus(numerator);
+  const double unit = 1 / inertia;
+  const double ratio = fundamental > 0 ? share / fundamental : nan;
+  DescribingFunctionPoint point{};
+  point.omega = omega;
+  point.value = numerator * unit;
+  point.regime = steady.regime;
+  point.period = steady.period;
+  point.impacts_per_period = steady.impacts_per_period;
+  point.uncertainty = (share * steady.uncertainty + 4 * rounding * fundamental) * unit;
+  point.third_harmonic_ratio = ratio * modulus(steady.harmonics.u[1]);
+  point.even_harmonic_ratio = ratio * modulus(steady.harmonics.u[second_harmonic]);
+  point.energy_defect = steady.energy_defect;
+  point.lyapunov_exponent = steady.lyapunov;
+  return point;
+}
+
+MeanGoal mean_goal(const TwoMassSystem& system, double gamma, const SweepOptions& options) {
+  return {options.mean_tolerance, options.output == Output::x1 ? -gamma : gamma * system.mass2() / system.mass1()};
+}
+
+void require_valid(const SweepOptions& options) {
+  if (!(options.tolerance > 0 && options.tolerance <= 0.01)) {
+    throw std::invalid_argument("tolerance is " + text(options.tolerance) + "; it must be in (0, 0.01]");
+  }
+  if (!(options.mean_tolerance >= 0 && options.mean_tolerance < 1)) {
+    throw std::invalid_argument("mean_tolerance is " + text(options.mean_tolerance) +
+                                "; it must be in [0, 1), 0 for means over a thousand periods");
+  }
+  if (options.threads < 0) {
+    throw std::invalid_argument("threads is " + std::to_string(options.threads) +
+                                "; it must be positive, or 0 for one per core");
+  }
+}
+
+}  // namespace detail
 
 std::string_view to_string(Protocol protocol) {
   return detail::spelling(protocols, protocol);
