@@ -70,7 +70,7 @@ TEST(Basins, AttractorsAreTheStableOrbitsOfTheContinuation) {
 
 TEST(Basins, FreeMotionChatterAndMeansAreOneAttractorEach) {
   // At rest at the peak the mass swings between y and y + 2 F/(M2 omega^2) = y + 1/8 without drift.
-  const BasinMap free = basins({1, 1, 1, 0.6}, 1, 4, even_grid(0, 0.87, 7), {0});
+  const BasinMap free = basins({1, 1, 1, 0.6}, 1, 4, even_grid(0.01, 0.87, 7), {0});
   ASSERT_EQ(free.attractors.size(), 1u);
   EXPECT_EQ(free.attractors[0].point.regime, Regime::free);
   const BasinMap sticking = basins({1, 1, 1, 0.6}, 1, 0.1, even_grid(0, 1, 7), even_grid(-0.5, 0.5, 7));
