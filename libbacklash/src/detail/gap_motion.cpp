@@ -248,25 +248,23 @@ GapState GapMotion::after_impact(const GapState& start, const Flight& flight) co
   return state;
 }
 
-ChatterTail GapMotion::chatter_tail(const GapState& after_impact) const noexcept {
+ChatterTail GapMotion::chatter_tail(const GapState& state) const noexcept {
   ChatterTail tail;
-  const double pressure = -after_impact.parity() * gamma_ * after_impact.sin_s;
-  if (!(pressure > 0) || restitution_ >= 1) return tail;
-  const double to_reversal = after_impact.s < 0 ? -after_impact.s : pi - after_impact.s;
+  const double pressure = -state.parity() * gamma_ * state.sin_s;
+  if (!(pressure > 0) || restitution_ >= 1 || state.distance > 0) return tail;
+  const double to_reversal = state.s < 0 ? -state.s : pi - state.s;
   // The pressure falls at most linearly to 0 at the reversal, so within a hundredth of the way there it is constant to
   // 1 %, and the geometric series of hops ends.
   const double slowing = pressure * (1 - restitution_);
-  if (!(2 * after_impact.velocity <= 0.01 * to_reversal * slowing)) return tail;
+  if (!(2 * state.velocity <= 0.01 * to_reversal * slowing)) return tail;
   tail.completes = true;
-  tail.duration = 2 * after_impact.velocity / slowing;
+  tail.duration = 2 * state.velocity / slowing;
   const double e3 = restitution_ * restitution_ * restitution_;
-  tail.area = 2.0 / 3.0 * after_impact.velocity * after_impact.velocity * after_impact.velocity /
-              (pressure * pressure * (1 - e3));
+  tail.area = 2.0 / 3.0 * state.velocity * state.velocity * state.velocity / (pressure * pressure * (1 - e3));
   // Relative change of the pressure, cot s per radian, and turn of e^{-j k tau}, k <= 5, over the tail.
-  tail.area_error = tail.area * tail.duration * (5 + 4 * std::abs(after_impact.cos_s / after_impact.sin_s));
+  tail.area_error = tail.area * tail.duration * (5 + 4 * std::abs(state.cos_s / state.sin_s));
   // Work of the force over the tail: int a dd = -int a' d, the rate of the acceleration a being parity gamma cos s.
-  tail.loss = 0.5 * after_impact.velocity * after_impact.velocity -
-              after_impact.parity() * gamma_ * after_impact.cos_s * tail.area;
+  tail.loss = 0.5 * state.velocity * state.velocity - state.parity() * gamma_ * state.cos_s * tail.area;
   return tail;
 }
 

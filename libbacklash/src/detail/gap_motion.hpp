@@ -94,8 +94,8 @@ class GapMotion {
   [[nodiscard]] GapState peak_state(int wall, const DistanceAndVelocity& at) const noexcept;
   /// State just after the impact that ends the flight.
   [[nodiscard]] GapState after_impact(const GapState& start, const Flight& flight) const noexcept;
-  /// The rest of the chatter from a state just after an impact, if it is certain to come to rest.
-  [[nodiscard]] ChatterTail chatter_tail(const GapState& after_impact) const noexcept;
+  /// The rest of the chatter from a state on its wall, if it is certain to come to rest; none from inside the gap.
+  [[nodiscard]] ChatterTail chatter_tail(const GapState& state) const noexcept;
 
  private:
   double gamma_;
