@@ -67,26 +67,46 @@ DescribingFunctionPoint rigid_point(const TwoMassSystem& system, double omega, d
   return point;
 }
 
-detail::SteadyState free_state(double gamma, const detail::GapState& end) {
-  detail::SteadyState steady{};
-  steady.regime = Regime::free;
-  steady.period = 1;
-  steady.harmonics.u[0] = -gamma;
-  steady.lyapunov = nan;
-  steady.end = end;
-  return steady;
+// The relative motion follows the force without meeting a wall: x1 at rest, x2 = -1/(M2 omega^2).
+DescribingFunctionPoint free_point(const TwoMassSystem& system, double omega, Output output) {
+  DescribingFunctionPoint point{};
+  point.omega = omega;
+  point.value = output == Output::x1 ? 0 : -1 / (system.mass2() * omega * omega);
+  point.regime = Regime::free;
+  point.period = 1;
+  point.uncertainty = 4 * rounding * std::abs(point.value);
+  const double harmonics = output == Output::x1 ? nan : 0;
+  point.third_harmonic_ratio = harmonics;
+  point.even_harmonic_ratio = harmonics;
+  point.energy_defect = 0;
+  return point;
 }
 
 detail::SteadyState steady_state(const TwoMassSystem& system, double gamma, const detail::GapState& start,
                                  const SweepOptions& options) {
-  if (gamma < detail::free_force) return free_state(gamma, start);
   return detail::find_steady_state(detail::GapMotion(gamma, system.restitution()), start, options.tolerance,
                                    detail::mean_goal(system, gamma, options));
 }
 
-void check(double force_amplitude, const std::vector<double>& omega, const SweepOptions& options) {
-  detail::require_positive("force_amplitude", "N", force_amplitude);
+// Every value that a point holds is a few powers of ten around 1/(mass omega^2), which must not leave the range of
+// numbers.
+void require_representable(const TwoMassSystem& system, const std::vector<double>& omega) {
+  constexpr double smallest = 1e-290;
+  for (std::size_t i = 0; i < omega.size(); ++i) {
+    for (const double mass : {system.mass1() + system.mass2(), system.mass2()}) {
+      const double inertia = mass * omega[i] * omega[i];
+      if (inertia > smallest && inertia < 1 / smallest) continue;
+      throw std::invalid_argument("omega[" + std::to_string(i) + "] is " + detail::text(omega[i]) +
+                                  " rad/s; mass times omega^2 must be in (1e-290, 1e290) kg/s^2, or the describing "
+                                  "function leaves the range of numbers");
+    }
+  }
+}
+
+void check(const SweepScene& scene, const std::vector<double>& omega, const SweepOptions& options) {
+  detail::require_positive("force_amplitude", "N", scene.force_amplitude);
   detail::require_frequency_grid(omega);
+  require_representable(scene.system, omega);
   detail::require_valid(options);
 }
 
@@ -98,6 +118,7 @@ DescribingFunctionPoint independent_point(const TwoMassSystem& system, double fo
                                           const SweepOptions& options) {
   const double gamma = dimensionless_force(system, force_amplitude, omega);
   if (!(gamma < detail::rigid_force)) return rigid_point(system, omega, gamma, options.output);
+  if (gamma < detail::free_force) return free_point(system, omega, options.output);
   const detail::GapState start = options.protocol == Protocol::contact_at_rest ? contact_at_rest() : mid_gap_at_rest();
   return detail::point_of(system, omega, gamma, options.output, steady_state(system, gamma, start, options));
 }
@@ -121,6 +142,9 @@ std::vector<DescribingFunctionPoint> carried_points(const TwoMassSystem& system,
     const double gamma = dimensionless_force(system, force_amplitude, omega[i]);
     if (!(gamma < detail::rigid_force)) {
       points[i] = rigid_point(system, omega[i], gamma, options.output);
+    } else if (gamma < detail::free_force) {
+      points[i] = free_point(system, omega[i], options.output);
+      state = carried(state, state_omega, omega[i]);
     } else if (symmetric && symmetric->contains(gamma)) {
       points[i] = detail::point_of(system, omega[i], gamma, options.output, symmetric->at(gamma));
       owed_state = gamma;
@@ -239,7 +263,7 @@ std::vector<DescribingFunctionSweep> describing_function_sweeps(const std::vecto
   sweeps.reserve(scenes.size());
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     try {
-      check(scenes[i].force_amplitude, omega, options);
+      check(scenes[i], omega, options);
     } catch (const std::invalid_argument& error) {
       if (scenes.size() == 1) throw;
       throw std::invalid_argument("scene " + std::to_string(i) + ": " + error.what());
