@@ -52,8 +52,10 @@ std::optional<double> largest_discontinuity(const TwoMassSystem& system, double 
   }
   SweepOptions options;
   options.threads = 1;
-  const std::vector<Discontinuity> found =
-      find_discontinuities(describing_function_sweep(system, force, omega, options).data());
+  const DescribingFunctionSweep sweep = describing_function_sweep(system, force, omega, options);
+  std::vector<double> uncertainty;
+  for (const DescribingFunctionPoint& point : sweep.points) uncertainty.push_back(point.uncertainty);
+  const std::vector<Discontinuity> found = find_discontinuities(sweep.data(), uncertainty);
   if (found.empty()) return std::nullopt;
   return found.front().omega;
 }
