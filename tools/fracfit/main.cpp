@@ -11,6 +11,7 @@
 #include "io/sweep_file.hpp"
 #include "solver_log.hpp"
 #include "subcommand.hpp"
+#include "wrapped_help.hpp"
 
 namespace {
 
@@ -57,6 +58,7 @@ int main(int argc, char** argv) {
   try {
     CLI::App program("Fractional-order modelling and fitting; describing functions of two masses with backlash.",
                      "fracfit");
+    program.formatter(fracfit::wrapped_help());  // subcommands inherit it
     program.set_version_flag("--version", "fracfit " + std::string(io::version()));
     program.require_subcommand(1);
     program.footer(
