@@ -9,6 +9,7 @@
 #include "exit_code.hpp"
 #include "io/progress_bar.hpp"
 #include "orbits_output.hpp"
+#include "scene_options.hpp"
 #include "subcommand.hpp"
 
 namespace fracfit {
@@ -16,9 +17,9 @@ namespace {
 
 struct OrbitsOptions {
   CommonOptions common;
+  SceneOptions scene;
   std::string parameter = "omega", from, to;
   std::string omega, restitution;
-  std::string force = "1", clearance = "1", mass1 = "1", mass2 = "1";
   std::string output = "x1", longest_period = "4", most_impacts = "16";
 };
 
@@ -43,9 +44,7 @@ int run_orbits(const OrbitsOptions& given) {
                                                  : "--restitution is missing: expected a number from 0 to 1");
   }
   const io::OutputFile file(given.common.out);
-  const backlash::TwoMassSystem system(number_option("--m1", given.mass1), number_option("--m2", given.mass2),
-                                       number_option("--clearance", given.clearance),
-                                       over_restitution ? 0 : number_option("--restitution", given.restitution));
+  const backlash::TwoMassSystem system = system_of(given.scene, over_restitution ? "0" : given.restitution);
   const double from = number_option("--from", given.from);
   const double to = number_option("--to", given.to);
   const double omega = over_omega ? from : number_option("--omega", given.omega);
@@ -57,18 +56,14 @@ int run_orbits(const OrbitsOptions& given) {
   frac::Progress progress;
   const auto diagram = [&] {
     const io::ProgressBar bar("orbits", progress, !given.common.quiet);
-    return backlash::orbit_diagram(system, number_option("--force", given.force), omega, parameter, from, to, options,
-                                   &progress);
+    return backlash::orbit_diagram(system, number_option("--force", given.scene.force), omega, parameter, from, to,
+                                   options, &progress);
   }();
-  CommandLine line("orbits");
+  CommandLine line = scene_command("orbits", given.scene);
   line.option("--parameter", given.parameter).option("--from", given.from).option("--to", given.to);
   if (!over_omega) line.option("--omega", given.omega);
   if (!over_restitution) line.option("--restitution", given.restitution);
-  const std::string command = line.option("--force", given.force)
-                                  .option("--clearance", given.clearance)
-                                  .option("--m1", given.mass1)
-                                  .option("--m2", given.mass2)
-                                  .option("--output", given.output)
+  const std::string command = line.option("--output", given.output)
                                   .option("--longest-period", given.longest_period)
                                   .option("--most-impacts", given.most_impacts)
                                   .text();
@@ -102,12 +97,7 @@ void add_orbits(CLI::App& program, Run& run) {
   orbits->add_option("--restitution", given->restitution, "Coefficient of restitution, 0 to 1, unless it changes")
       ->type_name("EPS");
   orbits->add_option("--omega", given->omega, "Angular frequency, rad/s, unless it changes")->type_name("W");
-  orbits->add_option("--force", given->force, "Force amplitude on mass 2, N, > 0")
-      ->capture_default_str()
-      ->type_name("F");
-  orbits->add_option("--clearance", given->clearance, "Clearance, m, > 0")->capture_default_str()->type_name("DELTA");
-  orbits->add_option("--m1", given->mass1, "Mass 1, kg")->capture_default_str()->type_name("M1");
-  orbits->add_option("--m2", given->mass2, "Mass 2, kg")->capture_default_str()->type_name("M2");
+  add_scene_options(*orbits, given->scene);
   orbits->add_option("--output", given->output, "Position read: x1 or x2")->capture_default_str()->type_name("x1|x2");
   orbits->add_option("--longest-period", given->longest_period, "Force periods of the longest orbits kept")
       ->capture_default_str()

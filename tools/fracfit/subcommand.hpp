@@ -20,6 +20,7 @@ void add_fit(CLI::App& program, Run& run);
 void add_identify(CLI::App& program, Run& run);
 void add_identify_scene(CLI::App& program, Run& run);
 void add_jump_law(CLI::App& program, Run& run);
+void add_map(CLI::App& program, Run& run);
 void add_merge(CLI::App& program, Run& run);
 void add_mittag_leffler(CLI::App& program, Run& run);
 void add_orbits(CLI::App& program, Run& run);
