@@ -28,5 +28,7 @@ void add_mittag_leffler(CLI::App& program, Run& run);
 void add_orbits(CLI::App& program, Run& run);
 void add_report(CLI::App& program, Run& run);
 void add_respond(CLI::App& program, Run& run);
+/// Adds `completion` and `man`.
+void add_shell_help(CLI::App& program, Run& run);
 
 }  // namespace fracfit
