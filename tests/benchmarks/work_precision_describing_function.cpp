@@ -79,12 +79,6 @@ std::string number(double value) {
 
 volatile double sink = 0;
 
-std::vector<double> linear_grid(double from, double to, int count) {
-  std::vector<double> grid;
-  for (int i = 0; i < count; ++i) grid.push_back(from + (to - from) * i / (count - 1));
-  return grid;
-}
-
 // Least seconds of one call among many short bursts: what the work costs where nothing else runs on the core.
 template <typename Work>
 double least_seconds(int bursts, const Work& work) {
@@ -161,7 +155,7 @@ void cost_of_closed_form(int bursts) {
   options.protocol = backlash::Protocol::two_impact;
   options.threads = 1;
   const int points = 20'000;
-  const std::vector<double> omega = linear_grid(1.7, 2.6, points);
+  const std::vector<double> omega = support::linear_grid(1.7, 2.6, points);
   const double one = least_sincos_seconds(bursts);
   const double each =
       least_seconds(bursts,
@@ -295,7 +289,7 @@ void bent_exponents(bool smoke) {
 }
 
 void figures(int repeats, int points) {
-  const std::vector<double> fig5 = linear_grid(0.5, 25, points);
+  const std::vector<double> fig5 = support::linear_grid(0.5, 25, points);
   SweepOptions options;
   options.threads = 1;
   row("Fig. 5 curve", "event-driven", number(points) + " points on 1 thread", nan, median_seconds(repeats, [&] {
@@ -309,13 +303,13 @@ void figures(int repeats, int points) {
     std::vector<SweepScene> fig4;
     std::vector<SweepScene> fig678;
     for (const double f : force) {
-      (void)backlash::static_describing_function(1, 1, 0.3, f, linear_grid(5, 15, points));
+      (void)backlash::static_describing_function(1, 1, 0.3, f, support::linear_grid(5, 15, points));
       fig4.push_back({TwoMassSystem(1, 1, 0.3, 0.6), f});
       fig678.push_back({TwoMassSystem(1, 1, 0.3, 0.6), f});
     }
     for (const double e : restitution) fig678.push_back({TwoMassSystem(1, 1, 0.3, e), 40});
     for (const double d : {0., .1, .2, .3, .4, .5}) fig678.push_back({TwoMassSystem(1, 1, d, 0.6), 40});
-    (void)backlash::describing_function_sweeps(fig4, linear_grid(5, 15, points), parallel);
+    (void)backlash::describing_function_sweeps(fig4, support::linear_grid(5, 15, points), parallel);
     (void)backlash::describing_function_sweeps({{TwoMassSystem(1, 1, 0.3, 0.6), 40}}, fig5, parallel);
     (void)backlash::describing_function_sweeps(fig678, support::log_grid(5, 35, points), parallel);
     (void)backlash::fit_jump_law(1, 1, force, {.01, .025, .05, .1, .2, .3, .4, .5}, restitution,
@@ -336,7 +330,7 @@ void regime_map(bool smoke) {
   const auto seconds = [](int restitutions, int frequencies, int threads) {
     SweepOptions options = backlash::map_options();
     options.threads = threads;
-    const std::vector<double> restitution = linear_grid(0, 1, restitutions);
+    const std::vector<double> restitution = support::linear_grid(0, 1, restitutions);
     const std::vector<double> omega = support::log_grid(0.5, 4, frequencies);
     return median_seconds(1, [&] { (void)backlash::regime_map({}, restitution, omega, options); });
   };
