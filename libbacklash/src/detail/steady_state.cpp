@@ -73,6 +73,60 @@ double tail_limit(const GapMotion& motion, double tolerance) {
   return 1e-3 * tolerance * std::min(1.0, std::cbrt(1 / motion.gamma()));
 }
 
+// Growth of a small disturbance of a motion, followed from impact to impact.
+class Disturbance {
+ public:
+  // Returns the growth over this flight and impact.
+  double advance(const GapMotion& motion, const GapState& from, const Flight& flight, const GapState& to) noexcept {
+    const double before = std::abs(phase_) + std::abs(velocity_);
+    const Jacobian step = chain({}, motion, from, flight, to);
+    const double phase = step.phase_phase * phase_ + step.phase_velocity * velocity_;
+    velocity_ = step.velocity_phase * phase_ + step.velocity_velocity * velocity_;
+    phase_ = phase;
+    const double size = std::abs(phase_) + std::abs(velocity_);
+    if (!(size > 1e-60 && size < 1e60)) renormalise();
+    return size / before;
+  }
+  [[nodiscard]] double log_growth() noexcept {
+    renormalise();
+    return log_growth_;
+  }
+
+ private:
+  void renormalise() noexcept {
+    const double size = std::abs(phase_) + std::abs(velocity_);
+    // A disturbance lost at restitution 0, or grown without bound at a touch of speed 0, begins anew.
+    if (!(size > 0) || !std::isfinite(size)) {
+      phase_ = velocity_ = 1;
+      return;
+    }
+    log_growth_ += std::log(size);
+    phase_ /= size;
+    velocity_ /= size;
+  }
+
+  double phase_ = 1;
+  double velocity_ = 1;
+  double log_growth_ = 0;
+};
+
+// What rounding makes of the mean of a course of impacts: each adds to the error of phase and velocity, which grows
+// with the motion like a small disturbance.
+class RoundingGrowth {
+ public:
+  void advance(const GapMotion& motion, const GapState& from, const Flight& flight, const GapState& to) noexcept {
+    error_ = error_ * disturbance_.advance(motion, from, flight, to) + 8 * rounding * (1 + to.velocity);
+    sum_ += error_ * (1 + to.velocity + flight.speed);
+  }
+  // Of |U_1| over that many half periods: by its velocity jump times the error of its phase each impact moves the sum.
+  [[nodiscard]] double error_of_mean(double half_periods) const noexcept { return 2 / (pi * half_periods) * sum_; }
+
+ private:
+  Disturbance disturbance_;
+  double error_ = 0;
+  double sum_ = 0;
+};
+
 // The orbit of a mass that sticks and is known to do so again after `release`: everything before a release is
 // forgotten, so the motion from one release to the next is the whole orbit, or half of it when the next one is from the
 // opposite wall.
@@ -85,6 +139,7 @@ SteadyState orbit_from_release(const GapMotion& motion, const GapState& release,
   double neglected = 0;
   double squared_speeds = 0;
   double tail_loss = 0;
+  RoundingGrowth rounding_growth;
   for (;;) {
     if (!motion.rests(state)) {
       const Flight flight = motion.next_flight(state);
@@ -93,6 +148,7 @@ SteadyState orbit_from_release(const GapMotion& motion, const GapState& release,
       squared_speeds += flight.speed * flight.speed;
       flights.add_flight(state, flight);
       if (flight.crosses) flights.add_crossing(next);
+      rounding_growth.advance(motion, state, flight, next);
       state = next;
       const ChatterTail tail = motion.chatter_tail(state);
       if (!tail.negligible(limit)) continue;
@@ -118,6 +174,8 @@ SteadyState orbit_from_release(const GapMotion& motion, const GapState& release,
     steady.lyapunov = -std::numeric_limits<double>::infinity();
     // A few dozen roundings of phases and of integrals over flights, each below 1.
     steady.uncertainty = 2 / (pi * half_periods) * neglected + 32 * rounding;
+    // Within one period a stick leaves rounding no time to grow.
+    if (steady.period > 1) steady.uncertainty += rounding_growth.error_of_mean(half_periods);
     steady.end = state_at_next_peak(motion, release, limit);
     return steady;
   }
@@ -210,41 +268,6 @@ std::optional<SteadyState> closed_orbit_near(const GapMotion& motion, const GapS
   steady.end = state_at_next_peak(motion, orbit->start, 0);
   return steady;
 }
-
-// Growth of a small disturbance of a motion, followed from impact to impact.
-class Disturbance {
- public:
-  void advance(const GapMotion& motion, const GapState& from, const Flight& flight, const GapState& to) noexcept {
-    const Jacobian step = chain({}, motion, from, flight, to);
-    const double phase = step.phase_phase * phase_ + step.phase_velocity * velocity_;
-    velocity_ = step.velocity_phase * phase_ + step.velocity_velocity * velocity_;
-    phase_ = phase;
-    const double size = std::abs(phase_) + std::abs(velocity_);
-    if (size > 1e-60 && size < 1e60) return;
-    renormalise();
-  }
-  [[nodiscard]] double log_growth() noexcept {
-    renormalise();
-    return log_growth_;
-  }
-
- private:
-  void renormalise() noexcept {
-    const double size = std::abs(phase_) + std::abs(velocity_);
-    // A disturbance lost at restitution 0, or grown without bound at a touch of speed 0, begins anew.
-    if (!(size > 0) || !std::isfinite(size)) {
-      phase_ = velocity_ = 1;
-      return;
-    }
-    log_growth_ += std::log(size);
-    phase_ /= size;
-    velocity_ /= size;
-  }
-
-  double phase_ = 1;
-  double velocity_ = 1;
-  double log_growth_ = 0;
-};
 
 SteadyState free_motion(double gamma, const GapState& end) {
   SteadyState steady;
@@ -377,7 +400,8 @@ SteadyState find_steady_state(const GapMotion& motion, const GapState& start, do
     if (motion.rests(state) || motion.chatter_tail(state).negligible(limit)) {
       if (released) {
         const SteadyState orbit = orbit_from_release(motion, *released, tolerance);
-        return orbit.period <= longest_period ? orbit : mean_of_long_orbit(orbit, averaged(window.records(), motion));
+        if (orbit.period <= longest_period && orbit.uncertainty < captured) return orbit;
+        return mean_of_long_orbit(orbit, averaged(window.records(), motion));
       }
       const GapState release = motion.release_after(state);
       while (release.half_period >= next_peak) {
