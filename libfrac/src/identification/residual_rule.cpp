@@ -201,35 +201,26 @@ bool ResidualRule::residual(std::size_t point, std::complex<double> model, std::
   return std::isfinite(result[0]);
 }
 
-void ResidualRule::derivative(std::size_t point, std::complex<double> model, std::complex<double> by_parameter,
-                              double* first, double* second) const {
-  const double w = weight[point];
-  switch (form) {
-    case ResidualForm::imaginary:
-      *first = w * by_parameter.imag();
-      break;
-    case ResidualForm::real:
-      *first = w * by_parameter.real();
-      break;
-    case ResidualForm::cartesian:
-      *first = w * by_parameter.real();
-      *second = w * by_parameter.imag();
-      break;
-    case ResidualForm::logarithmic: {
-      const std::complex<double> relative = by_parameter / model;
-      *first = w * relative.real();
-      *second = w * relative.imag();
-      break;
+void ResidualRule::derivatives(std::size_t point, std::complex<double> model,
+                               std::span<const std::complex<double>> of_model, double* rows) const {
+  const std::size_t count = of_model.size();
+  // The residuals are parts of factor * model, to first order.
+  std::complex<double> factor = weight[point];
+  if (form == ResidualForm::logarithmic || form == ResidualForm::log_magnitude || form == ResidualForm::phase) {
+    factor /= model;
+  } else if (form == ResidualForm::magnitude) {
+    factor *= std::abs(model) / model;
+  }
+  const double real = factor.real(), imaginary = factor.imag();
+  const bool real_first = form != ResidualForm::imaginary && form != ResidualForm::phase;
+  double* imaginary_row = real_first ? rows + count : rows;
+  if (real_first) {
+    for (std::size_t k = 0; k < count; ++k) rows[k] = real * of_model[k].real() - imaginary * of_model[k].imag();
+  }
+  if (!real_first || per_point() == 2) {
+    for (std::size_t k = 0; k < count; ++k) {
+      imaginary_row[k] = real * of_model[k].imag() + imaginary * of_model[k].real();
     }
-    case ResidualForm::magnitude:
-      *first = w * std::abs(model) * (by_parameter / model).real();
-      break;
-    case ResidualForm::log_magnitude:
-      *first = w * (by_parameter / model).real();
-      break;
-    case ResidualForm::phase:
-      *first = w * (by_parameter / model).imag();
-      break;
   }
 }
 
