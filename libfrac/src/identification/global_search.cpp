@@ -22,11 +22,8 @@ constexpr std::size_t agreement = 4;
 constexpr double enough_confidence = 0.9;
 // A scouting solve is finished only if it came within this factor of the best cost so far.
 constexpr double promising = 10;
-// Two solves found the same minimum when their costs agree to this; separate minima closer than that are equally good
-// fits.
-constexpr double same_cost = 1e-6;
-// Minima whose costs agree to this are equally good fits and count as one; those beyond `rival` times the best are poor
-// ones.
+// Ends whose costs agree to this are the same minimum, or equally good fits; those beyond `rival` times the best are
+// poor ones.
 constexpr double equally_good = 1e-3;
 constexpr double rival = 1.5;
 // A walk is worth its solves along directions where one natural unit (an e-fold) adds less than this many times the
@@ -198,7 +195,7 @@ class Search {
   [[nodiscard]] double confidence() const { return confidence_of_optimum(independent_, minima()); }
   [[nodiscard]] bool settled() const { return at_best(ends_) >= agreement && confidence() >= enough_confidence; }
   [[nodiscard]] bool same(double cost, double least) const {
-    return cost <= least * (1 + same_cost) + residuals_.rounding_cost();
+    return cost <= least * (1 + equally_good) + residuals_.rounding_cost();
   }
 
   [[nodiscard]] std::size_t at_best(const std::vector<double>& costs) const {
@@ -214,12 +211,19 @@ class Search {
     std::size_t count = 0;
     double least = -1;  // of the minimum counted last
     for (const double cost : costs) {
-      if (least >= 0 && cost <= least * (1 + equally_good) + floor) continue;
+      if (least >= 0 && same(cost, least)) continue;
       ++count;
       least = cost;
       if (cost > rival * result_.best.cost + floor) break;
     }
     return count;
+  }
+
+  /// A scouting solve that came to rest at a cost found before, and not below the best.
+  [[nodiscard]] bool known(const LocalSolution& scout) const {
+    if (!scout.converged || exact() || scout.cost < result_.best.cost) return false;
+    return std::any_of(ends_.begin(), ends_.end(),
+                       [&](double cost) { return same(scout.cost, cost) && same(cost, scout.cost); });
   }
 
   /// Scouts from each start, then finishes those that are in reach of the best.  True if one went below the best.
@@ -237,7 +241,7 @@ class Search {
     for (LocalSolution& local : found) {
       ++result_.starts;
       ++independent_;
-      if (local.cost <= promising * least + residuals_.rounding_cost()) {
+      if (local.cost <= promising * least + residuals_.rounding_cost() && !known(local)) {
         local = local_solve(residuals_, local.theta, {});
       }
       ends_.push_back(local.cost);
