@@ -11,6 +11,7 @@
 #include "confidence.hpp"
 #include "global_search.hpp"
 #include "information.hpp"
+#include "interchange.hpp"
 #include "local_solve.hpp"
 #include "parameter_map.hpp"
 #include "residuals.hpp"
@@ -280,6 +281,8 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
     patient.iterations = 1000;
     solution.best = local_solve(residuals, solution.best.theta, patient);
   }
+  solution.best.theta = map.to_theta(
+      detail::with_labels_in_order(structure, options.constraints, map.to_user(solution.best.theta)));
   if (options.loss != Loss::none) local = robust_refinement(residuals, options.loss, solution.best);
   const detail::Confidence found = confidence(residuals, solution.best, local);
   const std::vector<double> values = map.to_user(solution.best.theta);
