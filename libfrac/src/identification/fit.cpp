@@ -59,6 +59,10 @@ void check_coverage(const FrequencyResponseData& data, const Realisation& realis
   }
 }
 
+/// Under relative weight noise of standard deviation r also sits in the divisor |data|, which biases gains by 2 r^2: as
+/// much as their standard error for r sqrt(n) around 1.
+constexpr double noisy_divisor = 0.05;
+
 std::vector<double> residuals_at(const detail::Residuals& residuals, const std::vector<double>& theta) {
   std::vector<double> residual(residuals.count());
   residuals.evaluate(theta, 0, residuals.points(), residual.data(), nullptr);
@@ -281,8 +285,8 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
     patient.iterations = 1000;
     solution.best = local_solve(residuals, solution.best.theta, patient);
   }
-  solution.best.theta = map.to_theta(
-      detail::with_labels_in_order(structure, options.constraints, map.to_user(solution.best.theta)));
+  solution.best.theta =
+      map.to_theta(detail::with_labels_in_order(structure, options.constraints, map.to_user(solution.best.theta)));
   if (options.loss != Loss::none) local = robust_refinement(residuals, options.loss, solution.best);
   const detail::Confidence found = confidence(residuals, solution.best, local);
   const std::vector<double> values = map.to_user(solution.best.theta);
@@ -325,6 +329,15 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   result.max_residual = information.max_residual;
   result.aicc = information.aicc;
   result.bic = information.bic;
+  if (options.weight == Weight::relative && options.component != Component::magnitude &&
+      options.component != Component::phase && result.rms > noisy_divisor) {
+    char text[192];
+    std::snprintf(text, sizeof text,
+                  " With residuals of %.2g |data| is a noisy divisor, which biases gains by about %.1g %%; weight "
+                  "smoothed-relative does not.",
+                  result.rms, 200 * result.rms * result.rms);
+    result.message += text;
+  }
   result.condition = found.condition;
   result.termination = solution.best.converged ? FitTermination::converged : FitTermination::not_converged;
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -22,24 +22,64 @@ void require_nonzero(const FrequencyResponseData& data) {
   }
 }
 
-/// exp of the straight line through ln|data| over ln omega of the nine nearest points, at each point: |data| without
-/// its noise.
+/// Value at point i of the straight line through y over x of its neighbours up to `reach` away, and the share of the
+/// noise variance it keeps.
+struct LocalLine {
+  double value, variance;
+};
+LocalLine local_line(const std::vector<double>& x, const std::vector<double>& y, std::size_t i, std::size_t reach) {
+  const std::size_t first = i > reach ? i - reach : 0, last = std::min(x.size(), i + reach + 1);
+  double n = 0, sum_x = 0, sum_y = 0, xx = 0, xy = 0;
+  for (std::size_t k = first; k < last; ++k) {
+    const double dx = x[k] - x[i];
+    n += 1;
+    sum_x += dx;
+    sum_y += y[k];
+    xx += dx * dx;
+    xy += dx * y[k];
+  }
+  const double spread = n * xx - sum_x * sum_x;
+  if (!(spread > 0)) return {sum_y / n, 1 / n};
+  return {(sum_y * xx - sum_x * xy) / spread, xx / spread};
+}
+
+/// Standard deviation of the noise in y: 1.4826 times the median distance of a point from the line through its two
+/// neighbours, in units of what noise alone would give it.
+double noise_of(const std::vector<double>& x, const std::vector<double>& y) {
+  std::vector<double> distance;
+  for (std::size_t i = 1; i + 1 < x.size(); ++i) {
+    const double width = x[i + 1] - x[i - 1];
+    const double share = width > 0 ? (x[i] - x[i - 1]) / width : 0.5;
+    const double line = (1 - share) * y[i - 1] + share * y[i + 1];
+    distance.push_back(std::abs(y[i] - line) / std::sqrt(1 + share * share + (1 - share) * (1 - share)));
+  }
+  if (distance.empty()) return 0;
+  const auto middle = distance.begin() + static_cast<std::ptrdiff_t>(distance.size() / 2);
+  std::nth_element(distance.begin(), middle, distance.end());
+  return 1.4826 * *middle;
+}
+
+/// |data| without its noise: exp of a straight line through ln|data| over ln omega of up to nine points.  As many as
+/// agree, within the noise, with what fewer say (Lepski's rule), so that a resonance is not smoothed away.
 std::vector<double> smoothed_magnitude(const FrequencyResponseData& data) {
-  constexpr std::size_t reach = 4;
+  std::vector<double> x, y;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    x.push_back(std::log(data.omega()[i]));
+    y.push_back(std::log(std::abs(data.value()[i])));
+  }
+  const double noise = noise_of(x, y);
   std::vector<double> result(data.size());
   for (std::size_t i = 0; i < data.size(); ++i) {
-    const std::size_t first = i > reach ? i - reach : 0, last = std::min(data.size(), i + reach + 1);
-    double n = 0, x = 0, y = 0, xx = 0, xy = 0;
-    for (std::size_t k = first; k < last; ++k) {
-      const double dx = std::log(data.omega()[k] / data.omega()[i]), dy = std::log(std::abs(data.value()[k]));
-      n += 1;
-      x += dx;
-      y += dy;
-      xx += dx * dx;
-      xy += dx * dy;
+    std::vector<LocalLine> lines{{y[i], 1}};
+    for (const std::size_t reach : {1, 2, 3, 4}) {
+      const LocalLine next = local_line(x, y, i, reach);
+      const bool agrees = std::all_of(lines.begin(), lines.end(), [&](const LocalLine& line) {
+        return std::abs(next.value - line.value) <= 2 * noise * std::sqrt(line.variance);
+      });
+      if (!agrees) break;
+      lines.push_back(next);
     }
-    const double spread = n * xx - x * x;
-    result[i] = std::exp(spread > 0 ? (y * xx - x * xy) / spread : y / n);
+    result[i] = std::exp(lines.back().value);
   }
   return result;
 }
