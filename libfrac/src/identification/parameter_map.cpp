@@ -76,6 +76,9 @@ ParameterMap::ParameterMap(const Structure& structure, const std::vector<Paramet
     check(constraint, roles[i],
           roles[i] == ParameterRole::coefficient && (blind_to_sign || structure.parameter_in_sum()[i]));
     of[i] = constraint;
+    // A magnitude is blind to the sign of an outer gain: positive, even where the model leaves it open.
+    const bool outer_gain = roles[i] == ParameterRole::coefficient && !structure.parameter_in_sum()[i];
+    if (blind_to_sign && outer_gain && constraint.lower == -infinity) of[i].lower.reset();
   }
 
   fixed_.assign(count, nan);
