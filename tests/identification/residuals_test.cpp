@@ -143,11 +143,11 @@ TEST(Residuals, SmoothingKeepsAPowerLaw) {
     EXPECT_NEAR(smooth.weight[i] * smooth.unit * std::abs(value[i]), 1, 1e-12);
 }
 
-// A resonance of 1/(1 + 0.02 s + s^2), its peak four points wide.  A line through nine points would cut it by half;
-// with 1 % noise the smoothed magnitude must follow it within the four standard deviations of the noise that a wrong
-// choice of neighbours may pass (2) and leave (2), and on the flanks be better than the data.
+// A resonance of 1/(1 + 0.1 s + s^2), its half width (5 %) four points.  A line through two neighbours of the peak
+// misses it by ln(1 + (1/4)^2)/2 = 0.03, one through eight by 0.15; noise of 1 % adds at most four standard deviations
+// of what two neighbours leave, 0.028.  On the flanks the smoothed magnitude must be better than the data.
 TEST(Residuals, SmoothingKeepsAResonance) {
-  const frac::Structure structure("1/(1 + 0.02 s + s^2)");
+  const frac::Structure structure("1/(1 + 0.1 s + s^2)");
   std::mt19937_64 generator(4);
   std::normal_distribution<double> normal(0, 0.01);
   std::vector<double> omega, exact;
@@ -164,12 +164,12 @@ TEST(Residuals, SmoothingKeepsAResonance) {
   double raw_square = 0, smooth_square = 0;
   for (std::size_t i = 0; i < omega.size(); ++i) {
     const double error = std::log(1 / (smooth.weight[i] * smooth.unit * exact[i]));
-    EXPECT_NEAR(error, 0, 0.05) << "omega " << omega[i];
+    EXPECT_NEAR(error, 0, 0.06) << "omega " << omega[i];
     raw_square += std::pow(std::log(std::abs(value[i]) / exact[i]), 2);
     smooth_square += error * error;
   }
-  // A line through nine points keeps a ninth of the variance; half is asked for, some points near the peak keep all.
-  EXPECT_LT(smooth_square, raw_square / 2);
+  // A line through two neighbours keeps half of the variance, one through eight an eighth; the peak adds its curvature.
+  EXPECT_LT(smooth_square, 0.7 * raw_square);
 }
 
 TEST(Residuals, LogComplexNeedsMagnitudeOrPhase) {

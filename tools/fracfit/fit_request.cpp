@@ -105,7 +105,7 @@ void add_residual_options(CLI::App& subcommand, FitRequest& request) {
       .add_option(
           "--weight", request.weight,
           "Residuals are divided by: relative |data|; absolute nothing; given the file's sigma or weight column, or "
-          "any column by its name; smoothed-relative |data| smoothed over up to nine neighbours; log-complex: ln of "
+          "any column by its name; smoothed-relative |data| as up to eight neighbours tell it; log-complex: ln of "
           "the magnitude ratio and angle; repeats: the spread of repeated values at each frequency")
       ->capture_default_str()
       ->type_name("WEIGHT");

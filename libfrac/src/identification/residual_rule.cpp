@@ -22,8 +22,8 @@ void require_nonzero(const FrequencyResponseData& data) {
   }
 }
 
-/// Value at point i of the straight line through y over x of its neighbours up to `reach` away, and the share of the
-/// noise variance it keeps.
+/// Value at point i of the straight line through y over x of its neighbours up to `reach` away, without the point
+/// itself, and the share of the noise variance it keeps.
 struct LocalLine {
   double value, variance;
 };
@@ -31,6 +31,7 @@ LocalLine local_line(const std::vector<double>& x, const std::vector<double>& y,
   const std::size_t first = i > reach ? i - reach : 0, last = std::min(x.size(), i + reach + 1);
   double n = 0, sum_x = 0, sum_y = 0, xx = 0, xy = 0;
   for (std::size_t k = first; k < last; ++k) {
+    if (k == i) continue;
     const double dx = x[k] - x[i];
     n += 1;
     sum_x += dx;
@@ -39,6 +40,7 @@ LocalLine local_line(const std::vector<double>& x, const std::vector<double>& y,
     xy += dx * y[k];
   }
   const double spread = n * xx - sum_x * sum_x;
+  if (n == 0) return {y[i], 1};
   if (!(spread > 0)) return {sum_y / n, 1 / n};
   return {(sum_y * xx - sum_x * xy) / spread, xx / spread};
 }
@@ -59,8 +61,9 @@ double noise_of(const std::vector<double>& x, const std::vector<double>& y) {
   return 1.4826 * *middle;
 }
 
-/// |data| without its noise: exp of a straight line through ln|data| over ln omega of up to nine points.  As many as
-/// agree, within the noise, with what fewer say (Lepski's rule), so that a resonance is not smoothed away.
+/// |data| as its neighbours tell it: exp of a straight line through ln|data| over ln omega of up to four on either
+/// side. As many as agree, within the noise, with what fewer say (Lepski's rule), so that a resonance is not smoothed
+/// away; and without the point itself, so that its weight does not depend on its noise, which would bias the fit.
 std::vector<double> smoothed_magnitude(const FrequencyResponseData& data) {
   std::vector<double> x, y;
   for (std::size_t i = 0; i < data.size(); ++i) {
@@ -70,11 +73,13 @@ std::vector<double> smoothed_magnitude(const FrequencyResponseData& data) {
   const double noise = noise_of(x, y);
   std::vector<double> result(data.size());
   for (std::size_t i = 0; i < data.size(); ++i) {
-    std::vector<LocalLine> lines{{y[i], 1}};
+    std::vector<LocalLine> lines;
     for (const std::size_t reach : {1, 2, 3, 4}) {
+      const bool at_an_end = i == 0 || i + 1 == data.size();
+      if (reach == 1 && at_an_end && data.size() > 2) continue;  // a line needs two neighbours
       const LocalLine next = local_line(x, y, i, reach);
       const bool agrees = std::all_of(lines.begin(), lines.end(), [&](const LocalLine& line) {
-        return std::abs(next.value - line.value) <= 2 * noise * std::sqrt(line.variance);
+        return std::abs(next.value - line.value) <= noise * std::sqrt(line.variance);
       });
       if (!agrees) break;
       lines.push_back(next);

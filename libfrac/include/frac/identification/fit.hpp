@@ -20,7 +20,7 @@ enum class Weight {
   relative,           // |data|
   absolute,           // nothing
   given,              // the sigma of the data
-  smoothed_relative,  // |data| smoothed over up to nine neighbours: noise in |data| does not bias the fit
+  smoothed_relative,  // |data| as up to eight neighbours tell it: noise in |data| does not bias the fit
   log_complex,  // residuals are ln|model/data| and the angle from data to model (component both, magnitude, phase)
   repeats,      // the standard deviation of repeats at each frequency, pooled over five frequencies
 };
