@@ -20,6 +20,7 @@ struct FitRequest {
   std::string band, poles, sample_time, memory;
   std::vector<std::string> where;
   std::string seed = "1";
+  std::string key_column, curve;  // which curve of a file that holds several
 };
 
 void add_fit_options(CLI::App& subcommand, FitRequest& request);

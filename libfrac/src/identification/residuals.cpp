@@ -1,5 +1,6 @@
 #include "residuals.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -33,18 +34,24 @@ bool Residuals::evaluate(std::span<const double> theta, std::size_t first, std::
   }
   if (!jacobian_row_major) return true;
 
-  RowMajorMatrix by_parameter(static_cast<Eigen::Index>(points * per_point()), static_cast<Eigen::Index>(all));
+  // d model / d theta from d model / d parameter; most entries of the map's Jacobian are 0.
+  const std::vector<ParameterMap::Entry> entries = map_.jacobian_entries(parameters);
+  const std::size_t width = map_.free().size();
+  std::vector<std::complex<double>> by_theta(width);
+  bool finite = true;
   for (std::size_t i = 0; i < points; ++i) {
-    double* row = by_parameter.data() + i * per_point() * all;
-    for (std::size_t j = 0; j < all; ++j) {
-      rule_.derivative(first + i, value[i], gradient_[i * all + j], row + j,
-                       per_point() == 2 ? row + j + all : nullptr);
+    std::fill(by_theta.begin(), by_theta.end(), 0.0);
+    const std::complex<double>* by_parameter = gradient_.data() + i * all;
+    for (const ParameterMap::Entry& entry : entries) {
+      by_theta[entry.free] += entry.derivative * by_parameter[entry.parameter];
     }
+    double* rows = jacobian_row_major + i * per_point() * width;
+    rule_.derivatives(first + i, value[i], by_theta, rows);
+    double sum = 0;
+    for (std::size_t k = 0; k < per_point() * width; ++k) sum += rows[k] - rows[k];
+    finite = finite && sum == 0;
   }
-  Eigen::Map<RowMajorMatrix> jacobian(jacobian_row_major, by_parameter.rows(),
-                                      static_cast<Eigen::Index>(map_.free().size()));
-  jacobian.noalias() = by_parameter.lazyProduct(map_.jacobian(parameters));
-  return jacobian.allFinite();
+  return finite;
 }
 
 double Residuals::cost(std::span<const double> theta) const {

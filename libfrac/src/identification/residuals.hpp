@@ -23,6 +23,9 @@ class Residuals {
   [[nodiscard]] std::size_t per_point() const noexcept { return rule_.per_point(); }
   [[nodiscard]] std::size_t count() const noexcept { return points() * per_point(); }
   [[nodiscard]] const ParameterMap& map() const noexcept { return map_; }
+  [[nodiscard]] const FrequencyResponseData& data() const noexcept { return data_; }
+  [[nodiscard]] const Structure& structure() const noexcept { return structure_; }
+  [[nodiscard]] const ResidualRule& rule() const noexcept { return rule_; }
 
   /// Residuals of points [first, first + points) at theta, and their Jacobian unless null.  False where the model is
   /// not finite.
