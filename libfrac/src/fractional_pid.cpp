@@ -14,11 +14,34 @@ bool is_sound(Real value) noexcept {
   return std::abs(value) <= std::numeric_limits<Real>::max();
 }
 
-// Larger inputs could drive a slow state out of range.
-template <typename Real>
-constexpr Real largest_input = sizeof(Real) == sizeof(float) ? Real(1e15) : Real(1e150);
-
 }  // namespace
+
+template <typename Real>
+PidCoefficients<Real>::PidCoefficients(const FractionalPidDesign& design) noexcept {
+  const FractionalPidConfig& config = design.config();
+  const FractionalPidGains& gains = config.gains;
+  const double time = config.sample_time;
+  kp = static_cast<Real>(gains.kp);
+  ki = static_cast<Real>(gains.ki);
+  kd = static_cast<Real>(gains.kd);
+  setpoint_weight = static_cast<Real>(config.setpoint_weight);
+  derivative_setpoint_weight = static_cast<Real>(config.derivative_setpoint_weight);
+  sample_time = static_cast<Real>(time);
+  half_time = static_cast<Real>(time / 2);
+  inverse_lag_time = static_cast<Real>(1 / (config.derivative_filter_time + time));
+  lag_share = static_cast<Real>(time / (config.derivative_filter_time + time));
+  differentiates = gains.mu >= 1;
+  const double most = std::numeric_limits<Real>::max();
+  minimum = static_cast<Real>(std::clamp(config.minimum, -most, most));
+  maximum = static_cast<Real>(std::clamp(config.maximum, -most, most));
+  anti_windup = gains.ki != 0 ? config.anti_windup : AntiWindup::none;
+  const double gain = time / 2 * design.integral().high_gain;
+  const double tracking = design.tracking_time() > 0 ? std::pow(design.tracking_time(), -gains.lambda) : 0;
+  integral_gain = static_cast<Real>(gain);
+  inverse_integral_gain = static_cast<Real>(1 / gain);
+  inverse_tracking = static_cast<Real>(tracking);
+  tracking_share = static_cast<Real>(1 / (1 + gain * tracking));
+}
 
 template <typename Real>
 void FractionalPid<Real>::Filter::set(const PidOperator& design) noexcept {
@@ -101,53 +124,30 @@ std::optional<FractionalPid<Real>> FractionalPid<Real>::try_make(const Fractiona
 
 template <typename Real>
 void FractionalPid<Real>::set(const FractionalPidDesign& design) noexcept {
-  const FractionalPidConfig& config = design.config();
-  const FractionalPidGains& gains = config.gains;
-  const double time = config.sample_time;
+  c_ = PidCoefficients<Real>(design);
   integral_.set(design.integral());
   derivative_.set(design.derivative());
-  kp_ = static_cast<Real>(gains.kp);
-  ki_ = static_cast<Real>(gains.ki);
-  kd_ = static_cast<Real>(gains.kd);
-  setpoint_weight_ = static_cast<Real>(config.setpoint_weight);
-  derivative_setpoint_weight_ = static_cast<Real>(config.derivative_setpoint_weight);
-  sample_time_ = static_cast<Real>(time);
-  half_time_ = static_cast<Real>(time / 2);
-  inverse_lag_time_ = static_cast<Real>(1 / (config.derivative_filter_time + time));
-  lag_share_ = static_cast<Real>(time / (config.derivative_filter_time + time));
-  differentiates_ = gains.mu >= 1;
-  const double most = std::numeric_limits<Real>::max();
-  minimum_ = static_cast<Real>(std::clamp(config.minimum, -most, most));
-  maximum_ = static_cast<Real>(std::clamp(config.maximum, -most, most));
-  anti_windup_ = gains.ki != 0 ? config.anti_windup : AntiWindup::none;
-  const double integral_gain = time / 2 * design.integral().high_gain;
-  integral_gain_ = static_cast<Real>(integral_gain);
-  inverse_integral_gain_ = static_cast<Real>(1 / integral_gain);
-  const double inverse_tracking = design.tracking_time() > 0 ? std::pow(design.tracking_time(), -gains.lambda) : 0;
-  inverse_tracking_ = static_cast<Real>(inverse_tracking);
-  tracking_share_ = static_cast<Real>(1 / (1 + integral_gain * inverse_tracking));
 }
 
 template <typename Real>
 typename FractionalPid<Real>::Parts FractionalPid<Real>::parts(const Inputs& in) const noexcept {
   Parts p;
-  p.proportional = kp_ * in.proportional;
+  p.proportional = c_.kp * in.proportional;
   const Real difference = in.derivative - lag_;
-  p.lagged = lag_ + lag_share_ * difference;
-  p.derivative_input = differentiates_ ? difference * inverse_lag_time_ : p.lagged;
-  p.derivative = kd_ * derivative_(p.derivative_input);
-  p.integral_input = ki_ * in.error;
+  p.lagged = lag_ + c_.lag_share * difference;
+  p.derivative_input = c_.differentiates ? difference * c_.inverse_lag_time : p.lagged;
+  p.derivative = c_.kd * derivative_(p.derivative_input);
+  p.integral_input = c_.ki * in.error;
   p.integral_filtered = integral_(p.integral_input);
-  p.integral = integrator_ + half_time_ * p.integral_filtered;
+  p.integral = integrator_ + c_.half_time * p.integral_filtered;
   p.sum = p.proportional + p.integral + p.derivative;
   return p;
 }
 
 template <typename Real>
 Real FractionalPid<Real>::advance(const Inputs& in) noexcept {
-  const bool inputs_are_sound = std::abs(in.proportional) <= largest_input<Real> &&
-                                std::abs(in.derivative) <= largest_input<Real> &&
-                                std::abs(in.error) <= largest_input<Real>;
+  const bool inputs_are_sound = std::abs(in.proportional) <= c_.largest_input &&
+                                std::abs(in.derivative) <= c_.largest_input && std::abs(in.error) <= c_.largest_input;
   Parts p = inputs_are_sound ? parts(in) : Parts{};
   if (!inputs_are_sound || !is_sound(p.sum)) {
     bad_input_ = true;
@@ -162,27 +162,27 @@ Real FractionalPid<Real>::advance(const Inputs& in) noexcept {
     p.sum = track_output_;
     is_tracking_ = false;
   }
-  const Real excess = p.sum > maximum_ ? p.sum - maximum_ : p.sum < minimum_ ? p.sum - minimum_ : 0;
+  const Real excess = p.sum > c_.maximum ? p.sum - c_.maximum : p.sum < c_.minimum ? p.sum - c_.minimum : 0;
   saturated_ = excess != 0;
   if (saturated_) {
     Real correction = 0;
-    if (anti_windup_ == AntiWindup::back_calculation) {
+    if (c_.anti_windup == AntiWindup::back_calculation) {
       // sum = what it would be + integral_gain (limit - sum)/tracking_time^lambda, solved for the correction.
-      correction = -(excess * tracking_share_) * inverse_tracking_;
-    } else if (anti_windup_ == AntiWindup::conditional_integration) {
-      const Real pushes = p.integral_input * integral_gain_;
+      correction = -(excess * c_.tracking_share) * c_.inverse_tracking;
+    } else if (c_.anti_windup == AntiWindup::conditional_integration) {
+      const Real pushes = p.integral_input * c_.integral_gain;
       if ((excess > 0) == (pushes > 0)) {
-        const Real needed = excess * inverse_integral_gain_;
+        const Real needed = excess * c_.inverse_integral_gain;
         correction = std::abs(needed) < std::abs(p.integral_input) ? -needed : -p.integral_input;
       }
     }
     const Real change = integral_.high_gain * correction;
     p.integral_input += correction;
     p.integral_filtered += change;
-    p.integral += half_time_ * change;
-    p.sum += half_time_ * change;
+    p.integral += c_.half_time * change;
+    p.sum += c_.half_time * change;
   }
-  output_ = p.sum > maximum_ ? maximum_ : p.sum < minimum_ ? minimum_ : p.sum;
+  output_ = p.sum > c_.maximum ? c_.maximum : p.sum < c_.minimum ? c_.minimum : p.sum;
 
   unlimited_ = p.sum;
   proportional_ = p.proportional;
@@ -191,7 +191,7 @@ Real FractionalPid<Real>::advance(const Inputs& in) noexcept {
   integral_.advance(p.integral_input);
   derivative_.advance(p.derivative_input);
   lag_ = std::abs(p.lagged) > detail::negligible_state<Real> ? p.lagged : 0;
-  const Real increment = sample_time_ * p.integral_filtered + integrator_lost_;
+  const Real increment = c_.sample_time * p.integral_filtered + integrator_lost_;
   const Real sum = integrator_ + increment;
   integrator_lost_ = increment - (sum - integrator_);
   integrator_ = sum;
@@ -201,7 +201,7 @@ Real FractionalPid<Real>::advance(const Inputs& in) noexcept {
 
 template <typename Real>
 Real FractionalPid<Real>::step(Real setpoint, Real measured) noexcept {
-  return advance({setpoint_weight_ * setpoint - measured, derivative_setpoint_weight_ * setpoint - measured,
+  return advance({c_.setpoint_weight * setpoint - measured, c_.derivative_setpoint_weight * setpoint - measured,
                   setpoint - measured, setpoint});
 }
 
@@ -213,7 +213,7 @@ Real FractionalPid<Real>::compute_command(Real error) noexcept {
 template <typename Real>
 Real FractionalPid<Real>::compute_command(Real error, Real dt) noexcept {
   constexpr Real tolerated = Real(0.01);
-  if (!(std::abs(dt - sample_time_) <= tolerated * sample_time_)) ++dt_violations_;
+  if (!(std::abs(dt - c_.sample_time) <= tolerated * c_.sample_time)) ++dt_violations_;
   return compute_command(error);
 }
 
@@ -224,7 +224,7 @@ void FractionalPid<Real>::track(Real output) noexcept {
     return;
   }
   is_tracking_ = true;
-  track_output_ = std::clamp(output, minimum_, maximum_);
+  track_output_ = std::clamp(output, c_.minimum, c_.maximum);
   integral_.rest_at(0);
 }
 
@@ -241,8 +241,8 @@ void FractionalPid<Real>::reset(Real setpoint, Real measured) noexcept {
   }
   integral_.rest_at(0);
   integrator_ = integrator_lost_ = 0;
-  lag_ = derivative_setpoint_weight_ * setpoint - measured;
-  derivative_.rest_at(differentiates_ ? 0 : lag_);
+  lag_ = c_.derivative_setpoint_weight * setpoint - measured;
+  derivative_.rest_at(c_.differentiates ? 0 : lag_);
   is_tracking_ = false;
   last_ = {};
   output_ = unlimited_ = proportional_ = integral_part_ = derivative_part_ = 0;
@@ -254,15 +254,15 @@ void FractionalPid<Real>::adopt(const FractionalPidDesign& design) noexcept {
   const Parts before = parts(last_);
   const FractionalPid old = *this;
   set(design);
-  const Real time_ratio = old.sample_time_ / sample_time_;
-  integral_.inherit(old.integral_, ki_ * last_.error, old.ki_ != 0 ? ki_ / old.ki_ : 0, time_ratio);
-  last_.proportional += (setpoint_weight_ - old.setpoint_weight_) * last_.setpoint;
-  const Real shift = (derivative_setpoint_weight_ - old.derivative_setpoint_weight_) * last_.setpoint;
+  const Real time_ratio = old.c_.sample_time / c_.sample_time;
+  integral_.inherit(old.integral_, c_.ki * last_.error, old.c_.ki != 0 ? c_.ki / old.c_.ki : 0, time_ratio);
+  last_.proportional += (c_.setpoint_weight - old.c_.setpoint_weight) * last_.setpoint;
+  const Real shift = (c_.derivative_setpoint_weight - old.c_.derivative_setpoint_weight) * last_.setpoint;
   last_.derivative += shift;
   lag_ += shift;
   const Real difference = last_.derivative - lag_;
-  const Real now = differentiates_ ? difference * inverse_lag_time_ : lag_ + lag_share_ * difference;
-  if (differentiates_ == old.differentiates_ && shift == 0) {
+  const Real now = c_.differentiates ? difference * c_.inverse_lag_time : lag_ + c_.lag_share * difference;
+  if (c_.differentiates == old.c_.differentiates && shift == 0) {
     derivative_.inherit(old.derivative_, now, 1, time_ratio);
   } else {
     derivative_.rest_at(now);
@@ -270,6 +270,8 @@ void FractionalPid<Real>::adopt(const FractionalPidDesign& design) noexcept {
   integrator_ += before.sum - parts(last_).sum;
 }
 
+template struct PidCoefficients<float>;
+template struct PidCoefficients<double>;
 template class FractionalPid<float>;
 template class FractionalPid<double>;
 

@@ -93,6 +93,28 @@ class FractionalPidDesign {
   double tracking_time_ = 0;
 };
 
+/// What the loop multiplies by, rounded to Real.
+template <typename Real>
+struct PidCoefficients {
+  PidCoefficients() = default;
+  explicit PidCoefficients(const FractionalPidDesign& design) noexcept;
+
+  /// Larger inputs are refused: they could drive a slow state out of range.
+  static constexpr Real largest_input = sizeof(Real) == sizeof(float) ? Real(1e15) : Real(1e150);
+
+  Real kp = 0, ki = 0, kd = 0;
+  Real setpoint_weight = 1, derivative_setpoint_weight = 1;
+  Real sample_time = 1, half_time = 0;
+  Real lag_share = 1, inverse_lag_time = 0;  // T/(Tf + T), 1/(Tf + T)
+  bool differentiates = false;               // mu >= 1
+  Real minimum = 0, maximum = 0;
+  AntiWindup anti_windup = AntiWindup::none;
+  Real inverse_tracking = 0;       // tracking_time^-lambda
+  Real tracking_share = 1;         // 1/(1 + g tracking_time^-lambda), g = d(integral part)/d(its input) in one sample
+  Real integral_gain = 0;          // g
+  Real inverse_integral_gain = 0;  // 1/g
+};
+
 /// The controller in its loop.  step(), track(), reset() and adopt() take constant time, allocate nothing and throw
 /// nothing; the object holds all it needs.  Real is float or double.  Signals are taken to have been 0 before the first
 /// step unless reset() says otherwise.
@@ -175,19 +197,8 @@ class FractionalPid {
   [[nodiscard]] Parts parts(const Inputs& in) const noexcept;
   Real advance(const Inputs& in) noexcept;
 
+  PidCoefficients<Real> c_;
   Filter integral_, derivative_;
-  Real kp_ = 0, ki_ = 0, kd_ = 0;
-  Real setpoint_weight_ = 1, derivative_setpoint_weight_ = 1;
-  Real sample_time_ = 1, half_time_ = 0;
-  Real lag_share_ = 1, inverse_lag_time_ = 0;  // T/(Tf + T), 1/(Tf + T)
-  bool differentiates_ = false;                // mu >= 1
-  Real minimum_ = 0, maximum_ = 0;
-  AntiWindup anti_windup_ = AntiWindup::none;
-  Real integral_gain_ = 0;     // d(integral part)/d(input of the integral) within one sample
-  Real inverse_tracking_ = 0;  // tracking_time^-lambda
-  Real tracking_share_ = 1;    // 1/(1 + integral_gain tracking_time^-lambda)
-  Real inverse_integral_gain_ = 0;
-
   Real integrator_ = 0, integrator_lost_ = 0;
   Real lag_ = 0;
   bool is_tracking_ = false;
@@ -198,6 +209,8 @@ class FractionalPid {
   std::uint64_t dt_violations_ = 0;
 };
 
+extern template struct PidCoefficients<float>;
+extern template struct PidCoefficients<double>;
 extern template class FractionalPid<float>;
 extern template class FractionalPid<double>;
 
