@@ -15,6 +15,7 @@ using Run = std::function<int()>;
 void add_analyse(CLI::App& program, Run& run);
 void add_approximate(CLI::App& program, Run& run);
 void add_batch(CLI::App& program, Run& run);
+void add_controller(CLI::App& program, Run& run);
 void add_simulate(CLI::App& program, Run& run);
 void add_fit(CLI::App& program, Run& run);
 void add_identify(CLI::App& program, Run& run);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <complex>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -80,6 +81,11 @@ class FractionalPidDesign {
   [[nodiscard]] double derivative_error() const noexcept { return derivative_error_; }
   /// s, as used; 0 where there is no back calculation.
   [[nodiscard]] double tracking_time() const noexcept { return tracking_time_; }
+  /// Largest |C_d/C - 1| on the band, C_d the running controller and C the exact one with its lag F, and where (rad/s);
+  /// NaN where the configuration has no band.  Low values need more than good filters: the rules for the whole
+  /// integration and differentiation err at high frequency, by (omega T)^2/12 and omega T/2 of their parts.
+  [[nodiscard]] double error() const noexcept { return error_; }
+  [[nodiscard]] double omega_at_error() const noexcept { return omega_at_error_; }
   /// C(e^{j omega T}) from control error to output, weights 1, limits aside; omega in rad/s, in (0, pi/T).
   [[nodiscard]] std::complex<double> response(double omega) const;
 
@@ -91,6 +97,8 @@ class FractionalPidDesign {
   double integral_error_ = 0;
   double derivative_error_ = 0;
   double tracking_time_ = 0;
+  double error_ = std::numeric_limits<double>::quiet_NaN();
+  double omega_at_error_ = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// What the loop multiplies by, rounded to Real.

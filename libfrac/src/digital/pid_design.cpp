@@ -194,6 +194,22 @@ FractionalPidDesign::FractionalPidDesign(const FractionalPidConfig& config) : co
         std::max(config.tracking_time > 0 ? config.tracking_time : natural_time(config), config.sample_time);
   }
   if (!note_.empty()) note_.pop_back();
+
+  const FrequencyBand band = config_.band;
+  if (!(band.lower > 0 && band.lower < band.upper && band.upper < pi / config.sample_time)) return;
+  constexpr int points = 500;
+  error_ = 0;
+  for (int i = 0; i <= points; ++i) {
+    const double omega = band.lower * std::pow(band.upper / band.lower, static_cast<double>(i) / points);
+    const std::complex<double> s(0, omega);
+    const std::complex<double> exact =
+        kp + ki * std::pow(s, -lambda) + kd * std::pow(s, mu) / (1.0 + config.derivative_filter_time * s);
+    const double error = std::abs(response(omega) / exact - 1.0);
+    if (error > error_) {
+      error_ = error;
+      omega_at_error_ = omega;
+    }
+  }
 }
 
 std::complex<double> FractionalPidDesign::response(double omega) const {
