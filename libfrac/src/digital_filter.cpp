@@ -136,7 +136,7 @@ Real DigitalFilter<Real>::step(Real sample) noexcept {
     y += output_ == SectionOutput::state
              ? detail::state_sum(weight_.data(), state_.data(), rate_.size())
              : detail::change_sum(rate_.data(), weight_.data(), state_.data(), rate_.size(), x);
-    detail::advance_states(rate_.data(), state_.data(), lost_.data(), rate_.size(), x);
+    detail::advance_states<Real>({rate_.data(), weight_.data(), state_.data(), lost_.data(), rate_.size()}, x);
   }
   constexpr Real tiny = detail::negligible_state<Real>;
   for (Pair& pair : pairs_) {

@@ -67,7 +67,7 @@ Real FractionalPid<Real>::Filter::operator()(Real x) const noexcept {
 
 template <typename Real>
 void FractionalPid<Real>::Filter::advance(Real x) noexcept {
-  if (size != 0) detail::advance_states(rate.data(), state.data(), lost.data(), size, x);
+  if (size != 0) detail::advance_states<Real>({rate.data(), weight.data(), state.data(), lost.data(), size}, x);
 }
 
 template <typename Real>

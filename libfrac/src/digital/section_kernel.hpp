@@ -21,19 +21,7 @@ inline constexpr float negligible_state<float> = 1e-20F;
 // and the exported C code give the same bits.  The states are sums of very many small increments: what an addition
 // loses is kept in `lost` and added the next time, without which a slow section would never reach its end value.
 
-/// sum weight v
-[[nodiscard]] double state_sum(const double* weight, const double* state, std::size_t size) noexcept;
-[[nodiscard]] float state_sum(const float* weight, const float* state, std::size_t size) noexcept;
-/// sum weight (x - rate v)
-[[nodiscard]] double change_sum(const double* rate, const double* weight, const double* state, std::size_t size,
-                                double x) noexcept;
-[[nodiscard]] float change_sum(const float* rate, const float* weight, const float* state, std::size_t size,
-                               float x) noexcept;
-/// v += x - rate v
-void advance_states(const double* rate, double* state, double* lost, std::size_t size, double x) noexcept;
-void advance_states(const float* rate, float* state, float* lost, std::size_t size, float x) noexcept;
-
-/// Both for `count` samples, sums (without the direct term) into y.
+/// Sections of a filter, `size` of them in whole groups.
 template <typename Real>
 struct SectionArrays {
   const Real* rate;
@@ -42,11 +30,26 @@ struct SectionArrays {
   Real* lost;
   std::size_t size;
 };
+
+// For float and double.
+
+/// sum weight v
+template <typename Real>
+[[nodiscard]] Real state_sum(const Real* weight, const Real* state, std::size_t size) noexcept;
+/// sum weight (x - rate v)
+template <typename Real>
+[[nodiscard]] Real change_sum(const Real* rate, const Real* weight, const Real* state, std::size_t size,
+                              Real x) noexcept;
+/// v += x - rate v
+template <typename Real>
+void advance_states(const SectionArrays<Real>& bank, Real x) noexcept;
+
 inline constexpr std::size_t section_block = 32;
-/// count <= section_block
-void run_states(const SectionArrays<double>& bank, const double* x, double* y, std::size_t count) noexcept;
-void run_states(const SectionArrays<float>& bank, const float* x, float* y, std::size_t count) noexcept;
-void run_changes(const SectionArrays<double>& bank, const double* x, double* y, std::size_t count) noexcept;
-void run_changes(const SectionArrays<float>& bank, const float* x, float* y, std::size_t count) noexcept;
+/// Both for count <= section_block samples; y gets sum weight v.
+template <typename Real>
+void run_states(const SectionArrays<Real>& bank, const Real* x, Real* y, std::size_t count) noexcept;
+/// y gets sum weight (x - rate v).
+template <typename Real>
+void run_changes(const SectionArrays<Real>& bank, const Real* x, Real* y, std::size_t count) noexcept;
 
 }  // namespace frac::detail
