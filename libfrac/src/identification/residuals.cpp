@@ -5,23 +5,35 @@
 
 namespace frac::detail {
 
-Residuals::Residuals(const FrequencyResponseData& data, const Structure& structure, const Realisation& realisation,
-                     const ParameterMap& map, const ResidualRule& rule)
-    : data_(data),
+bool Residuals::evaluate_all(std::span<const double> theta, std::vector<double>& residual) const {
+  residual.resize(count());
+  return evaluate(theta, 0, points(), residual.data(), nullptr);
+}
+
+double Residuals::cost(std::span<const double> theta) const {
+  if (!evaluate_all(theta, scratch_)) return std::numeric_limits<double>::infinity();
+  double sum = 0;
+  for (const double residual : scratch_) sum += residual * residual;
+  return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
+}
+
+FrequencyResiduals::FrequencyResiduals(const FrequencyResponseData& data, const Structure& structure,
+                                       const Realisation& realisation, const ParameterMap& map,
+                                       const ResidualRule& rule)
+    : Residuals(map),
+      data_(data),
       structure_(structure),
       realisation_(realisation),
-      map_(map),
       rule_(rule),
       value_(data.size()),
-      gradient_(data.size() * map.parameter_count()),
-      scratch_(count()) {}
+      gradient_(data.size() * map.parameter_count()) {}
 
-bool Residuals::evaluate(std::span<const double> theta, std::size_t first, std::size_t points, double* residual,
-                         double* jacobian_row_major) const {
-  const std::vector<double> parameters = map_.to_user(theta);
+bool FrequencyResiduals::evaluate(std::span<const double> theta, std::size_t first, std::size_t points,
+                                  double* residual, double* jacobian_row_major) const {
+  const std::vector<double> parameters = map().to_user(theta);
   const std::span omega(data_.omega().data() + first, points);
   const std::span value(value_.data(), points);
-  const std::size_t all = map_.parameter_count();
+  const std::size_t all = map().parameter_count();
   if (jacobian_row_major) {
     structure_.response_and_gradient(parameters, omega, realisation_, value, std::span(gradient_.data(), points * all));
   } else {
@@ -42,25 +54,19 @@ bool Residuals::evaluate(std::span<const double> theta, std::size_t first, std::
     }
   }
   Eigen::Map<RowMajorMatrix> jacobian(jacobian_row_major, by_parameter.rows(),
-                                      static_cast<Eigen::Index>(map_.free().size()));
-  jacobian.noalias() = by_parameter.lazyProduct(map_.jacobian(parameters));
+                                      static_cast<Eigen::Index>(map().free().size()));
+  jacobian.noalias() = by_parameter.lazyProduct(map().jacobian(parameters));
   return jacobian.allFinite();
 }
 
-double Residuals::cost(std::span<const double> theta) const {
-  if (!evaluate(theta, 0, points(), scratch_.data(), nullptr)) return std::numeric_limits<double>::infinity();
-  double sum = 0;
-  for (const double residual : scratch_) sum += residual * residual;
-  return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
-}
-
-double Residuals::best_factor(std::span<const double> theta) const {
-  if (rule_.form == ResidualForm::phase || !std::isfinite(cost(theta))) return 1;
+double FrequencyResiduals::best_factor(std::span<const double> theta) const {
+  std::vector<double> all;
+  if (rule_.form == ResidualForm::phase || !evaluate_all(theta, all)) return 1;
   const bool logarithmic = rule_.form == ResidualForm::logarithmic || rule_.form == ResidualForm::log_magnitude;
   double product = 0, power = 0, sum = 0;
   for (std::size_t i = 0; i < points(); ++i) {
     const std::complex<double> datum = data_.value()[i];
-    const double* residual = scratch_.data() + i * per_point();
+    const double* residual = all.data() + i * per_point();
     sum += residual[0];
     const auto add = [&](double rest, double target) {
       product += (rest + target) * target;
