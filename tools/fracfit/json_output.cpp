@@ -66,6 +66,8 @@ void append_fit(Json& json, const frac::FitResult& result) {
   json["free_parameters"] = result.free_parameters;
   json["starts"] = result.starts;
   json["starts_at_best"] = result.starts_at_best;
+  json["distinct_minima"] = result.distinct_minima;
+  json["confidence_of_optimum"] = number(result.confidence_of_optimum);
   json["condition"] = number(result.condition);
   json["seconds"] = number(result.seconds);
 }

@@ -152,4 +152,22 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
   return result;
 }
 
+std::vector<std::vector<double>> flat_directions(const Residuals& residuals, const LocalSolution& solution,
+                                                 double times) {
+  const auto columns = static_cast<Eigen::Index>(residuals.map().free().size());
+  RowMajorMatrix jacobian(static_cast<Eigen::Index>(residuals.count()), columns);
+  Eigen::VectorXd residual(jacobian.rows());
+  if (!residuals.evaluate(solution.theta, 0, residuals.points(), residual.data(), jacobian.data())) return {};
+  const Eigen::MatrixXd dense = jacobian;
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(dense, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  std::vector<std::vector<double>> directions;
+  for (Eigen::Index k = columns; k-- > 0;) {
+    const Eigen::VectorXd direction = svd.matrixV().col(k) / svd.matrixV().col(k).lpNorm<Eigen::Infinity>();
+    const double rise = svd.singularValues()[k] * direction.norm();
+    if (!(rise * rise <= times * solution.cost)) continue;
+    directions.emplace_back(direction.begin(), direction.end());
+  }
+  return directions;
+}
+
 }  // namespace frac::detail

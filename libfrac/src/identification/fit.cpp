@@ -156,6 +156,8 @@ detail::GlobalSolution solve(const detail::Residuals& residuals, const detail::R
   } else {
     check_start(residuals.map(), structure);
     result.starts = 1;
+    result.minima = 1;
+    result.confidence = nan;
     result.best.theta = residuals.map().to_theta(residuals.map().start());
     if (!std::isfinite(residuals.cost(result.best.theta))) return result;
     result.best = local_solve(few, result.best.theta, {});
@@ -164,6 +166,17 @@ detail::GlobalSolution solve(const detail::Residuals& residuals, const detail::R
   if (!std::isfinite(result.best.cost)) return {};
   result.starts_at_best = std::max<std::size_t>(result.starts_at_best, 1);
   return result;
+}
+
+std::string ending(const detail::GlobalSolution& solution) {
+  if (!solution.best.converged) return "The solver stopped before the cost settled; the best point found is returned.";
+  std::string text = std::to_string(solution.starts_at_best) + " of " + std::to_string(solution.starts) +
+                     " local solves ended at the best cost";
+  if (std::isnan(solution.confidence)) return text + ".";
+  if (solution.confidence == 1) return text + ", which is zero but for rounding.";
+  char sure[64];
+  std::snprintf(sure, sizeof sure, "; no lower one exists with probability %.2f.", solution.confidence);
+  return text + sure;
 }
 
 /// A fit through Oustaloup's ladder can end on a whole order, where the realisation jumps: a corner, not a minimum.
@@ -244,6 +257,8 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   result.free_parameters = map.free().size();
   result.starts = solution.starts;
   result.starts_at_best = solution.starts_at_best;
+  result.distinct_minima = solution.minima;
+  result.confidence_of_optimum = solution.confidence;
   const auto& names = structure.parameter_names();
 
   if (solution.starts_at_best == 0) {
@@ -287,10 +302,7 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   }
   result.covariance = found.covariance;
   result.centre_omega = map.scale().omega;
-  result.message = solution.best.converged
-                       ? std::to_string(solution.starts_at_best) + " of " + std::to_string(solution.starts) +
-                             " local solves ended at the best cost."
-                       : "The solver stopped before the cost settled; the best point found is returned.";
+  result.message = ending(solution);
   if (found.condition > detail::flat_condition) {
     char text[128];
     std::snprintf(text, sizeof text,
