@@ -58,7 +58,8 @@ TimeResponseData::TimeResponseData(std::vector<double> time, std::vector<double>
   }
   // What the last sample does is not seen under a zero-order hold but in the sample itself.
   if (std::all_of(input_.begin(), input_.end(), [this](double value) { return value == input_at_rest_; })) {
-    refuse("the input is " + detail::number_text(input_at_rest_) + " throughout, as at rest; nothing drives the system");
+    refuse("the input is " + detail::number_text(input_at_rest_) +
+           " throughout, as at rest; nothing drives the system");
   }
 }
 

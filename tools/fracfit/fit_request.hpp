@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,8 @@ struct FitRequest {
   std::vector<std::string> where;
   std::string seed = "1";
 };
+
+[[nodiscard]] std::uint64_t seed_of(const FitRequest& request);
 
 void add_fit_options(CLI::App& subcommand, FitRequest& request);
 /// Those without the data.

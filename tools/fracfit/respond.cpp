@@ -13,8 +13,8 @@
 #include "frac/reference_response.hpp"
 #include "io/number.hpp"
 #include "io/number_list.hpp"
-#include "io/signal_file.hpp"
 #include "io/sweep_file.hpp"
+#include "io/time_series_file.hpp"
 #include "subcommand.hpp"
 
 namespace fracfit {
@@ -111,10 +111,11 @@ Response to_file(const RespondOptions& given, const frac::FractionalTransferFunc
   if (!given.time.empty()) throw std::invalid_argument("--time is taken from the file; leave it out");
   if (!given.omega.empty()) throw std::invalid_argument("--omega belongs to --input sine");
   if (given.method == "reference") throw std::invalid_argument("--method reference needs a named --input");
-  io::Signal signal = io::read_signal(given.input);
+  io::TimeSeries signal = io::read_input_signal(given.input);
+  const double sample_time = (signal.time.back() - signal.time.front()) / static_cast<double>(signal.time.size() - 1);
   Response result;
   result.method = given.method == "auto" ? "exponential-sum" : given.method;
-  result.output = by_filter(result.method, model, signal.value, signal.sample_time, tolerance,
+  result.output = by_filter(result.method, model, signal.input, sample_time, tolerance,
                             given.hold == "first-order" ? frac::Hold::first_order : frac::Hold::zero_order);
   result.time = std::move(signal.time);
   return result;

@@ -12,7 +12,8 @@ class TimeResponseData {
  public:
   /// @param sigma  standard deviation of each output, > 0, in its unit; empty: unknown and equal.
   /// @throws std::invalid_argument  lengths differ, fewer than 2 samples, time not increasing, an entry not finite, the
-  ///                                input equal to `input_at_rest` throughout; the text names the first index concerned.
+  ///                                input equal to `input_at_rest` throughout; the text names the first index
+  ///                                concerned.
   TimeResponseData(std::vector<double> time, std::vector<double> input, std::vector<double> output,
                    std::vector<double> sigma = {}, Hold hold = Hold::zero_order, double input_at_rest = 0);
 

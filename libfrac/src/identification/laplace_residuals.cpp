@@ -47,16 +47,15 @@ double noise_level(const TimeResponseData& data) {
 }  // namespace
 
 LaplaceResiduals::LaplaceResiduals(const TimeResponseData& data, const Structure& structure, const ParameterMap& map,
-                                   std::optional<double> offset)
+                                   std::optional<double> offset, double decay)
     : Residuals(map), structure_(structure), free_offset_(!offset) {
   const std::vector<double>& time = data.time();
   length_ = time.back() - time.front();
   const double reach = time[std::min<std::size_t>(4, data.size() - 1)] - time.front();
   const double noise = data.sigma().empty() ? noise_level(data) : 0;
-  // Shares of the record that may be thinned without loss: a few thousand samples say all about 60 points.
   for (const double angle : {0.0, 0.8, 1.2}) {
     constexpr int radii = 20;
-    const double lowest = 8 / (length_ * std::cos(angle));
+    const double lowest = decay / (length_ * std::cos(angle));
     const double highest = std::max(4 * lowest, 2 / reach);
     for (int k = 0; k < radii; ++k) {
       const Complex log_s(std::log(lowest) + std::log(highest / lowest) * k / (radii - 1), angle);
@@ -78,8 +77,9 @@ LaplaceResiduals::LaplaceResiduals(const TimeResponseData& data, const Structure
         const double sigma = data.sigma().empty() ? noise : data.sigma()[i];
         variance += std::norm(factor) * sigma * sigma;
       }
-      // Straight lines between samples and the cut end of the record leave errors of about a percent.
-      const double spread = std::sqrt(variance + 1e-4 * std::norm(output));
+      // Straight lines between samples leave errors of about a percent, and so does the cut end of the record.
+      const double model_error = 0.01 + std::exp(-s.real() * length_);
+      const double spread = std::sqrt(variance + model_error * model_error * std::norm(output));
       if (!(spread > 0) || input == 0.0 || output == 0.0) continue;
       log_s_.push_back(log_s);
       input_.push_back(input);

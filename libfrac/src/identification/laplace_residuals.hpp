@@ -11,12 +11,12 @@
 namespace frac::detail {
 
 /// Residuals of G(s) U(s) + offset/s to Y(s), the Laplace transforms of input and output over the record, at points s
-/// with Re s >= 8/length, where what lies beyond its end weighs e^-8: good for start values, at a hundredth of the cost
-/// of a simulation and without its many local minima.  Between samples the output is taken as straight.
+/// with Re s >= decay/length, where what lies beyond its end weighs e^-decay: good for start values, at a tenth of the
+/// cost of a simulation and without its many local minima.  Between samples the output is taken as straight.
 class LaplaceResiduals final : public Residuals {
  public:
   LaplaceResiduals(const TimeResponseData& data, const Structure& structure, const ParameterMap& map,
-                   std::optional<double> offset);
+                   std::optional<double> offset, double decay);
 
   [[nodiscard]] std::size_t points() const noexcept override { return log_s_.size(); }
   [[nodiscard]] std::size_t per_point() const noexcept override { return 2; }

@@ -14,8 +14,7 @@ namespace frac::detail {
 [[nodiscard]] EventResponse event_response(const TimeResponseData& data, const std::vector<std::size_t>& index);
 
 /// The model as a ratio of sums of powers with derivatives; empty where it has no finite value.
-[[nodiscard]] std::optional<RatioOfPowerSums> ratio_at(const Structure& structure,
-                                                       std::span<const double> parameters);
+[[nodiscard]] std::optional<RatioOfPowerSums> ratio_at(const Structure& structure, std::span<const double> parameters);
 
 /// Residuals (model + offset - output)/sigma in units of `unit`.  A free offset is projected out: at every theta it is
 /// the weighted mean of what the model leaves.

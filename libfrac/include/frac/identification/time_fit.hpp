@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "frac/identification/fit.hpp"
+#include "frac/identification/model_choice.hpp"
 #include "frac/time_response_data.hpp"
 
 namespace frac {
@@ -30,5 +31,9 @@ struct TimeFitOptions {
 /// Output of the fitted model at the instants of the data, offset included.
 [[nodiscard]] std::vector<double> fitted_output(const FitResult& result, const TimeResponseData& data,
                                                 const TimeFitOptions& options = {});
+
+/// Of the residuals (output - model)/sigma in the order of time.
+[[nodiscard]] ResidualWhiteness residual_whiteness(const TimeResponseData& data, const TimeFitOptions& options,
+                                                   const FitResult& result);
 
 }  // namespace frac
