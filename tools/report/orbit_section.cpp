@@ -165,7 +165,7 @@ void fit_height(Axis& axis, const Sweeps& sweeps, bool impacts) {
 Panel bifurcation_panel(const backlash::OrbitDiagram& diagram, const Sweeps& sweeps, bool impacts) {
   const Height height = impacts ? impacts_per_period : imaginary_part;
   Panel panel;
-  panel.x = {"ω in rad/s", false, diagram.omega_from, diagram.omega_to};
+  panel.x = {"ω in rad/s", false, diagram.from, diagram.to};
   panel.y = {impacts ? "impacts per period" : "Im N in m/N", false, {}, {}};
   const std::vector<Pattern> patterns = patterns_of(diagram.branches);
   const std::span<const Pattern> all(patterns);
