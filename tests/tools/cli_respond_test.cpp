@@ -162,3 +162,13 @@ TEST(Analyse, ReportsALoop) {
   EXPECT_NEAR(json["margins"]["phase_margin_rad"].get<double>(), std::acos(-1.0) / 2 - 1, 1e-12);
   EXPECT_TRUE(json["h2_norm"].is_null());
 }
+
+TEST(Analyse, ClosesALoop) {
+  // K/s^1.5 under unity feedback: K/(s^1.5 + K), poles at K^(2/3) e^(+-120 deg i).
+  const auto result = run_fracfit({"analyse", "--model", "8/s^1.5", "--feedback", "1"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const Json json = Json::parse(result.output);
+  EXPECT_EQ(json["model"], "8/(s^1.5 + 8)");
+  EXPECT_NEAR(json["poles"][0]["re"].get<double>(), -2, 1e-13);
+  expect_failure({"analyse", "--model", "exp(-1 s)/s", "--feedback", "1"}, 2, "dead time of 1 s");
+}
