@@ -157,7 +157,7 @@ Thinned thinned(const FrequencyResponseData& data, const detail::ResidualRule& r
 detail::GlobalSolution solve(const detail::Residuals& residuals, const detail::ResidualRule& rule,
                              const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
   const Thinned thin = thinned(data, rule);
-  const detail::Residuals few(thin.data, structure, options.realisation, residuals.map(), thin.rule);
+  const detail::FrequencyResiduals few(thin.data, structure, options.realisation, residuals.map(), thin.rule);
   detail::GlobalSolution result;
   if (options.global_start && !residuals.map().free().empty()) {
     result = global_search(few, detail::suggested_orders(thin.data), options.seed);
@@ -303,7 +303,7 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   const detail::ParameterMap map(structure, options.constraints, data_scale(data),
                                  options.component == Component::magnitude);
   const detail::ResidualRule rule = detail::residual_rule(data, options.component, options.weight);
-  const detail::Residuals residuals(data, structure, options.realisation, map, rule);
+  const detail::FrequencyResiduals residuals(data, structure, options.realisation, map, rule);
   if (residuals.count() < map.free().size()) {
     refuse_count(residuals.count(), map.free().size());
   }
