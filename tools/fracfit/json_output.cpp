@@ -66,6 +66,8 @@ void append_fit(Json& json, const frac::FitResult& result) {
   json["free_parameters"] = result.free_parameters;
   json["starts"] = result.starts;
   json["starts_at_best"] = result.starts_at_best;
+  json["distinct_minima"] = result.distinct_minima;
+  json["confidence_of_optimum"] = number(result.confidence_of_optimum);
   json["condition"] = number(result.condition);
   json["seconds"] = number(result.seconds);
 }
@@ -74,7 +76,7 @@ Json interval(double lower, double upper) {
   return {number(lower), number(upper)};
 }
 
-void append_statistics(Json& json, const frac::FitResult& result, const FitStatistics& statistics) {
+void append_statistics(Json& json, const frac::FitResult& result, const FitStatistics& statistics, bool over_time) {
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
     const auto& estimate = result.parameters[i];
     Json& parameter = json["parameters"][i];
@@ -99,8 +101,9 @@ void append_statistics(Json& json, const frac::FitResult& result, const FitStati
     json["correlation"].push_back(std::move(numbers));
   }
   json["outliers"] = Json::array();
-  for (std::size_t i = 0; i < statistics.outlier_omega.size(); ++i)
-    json["outliers"].push_back({{"index", result.outliers[i]}, {"omega", number(statistics.outlier_omega[i])}});
+  for (std::size_t i = 0; i < statistics.outlier_at.size(); ++i)
+    json["outliers"].push_back(
+        {{"index", result.outliers[i]}, {over_time ? "time_s" : "omega", number(statistics.outlier_at[i])}});
   json["whiteness"] = {{"lag_one_correlation", number(statistics.whiteness.lag_one_correlation)},
                        {"p_value", number(statistics.whiteness.p_value)}};
   if (statistics.bootstrap_samples > 0) json["bootstrap_samples"] = statistics.bootstrap_samples;
@@ -117,8 +120,8 @@ Json origin_of_fit(const FitRun& run) {
   Json json = origin(run.command);
   json["data"] = {{"file", run.file},
                   {"points", run.points},
-                  {"omega_lower", number(run.omega_lower)},
-                  {"omega_upper", number(run.omega_upper)},
+                  {run.over_time ? "time_from_s" : "omega_lower", number(run.lower)},
+                  {run.over_time ? "time_to_s" : "omega_upper", number(run.upper)},
                   {"value_unit", run.value_unit.empty() ? Json(nullptr) : Json(run.value_unit)},
                   {"header", object_of(run.file_header)}};
   json["options"] = object_of(run.options);
@@ -185,7 +188,7 @@ std::string static_curve_json(const io::StaticCurve& curve, const std::string& c
 std::string fit_json(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
   Json json = origin_of_fit(run);
   append_fit(json, result);
-  append_statistics(json, result, statistics);
+  append_statistics(json, result, statistics, run.over_time);
   return text_of(json);
 }
 

@@ -16,6 +16,7 @@ void add_analyse(CLI::App& program, Run& run);
 void add_approximate(CLI::App& program, Run& run);
 void add_basins(CLI::App& program, Run& run);
 void add_batch(CLI::App& program, Run& run);
+void add_controller(CLI::App& program, Run& run);
 void add_simulate(CLI::App& program, Run& run);
 void add_fit(CLI::App& program, Run& run);
 void add_history(CLI::App& program, Run& run);
