@@ -326,6 +326,30 @@ TEST(SteadyState, WhatClosesWithinSixtyFourPeriodsIsAnOrbitAllElseAMean) {
   EXPECT_GT(means, 100);
 }
 
+// Between sticks that are many periods apart the motion amplifies rounding, as a last digit of gamma shows.
+TEST(SteadyState, UncertaintyOfOrbitsThatSeldomStickHoldsWhatRoundingMakesOfThem) {
+  support::Random random(77);
+  int orbits = 0;
+  double largest = 0;
+  for (int i = 0; i < 4000; ++i) {
+    const double restitution = random.uniform(0, 0.45);
+    const double gamma = random.log_uniform(0.1, 0.25);
+    const GapState start = state_at_peak(random.unit(), random.uniform(-1, 1));
+    const SteadyState one = find_steady_state(GapMotion(gamma, restitution), start, 1e-10);
+    if (one.spectral_radius != 0 || one.period < 5) continue;
+    const SteadyState two = find_steady_state(GapMotion(std::nextafter(gamma, 1.0), restitution), start, 1e-10);
+    if (two.period != one.period) continue;  // lost in chaos on its way, or averaged
+    ++orbits;
+    const double apart = std::abs(one.harmonics.u[0] - two.harmonics.u[0]);
+    if (apart > 1e-6) continue;  // another orbit of that period
+    largest = std::max(largest, apart);
+    EXPECT_LE(apart, one.uncertainty + two.uncertainty) << "gamma " << gamma << ", restitution " << restitution;
+    EXPECT_LT(one.uncertainty, 1e-6);
+  }
+  EXPECT_GT(orbits, 20);
+  EXPECT_GT(largest, 1e-13);  // far above the rounding of one period
+}
+
 TEST(SteadyState, LongTimeMeanAgreesWithAnotherStartWithinItsUncertainty) {
   // A chaotic response: two starts give two independent means.  Each half width holds 95 % of the time, so five times
   // their sum is never left by normally distributed means (10 standard deviations of a difference).
