@@ -383,8 +383,8 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   result.cost = information.cost;
   result.rms = information.rms;
   result.max_residual = information.max_residual;
-  result.aicc = information.aicc;
-  result.bic = information.bic;
+  result.aicc = information.criteria.aicc;
+  result.bic = information.criteria.bic;
   if (options.weight == Weight::relative && options.component != Component::magnitude &&
       options.component != Component::phase && result.rms > noisy_divisor && result.rms < plain_misfit) {
     char text[192];
