@@ -56,7 +56,7 @@ TEST(Residuals, JacobianAgreesWithDifferencesForEveryComponentAndWeight) {
           continue;
         const frac::Realisation exact = frac::ExactRealisation{};
         const frac::detail::ResidualRule rule = frac::detail::residual_rule(data, component, weight);
-        const frac::detail::Residuals residuals(data, structure, exact, map, rule);
+        const frac::detail::FrequencyResiduals residuals(data, structure, exact, map, rule);
         const std::size_t rows = residuals.count(), columns = theta.size();
         std::vector<double> residual(rows), jacobian(rows * columns), above(rows), below(rows);
         ASSERT_TRUE(residuals.evaluate(theta, 0, data.size(), residual.data(), jacobian.data()));

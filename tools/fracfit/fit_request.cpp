@@ -59,14 +59,6 @@ frac::Realisation realisation_of(const FitRequest& request) {
                               ": expected exact, oustaloup, ladder or grunwald-letnikov");
 }
 
-std::uint64_t seed_of(const std::string& text) {
-  std::uint64_t seed = 0;
-  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
-  if (text.empty() || error != std::errc{} || stop != text.data() + text.size())
-    throw std::invalid_argument("--seed " + io::quoted(text) + ": expected a whole number >= 0");
-  return seed;
-}
-
 io::Metadata realisation_entries(const frac::Realisation& realisation) {
   io::Metadata entries{{"realisation", frac::to_string(realisation)}};
   const auto add_ladder = [&](const frac::FrequencyBand& band, int poles) {
@@ -131,6 +123,15 @@ void add_residual_options(CLI::App& subcommand, FitRequest& request) {
       ->type_name("N");
 }
 
+std::uint64_t seed_of(const FitRequest& request) {
+  const std::string& text = request.seed;
+  std::uint64_t seed = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
+  if (text.empty() || error != std::errc{} || stop != text.data() + text.size())
+    throw std::invalid_argument("--seed " + io::quoted(text) + ": expected a whole number >= 0");
+  return seed;
+}
+
 frac::FitOptions fit_options(const FitRequest& request) {
   frac::FitOptions options;
   if (!request.component.empty()) options.component = frac::component_from_string(request.component);
@@ -138,7 +139,7 @@ frac::FitOptions fit_options(const FitRequest& request) {
   options.loss = frac::loss_from_string(request.loss);
   options.realisation = realisation_of(request);
   frac::validate(options.realisation);
-  options.seed = seed_of(request.seed);
+  options.seed = seed_of(request);
   return options;
 }
 

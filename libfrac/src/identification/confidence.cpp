@@ -107,7 +107,8 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
   result.condition = (sigma[0] / smallest) * (sigma[0] / smallest);
   for (Eigen::Index k = 0; k < width; ++k) result.rank += sigma[k] > unseen_column * sigma[0] ? 1 : 0;
 
-  const double degrees_of_freedom = static_cast<double>(residual.size()) - static_cast<double>(result.rank);
+  const double degrees_of_freedom =
+      static_cast<double>(residual.size()) - static_cast<double>(result.rank + residuals.eliminated());
   result.t = student_t_95(degrees_of_freedom);
   const double deviation =
       degrees_of_freedom > 0 ? std::sqrt(residual_variance(residual, degrees_of_freedom, options)) : nan;

@@ -157,7 +157,7 @@ Thinned thinned(const FrequencyResponseData& data, const detail::ResidualRule& r
 detail::GlobalSolution solve(const detail::Residuals& residuals, const detail::ResidualRule& rule,
                              const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
   const Thinned thin = thinned(data, rule);
-  const detail::Residuals few(thin.data, structure, options.realisation, residuals.map(), thin.rule);
+  const detail::FrequencyResiduals few(thin.data, structure, options.realisation, residuals.map(), thin.rule);
   detail::GlobalSolution result;
   if (options.global_start && !residuals.map().free().empty()) {
     result = global_search(few, detail::suggested_orders(thin.data), options.seed);
@@ -303,7 +303,7 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   const detail::ParameterMap map(structure, options.constraints, data_scale(data),
                                  options.component == Component::magnitude);
   const detail::ResidualRule rule = detail::residual_rule(data, options.component, options.weight);
-  const detail::Residuals residuals(data, structure, options.realisation, map, rule);
+  const detail::FrequencyResiduals residuals(data, structure, options.realisation, map, rule);
   if (residuals.count() < map.free().size()) {
     refuse_count(residuals.count(), map.free().size());
   }
@@ -383,8 +383,8 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   result.cost = information.cost;
   result.rms = information.rms;
   result.max_residual = information.max_residual;
-  result.aicc = information.criteria.aicc;
-  result.bic = information.criteria.bic;
+  result.aicc = information.aicc;
+  result.bic = information.bic;
   if (options.weight == Weight::relative && options.component != Component::magnitude &&
       options.component != Component::phase && result.rms > noisy_divisor && result.rms < plain_misfit) {
     char text[192];

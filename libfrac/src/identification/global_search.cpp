@@ -9,7 +9,6 @@
 #include <random>
 
 #include "confidence.hpp"
-#include "linear_start.hpp"
 
 namespace frac::detail {
 
@@ -133,35 +132,19 @@ std::vector<std::vector<double>> screened_draws(const Residuals& residuals, cons
 }
 
 /// Starts by linear least squares for the coefficients, at orders and delays drawn like those of the others: the best
-/// few of several draws under each weighting.  None where the residuals are not of the complex values, or the structure
-/// is no ratio of sums of powers.
+/// few of several draws.
 std::vector<std::vector<double>> linear_starts(const Residuals& residuals, const std::vector<double>& suggested_orders,
                                                std::mt19937_64& generator) {
   constexpr int draws = 6;
   constexpr std::size_t kept = 2;
   const ParameterMap& map = residuals.map();
-  if (residuals.per_point() != 2) return {};
-  std::vector<std::size_t> wanted;
-  bool only_coefficients = true;
-  for (const ParameterMap::Free& entry : map.free()) {
-    if (entry.role == ParameterRole::coefficient) wanted.push_back(entry.parameter);
-    only_coefficients = only_coefficients && entry.role == ParameterRole::coefficient;
-  }
-  const FrequencyResponseData& data = residuals.data();
-  std::vector<double> weight = residuals.rule().weight;
-  if (residuals.rule().form == ResidualForm::logarithmic) {
-    for (std::size_t i = 0; i < weight.size(); ++i) weight[i] = 1 / std::abs(data.value()[i]);
-  }
+  const bool only_coefficients = std::all_of(map.free().begin(), map.free().end(), [](const ParameterMap::Free& entry) {
+    return entry.role == ParameterRole::coefficient;
+  });
   std::vector<std::pair<double, std::vector<double>>> found;
   for (int i = 0; i < (only_coefficients ? 1 : draws); ++i) {
-    const std::vector<double> near = map.to_user(draw(map, suggested_orders, generator));
-    const auto form = coefficient_form(residuals.structure(), near);
-    if (!form) return {};
-    for (const auto weights : {LinearWeights::levy, LinearWeights::vinagre, LinearWeights::sanathanan_koerner}) {
-      const auto fit = linear_fit(*form, data.omega(), data.value(), weight, weights);
-      const auto parameters = fit ? parameters_from(*form, *fit, near, wanted) : std::nullopt;
-      if (!parameters) continue;
-      std::vector<double> theta = map.to_theta(*parameters);
+    for (const auto& parameters : residuals.linear_fits(map.to_user(draw(map, suggested_orders, generator)))) {
+      std::vector<double> theta = map.to_theta(parameters);
       const double cost = residuals.cost(theta);
       if (std::isfinite(cost)) found.emplace_back(cost, std::move(theta));
     }

@@ -37,8 +37,8 @@ FitResult curve_fit(const FrequencyResponseData& data, const FixedCurve& curve, 
   result.cost = information.cost;
   result.rms = information.rms;
   result.max_residual = information.max_residual;
-  result.aicc = information.criteria.aicc;
-  result.bic = information.criteria.bic;
+  result.aicc = information.aicc;
+  result.bic = information.bic;
   result.termination = FitTermination::converged;
   result.message = "A given curve: compared, not fitted.";
   result.free_parameters = curve.fitted_parameters;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "frac/identification/statistics.hpp"
+
 namespace frac::detail {
 
 Information information(std::span<const double> residual, std::size_t parameters, double unit) {
@@ -13,7 +15,10 @@ Information information(std::span<const double> residual, std::size_t parameters
   }
   const auto n = static_cast<double>(residual.size());
   result.rms = std::sqrt(result.cost / n);
-  result.criteria = information_criteria(result.cost, residual.size(), parameters, n * 1e-28 * unit * unit);
+  const InformationCriteria criteria =
+      information_criteria(result.cost, residual.size(), parameters, n * 1e-28 * unit * unit);
+  result.aicc = criteria.aicc;
+  result.bic = criteria.bic;
   return result;
 }
 

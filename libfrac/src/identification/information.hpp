@@ -2,8 +2,6 @@
 
 #include <span>
 
-#include "frac/identification/statistics.hpp"
-
 namespace frac::detail {
 
 /// Goodness of fit of a residual vector left by a model with that many parameters the residuals can tell apart.
@@ -11,7 +9,7 @@ struct Information {
   double cost;  // sum of squares
   double rms;
   double max_residual;
-  InformationCriteria criteria;
+  double aicc, bic;  // information_criteria()
 };
 
 /// @param unit  root mean square of the weighted data; residuals below 1e-14 of it are rounding.
