@@ -105,9 +105,11 @@ detail::SteadyState free_state(double gamma, const detail::GapState& end) {
 }
 
 detail::SteadyState steady_state(const TwoMassSystem& system, double gamma, const detail::GapState& start,
-                                 double tolerance) {
+                                 const SweepOptions& options) {
   if (gamma < free_force) return free_state(gamma, start);
-  return detail::find_steady_state(detail::GapMotion(gamma, system.restitution()), start, tolerance);
+  const double zero = options.output == Output::x1 ? -gamma : gamma * system.mass2() / system.mass1();
+  return detail::find_steady_state(detail::GapMotion(gamma, system.restitution()), start, options.tolerance,
+                                   {options.mean_tolerance, zero});
 }
 
 void check(double force_amplitude, const std::vector<double>& omega, const SweepOptions& options) {
@@ -115,6 +117,10 @@ void check(double force_amplitude, const std::vector<double>& omega, const Sweep
   detail::require_frequency_grid(omega);
   if (!(options.tolerance > 0 && options.tolerance <= 0.01)) {
     throw std::invalid_argument("tolerance is " + detail::text(options.tolerance) + "; it must be in (0, 0.01]");
+  }
+  if (!(options.mean_tolerance >= 0 && options.mean_tolerance < 1)) {
+    throw std::invalid_argument("mean_tolerance is " + detail::text(options.mean_tolerance) +
+                                "; it must be in [0, 1), 0 for means over a thousand periods");
   }
   if (options.threads < 0) {
     throw std::invalid_argument("threads is " + std::to_string(options.threads) +
@@ -131,7 +137,7 @@ DescribingFunctionPoint independent_point(const TwoMassSystem& system, double fo
   const double gamma = dimensionless_force(system, force_amplitude, omega);
   if (!(gamma < rigid_force)) return rigid_point(system, omega, gamma, options.output);
   const detail::GapState start = options.protocol == Protocol::contact_at_rest ? contact_at_rest() : mid_gap_at_rest();
-  return point_of(system, omega, gamma, options.output, steady_state(system, gamma, start, options.tolerance));
+  return point_of(system, omega, gamma, options.output, steady_state(system, gamma, start, options));
 }
 
 // Points that carry their state from one to the next.
@@ -155,7 +161,7 @@ std::vector<DescribingFunctionPoint> carried_points(const TwoMassSystem& system,
         const auto orbit = detail::stable_two_impact_orbit(gamma, system.restitution(), loss_gamma);
         if (orbit) steady = detail::two_impact_steady_state(*orbit, system.restitution());
       }
-      if (!steady) steady = steady_state(system, gamma, carried(state, state_omega, omega[i]), options.tolerance);
+      if (!steady) steady = steady_state(system, gamma, carried(state, state_omega, omega[i]), options);
       points[i] = point_of(system, omega[i], gamma, options.output, *steady);
       state = steady->end;
     }

@@ -28,6 +28,12 @@ using detail::SegmentImpact;
 
 constexpr double pi = std::numbers::pi;
 
+constexpr std::array<std::pair<OrbitParameter, std::string_view>, 4> parameters = {{
+    {OrbitParameter::omega, "omega"},
+    {OrbitParameter::force, "force"},
+    {OrbitParameter::clearance, "clearance"},
+    {OrbitParameter::restitution, "restitution"},
+}};
 constexpr std::array<std::pair<Bifurcation, std::string_view>, 4> bifurcations = {{
     {Bifurcation::saddle_node, "saddle-node"},
     {Bifurcation::symmetry_breaking, "symmetry-breaking"},
@@ -44,31 +50,48 @@ constexpr std::array<std::pair<BranchEnd, std::string_view>, 7> branch_ends = {{
     {BranchEnd::too_long, "too-long"},
 }};
 
-// Frequencies at which attractors are looked for, each from both walls and from mid-gap.
-constexpr std::size_t seed_frequencies = 96;
+// Values of the parameter at which attractors are looked for, each from both walls and from mid-gap.
+constexpr std::size_t seed_values = 96;
 // Branches kept; a period-doubling cascade of many patterns goes on without end.
 constexpr std::size_t most_branches = 200;
 
+// The scene in the units of the gap motion: gamma = F/(M2 clearance omega^2) and restitution.
 class Scene {
  public:
-  Scene(const TwoMassSystem& system, double force_amplitude, Output output)
-      : system_(system), force_(force_amplitude), output_(output) {}
+  Scene(const TwoMassSystem& system, double force_amplitude, double omega, OrbitParameter parameter, Output output)
+      : system_(system), force_(force_amplitude), omega_(omega), parameter_(parameter), output_(output) {}
 
-  [[nodiscard]] double log_gamma(double omega) const { return std::log(dimensionless_force(system_, force_, omega)); }
-  [[nodiscard]] double omega(double log_gamma) const {
-    return std::sqrt(force_ / system_.mass2() / system_.clearance()) * std::exp(-0.5 * log_gamma);
+  [[nodiscard]] detail::BranchParameter along() const {
+    return parameter_ == OrbitParameter::restitution ? detail::BranchParameter::restitution
+                                                     : detail::BranchParameter::log_gamma;
+  }
+  [[nodiscard]] detail::ParameterRange range(double from, double to) const {
+    const double a = branch_parameter(from);
+    const double b = branch_parameter(to);
+    return {std::min(a, b), std::max(a, b)};
+  }
+  // An orbit with no impacts yet, of the motion at a value of the branch parameter.
+  [[nodiscard]] OrbitSegment motion_at(double branch_parameter) const {
+    OrbitSegment segment;
+    segment.along = along();
+    segment.restitution = system_.restitution();
+    if (parameter_ == OrbitParameter::restitution) segment.log_gamma = log_gamma(system_, force_, omega_);
+    segment.set_parameter(branch_parameter);
+    return segment;
   }
 
   [[nodiscard]] PeriodicOrbit orbit(const OrbitSegment& segment) const {
+    const auto [omega, clearance] = scales(segment);
     PeriodicOrbit result{};
-    result.omega = omega(segment.log_gamma);
+    result.parameter = parameter(segment);
+    result.omega = omega;
     const double inertia = (system_.mass1() + system_.mass2()) * result.omega * result.omega;
     const std::complex<double> u = detail::harmonic(segment, 1) / segment.gamma();
     result.value = (output_ == Output::x1 ? -(1.0 + u) : -1.0 + system_.mass1() / system_.mass2() * u) / inertia;
     result.multipliers = detail::multipliers(segment);
     result.stable = detail::return_map(segment).stable();
     const std::size_t count = segment.impacts.size() * (segment.symmetric() ? 2 : 1);
-    const double unit = system_.clearance() * result.omega;
+    const double unit = clearance * result.omega;
     const double begin = 2 * pi * std::floor(segment.impacts.front().phase / (2 * pi));
     for (std::size_t i = 0; i < count; ++i) {
       const SegmentImpact impact = segment.impact(i);
@@ -125,15 +148,61 @@ class Scene {
     return BranchEnd::too_long;
   }
 
+  static double log_gamma(const TwoMassSystem& system, double force, double omega) {
+    return std::log(force / system.mass2() / system.clearance()) - 2 * std::log(omega);
+  }
+
+  [[nodiscard]] double branch_parameter(double value) const {
+    switch (parameter_) {
+      case OrbitParameter::omega:
+        return log_gamma(system_, force_, value);
+      case OrbitParameter::force:
+        return log_gamma(system_, value, omega_);
+      case OrbitParameter::clearance:
+        return log_gamma({system_.mass1(), system_.mass2(), value, system_.restitution()}, force_, omega_);
+      case OrbitParameter::restitution:
+        break;
+    }
+    return value;
+  }
+
+  [[nodiscard]] double parameter(const OrbitSegment& segment) const {
+    switch (parameter_) {
+      case OrbitParameter::omega:
+        return scales(segment).omega;
+      case OrbitParameter::force:
+        return segment.gamma() * system_.mass2() * system_.clearance() * omega_ * omega_;
+      case OrbitParameter::clearance:
+        return scales(segment).clearance;
+      case OrbitParameter::restitution:
+        break;
+    }
+    return segment.restitution;
+  }
+
+  struct Scales {
+    double omega, clearance;
+  };
+  [[nodiscard]] Scales scales(const OrbitSegment& segment) const {
+    const double mass = system_.mass2();
+    if (parameter_ == OrbitParameter::omega) {
+      return {std::sqrt(force_ / mass / system_.clearance()) * std::exp(-0.5 * segment.log_gamma), system_.clearance()};
+    }
+    if (parameter_ == OrbitParameter::clearance) return {omega_, force_ / mass / (omega_ * omega_) / segment.gamma()};
+    return {omega_, system_.clearance()};
+  }
+
   TwoMassSystem system_;
-  double force_;
+  double force_, omega_;
+  OrbitParameter parameter_;
   Output output_;
 };
 
 // Collects branches and the starts of those still to be followed.
 class Explorer {
  public:
-  Explorer(const detail::LogRange& range, const OrbitContinuationOptions& options) : range_(range), options_(options) {}
+  Explorer(const detail::ParameterRange& range, const OrbitContinuationOptions& options)
+      : range_(range), options_(options) {}
 
   void follow(const OrbitSegment& orbit) {
     follow_if_new(orbit);
@@ -240,7 +309,7 @@ class Explorer {
     }
     if (orbit.impacts.size() < 2) return;
     const OrbitSegment less = detail::without_impact(orbit, margin.index);
-    if (const auto direction = detail::tangent(less, detail::gamma_direction(less))) {
+    if (const auto direction = detail::tangent(less, detail::parameter_direction(less))) {
       detail::Direction opposite = *direction;
       for (double& value : opposite) value = -value;
       add({less, *direction, SegmentEnd::grazing, std::nullopt});
@@ -248,37 +317,59 @@ class Explorer {
     }
   }
 
-  detail::LogRange range_;
+  detail::ParameterRange range_;
   OrbitContinuationOptions options_;
   std::vector<SegmentBranch> branches_;
   std::deque<Start> queue_;
 };
 
 // The orbit that the motion from a start settles on, where it is a closed one without rests.
-std::optional<OrbitSegment> settled(double gamma, double restitution, const detail::GapState& start) {
-  const detail::GapMotion motion(gamma, restitution);
+std::optional<OrbitSegment> settled(const OrbitSegment& at, const detail::GapState& start) {
+  const detail::GapMotion motion(at.gamma(), at.restitution);
   const detail::SteadyState steady = detail::find_steady_state(motion, start, 1e-10);
   if (steady.regime != Regime::periodic && steady.regime != Regime::symmetric) return std::nullopt;
   const auto impacts = static_cast<int>(std::lround(steady.impacts_per_period * steady.period));
-  return detail::orbit_through(motion, steady.end, impacts, 2 * steady.period);
+  std::optional<OrbitSegment> found = detail::orbit_through(motion, steady.end, impacts, 2 * steady.period);
+  if (found) found->along = at.along;
+  return found;
 }
 
-// The half of a symmetric two-impact orbit.
-OrbitSegment segment_of(const detail::TwoImpactOrbit& orbit, double restitution) {
-  const double phase = static_cast<double>(orbit.start.half_period) * pi - pi / 2 + orbit.start.s;
-  return {std::log(orbit.gamma), restitution, 1, {{phase, orbit.speed, orbit.start.wall}}};
+// The half of the symmetric two-impact orbit, in closed form.
+std::optional<OrbitSegment> two_impact(OrbitSegment at) {
+  const auto orbit = detail::symmetric_two_impact_orbit(at.gamma(), at.restitution);
+  if (!orbit) return std::nullopt;
+  const double phase = static_cast<double>(orbit->start.half_period) * pi - pi / 2 + orbit->start.s;
+  at.half_periods = 1;
+  at.impacts = {{phase, orbit->speed, orbit->start.wall}};
+  return detail::corrected(at, detail::parameter_direction(at));
 }
 
-void check(const TwoMassSystem& system, double force_amplitude, double omega_from, double omega_to,
-           const OrbitContinuationOptions& options) {
-  detail::require_positive("force_amplitude", "N", force_amplitude);
-  detail::require_positive("clearance", "m", system.clearance());
-  detail::require_positive("omega_from", "rad/s", omega_from);
-  detail::require_positive("omega_to", "rad/s", omega_to);
-  if (!(omega_from < omega_to)) {
-    throw std::invalid_argument("omega_from is " + detail::text(omega_from) +
-                                "; it must be less than omega_to = " + detail::text(omega_to) + " (rad/s)");
+void require_range(OrbitParameter parameter, double from, double to) {
+  const std::string name(to_string(parameter));
+  if (parameter == OrbitParameter::restitution) {
+    if (!(from >= 0 && from < to && to <= 1)) {
+      throw std::invalid_argument(name + " from " + detail::text(from) + " to " + detail::text(to) +
+                                  "; must be 0 <= from < to <= 1");
+    }
+    return;
   }
+  const std::string unit = parameter == OrbitParameter::omega   ? "rad/s"
+                           : parameter == OrbitParameter::force ? "N"
+                                                                : "m";
+  detail::require_positive(name + "_from", unit, from);
+  detail::require_positive(name + "_to", unit, to);
+  if (!(from < to)) {
+    throw std::invalid_argument(name + "_from is " + detail::text(from) + "; it must be less than " + name +
+                                "_to = " + detail::text(to) + " (" + unit + ")");
+  }
+}
+
+void check(const TwoMassSystem& system, double force_amplitude, double omega, OrbitParameter parameter, double from,
+           double to, const OrbitContinuationOptions& options) {
+  if (parameter != OrbitParameter::force) detail::require_positive("force_amplitude", "N", force_amplitude);
+  if (parameter != OrbitParameter::clearance) detail::require_positive("clearance", "m", system.clearance());
+  if (parameter != OrbitParameter::omega) detail::require_positive("omega", "rad/s", omega);
+  require_range(parameter, from, to);
   for (const auto& [name, value, least] :
        {std::tuple{"longest_period", options.longest_period, 1}, std::tuple{"most_impacts", options.most_impacts, 2},
         std::tuple{"threads", options.threads, 0}}) {
@@ -291,11 +382,17 @@ void check(const TwoMassSystem& system, double force_amplitude, double omega_fro
 
 }  // namespace
 
+std::string_view to_string(OrbitParameter parameter) {
+  return detail::spelling(parameters, parameter);
+}
 std::string_view to_string(Bifurcation bifurcation) {
   return detail::spelling(bifurcations, bifurcation);
 }
 std::string_view to_string(BranchEnd end) {
   return detail::spelling(branch_ends, end);
+}
+OrbitParameter orbit_parameter_from_string(std::string_view text) {
+  return detail::from_spelling(parameters, "parameter", text);
 }
 Bifurcation bifurcation_from_string(std::string_view text) {
   return detail::from_spelling(bifurcations, "bifurcation", text);
@@ -315,37 +412,40 @@ PeriodicOrbit mirror_twin(const PeriodicOrbit& orbit, int period) {
   return twin;
 }
 
-OrbitDiagram orbit_diagram(const TwoMassSystem& system, double force_amplitude, double omega_from, double omega_to,
-                           const OrbitContinuationOptions& options, frac::Progress* progress) {
-  check(system, force_amplitude, omega_from, omega_to, options);
-  const Scene scene(system, force_amplitude, options.output);
-  const detail::LogRange range{scene.log_gamma(omega_to), scene.log_gamma(omega_from)};
+OrbitDiagram orbit_diagram(const TwoMassSystem& system, double force_amplitude, double omega, OrbitParameter parameter,
+                           double from, double to, const OrbitContinuationOptions& options, frac::Progress* progress) {
+  check(system, force_amplitude, omega, parameter, from, to, options);
+  const Scene scene(system, force_amplitude, omega, parameter, options.output);
+  const detail::ParameterRange range = scene.range(from, to);
+  const auto motion_at = [&](std::size_t i) {
+    const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(seed_values);
+    return scene.motion_at(range.upper + share * (range.lower - range.upper));
+  };
   const std::array<detail::GapState, 3> starts = {detail::state_at_peak(0.5, 0), detail::state_at_peak(0, 0),
                                                   detail::state_at_peak(0.9, -0.6)};
-  std::vector<std::optional<OrbitSegment>> seeds(seed_frequencies * starts.size());
+  std::vector<std::optional<OrbitSegment>> seeds(seed_values * starts.size());
   if (progress != nullptr) progress->total += seeds.size();
   frac::parallel_for(seeds.size(), options.threads, [&](std::size_t i) {
-    const double share = (static_cast<double>(i / starts.size()) + 0.5) / static_cast<double>(seed_frequencies);
-    const double gamma = std::exp(range.upper + share * (range.lower - range.upper));
-    seeds[i] = settled(gamma, system.restitution(), starts[i % starts.size()]);
+    seeds[i] = settled(motion_at(i / starts.size()), starts[i % starts.size()]);
     if (progress != nullptr) ++progress->done;
   });
   Explorer explorer(range, options);
-  // The symmetric two-impact orbit in closed form, which attracts nothing at restitution 1 or at low frequency.
-  for (std::size_t i = 0; i < seed_frequencies; ++i) {
-    const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(seed_frequencies);
-    const double gamma = std::exp(range.lower + share * (range.upper - range.lower));
-    const auto orbit = detail::symmetric_two_impact_orbit(gamma, system.restitution());
-    if (!orbit) continue;
-    const OrbitSegment segment = segment_of(*orbit, system.restitution());
-    if (const auto exact = detail::corrected(segment, detail::gamma_direction(segment))) explorer.follow(*exact);
+  // The symmetric two-impact orbit attracts nothing at restitution 1 or at low frequency.
+  for (std::size_t i = 0; i < seed_values; ++i) {
+    if (const auto orbit = two_impact(motion_at(seed_values - 1 - i))) explorer.follow(*orbit);
   }
   for (const auto& seed : seeds) {
     if (seed) explorer.follow(*seed);
   }
-  OrbitDiagram diagram{system, force_amplitude, omega_from, omega_to, options, {}};
+  OrbitDiagram diagram{system, force_amplitude, omega, parameter, from, to, options, {}};
   for (const SegmentBranch& branch : explorer.take()) diagram.branches.push_back(scene.branch(branch));
   return diagram;
+}
+
+OrbitDiagram orbit_diagram(const TwoMassSystem& system, double force_amplitude, double omega_from, double omega_to,
+                           const OrbitContinuationOptions& options, frac::Progress* progress) {
+  return orbit_diagram(system, force_amplitude, omega_from, OrbitParameter::omega, omega_from, omega_to, options,
+                       progress);
 }
 
 }  // namespace backlash

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <vector>
@@ -22,6 +23,7 @@ using backlash::BranchEnd;
 using backlash::orbit_diagram;
 using backlash::OrbitBranch;
 using backlash::OrbitDiagram;
+using backlash::OrbitParameter;
 using backlash::PeriodicOrbit;
 using backlash::Wall;
 using backlash::detail::GapMotion;
@@ -266,12 +268,73 @@ TEST(OrbitDiagram, ScalesWithTheSceneAndDoesNotDependOnThreads) {
   }
 }
 
+// Force and clearance enter as F/(M2 clearance omega^2) only: their branches are those over frequency.
+TEST(OrbitDiagram, FollowsForceAndClearanceAlongTheFamilyOfFrequency) {
+  const OrbitDiagram unit = unit_diagram(0.6, 1.4, 1.7);
+  const double omega = 3;
+  const backlash::TwoMassSystem system(1, 2, 0.25, 0.6);
+  const auto compare = [&](const OrbitDiagram& diagram, const auto& unit_omega) {
+    ASSERT_EQ(diagram.branches.size(), unit.branches.size());
+    std::vector<double> expected, found;
+    for (std::size_t i = 0; i < unit.branches.size(); ++i) {
+      for (const BifurcationPoint& point : unit.branches[i].bifurcations) expected.push_back(point.orbit.omega);
+      for (const BifurcationPoint& point : diagram.branches[i].bifurcations) {
+        found.push_back(unit_omega(point.orbit.parameter));
+        EXPECT_EQ(point.orbit.omega, omega);
+      }
+    }
+    std::sort(expected.begin(), expected.end());
+    std::sort(found.begin(), found.end());
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t i = 0; i < found.size(); ++i) EXPECT_NEAR(found[i] / expected[i], 1, 1e-10);
+  };
+  const auto force_at = [&](double unit_omega) { return 2 * 0.25 * omega * omega / (unit_omega * unit_omega); };
+  compare(orbit_diagram(system, 1, omega, OrbitParameter::force, force_at(1.7), force_at(1.4)),
+          [&](double force) { return omega / std::sqrt(force / (2 * 0.25)); });
+  const auto clearance_at = [&](double unit_omega) { return 5 * unit_omega * unit_omega / (2 * omega * omega); };
+  compare(orbit_diagram(system, 5, omega, OrbitParameter::clearance, clearance_at(1.4), clearance_at(1.7)),
+          [&](double clearance) { return omega / std::sqrt(5 / (2 * clearance)); });
+}
+
+// What bifurcates at gamma* for a given restitution bifurcates at that restitution for gamma*: the closed forms of the
+// two-impact orbit, and the period doubling that continuation over frequency finds.
+TEST(OrbitDiagram, FollowsRestitutionToTheBifurcationsOfFrequency) {
+  const auto over_restitution = [](double gamma, double from, double to) {
+    return orbit_diagram({1, 1, 1, 0}, 1, 1 / std::sqrt(gamma), OrbitParameter::restitution, from, to);
+  };
+  const auto expect_at = [&](double restitution, double gamma, int impacts, bool symmetric, Bifurcation kind) {
+    SCOPED_TRACE(gamma);
+    const OrbitDiagram diagram = over_restitution(gamma, restitution - 0.2, restitution + 0.1);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const OrbitBranch& branch : diagram.branches) {
+      if (branch.impacts != impacts || branch.symmetric != symmetric || branch.period != 1) continue;
+      for (const BifurcationPoint& point : branch.bifurcations) {
+        if (point.kind == kind) nearest = std::min(nearest, std::abs(point.orbit.parameter - restitution));
+      }
+    }
+    // gamma is good to 1e-14, and d restitution/d ln gamma is of order 1 at each of these; 1e-10 is promised.
+    EXPECT_LT(nearest, 1e-10);
+  };
+  expect_at(0.7, backlash::detail::saddle_node_gamma(0.7), 2, true, Bifurcation::saddle_node);
+  expect_at(0.5, backlash::detail::symmetry_loss(0.5).gamma, 2, true, Bifurcation::symmetry_breaking);
+  const OrbitDiagram frequency = unit_diagram(0.6, 1.3, 2);
+  const OrbitBranch* const asymmetric = find_branch(frequency, 1, 2, false);
+  ASSERT_NE(asymmetric, nullptr);
+  const auto doubling = first_of(*asymmetric, Bifurcation::period_doubling);
+  ASSERT_TRUE(doubling);
+  expect_at(0.6, gamma_of(*doubling), 2, false, Bifurcation::period_doubling);
+}
+
 TEST(OrbitDiagram, NamesWhatIsOutOfRange) {
   const backlash::TwoMassSystem system(1, 1, 1, 0.6);
   expect_invalid_argument([&] { (void)orbit_diagram(system, 0, 1, 2); }, {"force_amplitude"});
   expect_invalid_argument([&] { (void)orbit_diagram({1, 1, 0, 0.6}, 1, 1, 2); }, {"clearance"});
   expect_invalid_argument([&] { (void)orbit_diagram(system, 1, 2, 2); }, {"omega_from", "omega_to"});
   expect_invalid_argument([&] { (void)orbit_diagram(system, 1, -1, 2); }, {"omega_from", "-1"});
+  expect_invalid_argument([&] { (void)orbit_diagram(system, 1, 1, OrbitParameter::restitution, 0.5, 1.1); },
+                          {"restitution", "1.1", "1"});
+  expect_invalid_argument([&] { (void)orbit_diagram(system, 1, 1, OrbitParameter::force, 0, 1); }, {"force_from", "0"});
+  expect_invalid_argument([&] { (void)orbit_diagram(system, 1, 0, OrbitParameter::force, 1, 2); }, {"omega", "0"});
   backlash::OrbitContinuationOptions options;
   options.longest_period = 0;
   expect_invalid_argument([&] { (void)orbit_diagram(system, 1, 1, 2, options); }, {"longest_period", "0"});
@@ -290,7 +353,7 @@ std::optional<SegmentBranch> symmetric_branch(double restitution, double lower, 
   if (!orbit) return std::nullopt;
   const double phase = static_cast<double>(orbit->start.half_period) * pi - pi / 2 + orbit->start.s;
   const OrbitSegment guess{std::log(gamma), restitution, 1, {{phase, orbit->speed, orbit->start.wall}}};
-  const auto segment = backlash::detail::corrected(guess, backlash::detail::gamma_direction(guess));
+  const auto segment = backlash::detail::corrected(guess, backlash::detail::parameter_direction(guess));
   if (!segment) return std::nullopt;
   return backlash::detail::branch_through(*segment, {std::log(lower), std::log(upper)});
 }

@@ -156,6 +156,24 @@ TEST(WriteScript, NeedsNoGnuplotAndHoldsTheData) {
       << script.substr(0, 400);
 }
 
+TEST(WriteScript, DrawsAMapOfCellsRowByRowFromTheLowest) {
+  const TemporaryFolder folder;
+  Figure figure;
+  figure.name = "map";
+  Panel panel;
+  panel.key = true;
+  panel.map = CellMap{1, 3, 0, 1, 3, {0, 1, 1, 2, 0, 1}, {{"a", "#000000"}, {"b", "#ff0000"}, {"c", "#00ff00"}}};
+  figure.panels = {panel};
+  write_script(figure, folder.path());
+  const std::string script = content_of(folder.path("map.gp"));
+  EXPECT_NE(script.find("$panel1_map << e\n0 1 1\n2 0 1\ne\n"), std::string::npos);
+  // Centres 1, 2, 3 and 0, 1.
+  EXPECT_NE(script.find("matrix using (1+$1*1):(0+$2*1):3 with image"), std::string::npos);
+  const auto gnuplot = find_gnuplot();
+  if (!gnuplot) GTEST_SKIP() << "gnuplot is not installed";
+  EXPECT_EQ(draw(*gnuplot, folder.path(), "map"), "");
+}
+
 TEST(WriteScript, SaysWhichFileCannotBeWritten) {
   const TemporaryFolder folder;
   const std::string file = folder.write("file", "");
@@ -457,6 +475,13 @@ TEST(WriteReport, WritesEverythingForASmallScene) {
   // Sticking motion leaves its asymptote by about gamma^(-2/3); at a sixth of 1 rad/s, gamma = 7200 for the first
   // scene.
   EXPECT_NEAR(json.at("facts").at("lowest_local_slope").get<double>(), 2.0 / 3, 0.01);
+  // Symmetry of the two-impact orbit at restitution 0.6, to six digits (1/sqrt(0.3660699362)).
+  const io::TextTable bifurcations((options.out / "tables/bifurcations.csv").string());
+  double symmetry_loss = 0;
+  bifurcations.for_each_row([&](const io::TextTable::Row& row) {
+    if (row.fields[4] == "symmetry-breaking") symmetry_loss = *io::parse_number(row.fields[6]);
+  });
+  EXPECT_NEAR(symmetry_loss, 1.65279, 5e-6);
   EXPECT_NE(content_of(outcome.index.string()).find("fracfit report --scene &lt;scene&gt;"), std::string::npos);
   // The scene stands in every file, so that each can be made again.
   EXPECT_EQ(json.at("inputs").at("forces_n"), "20 40");

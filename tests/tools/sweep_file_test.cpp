@@ -52,6 +52,28 @@ TEST(SweepFile, ReadsBackExactlyWhatWasWritten) {
   }
 }
 
+TEST(SweepFile, DiagnosticsFollowTheBasicColumnsAndAreReadBack) {
+  const TemporaryFolder folder;
+  auto sweep = example();
+  sweep.options.mean_tolerance = 0.01;
+  for (auto& point : sweep.points) {
+    point.even_harmonic_ratio = 1.0 / 3;
+    point.energy_defect = 1e-15;
+    point.lyapunov_exponent = -std::numeric_limits<double>::infinity();
+  }
+  const std::string text = io::sweep_csv(sweep, "fracfit simulate", io::PointColumns::with_diagnostics);
+  EXPECT_NE(text.find("third_harmonic_ratio,even_harmonic_ratio,energy_defect,lyapunov_exponent\n"), std::string::npos);
+  const auto back = io::read_sweep(folder.write("sweep.csv", text));
+  EXPECT_EQ(back.options.mean_tolerance, 0.01);
+  ASSERT_EQ(back.points.size(), sweep.points.size());
+  for (std::size_t i = 0; i < back.points.size(); ++i) {
+    EXPECT_EQ(back.points[i].value, sweep.points[i].value);
+    EXPECT_EQ(back.points[i].even_harmonic_ratio, 1.0 / 3);
+    EXPECT_EQ(back.points[i].energy_defect, 1e-15);
+    EXPECT_EQ(back.points[i].lyapunov_exponent, -std::numeric_limits<double>::infinity());
+  }
+}
+
 TEST(SweepFile, IsAcceptedAsMeasuredData) {
   const TemporaryFolder folder;
   const auto sweep = example();

@@ -172,17 +172,23 @@ BatchTable read_batch_table(const std::string& file) {
   return table;
 }
 
-std::vector<std::string> shard_of(const std::vector<std::string>& inputs, const std::string& shard) {
-  if (shard.empty()) return inputs;
-  const auto slash = shard.find('/');
+io::Shard shard_option(const std::string& text) {
+  if (text.empty()) return {};
+  const auto slash = text.find('/');
   if (slash == std::string::npos)
-    throw std::invalid_argument("--shard " + io::quoted(shard) + ": expected i/n, such as 1/4");
-  const auto index = count_option("--shard", shard.substr(0, slash), 1);
-  const auto count = count_option("--shard", shard.substr(slash + 1), 1);
-  if (index > count) throw std::invalid_argument("--shard " + io::quoted(shard) + ": expected i/n with 1 <= i <= n");
-  std::vector<std::string> part;
-  for (std::size_t i = index - 1; i < inputs.size(); i += count) part.push_back(inputs[i]);
-  return part;
+    throw std::invalid_argument("--shard " + io::quoted(text) + ": expected i/n, such as 1/4");
+  const io::Shard shard{count_option("--shard", text.substr(0, slash), 1),
+                        count_option("--shard", text.substr(slash + 1), 1)};
+  if (shard.index > shard.count)
+    throw std::invalid_argument("--shard " + io::quoted(text) + ": expected i/n with 1 <= i <= n");
+  return shard;
+}
+
+std::vector<std::string> shard_of(const std::vector<std::string>& inputs, const std::string& shard) {
+  const io::Shard part = shard_option(shard);
+  std::vector<std::string> chosen;
+  for (std::size_t i = part.index - 1; i < inputs.size(); i += part.count) chosen.push_back(inputs[i]);
+  return chosen;
 }
 
 }  // namespace fracfit

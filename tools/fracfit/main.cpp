@@ -11,6 +11,7 @@
 #include "io/sweep_file.hpp"
 #include "solver_log.hpp"
 #include "subcommand.hpp"
+#include "wrapped_help.hpp"
 
 namespace {
 
@@ -57,6 +58,7 @@ int main(int argc, char** argv) {
   try {
     CLI::App program("Fractional-order modelling and fitting; describing functions of two masses with backlash.",
                      "fracfit");
+    program.formatter(fracfit::wrapped_help());  // subcommands inherit it
     program.set_version_flag("--version", "fracfit " + std::string(io::version()));
     program.require_subcommand(1);
     program.footer(
@@ -79,7 +81,9 @@ int main(int argc, char** argv) {
     fracfit::add_respond(program, run);
     fracfit::add_mittag_leffler(program, run);
     fracfit::add_orbits(program, run);
+    fracfit::add_map(program, run);
     fracfit::add_report(program, run);
+    fracfit::add_shell_help(program, run);
     return parse_and_run(program, run, argc, argv);
   } catch (const io::DataError& error) {
     return complain(error.what(), fracfit::invalid_data);

@@ -9,6 +9,7 @@
 #include "common_options.hpp"
 #include "exit_code.hpp"
 #include "io/data_error.hpp"
+#include "io/map_file.hpp"
 #include "subcommand.hpp"
 
 namespace fracfit {
@@ -47,6 +48,10 @@ std::string shortened(const std::vector<std::string>& names) {
 
 int run_merge(const MergeArguments& given) {
   const io::OutputFile out(given.out);
+  if (io::is_map_file(given.in.front())) {
+    out.write(io::joined_map_csv(given.in));
+    return usable_result;
+  }
   BatchTable merged;
   std::map<std::string, std::pair<std::string, std::string>> rows;  // file: line and where it is from
   for (const auto& name : given.in) {
@@ -90,11 +95,13 @@ int run_merge(const MergeArguments& given) {
 
 void add_merge(CLI::App& program, Run& run) {
   const auto given = std::make_shared<MergeArguments>();
-  auto* merge = program.add_subcommand("merge", "Joins the shards of a batch");
+  auto* merge = program.add_subcommand("merge", "Joins the shards of a batch or a map");
   merge->add_option("OUT", given->out, "Joined table; - for standard output")->required()->type_name("FILE");
-  merge->add_option("IN", given->in, "Tables written by fracfit batch --shard")->required()->type_name("FILE");
+  merge->add_option("IN", given->in, "Tables written by fracfit batch --shard or fracfit map --shard")
+      ->required()
+      ->type_name("FILE");
   merge->footer(
-      "All must stem from the same command on the same files.  The result is that of the batch without --shard.\n"
+      "All must stem from the same command, on the same files.  The result is that of the command without --shard.\n"
       "Example:\n"
       "  fracfit merge all.csv part1.csv part2.csv part3.csv part4.csv");
   merge->callback([given, &run] { run = [given] { return run_merge(*given); }; });

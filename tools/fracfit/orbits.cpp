@@ -9,6 +9,7 @@
 #include "exit_code.hpp"
 #include "io/progress_bar.hpp"
 #include "orbits_output.hpp"
+#include "scene_options.hpp"
 #include "subcommand.hpp"
 
 namespace fracfit {
@@ -16,8 +17,9 @@ namespace {
 
 struct OrbitsOptions {
   CommonOptions common;
-  std::string restitution, from, to;
-  std::string force = "1", clearance = "1", mass1 = "1", mass2 = "1";
+  SceneOptions scene;
+  std::string parameter = "omega", from, to;
+  std::string omega, restitution;
   std::string output = "x1", longest_period = "4", most_impacts = "16";
 };
 
@@ -30,10 +32,22 @@ int small_count(std::string_view name, const std::string& text, std::size_t lowe
 }
 
 int run_orbits(const OrbitsOptions& given) {
+  const auto parameter = backlash::orbit_parameter_from_string(given.parameter);
+  const bool over_omega = parameter == backlash::OrbitParameter::omega;
+  const bool over_restitution = parameter == backlash::OrbitParameter::restitution;
+  if (over_omega != given.omega.empty()) {
+    throw std::invalid_argument(over_omega ? "--omega is what changes from --from to --to; leave it out"
+                                           : "--omega is missing: the angular frequency (rad/s) that is held");
+  }
+  if (over_restitution != given.restitution.empty()) {
+    throw std::invalid_argument(over_restitution ? "--restitution is what changes from --from to --to; leave it out"
+                                                 : "--restitution is missing: expected a number from 0 to 1");
+  }
   const io::OutputFile file(given.common.out);
-  const backlash::TwoMassSystem system(number_option("--m1", given.mass1), number_option("--m2", given.mass2),
-                                       number_option("--clearance", given.clearance),
-                                       number_option("--restitution", given.restitution));
+  const backlash::TwoMassSystem system = system_of(given.scene, over_restitution ? "0" : given.restitution);
+  const double from = number_option("--from", given.from);
+  const double to = number_option("--to", given.to);
+  const double omega = over_omega ? from : number_option("--omega", given.omega);
   backlash::OrbitContinuationOptions options;
   options.output = backlash::output_from_string(given.output);
   options.longest_period = small_count("--longest-period", given.longest_period, 1);
@@ -42,24 +56,20 @@ int run_orbits(const OrbitsOptions& given) {
   frac::Progress progress;
   const auto diagram = [&] {
     const io::ProgressBar bar("orbits", progress, !given.common.quiet);
-    return backlash::orbit_diagram(system, number_option("--force", given.force), number_option("--from", given.from),
-                                   number_option("--to", given.to), options, &progress);
+    return backlash::orbit_diagram(system, number_option("--force", given.scene.force), omega, parameter, from, to,
+                                   options, &progress);
   }();
-  const std::string command = CommandLine("orbits")
-                                  .option("--restitution", given.restitution)
-                                  .option("--from", given.from)
-                                  .option("--to", given.to)
-                                  .option("--force", given.force)
-                                  .option("--clearance", given.clearance)
-                                  .option("--m1", given.mass1)
-                                  .option("--m2", given.mass2)
-                                  .option("--output", given.output)
+  CommandLine line = scene_command("orbits", given.scene);
+  line.option("--parameter", given.parameter).option("--from", given.from).option("--to", given.to);
+  if (!over_omega) line.option("--omega", given.omega);
+  if (!over_restitution) line.option("--restitution", given.restitution);
+  const std::string command = line.option("--output", given.output)
                                   .option("--longest-period", given.longest_period)
                                   .option("--most-impacts", given.most_impacts)
                                   .text();
   file.write(given.common.format == "json" ? orbits_json(diagram, command) : orbits_csv(diagram, command));
   if (diagram.branches.empty()) {
-    say(given.common, "no periodic orbit without rests between these frequencies");
+    say(given.common, "no periodic orbit without rests between these values");
     return no_usable_result;
   }
   const auto lost = std::count_if(diagram.branches.begin(), diagram.branches.end(), [](const auto& branch) {
@@ -76,19 +86,18 @@ int run_orbits(const OrbitsOptions& given) {
 
 void add_orbits(CLI::App& program, Run& run) {
   const auto given = std::make_shared<OrbitsOptions>();
-  auto* orbits = program.add_subcommand(
-      "orbits", "Branches of periodic orbits over frequency, stable and unstable, with their bifurcations");
-  orbits->add_option("--restitution", given->restitution, "Coefficient of restitution, 0 to 1")
-      ->required()
-      ->type_name("EPS");
-  orbits->add_option("--from", given->from, "Lowest angular frequency, rad/s")->required()->type_name("W");
-  orbits->add_option("--to", given->to, "Highest angular frequency, rad/s")->required()->type_name("W");
-  orbits->add_option("--force", given->force, "Force amplitude on mass 2, N, > 0")
+  auto* orbits = program.add_subcommand("orbits",
+                                        "Branches of periodic orbits over frequency, force, clearance or restitution, "
+                                        "stable and unstable, with their bifurcations");
+  orbits->add_option("--parameter", given->parameter, "What changes: omega, force, clearance or restitution")
       ->capture_default_str()
-      ->type_name("F");
-  orbits->add_option("--clearance", given->clearance, "Clearance, m, > 0")->capture_default_str()->type_name("DELTA");
-  orbits->add_option("--m1", given->mass1, "Mass 1, kg")->capture_default_str()->type_name("M1");
-  orbits->add_option("--m2", given->mass2, "Mass 2, kg")->capture_default_str()->type_name("M2");
+      ->type_name("NAME");
+  orbits->add_option("--from", given->from, "Its lowest value (rad/s, N, m or 1)")->required()->type_name("VALUE");
+  orbits->add_option("--to", given->to, "Its highest value")->required()->type_name("VALUE");
+  orbits->add_option("--restitution", given->restitution, "Coefficient of restitution, 0 to 1, unless it changes")
+      ->type_name("EPS");
+  orbits->add_option("--omega", given->omega, "Angular frequency, rad/s, unless it changes")->type_name("W");
+  add_scene_options(*orbits, given->scene);
   orbits->add_option("--output", given->output, "Position read: x1 or x2")->capture_default_str()->type_name("x1|x2");
   orbits->add_option("--longest-period", given->longest_period, "Force periods of the longest orbits kept")
       ->capture_default_str()
@@ -101,6 +110,7 @@ void add_orbits(CLI::App& program, Run& run) {
       "With force, clearance and masses 1 the frequency is that over sqrt(F/(M2 Delta)).\n"
       "Examples:\n"
       "  fracfit orbits --restitution 0.6 --from 1.3 --to 2.5\n"
+      "  fracfit orbits --parameter restitution --omega 1.6 --from 0.1 --to 0.95\n"
       "  fracfit orbits --restitution 0.6 --force 40 --clearance 0.3 --from 14 --to 25 --format json --out "
       "orbits.json");
   orbits->callback([given, &run] { run = [given] { return run_orbits(*given); }; });

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "io/number.hpp"
 #include "io/sweep_file.hpp"
@@ -15,17 +16,38 @@ Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
+// Column of the quantity that changes along a branch, as in every other file.
+std::string parameter_column(backlash::OrbitParameter parameter) {
+  switch (parameter) {
+    case backlash::OrbitParameter::force:
+      return "force_n";
+    case backlash::OrbitParameter::clearance:
+      return "clearance_m";
+    case backlash::OrbitParameter::restitution:
+      return "restitution";
+    case backlash::OrbitParameter::omega:
+      break;
+  }
+  return "omega_rad_s";
+}
+
 io::Metadata scene_of(const backlash::OrbitDiagram& diagram) {
-  return {{"mass1_kg", io::format_number(diagram.system.mass1())},
-          {"mass2_kg", io::format_number(diagram.system.mass2())},
-          {"clearance_m", io::format_number(diagram.system.clearance())},
-          {"force_n", io::format_number(diagram.force_amplitude)},
-          {"restitution", io::format_number(diagram.system.restitution())},
-          {"omega_from_rad_s", io::format_number(diagram.omega_from)},
-          {"omega_to_rad_s", io::format_number(diagram.omega_to)},
-          {"output", std::string(backlash::to_string(diagram.options.output))},
-          {"longest_period", std::to_string(diagram.options.longest_period)},
-          {"most_impacts", std::to_string(diagram.options.most_impacts)}};
+  io::Metadata scene = {{"mass1_kg", io::format_number(diagram.system.mass1())},
+                        {"mass2_kg", io::format_number(diagram.system.mass2())}};
+  using backlash::OrbitParameter;
+  for (const auto& [parameter, value] : {std::pair{OrbitParameter::clearance, diagram.system.clearance()},
+                                         std::pair{OrbitParameter::force, diagram.force_amplitude},
+                                         std::pair{OrbitParameter::restitution, diagram.system.restitution()},
+                                         std::pair{OrbitParameter::omega, diagram.omega}}) {
+    if (parameter != diagram.parameter) scene.emplace_back(parameter_column(parameter), io::format_number(value));
+  }
+  scene.emplace_back("parameter", std::string(backlash::to_string(diagram.parameter)));
+  scene.emplace_back("from", io::format_number(diagram.from));
+  scene.emplace_back("to", io::format_number(diagram.to));
+  scene.emplace_back("output", std::string(backlash::to_string(diagram.options.output)));
+  scene.emplace_back("longest_period", std::to_string(diagram.options.longest_period));
+  scene.emplace_back("most_impacts", std::to_string(diagram.options.most_impacts));
+  return scene;
 }
 
 double impacts_per_period(const backlash::OrbitBranch& branch) {
@@ -35,7 +57,7 @@ double impacts_per_period(const backlash::OrbitBranch& branch) {
 void append_row(std::string& text, std::size_t index, const backlash::OrbitBranch& branch, std::string_view kind,
                 const backlash::PeriodicOrbit& orbit) {
   text += std::to_string(index) + "," + std::string(kind) + ",";
-  for (const double value : {orbit.omega, orbit.value.real(), orbit.value.imag()}) {
+  for (const double value : {orbit.parameter, orbit.value.real(), orbit.value.imag()}) {
     io::append_number(text, value);
     text += ',';
   }
@@ -52,8 +74,8 @@ void append_row(std::string& text, std::size_t index, const backlash::OrbitBranc
   text += '\n';
 }
 
-Json orbit_json(const backlash::PeriodicOrbit& orbit) {
-  Json json{{"omega_rad_s", number(orbit.omega)},
+Json orbit_json(const backlash::PeriodicOrbit& orbit, backlash::OrbitParameter parameter) {
+  Json json{{parameter_column(parameter), number(orbit.parameter)},
             {"re_m_per_n", number(orbit.value.real())},
             {"im_m_per_n", number(orbit.value.imag())},
             {"stable", orbit.stable}};
@@ -73,9 +95,9 @@ Json orbit_json(const backlash::PeriodicOrbit& orbit) {
 std::string orbits_csv(const backlash::OrbitDiagram& diagram, const std::string& command) {
   std::string text = "# fracfit: " + std::string(io::version()) + "\n# command: " + command + "\n";
   for (const auto& [key, value] : scene_of(diagram)) text += "# " + key + ": " + value + "\n";
-  text +=
-      "branch,kind,omega_rad_s,re_m_per_n,im_m_per_n,period,impacts_per_period,symmetry,stability,re_multiplier1,"
-      "im_multiplier1,re_multiplier2,im_multiplier2\n";
+  text += "branch,kind," + parameter_column(diagram.parameter) +
+          ",re_m_per_n,im_m_per_n,period,impacts_per_period,symmetry,stability,re_multiplier1,"
+          "im_multiplier1,re_multiplier2,im_multiplier2\n";
   for (std::size_t i = 0; i < diagram.branches.size(); ++i) {
     const auto& branch = diagram.branches[i];
     auto next = branch.bifurcations.begin();
@@ -102,11 +124,11 @@ std::string orbits_json(const backlash::OrbitDiagram& diagram, const std::string
                {"begin", backlash::to_string(branch.begin)},
                {"end", backlash::to_string(branch.end)}};
     entry["orbits"] = Json::array();
-    for (const auto& orbit : branch.orbits) entry["orbits"].push_back(orbit_json(orbit));
+    for (const auto& orbit : branch.orbits) entry["orbits"].push_back(orbit_json(orbit, diagram.parameter));
     entry["bifurcations"] = Json::array();
     for (const auto& point : branch.bifurcations) {
       Json bifurcation{{"kind", backlash::to_string(point.kind)}, {"after", point.after}};
-      bifurcation.update(orbit_json(point.orbit));
+      bifurcation.update(orbit_json(point.orbit, diagram.parameter));
       entry["bifurcations"].push_back(std::move(bifurcation));
     }
     json["branches"].push_back(std::move(entry));

@@ -23,6 +23,7 @@ struct SimulateOptions {
   std::string force, clearance, restitution, omega;
   std::string mass1 = "1", mass2 = "1";
   std::string output, model = "dynamic", protocol, tolerance;
+  bool diagnostics = false;
 };
 
 CommandLine scene_command(const SimulateOptions& given) {
@@ -41,6 +42,8 @@ int simulate_static(const SimulateOptions& given, const io::OutputFile& file) {
        {std::pair{"--protocol", &given.protocol}, std::pair{"--tolerance", &given.tolerance}})
     if (!text->empty())
       throw std::invalid_argument(std::string(name) + " has no meaning with --model static, which is a closed form");
+  if (given.diagnostics)
+    throw std::invalid_argument("--diagnostics has no meaning with --model static, which is a closed form");
   if (!given.output.empty() && backlash::output_from_string(given.output) != backlash::Output::x1)
     throw std::invalid_argument("--output " + given.output +
                                 ": the static model gives the mass behind the backlash, x1, alone");
@@ -76,12 +79,14 @@ int simulate_dynamic(const SimulateOptions& given, const io::OutputFile& file) {
     return backlash::describing_function_sweeps(scenes, io::parse_grid(given.omega, "--omega"), options, &progress)
         .front();
   }();
-  const std::string command = scene_command(given)
-                                  .option("--output", std::string(backlash::to_string(options.output)))
-                                  .option("--protocol", std::string(backlash::to_string(options.protocol)))
-                                  .option("--tolerance", io::format_number(options.tolerance))
-                                  .text();
-  file.write(given.common.format == "json" ? sweep_json(sweep, command) : io::sweep_csv(sweep, command));
+  CommandLine command = scene_command(given);
+  command.option("--output", std::string(backlash::to_string(options.output)))
+      .option("--protocol", std::string(backlash::to_string(options.protocol)))
+      .option("--tolerance", io::format_number(options.tolerance));
+  if (given.diagnostics) command.flag("--diagnostics");
+  const auto columns = given.diagnostics ? io::PointColumns::with_diagnostics : io::PointColumns::basic;
+  file.write(given.common.format == "json" ? sweep_json(sweep, command.text())
+                                           : io::sweep_csv(sweep, command.text(), columns));
   const bool usable = std::all_of(sweep.points.begin(), sweep.points.end(), [](const auto& point) {
     return std::isfinite(point.value.real()) && std::isfinite(point.value.imag());
   });
@@ -122,6 +127,8 @@ void add_simulate(CLI::App& program, Run& run) {
   simulation
       ->add_option("--tolerance", given->tolerance, "Closure of an orbit, relative to the clearance (default 1e-10)")
       ->type_name("T");
+  simulation->add_flag("--diagnostics", given->diagnostics,
+                       "Three more columns: even-harmonic ratio, energy defect, Lyapunov exponent");
   add_common_options(*simulation, given->common, {"csv", "json"});
   simulation->footer(
       "Examples:\n"

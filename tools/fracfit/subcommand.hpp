@@ -20,10 +20,13 @@ void add_fit(CLI::App& program, Run& run);
 void add_identify(CLI::App& program, Run& run);
 void add_identify_scene(CLI::App& program, Run& run);
 void add_jump_law(CLI::App& program, Run& run);
+void add_map(CLI::App& program, Run& run);
 void add_merge(CLI::App& program, Run& run);
 void add_mittag_leffler(CLI::App& program, Run& run);
 void add_orbits(CLI::App& program, Run& run);
 void add_report(CLI::App& program, Run& run);
 void add_respond(CLI::App& program, Run& run);
+/// Adds `completion` and `man`.
+void add_shell_help(CLI::App& program, Run& run);
 
 }  // namespace fracfit

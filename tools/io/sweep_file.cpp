@@ -10,14 +10,11 @@
 namespace io {
 namespace {
 
-constexpr std::string_view columns =
-    "omega_rad_s,re_m_per_n,im_m_per_n,regime,period,impacts_per_period,uncertainty_m_per_n,third_harmonic_ratio\n";
-
-std::string header_lines(const Metadata& scene, const std::string& command) {
-  std::string text = "# fracfit: " + std::string(version()) + "\n# command: " + command + "\n";
-  for (const auto& [key, value] : scene) text += "# " + key + ": " + value + "\n";
-  return text;
-}
+constexpr std::string_view basic_columns =
+    "omega_rad_s,re_m_per_n,im_m_per_n,regime,period,impacts_per_period,uncertainty_m_per_n,third_harmonic_ratio";
+constexpr std::string_view all_columns =
+    "omega_rad_s,re_m_per_n,im_m_per_n,regime,period,impacts_per_period,uncertainty_m_per_n,third_harmonic_ratio,"
+    "even_harmonic_ratio,energy_defect,lyapunov_exponent";
 
 Metadata scene_entries(std::string_view model, double mass1, double mass2, double clearance, double force_amplitude) {
   return {{"model", std::string(model)},
@@ -42,7 +39,6 @@ void append_row(std::string& text, double omega, std::complex<double> value, std
     text += ',';
     append_number(text, number);
   }
-  text += '\n';
 }
 
 // What the scene or a row says, with the place in messages.
@@ -51,9 +47,11 @@ class SweepReader {
   explicit SweepReader(const std::string& file) : table_(file) {
     std::string names;
     for (const auto& field : table_.header()) names += (names.empty() ? "" : ",") + std::string(field.text);
-    if (names + "\n" != columns)
+    has_diagnostics_ = names == all_columns;
+    if (!has_diagnostics_ && names != basic_columns)
       throw DataError(table_.file(), table_.header().front().line, 1,
-                      "found columns " + names + "; expected " + std::string(columns.substr(0, columns.size() - 1)));
+                      "found columns " + names + "; expected " + std::string(basic_columns) +
+                          ", with or without even_harmonic_ratio,energy_defect,lyapunov_exponent");
   }
 
   [[nodiscard]] backlash::DescribingFunctionSweep read() const {
@@ -63,6 +61,7 @@ class SweepReader {
     options.protocol = checked("protocol", [&] { return backlash::protocol_from_string(text("protocol")); });
     options.output = checked("output", [&] { return backlash::output_from_string(text("output")); });
     options.tolerance = number("tolerance");
+    if (find_value(table_.metadata(), "mean_tolerance")) options.mean_tolerance = number("mean_tolerance");
     const auto system = checked("scene", [&] {
       return backlash::TwoMassSystem(number("mass1_kg"), number("mass2_kg"), number("clearance_m"),
                                      number("restitution"));
@@ -123,16 +122,42 @@ class SweepReader {
     point.impacts_per_period = number(row, 5);
     point.uncertainty = number(row, 6);
     point.third_harmonic_ratio = number(row, 7);
+    if (has_diagnostics_) {
+      point.even_harmonic_ratio = number(row, 8);
+      point.energy_defect = number(row, 9);
+      point.lyapunov_exponent = number(row, 10);
+    }
     return point;
   }
 
   TextTable table_;
+  bool has_diagnostics_ = false;
 };
 
 }  // namespace
 
 std::string_view version() {
   return FRACFIT_VERSION;
+}
+
+std::string header_lines(const Metadata& scene, const std::string& command) {
+  std::string text = "# fracfit: " + std::string(version()) + "\n# command: " + command + "\n";
+  for (const auto& [key, value] : scene) text += "# " + key + ": " + value + "\n";
+  return text;
+}
+
+std::string_view point_columns(PointColumns columns) {
+  return columns == PointColumns::basic ? basic_columns : all_columns;
+}
+
+void append_point(std::string& text, const backlash::DescribingFunctionPoint& point, PointColumns columns) {
+  append_row(text, point.omega, point.value, backlash::to_string(point.regime), std::to_string(point.period),
+             point.impacts_per_period, point.uncertainty, point.third_harmonic_ratio);
+  if (columns == PointColumns::basic) return;
+  for (const double number : {point.even_harmonic_ratio, point.energy_defect, point.lyapunov_exponent}) {
+    text += ',';
+    append_number(text, number);
+  }
 }
 
 Metadata scene_of(const backlash::DescribingFunctionSweep& sweep) {
@@ -142,15 +167,19 @@ Metadata scene_of(const backlash::DescribingFunctionSweep& sweep) {
   scene.emplace_back("output", backlash::to_string(sweep.options.output));
   scene.emplace_back("protocol", backlash::to_string(sweep.options.protocol));
   scene.emplace_back("tolerance", format_number(sweep.options.tolerance));
+  if (sweep.options.mean_tolerance > 0)
+    scene.emplace_back("mean_tolerance", format_number(sweep.options.mean_tolerance));
   return scene;
 }
 
-std::string sweep_csv(const backlash::DescribingFunctionSweep& sweep, const std::string& command) {
+std::string sweep_csv(const backlash::DescribingFunctionSweep& sweep, const std::string& command,
+                      PointColumns columns) {
   std::string text = header_lines(scene_of(sweep), command);
-  text += columns;
-  for (const auto& point : sweep.points)
-    append_row(text, point.omega, point.value, backlash::to_string(point.regime), std::to_string(point.period),
-               point.impacts_per_period, point.uncertainty, point.third_harmonic_ratio);
+  text += std::string(point_columns(columns)) + "\n";
+  for (const auto& point : sweep.points) {
+    append_point(text, point, columns);
+    text += '\n';
+  }
   return text;
 }
 
@@ -160,10 +189,12 @@ Metadata scene_of(const StaticCurve& curve) {
 
 std::string static_curve_csv(const StaticCurve& curve, const std::string& command) {
   std::string text = header_lines(scene_of(curve), command);
-  text += columns;
+  text += std::string(basic_columns) + "\n";
   constexpr double none = std::numeric_limits<double>::quiet_NaN();
-  for (std::size_t i = 0; i < curve.omega.size(); ++i)
+  for (std::size_t i = 0; i < curve.omega.size(); ++i) {
     append_row(text, curve.omega[i], curve.value[i], "static", "nan", none, none, none);
+    text += '\n';
+  }
   return text;
 }
 

@@ -17,8 +17,18 @@ namespace io {
 /// The scene of a sweep as key and value, in SI units: what has to be given to make it again.
 [[nodiscard]] Metadata scene_of(const backlash::DescribingFunctionSweep& sweep);
 
-/// CSV text of a sweep: "# key: value" lines with version, command and scene, then one row per point.
-[[nodiscard]] std::string sweep_csv(const backlash::DescribingFunctionSweep& sweep, const std::string& command);
+/// "# key: value" lines with version, command and scene, which begin every CSV output.
+[[nodiscard]] std::string header_lines(const Metadata& scene, const std::string& command);
+
+/// Columns of a point: those that other programs rely on, or these and, after them, even_harmonic_ratio, energy_defect
+/// and lyapunov_exponent.
+enum class PointColumns { basic, with_diagnostics };
+[[nodiscard]] std::string_view point_columns(PointColumns columns);
+void append_point(std::string& text, const backlash::DescribingFunctionPoint& point, PointColumns columns);
+
+/// CSV text of a sweep: header lines, then one row per point.
+[[nodiscard]] std::string sweep_csv(const backlash::DescribingFunctionSweep& sweep, const std::string& command,
+                                    PointColumns columns = PointColumns::basic);
 
 /// The static model's curve in the same columns; what has no meaning for it is nan.
 struct StaticCurve {
@@ -31,7 +41,7 @@ struct StaticCurve {
 [[nodiscard]] Metadata scene_of(const StaticCurve& curve);
 [[nodiscard]] std::string static_curve_csv(const StaticCurve& curve, const std::string& command);
 
-/// Reads back what sweep_csv wrote.
+/// Reads back what sweep_csv wrote, with either columns.
 /// @throws DataError  as TextTable, or an entry of the scene or of a row missing or invalid.
 [[nodiscard]] backlash::DescribingFunctionSweep read_sweep(const std::string& file);
 

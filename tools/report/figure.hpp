@@ -40,10 +40,23 @@ struct Axis {
   std::optional<double> from, to;  // fitted to the curves when unset
 };
 
+/// A coloured grid below the curves: each cell shows one of a few kinds.
+struct CellMap {
+  struct Kind {
+    std::string label;   // key entry in gnuplot's enhanced text
+    std::string colour;  // #rrggbb
+  };
+  double x_from, x_to, y_from, y_to;  // centres of the outermost cells; the axes are linear
+  std::size_t columns;                // >= 2
+  std::vector<std::size_t> cells;     // index of the kind, row by row from the lowest y, at least two rows
+  std::vector<Kind> kinds;            // >= 2
+};
+
 struct Panel {
   std::string title;
   Axis x, y;
   std::vector<Curve> curves;
+  std::optional<CellMap> map = {};
   bool key = false;  // the key stands to the right of the panel, so it never covers a curve
 };
 

@@ -35,20 +35,23 @@ std::string quoted(const std::string& text) {
   return safe + "'";
 }
 
+std::size_t drawn_length(const std::string& label) {
+  return static_cast<std::size_t>(std::count_if(label.begin(), label.end(), [](char c) {
+    // Neither markup nor the later bytes of a UTF-8 character take room.
+    return std::string_view("_^{}\\").find(c) == std::string_view::npos &&
+           (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
+  }));
+}
+
 // Width of the key in px: the sample line, and the longest label at the width of an average character of the fonts in
 // use.
 int key_width(const Figure& figure) {
   std::size_t longest = 0;
   for (const Panel& panel : figure.panels) {
     if (!panel.key) continue;
-    for (const Curve& curve : panel.curves) {
-      const auto drawn = std::count_if(curve.label.begin(), curve.label.end(), [](char c) {
-        // Neither markup nor the later bytes of a UTF-8 character take room.
-        return std::string_view("_^{}\\").find(c) == std::string_view::npos &&
-               (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
-      });
-      longest = std::max(longest, static_cast<std::size_t>(drawn));
-    }
+    for (const Curve& curve : panel.curves) longest = std::max(longest, drawn_length(curve.label));
+    if (!panel.map) continue;
+    for (const CellMap::Kind& kind : panel.map->kinds) longest = std::max(longest, drawn_length(kind.label));
   }
   return 68 + static_cast<int>(9.0 * static_cast<double>(longest));
 }
@@ -59,6 +62,9 @@ struct Range {
 
 Range fitted_range(const Panel& panel, bool horizontal) {
   const Axis& axis = horizontal ? panel.x : panel.y;
+  if (panel.map) {
+    return horizontal ? Range{panel.map->x_from, panel.map->x_to} : Range{panel.map->y_from, panel.map->y_to};
+  }
   double lowest = std::numeric_limits<double>::infinity();
   double highest = -lowest;
   for (const Curve& curve : panel.curves) {
@@ -205,14 +211,47 @@ std::string block_name(std::size_t panel, std::size_t curve) {
   return "$panel" + std::to_string(panel + 1) + "_curve" + std::to_string(curve + 1);
 }
 
+std::string map_name(std::size_t panel) {
+  return "$panel" + std::to_string(panel + 1) + "_map";
+}
+
+void write_map_data(std::ostream& script, const CellMap& map, std::size_t panel) {
+  script << map_name(panel) << " << e\n";
+  for (std::size_t i = 0; i < map.cells.size(); ++i) {
+    script << map.cells[i] << ((i + 1) % map.columns == 0 ? '\n' : ' ');
+  }
+  script << "e\n";
+}
+
+// Cells as one image, and for each kind a square in the key.
+void write_map(std::ostream& script, const CellMap& map, std::size_t panel) {
+  const std::size_t rows = map.cells.size() / map.columns;
+  const double dx = (map.x_to - map.x_from) / static_cast<double>(map.columns - 1);
+  const double dy = (map.y_to - map.y_from) / static_cast<double>(rows - 1);
+  script << map_name(panel) << " matrix using (" << map.x_from << "+$1*" << dx << "):(" << map.y_from << "+$2*" << dy
+         << "):3 with image notitle";
+  for (const CellMap::Kind& kind : map.kinds) {
+    script << ", \\\n     NaN with points pt 5 ps 1.6 lc rgb '" << kind.colour << "' title " << quoted(kind.label);
+  }
+}
+
+void write_palette(std::ostream& script, const CellMap& map) {
+  const std::size_t last = map.kinds.size() - 1;
+  script << "set palette maxcolors " << map.kinds.size() << "\nset palette defined (";
+  for (std::size_t i = 0; i <= last; ++i) script << (i == 0 ? "" : ", ") << i << " '" << map.kinds[i].colour << "'";
+  script << ")\nset cbrange [0:" << last << "]\nunset colorbox\n";
+}
+
 void write_panel(std::ostream& script, const Panel& panel, std::size_t index) {
   script << "set title " << quoted(panel.title) << "\n";
   write_axis(script, 'x', panel.x, axis_range(panel, true));
   write_axis(script, 'y', panel.y, axis_range(panel, false));
   script << (panel.key ? "set key at graph 1.02, graph 1 left top Left reverse samplen 2 spacing 1.15\n"
                        : "unset key\n");
+  if (panel.map) write_palette(script, *panel.map);
   script << "plot ";
-  bool first = true;
+  bool first = !panel.map;
+  if (panel.map) write_map(script, *panel.map, index);
   for (std::size_t i = 0; i < panel.curves.size(); ++i) {
     const Curve& curve = panel.curves[i];
     if (!has_points(curve)) {
@@ -257,6 +296,7 @@ void write_script(const Figure& figure, const std::filesystem::path& folder) {
   script << "# Makes " << figure.name << ".svg and " << figure.name << ".png:  gnuplot " << figure.name << ".gp\n"
          << "set encoding utf8\nset minussign\n";
   for (std::size_t p = 0; p < figure.panels.size(); ++p) {
+    if (figure.panels[p].map) write_map_data(script, *figure.panels[p].map, p);
     for (std::size_t c = 0; c < figure.panels[p].curves.size(); ++c) {
       const Curve& curve = figure.panels[p].curves[c];
       if (!has_points(curve)) continue;

@@ -45,6 +45,10 @@ struct Bands;  // bands.hpp
 [[nodiscard]] Section fit_section(const Work& work, const Bands& bands);
 [[nodiscard]] Section slope_section(const Work& work, const Bands& bands);
 [[nodiscard]] Section jump_section(const Work& work, const Curves& curves);
+/// Of the dimensionless scene, which all scenes share.
+[[nodiscard]] Section map_section(const Work& work);
+/// Only for a clearance above 0.
+[[nodiscard]] Section orbit_section(const Work& work);
 [[nodiscard]] Section speed_section(const Work& work);
 /// @param name    of the file, for the reader
 /// @param number  from 1, makes the names of figures and tables

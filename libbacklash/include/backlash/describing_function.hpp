@@ -46,8 +46,11 @@ struct SweepOptions {
   Protocol protocol = Protocol::sweep_up;
   Output output = Output::x1;
   double tolerance =
-      1e-10;        // in (0, 0.01]: an orbit is closed when its state repeats within tolerance, u and du/d(omega t) in
-                    // units of the clearance; chatter is cut off where it matters less than a thousandth of it
+      1e-10;  // in (0, 0.01]: an orbit is closed when its state repeats within tolerance, u and du/d(omega t) in
+              // units of the clearance; chatter is cut off where it matters less than a thousandth of it
+  double mean_tolerance =
+      0;  // in [0, 1): a long-time mean of a chaotic motion ends early, with its honest uncertainty, once that is below
+          // this share of |N|; 0 follows each for a thousand periods
   int threads = 0;  // 0: one per core
 };
 

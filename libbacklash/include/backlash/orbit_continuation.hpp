@@ -13,6 +13,9 @@
 
 namespace backlash {
 
+/// The quantity that changes along a branch; the others of the scene are held.
+enum class OrbitParameter { omega, force, clearance, restitution };
+
 /// Bifurcations of periodic orbits in one parameter.
 enum class Bifurcation {
   saddle_node,        // a multiplier +1: two orbits meet and vanish
@@ -23,7 +26,7 @@ enum class Bifurcation {
 
 /// Why a branch ends.
 enum class BranchEnd {
-  range,              // at the end of the frequencies asked for
+  range,              // at the end of the range asked for
   grazing,            // at a bifurcation of that kind
   symmetry_breaking,  // at the bifurcation it is born from
   period_doubling,    // the same
@@ -32,9 +35,11 @@ enum class BranchEnd {
   too_long,           // after 20 000 orbits
 };
 
+[[nodiscard]] std::string_view to_string(OrbitParameter parameter);
 [[nodiscard]] std::string_view to_string(Bifurcation bifurcation);
 [[nodiscard]] std::string_view to_string(BranchEnd end);
 /// @throws std::invalid_argument  naming the allowed spellings.
+[[nodiscard]] OrbitParameter orbit_parameter_from_string(std::string_view text);
 [[nodiscard]] Bifurcation bifurcation_from_string(std::string_view text);
 [[nodiscard]] BranchEnd branch_end_from_string(std::string_view text);
 
@@ -46,6 +51,7 @@ struct OrbitImpact {
 
 /// A periodic orbit, stable or not.
 struct PeriodicOrbit {
+  double parameter;                                 // in rad/s, N, m or 1, see OrbitDiagram
   double omega;                                     // rad/s
   std::complex<double> value;                       // describing function, m/N
   std::array<std::complex<double>, 2> multipliers;  // of the map over the whole orbit, larger modulus first; infinite
@@ -83,23 +89,33 @@ struct OrbitContinuationOptions {
 };
 
 struct OrbitDiagram {
-  TwoMassSystem system;
-  double force_amplitude;  // N
-  double omega_from;       // rad/s
-  double omega_to;         // rad/s
+  TwoMassSystem system;    // its clearance or restitution holds where that is not the parameter
+  double force_amplitude;  // N, likewise
+  double omega;            // rad/s, likewise
+  OrbitParameter parameter;
+  double from, to;  // of the parameter: rad/s, N, m or 1
   OrbitContinuationOptions options;
   std::vector<OrbitBranch> branches;  // of few impacts and short period first
 };
 
-/// The periodic orbits between two frequencies: those that simulations from several starts settle on, continued through
-/// folds by pseudo-arclength (Keller 1977) in ln omega, and those that branch off them at symmetry breaking, period
-/// doubling and grazing.  Orbits along a branch are exact to rounding; bifurcations are refined to 1e-10 of omega.
-/// Orbits in which the masses rest in contact (see Regime::chatter) are not among them: a branch ends at the grazing
-/// before.
+/// The periodic orbits of a scene between two values of one of its quantities: those that simulations from several
+/// starts settle on, continued through folds by pseudo-arclength (Keller 1977), and those that branch off them at
+/// symmetry breaking, period doubling and grazing.  Orbits along a branch are exact to rounding; bifurcations are
+/// refined to 1e-10 of the parameter.  By similarity frequency, force and clearance lead along the same family, in
+/// ln(F/(M2 clearance omega^2)).  Orbits in which the masses rest in contact (see Regime::chatter) are not among them:
+/// a branch ends at the grazing before. The value that `system`, `force_amplitude` or `omega` gives for the parameter
+/// itself is not used.
 /// @param force_amplitude  N, > 0
-/// @param omega_from,omega_to  rad/s, 0 < omega_from < omega_to
+/// @param omega            rad/s, > 0
+/// @param from,to   0 < from < to, for restitution 0 <= from < to <= 1
 /// @param progress  counts starts, if given
 /// @throws std::invalid_argument  naming the quantity, its value and what is allowed; clearance 0 has no impacts.
+[[nodiscard]] OrbitDiagram orbit_diagram(const TwoMassSystem& system, double force_amplitude, double omega,
+                                         OrbitParameter parameter, double from, double to,
+                                         const OrbitContinuationOptions& options = {},
+                                         frac::Progress* progress = nullptr);
+
+/// Over frequency, rad/s.
 [[nodiscard]] OrbitDiagram orbit_diagram(const TwoMassSystem& system, double force_amplitude, double omega_from,
                                          double omega_to, const OrbitContinuationOptions& options = {},
                                          frac::Progress* progress = nullptr);

@@ -95,20 +95,20 @@ std::optional<OrbitSegment> birth_between(const OrbitSegment& from, const OrbitS
   const double before = dot(a->difference, a->difference);
   const double share = before / (before - dot(a->difference, b->difference));
   const OrbitSegment guess = moved(a->mean, difference(b->mean, a->mean), share);
-  const Direction fixed = gamma_direction(guess);
-  const auto at = [&](double log_gamma) {
+  const Direction fixed = parameter_direction(guess);
+  const auto at = [&](double parameter) {
     OrbitSegment moved_guess = guess;
-    moved_guess.log_gamma = log_gamma;
+    moved_guess.set_parameter(parameter);
     return corrected(moved_guess, fixed);
   };
-  const auto flip_at = [&](double log_gamma) -> std::optional<double> {
-    const std::optional<OrbitSegment> orbit = at(log_gamma);
+  const auto flip_at = [&](double parameter) -> std::optional<double> {
+    const std::optional<OrbitSegment> orbit = at(parameter);
     if (!orbit) return std::nullopt;
     return return_map(*orbit).flip();
   };
   for (double width = 1e-7; width < 0.1; width *= 4) {
-    const double lower = guess.log_gamma - width;
-    const double upper = guess.log_gamma + width;
+    const double lower = guess.parameter() - width;
+    const double upper = guess.parameter() + width;
     const std::optional<double> below = flip_at(lower);
     const std::optional<double> above = flip_at(upper);
     if (!below || !above) return std::nullopt;
@@ -121,7 +121,7 @@ std::optional<OrbitSegment> birth_between(const OrbitSegment& from, const OrbitS
 
 class March {
  public:
-  March(SegmentPoint start, const LogRange& range) : start_(start), range_(range) {
+  March(SegmentPoint start, const ParameterRange& range) : start_(start), range_(range) {
     branch_.points.push_back(std::move(start));
   }
 
@@ -177,7 +177,7 @@ class March {
       }
     };
     for (const double limit : {range_.lower, range_.upper}) {
-      const auto beyond = [&](const SegmentPoint& point) { return point.orbit.log_gamma - limit; };
+      const auto beyond = [&](const SegmentPoint& point) { return point.orbit.parameter() - limit; };
       const bool inside = limit == range_.lower ? beyond(to) >= 0 : beyond(to) <= 0;
       if (!inside) {
         if (!changes(beyond(from), beyond(to)) || beyond(from) == 0) {
@@ -240,7 +240,7 @@ class March {
   }
 
   SegmentPoint start_;
-  LogRange range_;
+  ParameterRange range_;
   SegmentBranch branch_{{}, {}, SegmentEnd::lost, SegmentEnd::lost};
   bool left_ = false;
 };
@@ -291,23 +291,23 @@ bool shift_to(OrbitSegment& orbit, const OrbitSegment& other) {
 
 }  // namespace
 
-std::optional<SegmentBranch> branch_through(const OrbitSegment& orbit, const LogRange& log_gamma) {
+std::optional<SegmentBranch> branch_through(const OrbitSegment& orbit, const ParameterRange& range) {
   if (!(contact_margin(orbit).margin > 0)) return std::nullopt;
-  const std::optional<Direction> forward = tangent(orbit, gamma_direction(orbit));
+  const std::optional<Direction> forward = tangent(orbit, parameter_direction(orbit));
   if (!forward) return std::nullopt;
   Direction backward = *forward;
   for (double& value : backward) value = -value;
-  SegmentBranch after = March({orbit, *forward}, log_gamma).run(first_step, false);
+  SegmentBranch after = March({orbit, *forward}, range).run(first_step, false);
   if (after.end == SegmentEnd::closed) {
     after.begin = SegmentEnd::closed;
     return after;
   }
-  return joined(March({orbit, backward}, log_gamma).run(first_step, false), std::move(after));
+  return joined(March({orbit, backward}, range).run(first_step, false), std::move(after));
 }
 
 std::optional<SegmentBranch> branch_from(const OrbitSegment& start, const Direction& direction, SegmentEnd begin,
-                                         const LogRange& log_gamma) {
-  SegmentBranch branch = March({start, direction}, log_gamma).run(first_step, true);
+                                         const ParameterRange& range) {
+  SegmentBranch branch = March({start, direction}, range).run(first_step, true);
   if (branch.points.size() < 2) return std::nullopt;
   branch.begin = begin;
   return branch;

@@ -9,7 +9,7 @@
 namespace backlash::detail {
 
 enum class SegmentEvent {
-  fold,     // a multiplier +1: the branch turns back in gamma
+  fold,     // a multiplier +1: the branch turns back in its parameter
   flip,     // a multiplier -1 of the segment: symmetry breaking of a mirrored one, else period doubling
   grazing,  // a contact of speed 0 is gained or lost
   birth,    // where the halves of a doubled orbit become equal
@@ -36,15 +36,15 @@ struct SegmentBranch {
   SegmentEnd end;
 };
 
-struct LogRange {
+struct ParameterRange {
   double lower, upper;
 };
 
 /// The branch through an orbit, both ways.  Empty when no regular admissible orbit lies there.
-[[nodiscard]] std::optional<SegmentBranch> branch_through(const OrbitSegment& orbit, const LogRange& log_gamma);
+[[nodiscard]] std::optional<SegmentBranch> branch_through(const OrbitSegment& orbit, const ParameterRange& range);
 /// The branch that begins at a bifurcation point in the given direction.  Empty when nothing admissible does.
 [[nodiscard]] std::optional<SegmentBranch> branch_from(const OrbitSegment& start, const Direction& direction,
-                                                       SegmentEnd begin, const LogRange& log_gamma);
+                                                       SegmentEnd begin, const ParameterRange& range);
 /// True where the orbit, or its mirror image, lies on the branch.
 [[nodiscard]] bool contains(const SegmentBranch& branch, const OrbitSegment& orbit);
 

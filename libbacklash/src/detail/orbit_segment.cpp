@@ -18,9 +18,10 @@ double side_of(int wall) noexcept {
 
 // One flight in the unknowns of its two ends.
 struct FlightEquations {
-  double place, velocity;                                      // residuals
-  double place_phase0, place_speed0, place_phase1, place_log;  // derivatives; place does not depend on speed1
-  double velocity_phase0, velocity_speed0, velocity_phase1, velocity_speed1, velocity_log;
+  double place, velocity;                           // residuals
+  double place_phase0, place_speed0, place_phase1;  // derivatives; place does not depend on speed1
+  double velocity_phase0, velocity_speed0, velocity_phase1, velocity_speed1;
+  double place_log_gamma, velocity_log_gamma, place_restitution, velocity_restitution;
 };
 
 FlightEquations equations(double gamma, double restitution, const SegmentImpact& from, const SegmentImpact& to) {
@@ -41,12 +42,14 @@ FlightEquations equations(double gamma, double restitution, const SegmentImpact&
   e.place_phase0 = -start - gamma * cos0 * h;
   e.place_speed0 = side0 * restitution * h;
   e.place_phase1 = start + gained;
-  e.place_log = pushed;
   e.velocity_phase0 = -gamma * cos0;
   e.velocity_speed0 = side0 * restitution;
   e.velocity_phase1 = gamma * std::cos(to.phase);
   e.velocity_speed1 = side1;
-  e.velocity_log = gained;
+  e.place_log_gamma = pushed;
+  e.velocity_log_gamma = gained;
+  e.place_restitution = side0 * from.speed * h;
+  e.velocity_restitution = side0 * from.speed;
   return e;
 }
 
@@ -77,12 +80,13 @@ System bordered(const OrbitSegment& orbit, const Direction& border) {
     system.matrix(row, first) += e.place_phase0;
     system.matrix(row, first + 1) += e.place_speed0;
     system.matrix(row, next) += e.place_phase1;
-    system.matrix(row, size - 1) = e.place_log;
+    const bool by_gamma = orbit.along == BranchParameter::log_gamma;
+    system.matrix(row, size - 1) = by_gamma ? e.place_log_gamma : e.place_restitution;
     system.matrix(row + 1, first) += e.velocity_phase0;
     system.matrix(row + 1, first + 1) += e.velocity_speed0;
     system.matrix(row + 1, next) += e.velocity_phase1;
     system.matrix(row + 1, next + 1) += e.velocity_speed1;
-    system.matrix(row + 1, size - 1) = e.velocity_log;
+    system.matrix(row + 1, size - 1) = by_gamma ? e.velocity_log_gamma : e.velocity_restitution;
     system.residual(row) = e.place;
     system.residual(row + 1) = e.velocity;
     system.scale = std::max(system.scale, (gamma + std::abs(from.speed)) * std::max(1.0, to.phase - from.phase));
@@ -97,7 +101,7 @@ OrbitSegment moved_by(const OrbitSegment& from, const Eigen::VectorXd& step) {
     result.impacts[i].phase += step(index_of(2 * i));
     result.impacts[i].speed += step(index_of(2 * i + 1));
   }
-  result.log_gamma += step(step.size() - 1);
+  result.set_parameter(from.parameter() + step(step.size() - 1));
   return result;
 }
 
@@ -130,7 +134,7 @@ SegmentImpact OrbitSegment::impact(std::size_t i) const noexcept {
   return again;
 }
 
-Direction gamma_direction(const OrbitSegment& segment) {
+Direction parameter_direction(const OrbitSegment& segment) {
   Direction direction(2 * segment.impacts.size() + 1, 0.0);
   direction.back() = 1;
   return direction;
@@ -143,7 +147,7 @@ Direction difference(const OrbitSegment& to, const OrbitSegment& from) {
     result.push_back(to.impacts[i].phase - from.impacts[i].phase);
     result.push_back(to.impacts[i].speed - from.impacts[i].speed);
   }
-  result.push_back(to.log_gamma - from.log_gamma);
+  result.push_back(to.parameter() - from.parameter());
   return result;
 }
 
@@ -153,7 +157,7 @@ OrbitSegment moved(const OrbitSegment& from, const Direction& direction, double 
     result.impacts[i].phase += length * direction[2 * i];
     result.impacts[i].speed += length * direction[2 * i + 1];
   }
-  result.log_gamma += length * direction.back();
+  result.set_parameter(from.parameter() + length * direction.back());
   return result;
 }
 
@@ -233,10 +237,13 @@ std::array<std::complex<double>, 2> multipliers(const OrbitSegment& orbit) {
   } else {
     // The smaller one from the determinant, free of cancellation.
     const double larger = half_trace + std::copysign(std::sqrt(discriminant), half_trace);
-    result = {larger, larger == 0 ? 0 : map.determinant / larger};
+    result = {larger, larger == 0 ? 0.0 : map.determinant / larger};
   }
   if (orbit.symmetric()) {
-    for (std::complex<double>& value : result) value *= value;
+    // Real ones apart: the complex square of an infinite one has no phase.
+    for (std::complex<double>& value : result) {
+      value = value.imag() == 0 ? std::complex<double>(value.real() * value.real()) : value * value;
+    }
   }
   return result;
 }
@@ -371,11 +378,11 @@ std::optional<OrbitSegment> orbit_through(const GapMotion& motion, const GapStat
     state = motion.after_impact(state, flight);
     orbit.impacts.push_back({static_cast<double>(state.half_period) * pi - pi / 2 + state.s, flight.speed, state.wall});
   }
-  std::optional<OrbitSegment> found = corrected(with_reduced_phase(orbit), gamma_direction(orbit));
+  std::optional<OrbitSegment> found = corrected(with_reduced_phase(orbit), parameter_direction(orbit));
   while (found) {
     const std::optional<Halves> parts = halves(*found);
     if (!parts || !(std::sqrt(dot(parts->difference, parts->difference)) < 1e-6)) return found;
-    found = corrected(parts->mean, gamma_direction(parts->mean));
+    found = corrected(parts->mean, parameter_direction(parts->mean));
   }
   return std::nullopt;
 }

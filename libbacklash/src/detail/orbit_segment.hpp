@@ -16,6 +16,9 @@ struct SegmentImpact {
   int wall;      // 0 or 1
 };
 
+/// The quantity that changes along a branch of orbits.
+enum class BranchParameter { log_gamma, restitution };
+
 /// A periodic orbit as the impacts of one period, or of one half of it where the second half is its mirror image
 /// (half_periods odd: u(tau + half_periods pi) = 1 - u(tau)).  With phases and speeds of the impacts as unknowns the
 /// flights give equations without any time of impact to be found,
@@ -27,22 +30,28 @@ struct OrbitSegment {
   double restitution = 0;
   int half_periods = 2;
   std::vector<SegmentImpact> impacts;  // phases rise; never empty
+  BranchParameter along = BranchParameter::log_gamma;
 
   [[nodiscard]] double gamma() const noexcept;
+  /// Value of the quantity that changes along the branch.
+  [[nodiscard]] double parameter() const noexcept {
+    return along == BranchParameter::log_gamma ? log_gamma : restitution;
+  }
+  void set_parameter(double value) noexcept { (along == BranchParameter::log_gamma ? log_gamma : restitution) = value; }
   [[nodiscard]] bool symmetric() const noexcept { return (half_periods & 1) != 0; }
   /// Impact i for i up to impacts.size(): the last one is the first one again.
   [[nodiscard]] SegmentImpact impact(std::size_t i) const noexcept;
 };
 
-/// Direction in the space of unknowns: d phase, d speed of each impact, then d log_gamma.
+/// Direction in the space of unknowns: d phase, d speed of each impact, then d parameter.
 using Direction = std::vector<double>;
-[[nodiscard]] Direction gamma_direction(const OrbitSegment& segment);
+[[nodiscard]] Direction parameter_direction(const OrbitSegment& segment);
 [[nodiscard]] Direction difference(const OrbitSegment& to, const OrbitSegment& from);
 [[nodiscard]] OrbitSegment moved(const OrbitSegment& from, const Direction& direction, double length);
 [[nodiscard]] double dot(const Direction& a, const Direction& b) noexcept;
 
-/// Newton's iteration from a guess in the hyperplane through it normal to `normal`; with gamma_direction at fixed
-/// gamma. Empty when it does not converge.
+/// Newton's iteration from a guess in the hyperplane through it normal to `normal`; with parameter_direction
+/// at a fixed parameter. Empty when it does not converge.
 [[nodiscard]] std::optional<OrbitSegment> corrected(const OrbitSegment& guess, const Direction& normal);
 /// Unit tangent of the branch of orbits, on the side of `along`.  Empty where the branch is not regular.
 [[nodiscard]] std::optional<Direction> tangent(const OrbitSegment& orbit, const Direction& along);

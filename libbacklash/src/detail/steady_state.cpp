@@ -26,6 +26,15 @@ constexpr std::size_t window_records = 1024;
 // A window with fewer impacts than this is lengthened, at most to window_records times longest_stride periods.
 constexpr std::int64_t enough_impacts = 512;
 constexpr std::int64_t longest_stride = 64;
+// A mean with a goal (MeanGoal) begins after fewer periods, once the impacts have taken the energy of the start
+// energy_memory times over, and is judged when its window holds 32, 64, 128, ... periods.  It ends early only where a
+// small disturbance has grown by e^certain_growth: slow transients and undamped motions, whose batches may all agree on
+// what is not yet the mean, are followed to the end.
+constexpr int quick_transient_periods = 64;
+constexpr double energy_memory = 10;
+constexpr std::size_t first_judged = 32;
+constexpr std::int64_t least_judged_impacts = 256;
+constexpr double certain_growth = 18;
 // Impacts after which transient and window end early: bounds the work per point at any restitution.
 constexpr std::int64_t transient_impacts = 100'000;
 constexpr std::int64_t window_impacts = 300'000;
@@ -454,7 +463,7 @@ SteadyState two_impact_steady_state(const TwoImpactOrbit& orbit, double restitut
   return steady;
 }
 
-SteadyState find_steady_state(const GapMotion& motion, const GapState& start, double tolerance) {
+SteadyState find_steady_state(const GapMotion& motion, const GapState& start, double tolerance, const MeanGoal& goal) {
   const double limit = tail_limit(motion, tolerance);
   ReturnDetector returns(motion.gamma());
   std::optional<ReturnDetector::Return> candidate;
@@ -468,10 +477,25 @@ SteadyState find_steady_state(const GapMotion& motion, const GapState& start, do
   std::int64_t periods = 0;
   std::int64_t impacts = 0;
 
+  const double lost = 1 - motion.restitution() * motion.restitution();
+  const bool quick = goal.relative > 0 && lost > 0;
+  const auto in_transient = [&] {
+    if (periods >= transient_periods || impacts >= transient_impacts) return false;
+    return !(quick && periods >= quick_transient_periods && static_cast<double>(impacts) * lost >= energy_memory);
+  };
   const auto finish = [&] {
     SteadyState steady = averaged(window.records(), motion);
     steady.end = last_peak;
     return steady;
+  };
+  const auto meets_goal = [&] {
+    const std::vector<WindowRecord>& records = window.records();
+    const std::size_t length = records.size() - 1;
+    if (!quick || length < first_judged || (length & (length - 1)) != 0) return false;
+    if (records.back().strobe.impacts - records.front().strobe.impacts < least_judged_impacts) return false;
+    if (records.back().log_growth - records.front().log_growth < certain_growth) return false;
+    const SteadyState mean = averaged(records, motion);
+    return mean.uncertainty <= goal.relative * std::abs(mean.harmonics.u[0] - goal.zero);
   };
   // False when the window is complete.
   const auto pass_peak = [&](double position, double position_rate) {
@@ -479,8 +503,8 @@ SteadyState find_steady_state(const GapMotion& motion, const GapState& start, do
     last_peak = state_at_peak(position, position_rate);
     const Strobe strobe{position, position_rate, impacts};
     if (window.stride() == 1 && !candidate) candidate = returns.add(periods, strobe);
-    const bool transient = window.empty() && periods < transient_periods && impacts < transient_impacts;
-    const bool more = transient || window.add({strobe, periods, jumps, disturbance.log_growth()});
+    const bool transient = window.empty() && in_transient();
+    const bool more = transient || (window.add({strobe, periods, jumps, disturbance.log_growth()}) && !meets_goal());
     next_peak += 2 * window.stride();
     return more;
   };

@@ -20,9 +20,16 @@ struct SteadyState {
   GapState end;            // a state at a peak of the force on (or, when averaged, near) the long-run motion
 };
 
+/// When the mean of a motion that does not close is good enough to stop early.
+struct MeanGoal {
+  double relative = 0;  // uncertainty of U_1 over |U_1 - zero|; 0: follow the whole window
+  double zero = 0;      // U_1 at which the describing function vanishes
+};
+
 /// Follows the motion from a state at a peak of the force until its long-run behaviour is decided.
 /// @param tolerance  an orbit is closed when its state repeats within it
-[[nodiscard]] SteadyState find_steady_state(const GapMotion& motion, const GapState& start, double tolerance);
+[[nodiscard]] SteadyState find_steady_state(const GapMotion& motion, const GapState& start, double tolerance,
+                                            const MeanGoal& goal = {});
 
 /// A two-impact orbit as a steady state: the symmetric one in closed form, the others through their velocity jumps.
 [[nodiscard]] SteadyState two_impact_steady_state(const TwoImpactOrbit& orbit, double restitution);

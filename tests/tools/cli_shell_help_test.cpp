@@ -1,0 +1,87 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "run_program.hpp"
+
+namespace {
+
+std::vector<std::string> subcommand_names() {
+  std::istringstream help(run_fracfit({"--help"}).output);
+  std::vector<std::string> names;
+  bool listed = false;
+  for (std::string line; std::getline(help, line);) {
+    if (line == "Subcommands:") listed = true;
+    if (line.empty()) listed = false;
+    std::smatch match;
+    if (listed && std::regex_search(line, match, std::regex("^  ([a-z-]+)"))) names.push_back(match[1]);
+  }
+  return names;
+}
+
+std::vector<std::string> options_in_help(const std::string& subcommand) {
+  const std::string help = run_fracfit({subcommand, "--help"}).output;
+  const std::regex option("\n  (-h,)?(--[a-z0-9-]+)");
+  std::vector<std::string> names;
+  for (auto it = std::sregex_iterator(help.begin(), help.end(), option); it != std::sregex_iterator(); ++it)
+    names.push_back((*it)[2]);
+  return names;
+}
+
+std::string shell(const std::string& command) {
+  std::FILE* pipe = ::popen(command.c_str(), "r");
+  std::string text;
+  for (int c; pipe != nullptr && (c = std::fgetc(pipe)) != EOF;) text += static_cast<char>(c);
+  return pipe != nullptr && ::pclose(pipe) == 0 ? text : "failed: " + text;
+}
+
+// What bash offers for the last of these words.
+std::set<std::string> completed(const std::vector<std::string>& words) {
+  const TemporaryFolder folder;
+  std::string line = "source " + folder.write("fracfit.bash", run_fracfit({"completion"}).output) + "\nCOMP_WORDS=(";
+  for (const std::string& word : words) line += "'" + word + "' ";
+  line += ")\nCOMP_CWORD=" + std::to_string(words.size() - 1) + "\n_fracfit\nprintf '%s\\n' \"${COMPREPLY[@]}\"\n";
+  std::istringstream lines(shell("bash " + folder.write("ask.bash", line)));
+  std::set<std::string> offered;
+  for (std::string word; std::getline(lines, word);) offered.insert(word);
+  return offered;
+}
+
+TEST(ShellHelp, KnowsEverySubcommandAndOptionOfTheHelp) {
+  const std::string manual = run_fracfit({"man"}).output;
+  const std::set<std::string> offered = completed({"fracfit", ""});
+  const std::vector<std::string> names = subcommand_names();
+  ASSERT_GE(names.size(), 10U);
+  for (const std::string& name : names) {
+    SCOPED_TRACE(name);
+    EXPECT_TRUE(offered.count(name));
+    const std::set<std::string> options = completed({"fracfit", name, "--"});
+    const auto begin = manual.find("\n.SS " + std::regex_replace(name, std::regex("-"), "\\-") + "\n");
+    ASSERT_NE(begin, std::string::npos);
+    const std::string chapter = manual.substr(begin, manual.find("\n.SS ", begin + 1) - begin);
+    for (const std::string& option : options_in_help(name)) {
+      EXPECT_TRUE(options.count(option)) << option;
+      EXPECT_NE(chapter.find(std::regex_replace(option, std::regex("-"), "\\-")), std::string::npos) << option;
+    }
+  }
+}
+
+TEST(ShellHelp, CompletesBeginningsAndChoices) {
+  EXPECT_EQ(completed({"fracfit", "mitt"}), (std::set<std::string>{"mittag-leffler"}));
+  EXPECT_EQ(completed({"fracfit", "orbits", "--longest"}), (std::set<std::string>{"--longest-period"}));
+  EXPECT_EQ(completed({"fracfit", "simulate", "--model", ""}), (std::set<std::string>{"dynamic", "static"}));
+}
+
+TEST(ShellHelp, ManualPageIsSoundTroff) {
+  if (shell("groff --version").rfind("failed", 0) == 0) GTEST_SKIP() << "groff is not installed";
+  const TemporaryFolder folder;
+  EXPECT_EQ(shell("groff -man -ww -z " + folder.write("fracfit.1", run_fracfit({"man"}).output) + " 2>&1"), "");
+}
+
+}  // namespace

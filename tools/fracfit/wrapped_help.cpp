@@ -1,0 +1,46 @@
+#include "wrapped_help.hpp"
+
+#include <CLI/CLI.hpp>
+#include <sstream>
+#include <string>
+
+namespace fracfit {
+namespace {
+
+constexpr std::size_t page_width = 100;
+
+class WrappedHelp : public CLI::Formatter {
+ public:
+  std::string make_option_desc(const CLI::Option* option) const override {
+    return wrapped(CLI::Formatter::make_option_desc(option));
+  }
+
+  std::string make_subcommand(const CLI::App* subcommand) const override {
+    std::ostringstream text;
+    CLI::detail::format_help(text, subcommand->get_name(), wrapped(subcommand->get_description()), get_column_width());
+    return text.str();
+  }
+
+ private:
+  [[nodiscard]] std::string wrapped(const std::string& description) const {
+    const std::size_t room = page_width - get_column_width();
+    std::istringstream words(description);
+    std::string text;
+    std::size_t used = 0;
+    for (std::string word; words >> word;) {
+      const bool fits = used == 0 || used + 1 + word.size() <= room;
+      if (used > 0) text += fits ? ' ' : '\n';
+      used = fits && used > 0 ? used + 1 + word.size() : word.size();
+      text += word;
+    }
+    return text;
+  }
+};
+
+}  // namespace
+
+std::shared_ptr<CLI::FormatterBase> wrapped_help() {
+  return std::make_shared<WrappedHelp>();
+}
+
+}  // namespace fracfit

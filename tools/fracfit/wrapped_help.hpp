@@ -1,0 +1,14 @@
+#pragma once
+
+#include <memory>
+
+namespace CLI {
+class FormatterBase;
+}
+
+namespace fracfit {
+
+/// Help text whose descriptions break at the width of a terminal page.
+[[nodiscard]] std::shared_ptr<CLI::FormatterBase> wrapped_help();
+
+}  // namespace fracfit

@@ -1,0 +1,360 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "backlash/jump_frequency.hpp"
+#include "backlash/orbit_continuation.hpp"
+#include "io/number.hpp"
+#include "report/grid.hpp"
+#include "report/html.hpp"
+#include "report/sections.hpp"
+#include "report/sweep_curves.hpp"
+
+namespace report {
+
+namespace {
+
+using backlash::JumpCriterion;
+using backlash::OrbitBranch;
+using backlash::PeriodicOrbit;
+
+// What a branch is called in the key: n impacts in m force periods.
+struct Pattern {
+  int impacts, period;
+  bool symmetric;
+  bool operator==(const Pattern&) const = default;
+};
+
+Pattern pattern_of(const OrbitBranch& branch) {
+  return {branch.impacts, branch.period, branch.symmetric};
+}
+
+std::string pattern_label(const Pattern& pattern) {
+  return std::to_string(pattern.impacts) + " impacts in " + std::to_string(pattern.period) +
+         (pattern.period == 1 ? " period" : " periods") + (pattern.symmetric ? "" : ", asymmetric");
+}
+
+using Height = double (*)(const PeriodicOrbit&, const OrbitBranch&);
+
+double imaginary_part(const PeriodicOrbit& orbit, const OrbitBranch&) {
+  return orbit.value.imag();
+}
+
+double impacts_per_period(const PeriodicOrbit&, const OrbitBranch& branch) {
+  return static_cast<double>(branch.impacts) / branch.period;
+}
+
+// Stretches of one stability of the branches of some patterns; they meet at the orbit where stability changes.
+Curve stretches(const std::vector<OrbitBranch>& branches, std::span<const Pattern> patterns, bool stable,
+                Height height) {
+  Curve curve;
+  for (const OrbitBranch& branch : branches) {
+    if (std::find(patterns.begin(), patterns.end(), pattern_of(branch)) == patterns.end()) continue;
+    bool open = false;
+    const PeriodicOrbit* before = nullptr;
+    for (const PeriodicOrbit& orbit : branch.orbits) {
+      if (orbit.stable == stable) {
+        if (!open) {
+          curve.segments.emplace_back();
+          if (before != nullptr) {
+            const double y = height(*before, branch);
+            curve.segments.back().push_back({before->omega, y, y, y});
+          }
+        }
+        const double y = height(orbit, branch);
+        curve.segments.back().push_back({orbit.omega, y, y, y});
+      }
+      open = orbit.stable == stable;
+      before = &orbit;
+    }
+  }
+  return curve;
+}
+
+std::vector<Pattern> patterns_of(const std::vector<OrbitBranch>& branches) {
+  std::vector<Pattern> patterns;
+  for (const OrbitBranch& branch : branches) {
+    if (std::find(patterns.begin(), patterns.end(), pattern_of(branch)) == patterns.end()) {
+      patterns.push_back(pattern_of(branch));
+    }
+  }
+  return patterns;
+}
+
+Curve sweep_points(const backlash::DescribingFunctionSweep& sweep, const std::string& label, Mark mark,
+                   const std::string& colour, bool impacts) {
+  std::vector<double> omega, y;
+  for (const auto& point : sweep.points) {
+    if (impacts && !std::isfinite(point.impacts_per_period)) continue;
+    omega.push_back(point.omega);
+    y.push_back(impacts ? point.impacts_per_period : point.value.imag());
+  }
+  Curve curve{label, colour, mark, {}};
+  for (std::size_t i = 0; i < omega.size(); ++i) curve.segments.push_back({{omega[i], y[i], y[i], y[i]}});
+  return curve;
+}
+
+Curve bifurcation_marks(const std::vector<OrbitBranch>& branches, backlash::Bifurcation kind, Height height,
+                        const std::string& label, const std::string& colour) {
+  Curve curve{label, colour, Mark::open_points, {}};
+  for (const OrbitBranch& branch : branches) {
+    for (const auto& point : branch.bifurcations) {
+      if (point.kind != kind) continue;
+      const double y = height(point.orbit, branch);
+      curve.segments.push_back({{point.orbit.omega, y, y, y}});
+    }
+  }
+  return curve;
+}
+
+struct Kind {
+  backlash::Bifurcation kind;
+  std::string label, colour;
+};
+
+const std::array<Kind, 4>& kinds() {
+  static const std::array<Kind, 4> all = {{{backlash::Bifurcation::saddle_node, "saddle-node", "#d00000"},
+                                           {backlash::Bifurcation::symmetry_breaking, "symmetry breaking", "#7a3db8"},
+                                           {backlash::Bifurcation::period_doubling, "period doubling", "#b8860b"},
+                                           {backlash::Bifurcation::grazing, "grazing", "#555555"}}};
+  return all;
+}
+
+// Patterns with a colour of their own; the rest, of more impacts or longer period, share one.
+constexpr std::size_t told_apart = 4;
+
+void add_branches(Panel& panel, const std::vector<OrbitBranch>& branches, std::span<const Pattern> patterns,
+                  const std::string& label, const std::string& colour, Height height) {
+  Curve unstable = stretches(branches, patterns, false, height);
+  Curve stable = stretches(branches, patterns, true, height);
+  stable.colour = unstable.colour = colour;
+  stable.mark = Mark::line;
+  unstable.mark = Mark::dotted;
+  (stable.segments.empty() ? unstable : stable).label = label;
+  panel.curves.push_back(std::move(unstable));
+  panel.curves.push_back(std::move(stable));
+}
+
+struct Sweeps {
+  backlash::DescribingFunctionSweep up, down;
+};
+
+// Vertical limits that hold the stable motions; far unstable orbits may leave the panel.
+void fit_height(Axis& axis, const Sweeps& sweeps, bool impacts) {
+  double lowest = std::numeric_limits<double>::infinity();
+  double highest = -lowest;
+  for (const auto* sweep : {&sweeps.up, &sweeps.down}) {
+    for (const auto& point : sweep->points) {
+      const double y = impacts ? point.impacts_per_period : point.value.imag();
+      if (!std::isfinite(y)) continue;
+      lowest = std::min(lowest, y);
+      highest = std::max(highest, y);
+    }
+  }
+  if (lowest > highest) return;
+  const double pad = std::max(0.5 * (highest - lowest), 1e-3 * std::abs(highest));
+  axis.from = lowest - pad;
+  axis.to = highest + pad;
+}
+
+Panel bifurcation_panel(const backlash::OrbitDiagram& diagram, const Sweeps& sweeps, bool impacts) {
+  const Height height = impacts ? impacts_per_period : imaginary_part;
+  Panel panel;
+  panel.x = {"ω in rad/s", false, diagram.from, diagram.to};
+  panel.y = {impacts ? "impacts per period" : "Im N in m/N", false, {}, {}};
+  const std::vector<Pattern> patterns = patterns_of(diagram.branches);
+  const std::span<const Pattern> all(patterns);
+  const std::size_t named = std::min(told_apart, patterns.size());
+  for (std::size_t i = 0; i < named; ++i) {
+    add_branches(panel, diagram.branches, all.subspan(i, 1), pattern_label(patterns[i]),
+                 category_colour(i == 0 ? 0 : i + 1), height);
+  }
+  if (named < patterns.size()) {
+    add_branches(panel, diagram.branches, all.subspan(named), "longer orbits", "#999999", height);
+  }
+  for (const Kind& kind : kinds()) {
+    Curve marks = bifurcation_marks(diagram.branches, kind.kind, height, kind.label, kind.colour);
+    if (!marks.segments.empty()) panel.curves.push_back(std::move(marks));
+  }
+  panel.curves.push_back(sweep_points(sweeps.up, "sweep, ω rising", Mark::open_points, "#000000", impacts));
+  panel.curves.push_back(sweep_points(sweeps.down, "sweep, ω falling", Mark::points, category_colour(1), impacts));
+  return panel;
+}
+
+Table bifurcation_table(const backlash::OrbitDiagram& diagram, double scale) {
+  Table table{"bifurcations",
+              "Bifurcations of these branches, refined to 10<sup>−10</sup> of ω; c = ω/√(F/(M<sub>2</sub>Δ)).",
+              {{"branch", "branch"},
+               {"impacts", "impacts"},
+               {"period", "force periods"},
+               {"symmetry", "symmetry"},
+               {"bifurcation", "bifurcation"},
+               {"omega_rad_s", "ω / (rad/s)", 8},
+               {"similarity_constant", "c", 8},
+               {"im_m_per_n", "Im N / (m/N)", 6}},
+              {},
+              true,
+              40};
+  for (std::size_t b = 0; b < diagram.branches.size(); ++b) {
+    const OrbitBranch& branch = diagram.branches[b];
+    for (const auto& point : branch.bifurcations) {
+      table.rows.push_back(
+          {static_cast<double>(b + 1), static_cast<double>(branch.impacts), static_cast<double>(branch.period),
+           std::string(branch.symmetric ? "symmetric" : "asymmetric"), std::string(backlash::to_string(point.kind)),
+           point.orbit.omega, point.orbit.omega / scale, point.orbit.value.imag()});
+    }
+  }
+  return table;
+}
+
+// c(restitution) of the three criteria that are bifurcations of the two-impact orbit.
+struct CriterionCurve {
+  JumpCriterion criterion;
+  std::string label;
+  std::vector<double> constant;  // NaN where there is none
+};
+
+std::vector<CriterionCurve> criterion_curves(const std::vector<double>& restitution, int threads) {
+  std::vector<CriterionCurve> curves = {{JumpCriterion::saddle_node, "saddle-node", {}},
+                                        {JumpCriterion::symmetry_loss, "symmetry loss", {}},
+                                        {JumpCriterion::two_impact_loss, "two-impact loss", {}}};
+  for (CriterionCurve& curve : curves) {
+    curve.constant.assign(restitution.size(), std::numeric_limits<double>::quiet_NaN());
+    frac::parallel_for(restitution.size(), threads, [&](std::size_t i) {
+      const auto jump = backlash::jump_similarity_constant(restitution[i], curve.criterion);
+      if (jump.similarity_constant) curve.constant[i] = *jump.similarity_constant;
+    });
+  }
+  return curves;
+}
+
+struct Mean {
+  double value;
+  std::size_t used;
+};
+
+Mean mean_over(const std::vector<double>& restitutions, JumpCriterion criterion) {
+  double sum = 0;
+  std::size_t used = 0;
+  for (const double restitution : restitutions) {
+    const auto jump = backlash::jump_similarity_constant(restitution, criterion);
+    if (!jump.similarity_constant) continue;
+    sum += *jump.similarity_constant;
+    ++used;
+  }
+  return {used > 0 ? sum / static_cast<double>(used) : std::numeric_limits<double>::quiet_NaN(), used};
+}
+
+void add_jump_constants(const Work& work, Section& section) {
+  std::vector<double> restitution;
+  constexpr std::size_t steps = 200;
+  for (std::size_t i = 0; i <= steps; ++i) restitution.push_back(static_cast<double>(i) / steps);
+  const std::vector<CriterionCurve> curves = criterion_curves(restitution, work.threads);
+  const std::vector<double>& averaged = work.scene.jump_restitutions;
+
+  Panel panel;
+  panel.title = "Similarity constant of the jumps against restitution";
+  panel.x = {"ε", false, 0.0, 1.0};
+  panel.y = {"c = ω_J / (F/(M_2 Δ))^{1/2}", true, 1.0, 10.0};
+  panel.key = true;
+  Table table{"jump-criteria", "c(ε) of the three criteria on a fine grid:", {{"restitution", "ε"}}, {}, false};
+  std::string means;
+  for (std::size_t k = 0; k < curves.size(); ++k) {
+    const std::string colour = category_colour(k);
+    panel.curves.push_back(make_curve(curves[k].label, colour, Mark::line, restitution, curves[k].constant));
+    const Mean mean = mean_over(averaged, curves[k].criterion);
+    table.columns.push_back({"c_" + std::string(backlash::to_string(curves[k].criterion)), curves[k].label, 10});
+    if (mean.used == 0) continue;
+    panel.curves.push_back(make_curve("its mean over ε", colour, Mark::dotted, {averaged.front(), averaged.back()},
+                                      {mean.value, mean.value}));
+    means += (means.empty() ? "" : ", ") + curves[k].label + " " + html_number(mean.value, 6) + " (" +
+             std::to_string(mean.used) + " of " + std::to_string(averaged.size()) + " values of ε)";
+    section.facts.emplace_back("mean_c_" + std::string(backlash::to_string(curves[k].criterion)), mean.value);
+  }
+  for (std::size_t i = 0; i < restitution.size(); ++i) {
+    std::vector<Cell> row = {restitution[i]};
+    for (const CriterionCurve& curve : curves) row.emplace_back(curve.constant[i]);
+    table.rows.push_back(std::move(row));
+  }
+  Figure figure;
+  figure.name = "jump-constants";
+  figure.caption =
+      "Where the two-impact orbit loses stability (two-impact loss), its symmetry, and its existence (saddle-node), as "
+      "c(ε), each point exact. Dotted: the mean over the ε that the jump laws average, for the ε that have such a "
+      "jump.";
+  figure.panels = {std::move(panel)};
+  figure.panel_height = 380;
+  section.blocks.emplace_back(std::move(figure));
+  section.blocks.emplace_back(std::move(table));
+  section.blocks.emplace_back(
+      Html{"<p>Means over ε: " + means +
+           ". At ε = 0 the masses stick after every impact and the orbit of two impacts with a rest reaches down to "
+           "zero frequency: it has no loss, and that ε is left out of the means. Below ε = 0.0867 an extra impact ends "
+           "the "
+           "symmetric orbit before its symmetry would break. At ε = 1 nothing is lost: the orbit is neutrally stable, "
+           "exists at every higher frequency, and no motion is attracted to it.</p>"});
+}
+
+}  // namespace
+
+Section orbit_section(const Work& work) {
+  const Scene& scene = work.scene;
+  Section section;
+  section.id = "orbits";
+  section.title = "Orbits, stability and bifurcations";
+  section.reading =
+      "A sweep shows only the motions that attract it. Continuation follows every periodic orbit through folds, stable "
+      "(solid) or not (dotted), and so shows where a jump comes from: an orbit meets an unstable one and both vanish "
+      "(saddle-node), "
+      "parts from its mirror image (symmetry breaking), doubles its period, or touches a wall (grazing). Where two "
+      "stable "
+      "orbits exist at one frequency the response depends on its past; the dots of sweeps with ω rising and falling "
+      "then part.";
+  const auto system = work.system();
+  const double scale = std::sqrt(scene.force / (scene.mass2 * scene.clearance));
+  const auto upper = backlash::jump_frequency(system, scene.force, JumpCriterion::saddle_node);
+  const double from = scale;
+  const double to = std::min(upper.value_or(4 * scale), 4 * scale) * 1.04;
+  const auto diagram = backlash::orbit_diagram(system, scene.force, from, to, {.threads = work.threads}, work.progress);
+  const auto sweeps_on = [&](double first, double last) {
+    const std::vector<double> grid = logarithmic_grid(first, last, 90);
+    backlash::SweepOptions options;
+    options.threads = work.threads;
+    auto up = backlash::describing_function_sweep(system, scene.force, grid, options);
+    options.protocol = backlash::Protocol::sweep_down;
+    return Sweeps{std::move(up), backlash::describing_function_sweep(system, scene.force, grid, options)};
+  };
+  Figure figure;
+  figure.name = "bifurcations";
+  figure.caption = "Periodic orbits of up to " + std::to_string(diagram.options.longest_period) +
+                   " force periods, F = " + html_number(scene.force) + " N, Δ = " + html_number(scene.clearance) +
+                   " m, ε = " + html_number(scene.restitution) +
+                   ": stable solid, unstable dotted; dots: sweeps. Below: the low frequencies larger. Orbits that rest "
+                   "in contact are not continued; their points appear in the sweeps.";
+  Panel whole = bifurcation_panel(diagram, sweeps_on(from, to), false);
+  whole.title = "Imaginary part of N";
+  whole.key = true;
+  const double enlarged_to = std::min(1.75 * scale, to);
+  const Sweeps enlarged = sweeps_on(from, enlarged_to);
+  Panel detail = bifurcation_panel(diagram, enlarged, false);
+  detail.title = "The same, low frequencies";
+  Panel counts = bifurcation_panel(diagram, enlarged, true);
+  counts.title = "Impacts per force period, low frequencies";
+  detail.x.to = counts.x.to = enlarged_to;
+  fit_height(detail.y, enlarged, false);
+  fit_height(counts.y, enlarged, true);
+  figure.panels = {std::move(whole), std::move(detail), std::move(counts)};
+  figure.panel_height = 360;
+  section.blocks.emplace_back(std::move(figure));
+  section.blocks.emplace_back(bifurcation_table(diagram, scale));
+  add_jump_constants(work, section);
+  section.facts.emplace_back("orbit_branches", static_cast<double>(diagram.branches.size()));
+  return section;
+}
+
+}  // namespace report
