@@ -50,6 +50,8 @@ struct Bands;  // bands.hpp
 /// Only for a clearance above 0.
 [[nodiscard]] Section orbit_section(const Work& work);
 [[nodiscard]] Section speed_section(const Work& work);
+/// Of s^0.5 on four decades, whatever the scene.
+[[nodiscard]] Section approximation_section();
 /// @param name    of the file, for the reader
 /// @param number  from 1, makes the names of figures and tables
 [[nodiscard]] Section data_section(const Work& work, const std::string& name, const io::FrequencyResponseFile& file,
