@@ -235,13 +235,14 @@ void FractionalPid<Real>::reset() noexcept {
 
 template <typename Real>
 void FractionalPid<Real>::reset(Real setpoint, Real measured) noexcept {
-  if (!is_sound(setpoint) || !is_sound(measured)) {
+  const Real input = c_.derivative_setpoint_weight * setpoint - measured;
+  if (!is_sound(input)) {
     bad_input_ = true;
     return;
   }
   integral_.rest_at(0);
   integrator_ = integrator_lost_ = 0;
-  lag_ = c_.derivative_setpoint_weight * setpoint - measured;
+  lag_ = input;
   derivative_.rest_at(c_.differentiates ? 0 : lag_);
   is_tracking_ = false;
   last_ = {};

@@ -121,6 +121,7 @@ std::vector<Real> run_class(const FractionalPidDesign& design, int samples) {
     const auto setpoint = static_cast<Real>(n / 1000 % 3);
     auto measured = static_cast<Real>(0.8 + 0.5 * draw());
     if (n % 5000 < 20) pid.track(static_cast<Real>(draw()));
+    if (n % 7000 == 6999) pid.reset(setpoint, measured);
     if (n % 3000 == 7) measured = std::numeric_limits<Real>::quiet_NaN();
     output.push_back(pid.step(setpoint, measured) + static_cast<Real>(10 * pid.saturated() + 100 * pid.bad_input()));
   }
@@ -132,7 +133,9 @@ std::string pid_program(const std::string& real, int samples) {
          ("int main(void)\n{\n  controller_state s;\n  int n;\n  controller_init(&s);\n  for (n = 0; n < " +
           std::to_string(samples) + "; ++n) {\n    const " + real + " setpoint = (" + real + ")(n / 1000 % 3);\n    " +
           real + " measured = (" + real + ")(0.8 + 0.5 * draw());\n    " + real +
-          " out;\n    if (n % 5000 < 20) controller_track(&s, (" + real + ")draw());\n    if (n % 3000 == 7) { const " +
+          " out;\n    if (n % 5000 < 20) controller_track(&s, (" + real +
+          ")draw());\n    if (n % 7000 == 6999) controller_reset_at(&s, setpoint, measured);\n    if (n % 3000 == 7) { "
+          "const " +
           real +
           " zero = 0; measured = zero / zero; }\n    out = controller_step(&s, setpoint, measured);\n    out += (" +
           real +

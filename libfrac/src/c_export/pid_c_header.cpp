@@ -82,6 +82,24 @@ static inline void NAME_init(NAME_state *s)
   NAME_reset(s);
 }
 
+/* At rest after signals that had been constant at these values: no kick of the derivative at the start. */
+static inline void NAME_reset_at(NAME_state *s, REAL setpoint, REAL measured)
+{
+)" + (derivative.rates.empty() || k.differentiates ? "" : "  int i;\n") +
+                     R"(  const REAL input = @derivative_setpoint_weight@ * setpoint - measured;
+  if (!(input <= @most@ && input >= -@most@)) {
+    s->bad_input = 1;
+    return;
+  }
+  NAME_reset(s);
+  s->lag = input;
+)" +
+                     (derivative.rates.empty() || k.differentiates
+                          ? ""
+                          : "  for (i = 0; i < " + std::to_string(derivative.rates.size()) +
+                                "; ++i) s->derivative_v[i] = s->lag / NAME_derivative_rate[i];\n") +
+                     R"(}
+
 /* The next output will be this one: call before every step while another source drives the plant. */
 static inline void NAME_track(NAME_state *s, REAL output)
 {
@@ -109,8 +127,7 @@ static inline REAL NAME_step(NAME_state *s, REAL setpoint, REAL measured)
   const REAL derivative = @kd@ * NAME_derivative_output(s, derivative_input);
   REAL integral_input = @ki@ * error;
   REAL integral_filtered = NAME_integral_output(s, integral_input);
-  REAL integral = s->integrator + @half_time@ * integral_filtered;
-  REAL sum = proportional + integral + derivative;
+  REAL sum = proportional + (s->integrator + @half_time@ * integral_filtered) + derivative;
   REAL excess, increment, next;
   if (!(proportional_input <= largest && proportional_input >= -largest && difference_input <= largest &&
         difference_input >= -largest && error <= largest && error >= -largest && sum <= @most@ && sum >= -@most@)) {
@@ -122,7 +139,6 @@ static inline REAL NAME_step(NAME_state *s, REAL setpoint, REAL measured)
     const REAL shift = s->track_output - sum;
     s->integrator += shift;
     s->integrator_lost = @zero@;
-    integral += shift;
     sum = s->track_output;
     s->is_tracking = 0;
   }
