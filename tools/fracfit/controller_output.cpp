@@ -36,7 +36,6 @@ Json operator_json(const frac::PidOperator& design, double order, double error) 
   return {{"filter_order", number(order)},
           {"output", output_name(design.output)},
           {"direct", number(design.direct)},
-          {"sections", sections_json(design.rates, design.weights, design.sections)},
           {"max_relative_error", number(error)}};
 }
 
@@ -87,6 +86,10 @@ std::string controller_json(const frac::FractionalPidDesign& design, const std::
   json["derivative"] = operator_json(design.derivative(), derivative_filter_order(gains), design.derivative_error());
   json["derivative"]["after"] = before;
   json["derivative"]["filter_time"] = number(config.derivative_filter_time);
+  json["sections"] = {
+      {"integral", sections_json(design.integral().rates, design.integral().weights, design.integral().sections)},
+      {"derivative",
+       sections_json(design.derivative().rates, design.derivative().weights, design.derivative().sections)}};
   json["setpoint_weight"] = number(config.setpoint_weight);
   json["derivative_setpoint_weight"] = number(config.derivative_setpoint_weight);
   json["minimum"] = number(config.minimum);
