@@ -265,6 +265,19 @@ TEST(FractionalPid, RefusesWhatIsNotANumberAndGoesOnAsIfItHadNotBeen) {
   EXPECT_TRUE(std::isfinite(pid.output()));
 }
 
+TEST(FractionalPid, OutputObeysTheLimitsFromTheFirstRefusedInputOn) {
+  FractionalPidConfig config = usual();
+  config.minimum = 1;
+  config.maximum = 5;
+  FractionalPid<double> pid(config);
+  EXPECT_EQ(pid.step(0, nan), 1);
+  (void)pid.step(100, 0);
+  EXPECT_EQ(pid.output(), 5);
+  config.maximum = 3;
+  pid.retune(config);
+  EXPECT_EQ(pid.step(nan, 0), 3);
+}
+
 TEST(FractionalPid, TakesOverFromManualWithoutABump) {
   FractionalPidConfig config = usual();
   config.maximum = 5;

@@ -152,7 +152,8 @@ class FractionalPid {
   void track(Real output) noexcept;
   /// At rest, all signals 0.
   void reset() noexcept;
-  /// At rest after signals that had been constant at these values, output 0: no kick of the derivative at the start.
+  /// At rest after signals that had been constant at these values, output 0 (or the limit next to it): no kick of the
+  /// derivative at the start.
   void reset(Real setpoint, Real measured) noexcept;
 
   /// New parameters.  Were the last inputs repeated, the next output would be what it would have been without the

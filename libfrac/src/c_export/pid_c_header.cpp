@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstddef>
 #include <limits>
 #include <string>
@@ -72,7 +73,8 @@ static inline void NAME_reset(NAME_state *s)
 {
 )") + (has_sections ? "  int i;\n" : "") +
                      clear_text(integral) + clear_text(derivative) + R"(  s->integrator = s->integrator_lost = @zero@;
-  s->lag = s->track_output = s->output = s->unlimited = @zero@;
+  s->lag = s->track_output = s->unlimited = @zero@;
+  s->output = @rest_output@;
   s->is_tracking = s->saturated = s->bad_input = 0;
 }
 
@@ -177,6 +179,7 @@ static inline REAL NAME_step(NAME_state *s, REAL setpoint, REAL measured)
                           {"half_time", number(k.half_time)},
                           {"lag_share", number(k.lag_share)},
                           {"inverse_lag_time", number(k.inverse_lag_time)},
+                          {"rest_output", number(std::clamp(Real(0), k.minimum, k.maximum))},
                           {"minimum", "(" + number(k.minimum) + ")"},
                           {"maximum", "(" + number(k.maximum) + ")"},
                           {"tracking_share", number(k.tracking_share)},
