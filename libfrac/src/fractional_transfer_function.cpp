@@ -150,8 +150,8 @@ FractionalTransferFunction to_transfer_function(const Structure& structure, std:
                                   " is not finite");
     }
   }
-  detail::RatioOfPowerSums ratio = detail::reduce(structure.expression(), parameters);
-  return {std::move(ratio.numerator), std::move(ratio.denominator), ratio.delay};
+  const detail::RatioOfPowerSums ratio = detail::reduce(structure.expression(), parameters);
+  return {detail::plain_terms(ratio.numerator), detail::plain_terms(ratio.denominator), ratio.delay};
 }
 
 }  // namespace frac

@@ -11,33 +11,16 @@
 #include "detail/inverse_laplace.hpp"
 #include "detail/number_text.hpp"
 #include "detail/power_sum.hpp"
+#include "detail/sample_checks.hpp"
 #include "frac/grunwald_letnikov.hpp"
 
 namespace frac {
 namespace {
 
+using detail::check_sample_time;
+using detail::check_samples;
 using detail::FilterBank;
-
-void check_sample_time(double sample_time, const char* function) {
-  if (!(sample_time > 0 && std::isfinite(sample_time))) {
-    throw std::invalid_argument(std::string(function) + ": sample_time = " + detail::number_text(sample_time) +
-                                " s; allowed is above 0, finite");
-  }
-}
-
-void check_samples(std::span<const double> samples, const char* function) {
-  if (samples.empty()) throw std::invalid_argument(std::string(function) + ": no samples");
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    if (!std::isfinite(samples[i])) {
-      throw std::invalid_argument(std::string(function) + ": samples[" + std::to_string(i) +
-                                  "] = " + detail::number_text(samples[i]) + " is not finite");
-    }
-  }
-}
-
-double order_at_infinity(const FractionalTransferFunction& model) {
-  return model.numerator().front().order - model.denominator().front().order;
-}
+using detail::order_at_infinity;
 
 // Whole integrations that G s^m at the origin is rid of, so that it grows slower than 1/|s|.
 std::size_t integrators(const FractionalTransferFunction& model) {
@@ -292,11 +275,7 @@ std::vector<double> respond_grunwald_letnikov(const FractionalTransferFunction& 
                                               double sample_time) {
   check_samples(samples, "respond_grunwald_letnikov");
   check_sample_time(sample_time, "respond_grunwald_letnikov");
-  if (order_at_infinity(model) > 0) {
-    throw std::invalid_argument("respond_grunwald_letnikov: the model grows as s^" +
-                                detail::number_text(order_at_infinity(model)) +
-                                " at high frequency; allowed is a proper model");
-  }
+  detail::check_proper(model, "respond_grunwald_letnikov");
   // sum_k left_k y_(n-k) = sum_k right_k u_(n-k), the weights of all terms together.
   const std::size_t count = samples.size();
   const auto weights = [&](const std::vector<PowerTerm>& terms) {
@@ -317,10 +296,7 @@ std::vector<double> respond_grunwald_letnikov(const FractionalTransferFunction& 
     for (std::size_t k = 1; k <= n; ++k) sum -= left[k] * output[n - k];
     output[n] = sum / left[0];
   }
-  const auto late =
-      std::min(static_cast<std::size_t>(std::llround(std::min(model.delay() / sample_time, 1e15))), count);
-  std::rotate(output.begin(), output.end() - static_cast<std::ptrdiff_t>(late), output.end());
-  std::fill_n(output.begin(), late, 0);
+  detail::delay_samples(output, model.delay(), sample_time);
   return output;
 }
 

@@ -14,6 +14,7 @@
 #include "detail/number_text.hpp"
 #include "detail/power_sum.hpp"
 #include "detail/winding_number.hpp"
+#include "frac/algebra.hpp"
 
 namespace frac {
 namespace {
@@ -33,24 +34,6 @@ double order_at_origin(const FractionalTransferFunction& model) {
 
 double order_at_infinity(const FractionalTransferFunction& model) {
   return model.numerator().front().order - model.denominator().front().order;
-}
-
-// Largest q = 1/n with every order a whole multiple of q, then the common divisor of the multiples.
-std::optional<double> common_order(const FractionalTransferFunction& model) {
-  std::vector<double> orders;
-  for (const auto* terms : {&model.numerator(), &model.denominator()}) {
-    for (const PowerTerm& term : *terms) orders.push_back(std::abs(term.order));
-  }
-  for (int n = 1; n <= 1000; ++n) {
-    long long divisor = 0;
-    const bool fits = std::all_of(orders.begin(), orders.end(), [&](double order) {
-      const double multiple = std::round(order * n);
-      divisor = std::gcd(divisor, static_cast<long long>(multiple));
-      return std::abs(order - multiple / n) <= 1e-10;
-    });
-    if (fits && divisor > 0) return static_cast<double>(divisor) / n;
-  }
-  return std::nullopt;
 }
 
 bool is_cancelled(const std::vector<PowerTerm>& numerator, const RootCluster& root) {
@@ -100,7 +83,9 @@ StabilityAnalysis analyse_stability(const FractionalTransferFunction& model) {
     marginal = marginal || std::abs(root.log_s.imag() - pi / 2) <= axis_width + root.spread;
     unstable = unstable || root.log_s.imag() < pi / 2 - axis_width - root.spread;
   }
-  result.commensurate_order = common_order(model);
+  // Finer ones have more sheets than anyone would look at.
+  const auto common = commensurate_order(model);
+  if (common && common->value() >= 1e-3) result.commensurate_order = common->value();
   if (result.commensurate_order) {
     const double q = *result.commensurate_order;
     std::vector<PowerTerm> polynomial = model.denominator();

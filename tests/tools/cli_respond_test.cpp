@@ -66,6 +66,34 @@ TEST(Respond, MethodsAgreeWithTheKnownValues) {
   EXPECT_NE(slow.output[2000], fast.output[2000]);
 }
 
+TEST(Respond, EveryMethodGivesTheSameAndSaysItsError) {
+  for (const char* method : {"auto", "reference", "exponential-sum", "grunwald-letnikov", "bdf2", "ladder"}) {
+    const Table table = response_to({"--model", furnace, "--time", "0:30:3001", "--method", method, "--quiet"});
+    const std::string name = std::string(method) == "auto" ? "exponential-sum" : method;
+    EXPECT_NE(table.head.find("# method: " + name + "\n"), std::string::npos) << table.head;
+    const std::size_t at = table.head.find("# error_estimate: ");
+    ASSERT_NE(at, std::string::npos);
+    const double estimate = std::stod(table.head.substr(at + 18));
+    // The estimate is the largest of some twenty differences; between them the error may be somewhat larger.
+    EXPECT_LE(std::abs(table.output[2000] - 0.991079096205464), 3 * estimate + 1e-15) << method;
+    EXPECT_LT(estimate, 0.05) << method;
+  }
+}
+
+TEST(Respond, UnevenInstantsAndSamples) {
+  const TemporaryFolder folder;
+  const auto file = folder.write("steps.csv", "time_s,input\n0,1\n0.5,3\n1.7,-1\n");
+  const Table table = response_to({"--model", "exp(-0.1 s)/(s+1)", "--input", file, "--time", "0.2,0.65,3"});
+  const auto lag = [](double t) { return t > 0 ? -std::expm1(-t) : 0; };
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double t = table.time[i] - 0.1;
+    EXPECT_NEAR(table.output[i], lag(t) + 2 * lag(t - 0.5) - 4 * lag(t - 1.7), 1e-9);
+  }
+  const Table same = response_to({"--model", "1/(s+1)", "--input", file});
+  ASSERT_EQ(same.time.size(), 3u);
+  EXPECT_NEAR(same.output[2], lag(1.7) + 2 * lag(1.2), 1e-9);
+}
+
 TEST(Respond, OtherInputs) {
   // 1/(s + 1): e^-t, t - 1 + e^-t, (e^-t - cos t + sin t)/2.
   const double e = std::exp(-2.0);
@@ -94,16 +122,18 @@ TEST(Respond, WhatIsWrongIsNamed) {
   expect_failure({"respond", "--time", "1"}, 2, "--model");
   expect_failure({"respond", "--model", "1/(s+1)"}, 2, "--time");
   expect_failure({"respond", "--model", "1/(s+", "--time", "1"}, 2, "1/(s+");
-  expect_failure({"respond", "--model", "1/(s+1)", "--time", "-1,2"}, 2, "t[0] = -1");
+  expect_failure({"respond", "--model", "1/(s+1)", "--time", "-1,2"}, 2, "time[0] = -1");
   expect_failure({"respond", "--model", "1/(s+1)", "--input", "sine", "--time", "1"}, 2, "--omega");
-  expect_failure({"respond", "--model", "1/(s+1)", "--time", "1,2,4", "--method", "exponential-sum"}, 2, "0:T:N");
+  expect_failure({"respond", "--model", "1/(s+1)", "--time", "1,2,4", "--method", "bdf2"}, 2, "0, T, 2 T");
+  expect_failure({"respond", "--model", "1/(s+1)", "--time", "1", "--method", "best"}, 2, "known are auto, reference");
+  expect_failure({"respond", "--model", "1/(s+1)", "--time", "1", "--tolerance", "0.5"}, 2, "tolerance = 0.5");
   expect_failure({"respond", "--model", "1/(s+1)", "--input", folder.path("none.csv")}, 3, "none.csv");
-  const auto uneven = folder.write("uneven.csv", "time_s,input\n0,1\n1,1\n3,1\n");
-  expect_failure({"respond", "--model", "1/(s+1)", "--input", uneven}, 3, "equal steps");
+  const auto backwards = folder.write("backwards.csv", "time_s,input\n0,1\n1,1\n0.5,1\n");
+  expect_failure({"respond", "--model", "1/(s+1)", "--input", backwards}, 3, "a time after 1");
   const auto broken = folder.write("broken.csv", "time_s,input\n0,1\n1,nan\n");
   expect_failure({"respond", "--model", "1/(s+1)", "--input", broken}, 3, "broken.csv:3:3");
   const auto unnamed = folder.write("unnamed.csv", "time_s,x\n0,1\n1,1\n");
-  expect_failure({"respond", "--model", "1/(s+1)", "--input", unnamed}, 3, "input, u");
+  expect_failure({"respond", "--model", "1/(s+1)", "--input", unnamed}, 3, "expected input or u");
 }
 
 TEST(Analyse, ReportsTheFurnace) {
@@ -131,4 +161,14 @@ TEST(Analyse, ReportsALoop) {
   EXPECT_NEAR(json["margins"]["gain_margin"].get<double>(), std::acos(-1.0) / 2, 1e-12);
   EXPECT_NEAR(json["margins"]["phase_margin_rad"].get<double>(), std::acos(-1.0) / 2 - 1, 1e-12);
   EXPECT_TRUE(json["h2_norm"].is_null());
+}
+
+TEST(Analyse, ClosesALoop) {
+  // K/s^1.5 under unity feedback: K/(s^1.5 + K), poles at K^(2/3) e^(+-120 deg i).
+  const auto result = run_fracfit({"analyse", "--model", "8/s^1.5", "--feedback", "1"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const Json json = Json::parse(result.output);
+  EXPECT_EQ(json["model"], "8/(s^1.5 + 8)");
+  EXPECT_NEAR(json["poles"][0]["re"].get<double>(), -2, 1e-13);
+  expect_failure({"analyse", "--model", "exp(-1 s)/s", "--feedback", "1"}, 2, "dead time of 1 s");
 }

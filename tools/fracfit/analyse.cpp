@@ -9,6 +9,7 @@
 #include "aligned_table.hpp"
 #include "common_options.hpp"
 #include "exit_code.hpp"
+#include "frac/algebra.hpp"
 #include "frac/stability.hpp"
 #include "io/sweep_file.hpp"
 #include "subcommand.hpp"
@@ -20,7 +21,7 @@ using Json = nlohmann::ordered_json;
 
 struct AnalyseOptions {
   CommonOptions common;
-  std::string model;
+  std::string model, feedback;
 };
 
 struct Analysis {
@@ -32,8 +33,10 @@ struct Analysis {
   std::optional<frac::ClosedLoopStability> closed_loop;  // empty where the loop does not fall below 1
 };
 
-Analysis analysis_of(const std::string& formula) {
-  const auto model = frac::FractionalTransferFunction::parse(formula);
+Analysis analysis_of(const AnalyseOptions& given) {
+  auto model = frac::FractionalTransferFunction::parse(given.model);
+  if (!given.feedback.empty())
+    model = frac::simplified(frac::feedback(model, frac::FractionalTransferFunction::parse(given.feedback)));
   Analysis result{model,
                   frac::analyse_stability(model),
                   frac::h_infinity_norm(model),
@@ -138,8 +141,11 @@ std::string table_text(const Analysis& result) {
 
 int analyse(const AnalyseOptions& given) {
   const io::OutputFile file(given.common.out);
-  const Analysis result = analysis_of(given.model);
-  const std::string command = CommandLine("analyse").option("--model", given.model).text();
+  const Analysis result = analysis_of(given);
+  CommandLine line("analyse");
+  line.option("--model", given.model);
+  if (!given.feedback.empty()) line.option("--feedback", given.feedback);
+  const std::string& command = line.text();
   file.write(chosen_format(given.common, "json") == "table" ? table_text(result) : json_text(result, command));
   return result.stability.stability == frac::Stability::undetermined ? no_usable_result : usable_result;
 }
@@ -153,11 +159,16 @@ void add_analyse(CLI::App& program, Run& run) {
   analysis->add_option("--model", given->model, "Formula, e.g. \"1/(0.8 s^2.2 + 0.5 s^0.9 + 1)\"")
       ->required()
       ->type_name("FORMULA");
+  analysis
+      ->add_option("--feedback", given->feedback,
+                   "Analyse the closed loop model/(1 + model FORMULA) in place of the model; no dead time")
+      ->type_name("FORMULA");
   add_common_options(*analysis, given->common, {"json", "table"});
   analysis->footer(
       "Examples:\n"
       "  fracfit analyse --model \"1/(0.8 s^2.2 + 0.5 s^0.9 + 1)\" --format table\n"
-      "  fracfit analyse --model \"exp(-0.5 s) 2/(s^0.8 (s + 1))\" --out loop.json");
+      "  fracfit analyse --model \"exp(-0.5 s)*2/(s^0.8 (s + 1))\" --out loop.json\n"
+      "  fracfit analyse --model \"(2 + 1/s^0.9)/(s^1.5 + s)\" --feedback 1");
   analysis->callback([given, &run] { run = [given] { return analyse(*given); }; });
 }
 

@@ -8,9 +8,11 @@
 #include "fit_request.hpp"
 #include "fit_statistics.hpp"
 #include "frac/structure.hpp"
+#include "io/time_series_file.hpp"
 #include "json_output.hpp"
 #include "model_choice.hpp"
 #include "subcommand.hpp"
+#include "time_fit.hpp"
 
 namespace fracfit {
 namespace {
@@ -20,9 +22,30 @@ struct FitArguments {
   FitRequest request;
   std::optional<std::string> model, grow;  // one of them
   ParameterOptions parameters;
+  TimeFitRequest over_time;
   bool profile = false;
   std::string bootstrap;
 };
+
+void check_over_time(const FitArguments& given) {
+  const auto refuse = [](bool asked, const char* option) {
+    if (asked)
+      throw std::invalid_argument(std::string(option) +
+                                  " has no meaning with samples over time, only with a frequency response");
+  };
+  refuse(given.grow.has_value(), "--grow");
+  refuse(given.profile, "--profile");
+  refuse(!given.bootstrap.empty(), "--bootstrap");
+}
+
+void check_over_frequency(const FitArguments& given) {
+  for (const auto& [name, text] :
+       {std::pair{"--hold", &given.over_time.hold}, std::pair{"--offset", &given.over_time.offset},
+        std::pair{"--input-at-rest", &given.over_time.input_at_rest}})
+    if (!text->empty())
+      throw std::invalid_argument(std::string(name) +
+                                  " has no meaning with a frequency response, only with samples over time");
+}
 
 void check(const FitArguments& given) {
   if (given.model.has_value() == given.grow.has_value())
@@ -82,6 +105,11 @@ int run_fit(const FitArguments& given) {
   constexpr std::size_t fewest_samples = 20;
   const StatisticsRequest request{
       given.profile, given.bootstrap.empty() ? 0 : count_option("--bootstrap", given.bootstrap, fewest_samples)};
+  if (io::holds_time_response(given.request.data)) {
+    check_over_time(given);
+    return run_time_fit(out, given.common, given.request, given.over_time, *given.model, given.parameters);
+  }
+  check_over_frequency(given);
   const auto file = read_data(given.request, given.common);
   const auto [result, growth] = fitted(given, file.data, options);
   auto statistics = fit_statistics(file.data, options, result, request, given.common.threads);
@@ -101,7 +129,8 @@ int run_fit(const FitArguments& given) {
 
 void add_fit(CLI::App& program, Run& run) {
   const auto given = std::make_shared<FitArguments>();
-  auto* fit = program.add_subcommand("fit", "Fits one structure to a frequency response");
+  auto* fit = program.add_subcommand(
+      "fit", "Fits one structure to a frequency response, or to samples of input and output over time");
   add_fit_options(*fit, given->request);
   fit->add_option("--model", given->model,
                   "Preset or formula of s and named parameters, e.g. 'K exp(-L s)/(T s^a + 1)'")
@@ -116,12 +145,14 @@ void add_fit(CLI::App& program, Run& run) {
   fit->add_flag("--profile", given->profile, "Add profile-likelihood intervals, which follow the cost itself");
   fit->add_option("--bootstrap", given->bootstrap, "Add intervals from N refits to resampled residuals, N >= 20")
       ->type_name("N");
+  add_time_fit_options(*fit, given->over_time);
   add_common_options(*fit, given->common, {"json", "csv", "table"});
   fit->footer("Presets:\n" + preset_list() +
               "Examples:\n"
               "  fracfit fit curve.csv --model power-law --where 'omega>20'\n"
               "  fracfit fit cell.csv --model 'R0 + R1/(1 + R1 Q1 s^n1)' --component both --bound n1=:1 --profile\n"
               "  fracfit fit cell.csv --grow arcs --component both\n"
+              "  fracfit fit step.csv --model 'K exp(-L s)/(T s^a + 1)'      # columns time_s,input,output\n"
               "  fracfit fit curve.csv --model 'K/(T s^a + 1)' --realisation oustaloup --band 0.01:1000 --poles 9 "
               "--out fit.json");
   fit->callback([given, &run] { run = [given] { return run_fit(*given); }; });

@@ -22,8 +22,12 @@ std::string option_of(const FitRun& run, std::string_view key) {
 
 std::string heading(const FitRun& run) {
   std::string text = "data       " + run.file + ", " + std::to_string(run.points) + " points, " +
-                     interval(run.omega_lower, run.omega_upper) + " rad/s";
+                     interval(run.lower, run.upper) + (run.over_time ? " s" : " rad/s");
   if (!run.value_unit.empty()) text += ", values in " + run.value_unit;
+  if (run.over_time) {
+    return text + "\nresiduals  of the output, " + option_of(run, "weight") + " weight; input " +
+           option_of(run, "hold") + " hold, offset " + option_of(run, "offset") + "\n";
+  }
   text += "\nresiduals  " + option_of(run, "component") + ", " + option_of(run, "weight") + " weight";
   if (option_of(run, "loss") != "none") text += ", " + option_of(run, "loss") + " loss";
   if (option_of(run, "realisation") != "exact") text += ", powers of s through " + option_of(run, "realisation");
@@ -71,13 +75,14 @@ std::string added_intervals(const frac::FitResult& result, const FitStatistics& 
   return table.text() + "\n";
 }
 
-std::string residual_remarks(const FitStatistics& statistics) {
+std::string residual_remarks(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
+  if (result.confidence_of_optimum == 1) return "residuals: rounding only\n";
   std::string text = "residuals: correlation of neighbours " + short_number(statistics.whiteness.lag_one_correlation) +
                      ", chance of that from noise alone " + short_number(statistics.whiteness.p_value) + "\n";
-  if (statistics.outlier_omega.empty()) return text;
-  text += std::to_string(statistics.outlier_omega.size()) + " outliers at omega =";
-  for (const double omega : statistics.outlier_omega) text += " " + short_number(omega);
-  return text + " rad/s\n";
+  if (statistics.outlier_at.empty()) return text;
+  text += std::to_string(statistics.outlier_at.size()) + " outliers at " + (run.over_time ? "t =" : "omega =");
+  for (const double at : statistics.outlier_at) text += " " + short_number(at);
+  return text + (run.over_time ? " s\n" : " rad/s\n");
 }
 
 std::string growth_table(const frac::Growth& growth) {
@@ -115,7 +120,7 @@ std::string yes_no(bool value) {
 std::string fit_table(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
   return "model      " + result.model + "\n" + heading(run) + "\n" +
          (statistics.growth ? growth_table(*statistics.growth) : "") + parameter_table(result) + "\n" +
-         added_intervals(result, statistics) + residual_remarks(statistics) + closing(result);
+         added_intervals(result, statistics) + residual_remarks(run, result, statistics) + closing(result);
 }
 
 std::string identification_table(const FitRun& run, const frac::IdentificationResult& result,

@@ -14,10 +14,11 @@ struct FitRun {
   std::string command;
   std::string file;
   std::size_t points;
-  double omega_lower, omega_upper;  // rad/s
+  double lower, upper;              // of omega, rad/s, or of time, s
   std::string value_unit;           // empty when the file gives none
   io::Metadata file_header;         // "# key: value" lines of the data file
   io::Metadata options;
+  bool over_time = false;
 };
 
 // Tables for people.  prediction_rms: of cross-validation, one per candidate of the ranking; empty when not asked for.

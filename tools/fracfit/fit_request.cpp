@@ -59,14 +59,6 @@ frac::Realisation realisation_of(const FitRequest& request) {
                               ": expected exact, oustaloup, ladder or grunwald-letnikov");
 }
 
-std::uint64_t seed_of(const std::string& text) {
-  std::uint64_t seed = 0;
-  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
-  if (text.empty() || error != std::errc{} || stop != text.data() + text.size())
-    throw std::invalid_argument("--seed " + io::quoted(text) + ": expected a whole number >= 0");
-  return seed;
-}
-
 io::Metadata realisation_entries(const frac::Realisation& realisation) {
   io::Metadata entries{{"realisation", frac::to_string(realisation)}};
   const auto add_ladder = [&](const frac::FrequencyBand& band, int poles) {
@@ -105,7 +97,7 @@ void add_residual_options(CLI::App& subcommand, FitRequest& request) {
       .add_option(
           "--weight", request.weight,
           "Residuals are divided by: relative |data|; absolute nothing; given the file's sigma or weight column, or "
-          "any column by its name; smoothed-relative |data| smoothed over nine neighbours; log-complex: ln of "
+          "any column by its name; smoothed-relative |data| as up to eight neighbours tell it; log-complex: ln of "
           "the magnitude ratio and angle; repeats: the spread of repeated values at each frequency")
       ->capture_default_str()
       ->type_name("WEIGHT");
@@ -131,6 +123,15 @@ void add_residual_options(CLI::App& subcommand, FitRequest& request) {
       ->type_name("N");
 }
 
+std::uint64_t seed_of(const FitRequest& request) {
+  const std::string& text = request.seed;
+  std::uint64_t seed = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
+  if (text.empty() || error != std::errc{} || stop != text.data() + text.size())
+    throw std::invalid_argument("--seed " + io::quoted(text) + ": expected a whole number >= 0");
+  return seed;
+}
+
 frac::FitOptions fit_options(const FitRequest& request) {
   frac::FitOptions options;
   if (!request.component.empty()) options.component = frac::component_from_string(request.component);
@@ -138,7 +139,7 @@ frac::FitOptions fit_options(const FitRequest& request) {
   options.loss = frac::loss_from_string(request.loss);
   options.realisation = realisation_of(request);
   frac::validate(options.realisation);
-  options.seed = seed_of(request.seed);
+  options.seed = seed_of(request);
   return options;
 }
 
@@ -146,6 +147,10 @@ io::FrequencyResponseFile read_data(const FitRequest& request, const CommonOptio
   io::FrequencyResponseReadOptions options;
   if (!names_weight(request.weight)) options.weight_column = request.weight;
   for (const auto& text : request.where) options.where.emplace_back(text);
+  options.phase_may_miss = request.component == frac::to_string(frac::Component::magnitude);
+  options.magnitude_may_miss = request.component == frac::to_string(frac::Component::phase);
+  options.key_column = request.key_column;
+  options.curve = request.curve;
   auto file = io::read_frequency_response(request.data, options);
   if (request.weight == "given" && file.data.sigma().empty())
     throw io::DataError(request.data, 0, 0, "has no column sigma or weight; expected one with --weight given");

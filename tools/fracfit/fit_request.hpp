@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -20,7 +21,10 @@ struct FitRequest {
   std::string band, poles, sample_time, memory;
   std::vector<std::string> where;
   std::string seed = "1";
+  std::string key_column, curve;  // which curve of a file that holds several
 };
+
+[[nodiscard]] std::uint64_t seed_of(const FitRequest& request);
 
 void add_fit_options(CLI::App& subcommand, FitRequest& request);
 /// Those without the data.

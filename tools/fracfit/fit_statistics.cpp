@@ -33,7 +33,7 @@ FitStatistics fit_statistics(const frac::FrequencyResponseData& data, const frac
                              const frac::FitResult& result, const StatisticsRequest& request, int threads) {
   FitStatistics statistics;
   statistics.correlation = correlation_of(result.covariance);
-  for (const std::size_t index : result.outliers) statistics.outlier_omega.push_back(data.omega()[index]);
+  for (const std::size_t index : result.outliers) statistics.outlier_at.push_back(data.omega()[index]);
   if (result.termination == frac::FitTermination::no_usable_start) {
     statistics.whiteness = {nan, nan};
     return statistics;
@@ -49,6 +49,17 @@ FitStatistics fit_statistics(const frac::FrequencyResponseData& data, const frac
   statistics.bootstrap_samples = request.bootstrap_samples;
   if (request.bootstrap_samples > 0)
     statistics.bootstrap = frac::bootstrap(data, options, result, request.bootstrap_samples, threads);
+  return statistics;
+}
+
+FitStatistics fit_statistics(const frac::TimeResponseData& data, const frac::TimeFitOptions& options,
+                             const frac::FitResult& result) {
+  FitStatistics statistics;
+  statistics.correlation = correlation_of(result.covariance);
+  for (const std::size_t index : result.outliers) statistics.outlier_at.push_back(data.time()[index]);
+  statistics.whiteness = result.termination == frac::FitTermination::no_usable_start
+                             ? frac::ResidualWhiteness{nan, nan}
+                             : frac::residual_whiteness(data, options, result);
   return statistics;
 }
 

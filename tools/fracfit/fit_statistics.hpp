@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "frac/identification/model_choice.hpp"
+#include "frac/identification/time_fit.hpp"
 #include "frac/identification/uncertainty.hpp"
 
 namespace fracfit {
@@ -19,7 +20,7 @@ struct StatisticsRequest {
 /// What the library says of a fit beside its parameters.  Lists have one entry per parameter.
 struct FitStatistics {
   std::vector<std::vector<double>> correlation;  // of the estimates; NaN beside one without standard error
-  std::vector<double> outlier_omega;             // rad/s, in the order of FitResult::outliers
+  std::vector<double> outlier_at;                // rad/s or s, in the order of FitResult::outliers
   frac::ResidualWhiteness whiteness;             // NaN where the model is not finite
   /// Empty when not asked for; unset for a parameter that has none: fixed, unseen by the fitted component, or no degree
   /// of freedom left.
@@ -33,5 +34,9 @@ struct FitStatistics {
 [[nodiscard]] FitStatistics fit_statistics(const frac::FrequencyResponseData& data, const frac::FitOptions& options,
                                            const frac::FitResult& result, const StatisticsRequest& request,
                                            int threads);
+
+/// Of a fit over time: correlation, outliers and whiteness.
+[[nodiscard]] FitStatistics fit_statistics(const frac::TimeResponseData& data, const frac::TimeFitOptions& options,
+                                           const frac::FitResult& result);
 
 }  // namespace fracfit

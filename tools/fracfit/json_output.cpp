@@ -66,6 +66,8 @@ void append_fit(Json& json, const frac::FitResult& result) {
   json["free_parameters"] = result.free_parameters;
   json["starts"] = result.starts;
   json["starts_at_best"] = result.starts_at_best;
+  json["distinct_minima"] = result.distinct_minima;
+  json["confidence_of_optimum"] = number(result.confidence_of_optimum);
   json["condition"] = number(result.condition);
   json["seconds"] = number(result.seconds);
 }
@@ -74,7 +76,7 @@ Json interval(double lower, double upper) {
   return {number(lower), number(upper)};
 }
 
-void append_statistics(Json& json, const frac::FitResult& result, const FitStatistics& statistics) {
+void append_statistics(Json& json, const frac::FitResult& result, const FitStatistics& statistics, bool over_time) {
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
     const auto& estimate = result.parameters[i];
     Json& parameter = json["parameters"][i];
@@ -99,8 +101,9 @@ void append_statistics(Json& json, const frac::FitResult& result, const FitStati
     json["correlation"].push_back(std::move(numbers));
   }
   json["outliers"] = Json::array();
-  for (std::size_t i = 0; i < statistics.outlier_omega.size(); ++i)
-    json["outliers"].push_back({{"index", result.outliers[i]}, {"omega", number(statistics.outlier_omega[i])}});
+  for (std::size_t i = 0; i < statistics.outlier_at.size(); ++i)
+    json["outliers"].push_back(
+        {{"index", result.outliers[i]}, {over_time ? "time_s" : "omega", number(statistics.outlier_at[i])}});
   json["whiteness"] = {{"lag_one_correlation", number(statistics.whiteness.lag_one_correlation)},
                        {"p_value", number(statistics.whiteness.p_value)}};
   if (statistics.bootstrap_samples > 0) json["bootstrap_samples"] = statistics.bootstrap_samples;
@@ -117,8 +120,8 @@ Json origin_of_fit(const FitRun& run) {
   Json json = origin(run.command);
   json["data"] = {{"file", run.file},
                   {"points", run.points},
-                  {"omega_lower", number(run.omega_lower)},
-                  {"omega_upper", number(run.omega_upper)},
+                  {run.over_time ? "time_from_s" : "omega_lower", number(run.lower)},
+                  {run.over_time ? "time_to_s" : "omega_upper", number(run.upper)},
                   {"value_unit", run.value_unit.empty() ? Json(nullptr) : Json(run.value_unit)},
                   {"header", object_of(run.file_header)}};
   json["options"] = object_of(run.options);
@@ -136,6 +139,17 @@ Json power_law_json(const frac::PowerLaw& law) {
 Json laws_json(double a_coefficient, double a_exponent, double b_coefficient, double b_exponent) {
   return {{"a_of_clearance", {{"coefficient", number(a_coefficient)}, {"exponent", number(a_exponent)}}},
           {"b_of_clearance", {{"coefficient", number(b_coefficient)}, {"exponent", number(b_exponent)}}}};
+}
+
+Json constants_json(const backlash::JumpLaw& law) {
+  Json constants = Json::array();
+  for (const auto& constant : law.constants)
+    constants.push_back(
+        {{"restitution", number(constant.restitution)},
+         {"similarity_constant", constant.similarity_constant ? number(*constant.similarity_constant) : Json(nullptr)},
+         {"averaged", constant.similarity_constant.has_value()},
+         {"meaning", constant.message}});
+  return constants;
 }
 
 }  // namespace
@@ -174,7 +188,7 @@ std::string static_curve_json(const io::StaticCurve& curve, const std::string& c
 std::string fit_json(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
   Json json = origin_of_fit(run);
   append_fit(json, result);
-  append_statistics(json, result, statistics);
+  append_statistics(json, result, statistics, run.over_time);
   return text_of(json);
 }
 
@@ -197,6 +211,16 @@ std::string identification_json(const FitRun& run, const frac::IdentificationRes
   return text_of(json);
 }
 
+std::string jump_constants_json(const JumpLawRun& run, const backlash::JumpLaw& law) {
+  Json json = origin(run.command);
+  json["criterion"] = backlash::to_string(law.criterion);
+  json["mean_similarity_constant"] = number(law.mean_similarity_constant);
+  json["averaged"] = averaged_count(law);
+  json["left_out"] = law.constants.size() - averaged_count(law);
+  json["constants"] = constants_json(law);
+  return text_of(json);
+}
+
 std::string jump_law_json(const JumpLawRun& run, const backlash::JumpLaw& law) {
   Json json = origin(run.command);
   json["scene"] = {{"mass1_kg", number(run.mass1)},
@@ -208,6 +232,10 @@ std::string jump_law_json(const JumpLawRun& run, const backlash::JumpLaw& law) {
                               {"clearance", number(point.clearance)},
                               {"restitution", number(point.restitution)},
                               {"omega_jump", point.omega_jump ? number(*point.omega_jump) : Json(nullptr)}});
+  json["constants"] = constants_json(law);
+  json["averaged"] = averaged_count(law);
+  json["left_out"] = law.constants.size() - averaged_count(law);
+  if (!law.message.empty()) json["message"] = law.message;
   json["laws"] = Json::array();
   for (const auto& [clearance, force_law] : law.laws)
     json["laws"].push_back(

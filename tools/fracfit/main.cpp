@@ -83,6 +83,8 @@ int main(int argc, char** argv) {
     fracfit::add_mittag_leffler(program, run);
     fracfit::add_orbits(program, run);
     fracfit::add_map(program, run);
+    fracfit::add_history(program, run);
+    fracfit::add_basins(program, run);
     fracfit::add_report(program, run);
     fracfit::add_shell_help(program, run);
     return parse_and_run(program, run, argc, argv);

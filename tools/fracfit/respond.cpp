@@ -1,20 +1,17 @@
-#include "frac/respond.hpp"
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 
 #include "common_options.hpp"
 #include "exit_code.hpp"
-#include "frac/reference_response.hpp"
+#include "frac/response_methods.hpp"
 #include "io/number.hpp"
 #include "io/number_list.hpp"
-#include "io/signal_file.hpp"
 #include "io/sweep_file.hpp"
+#include "io/time_series_file.hpp"
 #include "subcommand.hpp"
 
 namespace fracfit {
@@ -23,13 +20,6 @@ namespace {
 struct RespondOptions {
   CommonOptions common;
   std::string model, input = "step", omega, time, method = "auto", tolerance = "1e-9", hold = "zero-order";
-};
-
-struct Response {
-  std::vector<double> time, output;
-  std::string method;
-  double error_estimate = std::numeric_limits<double>::quiet_NaN();  // unit of the output
-  bool usable = true;
 };
 
 using Kind = frac::ResponseInput::Kind;
@@ -42,114 +32,62 @@ std::optional<Kind> named_input(const std::string& name) {
   return std::nullopt;
 }
 
-// Step of a grid 0, T, 2 T, ...; 0 for any other.
-double sample_time_of(const std::vector<double>& time) {
-  if (time.size() < 2 || time[0] != 0) return 0;
-  const double step = time.back() / static_cast<double>(time.size() - 1);
-  for (std::size_t n = 0; n < time.size(); ++n) {
-    if (std::abs(time[n] - static_cast<double>(n) * step) > 1e-9 * step) return 0;
-  }
-  return step;
-}
+struct Request {
+  frac::TimeInput input;
+  std::vector<double> time;
+};
 
-Response by_reference(const frac::FractionalTransferFunction& model, frac::ResponseInput input,
-                      std::vector<double> time) {
-  Response result{std::move(time), {}, "reference", 0, true};
-  for (const frac::ReferenceValue& value : frac::reference_response(model, input, result.time)) {
-    result.output.push_back(value.value);
-    result.error_estimate = std::max(result.error_estimate, value.error_estimate);
-    result.usable = result.usable && value.status != frac::ResponseStatus::inaccurate;
-  }
-  return result;
-}
-
-std::vector<double> by_filter(const std::string& method, const frac::FractionalTransferFunction& model,
-                              const std::vector<double>& samples, double sample_time, double tolerance,
-                              frac::Hold hold) {
-  return method == "grunwald-letnikov" ? frac::respond_grunwald_letnikov(model, samples, sample_time)
-                                       : frac::respond(model, samples, sample_time, tolerance, hold);
-}
-
-// Largest difference from the reference at some forty samples.
-double judged(const frac::FractionalTransferFunction& model, frac::ResponseInput input, const Response& response) {
-  const frac::ReferenceResponse reference(model, input);
-  double worst = 0;
-  for (std::size_t n = 0; n < response.time.size(); n = n < 10 ? n + 1 : n + n / 5) {
-    worst = std::max(worst, std::abs(response.output[n] - reference(response.time[n]).value));
-  }
-  return worst;
-}
-
-Response to_named_input(const RespondOptions& given, const frac::FractionalTransferFunction& model, Kind kind,
-                        double tolerance) {
-  if (given.time.empty()) throw std::invalid_argument("--time is required with --input " + given.input);
+Request request_of(const RespondOptions& given) {
+  const std::optional<Kind> kind = named_input(given.input);
   if ((kind == Kind::sine) != !given.omega.empty())
     throw std::invalid_argument("--omega belongs to --input sine and is required there");
-  const frac::ResponseInput input{kind, kind == Kind::sine ? number_option("--omega", given.omega) : 0};
-  std::vector<double> time = io::parse_grid(given.time, "--time");
-  const double sample_time = sample_time_of(time);
-  const bool samples_exactly = sample_time > 0 && (kind == Kind::step || kind == Kind::ramp);
-  constexpr std::size_t few = 200;
-  if (given.method == "reference" || (given.method == "auto" && (!samples_exactly || time.size() < few)))
-    return by_reference(model, input, std::move(time));
-  if (!samples_exactly)
-    throw std::invalid_argument("--method " + given.method +
-                                " needs --input step or ramp and --time 0:T:N, or a file of samples");
-  std::vector<double> samples(time.size(), 1.0);
-  if (kind == Kind::ramp) samples = time;
-  // Between its samples a ramp is straight.
-  const frac::Hold hold = kind == Kind::ramp ? frac::Hold::first_order : frac::Hold::zero_order;
-  Response result;
-  result.method = given.method == "auto" ? "exponential-sum" : given.method;
-  result.output = by_filter(result.method, model, samples, sample_time, tolerance, hold);
-  result.time = std::move(time);
-  result.error_estimate = judged(model, input, result);
-  return result;
-}
-
-Response to_file(const RespondOptions& given, const frac::FractionalTransferFunction& model, double tolerance) {
-  if (!given.time.empty()) throw std::invalid_argument("--time is taken from the file; leave it out");
-  if (!given.omega.empty()) throw std::invalid_argument("--omega belongs to --input sine");
-  if (given.method == "reference") throw std::invalid_argument("--method reference needs a named --input");
-  io::Signal signal = io::read_signal(given.input);
-  Response result;
-  result.method = given.method == "auto" ? "exponential-sum" : given.method;
-  result.output = by_filter(result.method, model, signal.value, signal.sample_time, tolerance,
-                            given.hold == "first-order" ? frac::Hold::first_order : frac::Hold::zero_order);
-  result.time = std::move(signal.time);
-  return result;
+  if (kind) {
+    if (given.time.empty()) throw std::invalid_argument("--time is required with --input " + given.input);
+    return {frac::ResponseInput{*kind, given.omega.empty() ? 0 : number_option("--omega", given.omega)},
+            io::parse_grid(given.time, "--time")};
+  }
+  io::TimeSeries series = io::read_input_signal(given.input);
+  for (const auto& note : series.notes) say(given.common, given.input + ": " + note);
+  std::vector<double> time = given.time.empty() ? series.time : io::parse_grid(given.time, "--time");
+  return {frac::SampledInput{std::move(series.time), std::move(series.input),
+                             given.hold == "first-order" ? frac::Hold::first_order : frac::Hold::zero_order},
+          std::move(time)};
 }
 
 int respond(const RespondOptions& given) {
   const io::OutputFile file(given.common.out);
   const auto model = frac::FractionalTransferFunction::parse(given.model);
   const double tolerance = number_option("--tolerance", given.tolerance);
-  const std::optional<Kind> kind = named_input(given.input);
-  const Response result = kind ? to_named_input(given, model, *kind, tolerance) : to_file(given, model, tolerance);
+  const auto method = frac::response_method_from_string(given.method);
+  const Request request = request_of(given);
+  const frac::TimeResponse response = frac::respond(model, request.input, request.time, tolerance, method);
 
+  const std::string used(frac::to_string(response.method));
   CommandLine command("respond");
   command.option("--model", given.model).option("--input", given.input);
   if (!given.omega.empty()) command.option("--omega", given.omega);
   if (!given.time.empty()) command.option("--time", given.time);
-  command.option("--method", result.method);
-  if (result.method == "exponential-sum") command.option("--tolerance", given.tolerance);
-  if (!kind) command.option("--hold", given.hold);
+  if (!named_input(given.input)) command.option("--hold", given.hold);
+  command.option("--method", used).option("--tolerance", given.tolerance);
   std::string text = "# fracfit: " + std::string(io::version()) + "\n# command: " + command.text() +
-                     "\n# model: " + model.formula() + "\n# method: " + result.method + "\n# error_estimate: ";
-  io::append_number(text, result.error_estimate);
-  text += "\ntime_s,output\n";
+                     "\n# model: " + model.formula() + "\n# method: " + used + "\n# error_estimate: ";
+  io::append_number(text, response.error_estimate);
+  text += std::string("\n# meets_tolerance: ") + (response.meets_tolerance ? "true" : "false") + "\ntime_s,output\n";
   bool finite = true;
-  for (std::size_t n = 0; n < result.time.size(); ++n) {
-    io::append_number(text, result.time[n]);
+  for (std::size_t n = 0; n < request.time.size(); ++n) {
+    io::append_number(text, request.time[n]);
     text += ',';
-    io::append_number(text, result.output[n]);
+    io::append_number(text, response.output[n]);
     text += '\n';
-    finite = finite && std::isfinite(result.output[n]);
+    finite = finite && std::isfinite(response.output[n]);
   }
   file.write(text);
   if (!finite) say(given.common, "some values are infinite");
-  if (!result.usable) say(given.common, "the two reference methods differ by more than their rounding");
-  return finite && result.usable ? usable_result : no_usable_result;
+  if (!response.meets_tolerance) {
+    say(given.common, "the estimated error, " + io::format_number(response.error_estimate) +
+                          ", exceeds the tolerance times the largest output");
+  }
+  return finite ? usable_result : no_usable_result;
 }
 
 }  // namespace
@@ -164,17 +102,22 @@ void add_respond(CLI::App& program, Run& run) {
       ->capture_default_str()
       ->type_name("INPUT");
   response->add_option("--omega", given->omega, "Angular frequency of the sine, rad/s")->type_name("W");
-  response->add_option("--time", given->time, "Instants, s: FROM:TO:COUNT, FROM:TO:COUNTlog or a list")
+  response
+      ->add_option("--time", given->time,
+                   "Instants, s: FROM:TO:COUNT, FROM:TO:COUNTlog or a list; with a file, those of the file if "
+                   "not given")
       ->type_name("GRID");
   response
       ->add_option("--method", given->method,
-                   "auto (the cheapest that meets the tolerance), reference, exponential-sum or grunwald-letnikov")
+                   "auto (the cheaper of the next two that meets the tolerance), reference, exponential-sum, "
+                   "grunwald-letnikov, bdf2 or ladder")
       ->capture_default_str()
-      ->check(CLI::IsMember({"auto", "reference", "exponential-sum", "grunwald-letnikov"}))
       ->type_name("METHOD");
   response
-      ->add_option("--tolerance", given->tolerance,
-                   "Of the exponential sum, relative to the largest value of the step response; 1e-13 to 0.1")
+      ->add_option(
+          "--tolerance", given->tolerance,
+          "Allowed error over the largest output, 1e-15 to 0.1; of each power for ladder; without influence on "
+          "reference, grunwald-letnikov and bdf2")
       ->capture_default_str()
       ->type_name("T");
   response->add_option("--hold", given->hold, "How a file's input runs between samples: zero-order or first-order")
@@ -187,7 +130,8 @@ void add_respond(CLI::App& program, Run& run) {
       "Examples:\n"
       "  fracfit respond --model \"1/(0.8 s^2.2 + 0.5 s^0.9 + 1)\" --time 0:30:3001\n"
       "  fracfit respond --model \"1/(s^0.5 + 1)\" --input impulse --time 1e-6:1e3:100log\n"
-      "  fracfit respond --model \"1/(s^0.5 + 1)\" --input measured.csv --hold first-order --out response.csv");
+      "  fracfit respond --model \"1/(s^0.5 + 1)\" --input measured.csv --hold first-order --out response.csv\n"
+      "  fracfit respond --model \"1/(s^0.5 + 1)\" --time 0:1:1001 --method bdf2");
   response->callback([given, &run] { run = [given] { return respond(*given); }; });
 }
 

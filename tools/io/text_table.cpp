@@ -6,6 +6,7 @@
 #include <cstring>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "io/number.hpp"
 
@@ -28,6 +29,9 @@ std::string_view unquoted(std::string_view text) {
 }
 
 std::string read_all(const std::string& file) {
+  // Standard input can be read once, and more than one reader may want to look at it.
+  static std::optional<std::string> standard_input;
+  if (file == "-" && standard_input) return *standard_input;
   std::error_code ignored;
   if (file != "-" && std::filesystem::is_directory(file, ignored))
     throw DataError(file, 0, 0, "is a folder; expected a text file of columns");
@@ -51,6 +55,7 @@ std::string read_all(const std::string& file) {
   }
   if (std::ferror(stream.get()) != 0)
     throw DataError(file, 0, 0, std::string("cannot be read: ") + std::strerror(errno));
+  if (file == "-") standard_input = content;
   return content;
 }
 

@@ -38,7 +38,7 @@ enum class Stability {
 struct StabilityAnalysis {
   Stability stability;
   std::vector<Pole> poles;  // |arg s| <= pi, all of them: counted by the argument principle
-  /// Largest q with all orders whole multiples of it to 1e-10, if one above 1/1000 exists.
+  /// As commensurate_order() of algebra.hpp finds it, if it is one of 1/1000 or more.
   std::optional<double> commensurate_order;
   std::vector<SheetRoot> sheet_roots;  // where there is a commensurate order (Matignon 1996)
 };

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <complex>
 
+#include "phi_functions.hpp"
+
 // Copies for processors with wider registers, chosen when the program is loaded.
 #if defined(__x86_64__) && defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define FRACFIT_WIDE_VECTORS __attribute__((target_clones("avx512f", "fma", "default")))
@@ -78,35 +80,6 @@ std::size_t filled_up(std::size_t count) {
   return (count + width - 1) / width * width;
 }
 
-Complex expm1(Complex z) {
-  const double half_sine = std::sin(z.imag() / 2);
-  return {std::expm1(z.real()) * std::cos(z.imag()) - 2 * half_sine * half_sine,
-          std::exp(z.real()) * std::sin(z.imag())};
-}
-
-// phi_n(z) = sum_k z^k/(k+n)!, n = 1 .. count.
-std::vector<Complex> phi(Complex z, std::size_t count) {
-  std::vector<Complex> value(count + 1);
-  double factorial = 1;
-  if (std::abs(z) < 2) {
-    for (std::size_t n = 1; n <= count; ++n) {
-      factorial *= static_cast<double>(n);
-      Complex term = 1 / factorial;
-      for (std::size_t k = 1; k < 40; ++k) {
-        value[n] += term;
-        term *= z / static_cast<double>(k + n);
-      }
-    }
-    return value;
-  }
-  value[0] = std::exp(z);
-  for (std::size_t n = 1; n <= count; ++n) {
-    value[n] = (value[n - 1] - 1 / factorial) / z;
-    factorial *= static_cast<double>(n);
-  }
-  return value;
-}
-
 }  // namespace
 
 FilterBank::FilterBank(std::vector<Exponential> terms, double sample_time, double theta, const std::vector<double>& now)
@@ -133,6 +106,7 @@ FilterBank::FilterBank(std::vector<Exponential> terms, double sample_time, doubl
   kernel_sum_.assign(channels_ * block, 0);
   for (std::size_t channel = 0; channel < channels_; ++channel) kernel_[channel * 2 * block + block] = now_[channel];
 
+  std::vector<Complex> phis(channels_);
   std::size_t next_real = 0;
   std::size_t next_complex = real_size_;
   for (const Exponential& term : terms) {
@@ -141,7 +115,7 @@ FilterBank::FilterBank(std::vector<Exponential> terms, double sample_time, doubl
     const std::size_t s_im = s + complex_size_;
     const Complex z = term.rate * sample_time;
     const Complex factor = std::exp(z);
-    const std::vector<Complex> phis = phi(z, channels_);
+    phi(z, phis);
     const Complex change = expm1(z);
     const Complex block_change = expm1(z * static_cast<double>(block));
     change_re_[s] = change.real();
@@ -159,7 +133,7 @@ FilterBank::FilterBank(std::vector<Exponential> terms, double sample_time, doubl
       block_output_[s * block + i] = flushed(at.real());
       if (!real) block_output_[s_im * block + i] = flushed(-at.imag());
       for (std::size_t channel = 0; channel < channels_; ++channel) {
-        const Complex drive = z * phis[channel + 1];
+        const Complex drive = z * phis[channel];
         const Complex later = drive * power;
         double* row = &block_drive_[(channel * block + block - 1 - i) * size_];
         row[s] = flushed(later.real());

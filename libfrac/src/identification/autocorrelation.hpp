@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <span>
 
+#include "frac/identification/model_choice.hpp"
+
 namespace frac::detail {
 
 /// Autocorrelation of `stride` interleaved series at a lag, pooled; 0 where all values are 0.
@@ -14,5 +16,8 @@ namespace frac::detail {
   }
   return power > 0 ? product / power : 0;
 }
+
+/// Whether `stride` interleaved series of residuals look like noise.
+[[nodiscard]] ResidualWhiteness whiteness(std::span<const double> residual, std::size_t stride);
 
 }  // namespace frac::detail

@@ -101,13 +101,14 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
     const Eigen::Index column = inner[static_cast<std::size_t>(k)];
     scaled.col(k) = jacobian.col(column) / norm[column];
   }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeThinV);
   const Eigen::VectorXd& sigma = svd.singularValues();
   const double smallest = std::max(sigma[width - 1], std::numeric_limits<double>::epsilon() * sigma[0]);
   result.condition = (sigma[0] / smallest) * (sigma[0] / smallest);
   for (Eigen::Index k = 0; k < width; ++k) result.rank += sigma[k] > unseen_column * sigma[0] ? 1 : 0;
 
-  const double degrees_of_freedom = static_cast<double>(residual.size()) - static_cast<double>(result.rank);
+  const double degrees_of_freedom =
+      static_cast<double>(residual.size()) - static_cast<double>(result.rank + residuals.eliminated());
   result.t = student_t_95(degrees_of_freedom);
   const double deviation =
       degrees_of_freedom > 0 ? std::sqrt(residual_variance(residual, degrees_of_freedom, options)) : nan;
@@ -149,6 +150,24 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
     }
   }
   return result;
+}
+
+std::vector<std::vector<double>> flat_directions(const Residuals& residuals, const LocalSolution& solution,
+                                                 double times) {
+  const auto columns = static_cast<Eigen::Index>(residuals.map().free().size());
+  RowMajorMatrix jacobian(static_cast<Eigen::Index>(residuals.count()), columns);
+  Eigen::VectorXd residual(jacobian.rows());
+  if (!residuals.evaluate(solution.theta, 0, residuals.points(), residual.data(), jacobian.data())) return {};
+  const Eigen::MatrixXd dense = jacobian;
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(dense, Eigen::ComputeThinV);
+  std::vector<std::vector<double>> directions;
+  for (Eigen::Index k = columns; k-- > 0;) {
+    const Eigen::VectorXd direction = svd.matrixV().col(k) / svd.matrixV().col(k).lpNorm<Eigen::Infinity>();
+    const double rise = svd.singularValues()[k] * direction.norm();
+    if (!(rise * rise <= times * solution.cost)) continue;
+    directions.emplace_back(direction.begin(), direction.end());
+  }
+  return directions;
 }
 
 }  // namespace frac::detail

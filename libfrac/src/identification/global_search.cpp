@@ -8,20 +8,27 @@
 #include <memory>
 #include <random>
 
+#include "confidence.hpp"
+
 namespace frac::detail {
 
 namespace {
 
 constexpr int starts_per_round = 5;
 constexpr int draws_per_start = 12;
-constexpr int rounds = 16;
+constexpr int rounds = 24;
 constexpr int least_rounds = 4;
 constexpr std::size_t agreement = 4;
+constexpr double enough_confidence = 0.9;
 // A scouting solve is finished only if it came within this factor of the best cost so far.
 constexpr double promising = 10;
-// Two solves found the same minimum when their costs agree to this; separate minima closer than that are equally good
-// fits.
-constexpr double same_cost = 1e-6;
+// Ends whose costs agree to this are the same minimum, or equally good fits; those beyond `rival` times the best are
+// poor ones.
+constexpr double equally_good = 1e-3;
+constexpr double rival = 1.5;
+// A walk is worth its solves along directions where one natural unit (an e-fold) adds less than this many times the
+// cost: beyond, the quadratic picture says that the data pin the parameter down.
+constexpr double hardly_resists = 0.1;
 
 /// Uniform in [0, 1) from the generator's top 53 bits: the same on every platform, unlike
 /// std::uniform_real_distribution.
@@ -124,6 +131,31 @@ std::vector<std::vector<double>> screened_draws(const Residuals& residuals, cons
   return starts;
 }
 
+/// Starts by linear least squares for the coefficients, at orders and delays drawn like those of the others: the best
+/// few of several draws.
+std::vector<std::vector<double>> linear_starts(const Residuals& residuals, const std::vector<double>& suggested_orders,
+                                               std::mt19937_64& generator) {
+  constexpr int draws = 6;
+  constexpr std::size_t kept = 2;
+  const ParameterMap& map = residuals.map();
+  const bool only_coefficients = std::all_of(map.free().begin(), map.free().end(), [](const ParameterMap::Free& entry) {
+    return entry.role == ParameterRole::coefficient;
+  });
+  std::vector<std::pair<double, std::vector<double>>> found;
+  for (int i = 0; i < (only_coefficients ? 1 : draws); ++i) {
+    for (const auto& parameters : residuals.linear_fits(map.to_user(draw(map, suggested_orders, generator)))) {
+      std::vector<double> theta = map.to_theta(parameters);
+      const double cost = residuals.cost(theta);
+      if (std::isfinite(cost)) found.emplace_back(cost, std::move(theta));
+    }
+  }
+  std::sort(found.begin(), found.end());
+  if (found.size() > kept) found.resize(kept);
+  std::vector<std::vector<double>> starts;
+  for (auto& [cost, theta] : found) starts.push_back(std::move(theta));
+  return starts;
+}
+
 /// Best point of NLopt's CRS2 over a box six natural units (e-folds) around the data, for models no start agrees on.
 std::vector<double> controlled_random_search(const Residuals& residuals, const std::vector<double>& start,
                                              std::uint64_t seed) {
@@ -150,6 +182,140 @@ std::vector<double> controlled_random_search(const Residuals& residuals, const s
   nlopt_optimize(search.get(), inside.data(), &value);
   return inside;
 }
+
+/// The state of one search.
+class Search {
+ public:
+  Search(const Residuals& residuals, const std::vector<double>& suggested_orders, std::uint64_t seed)
+      : residuals_(residuals), suggested_orders_(suggested_orders), seed_(seed), generator_(seed) {
+    result_.best.cost = std::numeric_limits<double>::infinity();
+  }
+
+  GlobalSolution run() {
+    const auto& free = residuals_.map().free();
+    const bool start_given = std::any_of(free.begin(), free.end(), [&](const ParameterMap::Free& entry) {
+      return !std::isnan(residuals_.map().start()[entry.parameter]);
+    });
+    // These are not drawn like the others, so they say nothing of the number of minima.
+    try_from(linear_starts(residuals_, suggested_orders_, generator_));
+    independent_ = 0;
+    for (int round = 0; round < rounds && !exact(); ++round) {
+      try_from(screened_draws(residuals_, suggested_orders_, generator_, start_given && round == 0));
+      if (round + 1 < least_rounds || !settled()) continue;
+      if (!walk_to_lower_cost() && settled()) break;
+    }
+    if (at_best(ends_) == 1 && !exact()) {
+      const std::size_t independent = independent_;
+      try_from({controlled_random_search(residuals_, result_.best.theta, seed_)});
+      independent_ = independent;
+    }
+    if (std::isfinite(result_.best.cost)) {
+      result_.starts_at_best = at_best(ends_);
+      result_.minima = minima();
+      // A cost of zero cannot be beaten.
+      result_.confidence = exact() ? 1 : confidence();
+    }
+    return result_;
+  }
+
+ private:
+  [[nodiscard]] bool exact() const { return result_.best.cost <= residuals_.rounding_cost(); }
+  [[nodiscard]] double confidence() const { return confidence_of_optimum(independent_, minima()); }
+  [[nodiscard]] bool settled() const { return at_best(ends_) >= agreement && confidence() >= enough_confidence; }
+  [[nodiscard]] bool same(double cost, double least) const {
+    return cost <= least * (1 + equally_good) + residuals_.rounding_cost();
+  }
+
+  [[nodiscard]] std::size_t at_best(const std::vector<double>& costs) const {
+    return static_cast<std::size_t>(
+        std::count_if(costs.begin(), costs.end(), [&](double cost) { return same(cost, result_.best.cost); }));
+  }
+
+  /// Distinct costs up to `rival` times the best; all ends beyond it count as one.
+  [[nodiscard]] std::size_t minima() const {
+    std::vector<double> costs = ends_;
+    std::sort(costs.begin(), costs.end());
+    const double floor = residuals_.rounding_cost();
+    std::size_t count = 0;
+    double least = -1;  // of the minimum counted last
+    for (const double cost : costs) {
+      if (least >= 0 && same(cost, least)) continue;
+      ++count;
+      least = cost;
+      if (cost > rival * result_.best.cost + floor) break;
+    }
+    return count;
+  }
+
+  /// A scouting solve that came to rest at a cost found before, and not below the best.
+  [[nodiscard]] bool known(const LocalSolution& scout) const {
+    if (!scout.converged || exact() || scout.cost < result_.best.cost) return false;
+    return std::any_of(ends_.begin(), ends_.end(),
+                       [&](double cost) { return same(scout.cost, cost) && same(cost, scout.cost); });
+  }
+
+  /// Scouts from each start, then finishes those that are in reach of the best.  True if one went below the best.
+  bool try_from(const std::vector<std::vector<double>>& starts) {
+    LocalOptions scouting;
+    scouting.iterations = 40;
+    scouting.cost_tolerance = 1e-6;
+    std::vector<LocalSolution> found;
+    double least = result_.best.cost;
+    for (const std::vector<double>& theta : starts) {
+      found.push_back(local_solve(residuals_, theta, scouting));
+      least = std::min(least, found.back().cost);
+    }
+    bool lower = false;
+    for (LocalSolution& local : found) {
+      ++result_.starts;
+      ++independent_;
+      if (local.cost <= promising * least + residuals_.rounding_cost() && !known(local)) {
+        local = local_solve(residuals_, local.theta, {});
+      }
+      ends_.push_back(local.cost);
+      if (!(local.cost < result_.best.cost)) continue;
+      lower = lower || !same(result_.best.cost, local.cost);
+      result_.best = std::move(local);
+    }
+    return lower;
+  }
+
+  /// Solves from points some e-folds away from the best one along its flat directions, until none leads lower.
+  bool walk_to_lower_cost() {
+    const std::size_t independent = independent_;
+    bool lower = false;
+    for (int walk = 0; walk < 4 && !exact(); ++walk) {
+      std::vector<std::vector<double>> starts;
+      for (const std::vector<double>& direction : flat_directions(residuals_, result_.best, hardly_resists)) {
+        for (const double step : {-4.0, -2.0, -1.0, 1.0, 2.0, 4.0}) {
+          starts.push_back(stepped(direction, step));
+          if (!std::isfinite(residuals_.cost(starts.back()))) starts.pop_back();
+        }
+      }
+      if (!try_from(starts)) break;
+      lower = true;
+    }
+    independent_ = independent;
+    return lower;
+  }
+
+  [[nodiscard]] std::vector<double> stepped(const std::vector<double>& direction, double step) const {
+    const auto& free = residuals_.map().free();
+    std::vector<double> theta = result_.best.theta;
+    for (std::size_t k = 0; k < theta.size(); ++k) {
+      theta[k] = std::clamp(theta[k] + step * direction[k], free[k].lower, free[k].upper);
+    }
+    return theta;
+  }
+
+  const Residuals& residuals_;
+  const std::vector<double>& suggested_orders_;
+  std::uint64_t seed_;
+  std::mt19937_64 generator_;
+  GlobalSolution result_;
+  std::vector<double> ends_;     // cost of each solve
+  std::size_t independent_ = 0;  // solves from seeded starts, not from the best of the others
+};
 
 }  // namespace
 
@@ -180,51 +346,14 @@ std::vector<double> suggested_orders(const FrequencyResponseData& data) {
   return orders;
 }
 
+double confidence_of_optimum(std::size_t starts, std::size_t minima) {
+  if (starts < minima + 2) return 0;
+  return 1 - static_cast<double>(minima) / static_cast<double>(starts - 1);
+}
+
 GlobalSolution global_search(const Residuals& residuals, const std::vector<double>& suggested_orders,
                              std::uint64_t seed) {
-  std::mt19937_64 generator(seed);
-  GlobalSolution result;
-  result.best.cost = std::numeric_limits<double>::infinity();
-  std::vector<double> costs;
-  const double floor = residuals.rounding_cost();
-  LocalOptions scouting;
-  scouting.iterations = 40;
-  scouting.cost_tolerance = 1e-6;
-  // Scouts from each start, then finishes those that are in reach of the best.
-  const auto try_from = [&](const std::vector<std::vector<double>>& starts) {
-    std::vector<LocalSolution> found;
-    double least = result.best.cost;
-    for (const std::vector<double>& theta : starts) {
-      found.push_back(local_solve(residuals, theta, scouting));
-      least = std::min(least, found.back().cost);
-    }
-    for (LocalSolution& local : found) {
-      ++result.starts;
-      if (local.cost <= promising * least + floor) local = local_solve(residuals, local.theta, {});
-      costs.push_back(local.cost);
-      if (local.cost < result.best.cost) result.best = std::move(local);
-    }
-  };
-  const auto at_best = [&] {
-    return static_cast<std::size_t>(std::count_if(
-        costs.begin(), costs.end(), [&](double cost) { return cost <= result.best.cost * (1 + same_cost) + floor; }));
-  };
-
-  const auto& free = residuals.map().free();
-  const bool start_given = std::any_of(free.begin(), free.end(), [&](const ParameterMap::Free& entry) {
-    return !std::isnan(residuals.map().start()[entry.parameter]);
-  });
-  for (int round = 0; round < rounds; ++round) {
-    try_from(screened_draws(residuals, suggested_orders, generator, start_given && round == 0));
-    result.starts_at_best = costs.empty() ? 0 : at_best();
-    if (result.best.cost <= floor) return result;
-    if (round + 1 >= least_rounds && result.starts_at_best >= agreement) return result;
-  }
-  if (result.starts_at_best == 1) {
-    try_from({controlled_random_search(residuals, result.best.theta, seed)});
-    result.starts_at_best = at_best();
-  }
-  return result;
+  return Search(residuals, suggested_orders, seed).run();
 }
 
 }  // namespace frac::detail

@@ -10,16 +10,25 @@ namespace frac::detail {
 struct GlobalSolution {
   LocalSolution best;
   std::size_t starts = 0;          // local solves made
-  std::size_t starts_at_best = 0;  // of which ended at the best cost
+  std::size_t starts_at_best = 0;  // of which ended at the best cost; 0: the model was finite nowhere it was tried
+  std::size_t minima = 0;          // distinct ends of the independent starts
+  double confidence = 0;           // probability that no lower minimum exists, NaN where nothing was searched
 };
 
 /// Local slopes d ln|G|/d ln omega at the lower end, the upper end and the extremes: orders the data suggest.
 [[nodiscard]] std::vector<double> suggested_orders(const FrequencyResponseData& data);
 
+/// Probability that the lowest minimum is among the `minima` distinct ones that `starts` independent solves ended at,
+/// when nothing is known beforehand of their number and of the shares of their basins (uniform priors) and the lowest
+/// is as likely as any to be hidden: 1 - minima/(starts - 1).  It is the mean of minima/all minima over the posterior
+/// of Boender, Rinnooy Kan (1987), eq. 9.  0 where there are too few starts to say.
+[[nodiscard]] double confidence_of_optimum(std::size_t starts, std::size_t minima);
+
 /// Seeded multi-start: each round draws coefficients from the magnitudes and frequencies the data span (their dimension
 /// says how), orders from the suggested ones and from their ranges, keeps the few draws of lowest cost and solves from
-/// each.  It ends when three solves agree on the best cost; if they never do, NLopt's controlled random search tries
-/// the whole box. starts_at_best is 0 when the model is finite nowhere it was tried.
+/// each; linear least squares for the coefficients gives two more starts.  It ends when enough solves agree on the best
+/// cost and confidence_of_optimum() is high, after walks from the best minimum along the directions the data hardly
+/// resist have led nowhere lower.  If no two solves ever agree, NLopt's controlled random search tries the whole box.
 [[nodiscard]] GlobalSolution global_search(const Residuals& residuals, const std::vector<double>& suggested_orders,
                                            std::uint64_t seed);
 

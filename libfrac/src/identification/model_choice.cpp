@@ -40,22 +40,8 @@ FrequencyResponseData part_of(const FrequencyResponseData& data, std::size_t fir
 
 ResidualWhiteness residual_whiteness(const FrequencyResponseData& data, const FitOptions& options,
                                      const FitResult& result) {
-  const std::size_t stride = detail::residual_rule(data, options.component, options.weight).per_point();
-  const std::vector<double> residual = residuals_of(data, options, result);
-  const std::size_t points = data.size();
-  ResidualWhiteness whiteness{detail::autocorrelation(residual, stride, 1), nan};
-  if (points < 10) return whiteness;
-  const std::size_t lags = std::min<std::size_t>(10, points / 5);
-  // Pooled over the parts, a correlation of white residuals has the variance 1/(stride n).
-  const auto n = static_cast<double>(points);
-  double statistic = 0;
-  for (std::size_t lag = 1; lag <= lags; ++lag) {
-    const double correlation = detail::autocorrelation(residual, stride, lag);
-    statistic += static_cast<double>(stride) * n * (n + 2) * correlation * correlation / (n - static_cast<double>(lag));
-  }
-  const boost::math::chi_squared distribution(static_cast<double>(lags));
-  whiteness.p_value = boost::math::cdf(boost::math::complement(distribution, statistic));
-  return whiteness;
+  return detail::whiteness(residuals_of(data, options, result),
+                           detail::residual_rule(data, options.component, options.weight).per_point());
 }
 
 FTest f_test(const FitResult& simple, const FitResult& full) {
@@ -144,6 +130,23 @@ Growth grow(const FrequencyResponseData& data, GrowthFamily family, const FitOpt
     growth.chosen = growth.fits.size() - 1;
   }
   return growth;
+}
+
+ResidualWhiteness detail::whiteness(std::span<const double> residual, std::size_t stride) {
+  const std::size_t points = residual.size() / stride;
+  ResidualWhiteness result{autocorrelation(residual, stride, 1), nan};
+  if (points < 10) return result;
+  const std::size_t lags = std::min<std::size_t>(10, points / 5);
+  // Pooled over the parts, a correlation of white residuals has the variance 1/(stride n).
+  const auto n = static_cast<double>(points);
+  double statistic = 0;
+  for (std::size_t lag = 1; lag <= lags; ++lag) {
+    const double correlation = autocorrelation(residual, stride, lag);
+    statistic += static_cast<double>(stride) * n * (n + 2) * correlation * correlation / (n - static_cast<double>(lag));
+  }
+  const boost::math::chi_squared distribution(static_cast<double>(lags));
+  result.p_value = boost::math::cdf(boost::math::complement(distribution, statistic));
+  return result;
 }
 
 }  // namespace frac

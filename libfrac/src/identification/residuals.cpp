@@ -1,27 +1,42 @@
 #include "residuals.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "linear_start.hpp"
+
 namespace frac::detail {
 
-Residuals::Residuals(const FrequencyResponseData& data, const Structure& structure, const Realisation& realisation,
-                     const ParameterMap& map, const ResidualRule& rule)
-    : data_(data),
+bool Residuals::evaluate_all(std::span<const double> theta, std::vector<double>& residual) const {
+  residual.resize(count());
+  return evaluate(theta, 0, points(), residual.data(), nullptr);
+}
+
+double Residuals::cost(std::span<const double> theta) const {
+  if (!evaluate_all(theta, scratch_)) return std::numeric_limits<double>::infinity();
+  double sum = 0;
+  for (const double residual : scratch_) sum += residual * residual;
+  return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
+}
+
+FrequencyResiduals::FrequencyResiduals(const FrequencyResponseData& data, const Structure& structure,
+                                       const Realisation& realisation, const ParameterMap& map,
+                                       const ResidualRule& rule)
+    : Residuals(map),
+      data_(data),
       structure_(structure),
       realisation_(realisation),
-      map_(map),
       rule_(rule),
       value_(data.size()),
-      gradient_(data.size() * map.parameter_count()),
-      scratch_(count()) {}
+      gradient_(data.size() * map.parameter_count()) {}
 
-bool Residuals::evaluate(std::span<const double> theta, std::size_t first, std::size_t points, double* residual,
-                         double* jacobian_row_major) const {
-  const std::vector<double> parameters = map_.to_user(theta);
+bool FrequencyResiduals::evaluate(std::span<const double> theta, std::size_t first, std::size_t points,
+                                  double* residual, double* jacobian_row_major) const {
+  const std::vector<double> parameters = map().to_user(theta);
   const std::span omega(data_.omega().data() + first, points);
   const std::span value(value_.data(), points);
-  const std::size_t all = map_.parameter_count();
+  const std::size_t all = map().parameter_count();
   if (jacobian_row_major) {
     structure_.response_and_gradient(parameters, omega, realisation_, value, std::span(gradient_.data(), points * all));
   } else {
@@ -33,34 +48,34 @@ bool Residuals::evaluate(std::span<const double> theta, std::size_t first, std::
   }
   if (!jacobian_row_major) return true;
 
-  RowMajorMatrix by_parameter(static_cast<Eigen::Index>(points * per_point()), static_cast<Eigen::Index>(all));
+  // d model / d theta from d model / d parameter; most entries of the map's Jacobian are 0.
+  const std::vector<ParameterMap::Entry> entries = map().jacobian_entries(parameters);
+  const std::size_t width = map().free().size();
+  std::vector<std::complex<double>> by_theta(width);
+  bool finite = true;
   for (std::size_t i = 0; i < points; ++i) {
-    double* row = by_parameter.data() + i * per_point() * all;
-    for (std::size_t j = 0; j < all; ++j) {
-      rule_.derivative(first + i, value[i], gradient_[i * all + j], row + j,
-                       per_point() == 2 ? row + j + all : nullptr);
+    std::fill(by_theta.begin(), by_theta.end(), 0.0);
+    const std::complex<double>* by_parameter = gradient_.data() + i * all;
+    for (const ParameterMap::Entry& entry : entries) {
+      by_theta[entry.free] += entry.derivative * by_parameter[entry.parameter];
     }
+    double* rows = jacobian_row_major + i * per_point() * width;
+    rule_.derivatives(first + i, value[i], by_theta, rows);
+    double sum = 0;
+    for (std::size_t k = 0; k < per_point() * width; ++k) sum += rows[k] - rows[k];
+    finite = finite && sum == 0;
   }
-  Eigen::Map<RowMajorMatrix> jacobian(jacobian_row_major, by_parameter.rows(),
-                                      static_cast<Eigen::Index>(map_.free().size()));
-  jacobian.noalias() = by_parameter.lazyProduct(map_.jacobian(parameters));
-  return jacobian.allFinite();
+  return finite;
 }
 
-double Residuals::cost(std::span<const double> theta) const {
-  if (!evaluate(theta, 0, points(), scratch_.data(), nullptr)) return std::numeric_limits<double>::infinity();
-  double sum = 0;
-  for (const double residual : scratch_) sum += residual * residual;
-  return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
-}
-
-double Residuals::best_factor(std::span<const double> theta) const {
-  if (rule_.form == ResidualForm::phase || !std::isfinite(cost(theta))) return 1;
+double FrequencyResiduals::best_factor(std::span<const double> theta) const {
+  std::vector<double> all;
+  if (rule_.form == ResidualForm::phase || !evaluate_all(theta, all)) return 1;
   const bool logarithmic = rule_.form == ResidualForm::logarithmic || rule_.form == ResidualForm::log_magnitude;
   double product = 0, power = 0, sum = 0;
   for (std::size_t i = 0; i < points(); ++i) {
     const std::complex<double> datum = data_.value()[i];
-    const double* residual = scratch_.data() + i * per_point();
+    const double* residual = all.data() + i * per_point();
     sum += residual[0];
     const auto add = [&](double rest, double target) {
       product += (rest + target) * target;
@@ -84,6 +99,31 @@ double Residuals::best_factor(std::span<const double> theta) const {
   }
   const double factor = logarithmic ? std::exp(-sum / static_cast<double>(points())) : product / power;
   return factor > 0 && std::isfinite(factor) ? factor : 1;
+}
+
+std::vector<std::vector<double>> Residuals::linear_fits(std::span<const double>) const {
+  return {};
+}
+
+std::vector<std::vector<double>> FrequencyResiduals::linear_fits(std::span<const double> near) const {
+  if (per_point() != 2) return {};
+  const auto form = coefficient_form(structure_, near);
+  if (!form) return {};
+  std::vector<std::size_t> wanted;
+  for (const ParameterMap::Free& entry : map().free()) {
+    if (entry.role == ParameterRole::coefficient) wanted.push_back(entry.parameter);
+  }
+  std::vector<double> weight = rule_.weight;
+  if (rule_.form == ResidualForm::logarithmic) {
+    for (std::size_t i = 0; i < weight.size(); ++i) weight[i] = 1 / std::abs(data_.value()[i]);
+  }
+  std::vector<std::vector<double>> found;
+  for (const auto weights : {LinearWeights::levy, LinearWeights::vinagre, LinearWeights::sanathanan_koerner}) {
+    const auto fit = linear_fit(*form, data_.omega(), data_.value(), weight, weights);
+    auto parameters = fit ? parameters_from(*form, *fit, near, wanted) : std::nullopt;
+    if (parameters) found.push_back(std::move(*parameters));
+  }
+  return found;
 }
 
 }  // namespace frac::detail

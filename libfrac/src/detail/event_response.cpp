@@ -1,0 +1,456 @@
+#include "event_response.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "branch_cut.hpp"
+#include "laplace_image.hpp"
+#include "phi_functions.hpp"
+#include "power_sum.hpp"
+
+namespace frac::detail {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double pi = std::numbers::pi;
+constexpr std::size_t most_integrators = 8;
+
+// Value in column 0, derivative by parameter p in column 1 + p.
+using ComplexRow = Eigen::Array<Complex, 1, Eigen::Dynamic>;
+
+// N/D and its derivatives at s = e^zeta, any sheet.
+class SensitiveImage {
+ public:
+  SensitiveImage(const RatioOfPowerSums& ratio, double extra_order)
+      : top_(ratio.numerator), bottom_(ratio.denominator), extra_order_(extra_order) {}
+
+  [[nodiscard]] Eigen::Index columns() const {
+    return 1 + static_cast<Eigen::Index>(bottom_.terms.front().by_coefficient.size());
+  }
+
+  void evaluate(Complex zeta, ComplexRow& row) {
+    top_.evaluate(zeta);
+    bottom_.evaluate(zeta);
+    const Complex factor = std::exp(top_.scale - bottom_.scale + extra_order_ * zeta) / bottom_.sum[0];
+    row = factor * top_.sum;
+    for (Eigen::Index p = 1; p < row.size(); ++p) row[p] -= row[0] * bottom_.sum[p] / bottom_.sum[0];
+  }
+
+ private:
+  struct Sum {
+    explicit Sum(const SensitiveSum& terms_) : terms(terms_) {
+      for (const SensitiveTerm& term : terms) {
+        double size = std::abs(term.coefficient);
+        if (size == 0) {
+          for (const double slope : term.by_coefficient) size = std::max(size, std::abs(slope));
+        }
+        log_size.push_back(std::log(size));
+      }
+      phase.resize(terms.size());
+      sum.resize(1 + static_cast<Eigen::Index>(terms.front().by_coefficient.size()));
+    }
+    void evaluate(Complex zeta) {
+      if (zeta.imag() != angle) {
+        angle = zeta.imag();
+        for (std::size_t i = 0; i < terms.size(); ++i) phase[i] = std::polar(1.0, terms[i].order * angle);
+      }
+      scale = -std::numeric_limits<double>::infinity();
+      for (std::size_t i = 0; i < terms.size(); ++i) {
+        scale = std::max(scale, log_size[i] + terms[i].order * zeta.real());
+      }
+      sum.setZero();
+      for (std::size_t i = 0; i < terms.size(); ++i) {
+        const SensitiveTerm& term = terms[i];
+        const Complex power = std::exp(term.order * zeta.real() - scale) * phase[i];
+        sum[0] += term.coefficient * power;
+        for (std::size_t p = 0; p < term.by_coefficient.size(); ++p) {
+          if (term.by_coefficient[p] == 0 && term.by_order[p] == 0) continue;
+          sum[static_cast<Eigen::Index>(1 + p)] += (term.by_coefficient[p] + term.by_order[p] * zeta) * power;
+        }
+      }
+    }
+    const SensitiveSum& terms;
+    std::vector<double> log_size;
+    double angle = std::numeric_limits<double>::quiet_NaN();
+    std::vector<Complex> phase;
+    ComplexRow sum;  // both divided by e^scale
+    double scale = 0;
+  };
+  Sum top_, bottom_;
+  double extra_order_;
+};
+
+struct QuadratureNode {
+  Complex zeta;
+  Complex factor;  // weight over H
+};
+
+// On a circle about each pole between the cuts, so small that e^{st} neither outgrows its value at the middle over the
+// time it lasts nor outlasts it: with radius a quarter of the way to whatever is next, n points leave 4^-n.
+void add_circles(const LaplaceImage& image, double cut_angle, double latest, double tolerance,
+                 std::vector<QuadratureNode>& nodes) {
+  const int fewest = 2 * static_cast<int>(std::ceil(0.5 * std::log(1 / tolerance) / std::log(4.0)) + 2);
+  for (std::size_t k = 0; k < image.poles().clusters.size(); ++k) {
+    const RootCluster& pole = image.poles().clusters[k];
+    if (pole.log_s.imag() > cut_angle) continue;
+    // Powers of t come with several roots.
+    const int points = fewest + 6 * (pole.multiplicity - 1);
+    const double lasting = std::max(1.5 / (std::exp(pole.log_s.real()) * latest), -0.25 * std::cos(pole.log_s.imag()));
+    const double room = 0.25 * std::min({image.clearance(k), 1.0, 1.5 * pi - pole.log_s.imag()});
+    const double radius = std::max(std::min(room, lasting), 4 * pole.spread);
+    for (int i = 0; i < (pole.is_conjugate ? points / 2 : points); ++i) {
+      const Complex offset = std::polar(radius, 2 * pi * (i + 0.5) / points);
+      nodes.push_back({pole.log_s + offset, 2.0 / points * offset});
+    }
+  }
+}
+
+// Where the constant is read from the image: on the positive axis at the scale of the horizon, away from poles.
+double anchor(const LaplaceImage& image, double latest) {
+  double best = 0;
+  double widest = -1;
+  for (const double offset : {0.0, 0.8, -0.8, 1.6, -1.6, 2.4}) {
+    const double log_s = offset - std::log(latest);
+    double distance = 1;
+    for (const RootCluster& pole : image.poles().clusters) {
+      distance = std::min(distance, std::abs(pole.log_s - log_s) - pole.spread);
+    }
+    if (distance > widest) {
+      widest = distance;
+      best = log_s;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+// The model at one set of parameters, ready to be run over the events.  Rows of `weight`: real nodes, real parts of
+// complex ones, their imaginary parts.
+struct EventResponse::Plan {
+  Eigen::Index real_count = 0;
+  Eigen::Index complex_count = 0;
+  std::vector<Complex> rate;  // real ones first
+  Eigen::MatrixXd weight;
+  Eigen::MatrixXd constant;  // a row per derivative of the m-fold integral of the input, from the 0th
+  Eigen::VectorXd motion;    // weights of the states in the output's rate of change; empty where it is not wanted
+  double direct = 0;
+  Eigen::RowVectorXd direct_by;
+  std::size_t integrators = 0;
+  std::size_t channels = 1;
+  double delay = 0;
+  std::vector<double> delay_slope;
+};
+
+EventResponse::EventResponse(std::vector<double> input_time, std::vector<double> input, Hold hold,
+                             std::vector<double> output_time)
+    : output_time_(std::move(output_time)) {
+  double slope = 0;
+  double value = 0;
+  for (std::size_t n = 0; n < input.size(); ++n) {
+    double next_slope = 0;
+    if (hold == Hold::first_order && n + 1 < input.size()) {
+      next_slope = (input[n + 1] - input[n]) / (input_time[n + 1] - input_time[n]);
+    }
+    const double jump = hold == Hold::zero_order || n == 0 ? input[n] - value : 0;
+    if (jump != 0 || next_slope != slope || n == 0) knots_.push_back({input_time[n], jump, next_slope - slope});
+    has_slopes_ = has_slopes_ || next_slope != 0;
+    slope = next_slope;
+    value = input[n];
+  }
+}
+
+double EventResponse::shortest_lag(double delay) const {
+  const double span = output_time_.back() - knots_.front().time;
+  double shortest = span;
+  std::size_t knot = 0;
+  for (const double t : output_time_) {
+    while (knot + 1 < knots_.size() && knots_[knot + 1].time + delay <= t + 1e-12 * span) ++knot;
+    for (std::size_t k = knot + 1; k-- > 0;) {
+      const double lag = t - knots_[k].time - delay;
+      if (std::abs(lag) <= 1e-12 * span) continue;
+      if (lag > 0) shortest = std::min(shortest, lag);
+      break;
+    }
+  }
+  return std::max(shortest, 1e-10 * span);
+}
+
+bool EventResponse::evaluate(const RatioOfPowerSums& ratio, double tolerance, Result& result) const {
+  const std::vector<PowerTerm> numerator = plain_terms(ratio.numerator);
+  const std::vector<PowerTerm> denominator = plain_terms(ratio.denominator);
+  if (numerator.empty() || denominator.empty()) return false;
+  const double high_order = numerator.front().order - denominator.front().order;
+  const double low_order = numerator.back().order - denominator.back().order;
+  if (high_order > 0 || !(low_order > -1.0 - static_cast<double>(most_integrators)) || !std::isfinite(ratio.delay) ||
+      ratio.delay < 0) {
+    return false;
+  }
+
+  Plan plan;
+  plan.delay = ratio.delay;
+  plan.integrators = low_order <= -1 ? static_cast<std::size_t>(std::floor(-low_order)) : 0;
+  plan.channels = plan.integrators + (has_slopes_ ? 2 : 1);
+  if (std::any_of(ratio.delay_slope.begin(), ratio.delay_slope.end(), [](double each) { return each != 0; })) {
+    plan.delay_slope = ratio.delay_slope;
+  }
+  const auto m = static_cast<double>(plan.integrators);
+  SensitiveImage sensitive(ratio, m);
+  const Eigen::Index columns = sensitive.columns();
+  plan.direct_by.setZero(columns - 1);
+  if (high_order == 0) {
+    const SensitiveTerm& top = ratio.numerator.front();
+    const SensitiveTerm& bottom = ratio.denominator.front();
+    plan.direct = top.coefficient / bottom.coefficient;
+    for (Eigen::Index p = 0; p + 1 < columns; ++p) {
+      const auto i = static_cast<std::size_t>(p);
+      plan.direct_by[p] = (top.by_coefficient[i] - plan.direct * bottom.by_coefficient[i]) / bottom.coefficient;
+    }
+  }
+
+  const double latest = output_time_.back() - knots_.front().time - ratio.delay;
+  const auto rows = static_cast<Eigen::Index>(output_time_.size());
+  if (!(latest > 0)) {
+    result.value.setZero(rows);
+    result.gradient.setZero(rows, columns - 1);
+    return true;
+  }
+  const LaplaceImage image(scaled(numerator, 1, m), denominator);
+  if (!image.poles().complete) return false;
+
+  // Twice as many complex nodes as real ones would be needed.
+  const BranchCut cut = best_cut(image, 0.7, 2);
+  std::vector<QuadratureNode> nodes;
+  add_circles(image, cut.angle, latest, tolerance, nodes);
+  // At a pole of order m beside the strip the rule errs by (2 pi/step)^(m-1) times what it does at a simple one.
+  int multiplicity = 1;
+  for (const RootCluster& pole : image.poles().clusters) multiplicity = std::max(multiplicity, pole.multiplicity);
+  double digits = std::log(1 / tolerance) + 3;
+  digits += (multiplicity - 1) * std::log(digits / cut.half_width);
+  const double step = 2 * pi * 0.97 * cut.half_width / digits;
+  const double upper = std::log(digits / (-std::cos(cut.angle) * shortest_lag(ratio.delay)));
+  const double lowest = std::min(image.lowest_corner(), -std::log(latest));
+  const Complex cut_factor(0, -step / pi);
+
+  const auto rate_of = [&](Complex zeta) {
+    return zeta.imag() == pi ? Complex(-std::exp(zeta.real())) : std::exp(zeta);
+  };
+  ComplexRow row(columns);
+  std::vector<ComplexRow> weights;
+  for (const QuadratureNode& node : nodes) {
+    sensitive.evaluate(node.zeta, row);
+    weights.push_back(node.factor * row);
+  }
+  double largest = 0;
+  for (int k = 0; k < 100'000; ++k) {
+    const double log_r = upper - k * step;
+    nodes.push_back({{log_r, cut.angle}, cut_factor});
+    sensitive.evaluate(nodes.back().zeta, row);
+    weights.push_back(cut_factor * row);
+    // Derivatives fall off as H does, times a logarithm.
+    const double added = weights.back().abs().maxCoeff() * std::min(1.0, std::exp(log_r) * latest);
+    const double own = std::abs(weights.back()[0]) * std::min(1.0, std::exp(log_r) * latest);
+    largest = std::max(largest, own);
+    if (!std::isfinite(added)) return false;
+    if (log_r < lowest && own < 0.03 * step * tolerance * largest) break;
+  }
+
+  const double log_anchor = anchor(image, latest);
+  const double s0 = std::exp(log_anchor);
+  sensitive.evaluate(log_anchor, row);
+  plan.constant.setZero(static_cast<Eigen::Index>(plan.channels), columns);
+  plan.constant.row(0) = row.real().matrix();
+  const double anchored = std::abs(row[0]);
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const Complex r = rate_of(nodes[k].zeta);
+    plan.constant.row(0) -= (weights[k] * (r / (s0 - r))).real().matrix();
+  }
+  // Nodes too fast for the shortest lag have decayed wherever the output is read: constants are left of them.
+  for (int k = 1; k < 5'000; ++k) {
+    const Complex zeta(upper + k * step, cut.angle);
+    const Complex r = rate_of(zeta);
+    sensitive.evaluate(zeta, row);
+    row *= cut_factor;
+    const double part = std::abs(row[0] * (s0 / (s0 - r)));
+    plan.constant.row(0) -= (row * (s0 / (s0 - r))).real().matrix();
+    for (std::size_t j = 1; j < plan.channels; ++j) {
+      row /= r;
+      plan.constant.row(static_cast<Eigen::Index>(j)) -= row.real().matrix();
+    }
+    if (part < 1e-3 * tolerance * anchored) break;
+  }
+
+  // Real rates first.
+  std::vector<std::size_t> order;
+  for (const bool real : {true, false}) {
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      if ((nodes[k].zeta.imag() == pi) == real) order.push_back(k);
+    }
+    if (real) plan.real_count = static_cast<Eigen::Index>(order.size());
+  }
+  plan.complex_count = static_cast<Eigen::Index>(nodes.size()) - plan.real_count;
+  plan.weight.resize(plan.real_count + 2 * plan.complex_count, columns);
+  if (!plan.delay_slope.empty()) plan.motion.resize(plan.weight.rows());
+  for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(order.size()); ++i) {
+    const std::size_t k = order[static_cast<std::size_t>(i)];
+    const Complex r = rate_of(nodes[k].zeta);
+    plan.rate.push_back(r);
+    plan.weight.row(i) = weights[k].real().matrix();
+    if (i >= plan.real_count) plan.weight.row(i + plan.complex_count) = -weights[k].imag().matrix();
+    if (plan.delay_slope.empty()) continue;
+    const Complex moved = weights[k][0] * r;
+    plan.motion[i] = moved.real();
+    if (i >= plan.real_count) plan.motion[i + plan.complex_count] = -moved.imag();
+  }
+  run(plan, result);
+  return result.value.allFinite() && result.gradient.allFinite();
+}
+
+namespace {
+
+// What one gap without events does to the states: x <- e^z x + sum_i drive_i V_i, V_i the derivatives of the m-fold
+// integral of the input at its start.
+struct Gap {
+  double length;
+  Eigen::ArrayXd change_re, change_im;  // e^z - 1
+  Eigen::ArrayXXd drive;                // a column per channel
+};
+
+}  // namespace
+
+void EventResponse::run(const Plan& plan, Result& result) const {
+  const Eigen::Index reals = plan.real_count;
+  const Eigen::Index complexes = plan.complex_count;
+  const Eigen::Index size = reals + 2 * complexes;
+  const auto channels = static_cast<Eigen::Index>(plan.channels);
+  const double span = output_time_.back() - knots_.front().time;
+
+  std::vector<Complex> phis(plan.channels);
+  const auto prepared = [&](double length) {
+    Gap gap{length, Eigen::ArrayXd(reals + complexes), Eigen::ArrayXd(complexes), Eigen::ArrayXXd(size, channels)};
+    for (Eigen::Index k = 0; k < reals + complexes; ++k) {
+      const Complex z = plan.rate[static_cast<std::size_t>(k)] * length;
+      const Complex change = k < reals ? Complex(std::expm1(z.real())) : expm1(z);
+      gap.change_re[k] = change.real();
+      if (k >= reals) gap.change_im[k - reals] = change.imag();
+      if (channels > 1) phi(z, phis);
+      double power = 1;
+      for (Eigen::Index i = 0; i < channels; ++i, power *= length) {
+        const Complex drive = i == 0 ? change : power * z * phis[static_cast<std::size_t>(i)];
+        gap.drive(k, i) = drive.real();
+        if (k >= reals) gap.drive(k + complexes, i) = drive.imag();
+      }
+    }
+    return gap;
+  };
+  // Equal gaps, to rounding, are prepared once.
+  constexpr std::size_t most_kept = 12;
+  std::vector<Gap> kept;
+  kept.reserve(most_kept);
+  std::size_t oldest = 0;
+  const auto gap_of = [&](double length) -> const Gap& {
+    for (const Gap& gap : kept) {
+      if (std::abs(gap.length - length) <= 1e-14 * span) return gap;
+    }
+    if (kept.size() < most_kept) {
+      kept.push_back(prepared(length));
+      return kept.back();
+    }
+    oldest = (oldest + 1) % most_kept;
+    kept[oldest] = prepared(length);
+    return kept[oldest];
+  };
+
+  Eigen::ArrayXd state = Eigen::ArrayXd::Zero(size);
+  Eigen::ArrayXd input = Eigen::ArrayXd::Zero(channels);
+  double now = knots_.front().time + plan.delay;
+  const auto advance = [&](double to) {
+    if (to <= now) return;
+    const double length = to - now;
+    const Gap& gap = gap_of(length);
+    now = to;
+    if ((input == 0).all() && (state == 0).all()) return;
+    state.head(reals) += gap.change_re.head(reals) * state.head(reals);
+    if (complexes > 0) {
+      const auto change_re = gap.change_re.tail(complexes);
+      auto re = state.segment(reals, complexes);
+      auto im = state.tail(complexes);
+      const Eigen::ArrayXd previous = re;
+      re += change_re * previous - gap.change_im * im;
+      im += gap.change_im * previous + change_re * im;
+    }
+    for (Eigen::Index i = 0; i < channels; ++i) {
+      if (input[i] != 0) state += input[i] * gap.drive.col(i);
+    }
+    for (Eigen::Index i = 0; i < channels; ++i) {
+      double factor = 1;
+      for (Eigen::Index j = i + 1; j < channels; ++j) {
+        factor *= length / static_cast<double>(j - i);
+        input[i] += factor * input[j];
+      }
+    }
+  };
+  const auto level = static_cast<Eigen::Index>(plan.integrators);
+  const auto apply = [&](const Knot& knot) {
+    input[level] += knot.jump;
+    if (level + 1 < channels) input[level + 1] += knot.slope;
+  };
+
+  const auto rows = static_cast<Eigen::Index>(output_time_.size());
+  const Eigen::Index columns = plan.weight.cols();
+  result.value.resize(rows);
+  result.gradient.resize(rows, columns - 1);
+  // States are turned into outputs a few hundred instants at a time.
+  constexpr Eigen::Index most_buffered = 512;
+  const Eigen::Index buffered = std::min(rows, most_buffered);
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> states(buffered, size);
+  Eigen::MatrixXd inputs(buffered, channels);
+  Eigen::VectorXd jumps(buffered);
+  const auto flush = [&](Eigen::Index first, Eigen::Index count) {
+    const auto x = states.topRows(count);
+    const auto v = inputs.topRows(count);
+    const auto jump = jumps.head(count);
+    auto value = result.value.segment(first, count);
+    auto gradient = result.gradient.middleRows(first, count);
+    value.noalias() = x * plan.weight.col(0);
+    value.noalias() += v * plan.constant.col(0);
+    value += plan.direct * jump;
+    gradient.noalias() = x * plan.weight.rightCols(columns - 1);
+    gradient.noalias() += v * plan.constant.rightCols(columns - 1);
+    gradient.noalias() += jump * plan.direct_by;
+    if (plan.delay_slope.empty()) return;
+    // d/dt of each state is rate (state + input).
+    Eigen::VectorXd motion = x * plan.motion;
+    motion += plan.motion.head(reals + complexes).sum() * v.col(0);
+    for (Eigen::Index j = 0; j + 1 < channels; ++j) motion += plan.constant(j, 0) * v.col(j + 1);
+    for (Eigen::Index p = 0; p + 1 < columns; ++p) {
+      gradient.col(p) -= plan.delay_slope[static_cast<std::size_t>(p)] * motion;
+    }
+  };
+  std::size_t next = 0;
+  for (Eigen::Index n = 0; n < rows; ++n) {
+    const double t = output_time_[static_cast<std::size_t>(n)];
+    const auto at = [&] { return knots_[next].time + plan.delay; };
+    while (next < knots_.size() && at() < t - 1e-12 * span) {
+      advance(at());
+      apply(knots_[next++]);
+    }
+    const bool on_knot = next < knots_.size() && at() <= t + 1e-12 * span;
+    advance(t);
+    const Eigen::Index row = n % most_buffered;
+    states.row(row) = state.matrix();
+    inputs.row(row) = input.matrix();
+    jumps[row] = 0;
+    if (on_knot) {
+      if (plan.integrators == 0) jumps[row] = knots_[next].jump;
+      apply(knots_[next++]);
+    }
+    if (row + 1 == most_buffered || n + 1 == rows) flush(n - row, row + 1);
+  }
+}
+
+}  // namespace frac::detail

@@ -1,0 +1,101 @@
+#include "time_residuals.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+namespace frac::detail {
+
+EventResponse event_response(const TimeResponseData& data, const std::vector<std::size_t>& index) {
+  std::vector<double> input = data.input();
+  for (double& value : input) value -= data.input_at_rest();
+  std::vector<double> output_time;
+  output_time.reserve(index.size());
+  for (const std::size_t i : index) output_time.push_back(data.time()[i]);
+  return {data.time(), std::move(input), data.hold(), std::move(output_time)};
+}
+
+std::optional<RatioOfPowerSums> ratio_at(const Structure& structure, std::span<const double> parameters) {
+  try {
+    return reduce(structure.expression(), parameters, Sensitivity::all);
+  } catch (const std::invalid_argument&) {
+    return std::nullopt;
+  }
+}
+
+TimeResiduals::TimeResiduals(const TimeResponseData& data, const Structure& structure, const ParameterMap& map,
+                             std::optional<double> offset, std::vector<std::size_t> index, double tolerance,
+                             double unit)
+    : Residuals(map),
+      data_(data),
+      structure_(structure),
+      fixed_offset_(offset),
+      index_(std::move(index)),
+      tolerance_(tolerance),
+      events_(event_response(data, index_)) {
+  const auto count = static_cast<Eigen::Index>(index_.size());
+  weight_.resize(count);
+  output_.resize(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const std::size_t point = index_[static_cast<std::size_t>(i)];
+    output_[i] = data.output()[point];
+    weight_[i] = 1 / (unit * (data.sigma().empty() ? 1 : data.sigma()[point]));
+  }
+  average_ = weight_.array().square();
+  average_ /= average_.sum();
+}
+
+bool TimeResiduals::simulate(std::span<const double> theta) const {
+  if (std::equal(theta.begin(), theta.end(), theta_.begin(), theta_.end())) return true;
+  theta_.clear();
+  const std::optional<RatioOfPowerSums> ratio = ratio_at(structure_, map().to_user(theta));
+  if (!ratio || !events_.evaluate(*ratio, tolerance_, model_)) return false;
+  theta_.assign(theta.begin(), theta.end());
+  return true;
+}
+
+bool TimeResiduals::evaluate(std::span<const double> theta, std::size_t first, std::size_t points, double* residual,
+                             double* jacobian_row_major) const {
+  if (!simulate(theta)) return false;
+  Eigen::VectorXd rest = model_.value - output_;
+  rest.array() += fixed_offset_ ? *fixed_offset_ : -average_.dot(rest);
+  rest.array() *= weight_.array();
+  const auto from = static_cast<Eigen::Index>(first);
+  const auto count = static_cast<Eigen::Index>(points);
+  Eigen::Map<Eigen::VectorXd>(residual, count) = rest.segment(from, count);
+  if (!jacobian_row_major) return true;
+  RowMajorMatrix by_theta = model_.gradient.lazyProduct(map().jacobian(map().to_user(theta)));
+  if (!fixed_offset_) {
+    const Eigen::RowVectorXd mean = average_.transpose() * by_theta;
+    by_theta.rowwise() -= mean;
+  }
+  by_theta.array().colwise() *= weight_.array();
+  Eigen::Map<RowMajorMatrix>(jacobian_row_major, count, by_theta.cols()) = by_theta.middleRows(from, count);
+  return by_theta.allFinite();
+}
+
+double TimeResiduals::best_factor(std::span<const double> theta) const {
+  if (!simulate(theta)) return 1;
+  Eigen::VectorXd model = model_.value;
+  Eigen::VectorXd target = output_;
+  if (fixed_offset_) {
+    target.array() -= *fixed_offset_;
+  } else {
+    model.array() -= average_.dot(model);
+    target.array() -= average_.dot(target);
+  }
+  const double factor =
+      (average_.array() * model.array() * target.array()).sum() / (average_.array() * model.array().square()).sum();
+  return factor > 0 && std::isfinite(factor) ? factor : 1;
+}
+
+double TimeResiduals::rounding_cost() const noexcept {
+  return static_cast<double>(count()) * std::max(1e-28, tolerance_ * tolerance_);
+}
+
+TimeResiduals::Offset TimeResiduals::offset(std::span<const double> theta) const {
+  if (fixed_offset_ || !simulate(theta)) return {fixed_offset_.value_or(0), {}};
+  return {average_.dot(output_ - model_.value), model_.gradient.transpose() * average_};
+}
+
+}  // namespace frac::detail

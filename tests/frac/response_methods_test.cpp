@@ -1,0 +1,201 @@
+#include "frac/response_methods.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "support/exact_output.hpp"
+#include "support/expect_invalid_argument.hpp"
+#include "support/observed_order.hpp"
+#include "support/random.hpp"
+#include "support/step_systems.hpp"
+
+namespace {
+
+using frac::FractionalTransferFunction;
+using frac::Hold;
+using frac::ReferenceResponse;
+using frac::ResponseInput;
+using frac::ResponseMethod;
+using frac::SampledInput;
+using support::expect_invalid_argument;
+using Kind = ResponseInput::Kind;
+
+FractionalTransferFunction model(const char* formula) {
+  return FractionalTransferFunction::parse(formula);
+}
+
+std::vector<double> even_times(double end, std::size_t steps) {
+  std::vector<double> time;
+  for (std::size_t n = 0; n <= steps; ++n) time.push_back(end * static_cast<double>(n) / static_cast<double>(steps));
+  return time;
+}
+
+double error_at_end(ResponseMethod method, const char* formula, const ResponseInput& input, double end,
+                    std::size_t steps) {
+  const auto response = frac::respond(model(formula), input, even_times(end, steps), 1e-6, method);
+  return std::abs(response.output.back() - ReferenceResponse(model(formula), input)(end).value);
+}
+
+}  // namespace
+
+// A step starts the response with t^e, e = 0.5, 1, .. and the like; the sine is smooth.  The next powers after those
+// made exact leave an order that tends to 2 from below.
+TEST(Bdf2, ConvergesWithSecondOrder) {
+  const ResponseInput sine{Kind::sine, 1.3};
+  struct Case {
+    const char* formula;
+    ResponseInput input;
+    double slack;
+  };
+  for (const auto& [formula, input, slack] : {Case{"1/(0.8 s^2.2 + 0.5 s^0.9 + 1)", {}, 0.03},
+                                              {"1/(s^0.5 + 1)", {}, 0.1},
+                                              {"1/(s^0.8 + 1)", {}, 0.1},
+                                              {"1/(s + 1)", {}, 0.03},
+                                              {"(1 - s^0.8)/(s^1.6 + s^0.8 + 1)", {}, 0.15},
+                                              {"1/(0.8 s^2.2 + 0.5 s^0.9 + 1)", sine, 0.05},
+                                              {"1/(s^0.5 + 1)", sine, 0.1},
+                                              {"(s + 2)/(s^1.5 + 1)", sine, 0.15}}) {
+    const auto error = [&, &f = formula, &u = input](std::size_t steps) {
+      return error_at_end(ResponseMethod::bdf2, f, u, 3, steps);
+    };
+    EXPECT_NEAR(support::observed_order(error(1000), error(2000)), 2, slack) << formula;
+  }
+}
+
+TEST(Bdf2, OfAnIntegerPowerOfTheStepIsExact) {
+  // 1/s^1.5 answers a step with t^1.5/Gamma(2.5), which the starting weights make exact.
+  const std::vector<double> output = frac::respond_bdf2(model("1/s^1.5"), std::vector<double>(50, 1.0), 0.1);
+  for (std::size_t n = 0; n < output.size(); ++n) {
+    EXPECT_NEAR(output[n], std::pow(0.1 * static_cast<double>(n), 1.5) / std::tgamma(2.5), 1e-12);
+  }
+}
+
+// The ladder errs by its tolerance in every power of s inside its band, in the response by no more than a few times it.
+TEST(Ladder, MeetsItsToleranceUpToTheConditionOfTheModel) {
+  for (const char* formula : {"1/(0.8 s^2.2 + 0.5 s^0.9 + 1)", "1/(s^0.5 + 1)", "(s^0.5 + 0.5)/(s + 0.2 s^0.5 + 2)",
+                              "1/(s (s^0.5 + 1))", "exp(-0.3 s)/(s^1.2 + 1)"}) {
+    const ReferenceResponse exact(model(formula));
+    for (const double tolerance : {1e-3, 1e-5}) {
+      const std::vector<double> output =
+          frac::respond_ladder(model(formula), std::vector<double>(301, 1.0), 0.1, tolerance);
+      // At t = 0 itself the gain of the ladder beyond its band shows.
+      for (std::size_t n = 1; n < output.size(); n += 13) {
+        EXPECT_NEAR(output[n], exact(0.1 * static_cast<double>(n)).value, 20 * tolerance) << formula << " " << n;
+      }
+    }
+  }
+}
+
+TEST(Ladder, OfIntegerOrdersIsExact) {
+  const std::vector<double> output =
+      frac::respond_ladder(model("1/(s^2 + 3 s + 2)"), even_times(3, 30), 0.1, 1e-3, Hold::first_order);
+  const ReferenceResponse exact(model("1/(s^2 + 3 s + 2)"), {Kind::ramp});
+  for (std::size_t n = 0; n < output.size(); ++n) {
+    EXPECT_NEAR(output[n], exact(0.1 * static_cast<double>(n)).value, 1e-14);
+  }
+}
+
+TEST(RespondByAnyMethod, ChoosesTheCheapestThatMeetsTheTolerance) {
+  const auto furnace = model("1/(0.8 s^2.2 + 0.5 s^0.9 + 1)");
+  const std::vector<double> many = even_times(30, 3000);
+  const std::vector<double> few{1, 5};
+  EXPECT_EQ(frac::respond(furnace, ResponseInput{}, many).method, ResponseMethod::exponential_sum);
+  EXPECT_EQ(frac::respond(furnace, ResponseInput{}, few).method, ResponseMethod::reference);
+  EXPECT_EQ(frac::respond(furnace, ResponseInput{}, many, 1e-14).method, ResponseMethod::reference);
+  EXPECT_EQ(frac::respond(furnace, ResponseInput{Kind::impulse}, many).method, ResponseMethod::exponential_sum);
+  // An infinite start is the reference's alone.
+  EXPECT_EQ(frac::respond(model("1/(s^0.5 + 1)"), ResponseInput{Kind::impulse}, many).method,
+            ResponseMethod::reference);
+}
+
+TEST(RespondByAnyMethod, MeetsTheToleranceForEveryNamedInputAtAnyInstants) {
+  const std::vector<double> even = even_times(20, 400);
+  std::vector<double> uneven{0};
+  for (double t = 1e-4; t < 30; t *= 1.07) uneven.push_back(t);
+  for (const char* formula : {"1/(0.8 s^2.2 + 0.5 s^0.9 + 1)", "exp(-0.3 s)/(s^1.2 + 1)", "1/(s (s^0.5 + 1))",
+                              "1/(s^2 + 2 s + 1)", "1/(14994 s^1.31 + 6009.5 s^0.97 + 1.69)"}) {
+    for (const ResponseInput input : {ResponseInput{Kind::step}, {Kind::ramp}, {Kind::impulse}, {Kind::sine, 2.3}}) {
+      for (const auto& time : {even, uneven}) {
+        const auto response = frac::respond(model(formula), input, time, 1e-8);
+        const auto exact = frac::reference_response(model(formula), input, time);
+        double size = 0;
+        double error = 0;
+        for (std::size_t i = 0; i < time.size(); ++i) {
+          size = std::max(size, std::abs(exact[i].value));
+          error = std::max(error, std::abs(response.output[i] - exact[i].value));
+        }
+        EXPECT_LE(error, 1e-8 * size) << formula << " " << static_cast<int>(input.kind);
+        EXPECT_TRUE(response.meets_tolerance) << formula;
+      }
+    }
+  }
+}
+
+TEST(RespondByAnyMethod, TakesSamplesAtAnyInstants) {
+  support::Random random(3);
+  SampledInput input{{0}, {1}};
+  while (input.time.size() < 40) {
+    input.time.push_back(input.time.back() + random.log_uniform(0.01, 1));
+    input.value.push_back(random.normal());
+  }
+  const auto plant = model("exp(-0.05 s)/(s^1.3 + 0.4 s^0.5 + 1)");
+  for (const Hold hold : {Hold::zero_order, Hold::first_order}) {
+    input.hold = hold;
+    const std::vector<double> exact = support::exact_output(plant, input.time, input.value, hold);
+    for (const ResponseMethod method : {ResponseMethod::exponential_sum, ResponseMethod::reference}) {
+      const auto response = frac::respond(plant, input, input.time, 1e-9, method);
+      for (std::size_t i = 0; i < exact.size(); ++i) EXPECT_NEAR(response.output[i], exact[i], 3e-8) << i;
+      EXPECT_LT(response.error_estimate, 1e-8);
+    }
+  }
+}
+
+// The estimate is the largest of some twenty differences; the largest of all may be somewhat more.
+TEST(RespondByAnyMethod, EstimatesTheErrorOfEveryMethod) {
+  const auto furnace = model("1/(0.8 s^2.2 + 0.5 s^0.9 + 1)");
+  const std::vector<double> time = even_times(20, 800);
+  const auto exact = frac::reference_response(furnace, {}, time);
+  for (const ResponseMethod method : {ResponseMethod::exponential_sum, ResponseMethod::grunwald_letnikov,
+                                      ResponseMethod::bdf2, ResponseMethod::ladder}) {
+    const auto response = frac::respond(furnace, ResponseInput{}, time, 1e-7, method);
+    double error = 0;
+    for (std::size_t i = 0; i < time.size(); ++i) {
+      error = std::max(error, std::abs(response.output[i] - exact[i].value));
+    }
+    EXPECT_GE(response.error_estimate, error / 5) << frac::to_string(method);
+    EXPECT_LE(response.error_estimate, 1.001 * error + 1e-13) << frac::to_string(method);
+    EXPECT_EQ(response.meets_tolerance, method == ResponseMethod::exponential_sum) << frac::to_string(method);
+  }
+}
+
+TEST(RespondByAnyMethod, RefusesWhatMakesNoSense) {
+  const auto lag = model("1/(s + 1)");
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<double> uneven{0, 1, 3};
+  const auto at = [&](std::vector<double> time) { (void)frac::respond(lag, ResponseInput{}, time); };
+  expect_invalid_argument([&] { at({}); }, {"no instants"});
+  expect_invalid_argument([&] { at({0, nan}); }, {"time[1] = nan"});
+  expect_invalid_argument([&] { at({-1, 2}); }, {"time[0] = -1 s"});
+  expect_invalid_argument([&] { at({1, 1}); }, {"time[1] = 1 s does not lie after 1 s"});
+  expect_invalid_argument(
+      [&] {
+        (void)frac::respond(lag, SampledInput{{0, 1}, {1, nan}}, uneven);
+      },
+      {"samples[1] = nan"});
+  expect_invalid_argument(
+      [&] {
+        (void)frac::respond(lag, SampledInput{{0, 1}, {1}}, uneven);
+      },
+      {"2 instants but 1 samples"});
+  expect_invalid_argument([&] { (void)frac::respond(lag, ResponseInput{}, uneven, 0.5); }, {"tolerance = 0.5"});
+  for (const ResponseMethod method :
+       {ResponseMethod::grunwald_letnikov, ResponseMethod::bdf2, ResponseMethod::ladder}) {
+    expect_invalid_argument([&] { (void)frac::respond(lag, ResponseInput{}, uneven, 1e-6, method); }, {"0, T, 2 T"});
+  }
+  expect_invalid_argument([] { (void)frac::respond_bdf2(model("1/(s + s^0.9 + 1)"), std::vector<double>(9, 1.0), 1); },
+                          {"more than 8 powers"});
+  expect_invalid_argument([&] { (void)frac::respond_ladder(lag, uneven, 1, 0.5); }, {"tolerance = 0.5"});
+  expect_invalid_argument([] { (void)frac::response_method_from_string("best"); }, {"'best'", "bdf2"});
+}

@@ -1,0 +1,176 @@
+// The search for the global optimum: how often it is found, and what is said about it.
+#include "identification/global_search.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+#include <random>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "frac/identification/fit.hpp"
+
+namespace {
+
+using frac::Component;
+using frac::FitOptions;
+using frac::FitResult;
+using frac::FrequencyResponseData;
+using frac::Structure;
+
+FrequencyResponseData noisy(const std::string& formula, const std::vector<double>& parameters, double from, double to,
+                            double noise, std::uint64_t seed) {
+  constexpr int points = 100;
+  std::mt19937_64 generator(seed);
+  std::normal_distribution<double> normal(0, noise);
+  const Structure structure(formula);
+  std::vector<double> omega;
+  std::vector<std::complex<double>> value;
+  for (int i = 0; i < points; ++i) {
+    omega.push_back(from * std::pow(to / from, i / (points - 1.0)));
+    const std::complex<double> exact = structure.response(parameters, omega.back());
+    const double real = normal(generator), imaginary = normal(generator);
+    value.push_back(exact + std::abs(exact) * std::complex<double>(real, imaginary));
+  }
+  return {std::move(omega), std::move(value)};
+}
+
+/// The best cost known: of a local solve from the parameters behind the data.
+double cost_from_truth(const FrequencyResponseData& data, const Structure& structure,
+                       const std::vector<double>& parameters, FitOptions options) {
+  options.global_start = false;
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    options.constraints.push_back({structure.parameter_names()[i], {}, {}, {}, parameters[i]});
+  }
+  return frac::fit(data, structure, options).cost;
+}
+
+struct Case {
+  const char* formula;
+  std::vector<double> parameters;
+  double from, to;
+};
+
+class FindsTheOptimum : public testing::TestWithParam<Case> {};
+
+// The share to reach is 99 % (imaginary part: 95 %); the benchmark work_precision_fit_global measures it with hundreds
+// of seeds.  Here one miss in ten seeds is allowed: at 99 % two misses have a chance of 0.4 %, and a search that finds
+// the optimum half the time passes with a chance of 1 %.
+TEST_P(FindsTheOptimum, WithoutStartsForEachSeed) {
+  const Case& test = GetParam();
+  const Structure structure(test.formula);
+  for (const Component component : {Component::both, Component::imaginary}) {
+    int missed = 0;
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      const FrequencyResponseData data = noisy(test.formula, test.parameters, test.from, test.to, 0.01, seed);
+      FitOptions options;
+      options.component = component;
+      options.seed = seed;
+      const FitResult result = frac::fit(data, structure, options);
+      missed += result.cost > 1.001 * cost_from_truth(data, structure, test.parameters, options);
+      EXPECT_GE(result.confidence_of_optimum, 0.9) << "seed " << seed;
+    }
+    EXPECT_LE(missed, 1) << frac::to_string(component);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    GlobalSearch, FindsTheOptimum,
+    testing::Values(
+        Case{"1/(b2 s^a2 + b1 s^a1 + b0)", {0.8, 2.2, 0.5, 0.9, 1}, 1e-2, 1e2},
+        Case{"1/(b2 s^a2 + b1 s^a1 + b0)", {14994, 1.31, 6009.5, 0.97, 1.69}, 1e-5, 1e-1},
+        Case{"1/(b2 s^a2 + b1 s^a1 + b0)", {0.7943, 2.5708, 5.2385, 0.8372, 1.5560}, 1e-2, 1e2},
+        Case{"K/(1 + (T s)^a)^b", {3, 0.5, 0.8, 0.45}, 1e-2, 1e2},
+        Case{"K exp(-L s)/(T s^a + 1)", {2, 0.5, 3, 0.8}, 1e-2, 1e1},
+        Case{"K exp(-L s)/(b2 s^a2 + b1 s^a1 + 1)", {1, 0.3, 0.8, 2.2, 0.5, 0.9}, 1e-2, 1e1},
+        Case{"R0 + R1/(1 + R1 Q1 s^n1) + R2/(1 + R2 Q2 s^n2)", {0.01, 0.02, 3, 0.8, 0.03, 900, 0.9}, 1e-3, 1e5}));
+
+// Measured cell, absolute weight: nearly all starts end on a plateau at large tau, 0.7 % or 39 % above the optimum.
+// 1.40313787e-05 is the least cost known for this file and model.
+TEST(GlobalSearch, FindsTheOptimumOfAMeasuredCellForEverySeed) {
+  const std::string file = std::string(FRACFIT_SOURCE_DIR) + "/../shared/cases-ident/impedancepy_exampleData.csv";
+  if (!std::filesystem::exists(file)) GTEST_SKIP() << "no measured files here";
+  struct Row {
+    double omega, real, imaginary;
+  };
+  std::vector<Row> rows;
+  std::ifstream input(file);
+  for (std::string line; std::getline(input, line);) {
+    if (line.starts_with('#')) continue;
+    std::replace(line.begin(), line.end(), ',', ' ');
+    std::istringstream fields(line);
+    Row row{};
+    fields >> row.omega >> row.real >> row.imaginary;
+    row.omega *= 2 * std::numbers::pi;
+    if (row.imaginary < 0) rows.push_back(row);
+  }
+  std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.omega < b.omega; });
+  ASSERT_EQ(rows.size(), 57u);
+  std::vector<double> omega;
+  std::vector<std::complex<double>> value;
+  for (const Row& row : rows) {
+    omega.push_back(row.omega);
+    value.emplace_back(row.real, row.imaginary);
+  }
+  const Structure structure("R0 + R1/(1 + R1 C1 s) + 1/(C2 s + 1/(R2 + W/((tau s)^0.5 tanh((tau s)^0.5))))");
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    FitOptions options;
+    options.component = Component::both;
+    options.weight = frac::Weight::absolute;
+    options.seed = seed;
+    const FitResult result = frac::fit({omega, value}, structure, options);
+    EXPECT_LE(result.cost, 1.001 * 1.40313787e-05) << "seed " << seed << ": " << result.message;
+  }
+}
+
+// The closed form against the posterior it is the mean of: a search space with an unknown number of basins (each number
+// from 1 to 60 alike) of unknown shares (uniform on the simplex), drawn at random; how often is the lowest minimum
+// among those found, given how many were found?  A cut at 60 basins lifts the chance a little, by less than the scatter
+// here.
+TEST(ConfidenceOfOptimum, IsTheShareOfSearchesThatFoundIt) {
+  constexpr int starts = 30;
+  std::mt19937_64 generator(3);
+  std::exponential_distribution<double> exponential;
+  std::vector<int> searches(starts + 1, 0), found(starts + 1, 0);
+  for (int trial = 0; trial < 60000; ++trial) {
+    const std::size_t basins = 1 + generator() % 60;
+    std::vector<double> share(basins);
+    for (double& each : share) each = exponential(generator);
+    std::discrete_distribution<std::size_t> basin(share.begin(), share.end());
+    std::set<std::size_t> seen;
+    for (int start = 0; start < starts; ++start) seen.insert(basin(generator));
+    ++searches[seen.size()];
+    // The shares are exchangeable, so basin 0 may be the lowest.
+    found[seen.size()] += seen.contains(0);
+  }
+  for (std::size_t minima = 1; minima <= 8; ++minima) {
+    const double share = found[minima] / static_cast<double>(searches[minima]);
+    // Each count has at least 800 searches: four standard deviations of a share of 0.9 are 0.042.
+    ASSERT_GT(searches[minima], 800);
+    EXPECT_NEAR(frac::detail::confidence_of_optimum(starts, minima), share, 0.045) << minima << " minima";
+  }
+  EXPECT_EQ(frac::detail::confidence_of_optimum(2, 1), 0);
+}
+
+TEST(ConfidenceOfOptimum, IsUnknownAfterALocalSolveAndCertainForAnExactFit) {
+  const std::vector<double> truth{0.8, 0.4, 0.7};
+  const FrequencyResponseData data = noisy("K/(T s^a + 1)", truth, 1e-2, 1e2, 0, 1);
+  FitOptions options;
+  options.component = Component::both;
+  const Structure structure("K/(T s^a + 1)");
+  const FitResult exact = frac::fit(data, structure, options);
+  EXPECT_EQ(exact.confidence_of_optimum, 1);
+  EXPECT_GE(exact.starts_at_best, 1u);
+  options.global_start = false;
+  options.constraints = {{"K", {}, {}, {}, 1}, {"T", {}, {}, {}, 1}, {"a", {}, {}, {}, 0.5}};
+  EXPECT_TRUE(std::isnan(frac::fit(data, structure, options).confidence_of_optimum));
+}
+
+}  // namespace

@@ -1,0 +1,218 @@
+#include "frac/identification/time_fit.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "support/exact_output.hpp"
+#include "support/expect_invalid_argument.hpp"
+#include "support/random.hpp"
+
+namespace {
+
+using frac::FitResult;
+using frac::FractionalTransferFunction;
+using frac::Hold;
+using frac::Structure;
+using frac::TimeFitOptions;
+using frac::TimeResponseData;
+using support::expect_invalid_argument;
+
+const Structure& furnace_structure() {
+  static const Structure structure("1/(a2 s^q2 + a1 s^q1 + 1)");
+  return structure;
+}
+
+std::vector<double> even_times(double end, std::size_t count) {
+  std::vector<double> time;
+  for (std::size_t i = 0; i < count; ++i) time.push_back(end * static_cast<double>(i) / static_cast<double>(count - 1));
+  return time;
+}
+
+TimeResponseData data_of(const char* model, const std::vector<double>& time, const std::vector<double>& input,
+                         Hold hold = Hold::zero_order, double offset = 0) {
+  std::vector<double> output = support::exact_output(FractionalTransferFunction::parse(model), time, input, hold);
+  for (double& value : output) value += offset;
+  return {time, input, output, {}, hold};
+}
+
+TimeResponseData furnace_step() {
+  const std::vector<double> time = even_times(15, 301);
+  return data_of("1/(0.8 s^2.2 + 0.5 s^0.9 + 1)", time, std::vector<double>(time.size(), 1.0));
+}
+
+const frac::ParameterEstimate& estimate(const FitResult& result, const std::string& name) {
+  for (const auto& each : result.parameters) {
+    if (each.name == name) return each;
+  }
+  throw std::runtime_error("no parameter " + name);
+}
+
+void expect_values(const FitResult& result, const std::vector<std::pair<const char*, double>>& exact,
+                   double tolerance) {
+  EXPECT_EQ(result.termination, frac::FitTermination::converged) << result.message;
+  for (const auto& [name, value] : exact) EXPECT_NEAR(estimate(result, name).value, value, tolerance) << name;
+}
+
+// Exact samples to 15 digits; the scaled Fisher condition is about 500, so that rounding of 1e-15 leaves 1e-13.
+constexpr double to_rounding = 1e-11;
+
+}  // namespace
+
+TEST(TimeFit, OrdersOfTheFurnaceComeBackFromAnIntegerStart) {
+  TimeFitOptions options;
+  options.constraints = {
+      {"a2", {}, {}, {}, 1.0}, {"q2", {}, {}, {}, 2.0}, {"a1", {}, {}, {}, 1.0}, {"q1", {}, {}, {}, 1.0}};
+  for (const bool global : {false, true}) {
+    options.global_start = global;
+    const FitResult result = frac::fit(furnace_step(), furnace_structure(), options);
+    expect_values(result, {{"a2", 0.8}, {"q2", 2.2}, {"a1", 0.5}, {"q1", 0.9}, {"offset", 0}}, to_rounding);
+  }
+}
+
+// Equal groups of parameters are told apart by their numbers: the higher order goes to q2.
+TEST(TimeFit, OrdersOfTheFurnaceComeBackWithoutAStart) {
+  const FitResult result = frac::fit(furnace_step(), furnace_structure());
+  expect_values(result, {{"a2", 0.8}, {"q2", 2.2}, {"a1", 0.5}, {"q1", 0.9}, {"offset", 0}}, to_rounding);
+  EXPECT_EQ(result.free_parameters, 5u);
+  EXPECT_EQ(result.residuals, 301u);
+}
+
+TEST(TimeFit, DeadTimeOffsetAndUnevenSamplesOfASwitchedInput) {
+  support::Random random(4);
+  std::vector<double> time{0}, input{1};
+  while (time.size() < 300) {
+    time.push_back(time.back() + random.uniform(0.01, 0.15));
+    input.push_back(random.unit() < 0.15 ? random.normal() : input.back());
+  }
+  for (const Hold hold : {Hold::zero_order, Hold::first_order}) {
+    const TimeResponseData data = data_of("exp(-0.337 s)*2/(1.5 s^0.6 + 1)", time, input, hold, -7);
+    const FitResult result = frac::fit(data, Structure("K exp(-L s)/(T s^a + 1)"));
+    expect_values(result, {{"K", 2}, {"L", 0.337}, {"T", 1.5}, {"a", 0.6}, {"offset", -7}}, 1e-10);
+    const std::vector<double> output = frac::fitted_output(result, data);
+    for (std::size_t i = 0; i < output.size(); ++i) EXPECT_NEAR(output[i], data.output()[i], 1e-10);
+  }
+}
+
+TEST(TimeFit, IntegratorsUnstableModelsAndFeedthrough) {
+  const std::vector<double> time = even_times(10, 201);
+  const std::vector<double> step(time.size(), 1.0);
+  expect_values(frac::fit(data_of("0.7/(s (1.2 s^0.8 + 1))", time, step), Structure("K/(s (T s^a + 1))")),
+                {{"K", 0.7}, {"T", 1.2}, {"a", 0.8}}, 1e-10);
+  TimeFitOptions either_sign;
+  either_sign.constraints = {{"c", {}, -10.0, 10.0, {}}};
+  // The response grows to 30, its condition to 1e7.
+  expect_values(frac::fit(data_of("1/(s^1.2 - 0.3)", time, step), Structure("K/(s^a + c)"), either_sign),
+                {{"K", 1}, {"a", 1.2}, {"c", -0.3}}, 1e-8);
+  expect_values(frac::fit(data_of("(2 s^0.5 + 1)/(s^0.5 + 3)", time, step), Structure("(b s^a + 1)/(s^a + c)")),
+                {{"b", 2}, {"a", 0.5}, {"c", 3}}, 1e-9);
+}
+
+// Each of the five 95 % intervals of 60 independent trials covers the truth 57 times on average; fewer than 49 has the
+// probability 1e-4 (binomial), more than four misses of a fixed seed are thus no accident.
+TEST(TimeFit, IntervalsCoverTheTruth) {
+  const TimeResponseData exact = furnace_step();
+  support::Random random(11);
+  const std::vector<std::pair<const char*, double>> truth{
+      {"a2", 0.8}, {"q2", 2.2}, {"a1", 0.5}, {"q1", 0.9}, {"offset", 3}};
+  std::vector<int> covered(truth.size(), 0);
+  constexpr int trials = 60;
+  for (int trial = 0; trial < trials; ++trial) {
+    std::vector<double> output = exact.output();
+    for (double& value : output) value += 3 + 0.02 * random.normal();
+    TimeFitOptions options;
+    options.global_start = false;
+    options.constraints = {
+        {"a2", {}, {}, {}, 1.0}, {"q2", {}, {}, {}, 2.0}, {"a1", {}, {}, {}, 1.0}, {"q1", {}, {}, {}, 1.0}};
+    const FitResult result =
+        frac::fit(TimeResponseData(exact.time(), exact.input(), output), furnace_structure(), options);
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      const auto& found = estimate(result, truth[i].first);
+      covered[i] += found.ci95_lower <= truth[i].second && truth[i].second <= found.ci95_upper ? 1 : 0;
+    }
+  }
+  for (std::size_t i = 0; i < truth.size(); ++i) EXPECT_GE(covered[i], 49) << truth[i].first;
+}
+
+TEST(TimeFit, NoiseDoesNotHideTheOptimumFromTheSearch) {
+  const TimeResponseData exact = furnace_step();
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    support::Random random(seed);
+    std::vector<double> output = exact.output();
+    for (double& value : output) value += 0.02 * random.normal();
+    const TimeResponseData data(exact.time(), exact.input(), output);
+    TimeFitOptions local;
+    local.global_start = false;
+    local.constraints = {
+        {"a2", {}, {}, {}, 0.8}, {"q2", {}, {}, {}, 2.2}, {"a1", {}, {}, {}, 0.5}, {"q1", {}, {}, {}, 0.9}};
+    const double from_truth = frac::fit(data, furnace_structure(), local).cost;
+    EXPECT_LE(frac::fit(data, furnace_structure()).cost, from_truth * (1 + 1e-9));
+  }
+}
+
+// Samples that are wrong by 1 do no harm where their sigma says 1e6 times that of the others.
+TEST(TimeFit, SigmaSaysWhichSamplesCount) {
+  const TimeResponseData exact = furnace_step();
+  std::vector<double> output = exact.output(), sigma(exact.size(), 1e-6);
+  for (std::size_t i = 5; i < output.size(); i += 10) {
+    output[i] += 1;
+    sigma[i] = 1;
+  }
+  const FitResult result = frac::fit(TimeResponseData(exact.time(), exact.input(), output, sigma), furnace_structure());
+  // Weights 1e-12 times 30 of 300 samples: a shift by some 1e-13.
+  expect_values(result, {{"a2", 0.8}, {"q2", 2.2}, {"a1", 0.5}, {"q1", 0.9}}, to_rounding);
+}
+
+TEST(TimeFit, TheInputMayHaveRestedAtAnyValue) {
+  const TimeResponseData exact = furnace_step();
+  std::vector<double> input = exact.input(), output = exact.output();
+  for (double& value : input) value += 4;
+  for (double& value : output) value += 4;  // static gain 1
+  const FitResult result =
+      frac::fit(TimeResponseData(exact.time(), input, output, {}, Hold::zero_order, 4), furnace_structure());
+  expect_values(result, {{"q2", 2.2}, {"q1", 0.9}, {"offset", 4}}, to_rounding);
+  TimeFitOptions fixed;
+  fixed.offset = 4;
+  const FitResult held =
+      frac::fit(TimeResponseData(exact.time(), input, output, {}, Hold::zero_order, 4), furnace_structure(), fixed);
+  expect_values(held, {{"q2", 2.2}, {"q1", 0.9}}, to_rounding);
+  EXPECT_EQ(held.parameters.size(), 4u);
+}
+
+TEST(TimeFit, ManySamplesAreFittedInFull) {
+  const std::vector<double> time = even_times(20, 5000);
+  std::vector<double> input;
+  for (const double t : time) input.push_back(std::fmod(t, 4) < 2 ? 1 : -1);
+  const auto model = FractionalTransferFunction::parse("2/(1.5 s^0.6 + 1)");
+  std::vector<double> output = frac::respond(model, input, time[1], 1e-13);
+  const FitResult result = frac::fit(TimeResponseData(time, input, output), Structure("K/(T s^a + 1)"));
+  EXPECT_EQ(result.residuals, 5000u);
+  expect_values(result, {{"K", 2}, {"T", 1.5}, {"a", 0.6}}, 1e-9);
+}
+
+TEST(TimeFit, WhatCannotBeFittedIsSaid) {
+  const TimeResponseData data = furnace_step();
+  expect_invalid_argument([&] { (void)frac::fit(data, Structure("K/(1 + (T s)^a)^b")); }, {"(1 + (T s)^a)^b"});
+  expect_invalid_argument([&] { (void)frac::fit(data, Structure("offset/(s + 1)")); }, {"'offset'"});
+  TimeFitOptions local;
+  local.global_start = false;
+  expect_invalid_argument([&] { (void)frac::fit(data, furnace_structure(), local); }, {"'a2'", "no start value"});
+  const TimeResponseData few({0, 1, 2}, {1, 1, 1}, {0, 1, 2});
+  expect_invalid_argument([&] { (void)frac::fit(few, furnace_structure()); }, {"3 samples", "5 free"});
+  const FitResult improper = frac::fit(data, Structure("K s"));
+  EXPECT_EQ(improper.termination, frac::FitTermination::no_usable_start);
+  EXPECT_TRUE(std::isnan(improper.cost));
+}
+
+TEST(TimeResponseData, RefusesWhatIsNoRecord) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const std::vector<double> t{0, 1, 2}, u{1, 1, 1}, y{0, 1, 2};
+  expect_invalid_argument([&] { TimeResponseData({0, 1}, u, y); }, {"lengths differ", "2 times", "3 inputs"});
+  expect_invalid_argument([&] { TimeResponseData({0}, {1}, {1}); }, {"1 samples"});
+  expect_invalid_argument([&] { TimeResponseData({0, 1, 1}, u, y); }, {"time[2] = 1 s"});
+  expect_invalid_argument([&] { TimeResponseData(t, u, {0, nan, 1}); }, {"output[1] = nan"});
+  expect_invalid_argument([&] { TimeResponseData(t, {1, nan, 1}, y); }, {"input[1] = nan"});
+  expect_invalid_argument([&] { TimeResponseData(t, u, y, {1, 0, 1}); }, {"sigma[1] = 0"});
+  expect_invalid_argument([&] { TimeResponseData(t, {2, 2, 2}, y, {}, Hold::zero_order, 2); }, {"nothing drives"});
+}

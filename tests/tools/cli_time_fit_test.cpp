@@ -1,0 +1,119 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "run_program.hpp"
+
+namespace {
+
+using Json = nlohmann::json;
+const std::string furnace = "1/(0.8 s^2.2 + 0.5 s^0.9 + 1)";
+const std::string structure = "1/(a2 s^q2 + a1 s^q1 + 1)";
+
+// 301 exact samples of the furnace step as a file of time_s,input,output.
+std::string furnace_file() {
+  const auto response = run_fracfit({"respond", "--model", furnace, "--time", "0:15:301", "--method", "reference"});
+  EXPECT_EQ(response.code, 0) << response.error;
+  std::istringstream lines(response.output);
+  std::string text = "time_s,input,output\n";
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t comma = line.find(',');
+    if (line[0] == '#' || line[0] == 't') continue;
+    text += line.substr(0, comma) + ",1," + line.substr(comma + 1) + "\n";
+  }
+  return text;
+}
+
+double value_of(const Json& json, const std::string& name) {
+  for (const auto& parameter : json["parameters"]) {
+    if (parameter["name"] == name) return parameter["value"].get<double>();
+  }
+  ADD_FAILURE() << "no parameter " << name;
+  return 0;
+}
+
+void expect_failure(const std::vector<std::string>& arguments, int code, const std::string& part) {
+  const auto result = run_fracfit(arguments);
+  EXPECT_EQ(result.code, code) << part << ": " << result.error;
+  EXPECT_EQ(result.output, "");
+  EXPECT_NE(result.error.find(part), std::string::npos) << result.error;
+}
+
+}  // namespace
+
+TEST(TimeFit, OrdersOfTheFurnaceComeBack) {
+  const TemporaryFolder folder;
+  const std::string text = furnace_file();
+  const std::string file = folder.write("step.csv", text);
+  const auto from_start = run_fracfit(
+      {"fit", file, "--model", structure, "--start", "a2=1", "--start", "q2=2", "--start", "a1=1", "--start", "q1=1"});
+  const auto without = run_fracfit({"fit", "-", "--model", structure}, {"", text});
+  for (const auto& result : {from_start, without}) {
+    ASSERT_EQ(result.code, 0) << result.error;
+    const Json json = Json::parse(result.output);
+    EXPECT_NEAR(value_of(json, "q2"), 2.2, 1e-9);
+    EXPECT_NEAR(value_of(json, "q1"), 0.9, 1e-9);
+    EXPECT_NEAR(value_of(json, "offset"), 0, 1e-9);
+    EXPECT_EQ(json["data"]["points"], 301);
+    EXPECT_EQ(json["data"]["time_to_s"], 15);
+    EXPECT_EQ(json["termination"], "converged");
+    EXPECT_EQ(json["options"]["offset"], "free");
+  }
+  // The command in the output makes the same output.
+  const Json first = Json::parse(from_start.output);
+  EXPECT_NE(first["command"].get<std::string>().find("--start q2=2"), std::string::npos);
+}
+
+TEST(TimeFit, UnitsWeightsAndFormats) {
+  const TemporaryFolder folder;
+  std::string text = "t [ms];u [V];y [K];std [K]\n";
+  for (int n = 0; n <= 200; ++n) {
+    const double t = 0.02 * n;
+    text += std::to_string(1000 * t) + ";2;" + std::to_string(5 + 6 * -std::expm1(-t)) + ";0.1\n";
+  }
+  const std::string file = folder.write("lag.csv", text);
+  const auto result = run_fracfit({"fit", file, "--model", "K/(T s + 1)"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const Json json = Json::parse(result.output);
+  // Six decimals in the file.
+  EXPECT_NEAR(value_of(json, "K"), 3, 1e-5);
+  EXPECT_NEAR(value_of(json, "T"), 1, 1e-5);
+  EXPECT_NEAR(value_of(json, "offset"), 5, 1e-5);
+  EXPECT_EQ(json["options"]["weight"], "given");
+  const auto table = run_fracfit({"fit", file, "--model", "K/(T s + 1)", "--format", "table", "--offset", "5"});
+  EXPECT_NE(table.output.find("0 .. 4 s"), std::string::npos) << table.output;
+  EXPECT_NE(table.output.find("offset 5"), std::string::npos) << table.output;
+  const auto csv = run_fracfit({"fit", file, "--model", "K/(T s + 1)", "--format", "csv", "--weight", "absolute"});
+  EXPECT_NE(csv.output.find("# weight: absolute"), std::string::npos) << csv.output;
+}
+
+TEST(TimeFit, WhatIsWrongIsNamed) {
+  const TemporaryFolder folder;
+  const std::string good = folder.write("good.csv", "time_s,input,output\n0,1,0\n1,1,1\n2,1,1.5\n3,1,1.7\n");
+  for (const auto& [option, value] : {std::pair{"--component", "both"},
+                                      {"--where", "omega<4"},
+                                      {"--loss", "huber"},
+                                      {"--bootstrap", "50"},
+                                      {"--realisation", "ladder"}}) {
+    expect_failure({"fit", good, "--model", "K/(T s + 1)", option, value}, 2, option);
+  }
+  expect_failure({"fit", good, "--model", "K/(T s + 1)", "--hold", "second"}, 2, "zero-order or first-order");
+  expect_failure({"fit", good, "--model", "K/(T s + 1)", "--offset", "some"}, 2, "--offset");
+  expect_failure({"fit", good, "--model", "K/(T s + 1)", "--weight", "given"}, 3, "no column sigma");
+  expect_failure({"fit", good, "--model", "a/(b s^c + d s^e + f)"}, 2, "4 samples");
+  expect_failure({"fit", good, "--model", "tanh(T s)"}, 2, "tanh");
+  const auto file = [&](const std::string& text) { return folder.write("bad.csv", text); };
+  expect_failure({"fit", file("time_s,input,output\n0,1,0\n1,1,x\n"), "--model", "K/(s + 1)"}, 3, "bad.csv:3:5");
+  expect_failure({"fit", file("time_s,input,output\n0,1,0\n0,1,1\n"), "--model", "K/(s + 1)"}, 3, "a time after 0");
+  expect_failure({"fit", file("time_s,input,output\n0,1,inf\n"), "--model", "K/(s + 1)"}, 3, "finite");
+  expect_failure({"fit", file("time_s,x,output\n0,1,0\n"), "--model", "K/(s + 1)"}, 3, "no input");
+  expect_failure({"fit", file("time_days,u,y\n0,1,0\n"), "--model", "K/(s + 1)"}, 3, "'days'; expected s, ms");
+  expect_failure({"fit", file("t,u,y,sigma\n0,1,0,0\n"), "--model", "K/(s + 1)"}, 3, "must be > 0");
+  expect_failure({"fit", file("t,u,y\n0,0,0\n1,0,1\n"), "--model", "K/(s + 1)"}, 2, "nothing drives");
+  const auto frequency = folder.write("curve.csv", "omega_rad_s,re,im\n1,1,-1\n2,1,-1\n3,1,-1\n");
+  expect_failure({"fit", frequency, "--model", "K/(T s + 1)", "--hold", "zero-order"}, 2, "--hold");
+}

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "io/text_table.hpp"
+
+namespace io {
+
+/// Samples over time, as in the file.
+struct TimeSeries {
+  std::vector<double> time;  // s, strictly increasing
+  std::vector<double> input;
+  std::vector<double> output;  // empty where none was asked for
+  std::vector<double> sigma;   // of the output; empty where the file gives none
+  Metadata metadata;
+  std::vector<std::string> notes;  // what was assumed or left out, a sentence each
+};
+
+/// Whether the file has a column of times and one of outputs, and none of frequencies: data for a fit over time.
+/// @throws DataError  as TextTable.
+[[nodiscard]] bool holds_time_response(const std::string& file);
+
+/// Reads the columns time (time, t with unit s, ms, us, min or h; without one: s), input (input, u), and output
+/// (output, y) with an optional standard deviation (sigma, std, uncertainty); units of these are not interpreted.
+/// @throws DataError  as TextTable; a column missing or given twice; a unit of time not understood; a field that is no
+///                    finite number; time that does not increase; a standard deviation that is not positive.
+[[nodiscard]] TimeSeries read_time_response(const std::string& file);
+/// The same without output and sigma.
+[[nodiscard]] TimeSeries read_input_signal(const std::string& file);
+
+}  // namespace io
