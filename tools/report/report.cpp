@@ -107,6 +107,8 @@ std::vector<Section> scene_sections(const Work& work, Stages& stages) {
   if (work.scene.clearance > 0) sections.push_back(stages.run("orbits", [&] { return orbit_section(work); }));
   if (work.scene.of_the_paper) sections.push_back(stages.run("regime map", [&] { return map_section(work); }));
   sections.push_back(stages.run("speed against error", [&] { return speed_section(work); }));
+  sections.push_back(model_section());
+  sections.push_back(stages.run("time responses", [&] { return response_speed_section(); }));
   return sections;
 }
 
