@@ -109,7 +109,7 @@ struct ResponseFilter::Filter {
   Filter(const FractionalTransferFunction& model, double sample_time, double tolerance, Hold hold_, double horizon)
       : hold(hold_),
         now(design(model, sample_time, tolerance, hold_, horizon)),
-        gamma(now.channels * FilterBank::block, 0) {
+        gamma(FilterBank::together * now.channels * FilterBank::block, 0) {
     scale = std::pow(sample_time, static_cast<double>(now.integrators));
     waiting.reserve(now.dead);
   }
@@ -154,35 +154,49 @@ struct ResponseFilter::Filter {
     return y;
   }
 
+  // What the bank takes of one block, and from `latest` on the next; jumps, where there are any, go to the output.
+  void fill_block(const double* next, double* to, double* jumps) {
+    constexpr std::size_t block = FilterBank::block;
+    if (jumps != nullptr) {
+      jumps[0] = now.direct * (next[0] - latest);
+      for (std::size_t i = 1; i < block; ++i) jumps[i] = now.direct * (next[i] - next[i - 1]);
+    }
+    if (now.integrators > 0) {
+      for (std::size_t i = 0; i < block; ++i) {
+        fill(next[i], to + i, block);
+        advance(next[i], to + i, block);
+      }
+      return;
+    }
+    to[0] = latest;
+    std::copy(next, next + block - 1, to + 1);
+    latest = next[block - 1];
+    if (hold == Hold::first_order) {
+      for (std::size_t i = 0; i < block; ++i) to[block + i] = next[i] - to[i];
+    }
+  }
+
   void take(std::span<const double> samples, double* output) {
     constexpr std::size_t block = FilterBank::block;
+    constexpr std::size_t together = FilterBank::together;
+    const bool has_jumps = now.theta == 1 && hold == Hold::zero_order && now.direct != 0;
+    double jumps[together * block];
     std::size_t k = 0;
     if (!started && !samples.empty()) output[k++] = take(samples[0]);
-    for (; k + block <= samples.size(); k += block) {
-      const double* next = &samples[k];
-      double jumps[block];
-      const bool has_jumps = now.theta == 1 && hold == Hold::zero_order && now.direct != 0;
-      if (has_jumps) {
-        jumps[0] = now.direct * (next[0] - latest);
-        for (std::size_t i = 1; i < block; ++i) jumps[i] = now.direct * (next[i] - next[i - 1]);
+    while (k + block <= samples.size()) {
+      const std::size_t blocks = k + together * block <= samples.size() ? together : 1;
+      for (std::size_t b = 0; b < blocks; ++b) {
+        fill_block(&samples[k + b * block], &gamma[b * now.channels * block], has_jumps ? jumps + b * block : nullptr);
       }
-      if (now.integrators == 0) {
-        gamma[0] = latest;
-        std::copy(next, next + block - 1, &gamma[1]);
-        latest = next[block - 1];
-        if (hold == Hold::first_order) {
-          for (std::size_t i = 0; i < block; ++i) gamma[block + i] = next[i] - gamma[i];
-        }
+      if (blocks == together) {
+        now.bank.run_blocks(gamma.data(), output + k);
       } else {
-        for (std::size_t i = 0; i < block; ++i) {
-          fill(next[i], &gamma[i], block);
-          advance(next[i], &gamma[i], block);
-        }
+        now.bank.run_block(gamma.data(), output + k);
       }
-      now.bank.run_block(gamma.data(), output + k);
       if (has_jumps) {
-        for (std::size_t i = 0; i < block; ++i) output[k + i] += jumps[i];
+        for (std::size_t i = 0; i < blocks * block; ++i) output[k + i] += jumps[i];
       }
+      k += blocks * block;
     }
     for (; k < samples.size(); ++k) output[k] = take(samples[k]);
   }
