@@ -20,6 +20,11 @@ using Complex = std::complex<double>;
 constexpr double pi = std::numbers::pi;
 constexpr std::size_t most_integrators = 8;
 
+// Instants closer than this are one.
+double rounding_at(double t) {
+  return 16 * std::numeric_limits<double>::epsilon() * std::abs(t);
+}
+
 // Value in column 0, derivative by parameter p in column 1 + p.
 using ComplexRow = Eigen::Array<Complex, 1, Eigen::Dynamic>;
 
@@ -152,15 +157,15 @@ double EventResponse::shortest_lag(double delay) const {
   double shortest = span;
   std::size_t knot = 0;
   for (const double t : output_time_) {
-    while (knot + 1 < knots_.size() && knots_[knot + 1].time + delay <= t + 1e-12 * span) ++knot;
+    while (knot + 1 < knots_.size() && knots_[knot + 1].time + delay <= t + rounding_at(t)) ++knot;
     for (std::size_t k = knot + 1; k-- > 0;) {
       const double lag = t - knots_[k].time - delay;
-      if (std::abs(lag) <= 1e-12 * span) continue;
+      if (std::abs(lag) <= rounding_at(t)) continue;
       if (lag > 0) shortest = std::min(shortest, lag);
       break;
     }
   }
-  return std::max(shortest, 1e-10 * span);
+  return shortest;
 }
 
 bool EventResponse::evaluate(const RatioOfPowerSums& ratio, double tolerance, Result& result) const {
@@ -328,7 +333,6 @@ void EventResponse::run(const Plan& plan, Result& result) const {
   const Eigen::Index complexes = plan.complex_count;
   const Eigen::Index size = reals + 2 * complexes;
   const auto channels = static_cast<Eigen::Index>(plan.channels);
-  const double span = output_time_.back() - knots_.front().time;
 
   std::vector<Complex> phis(plan.channels);
   const auto prepared = [&](double length) {
@@ -348,6 +352,7 @@ void EventResponse::run(const Plan& plan, Result& result) const {
     }
     return gap;
   };
+  double now = knots_.front().time + plan.delay;
   // Equal gaps, to rounding, are prepared once.
   constexpr std::size_t most_kept = 12;
   std::vector<Gap> kept;
@@ -355,7 +360,7 @@ void EventResponse::run(const Plan& plan, Result& result) const {
   std::size_t oldest = 0;
   const auto gap_of = [&](double length) -> const Gap& {
     for (const Gap& gap : kept) {
-      if (std::abs(gap.length - length) <= 1e-14 * span) return gap;
+      if (std::abs(gap.length - length) <= rounding_at(now + length)) return gap;
     }
     if (kept.size() < most_kept) {
       kept.push_back(prepared(length));
@@ -368,7 +373,6 @@ void EventResponse::run(const Plan& plan, Result& result) const {
 
   Eigen::ArrayXd state = Eigen::ArrayXd::Zero(size);
   Eigen::ArrayXd input = Eigen::ArrayXd::Zero(channels);
-  double now = knots_.front().time + plan.delay;
   const auto advance = [&](double to) {
     if (to <= now) return;
     const double length = to - now;
@@ -436,11 +440,11 @@ void EventResponse::run(const Plan& plan, Result& result) const {
   for (Eigen::Index n = 0; n < rows; ++n) {
     const double t = output_time_[static_cast<std::size_t>(n)];
     const auto at = [&] { return knots_[next].time + plan.delay; };
-    while (next < knots_.size() && at() < t - 1e-12 * span) {
+    while (next < knots_.size() && at() < t - rounding_at(t)) {
       advance(at());
       apply(knots_[next++]);
     }
-    const bool on_knot = next < knots_.size() && at() <= t + 1e-12 * span;
+    const bool on_knot = next < knots_.size() && at() <= t + rounding_at(t);
     advance(t);
     const Eigen::Index row = n % most_buffered;
     states.row(row) = state.matrix();
