@@ -79,6 +79,15 @@ TEST(TimeFit, OrdersOfTheFurnaceComeBackWithoutAStart) {
   EXPECT_EQ(result.residuals, 301u);
 }
 
+TEST(TimeFit, EqualTermsAreNamedAlikeWhateverTheSeed) {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    TimeFitOptions options;
+    options.seed = seed;
+    const FitResult result = frac::fit(furnace_step(), Structure("1/(T s^a + D s^b + 1)"), options);
+    expect_values(result, {{"T", 0.8}, {"a", 2.2}, {"D", 0.5}, {"b", 0.9}}, to_rounding);
+  }
+}
+
 TEST(TimeFit, DeadTimeOffsetAndUnevenSamplesOfASwitchedInput) {
   support::Random random(4);
   std::vector<double> time{0}, input{1};

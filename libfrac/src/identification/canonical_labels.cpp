@@ -28,18 +28,56 @@ bool same_model(const Structure& structure, const std::vector<double>& a, const 
   return true;
 }
 
+// Exchanges two orders, and two coefficients unless they are the same, where the model allows it.
+bool exchange(const Structure& structure, std::vector<double>& parameters, std::size_t order, std::size_t other_order,
+              std::size_t coefficient, std::size_t other_coefficient) {
+  std::vector<double> exchanged = parameters;
+  std::swap(exchanged[order], exchanged[other_order]);
+  std::swap(exchanged[coefficient], exchanged[other_coefficient]);
+  if (!same_model(structure, parameters, exchanged)) return false;
+  parameters = std::move(exchanged);
+  return true;
+}
+
+// The higher order to the name that comes first.
+void order_by_appearance(const Structure& structure, const std::vector<std::size_t>& orders,
+                         const std::vector<std::size_t>& coefficients, std::vector<double>& parameters) {
+  for (std::size_t a = 0; a < orders.size(); ++a) {
+    for (std::size_t b = a + 1; b < orders.size(); ++b) {
+      if (parameters[orders[a]] >= parameters[orders[b]]) continue;
+      bool done = coefficients.empty()
+                      ? false
+                      : exchange(structure, parameters, orders[a], orders[b], coefficients[0], coefficients[0]);
+      for (std::size_t c = 0; c < coefficients.size() && !done; ++c) {
+        for (std::size_t d = c + 1; d < coefficients.size() && !done; ++d) {
+          done = exchange(structure, parameters, orders[a], orders[b], coefficients[c], coefficients[d]);
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<double> canonical_labels(const Structure& structure, const std::vector<ParameterConstraint>& constraints,
                                      std::vector<double> parameters) {
   const auto& names = structure.parameter_names();
+  std::vector<std::size_t> orders, coefficients;            // without a number
   std::map<int, std::map<std::string, std::size_t>> group;  // number -> stem -> parameter
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto [stem, number] = label_of(names[i]);
     const bool constrained = std::any_of(constraints.begin(), constraints.end(),
                                          [&](const ParameterConstraint& each) { return each.name == names[i]; });
-    if (number >= 0 && !constrained) group[number].emplace(stem, i);
+    if (constrained) continue;
+    if (number >= 0) {
+      group[number].emplace(stem, i);
+    } else if (structure.parameter_roles()[i] == ParameterRole::order) {
+      orders.push_back(i);
+    } else if (structure.parameter_roles()[i] == ParameterRole::coefficient) {
+      coefficients.push_back(i);
+    }
   }
+  order_by_appearance(structure, orders, coefficients, parameters);
   const auto leading_order = [&](const std::map<std::string, std::size_t>& members) -> const double* {
     for (const auto& [stem, i] : members) {
       if (structure.parameter_roles()[i] == ParameterRole::order) return &parameters[i];
