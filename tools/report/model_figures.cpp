@@ -47,7 +47,7 @@ std::vector<double> frequencies(const FractionalTransferFunction& model, const s
   for (const frac::Pole& pole : poles) {
     const double at = std::abs(pole.value);
     const double width = std::abs(pole.value.real()) / at;
-    for (int k = -60; k <= 60; ++k) omega.push_back(at * std::exp(0.1 * k * std::max(width, 1e-4)));
+    for (int k = -200; k <= 200; ++k) omega.push_back(at * std::exp(0.03 * k * std::max(width, 1e-4)));
   }
   std::sort(omega.begin(), omega.end());
   omega.erase(std::unique(omega.begin(), omega.end()), omega.end());

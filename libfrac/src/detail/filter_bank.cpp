@@ -303,6 +303,17 @@ void FilterBank::run_blocks(const double* gamma, double* output) noexcept {
   std::fill(output, output + together * block, 0);
   for (std::size_t channel = 0; channel < channels_; ++channel) {
     for (std::size_t b = 0; b < together; ++b) factor[b] = gamma + b * stride + channel * block;
+    if (std::all_of(factor, factor + together, is_constant)) {
+      for (std::size_t b = 0; b < together; ++b) {
+        const double in = factor[b][0];
+        if (in == 0) continue;
+        for (std::size_t i = 0; i < block; ++i) output[b * block + i] += in * kernel_sum_[channel * block + i];
+        for (std::size_t s = 0; s < size_; ++s) {
+          driven_[b * padded_size_ + s] += in * block_drive_sum_[channel * size_ + s];
+        }
+      }
+      continue;
+    }
     for (std::size_t s = 0; s < size_; s += half) {
       for (std::size_t b = 0; b < together; ++b) result[b] = &driven_[b * padded_size_ + s];
       add_tile(factor, block, &block_drive_[channel * block * size_ + s], static_cast<std::ptrdiff_t>(size_), result);
