@@ -83,6 +83,8 @@ constexpr double least_step = 0.02;
 constexpr std::size_t neighbours = 6;
 // |Im G| below this share of its largest value counts as zero.
 constexpr double zero_share = 1e-12;
+// Standard deviations in a 95 % half width.
+constexpr double normal_quantile = 1.96;
 
 double median(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -95,6 +97,7 @@ struct Curve {
   std::vector<double> omega;
   std::vector<double> log_omega;
   std::vector<double> log_imaginary;
+  std::vector<double> variance;  // of log_imaginary, from the uncertainties of the samples
 };
 
 // Line through a few samples: median of the slopes between them (Theil, Sen), then median of what is left.
@@ -127,7 +130,7 @@ Line line_through(const Curve& curve, std::size_t first, std::size_t last, doubl
 }
 
 // ln|Im G| over different frequencies; repeats of one are averaged.
-Curve log_imaginary_part(const frac::FrequencyResponseData& data) {
+Curve log_imaginary_part(const frac::FrequencyResponseData& data, const std::vector<double>& uncertainty) {
   double largest = 0;
   for (const auto& value : data.value()) largest = std::max(largest, std::abs(value.imag()));
   const double zero = std::max(zero_share * largest, std::numeric_limits<double>::min());
@@ -135,10 +138,16 @@ Curve log_imaginary_part(const frac::FrequencyResponseData& data) {
   for (std::size_t i = 0; i < data.size();) {
     std::size_t next = i;
     double sum = 0;
-    while (next < data.size() && data.omega()[next] == data.omega()[i]) sum += data.value()[next++].imag();
+    double squares = 0;
+    for (; next < data.size() && data.omega()[next] == data.omega()[i]; ++next) {
+      sum += data.value()[next].imag();
+      if (!uncertainty.empty()) squares += std::pow(uncertainty[next] / normal_quantile, 2);
+    }
+    const double magnitude = std::max(zero * static_cast<double>(next - i), std::abs(sum));
     curve.omega.push_back(data.omega()[i]);
     curve.log_omega.push_back(std::log(data.omega()[i]));
-    curve.log_imaginary.push_back(std::log(std::max(zero, std::abs(sum) / static_cast<double>(next - i))));
+    curve.log_imaginary.push_back(std::log(magnitude / static_cast<double>(next - i)));
+    curve.variance.push_back(squares / (magnitude * magnitude));
     i = next;
   }
   return curve;
@@ -185,8 +194,19 @@ std::optional<double> jump_frequency(const TwoMassSystem& system, double force_a
   return *c * std::sqrt(force_amplitude / system.mass2() / system.clearance());
 }
 
-std::vector<Discontinuity> find_discontinuities(const frac::FrequencyResponseData& data) {
-  const Curve curve = log_imaginary_part(data);
+std::vector<Discontinuity> find_discontinuities(const frac::FrequencyResponseData& data,
+                                                const std::vector<double>& uncertainty) {
+  if (!uncertainty.empty() && uncertainty.size() != data.size()) {
+    throw std::invalid_argument("uncertainty has " + std::to_string(uncertainty.size()) + " entries for " +
+                                std::to_string(data.size()) + " samples; it must have one for each, or none");
+  }
+  for (std::size_t i = 0; i < uncertainty.size(); ++i) {
+    if (!(uncertainty[i] >= 0)) {
+      throw std::invalid_argument("uncertainty[" + std::to_string(i) + "] is " + detail::text(uncertainty[i]) +
+                                  "; it must not be negative");
+    }
+  }
+  const Curve curve = log_imaginary_part(data, uncertainty);
   if (curve.omega.size() < 5) {
     throw std::invalid_argument("data has " + std::to_string(curve.omega.size()) +
                                 " different frequencies; at least 5 are needed to find a discontinuity");
@@ -210,7 +230,8 @@ std::vector<Discontinuity> find_discontinuities(const frac::FrequencyResponseDat
     const double width = curve.log_omega[i + 1] - curve.log_omega[i];
     const double step =
         std::abs(curve.log_imaginary[i + 1] - curve.log_imaginary[i] - 0.5 * (left.slope + right.slope) * width);
-    if (std::min(shift, step) > least_step && step > 0.5 * shift &&
+    const double known_to = std::sqrt(curve.variance[i] + curve.variance[i + 1]);
+    if (std::min(shift, step) > least_step && step > 0.5 * shift && step > significance * known_to &&
         shift > significance * std::hypot(left.scatter, right.scatter)) {
       found.push_back(
           {curve.omega[i], curve.omega[i + 1], std::sqrt(curve.omega[i] * curve.omega[i + 1]), -std::expm1(-step)});

@@ -10,6 +10,8 @@
 namespace backlash {
 namespace {
 
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
 void require_list(const std::string& name, const std::vector<double>& values, std::size_t least) {
   if (values.size() < least) {
     throw std::invalid_argument(name + " has " + std::to_string(values.size()) + " entries; at least " +
@@ -50,16 +52,17 @@ std::optional<double> largest_discontinuity(const TwoMassSystem& system, double 
   }
   SweepOptions options;
   options.threads = 1;
-  const std::vector<Discontinuity> found =
-      find_discontinuities(describing_function_sweep(system, force, omega, options).data());
+  const DescribingFunctionSweep sweep = describing_function_sweep(system, force, omega, options);
+  std::vector<double> uncertainty;
+  for (const DescribingFunctionPoint& point : sweep.points) uncertainty.push_back(point.uncertainty);
+  const std::vector<Discontinuity> found = find_discontinuities(sweep.data(), uncertainty);
   if (found.empty()) return std::nullopt;
   return found.front().omega;
 }
 
 // Points in the order clearance, force, restitution.
-std::vector<JumpPoint> jump_points(double mass1, double mass2, const std::vector<double>& force,
-                                   const std::vector<double>& clearance, const std::vector<double>& restitution,
-                                   JumpCriterion criterion, int threads, frac::Progress* progress) {
+std::vector<JumpPoint> points_of(const std::vector<double>& force, const std::vector<double>& clearance,
+                                 const std::vector<double>& restitution) {
   std::vector<JumpPoint> points;
   points.reserve(force.size() * clearance.size() * restitution.size());
   for (const double d : clearance) {
@@ -67,28 +70,48 @@ std::vector<JumpPoint> jump_points(double mass1, double mass2, const std::vector
       for (const double e : restitution) points.push_back({f, d, e, std::nullopt});
     }
   }
-  if (criterion == JumpCriterion::largest_discontinuity) {
-    if (progress != nullptr) progress->total += points.size();
-    frac::parallel_for(points.size(), threads, [&](std::size_t i) {
-      JumpPoint& point = points[i];
-      point.omega_jump =
-          largest_discontinuity(TwoMassSystem(mass1, mass2, point.clearance, point.restitution), point.force);
-      if (progress != nullptr) ++progress->done;
-    });
-    return points;
-  }
-  // c depends on restitution alone.
-  if (progress != nullptr) progress->total += restitution.size();
-  std::vector<std::optional<double>> constant(restitution.size());
-  frac::parallel_for(restitution.size(), threads, [&](std::size_t i) {
-    constant[i] = jump_similarity_constant(restitution[i], criterion).similarity_constant;
+  return points;
+}
+
+// Jumps of sweeps, each from its values alone.
+void jumps_of_sweeps(JumpLaw& law, double mass1, double mass2, int threads, frac::Progress* progress) {
+  if (progress != nullptr) progress->total += law.points.size();
+  frac::parallel_for(law.points.size(), threads, [&](std::size_t i) {
+    JumpPoint& point = law.points[i];
+    point.omega_jump =
+        largest_discontinuity(TwoMassSystem(mass1, mass2, point.clearance, point.restitution), point.force);
     if (progress != nullptr) ++progress->done;
   });
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const std::optional<double>& c = constant[i % restitution.size()];
-    if (c) points[i].omega_jump = *c * std::sqrt(points[i].force / mass2 / points[i].clearance);
+  const std::size_t restitutions = law.constants.size();
+  const std::size_t sweeps = law.points.size() / restitutions;
+  for (std::size_t i = 0; i < restitutions; ++i) {
+    double sum = 0;
+    std::size_t count = 0;
+    for (std::size_t k = i; k < law.points.size(); k += restitutions) {
+      const JumpPoint& point = law.points[k];
+      if (!point.omega_jump) continue;
+      sum += *point.omega_jump / std::sqrt(point.force / mass2 / point.clearance);
+      ++count;
+    }
+    if (count > 0) law.constants[i].similarity_constant = sum / static_cast<double>(count);
+    law.constants[i].message = std::to_string(count) + " of " + std::to_string(sweeps) + " sweeps have a discontinuity";
   }
-  return points;
+}
+
+// Jumps of the physics: c depends on restitution alone.
+void jumps_of_physics(JumpLaw& law, double mass2, int threads, frac::Progress* progress) {
+  if (progress != nullptr) progress->total += law.constants.size();
+  frac::parallel_for(law.constants.size(), threads, [&](std::size_t i) {
+    JumpConstant& constant = law.constants[i];
+    const JumpFrequency jump = jump_similarity_constant(constant.restitution, law.criterion);
+    constant.similarity_constant = jump.similarity_constant;
+    constant.message = jump.message;
+    if (progress != nullptr) ++progress->done;
+  });
+  for (std::size_t i = 0; i < law.points.size(); ++i) {
+    const std::optional<double>& c = law.constants[i % law.constants.size()].similarity_constant;
+    if (c) law.points[i].omega_jump = *c * std::sqrt(law.points[i].force / mass2 / law.points[i].clearance);
+  }
 }
 
 }  // namespace
@@ -104,7 +127,13 @@ JumpLaw fit_jump_law(double mass1, double mass2, const std::vector<double>& forc
   check(mass1, mass2, force, clearance, restitution);
   JumpLaw result{};
   result.criterion = criterion;
-  result.points = jump_points(mass1, mass2, force, clearance, restitution, criterion, threads, progress);
+  result.points = points_of(force, clearance, restitution);
+  for (const double e : restitution) result.constants.push_back({e, std::nullopt, {}});
+  if (criterion == JumpCriterion::largest_discontinuity) {
+    jumps_of_sweeps(result, mass1, mass2, threads, progress);
+  } else {
+    jumps_of_physics(result, mass2, threads, progress);
+  }
 
   double constant_sum = 0;
   std::size_t constant_count = 0;
@@ -136,13 +165,16 @@ JumpLaw fit_jump_law(double mass1, double mass2, const std::vector<double>& forc
     a.push_back(law.coefficient);
     b.push_back(law.exponent);
   }
+  result.mean_similarity_constant = constant_count > 0 ? constant_sum / static_cast<double>(constant_count) : nan;
   if (fitted_clearance.size() < 2) {
-    throw std::invalid_argument("criterion " + std::string(to_string(criterion)) + " gives a jump at two forces for " +
-                                std::to_string(fitted_clearance.size()) + " of the clearances; at least 2 are needed");
+    result.message = "criterion " + std::string(to_string(criterion)) + " gives a jump at two forces for " +
+                     std::to_string(fitted_clearance.size()) + " of " + std::to_string(clearance.size()) +
+                     " clearances; a law needs at least 2";
+    result.a_of_clearance = result.b_of_clearance = {nan, nan, nan, nan, nan, nan, nan, nan, nan};
+    return result;
   }
   result.a_of_clearance = frac::fit_power_law(fitted_clearance, a);
   result.b_of_clearance = frac::fit_power_law(fitted_clearance, b);
-  result.mean_similarity_constant = constant_sum / static_cast<double>(constant_count);
   return result;
 }
 

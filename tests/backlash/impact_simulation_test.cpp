@@ -129,4 +129,17 @@ TEST(ImpactSimulation, NamesWhatIsOutOfRange) {
       {"F/(M2 clearance omega^2)"});
 }
 
+// A mass at rest inside the gap is not at rest on the wall that the force points to.
+TEST(ImpactSimulation, StartAtRestAnywhereInTheGapMovesFreely) {
+  const TwoMassSystem system(1, 1, 1, 0.6);
+  for (const double position : {0.01, 0.3, 0.5, 0.51, 0.7, 0.87}) {
+    // F/(M2 omega^2) = 1/16: x2 - x1 swings between the start and 1/8 above it.
+    const ImpactHistory history = simulate_impacts(system, 1, 4, {position, 0}, 50);
+    EXPECT_TRUE(history.impacts.empty()) << position;
+    EXPECT_TRUE(history.rests.empty()) << position;
+    EXPECT_NEAR(history.end.position, position, 1e-12);
+    EXPECT_NEAR(history.end.velocity, 0, 1e-12);
+  }
+}
+
 }  // namespace

@@ -207,4 +207,25 @@ TEST(Discontinuities, OfASweepUpHoldTheVisibleJump) {
   }
 }
 
+// A step of 10 % in a smooth curve counts where the samples are known to 1 %, not where they are known to 5 %.
+TEST(Discontinuities, StepsWithinTheUncertaintyOfTheSamplesAreNone) {
+  std::vector<double> omega;
+  std::vector<std::complex<double>> value;
+  for (int i = 0; i < 30; ++i) {
+    omega.push_back(1 + 0.05 * i);
+    value.emplace_back(1, std::pow(omega.back(), -0.5) * (i < 15 ? 1 : 1.1));
+  }
+  const frac::FrequencyResponseData data(omega, value);
+  ASSERT_EQ(backlash::find_discontinuities(data).size(), 1u);
+  std::vector<double> uncertainty;
+  for (const auto& one : value) uncertainty.push_back(0.01 * one.imag());
+  ASSERT_EQ(backlash::find_discontinuities(data, uncertainty).size(), 1u);
+  for (double& one : uncertainty) one *= 5;
+  EXPECT_TRUE(backlash::find_discontinuities(data, uncertainty).empty());
+  support::expect_invalid_argument([&] { (void)backlash::find_discontinuities(data, {1, 2}); }, {"uncertainty has 2"});
+  uncertainty[3] = -1;
+  support::expect_invalid_argument([&] { (void)backlash::find_discontinuities(data, uncertainty); },
+                                   {"uncertainty[3] is -1"});
+}
+
 }  // namespace

@@ -115,9 +115,35 @@ TEST(JumpLaw, NamesWhatIsOutOfRange) {
       },
       {"restitution[1]", "1.5"});
   expect_invalid_argument([&] { (void)fit_jump_law(1, 1, {10, 10}, clearances, {.5}, criterion); }, {"x"});
-  // No jump at any restitution.
-  expect_invalid_argument([&] { (void)fit_jump_law(1, 1, forces, clearances, {1}, JumpCriterion::saddle_node); },
-                          {"saddle-node"});
+}
+
+TEST(JumpLaw, WithoutAnyJumpThereIsNoLawAndAReason) {
+  const JumpLaw law = fit_jump_law(1, 1, forces, clearances, {1}, JumpCriterion::saddle_node);
+  EXPECT_NE(law.message.find("saddle-node"), std::string::npos) << law.message;
+  EXPECT_TRUE(law.laws.empty());
+  EXPECT_TRUE(std::isnan(law.a_of_clearance.coefficient) && std::isnan(law.mean_similarity_constant));
+  ASSERT_EQ(law.constants.size(), 1u);
+  EXPECT_FALSE(law.constants[0].similarity_constant);
+  EXPECT_NE(law.constants[0].message.find("without dissipation"), std::string::npos);
+}
+
+TEST(JumpLaw, SaysWhatEachRestitutionGivesToTheMean) {
+  const JumpLaw law = fit_jump_law(1, 2, forces, clearances, {0, 0.05, 0.6, 1}, JumpCriterion::two_impact_loss);
+  EXPECT_TRUE(law.message.empty());
+  ASSERT_EQ(law.constants.size(), 4u);
+  double sum = 0;
+  for (const auto& constant : law.constants) {
+    const auto expected = backlash::jump_similarity_constant(constant.restitution, JumpCriterion::two_impact_loss);
+    EXPECT_EQ(constant.similarity_constant, expected.similarity_constant);
+    EXPECT_EQ(constant.message, expected.message);
+    sum += constant.similarity_constant.value_or(0);
+  }
+  // At restitution 0 two impacts remain at every lower frequency; below 0.0867 an extra impact ends the symmetric
+  // orbit.
+  EXPECT_FALSE(law.constants[0].similarity_constant);
+  EXPECT_NE(law.constants[1].message.find("extra impact"), std::string::npos);
+  EXPECT_NE(law.constants[3].message.find("no motion is attracted"), std::string::npos);
+  EXPECT_NEAR(law.mean_similarity_constant, sum / 3, 1e-12);
 }
 
 }  // namespace

@@ -249,6 +249,26 @@ TEST(SteadyState, FindsLongPeriodsBeyondTheFirst) {
   }
 }
 
+TEST(SteadyState, WhatClosesWithinSixtyFourPeriodsIsAnOrbitAllElseAMean) {
+  // At small restitution and weak force the mass sticks now and then, once in hundreds of periods: no orbit to rely on.
+  support::Random random(9);
+  int means = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const double restitution = random.uniform(0, 0.3);
+    const double gamma = random.log_uniform(0.1, 1.2);
+    const SteadyState steady =
+        find_steady_state(GapMotion(gamma, restitution), state_at_peak(random.unit(), random.uniform(-1, 1)), 1e-10);
+    SCOPED_TRACE(testing::Message() << "gamma " << gamma << ", restitution " << restitution);
+    ASSERT_LE(steady.period, 64);
+    ASSERT_EQ(steady.period == 0, steady.regime == Regime::averaged);
+    if (steady.regime != Regime::averaged) continue;
+    ++means;
+    EXPECT_TRUE(std::isfinite(steady.impacts_per_period));
+    EXPECT_GT(steady.uncertainty, 0);
+  }
+  EXPECT_GT(means, 100);
+}
+
 TEST(SteadyState, LongTimeMeanAgreesWithAnotherStartWithinItsUncertainty) {
   // A chaotic response: two starts give two independent means.  Each half width holds 95 % of the time, so five times
   // their sum is never left by normally distributed means (10 standard deviations of a difference).

@@ -6,6 +6,8 @@
 #include <numbers>
 
 #include "detail/closed_orbit.hpp"
+#include "detail/symmetric_orbits.hpp"
+#include "support/random.hpp"
 
 namespace {
 
@@ -148,6 +150,54 @@ TEST(TwoImpactOrbit, SmallDisturbancesDieOutInsideTheStableRangeAndGrowOutside) 
   EXPECT_GT(growth(above, symmetric_two_impact_orbit(above, restitution).value()), 1e-6);
   const TwoImpactOrbit asymmetric = backlash::detail::stable_two_impact_orbit(above, restitution).value();
   EXPECT_LT(growth(above, asymmetric), 1e-8);
+}
+
+// The closed form of a whole sweep against the orbit followed impact by impact.
+TEST(SymmetricOrbits, AgreeWithTheOrbitFollowedByEvents) {
+  support::Random random(7);
+  for (int scene = 0; scene < 60; ++scene) {
+    const double restitution = scene < 3 ? 0.04 * scene : random.unit();
+    const backlash::detail::SymmetricOrbits orbits(restitution);
+    const double node = backlash::detail::saddle_node_gamma(restitution);
+    for (int i = 0; i < 30; ++i) {
+      const double gamma = random.uniform(0.5 * node, 0.6);
+      SCOPED_TRACE(testing::Message() << "restitution " << restitution << ", gamma " << gamma);
+      const auto followed = backlash::detail::stable_two_impact_orbit(gamma, restitution);
+      ASSERT_EQ(orbits.contains(gamma), followed && followed->symmetric());
+      if (!orbits.contains(gamma)) continue;
+      const auto closed = orbits.at(gamma);
+      const auto expected = backlash::detail::two_impact_steady_state(*followed, restitution);
+      // Both are a few dozen roundings; the phase of the orbit is lost like the square root of rounding at the
+      // saddle-node, which random numbers keep away from by 1e-4.
+      for (std::size_t k = 0; k < closed.harmonics.u.size(); ++k) {
+        ASSERT_LT(std::abs(closed.harmonics.u[k] - expected.harmonics.u[k]), 1e-13);
+      }
+      ASSERT_LT(std::abs(closed.harmonics.u1_plus_gamma - expected.harmonics.u1_plus_gamma), 1e-13);
+      // The trace of the impact map followed has the rounding of its flights over the speeds.
+      ASSERT_NEAR(closed.spectral_radius, expected.spectral_radius, 1e-6);
+      ASSERT_LT(closed.energy_defect, 1e-13);
+      const auto end = orbits.end_state(gamma);
+      ASSERT_NEAR(end.position(), expected.end.position(), 1e-13);
+      ASSERT_NEAR(end.position_rate(), expected.end.position_rate(), 1e-13);
+    }
+  }
+}
+
+TEST(SymmetricOrbits, RangeEndsAtTheSaddleNodeAndAtThePitchforkOrGrazing) {
+  for (const double restitution : {0.0, 0.05, 0.2, 0.6, 0.9}) {
+    const backlash::detail::SymmetricOrbits orbits(restitution);
+    const double node = backlash::detail::saddle_node_gamma(restitution);
+    const double end = backlash::detail::symmetry_loss(restitution).gamma;
+    EXPECT_TRUE(orbits.contains(node * (1 + 1e-12)) && !orbits.contains(node * (1 - 1e-12)));
+    EXPECT_TRUE(orbits.contains(end * (1 - 1e-12)) && !orbits.contains(end * (1 + 1e-12)));
+    // At the saddle-node and at the pitchfork a multiplier is 1 (of the period; the map of half a period has +-1).
+    EXPECT_NEAR(orbits.at(node * (1 + 1e-14)).spectral_radius, 1, 1e-6);
+    if (!backlash::detail::symmetry_loss(restitution).grazing) {
+      EXPECT_NEAR(orbits.at(end).spectral_radius, 1, 1e-9);
+    }
+  }
+  // Without restitution an extra impact ends it at gamma = 1/pi.
+  EXPECT_NEAR(backlash::detail::symmetry_loss(0).gamma, 1 / std::numbers::pi, 1e-15);
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ if(NAME STREQUAL "core")
   list(APPEND options -DCMAKE_DISABLE_FIND_PACKAGE_Ceres=ON -DCMAKE_DISABLE_FIND_PACKAGE_NLopt=ON
        -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON -DCMAKE_DISABLE_FIND_PACKAGE_Boost=ON)
   expect_absent(${stage}/include/frac/identification)
-  expect_absent(${stage}/include/backlash)
+  expect_absent(${stage}/include/backlash/jump_law.hpp)
 else()
   run(${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${stage} --component fitting)
 endif()
@@ -44,9 +44,8 @@ run(${CMAKE_COMMAND} --build ${project_build})
 run(${project_build}/consumer)
 
 if(NAME STREQUAL "core")
-  # At omega = 1 the denominator is 1 + 0.8 (cos 198 + j sin 198) + 0.5 (cos 81 + j sin 81), angles in degrees:
-  # 0.3173720 + 0.2466306 j, whose reciprocal is 1.9645237 - 1.5266362 j.
-  expect_output("1  \\(1\\.96452,-1\\.52664\\)  ")
+  # The integral brings mass 2 to the set-point within a centimetre; mass 1 then lies at a wall, 20 mm behind.
+  expect_output("\n10,[-.0-9]+,0\\.98[0-9]+,1\\.00[0-9]+,[0-9]+\n")
   file(READ ${SOURCE_DIR}/core/main.cpp program)
   file(READ ${SOURCE_DIR}/../../README.md readme)
   string(FIND "${readme}" "```cpp\n${program}```" place)

@@ -60,6 +60,58 @@ TEST(Approximate, JsonHoldsTheContractAndTheStatedErrorIsTrue) {
   }
 }
 
+// Response of the parallel sections as the output states them, in z-form.
+std::complex<double> sampled_response(const Json& json, double omega) {
+  const double step = json["sample_time"];
+  const std::complex<double> delta = std::polar(1.0, omega * step) - 1.0;
+  const Json& digital = json["digital"];
+  const bool of_states = digital["parallel"]["output"] == "state";
+  std::complex<double> value = digital["parallel"]["direct"].get<double>();
+  for (const Json& section : digital["parallel"]["sections"])
+    value += section["weight"].get<double>() * (of_states ? 1.0 : delta) / (delta + section["rate"].get<double>());
+  for (int i = 0; i < digital["differences"].get<int>(); ++i) value *= delta / (1.0 + delta) / step;
+  for (int i = 0; i < digital["integrators"].get<int>(); ++i) value *= step * (0.5 + 1.0 / delta);
+  return value;
+}
+
+TEST(Approximate, SampleTimeGivesSectionsThatDoWhatTheyState) {
+  for (const char* order : {"0.5", "-0.5", "1.3", "-1.3"}) {
+    for (const char* method : {"direct", "tustin", "al-alaoui"}) {
+      const auto result = run_fracfit(approximate({"--order", order, "--band", "0.1:300", "--tolerance", "1e-2",
+                                                   "--sample-time", "1e-3", "--discretisation", method}));
+      EXPECT_EQ(result.code, 0) << result.error;
+      const auto json = Json::parse(result.output);
+      EXPECT_EQ(json["digital"]["discretisation"], method);
+      EXPECT_FALSE(json["sections"].empty());
+      const double q = json["order"];
+      double largest = 0;
+      for (int i = 0; i <= 2000; ++i) {
+        const double omega = 0.1 * std::pow(3000.0, i / 2000.0);
+        const auto exact = std::polar(std::pow(omega, q), q * std::numbers::pi / 2);
+        largest = std::max(largest, std::abs(sampled_response(json, omega) / exact - 1.0));
+      }
+      EXPECT_NEAR(largest / json["digital"]["max_relative_error"].get<double>(), 1, 0.02) << order << " " << method;
+      if (method == std::string("direct")) {
+        EXPECT_EQ(json["digital"]["status"], "met");
+        EXPECT_LE(largest, 1e-2);
+      }
+    }
+  }
+}
+
+TEST(Approximate, SampleTimeInTableAndCsvAndTaps) {
+  const std::vector<std::string> asked{"--order", "0.5", "--band", "0.1:300", "--poles", "6", "--sample-time", "1e-3"};
+  const auto with = [&](std::vector<std::string> more) {
+    std::vector<std::string> all = asked;
+    all.insert(all.end(), more.begin(), more.end());
+    return run_fracfit(approximate(all));
+  };
+  EXPECT_NE(with({"--format", "table"}).output.find("every 0.001 s, direct"), std::string::npos);
+  EXPECT_NE(with({"--format", "csv"}).output.find("\n# parallel_rates: "), std::string::npos);
+  const auto taps = with({"--discretisation", "grunwald-letnikov", "--taps", "50"});
+  EXPECT_EQ(Json::parse(taps.output)["digital"]["taps"].size(), 51);
+}
+
 TEST(Approximate, CommandInTheOutputMakesItAgain) {
   const auto once = run_fracfit(approximate({"--order", "0.4", "--band", "0.1:50", "--poles", "4"}));
   const auto again = run_fracfit(
@@ -139,7 +191,11 @@ TEST(Approximate, WrongUsageIsNamed) {
   expect_refusal({"--order", "0.5", "--band", "1:9", "--poles", "0"}, "--poles '0'");
   expect_refusal({"--order", "0.5", "--band", "1:9", "--poles", "99999999999"}, "allowed are 1 to 200");
   expect_refusal({"--order", "0.5", "--band", "1:9", "--poles", "3", "--method", "spline"}, "spline");
-  expect_refusal({"--order", "0.5", "--band", "1:9", "--poles", "3", "--sample-time", "0.01"}, "--sample-time");
+  expect_refusal({"--order", "0.5", "--band", "1:9", "--poles", "3", "--sample-time", "0"}, "sample_time = 0 s");
+  expect_refusal({"--order", "0.5", "--band", "1:9", "--poles", "3", "--sample-time", "x"}, "--sample-time 'x'");
+  expect_refusal({"--order", "0.5", "--band", "1:9", "--poles", "3", "--sample-time", "1"}, "pi/(2 T) = 1.57");
+  expect_refusal({"--order", "0.5", "--band", "1:9", "--poles", "3", "--sample-time", "0.1", "--discretisation", "zoh"},
+                 "zoh");
 }
 
 }  // namespace

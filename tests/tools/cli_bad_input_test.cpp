@@ -172,6 +172,8 @@ TEST_F(FitFailure, TooFewPointsAreSaidSo) {
 TEST_F(FitFailure, StaticBacklashNeedsBothNumbers) {
   const auto data = folder.write("data.csv", good_data);
   expect_failure({"identify", data, "--force", "40"}, 2, "--clearance");
+  expect_failure({"identify", folder.write("point.csv", "omega_rad_s,re,im\n1,1,1\n"), "--models", "zarc"}, 1,
+                 "no candidate could be fitted");
   expect_failure({"identify", data, "--clearance", "0.3"}, 2, "--force");
   expect_failure({"identify", data, "--m1", "1"}, 2, "no meaning");
   expect_failure({"identify", data, "--models", "power-law,,gain"}, 2, "entry 2 is empty");

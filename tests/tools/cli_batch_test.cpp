@@ -156,7 +156,46 @@ TEST_F(Batch, NoResultAtAllIsExitCodeOne) {
       run_fracfit({"batch", folder.path("missing.csv"), folder.write("empty.csv", ""), "--model", "power-law"});
   EXPECT_EQ(result.code, 1);
   EXPECT_NE(result.output.find("missing.csv,invalid-data,"), std::string::npos) << result.output;
-  EXPECT_NE(result.error.find("2 of 2 files gave no result"), std::string::npos) << result.error;
+  EXPECT_NE(result.error.find("2 of 2 curves gave no result"), std::string::npos) << result.error;
+}
+
+/// The power law fitted to the curves of one file, from the remark below the rows.
+double law_exponent(const std::string& output) {
+  const std::string key = " exponent=";
+  const auto at = output.find(key);
+  return at == std::string::npos ? std::nan("") : std::stod(output.substr(at + key.size()));
+}
+
+// K = 2 F^0.5 for three forces, in the columns of one file and in its rows.
+TEST_F(Batch, CurvesInOneFileAreRowsOfTheirOwn) {
+  std::ostringstream columns, rows;
+  columns.precision(17);
+  rows.precision(17);
+  columns << "omega_rad_s,re_10,im_10,re_20,im_20,re_40,im_40\n";
+  rows << "force,omega_rad_s,re,im\n";
+  for (int i = 0; i <= 20; ++i) {
+    const double omega = std::pow(10.0, -1 + i / 10.0);
+    columns << omega;
+    for (const double force : {10, 20, 40}) {
+      const auto value = 2 * std::sqrt(force) * std::pow(std::complex<double>(0, omega), 0.7);
+      columns << ',' << value.real() << ',' << value.imag();
+      rows << force << ',' << omega << ',' << value.real() << ',' << value.imag() << '\n';
+    }
+    columns << '\n';
+  }
+  const std::string by_column = folder.write("columns.csv", columns.str());
+  const std::string by_row = folder.write("rows.csv", rows.str());
+  const auto first = run_fracfit({"batch", by_column, "--model", "power-law", "--power-law", "K:curve"});
+  EXPECT_EQ(first.code, 0) << first.error;
+  EXPECT_NE(first.output.find("columns.csv#20,converged,"), std::string::npos) << first.output;
+  EXPECT_NEAR(law_exponent(first.output), 0.5, 1e-9) << first.output;
+  const auto second = run_fracfit({"batch", by_row, "--by", "force", "--model", "power-law", "--power-law", "K:force"});
+  EXPECT_EQ(second.code, 0) << second.error;
+  EXPECT_NE(second.output.find("rows.csv#40,converged,"), std::string::npos) << second.output;
+  EXPECT_NEAR(law_exponent(second.output), 0.5, 1e-9) << second.output;
+  const auto unknown = run_fracfit({"batch", by_row, "--by", "mass", "--model", "power-law"});
+  EXPECT_EQ(unknown.code, 1);
+  EXPECT_NE(unknown.output.find("no column 'mass'"), std::string::npos) << unknown.output;
 }
 
 TEST_F(Batch, ThreadsDoNotChangeAByte) {

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "io/number.hpp"
 #include "temporary_folder.hpp"
@@ -295,6 +296,78 @@ TEST_F(FrequencyResponseFileTest, AMillionRowsAreReadQuickly) {
   EXPECT_EQ(file.data.value().back().imag(), -1.0 / rows);
   // Under a second on an idle machine; the allowance is for loaded ones and sanitizers.
   EXPECT_LT(seconds, 10);
+}
+
+TEST_F(FrequencyResponseFileTest, MagnitudeOrPhaseAloneIsReadOnlyWhereTheOtherMayMiss) {
+  const std::string magnitude = "f_Hz,magnitude_db\n1,20\n2,-20\n";
+  expect_error(magnitude, 1, 1, "--component magnitude");
+  io::FrequencyResponseReadOptions options;
+  options.phase_may_miss = true;
+  const auto sizes = read(magnitude, options);
+  EXPECT_NEAR(sizes.data.value()[0].real(), 10, 1e-14);
+  EXPECT_NEAR(sizes.data.value()[1].real(), 0.1, 1e-16);
+  EXPECT_EQ(sizes.data.value()[0].imag(), 0);
+  EXPECT_TRUE(has_note(sizes, "no phase"));
+
+  const std::string phase = "f_Hz,phase_deg,sigma\n1,-90,2\n2,180,1\n";
+  expect_error(phase, 1, 1, "--component phase");
+  options = {};
+  options.magnitude_may_miss = true;
+  const auto angles = read(phase, options);
+  EXPECT_NEAR(std::abs(angles.data.value()[0] - std::complex<double>(0, -1)), 0, 1e-15);
+  EXPECT_NEAR(angles.data.sigma()[0], 2 * std::numbers::pi / 180, 1e-17);
+}
+
+TEST_F(FrequencyResponseFileTest, CurvesInColumnsAreToldApartByTheirLabels) {
+  const std::string file = folder.write("columns.csv",
+                                        "omega_rad_s,re_10,im_10,re_20,-im_20,sigma_20\n"
+                                        "1,2,3,4,5,0.1\n"
+                                        "2,6,7,8,9,0.2\n");
+  EXPECT_EQ(io::curve_labels(file, ""), (std::vector<std::string>{"10", "20"}));
+  io::FrequencyResponseReadOptions options;
+  options.curve = "20";
+  const auto curve = io::read_frequency_response(file, options);
+  EXPECT_EQ(curve.data.value()[1], std::complex<double>(8, -9));
+  EXPECT_EQ(curve.data.sigma()[1], 0.2);
+  EXPECT_EQ(io::find_value(curve.metadata, "curve"), "20");
+
+  const std::string polar = folder.write("polar.csv",
+                                         "f_Hz,magnitude_db_a,phase_deg_a,magnitude_b,phase_rad_b\n"
+                                         "1,20,180,3,0\n");
+  EXPECT_EQ(io::curve_labels(polar, ""), (std::vector<std::string>{"a", "b"}));
+  options.curve = "a";
+  EXPECT_NEAR(std::abs(io::read_frequency_response(polar, options).data.value()[0] + 10.0), 0, 1e-13);
+  options.curve = "b";
+  EXPECT_EQ(io::read_frequency_response(polar, options).data.value()[0], 3.0);
+}
+
+TEST_F(FrequencyResponseFileTest, CurvesInRowsAreToldApartByTheKeyColumn) {
+  const std::string file = folder.write("rows.csv",
+                                        "force_n,omega_rad_s,re,im\n"
+                                        "40,1,1,2\n"
+                                        "10,1,3,4\n"
+                                        "40.0,2,5,6\n"
+                                        "10,2,7,8\n");
+  EXPECT_EQ(io::curve_labels(file, "force_n"), (std::vector<std::string>{"40", "10"}));
+  io::FrequencyResponseReadOptions options;
+  options.key_column = "force_n";
+  options.curve = "40";
+  const auto curve = io::read_frequency_response(file, options);
+  ASSERT_EQ(curve.data.size(), 2u);
+  EXPECT_EQ(curve.data.value()[1], std::complex<double>(5, 6));
+  EXPECT_EQ(io::find_value(curve.metadata, "force_n"), "40");
+  options.key_column = "mass_kg";
+  try {
+    (void)io::read_frequency_response(file, options);
+    FAIL() << "no error";
+  } catch (const io::DataError& error) {
+    EXPECT_NE(std::string(error.what()).find("no column 'mass_kg' among force_n"), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(FrequencyResponseFileTest, AnOrdinaryFileHoldsOneCurveWithoutLabel) {
+  EXPECT_TRUE(io::curve_labels(folder.write("one.csv", "omega_rad_s,re_ohm,im_ohm\n1,2,3\n"), "").empty());
+  EXPECT_TRUE(io::curve_labels(folder.write("two.csv", "f_Hz,magnitude_db,phase_deg\n1,2,3\n"), "").empty());
 }
 
 }  // namespace

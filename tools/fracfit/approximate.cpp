@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 
 #include "approximate_output.hpp"
 #include "common_options.hpp"
 #include "exit_code.hpp"
+#include "frac/discretise.hpp"
 #include "subcommand.hpp"
 
 namespace fracfit {
@@ -18,6 +20,7 @@ struct ApproximateArguments {
   CommonOptions common;
   std::string order, band, tolerance, poles, sample_time;
   std::string method = "ladder";
+  std::string discretisation = "direct", taps = "1000";
 };
 
 frac::ApproximationGoal goal_of(const ApproximateArguments& given) {
@@ -32,23 +35,33 @@ frac::ApproximationGoal goal_of(const ApproximateArguments& given) {
 
 int run_approximate(const ApproximateArguments& given) {
   const io::OutputFile out(given.common.out);
-  if (!given.sample_time.empty())
-    throw std::invalid_argument(
-        "--sample-time is not available in this version; the result is the continuous-time approximation");
   const auto [lower, upper] = range_option("--band", given.band);
   const auto goal = goal_of(given);
-  const auto result = frac::approximate(number_option("--order", given.order),
-                                        {number_option("--band", lower), number_option("--band", upper)}, goal,
-                                        frac::approximation_method(given.method));
+  const double order = number_option("--order", given.order);
+  const frac::FrequencyBand band{number_option("--band", lower), number_option("--band", upper)};
+  const auto method = frac::approximation_method(given.method);
+  const auto result = frac::approximate(order, band, goal, method);
+  std::optional<frac::DigitalPower> digital;
+  if (!given.sample_time.empty()) {
+    digital =
+        frac::digital_power(order, band, goal, number_option("--sample-time", given.sample_time),
+                            frac::discretisation(given.discretisation), method, count_option("--taps", given.taps, 1));
+  }
   CommandLine command("approximate");
   command.option("--order", given.order).option("--band", given.band);
   command.option(given.poles.empty() ? "--tolerance" : "--poles", given.poles.empty() ? given.tolerance : given.poles);
   command.option("--method", given.method);
+  if (digital) {
+    command.option("--sample-time", given.sample_time).option("--discretisation", given.discretisation);
+    if (!digital->taps.empty()) command.option("--taps", given.taps);
+  }
+  const frac::DigitalPower* sampled = digital ? &*digital : nullptr;
 
   const std::string format = chosen_format(given.common, "json");
-  out.write(format == "json"  ? approximation_json(result, command.text())
-            : format == "csv" ? approximation_csv(result, command.text())
-                              : approximation_table(result));
+  out.write(format == "json"  ? approximation_json(result, sampled, command.text())
+            : format == "csv" ? approximation_csv(result, sampled, command.text())
+                              : approximation_table(result, sampled));
+  if (digital && digital->status == frac::ApproximationStatus::not_attainable) say(given.common, digital->message);
   if (result.status != frac::ApproximationStatus::not_attainable) return usable_result;
   say(given.common, result.message);
   return no_usable_result;
@@ -72,14 +85,24 @@ void add_approximate(CLI::App& program, Run& run) {
   for (const auto method : frac::approximation_methods())
     names += (names.empty() ? "" : ", ") + std::string(frac::to_string(method));
   approximate->add_option("--method", given->method, names)->capture_default_str()->type_name("METHOD");
-  approximate->add_option("--sample-time", given->sample_time, "Sample time, s; not available in this version")
+  approximate
+      ->add_option("--sample-time", given->sample_time,
+                   "Time between samples, s: gives the recursion in the samples too")
       ->type_name("TS");
+  names.clear();
+  for (const auto method : frac::discretisations())
+    names += (names.empty() ? "" : ", ") + std::string(frac::to_string(method));
+  approximate->add_option("--discretisation", given->discretisation, names)->capture_default_str()->type_name("METHOD");
+  approximate->add_option("--taps", given->taps, "Memory of grunwald-letnikov, samples")
+      ->capture_default_str()
+      ->type_name("N");
   add_common_options(*approximate, given->common, {"json", "csv", "table"});
   approximate->footer(
       "Examples:\n"
       "  fracfit approximate --order 0.5 --band 1e-3:1e3 --tolerance 1e-6\n"
       "  fracfit approximate --order -0.7 --band 0.01:100 --poles 8 --format table\n"
-      "  fracfit approximate --order 0.5 --band 0.01:100 --tolerance 1e-3 --method oustaloup-widened --out s.json");
+      "  fracfit approximate --order 0.5 --band 0.01:100 --tolerance 1e-3 --method oustaloup-widened --out s.json\n"
+      "  fracfit approximate --order 0.5 --band 0.1:300 --tolerance 1e-4 --sample-time 1e-3");
   approximate->callback([given, &run] { run = [given] { return run_approximate(*given); }; });
 }
 

@@ -33,9 +33,48 @@ std::string band_text(const frac::FrequencyBand& band) {
   return short_number(band.lower) + " .. " + short_number(band.upper) + " rad/s";
 }
 
+Json parallel_json(const frac::ParallelSections& parallel) {
+  Json sections = Json::array();
+  for (std::size_t i = 0; i < parallel.rates.size(); ++i) {
+    sections.push_back({{"rate", number(parallel.rates[i])}, {"weight", number(parallel.weights[i])}});
+  }
+  return {{"output", parallel.output == frac::SectionOutput::state ? "state" : "change"},
+          {"direct", number(parallel.direct)},
+          {"sections", sections}};
+}
+
+void add_digital(Json& json, const frac::DigitalPower& digital) {
+  json["sample_time"] = number(digital.sample_time);
+  json["sections"] = Json::array();
+  for (const frac::DeltaSection& section : digital.cascade.sections) {
+    json["sections"].push_back({{"rate", number(section.rate)}, {"feed", number(section.feed)}});
+  }
+  Json& more = json["digital"];
+  more["discretisation"] = frac::to_string(digital.method);
+  more["recursion"] =
+      "H = gain * product of sections (y = x + feed v, v += x - rate v) * correction * differences * integrators, or "
+      "parallel in place of gain, sections and correction; there y = direct x + sum weight v (output: state) or direct "
+      "x "
+      "+ sum weight (x - rate v) (output: change)";
+  more["gain"] = number(digital.cascade.gain);
+  more["correction"] = parallel_json(digital.correction);
+  more["parallel"] = parallel_json(digital.parallel);
+  more["differences"] = digital.differences;
+  more["integrators"] = digital.integrators;
+  if (!digital.taps.empty()) more["taps"] = array_of(digital.taps);
+  more["status"] = frac::to_string(digital.status);
+  more["message"] = digital.message;
+  more["max_relative_error"] = number(digital.error.max_relative);
+  more["omega_at_max_relative_error"] = number(digital.error.omega_at_maximum);
+  more["max_error_decibels"] = number(digital.error.max_decibels);
+  more["max_error_degrees"] = number(digital.error.max_degrees);
+  more["most_amplification_beyond_band"] = number(digital.most_amplification);
+}
+
 }  // namespace
 
-std::string approximation_json(const frac::Approximation& result, const std::string& command) {
+std::string approximation_json(const frac::Approximation& result, const frac::DigitalPower* digital,
+                               const std::string& command) {
   Json json{{"fracfit", io::version()}, {"command", command}};
   json["order"] = number(result.order);
   json["band"] = {{"lower", number(result.band.lower)}, {"upper", number(result.band.upper)}};
@@ -60,10 +99,12 @@ std::string approximation_json(const frac::Approximation& result, const std::str
   json["max_error_decibels"] = number(result.error.max_decibels);
   json["max_error_degrees"] = number(result.error.max_degrees);
   json["grid_points"] = result.error.grid_points;
+  if (digital != nullptr) add_digital(json, *digital);
   return json.dump(2) + "\n";
 }
 
-std::string approximation_csv(const frac::Approximation& result, const std::string& command) {
+std::string approximation_csv(const frac::Approximation& result, const frac::DigitalPower* digital,
+                              const std::string& command) {
   const auto& system = result.system;
   std::string text = "# fracfit: " + std::string(io::version()) + "\n# command: " + command + "\n";
   const auto entry = [&](const std::string& key, const std::string& value) {
@@ -80,6 +121,27 @@ std::string approximation_csv(const frac::Approximation& result, const std::stri
   entry("max_error_decibels", io::format_number(result.error.max_decibels));
   entry("max_error_degrees", io::format_number(result.error.max_degrees));
   entry("limit_poles", std::to_string(result.limit_poles));
+  if (digital != nullptr) {
+    entry("sample_time", io::format_number(digital->sample_time));
+    entry("discretisation", std::string(frac::to_string(digital->method)));
+    entry("digital_message", digital->message);
+    entry("digital_max_relative_error", io::format_number(digital->error.max_relative));
+    entry("differences", std::to_string(digital->differences));
+    entry("integrators", std::to_string(digital->integrators));
+    const auto list = [&](const std::string& key, const std::vector<double>& values) {
+      std::string joined;
+      for (const double value : values) joined += (joined.empty() ? "" : " ") + io::format_number(value);
+      entry(key, joined);
+    };
+    if (digital->taps.empty()) {
+      entry("parallel_output", digital->parallel.output == frac::SectionOutput::state ? "state" : "change");
+      entry("parallel_direct", io::format_number(digital->parallel.direct));
+      list("parallel_rates", digital->parallel.rates);
+      list("parallel_weights", digital->parallel.weights);
+    } else {
+      list("taps", digital->taps);
+    }
+  }
   text += "root,re_rad_s,im_rad_s,residue_re,residue_im\n";
   const auto root = [&](const char* kind, std::complex<double> place) {
     text += std::string(kind) + "," + io::format_number(place.real()) + "," + io::format_number(place.imag());
@@ -110,7 +172,7 @@ std::string approximation_csv(const frac::Approximation& result, const std::stri
   return text;
 }
 
-std::string approximation_table(const frac::Approximation& result) {
+std::string approximation_table(const frac::Approximation& result, const frac::DigitalPower* digital) {
   const auto& system = result.system;
   std::string text = "s^" + short_number(result.order) + " on " + band_text(result.band) + ", " +
                      std::string(frac::to_string(result.method));
@@ -139,7 +201,19 @@ std::string approximation_table(const frac::Approximation& result) {
           short_number(result.error.omega_at_maximum) + " rad/s, " + short_number(result.error.max_decibels) + " dB, " +
           short_number(result.error.max_degrees) + " deg\n";
   text += "poles " + std::to_string(result.poles) + ", attainable limit " + std::to_string(result.limit_poles) + "\n";
-  return text + result.message + "\n";
+  text += result.message + "\n";
+  if (digital == nullptr) return text;
+  text +=
+      "\nevery " + short_number(digital->sample_time) + " s, " + std::string(frac::to_string(digital->method)) + "\n\n";
+  if (digital->taps.empty()) {
+    AlignedTable sections({"section", "rate", "weight"});
+    for (std::size_t i = 0; i < digital->parallel.rates.size(); ++i) {
+      sections.add({std::to_string(i + 1), short_number(digital->parallel.rates[i]),
+                    short_number(digital->parallel.weights[i])});
+    }
+    text += sections.text();
+  }
+  return text + digital->message + "\n";
 }
 
 }  // namespace fracfit

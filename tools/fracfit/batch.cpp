@@ -59,6 +59,9 @@ BatchTask task_of(const BatchArguments& given) {
     task.models = {chosen_model(given.model)};
     task.models.front().constraints = constraints_of(task.models.front(), given.parameters);
   }
+  const auto& key = given.request.key_column;
+  if (!key.empty() && std::find(task.variables.begin(), task.variables.end(), key) == task.variables.end())
+    task.variables.push_back(key);
   for (const auto& model : task.models) check_names(model);
   for (const auto& law : given.laws) {
     const auto request = power_law_request(law);
@@ -80,6 +83,7 @@ std::string command_of(const BatchArguments& given, const BatchTask& task) {
   for (const auto& text : given.parameters.bound) command.option("--bound", text);
   for (const auto& text : given.parameters.fix) command.option("--fix", text);
   for (const auto& text : given.parameters.start) command.option("--start", text);
+  if (!given.request.key_column.empty()) command.option("--by", given.request.key_column);
   for (const auto& text : given.laws) command.option("--power-law", text);
   return command.text();
 }
@@ -120,7 +124,14 @@ int run_batch(const BatchArguments& given) {
   const auto format = format_of(given);
   const bool to_file = !given.common.out.empty() && given.common.out != "-";
   const io::OutputFile out(given.common.out);
-  const auto inputs = io::input_files(given.data, to_file ? given.common.out : "");
+  std::vector<std::string> inputs;
+  std::map<std::string, BatchCurve> curves;
+  for (auto& curve :
+       curves_of(io::input_files(given.data, to_file ? given.common.out : ""), given.request.key_column)) {
+    inputs.push_back(curve.name);
+    if (!curves.emplace(curve.name, curve).second)
+      throw std::invalid_argument("two curves have the name " + io::quoted(curve.name) + "; rename a file or a column");
+  }
   const auto files = shard_of(inputs, given.shard);
   const BatchManifest manifest{std::string(io::version()), command_of(given, task), given.shard, given.laws, inputs,
                                batch_columns(task)};
@@ -139,7 +150,7 @@ int run_batch(const BatchArguments& given) {
       if (stream && stream->contains(files[i])) {
         lines[i] = stream->line(files[i]);
       } else {
-        lines[i] = row_line(format, batch_row(task, files[i]));
+        lines[i] = row_line(format, batch_row(task, curves.at(files[i])));
         if (stream) stream->append(files[i], lines[i]);
       }
       ++progress.done;
@@ -157,7 +168,7 @@ int run_batch(const BatchArguments& given) {
   for (const auto& line : lines) converged += status_of(format, manifest, line) == "converged" ? 1U : 0U;
   if (converged < files.size())
     say(given.common, std::to_string(files.size() - converged) + " of " + std::to_string(files.size()) +
-                          " files gave no result; see column status");
+                          " curves gave no result; see column status");
   return converged > 0 || files.empty() ? usable_result : no_usable_result;
 }
 
@@ -165,7 +176,7 @@ int run_batch(const BatchArguments& given) {
 
 void add_batch(CLI::App& program, Run& run) {
   const auto given = std::make_shared<BatchArguments>();
-  auto* batch = program.add_subcommand("batch", "Fits or identifies many files, one row each");
+  auto* batch = program.add_subcommand("batch", "Fits or identifies many curves, one row each");
   batch->add_option("DATA", given->data, "Frequency responses, or folders of them (.csv, .tsv, .txt, .dat)")
       ->required()
       ->type_name("FILE|FOLDER");
@@ -176,17 +187,26 @@ void add_batch(CLI::App& program, Run& run) {
   add_repeatable(*batch, "--bound", given->parameters.bound, "Limit a parameter; repeatable", "NAME=LOW:HIGH");
   add_repeatable(*batch, "--start", given->parameters.start, "Start a parameter at a value; repeatable", "NAME=VALUE");
   add_repeatable(*batch, "--power-law", given->laws,
-                 "Parameter as a power of an entry of the file headers, e.g. a:force_n; repeatable",
+                 "Parameter as a power of an entry of the file headers, of the --by column, or of the labels of "
+                 "columns (curve), e.g. a:force_n; repeatable",
                  "PARAMETER:VARIABLE");
-  batch->add_option("--shard", given->shard, "Work on every n-th file only, from the i-th; join with fracfit merge")
+  batch
+      ->add_option("--by", given->request.key_column,
+                   "Column whose value tells apart the curves that follow each other in one file, e.g. force_n")
+      ->type_name("COLUMN");
+  batch->add_option("--shard", given->shard, "Work on every n-th curve only, from the i-th; join with fracfit merge")
       ->type_name("i/n");
   add_common_options(*batch, given->common, {"csv", "jsonl"});
   batch->footer(
+      "Several curves in one file: columns re_<label>,im_<label> (or magnitude_<label>,phase_deg_<label>) for each, "
+      "or\n"
+      "rows told apart by the column --by names.  Their rows are named FILE#LABEL.\n"
       "With --out each row reaches the file as soon as it is finished; the same command again does what is left over\n"
       "from an interrupted run.\n"
       "Examples:\n"
       "  fracfit batch sweeps --model power-law --where 'omega<4' --power-law K:force_n --out fits.csv\n"
       "  fracfit batch sweeps --models power-law,lag,gain --shard 2/4 --out part2.csv\n"
+      "  fracfit batch all.csv --by force_n --model power-law --power-law K:force_n\n"
       "  fracfit merge all.csv part1.csv part2.csv part3.csv part4.csv");
   batch->callback([given, &run] { run = [given] { return run_batch(*given); }; });
 }

@@ -117,11 +117,26 @@ std::vector<std::string> batch_columns(const BatchTask& task) {
   return columns;
 }
 
-BatchRow batch_row(const BatchTask& task, const std::string& file) {
+std::vector<BatchCurve> curves_of(const std::vector<std::string>& files, const std::string& key_column) {
+  std::vector<BatchCurve> curves;
+  for (const auto& file : files) {
+    std::vector<std::string> labels;
+    try {
+      labels = io::curve_labels(file, key_column);
+    } catch (const io::DataError&) {  // its row will say it
+    }
+    if (labels.empty()) curves.push_back({file, file, ""});
+    for (const auto& label : labels) curves.push_back({file + "#" + label, file, label});
+  }
+  return curves;
+}
+
+BatchRow batch_row(const BatchTask& task, const BatchCurve& curve) {
   RowBuilder row(batch_columns(task));
-  row.set("file", std::string_view(file));
+  row.set("file", std::string_view(curve.name));
   auto request = task.request;
-  request.data = file;
+  request.data = curve.file;
+  request.curve = curve.label;
   CommonOptions silent;
   silent.quiet = true;
   try {
@@ -132,6 +147,9 @@ BatchRow batch_row(const BatchTask& task, const std::string& file) {
     row.set("status", std::string_view("invalid-data"));
     row.set("message", std::string_view(error.what()));
   } catch (const std::invalid_argument& error) {
+    row.set("status", std::string_view("not-fitted"));
+    row.set("message", std::string_view(error.what()));
+  } catch (const frac::NoCandidateFits& error) {
     row.set("status", std::string_view("not-fitted"));
     row.set("message", std::string_view(error.what()));
   }

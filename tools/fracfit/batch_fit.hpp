@@ -9,9 +9,19 @@
 
 namespace fracfit {
 
-/// What is done with each file of a batch.
+/// One curve of a batch: a file, or one of the curves in it.
+struct BatchCurve {
+  std::string name;  // the file, and after a # the label
+  std::string file;
+  std::string label;  // empty: the only curve of the file
+};
+
+/// The curves of the files, see io::curve_labels; a file that cannot be read counts as one.
+[[nodiscard]] std::vector<BatchCurve> curves_of(const std::vector<std::string>& files, const std::string& key_column);
+
+/// What is done with each curve of a batch.
 struct BatchTask {
-  FitRequest request;  // its data are set file by file
+  FitRequest request;  // its data are set curve by curve
   frac::FitOptions options;
   std::vector<frac::NamedModel> models;  // with the constraints of the user; one is fitted, several are ranked
   std::vector<std::string> variables;    // entries of the file headers that become columns
@@ -22,7 +32,7 @@ struct BatchTask {
 /// @throws std::invalid_argument  a parameter has the name of another column.
 [[nodiscard]] std::vector<std::string> batch_columns(const BatchTask& task);
 
-/// One row; a file that cannot be read or fitted gives one that says why.
-[[nodiscard]] BatchRow batch_row(const BatchTask& task, const std::string& file);
+/// One row; a curve that cannot be read or fitted gives one that says why.
+[[nodiscard]] BatchRow batch_row(const BatchTask& task, const BatchCurve& curve);
 
 }  // namespace fracfit

@@ -75,7 +75,8 @@ std::string added_intervals(const frac::FitResult& result, const FitStatistics& 
   return table.text() + "\n";
 }
 
-std::string residual_remarks(const FitRun& run, const FitStatistics& statistics) {
+std::string residual_remarks(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
+  if (result.confidence_of_optimum == 1) return "residuals: rounding only\n";
   std::string text = "residuals: correlation of neighbours " + short_number(statistics.whiteness.lag_one_correlation) +
                      ", chance of that from noise alone " + short_number(statistics.whiteness.p_value) + "\n";
   if (statistics.outlier_at.empty()) return text;
@@ -119,7 +120,7 @@ std::string yes_no(bool value) {
 std::string fit_table(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
   return "model      " + result.model + "\n" + heading(run) + "\n" +
          (statistics.growth ? growth_table(*statistics.growth) : "") + parameter_table(result) + "\n" +
-         added_intervals(result, statistics) + residual_remarks(run, statistics) + closing(result);
+         added_intervals(result, statistics) + residual_remarks(run, result, statistics) + closing(result);
 }
 
 std::string identification_table(const FitRun& run, const frac::IdentificationResult& result,

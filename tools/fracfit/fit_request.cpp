@@ -99,7 +99,7 @@ void add_residual_options(CLI::App& subcommand, FitRequest& request) {
       .add_option(
           "--weight", request.weight,
           "Residuals are divided by: relative |data|; absolute nothing; given the file's sigma or weight column, or "
-          "any column by its name; smoothed-relative |data| smoothed over nine neighbours; log-complex: ln of "
+          "any column by its name; smoothed-relative |data| as up to eight neighbours tell it; log-complex: ln of "
           "the magnitude ratio and angle; repeats: the spread of repeated values at each frequency")
       ->capture_default_str()
       ->type_name("WEIGHT");
@@ -149,6 +149,10 @@ io::FrequencyResponseFile read_data(const FitRequest& request, const CommonOptio
   io::FrequencyResponseReadOptions options;
   if (!names_weight(request.weight)) options.weight_column = request.weight;
   for (const auto& text : request.where) options.where.emplace_back(text);
+  options.phase_may_miss = request.component == frac::to_string(frac::Component::magnitude);
+  options.magnitude_may_miss = request.component == frac::to_string(frac::Component::phase);
+  options.key_column = request.key_column;
+  options.curve = request.curve;
   auto file = io::read_frequency_response(request.data, options);
   if (request.weight == "given" && file.data.sigma().empty())
     throw io::DataError(request.data, 0, 0, "has no column sigma or weight; expected one with --weight given");

@@ -21,6 +21,7 @@ struct FitRequest {
   std::string band, poles, sample_time, memory;
   std::vector<std::string> where;
   std::string seed = "1";
+  std::string key_column, curve;  // which curve of a file that holds several
 };
 
 [[nodiscard]] std::uint64_t seed_of(const FitRequest& request);

@@ -141,6 +141,17 @@ Json laws_json(double a_coefficient, double a_exponent, double b_coefficient, do
           {"b_of_clearance", {{"coefficient", number(b_coefficient)}, {"exponent", number(b_exponent)}}}};
 }
 
+Json constants_json(const backlash::JumpLaw& law) {
+  Json constants = Json::array();
+  for (const auto& constant : law.constants)
+    constants.push_back(
+        {{"restitution", number(constant.restitution)},
+         {"similarity_constant", constant.similarity_constant ? number(*constant.similarity_constant) : Json(nullptr)},
+         {"averaged", constant.similarity_constant.has_value()},
+         {"meaning", constant.message}});
+  return constants;
+}
+
 }  // namespace
 
 std::string sweep_json(const backlash::DescribingFunctionSweep& sweep, const std::string& command) {
@@ -200,6 +211,16 @@ std::string identification_json(const FitRun& run, const frac::IdentificationRes
   return text_of(json);
 }
 
+std::string jump_constants_json(const JumpLawRun& run, const backlash::JumpLaw& law) {
+  Json json = origin(run.command);
+  json["criterion"] = backlash::to_string(law.criterion);
+  json["mean_similarity_constant"] = number(law.mean_similarity_constant);
+  json["averaged"] = averaged_count(law);
+  json["left_out"] = law.constants.size() - averaged_count(law);
+  json["constants"] = constants_json(law);
+  return text_of(json);
+}
+
 std::string jump_law_json(const JumpLawRun& run, const backlash::JumpLaw& law) {
   Json json = origin(run.command);
   json["scene"] = {{"mass1_kg", number(run.mass1)},
@@ -211,6 +232,10 @@ std::string jump_law_json(const JumpLawRun& run, const backlash::JumpLaw& law) {
                               {"clearance", number(point.clearance)},
                               {"restitution", number(point.restitution)},
                               {"omega_jump", point.omega_jump ? number(*point.omega_jump) : Json(nullptr)}});
+  json["constants"] = constants_json(law);
+  json["averaged"] = averaged_count(law);
+  json["left_out"] = law.constants.size() - averaged_count(law);
+  if (!law.message.empty()) json["message"] = law.message;
   json["laws"] = Json::array();
   for (const auto& [clearance, force_law] : law.laws)
     json["laws"].push_back(

@@ -22,20 +22,21 @@ struct JumpLawArguments {
   std::string restitution = "0,0.2,0.4,0.6,0.8,1";
   std::string criterion = "two-impact-loss";
   std::string mass1 = "1", mass2 = "1";
+  bool constants = false;
 };
 
 int run_jump_law(const JumpLawArguments& given) {
   const io::OutputFile out(given.common.out);
   const auto criterion = backlash::jump_criterion_from_string(given.criterion);
-  const JumpLawRun run{CommandLine("jump-law")
-                           .option("--force", given.force)
-                           .option("--clearance", given.clearance)
-                           .option("--restitution", given.restitution)
-                           .option("--criterion", given.criterion)
-                           .option("--m1", given.mass1)
-                           .option("--m2", given.mass2)
-                           .text(),
-                       number_option("--m1", given.mass1), number_option("--m2", given.mass2)};
+  CommandLine command("jump-law");
+  command.option("--force", given.force)
+      .option("--clearance", given.clearance)
+      .option("--restitution", given.restitution)
+      .option("--criterion", given.criterion)
+      .option("--m1", given.mass1)
+      .option("--m2", given.mass2);
+  if (given.constants) command.flag("--constants");
+  const JumpLawRun run{command.text(), number_option("--m1", given.mass1), number_option("--m2", given.mass2)};
   frac::Progress progress;
   const auto law = [&] {
     const io::ProgressBar bar("jump-law", progress, !given.common.quiet);
@@ -44,10 +45,21 @@ int run_jump_law(const JumpLawArguments& given) {
         io::parse_grid(given.restitution, "--restitution"), criterion, given.common.threads, &progress);
   }();
   const std::string format = chosen_format(given.common, "json");
-  out.write(format == "json"  ? jump_law_json(run, law)
-            : format == "csv" ? jump_law_csv(run, law)
-                              : jump_law_table(run, law));
-  return usable_result;
+  if (given.constants) {
+    out.write(format == "json"  ? jump_constants_json(run, law)
+              : format == "csv" ? jump_constants_csv(run, law)
+                                : jump_constants_table(law));
+    if (averaged_count(law) == 0) say(given.common, "no restitution has a jump by this criterion");
+    return averaged_count(law) > 0 ? usable_result : no_usable_result;
+  }
+  if (law.message.empty() || format != "table") {
+    out.write(format == "json"  ? jump_law_json(run, law)
+              : format == "csv" ? jump_law_csv(run, law)
+                                : jump_law_table(run, law));
+  }
+  if (law.message.empty()) return usable_result;
+  say(given.common, law.message);
+  return no_usable_result;
 }
 
 }  // namespace
@@ -73,12 +85,15 @@ void add_jump_law(CLI::App& program, Run& run) {
       ->type_name("C");
   jump_law->add_option("--m1", given->mass1, "Mass 1, kg")->capture_default_str()->type_name("M1");
   jump_law->add_option("--m2", given->mass2, "Mass 2, kg")->capture_default_str()->type_name("M2");
+  jump_law->add_flag("--constants", given->constants,
+                     "Instead of the laws c = w_J/sqrt(F/(M2 Delta)) over restitution, with what happens at each jump");
   add_common_options(*jump_law, given->common, {"json", "csv", "table"});
   jump_law->footer(
       "Examples:\n"
       "  fracfit jump-law\n"
       "  fracfit jump-law --criterion symmetry-loss --restitution 0.2,0.4,0.6,0.8 --out law.json\n"
-      "  fracfit jump-law --force 10:50:9 --clearance 0.01:0.5:12log --format table");
+      "  fracfit jump-law --force 10:50:9 --clearance 0.01:0.5:12log --format table\n"
+      "  fracfit jump-law --constants --restitution 0:1:101 --format csv --out constants.csv");
   jump_law->callback([given, &run] { run = [given] { return run_jump_law(*given); }; });
 }
 

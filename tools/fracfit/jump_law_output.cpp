@@ -1,9 +1,11 @@
 #include "jump_law_output.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
 #include "aligned_table.hpp"
+#include "io/csv_line.hpp"
 #include "io/number.hpp"
 #include "io/sweep_file.hpp"
 
@@ -49,6 +51,35 @@ double percent_difference(double value, double reference) {
   return 100 * (value / reference - 1);
 }
 
+std::size_t averaged_count(const backlash::JumpLaw& law) {
+  return static_cast<std::size_t>(std::count_if(law.constants.begin(), law.constants.end(), [](const auto& constant) {
+    return constant.similarity_constant.has_value();
+  }));
+}
+
+std::string jump_constants_table(const backlash::JumpLaw& law) {
+  std::string text =
+      "c = w_J / sqrt(F/(M2 Delta)), criterion " + std::string(backlash::to_string(law.criterion)) + "\n\n";
+  AlignedTable table({"restitution", "c", "what happens there"});
+  for (const auto& [restitution, constant, message] : law.constants)
+    table.add({short_number(restitution), constant ? io::format_number(*constant) : "none", message});
+  return text + table.text() + "\nmean over " + std::to_string(averaged_count(law)) + " of " +
+         std::to_string(law.constants.size()) + " restitutions: " + short_number(law.mean_similarity_constant) + "\n";
+}
+
+std::string jump_constants_csv(const JumpLawRun& run, const backlash::JumpLaw& law) {
+  std::string text = "# fracfit: " + std::string(io::version()) + "\n# command: " + run.command +
+                     "\n# criterion: " + std::string(backlash::to_string(law.criterion)) +
+                     "\n# averaged: " + std::to_string(averaged_count(law)) +
+                     "\n# left_out: " + std::to_string(law.constants.size() - averaged_count(law)) +
+                     "\n# mean_similarity_constant: " + io::format_number(law.mean_similarity_constant) +
+                     "\nrestitution,similarity_constant,meaning\n";
+  for (const auto& [restitution, constant, message] : law.constants)
+    text += io::format_number(restitution) + "," + (constant ? io::format_number(*constant) : "nan") + "," +
+            io::csv_field(message) + "\n";
+  return text;
+}
+
 std::string jump_law_table(const JumpLawRun& run, const backlash::JumpLaw& law) {
   const backlash::PublishedJumpLaw published;
   const auto published_a = power_law(published.a_coefficient, published.a_exponent);
@@ -73,12 +104,9 @@ std::string jump_law_table(const JumpLawRun& run, const backlash::JumpLaw& law) 
           " Delta^" + short_number(published.b_exponent) + "\n";
   text += "similarity (exact for the ideal model):            a = " + short_number(similarity.a_coefficient) +
           " Delta^-0.5,  b = 0.5\n";
-  std::size_t without = 0;
-  for (const auto& point : law.points)
-    if (!point.omega_jump) ++without;
-  if (without > 0)
-    text += std::to_string(without) + " of " + std::to_string(law.points.size()) +
-            " points have no jump by this criterion and are left out of the averages\n";
+  for (const auto& [restitution, constant, message] : law.constants)
+    if (!constant)
+      text += "restitution " + short_number(restitution) + " is left out of the averages: " + message + "\n";
   return text;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 #include "backlash/jump_law.hpp"
@@ -20,6 +21,13 @@ struct SimilarityLaw {
 
 /// 100 (value/reference - 1).
 [[nodiscard]] double percent_difference(double value, double reference);
+
+/// Restitutions that have a jump and enter the averages.
+[[nodiscard]] std::size_t averaged_count(const backlash::JumpLaw& law);
+
+/// c over restitution, with what happens at each jump or why there is none.
+[[nodiscard]] std::string jump_constants_table(const backlash::JumpLaw& law);
+[[nodiscard]] std::string jump_constants_csv(const JumpLawRun& run, const backlash::JumpLaw& law);
 
 [[nodiscard]] std::string jump_law_table(const JumpLawRun& run, const backlash::JumpLaw& law);
 /// One row per point; the laws stand in "# key: value" lines.

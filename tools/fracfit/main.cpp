@@ -77,11 +77,14 @@ int main(int argc, char** argv) {
     fracfit::add_merge(program, run);
     fracfit::add_jump_law(program, run);
     fracfit::add_approximate(program, run);
+    fracfit::add_controller(program, run);
     fracfit::add_analyse(program, run);
     fracfit::add_respond(program, run);
     fracfit::add_mittag_leffler(program, run);
     fracfit::add_orbits(program, run);
     fracfit::add_map(program, run);
+    fracfit::add_history(program, run);
+    fracfit::add_basins(program, run);
     fracfit::add_report(program, run);
     fracfit::add_shell_help(program, run);
     return parse_and_run(program, run, argc, argv);

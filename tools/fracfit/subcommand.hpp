@@ -14,9 +14,12 @@ using Run = std::function<int()>;
 /// Each adds one subcommand, which stores its work in `run` when it is chosen.
 void add_analyse(CLI::App& program, Run& run);
 void add_approximate(CLI::App& program, Run& run);
+void add_basins(CLI::App& program, Run& run);
 void add_batch(CLI::App& program, Run& run);
+void add_controller(CLI::App& program, Run& run);
 void add_simulate(CLI::App& program, Run& run);
 void add_fit(CLI::App& program, Run& run);
+void add_history(CLI::App& program, Run& run);
 void add_identify(CLI::App& program, Run& run);
 void add_identify_scene(CLI::App& program, Run& run);
 void add_jump_law(CLI::App& program, Run& run);

@@ -12,7 +12,7 @@
 namespace io {
 namespace {
 
-enum class ValueForm { real_imaginary, magnitude_phase };
+enum class ValueForm { real_imaginary, magnitude_phase, magnitude_alone, phase_alone };
 
 // Which column feeds what.
 struct ColumnPlan {
@@ -30,16 +30,53 @@ std::string column_list(const TextTable& table) {
   return text;
 }
 
+bool holds_values(Quantity quantity) {
+  return quantity != Quantity::frequency && quantity != Quantity::other;
+}
+
+// "re_a" -> label "a", "magnitude_db_a" -> label "a" and the meaning of "magnitude_db".
+std::pair<std::string, ColumnMeaning> labelled(const ColumnMeaning& meaning) {
+  const bool in_db = meaning.quantity == Quantity::magnitude || meaning.quantity == Quantity::magnitude_db;
+  if (!in_db && meaning.quantity != Quantity::phase) return {meaning.unit, {meaning.quantity, meaning.factor, {}, {}}};
+  const auto split = meaning.unit.find('_');
+  const std::string head = meaning.unit.substr(0, split);
+  const std::string tail = split == std::string::npos ? "" : meaning.unit.substr(split + 1);
+  const ColumnMeaning plain = column_meaning((in_db ? "magnitude_" : "phase_") + head);
+  const bool head_is_unit = in_db ? plain.quantity == Quantity::magnitude_db : plain.problem.empty();
+  if (head_is_unit) return {tail, plain};
+  return {meaning.unit, column_meaning(in_db ? "magnitude" : "phase")};
+}
+
+std::string key_label(std::string_view text) {
+  const auto number = parse_number(text);
+  return number ? format_number(*number) : std::string(text);
+}
+
+std::optional<std::size_t> position_of(const TextTable& table, const std::string& name) {
+  const auto& header = table.header();
+  const auto found = std::find_if(header.begin(), header.end(), [&](const auto& field) { return field.text == name; });
+  return found == header.end() ? std::nullopt : std::optional(static_cast<std::size_t>(found - header.begin()));
+}
+
 class Planner {
  public:
-  Planner(const TextTable& table, std::vector<std::string>& notes) : table_(table), notes_(notes) {
-    for (const auto& field : table.header()) meanings_.push_back(column_meaning(field.text));
+  // Of the columns of a labelled curve, all others mean nothing.
+  Planner(const TextTable& table, const std::string& label, std::vector<std::string>& notes)
+      : table_(table), notes_(notes) {
+    for (const auto& field : table.header()) {
+      ColumnMeaning meaning = column_meaning(field.text);
+      if (!label.empty() && holds_values(meaning.quantity)) {
+        const auto [own_label, own_meaning] = labelled(meaning);
+        meaning = own_label == label ? own_meaning : ColumnMeaning{Quantity::other, 1, {}, {}};
+      }
+      meanings_.push_back(std::move(meaning));
+    }
   }
 
   [[nodiscard]] ColumnPlan plan(const FrequencyResponseReadOptions& options) {
     ColumnPlan plan;
     plan.frequency = frequency_column();
-    find_value_columns(plan);
+    find_value_columns(plan, options);
     find_spread_column(plan, options);
     used_.push_back(plan.frequency);
     used_.push_back(plan.first);
@@ -90,7 +127,7 @@ class Planner {
     fail_missing("frequency column", "omega_rad_s, w_rad_s, f_Hz, frequency_hz or the like");
   }
 
-  void find_value_columns(ColumnPlan& plan) const {
+  void find_value_columns(ColumnPlan& plan, const FrequencyResponseReadOptions& options) const {
     const auto real = single(Quantity::real);
     auto imaginary = single(Quantity::imaginary);
     if (!imaginary) imaginary = single(Quantity::negative_imaginary);
@@ -113,10 +150,24 @@ class Planner {
       plan.second = *phase;
       return;
     }
+    if (magnitude && options.phase_may_miss) {
+      plan.form = ValueForm::magnitude_alone;
+      plan.first = plan.second = *magnitude;
+      notes_.emplace_back("there is no phase; only the magnitude can be fitted");
+      return;
+    }
+    if (phase && options.magnitude_may_miss) {
+      if (!meanings_[*phase].problem.empty()) fail_at(*phase, meanings_[*phase].problem);
+      plan.form = ValueForm::phase_alone;
+      plan.first = plan.second = *phase;
+      notes_.emplace_back("there is no magnitude; only the phase can be fitted");
+      return;
+    }
     if (real) fail_missing("imaginary part", "a column im or im_<unit> beside the real part");
     if (imaginary) fail_missing("real part", "a column re or re_<unit> beside the imaginary part");
-    if (magnitude) fail_missing("phase", "a column phase_deg or phase_rad beside the magnitude");
-    if (phase) fail_missing("magnitude", "a column magnitude or magnitude_db beside the phase");
+    if (magnitude)
+      fail_missing("phase", "a column phase_deg or phase_rad beside the magnitude, or --component magnitude");
+    if (phase) fail_missing("magnitude", "a column magnitude or magnitude_db beside the phase, or --component phase");
     fail_missing("values", "re and im, or magnitude (or magnitude_db) and phase_deg (or phase_rad)");
   }
 
@@ -142,13 +193,11 @@ class Planner {
   }
 
   [[nodiscard]] std::size_t column_named(const std::string& name) const {
-    const auto& header = table_.header();
-    const auto found =
-        std::find_if(header.begin(), header.end(), [&](const auto& field) { return field.text == name; });
-    if (found == header.end())
+    const auto found = position_of(table_, name);
+    if (!found)
       throw std::invalid_argument("weight " + quoted(name) + " is no column of " + table_.file() + ", which has " +
                                   column_list(table_) + "; expected one of these, relative, absolute or given");
-    return static_cast<std::size_t>(found - header.begin());
+    return *found;
   }
 
   void note_ignored() const {
@@ -196,7 +245,8 @@ class RowReader {
       fail(row, *plan_.spread,
            plan_.spread_is_weight ? "a weight must be > 0; leave points out with --where"
                                   : "a standard deviation must be > 0");
-    points.sigma.push_back(sigma);
+    // Of a phase alone in the unit of the phase, so that sigma/|value| is an angle.
+    points.sigma.push_back(plan_.form == ValueForm::phase_alone ? sigma * to_radians_ : sigma);
   }
 
  private:
@@ -222,10 +272,12 @@ class RowReader {
   }
 
   [[nodiscard]] std::complex<double> polar(const TextTable::Row& row) const {
+    if (plan_.form == ValueForm::phase_alone) return std::polar(1.0, number(row, plan_.second) * to_radians_);
     const double given = number(row, plan_.first);
     const double magnitude = decibel_ ? std::pow(10, given / 20) : given;
     if (magnitude < 0) fail(row, plan_.first, "a magnitude must be >= 0");
     if (!std::isfinite(magnitude)) fail(row, plan_.first, "the magnitude is beyond the range of a double");
+    if (plan_.form == ValueForm::magnitude_alone) return magnitude;
     return std::polar(magnitude, number(row, plan_.second) * to_radians_);
   }
 
@@ -266,15 +318,22 @@ void sort_by_frequency(Points& points, std::vector<std::string>& notes) {
 FrequencyResponseFile read_frequency_response(const std::string& file, const FrequencyResponseReadOptions& options) {
   const TextTable table(file);
   std::vector<std::string> notes;
-  Planner planner(table, notes);
+  Planner planner(table, options.key_column.empty() ? options.curve : "", notes);
   const ColumnPlan plan = planner.plan(options);
   const RowReader reader(table, plan, planner);
+
+  const auto key = options.key_column.empty() ? std::nullopt : position_of(table, options.key_column);
+  if (!options.key_column.empty() && !key) {
+    throw DataError(table.file(), table.header().front().line, table.header().front().column,
+                    "no column " + quoted(options.key_column) + " among " + column_list(table));
+  }
 
   Points points;
   points.omega.reserve(table.row_estimate());
   points.value.reserve(table.row_estimate());
   std::size_t rows = 0;
   table.for_each_row([&](const TextTable::Row& row) {
+    if (key && key_label(row.fields[*key]) != options.curve) return;
     ++rows;
     reader.read(row, points);
     if (keeps(options.where, points.omega.back(), points.value.back())) return;
@@ -291,8 +350,35 @@ FrequencyResponseFile read_frequency_response(const std::string& file, const Fre
     notes.push_back(std::to_string(points.omega.size()) + " of " + std::to_string(rows) +
                     " points satisfy the conditions and are used");
   sort_by_frequency(points, notes);
+  Metadata metadata = table.metadata();
+  if (!options.curve.empty()) metadata.emplace_back(key ? options.key_column : "curve", options.curve);
   return {frac::FrequencyResponseData(std::move(points.omega), std::move(points.value), std::move(points.sigma)),
-          table.metadata(), planner.meaning(plan.first).unit, std::move(notes)};
+          std::move(metadata), planner.meaning(plan.first).unit, std::move(notes)};
+}
+
+std::vector<std::string> curve_labels(const std::string& file, const std::string& key_column) {
+  const TextTable table(file);
+  std::vector<std::string> labels;
+  const auto add = [&](const std::string& label) {
+    if (std::find(labels.begin(), labels.end(), label) == labels.end()) labels.push_back(label);
+  };
+  if (!key_column.empty()) {
+    const auto key = position_of(table, key_column);
+    if (key) table.for_each_row([&](const TextTable::Row& row) { add(key_label(row.fields[*key])); });
+    return labels;
+  }
+  // Whichever quantity stands in several columns tells the curves apart.
+  for (const auto wanted : {Quantity::real, Quantity::magnitude, Quantity::phase}) {
+    for (const auto& field : table.header()) {
+      const auto [label, meaning] = labelled(column_meaning(field.text));
+      const bool is_wanted =
+          meaning.quantity == wanted || (wanted == Quantity::magnitude && meaning.quantity == Quantity::magnitude_db);
+      if (is_wanted) add(label);
+    }
+    if (!labels.empty()) break;
+  }
+  if (labels.size() < 2) return {};
+  return labels;
 }
 
 }  // namespace io

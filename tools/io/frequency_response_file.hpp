@@ -17,13 +17,19 @@ struct FrequencyResponseReadOptions {
   std::optional<std::string> weight_column;
   /// A point is kept when all of these hold.
   std::vector<PointFilter> where;
+  /// A file without a phase (or without a magnitude) is read, its values having phase 0 (or magnitude 1).
+  bool phase_may_miss = false, magnitude_may_miss = false;
+  /// Column whose value tells apart the curves that follow each other in one file; empty: none.
+  std::string key_column;
+  /// Label of the curve to read, one of curve_labels(); empty where the file holds one.
+  std::string curve;
 };
 
 struct FrequencyResponseFile {
   frac::FrequencyResponseData data;  // omega in rad/s, rising; values in the unit of the file
-  Metadata metadata;
-  std::string value_unit;          // as written in the header, e.g. "m_per_n"; empty when the header gives none
-  std::vector<std::string> notes;  // what was assumed, ignored, converted or sorted, one sentence each
+  Metadata metadata;                 // and, of a file with several curves, the key column (or "curve") with the label
+  std::string value_unit;            // as written in the header, e.g. "m_per_n"; empty when the header gives none
+  std::vector<std::string> notes;    // what was assumed, ignored, converted or sorted, one sentence each
 };
 
 /// Reads a measured or simulated frequency response.
@@ -34,11 +40,18 @@ struct FrequencyResponseFile {
 ///              or magnitude, mag, abs, gain [any unit or dB] with phase, arg, angle [deg, rad]
 ///   optional   sigma or weight
 /// Units are taken from the names alone, never from the values.  Other columns are ignored.
+/// Several curves in one file stand in columns re_<label>, im_<label> (or magnitude_<label>, magnitude_db_<label> with
+/// phase_deg_<label>, phase_rad_<label>; sigma_<label>), or in rows told apart by a key column.
 /// @throws DataError  as TextTable; a column missing, of unknown unit, or doubled; a field that is no finite number or
 /// not in its
 ///                    range; no point left after the filter.
 /// @throws std::invalid_argument  options.weight_column is no column of the file.
 [[nodiscard]] FrequencyResponseFile read_frequency_response(const std::string& file,
                                                             const FrequencyResponseReadOptions& options = {});
+
+/// Labels of the curves in a file that holds several, in order of appearance: of its columns, or the values in the key
+/// column unless that is empty.  None where the file holds one curve, or has no such column.
+/// @throws DataError  as TextTable.
+[[nodiscard]] std::vector<std::string> curve_labels(const std::string& file, const std::string& key_column);
 
 }  // namespace io

@@ -52,7 +52,11 @@ struct Discontinuity {
 /// deviations of the scatter about them and by 2 %, and the step itself must carry at least half of that.  Empty when
 /// none does.  Steps of the size of the scatter, as in chaotic parts of a response, and steps next to the first or last
 /// sample stay hidden.
-/// @throws std::invalid_argument  fewer than 5 different frequencies.
-[[nodiscard]] std::vector<Discontinuity> find_discontinuities(const frac::FrequencyResponseData& data);
+/// @param uncertainty  95 % half width of each value of data, or empty where it is not known: a step must also exceed
+///                     five standard deviations of what the samples are uncertain by
+/// @throws std::invalid_argument  fewer than 5 different frequencies, or uncertainty of another length, negative or
+/// NaN.
+[[nodiscard]] std::vector<Discontinuity> find_discontinuities(const frac::FrequencyResponseData& data,
+                                                              const std::vector<double>& uncertainty = {});
 
 }  // namespace backlash

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "backlash/jump_frequency.hpp"
@@ -15,6 +16,13 @@ struct JumpPoint {
   std::optional<double> omega_jump;  // rad/s; empty when the criterion gives none
 };
 
+/// What one restitution gives to the averages.
+struct JumpConstant {
+  double restitution;
+  std::optional<double> similarity_constant;  // c, of a sweep the mean over forces and clearances; empty: left out
+  std::string message;                        // what happens at the jump, or why there is none
+};
+
 /// w_J = a F^b at one clearance (eq. 7), w_J averaged first over the restitutions that have a jump.
 struct ForceLaw {
   double clearance;    // m
@@ -24,12 +32,14 @@ struct ForceLaw {
 /// Eqs. (7) and (8): a(Delta) and b(Delta) as power laws of the clearance.
 struct JumpLaw {
   JumpCriterion criterion;
-  std::vector<JumpPoint> points;  // clearance slowest, restitution fastest
+  std::vector<JumpPoint> points;        // clearance slowest, restitution fastest
+  std::vector<JumpConstant> constants;  // one per restitution
+  std::string message;                  // why there is no law; empty where there is one
   std::vector<ForceLaw> laws;
   frac::PowerLaw a_of_clearance;
   frac::PowerLaw b_of_clearance;
   double mean_similarity_constant;  // mean of c over the restitutions that have a jump: similarity says a = c
-                                    // Delta^-1/2 M2^-1/2, b = 1/2
+                                    // Delta^-1/2 M2^-1/2, b = 1/2.  NaN, as the laws, where there is none
 };
 
 /// The constants printed in Duarte, Tenreiro Machado (2009), eq. (8).
@@ -45,8 +55,8 @@ struct PublishedJumpLaw {
 /// largest_discontinuity takes each from a sweep upwards over 1.2 to 1.75 sqrt(F/(M2 clearance)), 116 points.
 /// @param mass1,mass2  kg;  @param force  N, > 0;  @param clearance  m, > 0;  @param restitution  in [0, 1]
 /// @param progress  counts what is computed, if given
-/// @throws std::invalid_argument  a list empty, fewer than 2 forces or 2 clearances, an entry out of range, or no jump
-/// anywhere.
+/// Where fewer than two clearances have a jump at two forces there is no law, and `message` says so.
+/// @throws std::invalid_argument  a list empty, fewer than 2 forces or 2 clearances, or an entry out of range.
 [[nodiscard]] JumpLaw fit_jump_law(double mass1, double mass2, const std::vector<double>& force,
                                    const std::vector<double>& clearance, const std::vector<double>& restitution,
                                    JumpCriterion criterion, int threads = 0, frac::Progress* progress = nullptr);

@@ -42,10 +42,10 @@ Jacobian chain(const Jacobian& before, const GapMotion& motion, const GapState& 
   const double side = flight.crosses ? 1 : -1;
   const double a0 = flight.push;
   const double a1 = -side * end.parity() * motion.gamma() * end.sin_s;
-  const double v1 = side * flight.speed;
+  const double inverse = 1 / (side * flight.speed);
   const double h = flight.duration;
-  const double tau_tau = (start.velocity + a0 * h) / v1;
-  const double tau_w = -h / v1;
+  const double tau_tau = (start.velocity + a0 * h) * inverse;
+  const double tau_w = -h * inverse;
   const double factor = side * motion.restitution();
   const double w_tau = factor * (a1 * tau_tau - a0);
   const double w_w = factor * (1 + a1 * tau_w);
@@ -127,10 +127,7 @@ GapState state_at_next_peak(const GapMotion& motion, const GapState& start, doub
     const Flight flight = motion.next_flight(state);
     const double to_peak = radians_to_half_period(state, peak);
     if (!flight.hits || flight.duration >= to_peak) {
-      const DistanceAndVelocity at = motion.along(state, flight, to_peak);
-      state.distance = at.distance;
-      state.velocity = at.velocity;
-      return state_at_peak(state.position(), state.position_rate());
+      return motion.peak_state(state.wall, motion.along(state, flight, to_peak));
     }
     state = motion.after_impact(state, flight);
   }

@@ -4,55 +4,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "detail/arcs.hpp"
+#include "detail/ordinary_flight.hpp"
+#include "detail/reduced_sincos.hpp"
+
+// The same code for processors with and without fused multiply-add, chosen when the program is loaded.
+#define BACKLASH_FUSED __attribute__((target_clones("fma", "default")))
+
 namespace backlash::detail {
 namespace {
-
-constexpr double pi = std::numbers::pi;
-constexpr double pi_low = 1.2246467991473532e-16;  // pi - double(pi)
-constexpr double half_pi = pi / 2;
-
-struct Arcs {
-  double one_minus_cos;
-  double sin;
-  double h_minus_sin;
-};
-
-// Taylor series below 1/2, where 1 - cos h and h - sin h cancel; the first term left out is below 1e-17 of the sum.
-Arcs arcs(double h) noexcept {
-  if (std::abs(h) < 0.5) {
-    const double x = h * h;
-    const double one_minus_cos =
-        0.5 * x *
-        (1 - x * (1.0 / 12) *
-                 (1 - x * (1.0 / 30) *
-                          (1 - x * (1.0 / 56) * (1 - x * (1.0 / 90) * (1 - x * (1.0 / 132) * (1 - x * (1.0 / 182)))))));
-    const double h_minus_sin =
-        h * x * (1.0 / 6) *
-        (1 -
-         x * (1.0 / 20) *
-             (1 - x * (1.0 / 42) *
-                      (1 - x * (1.0 / 72) * (1 - x * (1.0 / 110) * (1 - x * (1.0 / 156) * (1 - x * (1.0 / 210)))))));
-    return {one_minus_cos, h - h_minus_sin, h_minus_sin};
-  }
-  const double s = std::sin(h);
-  const double c = std::cos(h);
-  return {1 - c, s, h - s};
-}
-
-// Starting value for the fraction of a monotone piece of motion after which it has covered the share y of its length:
-// inverts the cubic that begins with `slope` (in lengths per piece) and ends with 0, by one Newton step from a blend of
-// its cases slope 0 and 2.
-double cubic_fraction(double y, double slope) noexcept {
-  const double share = std::clamp(y, 0.0, 1.0);
-  const double near = std::min(share, 1 - share);
-  const double root = std::sqrt(near * (1.0 / 3)) * (1 + 0.45 * near);
-  const double both_at_rest = share <= 0.5 ? root : 1 - root;
-  const double blend = std::min(0.5 * slope, 1.0);
-  const double t = both_at_rest + blend * (1 - std::sqrt(1 - share) - both_at_rest);
-  const double value = t * (slope + t * (3 - 2 * slope + t * (slope - 2)));
-  const double rate = slope + t * (6 - 4 * slope + t * (3 * slope - 6));
-  return rate > 0 ? std::clamp(t - (value - share) / rate, 0.0, 1.0) : t;
-}
 
 // Root of distance(h) = target on [lower, upper], where the distance is monotone and brackets the target: Householder's
 // iteration of fourth order inside a shrinking bracket.
@@ -101,41 +61,9 @@ Root monotone_root(const GapState& start, const Flight& flight, double target, d
   return {h, velocity};
 }
 
-// A hop so short that the force presses towards the wall all through it: distance(h)/h falls to its single root, which
-// lies below 2.5 velocity/|push| because the push of a sine shrinks at most linearly on its way to the reversal.
-bool short_hop(const GapState& start, Flight& flight, double to_reversal) noexcept {
-  const double pressure = -flight.push;
-  const double limit = 2.5 * start.velocity / pressure;
-  if (!(limit < 0.5 * to_reversal && limit < 0.5 && start.velocity * limit < 1)) return false;
-  double h = 0.8 * limit;
-  double velocity = 0;
-  for (int iteration = 0; iteration < 50; ++iteration) {
-    const Arcs a = arcs(h);
-    const double mean_velocity = start.velocity + (flight.push * a.one_minus_cos + flight.pull * a.h_minus_sin) / h;
-    velocity = start.velocity + flight.push * a.sin + flight.pull * a.one_minus_cos;
-    const double step = -mean_velocity * h / (velocity - mean_velocity);
-    const double next = std::clamp(h + step, 0.5 * h, 1.25 * limit);
-    velocity += (next - h) * (flight.push * (1 - a.one_minus_cos) + flight.pull * a.sin);
-    const bool done = std::abs(next - h) <= 1e-8 * h;
-    h = next;
-    if (done) break;
-  }
-  flight.hits = true;
-  flight.crosses = false;
-  flight.duration = h;
-  flight.speed = std::abs(velocity);
-  return true;
-}
-
-// At the reversal itself the force that is about to grow counts.
-bool is_pushed_to_wall(const GapState& state) noexcept {
-  const double push = state.parity() * state.sin_s;
-  return push < 0 || (push == 0 && state.parity() * state.cos_s < 0);
-}
-
 }  // namespace
 
-GapState state_at_peak(double position, double position_rate) {
+GapState state_at_peak(double position, double position_rate) noexcept {
   GapState state;
   state.half_period = 1;
   state.s = -half_pi;
@@ -149,19 +77,19 @@ GapState state_at_peak(double position, double position_rate) {
 
 void advance_phase(GapState& state, double h) noexcept {
   const double s = state.s + h;
-  const double turns = std::floor((s + half_pi) / pi);
+  const double place = (s + half_pi) * (1 / pi);
+  auto whole = static_cast<std::int64_t>(place);
+  if (place < static_cast<double>(whole)) --whole;
+  const auto turns = static_cast<double>(whole);
   state.s = (s - turns * pi) - turns * pi_low;
-  state.half_period += static_cast<std::int64_t>(turns);
-  state.sin_s = std::sin(state.s);
-  state.cos_s = std::cos(state.s);
+  state.half_period += whole;
+  const SinCos at = reduced_sincos(state.s);
+  state.sin_s = at.sin;
+  state.cos_s = at.cos;
 }
 
 double radians_to_half_period(const GapState& state, std::int64_t half_period) noexcept {
   return static_cast<double>(half_period - state.half_period) * pi - half_pi - state.s;
-}
-
-bool GapMotion::rests(const GapState& state) const noexcept {
-  return state.distance <= 0 && state.velocity <= 0 && is_pushed_to_wall(state);
 }
 
 GapState GapMotion::release_after(const GapState& rest) const noexcept {
@@ -181,9 +109,9 @@ DistanceAndVelocity GapMotion::along(const GapState& start, const Flight& flight
           start.velocity + flight.push * a.sin + flight.pull * a.one_minus_cos};
 }
 
-Flight GapMotion::next_flight(GapState& start) const noexcept {
+BACKLASH_FUSED Flight GapMotion::next_flight(GapState& start) const noexcept {
   const bool starts_backwards =
-      start.velocity < 0 || (start.velocity == 0 && start.distance > 0 && is_pushed_to_wall(start));
+      start.velocity < 0 || (start.velocity == 0 && start.distance > 0 && start.is_pushed_to_wall());
   if (starts_backwards) {
     start.wall = 1 - start.wall;
     start.distance = 1 - start.distance;
@@ -194,13 +122,14 @@ Flight GapMotion::next_flight(GapState& start) const noexcept {
   flight.push = parity * gamma_ * start.sin_s;
   flight.pull = parity * gamma_ * start.cos_s;
 
-  if (start.distance == 0 && flight.push < 0 && short_hop(start, flight, start.s < 0 ? -start.s : pi - start.s)) {
+  if (start.distance == 0 && flight.push < 0 && short_hop(start, start.s < 0 ? -start.s : pi - start.s, flight)) {
     return flight;
   }
+  if (ordinary_flight(start, gamma_, inverse_gamma_, flight)) return flight;
 
   // velocity(h) = parity gamma (A - cos(s + h)) with A = cos s + parity velocity/gamma vanishes at s + h = +-theta + 2
   // pi n, theta = acos A; 1 - A without cancellation at small s.
-  const double one_minus_a = start.sin_s * start.sin_s / (1 + start.cos_s) - parity * start.velocity / gamma_;
+  const double one_minus_a = start.sin_s * start.sin_s / (1 + start.cos_s) - parity * start.velocity * inverse_gamma_;
   const double drift = parity * gamma_ * (1 - one_minus_a);  // mean velocity
   const double limit = 2 * pi * static_cast<double>(max_free_periods);
 
@@ -261,8 +190,9 @@ Flight GapMotion::next_flight(GapState& start) const noexcept {
     const double top_distance = top_at(top);
     if (top_distance >= 1) {
       const double rise = top_distance - rise_from_distance;
-      const double guess = rise_from + (top - rise_from) * cubic_fraction((1 - rise_from_distance) / rise,
-                                                                          rise_velocity * (top - rise_from) / rise);
+      const double guess =
+          rise_from + (top - rise_from) * fraction_before_rest((1 - rise_from_distance) / rise,
+                                                               rise_velocity * (top - rise_from) / rise);
       const Root root = monotone_root(start, flight, 1, rise_from, top, guess, true);
       flight.hits = flight.crosses = true;
       flight.duration = root.h;
@@ -271,7 +201,8 @@ Flight GapMotion::next_flight(GapState& start) const noexcept {
     }
     const double bottom_distance = bottom_at(bottom);
     if (bottom_distance < 0) {
-      const double guess = top + (bottom - top) * cubic_fraction(top_distance / (top_distance - bottom_distance), 0);
+      const double guess =
+          top + (bottom - top) * fraction_between_rests(top_distance / (top_distance - bottom_distance));
       const Root root = monotone_root(start, flight, 0, top, bottom, guess, false);
       flight.hits = true;
       flight.crosses = false;
@@ -294,33 +225,46 @@ Flight GapMotion::next_flight(GapState& start) const noexcept {
   }
 }
 
+GapState GapMotion::peak_state(int wall, const DistanceAndVelocity& at) const noexcept {
+  const double distance = std::clamp(at.distance, 0.0, 1.0);
+  GapState peak = wall == 0 ? state_at_peak(distance, at.velocity) : state_at_peak(1 - distance, -at.velocity);
+  if (peak.distance == 0 && peak.velocity < 0) peak.velocity *= -restitution_;
+  return peak;
+}
+
 GapState GapMotion::after_impact(const GapState& start, const Flight& flight) const noexcept {
   GapState state = start;
-  advance_phase(state, flight.duration);
+  if (flight.has_end) {
+    state.half_period = flight.end_half_period;
+    state.s = flight.end_s;
+    state.sin_s = flight.end_sin;
+    state.cos_s = flight.end_cos;
+  } else {
+    advance_phase(state, flight.duration);
+  }
   if (flight.crosses) state.wall = 1 - state.wall;
   state.distance = 0;
   state.velocity = restitution_ * flight.speed;
   return state;
 }
 
-ChatterTail GapMotion::chatter_tail(const GapState& after_impact) const noexcept {
+ChatterTail GapMotion::chatter_tail(const GapState& state) const noexcept {
   ChatterTail tail;
-  const double pressure = -after_impact.parity() * gamma_ * after_impact.sin_s;
-  if (!(pressure > 0) || restitution_ >= 1) return tail;
-  const double to_reversal = after_impact.s < 0 ? -after_impact.s : pi - after_impact.s;
-  tail.duration = 2 * after_impact.velocity / (pressure * (1 - restitution_));
+  const double pressure = -state.parity() * gamma_ * state.sin_s;
+  if (!(pressure > 0) || restitution_ >= 1 || state.distance > 0) return tail;
+  const double to_reversal = state.s < 0 ? -state.s : pi - state.s;
   // The pressure falls at most linearly to 0 at the reversal, so within a hundredth of the way there it is constant to
   // 1 %, and the geometric series of hops ends.
-  if (!(tail.duration <= 0.01 * to_reversal)) return tail;
+  const double slowing = pressure * (1 - restitution_);
+  if (!(2 * state.velocity <= 0.01 * to_reversal * slowing)) return tail;
   tail.completes = true;
+  tail.duration = 2 * state.velocity / slowing;
   const double e3 = restitution_ * restitution_ * restitution_;
-  tail.area = 2.0 / 3.0 * after_impact.velocity * after_impact.velocity * after_impact.velocity /
-              (pressure * pressure * (1 - e3));
+  tail.area = 2.0 / 3.0 * state.velocity * state.velocity * state.velocity / (pressure * pressure * (1 - e3));
   // Relative change of the pressure, cot s per radian, and turn of e^{-j k tau}, k <= 5, over the tail.
-  tail.area_error = tail.area * tail.duration * (5 + 4 * std::abs(after_impact.cos_s / after_impact.sin_s));
+  tail.area_error = tail.area * tail.duration * (5 + 4 * std::abs(state.cos_s / state.sin_s));
   // Work of the force over the tail: int a dd = -int a' d, the rate of the acceleration a being parity gamma cos s.
-  tail.loss = 0.5 * after_impact.velocity * after_impact.velocity -
-              after_impact.parity() * gamma_ * after_impact.cos_s * tail.area;
+  tail.loss = 0.5 * state.velocity * state.velocity - state.parity() * gamma_ * state.cos_s * tail.area;
   return tail;
 }
 

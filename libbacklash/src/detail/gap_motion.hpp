@@ -21,12 +21,17 @@ struct GapState {
 
   /// Force parity: the acceleration away from `wall` is parity() gamma sin s.
   [[nodiscard]] double parity() const noexcept { return ((half_period + wall) & 1) != 0 ? -1.0 : 1.0; }
+  /// At the reversal itself the force that is about to grow counts.
+  [[nodiscard]] bool is_pushed_to_wall() const noexcept {
+    const double push = parity() * sin_s;
+    return push < 0 || (push == 0 && parity() * cos_s < 0);
+  }
   [[nodiscard]] double position() const noexcept { return wall == 0 ? distance : 1 - distance; }
   [[nodiscard]] double position_rate() const noexcept { return wall == 0 ? velocity : -velocity; }
 };
 
 /// A state at tau = 0 (force at its peak) in terms of u and u'.
-[[nodiscard]] GapState state_at_peak(double position, double position_rate);
+[[nodiscard]] GapState state_at_peak(double position, double position_rate) noexcept;
 
 /// Free flight up to the next contact.
 struct Flight {
@@ -36,6 +41,12 @@ struct Flight {
   double speed = 0;      // |velocity| just before the contact
   double push = 0;       // gamma parity sin s at the start: distance(h) = d + v h + push (1 - cos h) + pull (h - sin h)
   double pull = 0;       // gamma parity cos s
+  // Phase at the contact as in GapState, where the search for it has found it already.
+  bool has_end = false;
+  std::int64_t end_half_period = 0;
+  double end_s = 0;
+  double end_sin = 0;
+  double end_cos = 1;
 };
 
 /// Force periods without contact after which the motion counts as free of impacts.
@@ -61,13 +72,16 @@ class GapMotion {
  public:
   /// @param gamma        dimensionless force, positive and finite
   /// @param restitution  in [0, 1]
-  GapMotion(double gamma, double restitution) noexcept : gamma_(gamma), restitution_(restitution) {}
+  GapMotion(double gamma, double restitution) noexcept
+      : gamma_(gamma), restitution_(restitution), inverse_gamma_(1 / gamma) {}
 
   [[nodiscard]] double gamma() const noexcept { return gamma_; }
   [[nodiscard]] double restitution() const noexcept { return restitution_; }
 
   /// True where the mass lies on its wall and the force presses it there.
-  [[nodiscard]] bool rests(const GapState& state) const noexcept;
+  [[nodiscard]] bool rests(const GapState& state) const noexcept {
+    return state.distance <= 0 && state.velocity <= 0 && state.is_pushed_to_wall();
+  }
   /// The state at which the force sets a resting mass free.
   [[nodiscard]] GapState release_after(const GapState& rest) const noexcept;
   /// The flight from a state that does not rest.  A state inside the gap may be turned to measure its distance from the
@@ -75,14 +89,18 @@ class GapMotion {
   [[nodiscard]] Flight next_flight(GapState& state) const noexcept;
   /// Distance and velocity after h radians of a flight.
   [[nodiscard]] DistanceAndVelocity along(const GapState& start, const Flight& flight, double h) const noexcept;
+  /// State where the force is at its peak, from distance and velocity with respect to a wall.  A contact that rounding
+  /// has put just there is over.
+  [[nodiscard]] GapState peak_state(int wall, const DistanceAndVelocity& at) const noexcept;
   /// State just after the impact that ends the flight.
   [[nodiscard]] GapState after_impact(const GapState& start, const Flight& flight) const noexcept;
-  /// The rest of the chatter from a state just after an impact, if it is certain to come to rest.
-  [[nodiscard]] ChatterTail chatter_tail(const GapState& after_impact) const noexcept;
+  /// The rest of the chatter from a state on its wall, if it is certain to come to rest; none from inside the gap.
+  [[nodiscard]] ChatterTail chatter_tail(const GapState& state) const noexcept;
 
  private:
   double gamma_;
   double restitution_;
+  double inverse_gamma_;
 };
 
 /// Advances the phase by h >= 0 and sets sin_s, cos_s.

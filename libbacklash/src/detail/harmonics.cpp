@@ -99,13 +99,6 @@ Complex quarter_turns(int k, Complex z) noexcept {
   }
 }
 
-void JumpSum::add(const GapState& state, double speed) noexcept {
-  const double jump = state.velocity + speed;
-  const HarmonicSums e = signed_powers(state);
-  squared_speeds_ += speed * speed;
-  for (std::size_t i = 0; i < e.size(); ++i) sums_[i] += jump * e[i];
-}
-
 Harmonics harmonics_of_jumps(const JumpSum& jumps, double gamma, double half_periods) {
   Harmonics result;
   for (std::size_t i = 0; i < harmonic_orders.size(); ++i) {

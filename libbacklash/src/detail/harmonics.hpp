@@ -27,7 +27,23 @@ struct Harmonics {
 class JumpSum {
  public:
   /// @param state  just after the impact;  @param speed  before it
-  void add(const GapState& state, double speed) noexcept;
+  void add(const GapState& state, double speed) noexcept {
+    // Powers of e^{-j s} as in signed_powers of harmonics.cpp, here for each impact of a long motion.
+    const double jump = state.velocity + speed;
+    const double odd = jump * state.parity();
+    const double even = state.wall == 0 ? jump : -jump;
+    const double c = state.cos_s;
+    const double s = state.sin_s;
+    const double c2 = c * c - s * s;
+    const double s2 = 2 * s * c;
+    const double c3 = c * c2 - s * s2;
+    const double s3 = s * c2 + c * s2;
+    squared_speeds_ += speed * speed;
+    sums_[0] += std::complex<double>(odd * c, -odd * s);
+    sums_[1] += std::complex<double>(odd * c3, -odd * s3);
+    sums_[2] += std::complex<double>(odd * (c3 * c2 - s3 * s2), -odd * (s3 * c2 + c3 * s2));
+    sums_[3] += std::complex<double>(even * c2, -even * s2);
+  }
   [[nodiscard]] const HarmonicSums& sums() const noexcept { return sums_; }
   /// Sum of the squared speeds before the impacts.
   [[nodiscard]] double squared_speeds() const noexcept { return squared_speeds_; }

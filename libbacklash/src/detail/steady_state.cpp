@@ -18,7 +18,7 @@ constexpr double pi = std::numbers::pi;
 constexpr double rounding = std::numeric_limits<double>::epsilon();
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-// Longest period looked for among orbits that do not stick, in force periods.
+// Longest period of a closed orbit, in force periods; what closes later is averaged.
 constexpr int longest_period = 64;
 // Force periods left to the transient, and records of the window that is averaged when no orbit has closed.
 constexpr int transient_periods = 256;
@@ -239,6 +239,17 @@ SteadyState averaged(const std::vector<WindowRecord>& window, const GapMotion& m
   const double impacts = static_cast<double>(last.strobe.impacts - first.strobe.impacts);
   // Many impacts make the ends part of the scatter that the batches show.
   if (impacts < 2.0 * static_cast<double>(periods)) steady.uncertainty += drift;
+  return steady;
+}
+
+// An orbit that sticks only once in many periods: what lies between amplifies rounding like any chaotic motion, so that
+// neither its period nor its mean are better known than the batches of its course tell.
+SteadyState mean_of_long_orbit(const SteadyState& orbit, const SteadyState& course) {
+  SteadyState steady = course;
+  steady.harmonics = orbit.harmonics;
+  steady.energy_defect = orbit.energy_defect;
+  steady.uncertainty = std::max(orbit.uncertainty, course.uncertainty);
+  steady.end = orbit.end;
   return steady;
 }
 
@@ -498,12 +509,13 @@ SteadyState find_steady_state(const GapMotion& motion, const GapState& start, do
     return mean.uncertainty <= goal.relative * std::abs(mean.harmonics.u[0] - goal.zero);
   };
   // False when the window is complete.
-  const auto pass_peak = [&](double position, double position_rate) {
+  const auto pass_peak = [&](int wall, const DistanceAndVelocity& at) {
     periods += window.stride();
-    last_peak = state_at_peak(position, position_rate);
-    const Strobe strobe{position, position_rate, impacts};
+    last_peak = motion.peak_state(wall, at);
+    // The impacts counted so far are those before; a contact at the peak itself is still to come.
+    const Strobe strobe{last_peak.position(), wall == 0 ? at.velocity : -at.velocity, impacts};
     if (window.stride() == 1 && !candidate) candidate = returns.add(periods, strobe);
-    const bool transient = window.empty() && in_transient();
+    const bool transient = !released && window.empty() && in_transient();
     const bool more = transient || (window.add({strobe, periods, jumps, disturbance.log_growth()}) && !meets_goal());
     next_peak += 2 * window.stride();
     return more;
@@ -511,10 +523,13 @@ SteadyState find_steady_state(const GapMotion& motion, const GapState& start, do
 
   for (;;) {
     if (motion.rests(state) || motion.chatter_tail(state).negligible(limit)) {
-      if (released) return orbit_from_release(motion, *released, tolerance);
+      if (released) {
+        const SteadyState orbit = orbit_from_release(motion, *released, tolerance);
+        return orbit.period <= longest_period ? orbit : mean_of_long_orbit(orbit, averaged(window.records(), motion));
+      }
       const GapState release = motion.release_after(state);
       while (release.half_period >= next_peak) {
-        if (!pass_peak(state.wall, 0)) return finish();
+        if (!pass_peak(state.wall, {0, 0})) return finish();
       }
       // Velocity jumps do not describe a rest.
       window.clear();
@@ -526,11 +541,8 @@ SteadyState find_steady_state(const GapMotion& motion, const GapState& start, do
     if (!flight.hits) return free_motion(motion.gamma(), last_peak);
     const GapState next = motion.after_impact(state, flight);
     while (next.half_period >= next_peak) {
-      const DistanceAndVelocity at = motion.along(state, flight, radians_to_half_period(state, next_peak));
-      GapState peak = state;
-      peak.distance = std::clamp(at.distance, 0.0, 1.0);
-      peak.velocity = at.velocity;
-      if (!pass_peak(peak.position(), peak.position_rate())) return finish();
+      if (!pass_peak(state.wall, motion.along(state, flight, radians_to_half_period(state, next_peak))))
+        return finish();
     }
     jumps.add(next, flight.speed);
     if (!window.empty()) disturbance.advance(motion, state, flight, next);

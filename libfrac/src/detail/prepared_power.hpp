@@ -17,6 +17,11 @@ class PreparedPower {
   ///                                an order that is not finite gives values that are not finite.
   void prepare(const Realisation& realisation, double order);
 
+  [[nodiscard]] bool is_exact() const noexcept { return method_ == Method::exact; }
+  /// s^order = omega^order() phase() where is_exact().
+  [[nodiscard]] double order() const noexcept { return order_; }
+  [[nodiscard]] std::complex<double> phase() const noexcept { return exact_phase_; }
+
   /// log_omega = ln omega.
   [[nodiscard]] std::complex<double> value(double omega) const;
   [[nodiscard]] PowerResponse response(double omega, double log_omega) const;

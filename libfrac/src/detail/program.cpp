@@ -4,10 +4,12 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <numbers>
 #include <tuple>
 #include <utility>
 
 #include "complex_functions.hpp"
+#include "power_grid.hpp"
 #include "prepared_power.hpp"
 
 namespace frac::detail {
@@ -57,6 +59,31 @@ struct ScaledPower {
   }
 };
 
+void exact_power(const ScaledPower& power, const PowerGrid& grid, std::size_t first, std::size_t n, Lanes& out,
+                 Lanes* by_left, Lanes* by_right) {
+  std::array<double, block> size;
+  grid.powers(power.of_s.order(), first, {size.data(), n});
+  const Complex phase = power.conjugate ? std::conj(power.of_s.phase()) : power.of_s.phase();
+  const Complex scale = power.factor * phase;
+  for (std::size_t i = 0; i < n; ++i) out.re[i] = scale.real() * size[i];
+  for (std::size_t i = 0; i < n; ++i) out.im[i] = scale.imag() * size[i];
+  if (by_left) {
+    const Complex slope = power.factor_by_coefficient * phase;
+    for (std::size_t i = 0; i < n; ++i) by_left->re[i] = slope.real() * size[i];
+    for (std::size_t i = 0; i < n; ++i) by_left->im[i] = slope.imag() * size[i];
+  }
+  if (by_right) {
+    // d/dq of |c|^q omega^q e^{+-j q pi/2}.
+    const double angle = power.conjugate ? -std::numbers::pi / 2 : std::numbers::pi / 2;
+    const Complex constant = power.factor_by_order * phase;
+    const double* log_omega = grid.log_omega().data() + first;
+    for (std::size_t i = 0; i < n; ++i) {
+      by_right->re[i] = out.re[i] * log_omega[i] - out.im[i] * angle + constant.real() * size[i];
+      by_right->im[i] = out.im[i] * log_omega[i] + out.re[i] * angle + constant.imag() * size[i];
+    }
+  }
+}
+
 }  // namespace
 
 struct Program::Workspace {
@@ -64,7 +91,7 @@ struct Program::Workspace {
   std::vector<ScaledPower> powers;
   std::vector<Lanes> value, adjoint, real_adjoint;
   std::vector<Lanes> by_left, by_right;  // stored derivatives of the steps that are no plain arithmetic
-  std::array<double, block> log_omega;
+  PowerGrid grid;
 };
 
 Program::Program(const Expression& expression) : parameter_count_(expression.parameter_names.size()) {
@@ -171,9 +198,10 @@ void Program::evaluate(std::span<const double> parameters, std::span<const doubl
   thread_local Workspace work;
   const bool with_gradient = !gradient.empty();
   prepare(parameters, realisation, with_gradient, work);
+  if (power_count_ > 0) work.grid.prepare(omega);
   for (std::size_t start = 0; start < omega.size(); start += block) {
     const std::size_t count = std::min(block, omega.size() - start);
-    forward(omega.subspan(start, count), with_gradient, work);
+    forward(omega.subspan(start, count), start, with_gradient, work);
     for (std::size_t i = 0; i < count; ++i) {
       value[start + i] =
           complex_steps_.empty() ? Complex(work.real.back()) : work.value[complex_steps_.size() - 1].get(i);
@@ -240,11 +268,9 @@ void Program::prepare(std::span<const double> parameters, const Realisation& rea
   }
 }
 
-void Program::forward(std::span<const double> omega, bool with_gradient, Workspace& work) const {
+void Program::forward(std::span<const double> omega, std::size_t first, bool with_gradient, Workspace& work) const {
   const std::size_t n = omega.size();
-  if (with_gradient && power_count_ > 0) {
-    for (std::size_t i = 0; i < n; ++i) work.log_omega[i] = std::log(omega[i]);
-  }
+  const double* const log_omega = power_count_ > 0 ? work.grid.log_omega().data() + first : nullptr;
   for (std::size_t index = 0; index < complex_steps_.size(); ++index) {
     const ComplexStep& step = complex_steps_[index];
     Lanes& out = work.value[index];
@@ -339,10 +365,15 @@ void Program::forward(std::span<const double> omega, bool with_gradient, Workspa
       }
       case Code::power_of_s: {
         const ScaledPower& power = work.powers[static_cast<std::size_t>(step.power)];
+        if (power.of_s.is_exact()) {
+          exact_power(power, work.grid, first, n, out, by_left ? &work.by_left[index] : nullptr,
+                      by_right ? &work.by_right[index] : nullptr);
+          break;
+        }
         for (std::size_t i = 0; i < n; ++i) {
           PowerResponse of_s{};
           if (by_right) {
-            of_s = power.of_s.response(omega[i], work.log_omega[i]);
+            of_s = power.of_s.response(omega[i], log_omega[i]);
           } else {
             of_s.value = power.of_s.value(omega[i]);
           }

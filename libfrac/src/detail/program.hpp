@@ -73,7 +73,8 @@ class Program {
 
   void prepare(std::span<const double> parameters, const Realisation& realisation, bool with_gradient,
                Workspace& work) const;
-  void forward(std::span<const double> omega, bool with_gradient, Workspace& work) const;
+  /// Frequencies omega, which are those of the grid from `first` on.
+  void forward(std::span<const double> omega, std::size_t first, bool with_gradient, Workspace& work) const;
   void backward(std::size_t count, Workspace& work) const;
 
   std::vector<RealStep> real_steps_;        // step i fills real slot i

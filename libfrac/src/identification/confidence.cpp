@@ -101,7 +101,7 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
     const Eigen::Index column = inner[static_cast<std::size_t>(k)];
     scaled.col(k) = jacobian.col(column) / norm[column];
   }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeThinV);
   const Eigen::VectorXd& sigma = svd.singularValues();
   const double smallest = std::max(sigma[width - 1], std::numeric_limits<double>::epsilon() * sigma[0]);
   result.condition = (sigma[0] / smallest) * (sigma[0] / smallest);
@@ -159,7 +159,7 @@ std::vector<std::vector<double>> flat_directions(const Residuals& residuals, con
   Eigen::VectorXd residual(jacobian.rows());
   if (!residuals.evaluate(solution.theta, 0, residuals.points(), residual.data(), jacobian.data())) return {};
   const Eigen::MatrixXd dense = jacobian;
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(dense, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(dense, Eigen::ComputeThinV);
   std::vector<std::vector<double>> directions;
   for (Eigen::Index k = columns; k-- > 0;) {
     const Eigen::VectorXd direction = svd.matrixV().col(k) / svd.matrixV().col(k).lpNorm<Eigen::Infinity>();

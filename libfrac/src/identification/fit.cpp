@@ -11,6 +11,7 @@
 #include "confidence.hpp"
 #include "global_search.hpp"
 #include "information.hpp"
+#include "interchange.hpp"
 #include "local_solve.hpp"
 #include "parameter_map.hpp"
 #include "residuals.hpp"
@@ -58,6 +59,11 @@ void check_coverage(const FrequencyResponseData& data, const Realisation& realis
   }
 }
 
+/// Under relative weight noise of standard deviation r also sits in the divisor |data|, which biases gains by 2 r^2: as
+/// much as their standard error for r sqrt(n) around 1.
+constexpr double noisy_divisor = 0.05;
+constexpr double plain_misfit = 0.3;
+
 std::vector<double> residuals_at(const detail::Residuals& residuals, const std::vector<double>& theta) {
   std::vector<double> residual(residuals.count());
   residuals.evaluate(theta, 0, residuals.points(), residual.data(), nullptr);
@@ -72,10 +78,13 @@ double robust_spread(std::vector<double> residual) {
   return 1.4826 * *middle;
 }
 
+/// Residuals below this, in units of the data, are rounding.
+constexpr double rounding = 1e-13;
+
 /// Points with a residual beyond five robust standard deviations: one in two million of normal residuals.
 std::vector<std::size_t> outliers(const std::vector<double>& residual, std::size_t per_point) {
   std::vector<std::size_t> points;
-  const double limit = 5 * robust_spread(residual);
+  const double limit = std::max(5 * robust_spread(residual), rounding);
   for (std::size_t i = 0; i < residual.size(); ++i) {
     const std::size_t point = i / per_point;
     if (std::abs(residual[i]) > limit && (points.empty() || points.back() != point)) points.push_back(point);
@@ -179,6 +188,56 @@ std::string ending(const detail::GlobalSolution& solution) {
   return text + sure;
 }
 
+/// Two like parts of which one is not identified, and whose share in their sum is all that is unknown, are neither:
+/// what one has the other lacks.
+void refuse_inseparable_parts(FitResult& result, const Structure& structure) {
+  constexpr double inseparable = 0.98;  // correlation
+  for (const detail::Interchange& parts : detail::interchanges(structure)) {
+    for (const auto& [a, b] : parts.pairs) {
+      ParameterEstimate &first = result.parameters[a], &second = result.parameters[b];
+      if (first.identified == second.identified || first.fixed || second.fixed) continue;
+      const double correlation = result.covariance[a][b] / (first.standard_error * second.standard_error);
+      if (std::abs(correlation) > inseparable) first.identified = second.identified = false;
+    }
+  }
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
+  }
+  return text;
+}
+
+/// What limits say about the result: parameters that ended at one, and residuals as many as parameters.
+std::string remarks_on_limits(const FitResult& result, const Structure& structure, const FitOptions& options,
+                              bool degrees_left) {
+  std::vector<std::string> at_bound;
+  bool held_positive = false;
+  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+    if (!result.parameters[i].at_bound) continue;
+    const std::string& name = result.parameters[i].name;
+    at_bound.push_back(name);
+    const bool limited =
+        std::any_of(options.constraints.begin(), options.constraints.end(),
+                    [&](const ParameterConstraint& each) { return each.name == name && each.lower.has_value(); });
+    held_positive = held_positive || (structure.parameter_roles()[i] == ParameterRole::coefficient &&
+                                      structure.parameter_in_sum()[i] && !limited);
+  }
+  std::string text;
+  if (!at_bound.empty()) {
+    text += " At a bound: " + listed(at_bound) + ".";
+    if (held_positive) {
+      text += " Coefficients in sums are taken as positive unless a lower limit below 0 is given for them.";
+    }
+  }
+  if (!degrees_left) {
+    text += " The residuals are no more than the parameters, so there are no intervals.";
+  }
+  return text;
+}
+
 /// A fit through Oustaloup's ladder can end on a whole order, where the realisation jumps: a corner, not a minimum.
 void refuse_whole_orders(FitResult& result, const Structure& structure, const Realisation& realisation) {
   if (!std::holds_alternative<OustaloupRealisation>(realisation)) return;
@@ -280,6 +339,8 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
     patient.iterations = 1000;
     solution.best = local_solve(residuals, solution.best.theta, patient);
   }
+  solution.best.theta =
+      map.to_theta(detail::with_labels_in_order(structure, options.constraints, map.to_user(solution.best.theta)));
   if (options.loss != Loss::none) local = robust_refinement(residuals, options.loss, solution.best);
   const detail::Confidence found = confidence(residuals, solution.best, local);
   const std::vector<double> values = map.to_user(solution.best.theta);
@@ -301,6 +362,7 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
     result.parameters[map.free()[k].parameter].centre_value = map.centre_value(k, values);
   }
   result.covariance = found.covariance;
+  refuse_inseparable_parts(result, structure);
   result.centre_omega = map.scale().omega;
   result.message = ending(solution);
   if (found.condition > detail::flat_condition) {
@@ -310,6 +372,7 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
                   detail::flat_condition);
     result.message += text;
   }
+  result.message += remarks_on_limits(result, structure, options, residuals.count() > map.free().size());
   if (recover) recover_unseen(result, found, residuals, solution.best.cost, data, structure, options);
   refuse_whole_orders(result, structure, options.realisation);
 
@@ -322,6 +385,15 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   result.max_residual = information.max_residual;
   result.aicc = information.aicc;
   result.bic = information.bic;
+  if (options.weight == Weight::relative && options.component != Component::magnitude &&
+      options.component != Component::phase && result.rms > noisy_divisor && result.rms < plain_misfit) {
+    char text[192];
+    std::snprintf(text, sizeof text,
+                  " With residuals of %.2g |data| is a noisy divisor, which biases gains by about %.1g %%; weight "
+                  "smoothed-relative does not.",
+                  result.rms, 200 * result.rms * result.rms);
+    result.message += text;
+  }
   result.condition = found.condition;
   result.termination = solution.best.converged ? FitTermination::converged : FitTermination::not_converged;
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -22,11 +22,8 @@ constexpr std::size_t agreement = 4;
 constexpr double enough_confidence = 0.9;
 // A scouting solve is finished only if it came within this factor of the best cost so far.
 constexpr double promising = 10;
-// Two solves found the same minimum when their costs agree to this; separate minima closer than that are equally good
-// fits.
-constexpr double same_cost = 1e-6;
-// Minima whose costs agree to this are equally good fits and count as one; those beyond `rival` times the best are poor
-// ones.
+// Ends whose costs agree to this are the same minimum, or equally good fits; those beyond `rival` times the best are
+// poor ones.
 constexpr double equally_good = 1e-3;
 constexpr double rival = 1.5;
 // A walk is worth its solves along directions where one natural unit (an e-fold) adds less than this many times the
@@ -134,6 +131,31 @@ std::vector<std::vector<double>> screened_draws(const Residuals& residuals, cons
   return starts;
 }
 
+/// Starts by linear least squares for the coefficients, at orders and delays drawn like those of the others: the best
+/// few of several draws.
+std::vector<std::vector<double>> linear_starts(const Residuals& residuals, const std::vector<double>& suggested_orders,
+                                               std::mt19937_64& generator) {
+  constexpr int draws = 6;
+  constexpr std::size_t kept = 2;
+  const ParameterMap& map = residuals.map();
+  const bool only_coefficients = std::all_of(map.free().begin(), map.free().end(), [](const ParameterMap::Free& entry) {
+    return entry.role == ParameterRole::coefficient;
+  });
+  std::vector<std::pair<double, std::vector<double>>> found;
+  for (int i = 0; i < (only_coefficients ? 1 : draws); ++i) {
+    for (const auto& parameters : residuals.linear_fits(map.to_user(draw(map, suggested_orders, generator)))) {
+      std::vector<double> theta = map.to_theta(parameters);
+      const double cost = residuals.cost(theta);
+      if (std::isfinite(cost)) found.emplace_back(cost, std::move(theta));
+    }
+  }
+  std::sort(found.begin(), found.end());
+  if (found.size() > kept) found.resize(kept);
+  std::vector<std::vector<double>> starts;
+  for (auto& [cost, theta] : found) starts.push_back(std::move(theta));
+  return starts;
+}
+
 /// Best point of NLopt's CRS2 over a box six natural units (e-folds) around the data, for models no start agrees on.
 std::vector<double> controlled_random_search(const Residuals& residuals, const std::vector<double>& start,
                                              std::uint64_t seed) {
@@ -174,6 +196,9 @@ class Search {
     const bool start_given = std::any_of(free.begin(), free.end(), [&](const ParameterMap::Free& entry) {
       return !std::isnan(residuals_.map().start()[entry.parameter]);
     });
+    // These are not drawn like the others, so they say nothing of the number of minima.
+    try_from(linear_starts(residuals_, suggested_orders_, generator_));
+    independent_ = 0;
     for (int round = 0; round < rounds && !exact(); ++round) {
       try_from(screened_draws(residuals_, suggested_orders_, generator_, start_given && round == 0));
       if (round + 1 < least_rounds || !settled()) continue;
@@ -198,7 +223,7 @@ class Search {
   [[nodiscard]] double confidence() const { return confidence_of_optimum(independent_, minima()); }
   [[nodiscard]] bool settled() const { return at_best(ends_) >= agreement && confidence() >= enough_confidence; }
   [[nodiscard]] bool same(double cost, double least) const {
-    return cost <= least * (1 + same_cost) + residuals_.rounding_cost();
+    return cost <= least * (1 + equally_good) + residuals_.rounding_cost();
   }
 
   [[nodiscard]] std::size_t at_best(const std::vector<double>& costs) const {
@@ -214,12 +239,19 @@ class Search {
     std::size_t count = 0;
     double least = -1;  // of the minimum counted last
     for (const double cost : costs) {
-      if (least >= 0 && cost <= least * (1 + equally_good) + floor) continue;
+      if (least >= 0 && same(cost, least)) continue;
       ++count;
       least = cost;
       if (cost > rival * result_.best.cost + floor) break;
     }
     return count;
+  }
+
+  /// A scouting solve that came to rest at a cost found before, and not below the best.
+  [[nodiscard]] bool known(const LocalSolution& scout) const {
+    if (!scout.converged || exact() || scout.cost < result_.best.cost) return false;
+    return std::any_of(ends_.begin(), ends_.end(),
+                       [&](double cost) { return same(scout.cost, cost) && same(cost, scout.cost); });
   }
 
   /// Scouts from each start, then finishes those that are in reach of the best.  True if one went below the best.
@@ -237,7 +269,7 @@ class Search {
     for (LocalSolution& local : found) {
       ++result_.starts;
       ++independent_;
-      if (local.cost <= promising * least + residuals_.rounding_cost()) {
+      if (local.cost <= promising * least + residuals_.rounding_cost() && !known(local)) {
         local = local_solve(residuals_, local.theta, {});
       }
       ends_.push_back(local.cost);

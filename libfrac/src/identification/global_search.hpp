@@ -26,9 +26,9 @@ struct GlobalSolution {
 
 /// Seeded multi-start: each round draws coefficients from the magnitudes and frequencies the data span (their dimension
 /// says how), orders from the suggested ones and from their ranges, keeps the few draws of lowest cost and solves from
-/// each.  It ends when enough solves agree on the best cost and confidence_of_optimum() is high, after walks from the
-/// best minimum along the directions the data hardly resist have led nowhere lower.  If no two solves ever agree,
-/// NLopt's controlled random search tries the whole box.
+/// each; linear least squares for the coefficients gives two more starts.  It ends when enough solves agree on the best
+/// cost and confidence_of_optimum() is high, after walks from the best minimum along the directions the data hardly
+/// resist have led nowhere lower.  If no two solves ever agree, NLopt's controlled random search tries the whole box.
 [[nodiscard]] GlobalSolution global_search(const Residuals& residuals, const std::vector<double>& suggested_orders,
                                            std::uint64_t seed);
 

@@ -181,7 +181,7 @@ IdentificationResult identify(const FrequencyResponseData& data, const std::vect
     result.ranking.push_back({curve.name, ModelClass::fixed_curve, curve_fit(data, curve, rule), 0, 0});
   }
   if (result.ranking.empty()) {
-    throw std::invalid_argument("no candidate could be fitted; the first: " + result.skipped.front());
+    throw NoCandidateFits("no candidate could be fitted; the first: " + result.skipped.front());
   }
   std::stable_sort(result.ranking.begin(), result.ranking.end(),
                    [](const RankedFit& a, const RankedFit& b) { return a.fit.aicc < b.fit.aicc; });

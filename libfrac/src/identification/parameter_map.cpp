@@ -76,6 +76,9 @@ ParameterMap::ParameterMap(const Structure& structure, const std::vector<Paramet
     check(constraint, roles[i],
           roles[i] == ParameterRole::coefficient && (blind_to_sign || structure.parameter_in_sum()[i]));
     of[i] = constraint;
+    // A magnitude is blind to the sign of an outer gain: positive, even where the model leaves it open.
+    const bool outer_gain = roles[i] == ParameterRole::coefficient && !structure.parameter_in_sum()[i];
+    if (blind_to_sign && outer_gain && constraint.lower == -infinity) of[i].lower.reset();
   }
 
   fixed_.assign(count, nan);
@@ -188,29 +191,33 @@ std::vector<double> ParameterMap::to_theta(std::span<const double> parameters) c
   return theta;
 }
 
-Eigen::MatrixXd ParameterMap::jacobian(std::span<const double> parameters) const {
-  const auto rows = static_cast<Eigen::Index>(parameter_count());
-  const auto columns = static_cast<Eigen::Index>(free_.size());
-  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(rows, columns);
+std::vector<ParameterMap::Entry> ParameterMap::jacobian_entries(std::span<const double> parameters) const {
+  std::vector<Entry> entries;
   const double log_omega = std::log(scale_.omega);
-  for (Eigen::Index k = 0; k < columns; ++k) {
-    const auto index = static_cast<std::size_t>(k);
-    const Free& entry = free_[index];
-    const auto row = static_cast<Eigen::Index>(entry.parameter);
-    if (entry.role == ParameterRole::order) {
-      result(row, k) = 1;
+  for (std::size_t k = 0; k < free_.size(); ++k) {
+    const std::size_t parameter = free_[k].parameter;
+    if (free_[k].role == ParameterRole::order) {
+      entries.push_back({parameter, k, 1});
       continue;
     }
-    const double value = parameters[entry.parameter];
-    result(row, k) = entry.logarithmic ? value : std::exp(log_unit(index, parameters));
+    const double value = parameters[parameter];
+    entries.push_back({parameter, k, free_[k].logarithmic ? value : std::exp(log_unit(k, parameters))});
     for (std::size_t j = 0; j < order_parameters_.size(); ++j) {
-      if (slope_[index][j] == 0) continue;
-      for (Eigen::Index order = 0; order < columns; ++order) {
-        if (free_[static_cast<std::size_t>(order)].parameter == order_parameters_[j]) {
-          result(row, order) += value * slope_[index][j] * log_omega;
-        }
+      if (slope_[k][j] == 0) continue;
+      for (std::size_t order = 0; order < free_.size(); ++order) {
+        if (free_[order].parameter != order_parameters_[j]) continue;
+        entries.push_back({parameter, order, value * slope_[k][j] * log_omega});
       }
     }
+  }
+  return entries;
+}
+
+Eigen::MatrixXd ParameterMap::jacobian(std::span<const double> parameters) const {
+  Eigen::MatrixXd result =
+      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(parameter_count()), static_cast<Eigen::Index>(free_.size()));
+  for (const Entry& entry : jacobian_entries(parameters)) {
+    result(static_cast<Eigen::Index>(entry.parameter), static_cast<Eigen::Index>(entry.free)) = entry.derivative;
   }
   return result;
 }

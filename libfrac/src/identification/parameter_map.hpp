@@ -54,7 +54,13 @@ class ParameterMap {
 
   [[nodiscard]] std::vector<double> to_user(std::span<const double> theta) const;
   [[nodiscard]] std::vector<double> to_theta(std::span<const double> parameters) const;
-  /// d parameters / d theta, parameter_count() x free().size().
+  /// d parameter / d theta[free] where it is not 0.
+  struct Entry {
+    std::size_t parameter, free;
+    double derivative;
+  };
+  [[nodiscard]] std::vector<Entry> jacobian_entries(std::span<const double> parameters) const;
+  /// The same as a matrix, parameter_count() x free().size().
   [[nodiscard]] Eigen::MatrixXd jacobian(std::span<const double> parameters) const;
   /// The frequency exponent of free()[k] at given parameter values.
   [[nodiscard]] double frequency_exponent(std::size_t k, std::span<const double> parameters) const;

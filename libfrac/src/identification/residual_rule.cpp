@@ -22,24 +22,69 @@ void require_nonzero(const FrequencyResponseData& data) {
   }
 }
 
-/// exp of the straight line through ln|data| over ln omega of the nine nearest points, at each point: |data| without
-/// its noise.
+/// Value at point i of the straight line through y over x of its neighbours up to `reach` away, without the point
+/// itself, and the share of the noise variance it keeps.
+struct LocalLine {
+  double value, variance;
+};
+LocalLine local_line(const std::vector<double>& x, const std::vector<double>& y, std::size_t i, std::size_t reach) {
+  const std::size_t first = i > reach ? i - reach : 0, last = std::min(x.size(), i + reach + 1);
+  double n = 0, sum_x = 0, sum_y = 0, xx = 0, xy = 0;
+  for (std::size_t k = first; k < last; ++k) {
+    if (k == i) continue;
+    const double dx = x[k] - x[i];
+    n += 1;
+    sum_x += dx;
+    sum_y += y[k];
+    xx += dx * dx;
+    xy += dx * y[k];
+  }
+  const double spread = n * xx - sum_x * sum_x;
+  if (n == 0) return {y[i], 1};
+  if (!(spread > 0)) return {sum_y / n, 1 / n};
+  return {(sum_y * xx - sum_x * xy) / spread, xx / spread};
+}
+
+/// Standard deviation of the noise in y: 1.4826 times the median distance of a point from the line through its two
+/// neighbours, in units of what noise alone would give it.
+double noise_of(const std::vector<double>& x, const std::vector<double>& y) {
+  std::vector<double> distance;
+  for (std::size_t i = 1; i + 1 < x.size(); ++i) {
+    const double width = x[i + 1] - x[i - 1];
+    const double share = width > 0 ? (x[i] - x[i - 1]) / width : 0.5;
+    const double line = (1 - share) * y[i - 1] + share * y[i + 1];
+    distance.push_back(std::abs(y[i] - line) / std::sqrt(1 + share * share + (1 - share) * (1 - share)));
+  }
+  if (distance.empty()) return 0;
+  const auto middle = distance.begin() + static_cast<std::ptrdiff_t>(distance.size() / 2);
+  std::nth_element(distance.begin(), middle, distance.end());
+  return 1.4826 * *middle;
+}
+
+/// |data| as its neighbours tell it: exp of a straight line through ln|data| over ln omega of up to four on either
+/// side. As many as agree, within the noise, with what fewer say (Lepski's rule), so that a resonance is not smoothed
+/// away; and without the point itself, so that its weight does not depend on its noise, which would bias the fit.
 std::vector<double> smoothed_magnitude(const FrequencyResponseData& data) {
-  constexpr std::size_t reach = 4;
+  std::vector<double> x, y;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    x.push_back(std::log(data.omega()[i]));
+    y.push_back(std::log(std::abs(data.value()[i])));
+  }
+  const double noise = noise_of(x, y);
   std::vector<double> result(data.size());
   for (std::size_t i = 0; i < data.size(); ++i) {
-    const std::size_t first = i > reach ? i - reach : 0, last = std::min(data.size(), i + reach + 1);
-    double n = 0, x = 0, y = 0, xx = 0, xy = 0;
-    for (std::size_t k = first; k < last; ++k) {
-      const double dx = std::log(data.omega()[k] / data.omega()[i]), dy = std::log(std::abs(data.value()[k]));
-      n += 1;
-      x += dx;
-      y += dy;
-      xx += dx * dx;
-      xy += dx * dy;
+    std::vector<LocalLine> lines;
+    for (const std::size_t reach : {1, 2, 3, 4}) {
+      const bool at_an_end = i == 0 || i + 1 == data.size();
+      if (reach == 1 && at_an_end && data.size() > 2) continue;  // a line needs two neighbours
+      const LocalLine next = local_line(x, y, i, reach);
+      const bool agrees = std::all_of(lines.begin(), lines.end(), [&](const LocalLine& line) {
+        return std::abs(next.value - line.value) <= noise * std::sqrt(line.variance);
+      });
+      if (!agrees) break;
+      lines.push_back(next);
     }
-    const double spread = n * xx - x * x;
-    result[i] = std::exp(spread > 0 ? (y * xx - x * xy) / spread : y / n);
+    result[i] = std::exp(lines.back().value);
   }
   return result;
 }
@@ -201,35 +246,26 @@ bool ResidualRule::residual(std::size_t point, std::complex<double> model, std::
   return std::isfinite(result[0]);
 }
 
-void ResidualRule::derivative(std::size_t point, std::complex<double> model, std::complex<double> by_parameter,
-                              double* first, double* second) const {
-  const double w = weight[point];
-  switch (form) {
-    case ResidualForm::imaginary:
-      *first = w * by_parameter.imag();
-      break;
-    case ResidualForm::real:
-      *first = w * by_parameter.real();
-      break;
-    case ResidualForm::cartesian:
-      *first = w * by_parameter.real();
-      *second = w * by_parameter.imag();
-      break;
-    case ResidualForm::logarithmic: {
-      const std::complex<double> relative = by_parameter / model;
-      *first = w * relative.real();
-      *second = w * relative.imag();
-      break;
+void ResidualRule::derivatives(std::size_t point, std::complex<double> model,
+                               std::span<const std::complex<double>> of_model, double* rows) const {
+  const std::size_t count = of_model.size();
+  // The residuals are parts of factor * model, to first order.
+  std::complex<double> factor = weight[point];
+  if (form == ResidualForm::logarithmic || form == ResidualForm::log_magnitude || form == ResidualForm::phase) {
+    factor /= model;
+  } else if (form == ResidualForm::magnitude) {
+    factor *= std::abs(model) / model;
+  }
+  const double real = factor.real(), imaginary = factor.imag();
+  const bool real_first = form != ResidualForm::imaginary && form != ResidualForm::phase;
+  double* imaginary_row = real_first ? rows + count : rows;
+  if (real_first) {
+    for (std::size_t k = 0; k < count; ++k) rows[k] = real * of_model[k].real() - imaginary * of_model[k].imag();
+  }
+  if (!real_first || per_point() == 2) {
+    for (std::size_t k = 0; k < count; ++k) {
+      imaginary_row[k] = real * of_model[k].imag() + imaginary * of_model[k].real();
     }
-    case ResidualForm::magnitude:
-      *first = w * std::abs(model) * (by_parameter / model).real();
-      break;
-    case ResidualForm::log_magnitude:
-      *first = w * (by_parameter / model).real();
-      break;
-    case ResidualForm::phase:
-      *first = w * (by_parameter / model).imag();
-      break;
   }
 }
 

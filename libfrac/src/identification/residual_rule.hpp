@@ -2,6 +2,7 @@
 
 #include <complex>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "frac/identification/fit.hpp"
@@ -32,9 +33,9 @@ struct ResidualRule {
   }
   /// Residual(s) of one point; false where they do not exist.
   bool residual(std::size_t point, std::complex<double> model, std::complex<double> data, double* result) const;
-  /// Their derivative from that of the model.
-  void derivative(std::size_t point, std::complex<double> model, std::complex<double> by_parameter, double* first,
-                  double* second) const;
+  /// Their derivatives from those of the model: a row of one entry per derivative for each residual.
+  void derivatives(std::size_t point, std::complex<double> model, std::span<const std::complex<double>> of_model,
+                   double* rows) const;
 };
 
 /// @throws std::invalid_argument  the weight does not go with the component or with the data, as fit.hpp says.

@@ -1,7 +1,10 @@
 #include "residuals.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "linear_start.hpp"
 
 namespace frac::detail {
 
@@ -45,18 +48,24 @@ bool FrequencyResiduals::evaluate(std::span<const double> theta, std::size_t fir
   }
   if (!jacobian_row_major) return true;
 
-  RowMajorMatrix by_parameter(static_cast<Eigen::Index>(points * per_point()), static_cast<Eigen::Index>(all));
+  // d model / d theta from d model / d parameter; most entries of the map's Jacobian are 0.
+  const std::vector<ParameterMap::Entry> entries = map().jacobian_entries(parameters);
+  const std::size_t width = map().free().size();
+  std::vector<std::complex<double>> by_theta(width);
+  bool finite = true;
   for (std::size_t i = 0; i < points; ++i) {
-    double* row = by_parameter.data() + i * per_point() * all;
-    for (std::size_t j = 0; j < all; ++j) {
-      rule_.derivative(first + i, value[i], gradient_[i * all + j], row + j,
-                       per_point() == 2 ? row + j + all : nullptr);
+    std::fill(by_theta.begin(), by_theta.end(), 0.0);
+    const std::complex<double>* by_parameter = gradient_.data() + i * all;
+    for (const ParameterMap::Entry& entry : entries) {
+      by_theta[entry.free] += entry.derivative * by_parameter[entry.parameter];
     }
+    double* rows = jacobian_row_major + i * per_point() * width;
+    rule_.derivatives(first + i, value[i], by_theta, rows);
+    double sum = 0;
+    for (std::size_t k = 0; k < per_point() * width; ++k) sum += rows[k] - rows[k];
+    finite = finite && sum == 0;
   }
-  Eigen::Map<RowMajorMatrix> jacobian(jacobian_row_major, by_parameter.rows(),
-                                      static_cast<Eigen::Index>(map().free().size()));
-  jacobian.noalias() = by_parameter.lazyProduct(map().jacobian(parameters));
-  return jacobian.allFinite();
+  return finite;
 }
 
 double FrequencyResiduals::best_factor(std::span<const double> theta) const {
@@ -90,6 +99,31 @@ double FrequencyResiduals::best_factor(std::span<const double> theta) const {
   }
   const double factor = logarithmic ? std::exp(-sum / static_cast<double>(points())) : product / power;
   return factor > 0 && std::isfinite(factor) ? factor : 1;
+}
+
+std::vector<std::vector<double>> Residuals::linear_fits(std::span<const double>) const {
+  return {};
+}
+
+std::vector<std::vector<double>> FrequencyResiduals::linear_fits(std::span<const double> near) const {
+  if (per_point() != 2) return {};
+  const auto form = coefficient_form(structure_, near);
+  if (!form) return {};
+  std::vector<std::size_t> wanted;
+  for (const ParameterMap::Free& entry : map().free()) {
+    if (entry.role == ParameterRole::coefficient) wanted.push_back(entry.parameter);
+  }
+  std::vector<double> weight = rule_.weight;
+  if (rule_.form == ResidualForm::logarithmic) {
+    for (std::size_t i = 0; i < weight.size(); ++i) weight[i] = 1 / std::abs(data_.value()[i]);
+  }
+  std::vector<std::vector<double>> found;
+  for (const auto weights : {LinearWeights::levy, LinearWeights::vinagre, LinearWeights::sanathanan_koerner}) {
+    const auto fit = linear_fit(*form, data_.omega(), data_.value(), weight, weights);
+    auto parameters = fit ? parameters_from(*form, *fit, near, wanted) : std::nullopt;
+    if (parameters) found.push_back(std::move(*parameters));
+  }
+  return found;
 }
 
 }  // namespace frac::detail

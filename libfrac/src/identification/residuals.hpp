@@ -40,6 +40,10 @@ class Residuals {
   /// where the residuals are blind to it (phase).
   [[nodiscard]] virtual double best_factor(std::span<const double> theta) const = 0;
 
+  /// Parameters whose coefficients come from linear least squares at the orders and delays of `near`, one per weighting
+  /// that gives an answer.  None where the residuals are not linear in coefficients.
+  [[nodiscard]] virtual std::vector<std::vector<double>> linear_fits(std::span<const double> near) const;
+
   /// Linear parameters the residuals are projected free of: they cost degrees of freedom too.
   [[nodiscard]] virtual std::size_t eliminated() const noexcept { return 0; }
 
@@ -64,6 +68,8 @@ class FrequencyResiduals final : public Residuals {
   bool evaluate(std::span<const double> theta, std::size_t first, std::size_t points, double* residual,
                 double* jacobian_row_major) const override;
   [[nodiscard]] double best_factor(std::span<const double> theta) const override;
+  /// Only with both parts of the response, and for ratios of sums of powers; see linear_start.hpp.
+  [[nodiscard]] std::vector<std::vector<double>> linear_fits(std::span<const double> near) const override;
 
  private:
   const FrequencyResponseData& data_;

@@ -10,10 +10,10 @@
 #include <stdexcept>
 
 #include "autocorrelation.hpp"
-#include "canonical_labels.hpp"
 #include "confidence.hpp"
 #include "global_search.hpp"
 #include "information.hpp"
+#include "interchange.hpp"
 #include "laplace_residuals.hpp"
 #include "time_residuals.hpp"
 
@@ -148,7 +148,7 @@ class TimeSearch {
     const detail::TimeResiduals all = residuals(every_nth(data_.size(), data_.size()), fine);
     result_.starts_at_best = at_best();
     result_.best.theta =
-        map_.to_theta(detail::canonical_labels(structure_, options_.constraints, map_.to_user(result_.best.theta)));
+        map_.to_theta(detail::with_labels_in_order(structure_, options_.constraints, map_.to_user(result_.best.theta)));
     result_.best = local_solve(all, result_.best.theta, {});
     if (!result_.best.converged) {
       detail::LocalOptions patient;

@@ -20,7 +20,7 @@ enum class Weight {
   relative,           // |data|
   absolute,           // nothing
   given,              // the sigma of the data
-  smoothed_relative,  // |data| smoothed over nine neighbours: noise in |data| does not bias the fit
+  smoothed_relative,  // |data| as up to eight neighbours tell it: noise in |data| does not bias the fit
   log_complex,  // residuals are ln|model/data| and the angle from data to model (component both, magnitude, phase)
   repeats,      // the standard deviation of repeats at each frequency, pooled over five frequencies
 };
@@ -88,15 +88,15 @@ struct FitResult {
   double aicc;
   double bic;
   FitTermination termination;
-  std::string message;                // one sentence
-  std::size_t residuals;              // count
-  std::size_t free_parameters;        // count
-  std::size_t starts;                 // local solves made
-  std::size_t starts_at_best;         // of which ended at the best cost
-  std::size_t distinct_minima;        // different ends of the seeded starts, those beyond ten times the best cost as one
+  std::string message;          // one sentence
+  std::size_t residuals;        // count
+  std::size_t free_parameters;  // count
+  std::size_t starts;           // local solves made
+  std::size_t starts_at_best;   // of which ended at the best cost
+  std::size_t distinct_minima;  // different ends of the seeded starts, those beyond ten times the best cost as one
   /// Probability that no start whatever would have ended lower, from how often the seeded starts ended alike (Boender,
-  /// Rinnooy Kan 1987; nothing is assumed of the number of minima and of the reach of each): 1 - distinct_minima/(n - 1)
-  /// with n seeded starts.  1 where the fit is exact, NaN after a local solve.
+  /// Rinnooy Kan 1987; nothing is assumed of the number of minima and of the reach of each): 1 - distinct_minima/(n -
+  /// 1) with n seeded starts.  1 where the fit is exact, NaN after a local solve.
   double confidence_of_optimum;
   double condition;                   // of the scaled Fisher matrix
   std::vector<std::size_t> outliers;  // data points whose residual exceeds 5 robust standard deviations

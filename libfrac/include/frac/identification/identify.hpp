@@ -1,6 +1,7 @@
 #pragma once
 
 #include <complex>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -44,8 +45,15 @@ struct IdentificationResult {
   std::string verdict_sentence;
 };
 
-/// @throws std::invalid_argument  no candidate, none that can be fitted, a curve of another length than the data, or a
-///     weight that does not go with the data (see fit()).
+/// None of the candidates could be fitted; what() gives the reason of the first.
+class NoCandidateFits : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// @throws std::invalid_argument  no candidate, a curve of another length than the data, or a weight that does not go
+///     with the data (see fit()).
+/// @throws NoCandidateFits
 [[nodiscard]] IdentificationResult identify(const FrequencyResponseData& data, const std::vector<NamedModel>& models,
                                             const std::vector<FixedCurve>& curves, const FitOptions& options,
                                             int threads = 0);

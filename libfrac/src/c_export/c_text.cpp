@@ -1,0 +1,192 @@
+#include "c_text.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <charconv>
+#include <stdexcept>
+#include <string_view>
+
+#include "../digital/section_kernel.hpp"
+
+namespace frac {
+
+std::string_view to_string(Precision precision) {
+  return precision == Precision::float_type ? "float" : "double";
+}
+
+Precision precision(std::string_view name) {
+  for (const Precision each : {Precision::float_type, Precision::double_type}) {
+    if (to_string(each) == name) return each;
+  }
+  throw std::invalid_argument("precision \"" + std::string(name) + "\": expected float or double");
+}
+
+namespace detail {
+namespace {
+
+constexpr std::string_view c_keywords[] = {
+    "auto",   "break",    "case",   "char",     "const",    "continue", "default", "do",     "double",
+    "else",   "enum",     "extern", "float",    "for",      "goto",     "if",      "inline", "int",
+    "long",   "register", "return", "short",    "restrict", "signed",   "sizeof",  "static", "struct",
+    "switch", "typedef",  "union",  "unsigned", "void",     "volatile", "while"};
+
+void check_name(const std::string& name) {
+  constexpr std::size_t longest = 40;
+  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
+  const auto is_part = [&](char c) { return is_letter(c) || (c >= '0' && c <= '9'); };
+  const bool is_keyword = std::find(std::begin(c_keywords), std::end(c_keywords), name) != std::end(c_keywords);
+  if (name.empty() || name.size() > longest || !is_letter(name[0]) || !std::all_of(name.begin(), name.end(), is_part) ||
+      is_keyword) {
+    throw std::invalid_argument("C name \"" + name + "\": expected an identifier of letters, digits and _, up to " +
+                                std::to_string(longest) + " characters");
+  }
+}
+
+void replace_all(std::string& text, const std::string& from, const std::string& to) {
+  for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
+    text.replace(at, from.size(), to);
+  }
+}
+
+template <typename Real>
+std::string shortest(Real value) {
+  std::array<char, 40> buffer;
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  std::string text(buffer.data(), end.ptr);
+  if (text.find_first_of(".e") == std::string::npos) text += ".0";
+  return text;
+}
+
+}  // namespace
+
+CText::CText(const CHeaderOptions& options)
+    : name_(options.name), is_float_(options.precision == Precision::float_type) {
+  check_name(name_);
+}
+
+std::string CText::literal(double value) const {
+  return is_float_ ? shortest(static_cast<float>(value)) + "f" : shortest(value);
+}
+
+std::string CText::filled(std::string text, const std::vector<std::pair<std::string, std::string>>& words) const {
+  for (const auto& [word, value] : words) replace_all(text, "@" + word + "@", value);
+  replace_all(text, "REAL", is_float_ ? "float" : "double");
+  replace_all(text, "NAME", name_);
+  return text;
+}
+
+std::string CText::array(const std::string& name, const std::vector<double>& values) const {
+  std::string text = filled("static const REAL NAME_" + name + "[" + std::to_string(values.size()) + "] = {");
+  constexpr std::size_t per_line = 4;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    text += i == 0 ? "\n    " : i % per_line == 0 ? ",\n    " : ", ";
+    text += literal(values[i]);
+  }
+  return text + "};\n";
+}
+
+std::string CText::opening(const std::string& comment) const {
+  std::string head = " * " + (comment.empty() ? "Written by fracfit." : comment);
+  replace_all(head, "\n", "\n * ");
+  // What would end the comment early.
+  replace_all(head, "*/", "* /");
+  replace_all(head, "/*", "/ *");
+  std::string guard = name_ + "_H";
+  std::transform(guard.begin(), guard.end(), guard.begin(),
+                 [](char c) { return static_cast<char>(std::toupper(static_cast<unsigned char>(c))); });
+  std::string text = filled(R"(/*
+@comment@
+ * C99, no heap, no mathematical library.  All state is in one struct.
+ */
+#ifndef @guard@
+#define @guard@
+
+/* Products are not to be fused into sums: the last bits would differ. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__) && !defined(__STRICT_ANSI__) && (defined(__FP_FAST_FMA) || defined(__FP_FAST_FMAF))
+#pragma GCC push_options
+#pragma GCC optimize("fp-contract=off")
+#define @guard@_POP_OPTIONS
+#endif
+
+)",
+                            {{"guard", guard}});
+  replace_all(text, "@comment@", head);
+  return text;
+}
+
+std::string CText::closing() const {
+  std::string guard = name_ + "_H";
+  std::transform(guard.begin(), guard.end(), guard.begin(),
+                 [](char c) { return static_cast<char>(std::toupper(static_cast<unsigned char>(c))); });
+  return "\n#ifdef " + guard + "_POP_OPTIONS\n#pragma GCC pop_options\n#undef " + guard +
+         "_POP_OPTIONS\n#endif\n\n#endif\n";
+}
+
+std::string CText::section_members(const CSections& sections) const {
+  if (sections.rates.empty()) return "";
+  const std::string size = std::to_string(sections.rates.size());
+  return filled(
+      "  REAL @prefix@_v[@size@];    /* states */\n  REAL @prefix@_lost[@size@]; /* of them, to rounding */\n",
+      {{"prefix", sections.prefix}, {"size", size}});
+}
+
+std::string CText::section_functions(const CSections& sections) const {
+  const std::string direct = literal(sections.direct);
+  if (sections.rates.empty()) {
+    return filled(R"(static inline REAL NAME_@prefix@_output(const NAME_state *s, REAL x)
+{
+  (void)s;
+  return @direct@ * x;
+}
+
+)",
+                  {{"prefix", sections.prefix}, {"direct", direct}});
+  }
+  const double tiny = is_float_ ? static_cast<double>(negligible_state<float>) : negligible_state<double>;
+  const std::string term = sections.output == SectionOutput::state
+                               ? "s->@prefix@_v[i + j]"
+                               : "(x - NAME_@prefix@_rate[i + j] * s->@prefix@_v[i + j])";
+  std::string text =
+      array(sections.prefix + "_rate", sections.rates) + array(sections.prefix + "_weight", sections.weights);
+  text += filled(R"(
+static inline REAL NAME_@prefix@_output(const NAME_state *s, REAL x)
+{
+  REAL lane[8] = {@zero@, @zero@, @zero@, @zero@, @zero@, @zero@, @zero@, @zero@};
+  int i, j;
+  for (i = 0; i < @size@; i += 8) {
+    for (j = 0; j < 8; ++j) {
+      lane[j] += NAME_@prefix@_weight[i + j] * )" +
+                     term + R"(;
+    }
+  }
+  return @direct@ * x + (((lane[0] + lane[4]) + (lane[2] + lane[6])) + ((lane[1] + lane[5]) + (lane[3] + lane[7])));
+}
+
+static inline void NAME_@prefix@_advance(NAME_state *s, REAL x)
+{
+  int i;
+  for (i = 0; i < @size@; ++i) {
+    const REAL v = s->@prefix@_v[i];
+    const REAL increment = (x - NAME_@prefix@_rate[i] * v) + s->@prefix@_lost[i];
+    const REAL sum = v + increment;
+    const REAL remainder = increment - (sum - v);
+    const int matters = sum > @tiny@ || sum < -@tiny@;
+    s->@prefix@_v[i] = matters ? sum : @zero@;
+    s->@prefix@_lost[i] = matters ? remainder : @zero@;
+  }
+}
+
+)",
+                 {{"prefix", sections.prefix},
+                  {"size", std::to_string(sections.rates.size())},
+                  {"direct", direct},
+                  {"zero", literal(0)},
+                  {"tiny", literal(tiny)}});
+  return text;
+}
+
+}  // namespace detail
+}  // namespace frac

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "frac/c_header.hpp"
+
+namespace frac::detail {
+
+/// A list of coefficients of first-order sections as the kernels hold it: filled up to whole groups.
+struct CSections {
+  std::string prefix;  // of the arrays, e.g. "integral"
+  SectionOutput output;
+  double direct;
+  std::vector<double> rates;    // whole groups
+  std::vector<double> weights;  // whole groups
+};
+
+/// Text of C code in one precision with one name.  In templates REAL stands for the type, NAME for the name, and
+/// {number} for a literal given by value.
+class CText {
+ public:
+  /// @throws std::invalid_argument  the name is no C identifier, or too long.
+  explicit CText(const CHeaderOptions& options);
+
+  [[nodiscard]] std::string literal(double value) const;
+  /// The text with REAL, NAME and the given words (written as @word@) put in.
+  [[nodiscard]] std::string filled(std::string text,
+                                   const std::vector<std::pair<std::string, std::string>>& words = {}) const;
+  [[nodiscard]] std::string array(const std::string& name, const std::vector<double>& values) const;
+
+  /// Comment, include guard, and what keeps compilers from fusing operations.
+  [[nodiscard]] std::string opening(const std::string& comment) const;
+  [[nodiscard]] std::string closing() const;
+  /// Arrays, and functions NAME_<prefix>_output(state, x), NAME_<prefix>_advance(state, x).
+  [[nodiscard]] std::string section_functions(const CSections& sections) const;
+  /// Members of the struct for them.
+  [[nodiscard]] std::string section_members(const CSections& sections) const;
+
+ private:
+  std::string name_;
+  bool is_float_;
+};
+
+}  // namespace frac::detail

@@ -1,0 +1,138 @@
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "../detail/exponential_sum.hpp"
+#include "../detail/laplace_image.hpp"
+#include "../detail/number_text.hpp"
+#include "../detail/phi_functions.hpp"
+#include "../detail/power_sum.hpp"
+#include "frac/digital_filter.hpp"
+
+namespace frac {
+namespace {
+
+using Complex = std::complex<double>;
+using detail::expm1;
+
+[[noreturn]] void refuse(const std::string& why) {
+  throw std::invalid_argument("filter_design: " + why);
+}
+
+// (e^z - 1 - z)/z
+Complex second_change(Complex z) {
+  if (std::abs(z) > 0.5) return (expm1(z) - z) / z;
+  Complex sum = 0;
+  Complex term = z / 2.0;
+  for (int k = 3; k < 20; ++k) {
+    sum += term;
+    term *= z / static_cast<double>(k);
+  }
+  return sum;
+}
+
+struct DeadTime {
+  std::size_t whole;
+  double rest;  // of a sample
+};
+
+DeadTime dead_time(double delay, double sample_time) {
+  const double samples = delay / sample_time;
+  constexpr double most = 1e6;
+  if (!(samples <= most)) refuse("dead time of " + detail::number_text(samples) + " samples; allowed is up to 1e6");
+  double whole = std::floor(samples);
+  double rest = samples - whole;
+  // Within rounding of a whole number of samples it is one.
+  if (rest > 1 - 1e-9) {
+    whole += 1;
+    rest = 0;
+  } else if (rest < 1e-9) {
+    rest = 0;
+  }
+  return {static_cast<std::size_t>(whole), rest};
+}
+
+}  // namespace
+
+DigitalFilterDesign filter_design(const FractionalTransferFunction& model, double sample_time, double tolerance,
+                                  double horizon) {
+  if (!(sample_time > 0 && std::isfinite(sample_time))) {
+    refuse("sample_time = " + detail::number_text(sample_time) + " s; allowed is above 0, finite");
+  }
+  if (!(tolerance >= 1e-13 && tolerance <= 0.1)) {
+    refuse("tolerance = " + detail::number_text(tolerance) + "; allowed is 1e-13 to 0.1");
+  }
+  if (!(horizon >= 1 && horizon <= 1e12)) {
+    refuse("horizon = " + detail::number_text(horizon) + " samples; allowed is 1 to 1e12");
+  }
+  const double high_order = model.numerator().front().order - model.denominator().front().order;
+  const double low_order = model.numerator().back().order - model.denominator().back().order;
+  if (high_order > 0) {
+    refuse("the model grows as s^" + detail::number_text(high_order) +
+           " at high frequency; allowed is a proper model (a power of s has digital_power())");
+  }
+  if (low_order <= -2) {
+    refuse("the model integrates more than once (s^" + detail::number_text(low_order) +
+           " at low frequency); allowed is above s^-2");
+  }
+  const bool integrates = low_order <= -1;
+  const auto [whole, rest] = dead_time(model.delay(), sample_time);
+  if (integrates && rest > 0) {
+    refuse("dead time of " + detail::number_text(model.delay() / sample_time) +
+           " samples with an integration; allowed is a whole number of samples");
+  }
+
+  // Step response of the model without its integration and dead time: constant + sum weight (e^{rate t} - 1).
+  const std::vector<PowerTerm> numerator = detail::scaled(model.numerator(), 1, integrates ? 1 : 0);
+  const detail::LaplaceImage step(numerator, detail::scaled(model.denominator(), 1, 1));
+  if (!step.poles().complete) throw std::domain_error("filter_design: the poles of the model could not be counted");
+  const double latest = horizon * sample_time;
+  const double theta = 1 - rest;
+  const detail::ExponentialSum sum =
+      detail::exponential_sum(step, theta * sample_time, latest, tolerance, integrates ? 1 : 0, integrates ? 2 : 1);
+  const double high_gain =
+      high_order == 0 ? model.numerator().front().coefficient / model.denominator().front().coefficient : 0;
+  double after_step = sum.constants[0];
+  double after_ramp = integrates ? sum.constants[0] + sum.constants[1] / sample_time : 0;
+  for (const detail::Exponential& term : sum.terms) {
+    after_step += (term.weight * expm1(term.rate * (theta * sample_time))).real();
+    if (integrates) after_ramp += (term.weight * second_change(term.rate * sample_time)).real();
+  }
+
+  DigitalFilterDesign design;
+  design.sample_time = sample_time;
+  design.rule = IntegratorRule::held;
+  design.integrators = integrates ? 1 : 0;
+  // Read within the interval, the output is known one sample later.
+  design.dead_samples = whole + (rest > 0 ? 1 : 0);
+  // With rate = 1 - e^{r T} a term answers a constant by -weight rate v, and a ramp over one interval by
+  // -weight rate (1 + change) v, change = (e^{rT} - 1 - rT)/(rT); what is left over falls to the previous input, for
+  // which a section of rate 1 stands.
+  design.sections.direct = rest > 0 ? after_step : integrates ? after_ramp : high_gain;
+  double previous = rest > 0 ? 0 : after_step - design.sections.direct;
+  for (const detail::Exponential& term : sum.terms) {
+    const Complex z = term.rate * sample_time;
+    const Complex rate = -expm1(z);
+    const Complex ramp = integrates ? second_change(z) : 0;
+    Complex weight = -term.weight * rate * (1.0 + ramp);
+    if (rest > 0) {
+      weight *= std::exp(term.rate * (theta * sample_time));
+    } else {
+      previous += (term.weight * (rate + ramp)).real();
+    }
+    if (term.rate.imag() == 0) {
+      design.sections.rates.push_back(rate.real());
+      design.sections.weights.push_back(weight.real());
+    } else {
+      design.pair_rates.push_back(rate);
+      design.pair_weights.push_back(weight);
+    }
+  }
+  if (previous != 0) {
+    design.sections.rates.push_back(1);
+    design.sections.weights.push_back(previous);
+  }
+  return design;
+}
+
+}  // namespace frac

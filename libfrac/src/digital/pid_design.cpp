@@ -1,0 +1,234 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <numeric>
+#include <stdexcept>
+
+#include "../detail/number_text.hpp"
+#include "frac/fractional_pid.hpp"
+#include "section_kernel.hpp"
+
+namespace frac {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+// No coefficient may leave the range of float by far.
+constexpr double largest_coefficient = 1e30;
+// What the correction may amplify beyond the band: noise there reaches the actuator.
+constexpr double most_gain = 4;
+
+[[noreturn]] void refuse(const std::string& why) {
+  throw std::invalid_argument("fractional PID: " + why);
+}
+
+std::string short_text(double value) {
+  std::array<char, 32> buffer;
+  std::snprintf(buffer.data(), buffer.size(), "%.3g", value);
+  return buffer.data();
+}
+
+void check_number(const char* name, double value, double lowest, const char* allowed, const char* unit) {
+  if (!(value >= lowest && std::isfinite(value))) {
+    refuse(std::string(name) + " = " + detail::number_text(value) + unit + "; allowed is " + allowed);
+  }
+}
+
+void check(const FractionalPidConfig& config) {
+  const FractionalPidGains& gains = config.gains;
+  const auto check_gain = [](const char* name, double value) {
+    if (!(std::abs(value) < largest_coefficient)) {
+      refuse(std::string(name) + " = " + detail::number_text(value) + "; allowed is a finite number below 1e30");
+    }
+  };
+  check_gain("kp", gains.kp);
+  check_gain("ki", gains.ki);
+  check_gain("kd", gains.kd);
+  const auto check_order = [](const char* name, double value) {
+    if (!(value > 0 && value < 2)) {
+      refuse(std::string(name) + " = " + detail::number_text(value) + "; allowed is above 0 and below 2");
+    }
+  };
+  check_order("lambda", gains.lambda);
+  check_order("mu", gains.mu);
+  check_number("sample_time", config.sample_time, std::numeric_limits<double>::min(), "above 0, finite", " s");
+  if (!(config.minimum < config.maximum)) {
+    refuse("limits = " + detail::number_text(config.minimum) + " to " + detail::number_text(config.maximum) +
+           "; needed is minimum < maximum");
+  }
+  check_number("tracking_time", config.tracking_time, 0, "0 (chosen) or above, finite", " s");
+  check_number("derivative_filter_time", config.derivative_filter_time, 0, "0 or above, finite", " s");
+  const double lowest = std::numeric_limits<double>::lowest();
+  check_number("setpoint_weight", config.setpoint_weight, lowest, "a finite number", "");
+  check_number("derivative_setpoint_weight", config.derivative_setpoint_weight, lowest, "a finite number", "");
+  if (config.discretisation == Discretisation::grunwald_letnikov) {
+    refuse("discretisation = grunwald-letnikov; allowed are direct, tustin, tustin-prewarped and al-alaoui");
+  }
+}
+
+// The band within what the sample time can hold.
+FrequencyBand usable_band(const FractionalPidConfig& config, std::string& note) {
+  const FrequencyBand band = config.band;
+  const std::string asked =
+      "band = " + detail::number_text(band.lower) + " to " + detail::number_text(band.upper) + " rad/s";
+  if (!(band.lower > 0 && band.lower < band.upper && std::isfinite(band.upper))) {
+    refuse(asked + "; needed for orders other than 1 is 0 < lower < upper < infinity");
+  }
+  const double nyquist = pi / config.sample_time;
+  const double highest = config.discretisation == Discretisation::direct ? 0.5 * nyquist : 0.9 * nyquist;
+  if (band.upper <= highest) return band;
+  constexpr double narrowest = 1.1;
+  if (!(highest > narrowest * band.lower)) {
+    refuse(asked + " begins where sample time " + detail::number_text(config.sample_time) +
+           " s ends: usable are frequencies up to " + short_text(highest) + " rad/s (" +
+           (config.discretisation == Discretisation::direct ? "a quarter" : "0.45") + " of the sampling frequency)");
+  }
+  note += "The upper edge of the band was cut from " + short_text(band.upper) + " to " + short_text(highest) +
+          " rad/s, " + (config.discretisation == Discretisation::direct ? "a quarter" : "0.45") +
+          " of the sampling frequency. ";
+  return {band.lower, highest};
+}
+
+PidOperator operator_of(const ParallelSections& sections) {
+  PidOperator result;
+  const std::size_t count = sections.rates.size();
+  if (count > PidOperator::capacity) {
+    refuse(std::to_string(count) + " sections are needed; allowed are up to " + std::to_string(PidOperator::capacity) +
+           ": ask for a larger tolerance or a narrower band");
+  }
+  result.output = sections.output;
+  result.direct = result.high_gain = sections.direct;
+  result.sections = count;
+  result.size = detail::whole_groups(count);
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::sort(order.begin(), order.end(),
+            [&](std::size_t a, std::size_t b) { return sections.rates[a] < sections.rates[b]; });
+  result.rates.fill(1);
+  for (std::size_t i = 0; i < count; ++i) {
+    result.rates[i] = sections.rates[order[i]];
+    result.weights[i] = sections.weights[order[i]];
+    if (sections.output == SectionOutput::change) result.high_gain += result.weights[i];
+  }
+  const auto is_wild = [](double value) { return !(std::abs(value) < largest_coefficient); };
+  if (is_wild(result.direct) || std::any_of(result.weights.begin(), result.weights.end(), is_wild)) {
+    refuse("a coefficient above 1e30 is needed; scale the signals or the time");
+  }
+  return result;
+}
+
+PidOperator filter_for(double order, const char* name, const FractionalPidConfig& config, double& error,
+                       std::string& note) {
+  if (order == 0) return {};
+  DigitalPower power = [&] {
+    try {
+      return digital_power(order, config.band, config.goal, config.sample_time, config.discretisation,
+                           ApproximationMethod::ladder, 1, most_gain);
+    } catch (const std::invalid_argument& failure) {
+      refuse(std::string(name) + ": " + failure.what());
+    }
+  }();
+  error = power.error.max_relative;
+  if (power.status == ApproximationStatus::not_attainable) {
+    note += "The error of the " + std::string(name) + " filter is " + short_text(error) + ", above the tolerance. ";
+  }
+  return operator_of(power.parallel);
+}
+
+// With Ti = (kp/ki)^(1/lambda) the integral settles at the limit itself, whatever the control error is, and begins to
+// move as soon as the error has changed its sign.
+double natural_time(const FractionalPidConfig& config) {
+  const auto& [kp, ki, kd, lambda, mu] = config.gains;
+  if (kp != 0) return std::pow(std::abs(kp / ki), 1 / lambda);
+  if (kd != 0) return std::pow(std::abs(kd / ki), 1 / (lambda + mu));
+  return 10 * config.sample_time;
+}
+
+}  // namespace
+
+std::string_view to_string(AntiWindup method) {
+  switch (method) {
+    case AntiWindup::none:
+      return "none";
+    case AntiWindup::back_calculation:
+      return "back-calculation";
+    case AntiWindup::conditional_integration:
+      break;
+  }
+  return "conditional-integration";
+}
+
+AntiWindup anti_windup(std::string_view name) {
+  for (const AntiWindup method :
+       {AntiWindup::none, AntiWindup::back_calculation, AntiWindup::conditional_integration}) {
+    if (to_string(method) == name) return method;
+  }
+  throw std::invalid_argument("anti-windup \"" + std::string(name) +
+                              "\": expected one of none, back-calculation, conditional-integration");
+}
+
+std::string validate(const FractionalPidConfig& config) {
+  try {
+    const FractionalPidDesign design(config);
+    return "";
+  } catch (const std::exception& failure) {
+    return failure.what();
+  }
+}
+
+FractionalPidDesign::FractionalPidDesign(const FractionalPidConfig& config) : config_(config) {
+  check(config);
+  const auto& [kp, ki, kd, lambda, mu] = config.gains;
+  const double integral_order = ki != 0 ? 1 - lambda : 0;
+  const double derivative_order = kd != 0 ? (mu < 1 ? mu : mu - 1) : 0;
+  if (integral_order != 0 || derivative_order != 0) config_.band = usable_band(config, note_);
+  integral_ = filter_for(integral_order, "integral", config_, integral_error_, note_);
+  // Its first sample of the step response: the limits are obeyed by solving for it.
+  if (!(integral_.high_gain > 0)) refuse("no usable filter for s^" + short_text(integral_order) + " on this band");
+  derivative_ = filter_for(derivative_order, "derivative", config_, derivative_error_, note_);
+  if (ki != 0 && config.anti_windup == AntiWindup::back_calculation) {
+    // The correction acts within its sample, so that any tracking time is stable; one below the sample time is in
+    // effect the sample time.
+    tracking_time_ =
+        std::max(config.tracking_time > 0 ? config.tracking_time : natural_time(config), config.sample_time);
+  }
+  if (!note_.empty()) note_.pop_back();
+
+  const FrequencyBand band = config_.band;
+  if (!(band.lower > 0 && band.lower < band.upper && band.upper < pi / config.sample_time)) return;
+  constexpr int points = 500;
+  error_ = 0;
+  for (int i = 0; i <= points; ++i) {
+    const double omega = band.lower * std::pow(band.upper / band.lower, static_cast<double>(i) / points);
+    const std::complex<double> s(0, omega);
+    const std::complex<double> exact =
+        kp + ki * std::pow(s, -lambda) + kd * std::pow(s, mu) / (1.0 + config.derivative_filter_time * s);
+    const double error = std::abs(response(omega) / exact - 1.0);
+    if (error > error_) {
+      error_ = error;
+      omega_at_error_ = omega;
+    }
+  }
+}
+
+std::complex<double> FractionalPidDesign::response(double omega) const {
+  const double time = config_.sample_time;
+  const std::complex<double> delta = delta_at(omega, time);
+  const auto filter = [&](const PidOperator& design) {
+    std::complex<double> sum = design.direct;
+    for (std::size_t i = 0; i < design.sections; ++i) {
+      sum += design.weights[i] * (design.output == SectionOutput::state ? 1.0 : delta) / (delta + design.rates[i]);
+    }
+    return sum;
+  };
+  const auto& [kp, ki, kd, lambda, mu] = config_.gains;
+  const std::complex<double> difference = delta / (1.0 + delta) / time;
+  const std::complex<double> lag = 1.0 / (1.0 + config_.derivative_filter_time * difference);
+  std::complex<double> value = kp;
+  if (ki != 0) value += ki * filter(integral_) * time * (0.5 + 1.0 / delta);
+  if (kd != 0) value += kd * filter(derivative_) * lag * (mu < 1 ? 1.0 : difference);
+  return value;
+}
+
+}  // namespace frac

@@ -1,0 +1,15 @@
+#include "section_kernel_loops.hpp"
+
+#if defined(__x86_64__)
+namespace frac::detail {
+
+template <typename Real>
+SectionKernels<Real> avx2_section_kernels() noexcept {
+  return section_kernels<Real, 32>;
+}
+
+template SectionKernels<float> avx2_section_kernels<float>() noexcept;
+template SectionKernels<double> avx2_section_kernels<double>() noexcept;
+
+}  // namespace frac::detail
+#endif

@@ -1,0 +1,202 @@
+#include "frac/digital_filter.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <boost/multiprecision/float128.hpp>
+#include <cmath>
+#include <vector>
+
+#include "frac/respond.hpp"
+#include "support/expect_invalid_argument.hpp"
+#include "support/random.hpp"
+
+namespace {
+
+using frac::DigitalFilter;
+using frac::FractionalTransferFunction;
+using Quad = boost::multiprecision::float128;
+
+std::vector<double> noise(std::size_t count, unsigned seed) {
+  support::Random random(seed);
+  std::vector<double> samples;
+  for (std::size_t n = 0; n < count; ++n) samples.push_back(random.normal());
+  return samples;
+}
+
+// gain prod (s + z)/(s + p) by the bilinear rule as it is defined, with the roots as stored and poles in z:
+//   y_n = a y_(n-1) + (b0 x_n - b1 x_(n-1)) per section, all in quadruple precision.
+std::vector<Quad> cascade_in_quadruple(const frac::ZeroPoleGain& system, double sample_time,
+                                       const std::vector<double>& samples) {
+  std::vector<Quad> signal(samples.begin(), samples.end());
+  const Quad rate = 2 / Quad(sample_time);
+  for (std::size_t i = 0; i < system.poles.size(); ++i) {
+    const Quad zero = -Quad(system.zeros[i]), pole = -Quad(system.poles[i]);
+    const Quad a = (rate - pole) / (rate + pole);
+    const Quad b0 = (rate + zero) / (rate + pole);
+    const Quad b1 = (rate - zero) / (rate + pole);
+    Quad x1 = 0, y1 = 0;
+    for (Quad& value : signal) {
+      const Quad x = value;
+      value = y1 = a * y1 + b0 * x - b1 * x1;
+      x1 = x;
+    }
+  }
+  for (Quad& value : signal) value *= Quad(system.gain);
+  return signal;
+}
+
+double worst_difference(const std::vector<Quad>& exact, const std::vector<double>& output) {
+  Quad worst = 0, scale = 0;
+  for (std::size_t n = 0; n < exact.size(); ++n) {
+    worst = std::max<Quad>(worst, abs(exact[n] - output[n]));
+    scale = std::max<Quad>(scale, abs(exact[n]));
+  }
+  return static_cast<double>(worst / scale);
+}
+
+frac::DigitalFilterDesign parallel_of(const frac::ZeroPoleGain& system, double sample_time) {
+  frac::DigitalFilterDesign design;
+  design.sample_time = sample_time;
+  design.sections = frac::discretise(system, sample_time).parallel;
+  return design;
+}
+
+std::vector<double> filtered(const frac::DigitalFilterDesign& design, const std::vector<double>& samples) {
+  DigitalFilter<double> filter(design);
+  std::vector<double> output(samples.size());
+  filter.run(samples, output);
+  return output;
+}
+
+// Full scale is the largest value of the output.  Coefficients are right to some roundings, the terms have one sign,
+// and sums of up to 32 terms lose another few: 5e-15 is some twenty units of 2.2e-16.  (The benchmark runs 10^6
+// samples.)
+TEST(DigitalFilter, KeepsFullPrecisionAtAnyRatioOfSampleRateToBand) {
+  const std::vector<double> samples = noise(20'000, 7);
+  const std::vector<double> steps = [] {
+    std::vector<double> values(20'000);
+    for (std::size_t n = 0; n < values.size(); ++n) values[n] = n < 10'000 ? 1 : -0.3;
+    return values;
+  }();
+  for (const double order : {0.5, -0.5, 0.9}) {
+    for (const double ratio : {1e3, 1e6, 1e10}) {
+      for (const int poles : {9, 30}) {
+        const double sample_time = 1e-3;
+        const double top = 300;
+        const auto system =
+            frac::approximate(order, {2 * 3.14159 / sample_time / ratio, top}, frac::PoleCount{poles}).system;
+        for (const auto& input : {samples, steps}) {
+          EXPECT_LT(worst_difference(cascade_in_quadruple(system, sample_time, input),
+                                     filtered(parallel_of(system, sample_time), input)),
+                    5e-15)
+              << order << " " << ratio << " " << poles;
+        }
+      }
+    }
+  }
+}
+
+TEST(DigitalFilter, CascadeOfDeltaSectionsIsTheSameFilter) {
+  const std::vector<double> samples = noise(20'000, 8);
+  const auto system = frac::approximate(0.5, {1e-6, 300}, frac::PoleCount{20}).system;
+  const auto sections = frac::discretise(system, 1e-3).cascade;
+  std::vector<double> signal = samples;
+  for (const frac::DeltaSection& section : sections.sections) {
+    double v = 0;
+    for (double& value : signal) {
+      const double x = value;
+      value = x + section.feed * v;
+      v += x - section.rate * v;
+    }
+  }
+  for (double& value : signal) value *= sections.gain;
+  EXPECT_LT(worst_difference(cascade_in_quadruple(system, 1e-3, samples), signal), 2e-14);
+}
+
+TEST(DigitalFilter, SampleBySampleAndInBlocksAreTheSameBits) {
+  const std::vector<double> samples = noise(1000, 9);
+  for (const double order : {0.4, -0.4, 1.3, -1.6}) {
+    const auto design = filter_design(frac::digital_power(order, {0.1, 100}, frac::PoleCount{11}, 1e-3));
+    DigitalFilter<double> single(design);
+    DigitalFilter<float> narrow(design), narrow_single(design);
+    const std::vector<double> blocks = filtered(design, samples);
+    const std::vector<float> narrow_samples(samples.begin(), samples.end());
+    std::vector<float> narrow_blocks(samples.size());
+    narrow.run(narrow_samples, narrow_blocks);
+    for (std::size_t n = 0; n < samples.size(); ++n) {
+      ASSERT_EQ(single.step(samples[n]), blocks[n]);
+      ASSERT_EQ(narrow_single.step(narrow_samples[n]), narrow_blocks[n]);
+    }
+    single.reset();
+    EXPECT_EQ(single.step(samples[0]), blocks[0]);
+  }
+}
+
+// A constant through s^-0.5 with its slowest pole at 1e-7 per sample: a state that loses what it cannot hold stalls
+// short of its end value by eps/rate.
+TEST(DigitalFilter, SlowStatesReachTheirEndValue) {
+  frac::DigitalFilterDesign design;
+  design.sections = {.output = frac::SectionOutput::state, .direct = 0, .rates = {1e-5}, .weights = {1e-5}};
+  DigitalFilter<float> filter(design);
+  float y = 0;
+  for (int n = 0; n < 3'000'000; ++n) y = filter.step(1);
+  // e^-30 from the end; the weight is rounded to 6e-8, and so is the rate.
+  EXPECT_NEAR(y, 1, 2e-7);
+}
+
+TEST(DigitalFilter, RunsAModelAsRespondDoes) {
+  const std::vector<double> samples = noise(3000, 10);
+  for (const char* formula :
+       {"1/(0.8 s^2.2 + 0.5 s^0.9 + 1)", "1/(s^0.5 + 1)", "(s^0.7 + 2)/(3 s^0.7 + 1)", "1/(s^1.2 + s)", "1/s^1.5",
+        "exp(-0.05 s)/(s^0.5 + 1)", "exp(-0.034 s)/(s^0.5 + 1)", "1/(s + 1)"}) {
+    const auto model = FractionalTransferFunction::parse(formula);
+    const auto expected = frac::respond(model, samples, 0.01, 1e-10);
+    const auto output = filtered(filter_design(model, 0.01, 1e-10, 3000), samples);
+    double worst = 0, scale = 0;
+    for (std::size_t n = 0; n < samples.size(); ++n) {
+      worst = std::max(worst, std::abs(expected[n] - output[n]));
+      scale = std::max(scale, std::abs(expected[n]));
+    }
+    // Both keep 1e-10 of the step response for a step; noise changes 3000 times, at random: sqrt(3000) times that.
+    EXPECT_LT(worst, 1e-8 * scale) << formula;
+  }
+}
+
+// A first-order lag under a zero-order hold, in closed form.
+TEST(DigitalFilter, ModelFilterIsTheHoldEquivalent) {
+  const auto design = filter_design(FractionalTransferFunction::parse("2/(0.5 s + 1)"), 0.1, 1e-12);
+  const double keep = std::exp(-0.2);
+  for (const double omega : {0.01, 1.0, 20.0}) {
+    const auto z = std::polar(1.0, omega * 0.1);
+    EXPECT_LT(std::abs(design.response(omega) - 2 * (1 - keep) / (z - keep)), 1e-11);
+  }
+}
+
+TEST(DigitalFilter, SaysWhatItCannotDo) {
+  const auto model = [](const char* formula) { return FractionalTransferFunction::parse(formula); };
+  support::expect_invalid_argument([&] { (void)filter_design(model("s^0.5 + 1"), 0.1); }, {"grows as s^0.5", "proper"});
+  support::expect_invalid_argument([&] { (void)filter_design(model("1/s^2.5"), 0.1); }, {"more than once", "s^-2.5"});
+  support::expect_invalid_argument([&] { (void)filter_design(model("exp(-0.25 s)/s"), 0.1); }, {"2.5 samples"});
+  support::expect_invalid_argument([&] { (void)filter_design(model("1/(s + 1)"), 0); }, {"sample_time = 0 s"});
+  support::expect_invalid_argument([&] { (void)filter_design(model("1/(s + 1)"), 0.1, 0); }, {"tolerance = 0"});
+  support::expect_invalid_argument([&] { (void)filter_design(model("1/(s + 1)"), 0.1, 1e-9, 0); }, {"horizon = 0"});
+  frac::DigitalFilterDesign design;
+  design.sections = {.output = frac::SectionOutput::state, .direct = 0, .rates = {2}, .weights = {1}};
+  support::expect_invalid_argument([&] { DigitalFilter<double> filter(design); }, {"rates[0] = 2"});
+  design.sections.rates = {0.5};
+  design.sections.weights = {1e300};
+  EXPECT_NO_THROW(DigitalFilter<double>{design});
+  support::expect_invalid_argument([&] { DigitalFilter<float> filter(design); }, {"weights[0] = 1e+300"});
+  design.sections.weights = {1, 2};
+  support::expect_invalid_argument([&] { DigitalFilter<double> filter(design); }, {"as many rates as weights"});
+  design.sections.weights = {1};
+  design.differences = 8;
+  support::expect_invalid_argument([&] { DigitalFilter<double> filter(design); }, {"differences = 8"});
+  std::vector<double> three(3), two(2);
+  design.differences = 0;
+  DigitalFilter<double> filter(design);
+  support::expect_invalid_argument([&] { filter.run(three, two); }, {"3 samples but room for 2"});
+}
+
+}  // namespace

@@ -1,0 +1,215 @@
+#include "frac/discretise.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+
+#include "frac/grunwald_letnikov.hpp"
+#include "support/expect_invalid_argument.hpp"
+
+namespace {
+
+using frac::digital_power;
+using frac::DigitalPower;
+using frac::Discretisation;
+using frac::PoleCount;
+using frac::Tolerance;
+using Complex = std::complex<double>;
+
+constexpr double pi = std::numbers::pi;
+constexpr double time_step = 1e-3;
+constexpr double sampling = 2 * pi / time_step;  // rad/s
+
+Complex exact(double order, double omega) {
+  return std::pow(Complex(0, omega), order);
+}
+
+// From the coefficients in plain z-form, in long double: independent of the library's delta arithmetic.
+Complex of_parallel(const DigitalPower& power, double omega) {
+  using C = std::complex<long double>;
+  const C z = std::polar(1.0L, static_cast<long double>(omega * power.sample_time));
+  C value = power.parallel.direct;
+  for (std::size_t i = 0; i < power.parallel.rates.size(); ++i) {
+    const C section = 1.0L / (z - 1.0L + static_cast<long double>(power.parallel.rates[i]));
+    value += static_cast<long double>(power.parallel.weights[i]) *
+             (power.parallel.output == frac::SectionOutput::state ? section : (z - 1.0L) * section);
+  }
+  const auto T = static_cast<long double>(power.sample_time);
+  for (int i = 0; i < power.differences; ++i) value *= (1.0L - 1.0L / z) / T;
+  for (int i = 0; i < power.integrators; ++i) value *= T / 2 * (z + 1.0L) / (z - 1.0L);
+  return Complex(value);
+}
+
+TEST(Discretise, TustinIsTheBilinearRule) {
+  const frac::ZeroPoleGain system{.zeros = {-3, -200}, .poles = {-1, -40}, .gain = 2};
+  const auto sections = frac::discretise(system, time_step);
+  for (const double omega : {1e-3, 1.0, 100.0, 3000.0}) {
+    const Complex s(0, 2 / time_step * std::tan(omega * time_step / 2));
+    const Complex expected = 2.0 * (s + 3.0) * (s + 200.0) / ((s + 1.0) * (s + 40.0));
+    const Complex delta = frac::delta_at(omega, time_step);
+    Complex cascade = sections.cascade.gain;
+    for (const auto& section : sections.cascade.sections) cascade *= 1.0 + section.feed / (delta + section.rate);
+    EXPECT_LT(std::abs(cascade / expected - 1.0), 1e-14);
+    EXPECT_LT(std::abs(sections.parallel.response(delta) / expected - 1.0), 1e-14);
+  }
+}
+
+TEST(Discretise, AlAlaouiIsItsRule) {
+  const frac::ZeroPoleGain system{.zeros = {-3}, .poles = {-500}, .gain = 2};
+  const auto sections = frac::discretise(system, time_step, Discretisation::al_alaoui);
+  for (const double omega : {1.0, 3000.0}) {
+    const Complex z = std::polar(1.0, omega * time_step);
+    const Complex s = 8.0 / (7 * time_step) * (z - 1.0) / (z + 1.0 / 7);
+    const Complex expected = 2.0 * (s + 3.0) / (s + 500.0);
+    EXPECT_LT(std::abs(sections.parallel.response(frac::delta_at(omega, time_step)) / expected - 1.0), 1e-13);
+  }
+}
+
+TEST(Discretise, TustinErrorOfAPowerIsPureGain) {
+  for (const double order : {0.5, -0.3, 0.9}) {
+    const auto power = digital_power(order, {1, sampling / 4}, Tolerance{1e-5}, time_step, Discretisation::tustin);
+    for (const double share : {0.01, 0.1, 0.2}) {
+      const double omega = share * sampling;
+      const double x = pi * share;
+      const Complex ratio = power.response(omega) / exact(order, omega);
+      EXPECT_NEAR(std::abs(ratio), std::pow(std::tan(x) / x, order), 2e-5);
+      EXPECT_NEAR(std::arg(ratio), 0, 2e-5);
+    }
+    // 1.7 % at a tenth of the sampling frequency for order 1/2.
+    if (order == 0.5) {
+      EXPECT_NEAR(std::abs(power.response(0.1 * sampling) / exact(0.5, 0.1 * sampling)), 1.0170, 1e-4);
+    }
+  }
+}
+
+TEST(Discretise, PrewarpedIsExactAtTheUpperEdge) {
+  for (const double order : {0.5, -1.4}) {
+    const double upper = sampling / 5;
+    const auto power = digital_power(order, {1, upper}, Tolerance{1e-6}, time_step, Discretisation::tustin_prewarped);
+    EXPECT_LT(std::abs(power.response(upper) / exact(order, upper) - 1.0), 2e-6);
+  }
+}
+
+TEST(Discretise, DirectDesignRemovesTheGainErrorUpToAQuarterOfTheSamplingFrequency) {
+  for (const double order : {0.1, 0.3, 0.5, 0.7, 0.9, -0.5, -1.5}) {
+    const auto to_quarter = digital_power(order, {1, sampling / 4}, Tolerance{1e-3}, time_step);
+    const auto tustin = digital_power(order, {1, sampling / 4}, Tolerance{1e-3}, time_step, Discretisation::tustin);
+    EXPECT_LT(to_quarter.error.max_relative, 0.009) << order;
+    EXPECT_LT(to_quarter.error.max_relative, 0.05 * tustin.error.max_relative) << order;
+    const auto to_tenth = digital_power(order, {1, sampling / 10}, Tolerance{1e-3}, time_step);
+    EXPECT_EQ(to_tenth.status, frac::ApproximationStatus::met) << order << " " << to_tenth.message;
+  }
+}
+
+TEST(Discretise, StatedErrorHoldsOffTheGridAndFormsAgree) {
+  for (const auto method : {Discretisation::direct, Discretisation::tustin, Discretisation::al_alaoui}) {
+    for (const double order : {0.5, -0.5, 1.3, -1.7}) {
+      const auto power = digital_power(order, {1, sampling / 8}, Tolerance{1e-3}, time_step, method);
+      double largest = 0;
+      for (int i = 0; i < 3333; ++i) {
+        const double omega = std::pow(sampling / 8, (i + 0.37) / 3333);
+        const Complex value = of_parallel(power, omega);
+        largest = std::max(largest, std::abs(value / exact(order, omega) - 1.0));
+        // z - 1 in long double loses 1e-19/1e-3; the corners' terms cancel by a factor of up to some thousand.
+        ASSERT_LT(std::abs(value / power.response(omega) - 1.0), 1e-11);
+      }
+      EXPECT_NEAR(largest / power.error.max_relative, 1, 0.01) << to_string(method) << " " << order;
+    }
+  }
+}
+
+TEST(Discretise, AllPolesAreInsideTheCircle) {
+  for (const double order : {0.01, 0.5, 0.99, -0.99, 2.5, -2.5}) {
+    for (const double lower : {1e-9, 1.0, 300.0}) {
+      for (const double share : {0.02, 0.1, 0.25}) {
+        if (lower >= share * sampling) continue;
+        const auto power = digital_power(order, {lower, share * sampling}, PoleCount{12}, time_step);
+        EXPECT_EQ(power.cascade.sections.size(), 12);
+        for (const double rate : power.parallel.rates) {
+          EXPECT_GT(rate, 0);
+          EXPECT_LT(rate, 2);
+        }
+        for (const auto& section : power.cascade.sections) {
+          EXPECT_GT(section.rate, 0);
+          EXPECT_LT(section.rate, 2);
+        }
+      }
+    }
+  }
+}
+
+TEST(Discretise, WholeOrdersTakeNoSectionsButCorrections) {
+  const auto derivative = digital_power(1, {1, 100}, PoleCount{5}, time_step, Discretisation::tustin);
+  EXPECT_EQ(derivative.differences, 1);
+  EXPECT_TRUE(derivative.parallel.rates.empty());
+  const auto integral = digital_power(-2, {1, 100}, PoleCount{5}, time_step, Discretisation::tustin);
+  EXPECT_EQ(integral.integrators, 2);
+  EXPECT_TRUE(integral.cascade.sections.empty());
+  const auto corrected = digital_power(1, {1, 600}, Tolerance{1e-3}, time_step);
+  EXPECT_EQ(corrected.status, frac::ApproximationStatus::met) << corrected.message;
+}
+
+TEST(Discretise, GrunwaldLetnikovHasTheResponseOfItsWeights) {
+  const auto power = digital_power(0.5, {10, 100}, PoleCount{1}, time_step, Discretisation::grunwald_letnikov,
+                                   frac::ApproximationMethod::ladder, 500);
+  EXPECT_EQ(power.taps.size(), 501);
+  for (const double omega : {10.0, 500.0}) {
+    const Complex expected = frac::grunwald_letnikov_response(0.5, time_step, 500, omega);
+    EXPECT_LT(std::abs(power.response(omega) / expected - 1.0), 1e-12);
+  }
+  support::expect_invalid_argument(
+      [] {
+        (void)digital_power(0.5, {10, 100}, PoleCount{1}, time_step, Discretisation::grunwald_letnikov,
+                            frac::ApproximationMethod::ladder, 0);
+      },
+      {"memory_length = 0"});
+}
+
+TEST(Discretise, BandMeetingNyquistIsRefusedWithTheLimit) {
+  support::expect_invalid_argument(
+      [] {
+        (void)digital_power(0.5, {1, 1600}, Tolerance{1e-3}, time_step);
+      },
+      {"1 to 1600 rad/s", "pi/(2 T) = 1570.79", "T = 0.001 s"});
+  EXPECT_NO_THROW((void)digital_power(0.5, {1, 1600}, Tolerance{1e-3}, time_step, Discretisation::tustin));
+  support::expect_invalid_argument(
+      [] {
+        (void)digital_power(0.5, {1, 3200}, Tolerance{1e-3}, time_step, Discretisation::tustin);
+      },
+      {"3200", "pi/T = 3141.59"});
+}
+
+TEST(Discretise, SaysWhatIsWrong) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const frac::ZeroPoleGain good{.zeros = {-1}, .poles = {-2}};
+  const auto refused = [](const frac::ZeroPoleGain& system, double step, const std::string& part) {
+    support::expect_invalid_argument([&] { (void)frac::discretise(system, step); }, {part});
+  };
+  refused(good, 0, "sample_time = 0 s");
+  refused(good, nan, "sample_time = nan s");
+  refused({.zeros = {-1}, .poles = {}}, 1, "1 zeros and 0 poles");
+  refused({.zeros = {1}, .poles = {-2}}, 1, "zeros[0] = 1 rad/s");
+  refused({.zeros = {-1}, .poles = {0}}, 1, "poles[0] = 0 rad/s");
+  refused({.zeros = {-1, -3}, .poles = {-2, -2}}, 1, "pole -2 rad/s occurs twice");
+  refused({.zeros = {-1}, .poles = {-2}, .gain = 1, .integer_order = 1}, 1, "integer_order = 1");
+  support::expect_invalid_argument([&] { (void)frac::discretise(good, 1, Discretisation::direct); }, {"direct"});
+  support::expect_invalid_argument([] { (void)digital_power(9, {1, 2}, PoleCount{3}, 1e-3); }, {"order = 9"});
+  support::expect_invalid_argument([&] { (void)digital_power(nan, {1, 2}, PoleCount{3}, 1e-3); }, {"order = nan"});
+  support::expect_invalid_argument([] { (void)digital_power(.5, {1, 2}, PoleCount{3}, -1); }, {"sample_time = -1"});
+  support::expect_invalid_argument(
+      [] {
+        (void)digital_power(0.2, {0.1, 10}, PoleCount{7}, 1e-3, Discretisation::direct,
+                            frac::ApproximationMethod::carlson);
+      },
+      {"complex zeros or poles"});
+}
+
+TEST(Discretise, NamesReadBack) {
+  for (const auto method : frac::discretisations()) EXPECT_EQ(frac::discretisation(to_string(method)), method);
+  support::expect_invalid_argument([] { (void)frac::discretisation("euler"); }, {"euler", "tustin-prewarped"});
+}
+
+}  // namespace

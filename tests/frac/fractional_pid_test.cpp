@@ -1,0 +1,405 @@
+#include "frac/fractional_pid.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cfenv>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "support/expect_invalid_argument.hpp"
+#include "support/random.hpp"
+
+namespace {
+
+using frac::AntiWindup;
+using frac::Discretisation;
+using frac::FractionalPid;
+using frac::FractionalPidConfig;
+using frac::FractionalPidDesign;
+using Complex = std::complex<double>;
+
+constexpr double pi = std::numbers::pi;
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+FractionalPidConfig usual(double lambda = 0.8, double mu = 0.6) {
+  FractionalPidConfig config;
+  config.gains = {.kp = 2, .ki = 3, .kd = 0.05, .lambda = lambda, .mu = mu};
+  config.sample_time = 1e-3;
+  config.band = {0.1, 300};
+  return config;
+}
+
+// The textbook controller with the trapezoidal integral and the filtered backward difference.
+struct ClassicalPid {
+  double kp, ki, kd, time, filter;
+  double integral = 0, derivative = 0, last_error = 0;
+  double operator()(double error) {
+    integral += ki * time / 2 * (error + last_error);
+    derivative = filter / (filter + time) * derivative + kd / (filter + time) * (error - last_error);
+    last_error = error;
+    return kp * error + integral + derivative;
+  }
+};
+
+TEST(FractionalPid, IsTheClassicalPidAtOrdersOne) {
+  FractionalPidConfig config = usual(1, 1);
+  config.derivative_filter_time = 0.01;
+  config.band = {};
+  FractionalPid<double> pid(config);
+  ClassicalPid classical{2, 3, 0.05, 1e-3, 0.01};
+  support::Random random(1);
+  for (int n = 0; n < 10'000; ++n) {
+    const double error = random.normal();
+    const double expected = classical(error);
+    // The recursion of the reference forgets with factor 10/11, so some ten roundings of terms of size kd/Tf stay.
+    EXPECT_NEAR(pid.step(error, 0), expected, 1e-13 * (1 + std::abs(expected)));
+  }
+}
+
+// Response of the running controller at omega: the error is a sine, the output is projected on 1, cos and sin over
+// whole periods once the slow modes have died out.
+Complex measured_response(FractionalPid<double>& pid, double sample_time, int samples_per_period, int settle,
+                          int periods) {
+  const double turn = 2 * pi / samples_per_period;
+  Complex sum = 0;
+  (void)sample_time;
+  for (int n = 0; n < settle + periods * samples_per_period; ++n) {
+    const double u = pid.step(std::sin(turn * (n % samples_per_period)), 0);
+    if (n >= settle) sum += u * std::polar(1.0, -turn * (n % samples_per_period));
+  }
+  return sum * (2.0 / (periods * samples_per_period)) * Complex(0, 1);
+}
+
+TEST(FractionalPid, RunsWithTheResponseOfItsDesign) {
+  for (const double lambda : {0.3, 0.9, 1.0, 1.4}) {
+    for (const double mu : {0.4, 1.0, 1.5}) {
+      FractionalPidConfig config = usual(lambda, mu);
+      config.band = {5, 300};
+      FractionalPid<double> pid(config);
+      const FractionalPidDesign design(config);
+      const int period = 200;
+      const int settle = 20'000;  // the slowest pole lies near 1/s: e^-20
+      const Complex running = measured_response(pid, config.sample_time, period, settle, 10);
+      const Complex designed = design.response(2 * pi / (period * config.sample_time));
+      EXPECT_LT(std::abs(running / designed - 1.0), 1e-7) << lambda << " " << mu;
+    }
+  }
+}
+
+TEST(FractionalPid, DesignFollowsTheExactOperatorsOnTheBand) {
+  for (const double lambda : {0.1, 0.5, 0.9, 1.0, 1.1, 1.9}) {
+    for (const double mu : {0.1, 0.5, 0.9}) {
+      FractionalPidConfig config = usual(lambda, mu);
+      config.goal = frac::Tolerance{2e-4};
+      const FractionalPidDesign design(config);
+      EXPECT_EQ(design.note(), "");
+      EXPECT_LE(design.integral_error(), 2e-4);
+      EXPECT_LE(design.derivative_error(), 2e-4);
+      for (const double omega : {0.1, 1.0, 10.0, 60.0}) {
+        const Complex s(0, omega);
+        const Complex integral = 3.0 * std::pow(s, -lambda);
+        const Complex exact = 2.0 + integral + 0.05 * std::pow(s, mu);
+        // Filters within 2e-4; the trapezoidal rule is x^2/3 off, x = omega T/2.
+        const double x = omega * config.sample_time / 2;
+        const double allowed = 2e-4 * (std::abs(exact - 2.0) + 1) + std::abs(integral) * x * x / 2;
+        EXPECT_LT(std::abs(design.response(omega) - exact), allowed) << lambda << " " << mu << " " << omega;
+      }
+    }
+  }
+}
+
+TEST(FractionalPid, ErrorVanishesAtRestExactly) {
+  for (const double lambda : {0.4, 0.9, 1.3}) {
+    FractionalPidConfig config = usual(lambda, 0.5);
+    config.band = {5, 300};
+    FractionalPid<double> pid(config);
+    // Plant y' = u + 0.7 - y by its exact recursion.
+    double y = 0;
+    const double keep = std::exp(-config.sample_time);
+    for (int n = 0; n < 200'000; ++n) y = keep * y + (1 - keep) * (pid.step(2, y) + 0.7);
+    // The slowest pole of the filters lies a decade below the band, at 0.5 rad/s, and the slowest of the loop
+    // above half of that: 200 s leave e^-50.
+    EXPECT_NEAR(y, 2, 1e-12) << lambda;
+  }
+}
+
+struct Return {
+  double below;        // how far the output of the plant falls below the later set-point
+  int at_limit_after;  // samples for which the control stays at its limit after the change
+};
+
+// A plant of gain 1 and time constant 0.2 s is asked for `first`, then for 0.5; the control is limited to +-1.
+// With `fresh` the controller starts anew at the change.
+Return back_to_half(AntiWindup method, double lambda, double first, bool fresh = false) {
+  FractionalPidConfig config = usual(lambda, 0.5);
+  config.minimum = -1;
+  config.maximum = 1;
+  config.anti_windup = method;
+  FractionalPid<double> pid(config);
+  double y = 0;
+  const double keep = std::exp(-config.sample_time / 0.2);
+  const auto run = [&](double setpoint) { return y = keep * y + (1 - keep) * pid.step(setpoint, y); };
+  for (int n = 0; n < 100'000; ++n) run(first);
+  if (fresh) pid.reset(first, y);
+  Return result{0, 0};
+  bool left = false;
+  for (int n = 0; n < 20'000; ++n) {
+    run(0.5);
+    if (!left && pid.output() == 1) {
+      ++result.at_limit_after;
+    } else {
+      left = true;
+    }
+    result.below = std::max(result.below, 0.5 - y);
+  }
+  return result;
+}
+
+TEST(FractionalPid, ComesBackFromLongSaturationWithoutWindup) {
+  for (const double lambda : {0.6, 0.9, 1.0, 1.2}) {
+    // From 0.99 the control never saturates for long: what the loop does by itself.
+    const double natural = back_to_half(AntiWindup::none, lambda, 0.99).below;
+    // A controller whose proportional part alone saturates has integrated nothing yet.
+    const double uncharged = back_to_half(AntiWindup::none, lambda, 3, true).below;
+    const Return without = back_to_half(AntiWindup::none, lambda, 3);
+    EXPECT_GT(without.at_limit_after, 10'000) << lambda;
+    for (const AntiWindup method : {AntiWindup::back_calculation, AntiWindup::conditional_integration}) {
+      const Return result = back_to_half(method, lambda, 3);
+      EXPECT_LE(result.at_limit_after, 1) << lambda << " " << to_string(method);
+      const double own = method == AntiWindup::back_calculation ? natural : uncharged;
+      EXPECT_LT(result.below, own + 0.02) << lambda << " " << to_string(method);
+    }
+  }
+}
+
+TEST(FractionalPid, BackCalculationSolvesItsEquationWithinTheSample) {
+  FractionalPidConfig config = usual(1, 1);
+  config.gains.kd = 0;
+  config.maximum = 1;
+  config.tracking_time = 0.02;
+  FractionalPid<double> pid(config);
+  double integrator = 0, last = 0;
+  for (int n = 0; n < 500; ++n) {
+    const double error = n < 250 ? 1.5 : -0.5;
+    const double u = pid.step(error, 0);
+    // I' = ki e + (limit - sum)/Tt by the trapezoidal rule, the sum being that of this sample.
+    const double rate = 3 * error + (u - pid.unlimited_output()) / 0.02;
+    integrator += 0.5e-3 * (rate + last);
+    last = rate;
+    EXPECT_NEAR(pid.unlimited_output(), 2 * error + integrator, 1e-12);
+    EXPECT_EQ(pid.saturated(), u != pid.unlimited_output());
+  }
+}
+
+TEST(FractionalPid, RefusesWhatIsNotANumberAndGoesOnAsIfItHadNotBeen) {
+  FractionalPid<double> pid(usual());
+  FractionalPid<double> undisturbed(usual());
+  support::Random random(2);
+  double last = 0;
+  for (int n = 0; n < 1000; ++n) {
+    const double r = random.normal(), y = random.normal();
+    last = pid.step(r, y);
+    ASSERT_EQ(last, undisturbed.step(r, y));
+    ASSERT_FALSE(pid.bad_input());
+    for (const double bad : {nan, infinity, -infinity, 1e300}) {
+      EXPECT_EQ(pid.step(r, bad), last);
+      EXPECT_TRUE(pid.bad_input());
+      EXPECT_EQ(pid.step(bad, y), last);
+      EXPECT_TRUE(pid.bad_input());
+    }
+  }
+  pid.track(nan);
+  EXPECT_TRUE(pid.bad_input());
+  EXPECT_NE(pid.step(1, 0), 0);
+  EXPECT_TRUE(std::isfinite(pid.output()));
+}
+
+TEST(FractionalPid, TakesOverFromManualWithoutABump) {
+  FractionalPidConfig config = usual();
+  config.maximum = 5;
+  config.minimum = -5;
+  FractionalPid<double> pid(config);
+  double manual = 0;
+  for (int n = 0; n < 2000; ++n) {
+    manual = 2 * std::sin(1e-3 * n);
+    pid.track(manual);
+    EXPECT_EQ(pid.step(1, 0.3 * std::cos(2e-3 * n)), manual);
+  }
+  // The measurement moves by 6e-4 per sample; kp and the derivative answer with some hundredths, not with a jump.
+  EXPECT_NEAR(pid.step(1, 0.3 * std::cos(4.0)), manual, 0.05);
+  pid.track(7);
+  EXPECT_EQ(pid.step(1, 0), 5);
+}
+
+TEST(FractionalPid, RetuneGivesWhatRepeatedInputsWouldHaveGiven) {
+  for (const double lambda : {0.5, 1.0, 1.3}) {
+    for (const double mu : {0.3, 1.0, 1.4}) {
+      FractionalPid<double> pid(usual());
+      support::Random random(3);
+      double r = 0, y = 0;
+      for (int n = 0; n < 3000; ++n) {
+        r = n < 1000 ? 0 : 1;
+        y = std::sin(3e-3 * n) + 0.01 * random.normal();
+        (void)pid.step(r, y);
+      }
+      FractionalPid<double> as_before = pid;
+      FractionalPidConfig config = usual(lambda, mu);
+      config.gains.kp = 5;
+      config.gains.ki = 1;
+      config.gains.kd = 0.1;
+      config.setpoint_weight = 0.6;
+      config.derivative_setpoint_weight = 0;
+      config.goal = frac::PoleCount{7};
+      pid.retune(config);
+      const double expected = as_before.step(r, y);
+      EXPECT_NEAR(pid.step(r, y), expected, 1e-12 * (1 + std::abs(expected))) << lambda << " " << mu;
+    }
+  }
+}
+
+TEST(FractionalPid, RetuneInMotionCarriesTheHistoryOver) {
+  // Orders a little changed on a smooth path: a controller that had run with the new orders all along gives nearly the
+  // same increments afterwards; one that forgets would be off by the order of the increment itself.
+  const auto path = [](int n) { return std::sin(2e-3 * n); };
+  FractionalPid<double> changed(usual(0.70, 0.60));
+  FractionalPid<double> always(usual(0.72, 0.62));
+  FractionalPid<double> forgets(usual(0.72, 0.62));
+  for (int n = 0; n < 5000; ++n) {
+    (void)changed.step(0, path(n));
+    (void)always.step(0, path(n));
+  }
+  changed.retune(usual(0.72, 0.62));
+  forgets.track(always.output());
+  double moved = 0, missed = 0, lost = 0;
+  const double before = always.output(), before_changed = changed.output();
+  for (int n = 5000; n < 5500; ++n) {
+    const double expected = always.step(0, path(n)) - before;
+    const double got = changed.step(0, path(n)) - before_changed;
+    const double without = forgets.step(0, path(n)) - before;
+    moved = std::max(moved, std::abs(expected));
+    missed = std::max(missed, std::abs(got - expected));
+    lost = std::max(lost, std::abs(without - expected));
+  }
+  EXPECT_LT(missed, 0.02 * moved);
+  EXPECT_GT(lost, 0.1 * moved);
+}
+
+TEST(FractionalPid, ResetAtASignalStartsWithoutAKick) {
+  FractionalPidConfig config = usual(0.9, 1);
+  config.derivative_setpoint_weight = 0;
+  FractionalPid<double> pid(config);
+  (void)pid.step(1, 20);
+  pid.reset(20, 20);
+  EXPECT_EQ(pid.step(20, 20), 0);
+  pid.reset();
+  // The difference of 20 within 1 ms.
+  EXPECT_NEAR(pid.step(20, 20), -0.05 * 20 / 1e-3, 1e-9);
+}
+
+TEST(FractionalPid, ComputeCommandChecksTheStep) {
+  FractionalPid<double> pid(usual());
+  FractionalPid<double> same(usual());
+  for (int n = 0; n < 100; ++n) EXPECT_EQ(pid.compute_command(0.01 * n, 1e-3), same.step(0.01 * n, 0));
+  EXPECT_EQ(pid.dt_violations(), 0);
+  (void)pid.compute_command(0, 1.005e-3);
+  EXPECT_EQ(pid.dt_violations(), 0);
+  (void)pid.compute_command(0, 2e-3);
+  (void)pid.compute_command(0, nan);
+  EXPECT_EQ(pid.dt_violations(), 2);
+}
+
+// A sum of 10^7 equal increments in float, added plainly, stops growing at 2^24 increments' worth of digits.
+TEST(FractionalPid, IntegralDoesNotDriftInFloat) {
+  FractionalPidConfig config = usual(1, 1);
+  config.gains = {.kp = 0, .ki = 1, .kd = 0, .lambda = 1, .mu = 1};
+  FractionalPid<float> pid(config);
+  const int samples = 5'000'000;
+  for (int n = 0; n < samples; ++n) (void)pid.step(0.1F, 0);
+  const double exact = (samples - 0.5) * static_cast<double>(0.1F) * static_cast<double>(1e-3F);
+  EXPECT_NEAR(pid.output() / exact, 1, 4 * 6e-8);
+}
+
+TEST(FractionalPid, FloatFollowsDouble) {
+  FractionalPidConfig config = usual(0.7, 0.5);
+  config.minimum = -20;
+  config.maximum = 20;
+  FractionalPid<double> wide(config);
+  FractionalPid<float> narrow(config);
+  support::Random random(5);
+  double worst = 0;
+  for (int n = 0; n < 100'000; ++n) {
+    const auto r = static_cast<float>(n / 5000 % 2);
+    const auto y = static_cast<float>(0.5 * std::sin(1e-3 * n) + 0.01 * random.normal());
+    worst = std::max(worst, std::abs(wide.step(r, y) - static_cast<double>(narrow.step(r, y))));
+  }
+  // Rates and weights are rounded to 6e-8, some twenty of them, on outputs of up to 20.
+  EXPECT_LT(worst, 20 * 1e-5);
+}
+
+TEST(FractionalPid, StatesThatDieOutAreFlushed) {
+  FractionalPidConfig config = usual(0.7, 0.5);
+  config.derivative_filter_time = 0.01;
+  config.band = {50, 300};
+  FractionalPid<float> pid(config);
+  (void)pid.step(1, 0);
+  for (int n = 0; n < 20'000; ++n) (void)pid.step(0, 0);
+  std::feclearexcept(FE_ALL_EXCEPT);
+  for (int n = 0; n < 20'000; ++n) (void)pid.step(0, 0);
+  EXPECT_EQ(std::fetestexcept(FE_UNDERFLOW), 0);
+}
+
+TEST(FractionalPid, BandMeetingNyquistIsCutWithAStatementOrRefused) {
+  FractionalPidConfig config = usual();
+  config.band = {0.1, 1e6};
+  const FractionalPidDesign design(config);
+  EXPECT_NE(design.note().find("cut from 1e+06 to 1.57e+03 rad/s"), std::string::npos) << design.note();
+  EXPECT_NEAR(design.config().band.upper, pi / (2 * 1e-3), 1e-9);
+  config.band = {1500, 1e6};
+  EXPECT_NE(frac::validate(config).find("begins where sample time 0.001 s ends"), std::string::npos)
+      << frac::validate(config);
+}
+
+TEST(FractionalPid, SaysWhatIsWrongWithAConfiguration) {
+  const auto expect_refusal = [](auto change, const std::string& part) {
+    FractionalPidConfig config = usual();
+    change(config);
+    const std::string why = frac::validate(config);
+    EXPECT_NE(why.find(part), std::string::npos) << why;
+    std::string same;
+    EXPECT_FALSE(FractionalPid<double>::try_make(config, same));
+    EXPECT_EQ(same, why);
+    support::expect_invalid_argument([&] { FractionalPid<float> pid(config); }, {part});
+  };
+  expect_refusal([](auto& c) { c.gains.kp = nan; }, "kp = nan");
+  expect_refusal([](auto& c) { c.gains.ki = infinity; }, "ki = inf");
+  expect_refusal([](auto& c) { c.gains.lambda = 0; }, "lambda = 0; allowed is above 0 and below 2");
+  expect_refusal([](auto& c) { c.gains.mu = 2; }, "mu = 2");
+  expect_refusal([](auto& c) { c.sample_time = 0; }, "sample_time = 0 s");
+  expect_refusal([](auto& c) { c.band = {}; }, "band = 0 to 0 rad/s");
+  expect_refusal([](auto& c) { c.band = {3, 1}; }, "band = 3 to 1 rad/s");
+  expect_refusal([](auto& c) { c.minimum = c.maximum = 1; }, "limits = 1 to 1");
+  expect_refusal([](auto& c) { c.maximum = nan; }, "limits");
+  expect_refusal([](auto& c) { c.tracking_time = -1; }, "tracking_time = -1 s");
+  expect_refusal([](auto& c) { c.derivative_filter_time = nan; }, "derivative_filter_time = nan s");
+  expect_refusal([](auto& c) { c.setpoint_weight = infinity; }, "setpoint_weight = inf");
+  expect_refusal([](auto& c) { c.goal = frac::Tolerance{2}; }, "tolerance");
+  expect_refusal([](auto& c) { c.goal = frac::PoleCount{0}; }, "poles = 0");
+  expect_refusal([](auto& c) { c.goal = frac::PoleCount{100}; }, "sections are needed; allowed are up to 64");
+  expect_refusal([](auto& c) { c.discretisation = Discretisation::grunwald_letnikov; }, "grunwald-letnikov");
+  EXPECT_EQ(frac::validate(usual()), "");
+  std::string why;
+  EXPECT_TRUE(FractionalPid<double>::try_make(usual(), why));
+}
+
+TEST(FractionalPid, AntiWindupNamesReadBack) {
+  for (const auto method : {AntiWindup::none, AntiWindup::back_calculation, AntiWindup::conditional_integration})
+    EXPECT_EQ(frac::anti_windup(to_string(method)), method);
+  support::expect_invalid_argument([] { (void)frac::anti_windup("clamp"); }, {"clamp", "back-calculation"});
+}
+
+}  // namespace

@@ -1,0 +1,146 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "run_program.hpp"
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Complex = std::complex<double>;
+
+const std::vector<std::string> pid{"controller", "--kp", "2",   "--ki",          "3",    "--kd",   "0.05",   "--lambda",
+                                   "0.8",        "--mu", "0.6", "--sample-time", "1e-3", "--band", "0.1:300"};
+
+std::vector<std::string> with(std::vector<std::string> arguments, const std::vector<std::string>& more) {
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+Json json_of(const std::vector<std::string>& arguments) {
+  const auto result = run_fracfit(arguments);
+  EXPECT_EQ(result.code, 0) << result.error;
+  return Json::parse(result.output);
+}
+
+Complex sections_response(const Json& part, Complex delta) {
+  Complex value = part["direct"].get<double>();
+  for (const Json& section : part["sections"])
+    value += section["weight"].get<double>() * (part["output"] == "state" ? 1.0 : delta) /
+             (delta + section["rate"].get<double>());
+  return value;
+}
+
+TEST(Controller, SectionsOfTheJsonMakeTheController) {
+  const Json json = json_of(with(pid, {"--tolerance", "1e-4"}));
+  EXPECT_EQ(json["kind"], "fractional-pid");
+  EXPECT_EQ(json["note"], "");
+  EXPECT_LE(json["integral"]["max_relative_error"].get<double>(), 1e-4);
+  for (const double omega : {0.1, 1.0, 10.0, 50.0}) {
+    const Complex s(0, omega);
+    const Complex delta = std::polar(1.0, omega * 1e-3) - 1.0;
+    const Complex value = 2.0 + 3.0 * sections_response(json["integral"], delta) * 1e-3 * (0.5 + 1.0 / delta) +
+                          0.05 * sections_response(json["derivative"], delta);
+    const Complex exact = 2.0 + 3.0 * std::pow(s, -0.8) + 0.05 * std::pow(s, 0.6);
+    // Filters within 1e-4, the trapezoidal rule (omega T)^2/12 = 2e-4 at 50 rad/s.
+    EXPECT_LT(std::abs(value / exact - 1.0), 3e-4) << omega;
+  }
+}
+
+TEST(Controller, CommandInTheOutputMakesItAgain) {
+  const Json json = json_of(with(pid, {"--poles", "5", "--min", "-1", "--max", "2"}));
+  EXPECT_EQ(json["integral"]["sections"].size() >= 5, true);
+  EXPECT_EQ(json["minimum"], -1);
+  const std::string command = json["command"];
+  std::vector<std::string> words;
+  std::string word;
+  for (const char c : command + " ") {
+    if (c != ' ') {
+      word += c;
+    } else {
+      words.push_back(word);
+      word.clear();
+    }
+  }
+  words.erase(words.begin());
+  EXPECT_EQ(json_of(words), json);
+}
+
+TEST(Controller, CCodeCompilesByItselfAndRuns) {
+  if (std::system("cc --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "no C compiler";
+  for (const char* precision : {"double", "float"}) {
+    const TemporaryFolder folder;
+    const std::string header = folder.path("pid.h");
+    const auto result = run_fracfit(
+        with(pid, {"--max", "2.5", "--min", "-2.5", "--name", "pid", "--precision", precision, "--out", header}));
+    ASSERT_EQ(result.code, 0) << result.error;
+    EXPECT_NE(content_of(header).find("fracfit controller --kp 2 --ki 3"), std::string::npos);
+    folder.write(
+        "main.c",
+        "#include <stdio.h>\n#include \"pid.h\"\nint main(void)\n{\n  pid_state pid;\n  int n;\n  double y = 0;\n"
+        "  pid_init(&pid);\n  for (n = 0; n < 200000; ++n) y += 1e-3 * ((double)pid_step(&pid, 1, (" +
+            std::string(precision) +
+            ")y) - y);\n  printf(\"%.3f\\n\", y);\n  pid_track(&pid, 1);\n  "
+            "pid_reset(&pid);\n  return 0;\n}\n");
+    const std::string run = folder.path("run");
+    const std::string compile = "cc -std=c99 -Wall -Wextra -Werror -pedantic -o " + run + " " + folder.path("main.c") +
+                                " && " + run + " >" + folder.path("printed");
+    ASSERT_EQ(std::system(compile.c_str()), 0);
+    // The integral brings the plant 1/(s + 1) to the set-point.
+    EXPECT_EQ(content_of(folder.path("printed")), "1.000\n");
+  }
+}
+
+TEST(Controller, ModelsBecomeFilters) {
+  const Json plant = json_of({"controller", "--model", "1/(0.8 s^2.2 + 0.5 s^0.9 + 1)", "--sample-time", "0.01"});
+  EXPECT_EQ(plant["kind"], "filter");
+  EXPECT_EQ(plant["pairs"].size(), 1);
+  const Json power = json_of({"controller", "--model", "2 s^0.5", "--sample-time", "1e-3", "--band", "0.1:300"});
+  const Complex delta = std::polar(1.0, 0.01) - 1.0;
+  EXPECT_LT(std::abs(sections_response(power, delta) / (2.0 * std::pow(Complex(0, 10), 0.5)) - 1.0), 1e-3);
+  const auto c = run_fracfit({"controller", "--model", "1/(s^0.5 + 1)", "--sample-time", "0.01", "--format", "c"});
+  EXPECT_EQ(c.code, 0) << c.error;
+  EXPECT_NE(c.output.find("static inline double filter_step(filter_state *s, double sample)"), std::string::npos);
+}
+
+TEST(Controller, TableIsForPeopleAndNotesAreSaid) {
+  const auto table = run_fracfit(with(pid, {"--format", "table"}));
+  EXPECT_EQ(table.code, 0) << table.error;
+  for (const char* part : {"2 + 3/s^0.8 + 0.05 s^0.6, every 0.001 s", "anti-windup back-calculation"})
+    EXPECT_NE(table.output.find(part), std::string::npos) << part << " in:\n" << table.output;
+  const auto cut =
+      run_fracfit({"controller", "--ki", "3", "--lambda", "0.5", "--sample-time", "0.1", "--band", "0.1:1e4"});
+  EXPECT_EQ(cut.code, 0);
+  EXPECT_NE(cut.error.find("cut from 1e+04 to 15.7 rad/s"), std::string::npos) << cut.error;
+}
+
+TEST(Controller, WrongUsageIsNamed) {
+  const auto expect_refusal = [](const std::vector<std::string>& arguments, const std::string& part) {
+    const auto result = run_fracfit(arguments);
+    EXPECT_EQ(result.code, 2);
+    EXPECT_EQ(result.output, "");
+    EXPECT_NE(result.error.find(part), std::string::npos) << result.error;
+  };
+  expect_refusal({"controller", "--kp", "1"}, "--sample-time is required");
+  expect_refusal({"controller", "--sample-time", "1"}, "at least one of --kp");
+  expect_refusal({"controller", "--ki", "1", "--lambda", "0.5", "--sample-time", "1"}, "--band is required");
+  expect_refusal(with(pid, {"--tolerance", "1e-3", "--poles", "4"}), "not both");
+  expect_refusal(with(pid, {"--max", "x"}), "--max 'x'");
+  expect_refusal(with(pid, {"--max", "-1", "--min", "1"}), "limits = 1 to -1");
+  expect_refusal(with(pid, {"--anti-windup", "clamp"}), "anti-windup \"clamp\"");
+  expect_refusal(with(pid, {"--precision", "half", "--format", "c"}), "precision \"half\"");
+  expect_refusal(with(pid, {"--name", "9", "--format", "c"}), "C name \"9\"");
+  expect_refusal(with(pid, {"--model", "1/s"}), "not both");
+  expect_refusal({"controller", "--kp", "1", "--lambda", "2", "--sample-time", "1"}, "lambda = 2");
+  expect_refusal({"controller", "--ki", "1", "--lambda", "0.5", "--sample-time", "1", "--band", "5:9"},
+                 "begins where sample time 1 s ends");
+  expect_refusal({"controller", "--model", "s^0.5", "--sample-time", "1"}, "--band is required for a power");
+  expect_refusal({"controller", "--model", "s + 1", "--sample-time", "1"}, "proper");
+  expect_refusal({"controller", "--model", "1/(s + 1)", "--sample-time", "1", "--band", "1:2"}, "--band belongs");
+}
+
+}  // namespace

@@ -1,0 +1,153 @@
+#include "controller_output.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "aligned_table.hpp"
+#include "io/sweep_file.hpp"
+
+namespace fracfit {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+const char* output_name(frac::SectionOutput output) {
+  return output == frac::SectionOutput::state ? "state" : "change";
+}
+
+constexpr const char* recursion =
+    "per section v += x - rate v; y = direct x + sum weight v (output: state) or direct x + sum weight (x - rate v) "
+    "(output: change), v from before the update";
+
+template <typename Rates>
+Json sections_json(const Rates& rates, const Rates& weights, std::size_t count) {
+  Json sections = Json::array();
+  for (std::size_t i = 0; i < count; ++i) {
+    sections.push_back({{"rate", number(rates[i])}, {"weight", number(weights[i])}});
+  }
+  return sections;
+}
+
+Json operator_json(const frac::PidOperator& design, double order, double error) {
+  return {{"filter_order", number(order)},
+          {"output", output_name(design.output)},
+          {"direct", number(design.direct)},
+          {"sections", sections_json(design.rates, design.weights, design.sections)},
+          {"max_relative_error", number(error)}};
+}
+
+double derivative_filter_order(const frac::FractionalPidGains& gains) {
+  return gains.kd == 0 ? 0 : gains.mu < 1 ? gains.mu : gains.mu - 1;
+}
+
+std::string formula(const frac::FractionalPidGains& gains) {
+  return short_number(gains.kp) + " + " + short_number(gains.ki) + "/s^" + short_number(gains.lambda) + " + " +
+         short_number(gains.kd) + " s^" + short_number(gains.mu);
+}
+
+bool has_band(const frac::FractionalPidDesign& design) {
+  return design.integral().sections + design.derivative().sections > 0;
+}
+
+}  // namespace
+
+std::string controller_json(const frac::FractionalPidDesign& design, const std::string& command) {
+  const frac::FractionalPidConfig& config = design.config();
+  const frac::FractionalPidGains& gains = config.gains;
+  Json json{{"fracfit", io::version()}, {"command", command}, {"kind", "fractional-pid"}};
+  json["gains"] = {{"kp", number(gains.kp)},
+                   {"ki", number(gains.ki)},
+                   {"kd", number(gains.kd)},
+                   {"lambda", number(gains.lambda)},
+                   {"mu", number(gains.mu)}};
+  json["sample_time"] = number(config.sample_time);
+  json["band"] = has_band(design) ? Json{{"lower", number(config.band.lower)}, {"upper", number(config.band.upper)}}
+                                  : Json(nullptr);
+  json["discretisation"] = frac::to_string(config.discretisation);
+  json["note"] = design.note();
+  json["recursion"] = recursion;
+  json["integral"] = operator_json(design.integral(), gains.ki == 0 ? 0 : 1 - gains.lambda, design.integral_error());
+  json["integral"]["then"] = "trapezoidal integrator T/2 (z + 1)/(z - 1)";
+  const Json before = gains.mu < 1 ? "lag by the backward rule, y += T/(Tf + T) (x - y)"
+                                   : "backward difference with lag, y_n = (Tf y_(n-1) + x_n - x_(n-1))/(Tf + T)";
+  json["derivative"] = operator_json(design.derivative(), derivative_filter_order(gains), design.derivative_error());
+  json["derivative"]["after"] = before;
+  json["derivative"]["filter_time"] = number(config.derivative_filter_time);
+  json["setpoint_weight"] = number(config.setpoint_weight);
+  json["derivative_setpoint_weight"] = number(config.derivative_setpoint_weight);
+  json["minimum"] = number(config.minimum);
+  json["maximum"] = number(config.maximum);
+  json["anti_windup"] = {{"method", frac::to_string(config.anti_windup)},
+                         {"tracking_time", design.tracking_time() > 0 ? number(design.tracking_time()) : nullptr}};
+  json["max_relative_error"] = number(design.error());
+  json["omega_at_max_relative_error"] = number(design.omega_at_error());
+  return json.dump(2) + "\n";
+}
+
+std::string filter_json(const frac::DigitalFilterDesign& design, const std::string& model, double error,
+                        const std::string& command) {
+  Json json{{"fracfit", io::version()}, {"command", command}, {"kind", "filter"}, {"model", model}};
+  json["sample_time"] = number(design.sample_time);
+  json["recursion"] = recursion;
+  json["dead_samples"] = design.dead_samples;
+  json["differences"] = design.differences;
+  json["output"] = output_name(design.sections.output);
+  json["direct"] = number(design.sections.direct);
+  json["sections"] = sections_json(design.sections.rates, design.sections.weights, design.sections.rates.size());
+  json["pairs"] = Json::array();
+  for (std::size_t i = 0; i < design.pair_rates.size(); ++i) {
+    json["pairs"].push_back(
+        {{"rate", {number(design.pair_rates[i].real()), number(design.pair_rates[i].imag())}},
+         {"weight", {number(design.pair_weights[i].real()), number(design.pair_weights[i].imag())}}});
+  }
+  json["integrators"] = design.integrators;
+  json["integrator_rule"] = design.rule == frac::IntegratorRule::held ? "held" : "trapezoidal";
+  json["max_relative_error"] = number(error);
+  return json.dump(2) + "\n";
+}
+
+std::string controller_table(const frac::FractionalPidDesign& design) {
+  const frac::FractionalPidConfig& config = design.config();
+  std::string text = formula(config.gains) + ", every " + short_number(config.sample_time) + " s\n\n";
+  AlignedTable table({"", "filter", "sections", "largest error"});
+  table.add({"integral", "s^" + short_number(config.gains.ki == 0 ? 0 : 1 - config.gains.lambda),
+             std::to_string(design.integral().sections), short_number(design.integral_error())});
+  table.add({"derivative", "s^" + short_number(derivative_filter_order(config.gains)),
+             std::to_string(design.derivative().sections), short_number(design.derivative_error())});
+  text += table.text() + "\n";
+  if (has_band(design)) {
+    text += "band " + short_number(config.band.lower) + " .. " + short_number(config.band.upper) + " rad/s, " +
+            std::string(frac::to_string(config.discretisation)) + "\n";
+  }
+  if (std::isfinite(design.error())) {
+    text += "whole controller within " + short_number(design.error()) + " relative, worst at " +
+            short_number(design.omega_at_error()) + " rad/s\n";
+  }
+  text += "anti-windup " + std::string(frac::to_string(config.anti_windup));
+  if (design.tracking_time() > 0) text += ", tracking time " + short_number(design.tracking_time()) + " s";
+  text += "\n";
+  return design.note().empty() ? text : text + design.note() + "\n";
+}
+
+std::string filter_table(const frac::DigitalFilterDesign& design, const std::string& model, double error) {
+  std::string text = model + ", every " + short_number(design.sample_time) + " s\n" +
+                     std::to_string(design.sections.rates.size()) + " sections, " +
+                     std::to_string(design.pair_rates.size()) + " complex pairs, " +
+                     std::to_string(design.differences) + " differences, " + std::to_string(design.integrators) +
+                     " integrators, " + std::to_string(design.dead_samples) + " samples of dead time\n";
+  if (std::isfinite(error)) text += "largest relative error on the band " + short_number(error) + "\n";
+  return text;
+}
+
+std::string controller_comment(const frac::FractionalPidDesign& design, const std::string& command) {
+  std::string text = "Fractional PID, " + formula(design.config().gains) + ", every " +
+                     short_number(design.config().sample_time) + " s, written by fracfit " +
+                     std::string(io::version()) + ":\n  " + command;
+  return design.note().empty() ? text : text + "\n" + design.note();
+}
+
+}  // namespace fracfit
