@@ -5,7 +5,6 @@
 #include <cmath>
 #include <complex>
 #include <cstdio>
-#include <limits>
 #include <map>
 #include <optional>
 #include <stdexcept>
@@ -13,6 +12,7 @@
 
 #include "backlash/static_backlash.hpp"
 #include "frac/identification/identify.hpp"
+#include "frac/identification/statistics.hpp"
 
 namespace backlash {
 namespace {
@@ -161,14 +161,6 @@ StaticScene fit_static(const std::vector<ComparedCurve>& curves, const SceneIden
   return {std::exp(best[0]), std::exp(best[1]), std::size_t{free_mass} + std::size_t{!clearance}};
 }
 
-// n ln(cost/n) + 2 k + 2 k (k + 1)/(n - k - 1), k with the variance (Hurvich, Tsai 1989).  Costs below `floor` are
-// rounding.
-double aicc(double cost, double residuals, std::size_t parameters, double floor) {
-  const double k = static_cast<double>(parameters) + 1;
-  if (!(residuals > k + 1)) return std::numeric_limits<double>::infinity();
-  return residuals * std::log(std::max(cost, floor) / residuals) + 2 * k + 2 * k * (k + 1) / (residuals - k - 1);
-}
-
 struct Total {
   Explanation explanation;
   double cost = 0;
@@ -267,13 +259,14 @@ SceneComparison compare_explanations(const std::vector<MeasuredDescribingFunctio
     if (total.curves != compared.size()) continue;
     if (total.explanation == Explanation::two_masses) total.free_parameters = identification.free_parameters;
     if (total.explanation == Explanation::static_backlash) total.free_parameters = static_scene->free_parameters;
-    const ExplanationFit fit{total.explanation,
-                             name,
-                             total.cost,
-                             std::sqrt(total.cost / residuals),
-                             total.free_parameters,
-                             aicc(total.cost, residuals, total.free_parameters, 1e-30 * unit),
-                             0};
+    const ExplanationFit fit{
+        total.explanation,
+        name,
+        total.cost,
+        std::sqrt(total.cost / residuals),
+        total.free_parameters,
+        frac::information_criteria(total.cost, result.residuals, total.free_parameters, 1e-30 * unit).aicc,
+        0};
     const auto rival = std::find_if(result.ranking.begin(), result.ranking.end(),
                                     [&](const ExplanationFit& other) { return other.explanation == fit.explanation; });
     if (rival == result.ranking.end()) {

@@ -10,6 +10,7 @@
 #include "detail/exact_power.hpp"
 #include "detail/number_text.hpp"
 #include "digital/gain_correction.hpp"
+#include "digital/power_design.hpp"
 #include "digital/section_form.hpp"
 #include "frac/grunwald_letnikov.hpp"
 
@@ -239,42 +240,56 @@ Complex DigitalPower::response(double omega) const {
   return value;
 }
 
+DigitalPower detail::power_in_sections(const SplitOrder& split, FrequencyBand band, ApproximationGoal goal,
+                                       double sample_time, Discretisation method, ApproximationMethod approximation,
+                                       double most_gain) {
+  const double order = split.fractional + split.differences - split.integrators;
+  check_power(order, band, sample_time, method, 1);
+  DigitalPower result{.order = order, .band = band, .sample_time = sample_time, .method = method};
+  result.prototype =
+      approximate(split.fractional, warped(band, sample_time, method), prototype_goal(goal, method), approximation);
+  check_system(result.prototype.system);
+  result.differences = split.differences;
+  result.integrators = split.integrators;
+  const SectionForm form(result.prototype.system, sample_time, slope_of(method));
+  // What the trapezoidal rule leaves is of the same kind as what the bilinear one does.
+  const double gain_order = split.fractional - split.integrators;
+  GainCorrection correction;
+  if (method == Discretisation::direct) {
+    const double edge = band.upper * sample_time / 2;
+    const auto* tolerance = std::get_if<Tolerance>(&goal);
+    const double allowed = tolerance != nullptr ? tolerance->value * correction_share
+                                                : std::max(0.3 * result.prototype.error.max_relative, 1e-12);
+    std::vector<double> occupied;
+    for (const double pole : result.prototype.system.poles) occupied.push_back(-pole * sample_time / 2);
+    correction = gain_correction({gain_order, split.differences}, edge, allowed, most_gain, occupied);
+  } else if (method == Discretisation::tustin_prewarped) {
+    const double x = band.upper * sample_time / 2;
+    correction.constant = std::pow(x / std::tan(x), gain_order);
+  }
+  result.cascade = form.cascade();
+  result.correction = sections_of(correction);
+  result.parallel = form.times(correction);
+  measure(result);
+  conclude(result, goal);
+  return result;
+}
+
 DigitalPower digital_power(double order, FrequencyBand band, ApproximationGoal goal, double sample_time,
                            Discretisation method, ApproximationMethod approximation, std::size_t memory_length,
                            double most_gain) {
   check_power(order, band, sample_time, method, memory_length);
   const double whole = std::trunc(order);
-  const double fractional = order - whole;
-  DigitalPower result{.order = order, .band = band, .sample_time = sample_time, .method = method};
-  result.prototype =
-      approximate(fractional, warped(band, sample_time, method), prototype_goal(goal, method), approximation);
-  if (method == Discretisation::grunwald_letnikov) {
-    result.taps = grunwald_letnikov_weights(order, memory_length);
-    const double scale = std::pow(sample_time, -order);
-    for (double& tap : result.taps) tap *= scale;
-  } else {
-    check_system(result.prototype.system);
-    result.differences = static_cast<int>(std::max(whole, 0.0));
-    result.integrators = static_cast<int>(std::max(-whole, 0.0));
-    const detail::SectionForm form(result.prototype.system, sample_time, slope_of(method));
-    detail::GainCorrection correction;
-    if (method == Discretisation::direct) {
-      const double edge = band.upper * sample_time / 2;
-      const auto* tolerance = std::get_if<Tolerance>(&goal);
-      const double allowed = tolerance != nullptr ? tolerance->value * correction_share
-                                                  : std::max(0.3 * result.prototype.error.max_relative, 1e-12);
-      std::vector<double> occupied;
-      for (const double pole : result.prototype.system.poles) occupied.push_back(-pole * sample_time / 2);
-      correction = detail::gain_correction({fractional - result.integrators, result.differences}, edge, allowed,
-                                           most_gain, occupied);
-    } else if (method == Discretisation::tustin_prewarped) {
-      const double x = band.upper * sample_time / 2;
-      correction.constant = std::pow(x / std::tan(x), fractional - result.integrators);
-    }
-    result.cascade = form.cascade();
-    result.correction = detail::sections_of(correction);
-    result.parallel = form.times(correction);
+  if (method != Discretisation::grunwald_letnikov) {
+    const detail::SplitOrder split{order - whole, static_cast<int>(std::max(whole, 0.0)),
+                                   static_cast<int>(std::max(-whole, 0.0))};
+    return detail::power_in_sections(split, band, goal, sample_time, method, approximation, most_gain);
   }
+  DigitalPower result{.order = order, .band = band, .sample_time = sample_time, .method = method};
+  result.prototype = approximate(order - whole, band, goal, approximation);
+  result.taps = grunwald_letnikov_weights(order, memory_length);
+  const double scale = std::pow(sample_time, -order);
+  for (double& tap : result.taps) tap *= scale;
   measure(result);
   conclude(result, goal);
   return result;

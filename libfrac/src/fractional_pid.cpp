@@ -235,17 +235,20 @@ void FractionalPid<Real>::reset() noexcept {
 
 template <typename Real>
 void FractionalPid<Real>::reset(Real setpoint, Real measured) noexcept {
-  if (!is_sound(setpoint) || !is_sound(measured)) {
+  const Real input = c_.derivative_setpoint_weight * setpoint - measured;
+  if (!is_sound(input)) {
     bad_input_ = true;
     return;
   }
   integral_.rest_at(0);
   integrator_ = integrator_lost_ = 0;
-  lag_ = c_.derivative_setpoint_weight * setpoint - measured;
+  lag_ = input;
   derivative_.rest_at(c_.differentiates ? 0 : lag_);
   is_tracking_ = false;
   last_ = {};
-  output_ = unlimited_ = proportional_ = integral_part_ = derivative_part_ = 0;
+  unlimited_ = proportional_ = integral_part_ = derivative_part_ = 0;
+  // What a first input that is refused leaves standing obeys the limits too.
+  output_ = std::clamp(Real(0), c_.minimum, c_.maximum);
   saturated_ = bad_input_ = false;
 }
 
@@ -268,6 +271,8 @@ void FractionalPid<Real>::adopt(const FractionalPidDesign& design) noexcept {
     derivative_.rest_at(now);
   }
   integrator_ += before.sum - parts(last_).sum;
+  output_ = std::clamp(output_, c_.minimum, c_.maximum);
+  track_output_ = std::clamp(track_output_, c_.minimum, c_.maximum);
 }
 
 template struct PidCoefficients<float>;

@@ -8,8 +8,9 @@
 
 #include "detail/exponential_sum.hpp"
 #include "detail/filter_bank.hpp"
-#include "detail/inverse_laplace.hpp"
+#include "detail/laplace_image.hpp"
 #include "detail/number_text.hpp"
+#include "detail/phi_functions.hpp"
 #include "detail/power_sum.hpp"
 #include "detail/sample_checks.hpp"
 #include "frac/grunwald_letnikov.hpp"
@@ -26,10 +27,6 @@ using detail::order_at_infinity;
 std::size_t integrators(const FractionalTransferFunction& model) {
   const double order = model.numerator().back().order - model.denominator().back().order;
   return order <= -1 ? static_cast<std::size_t>(std::floor(-order)) : 0;
-}
-
-FractionalTransferFunction times_power(const FractionalTransferFunction& model, double order) {
-  return {detail::scaled(model.numerator(), 1, order), model.denominator()};
 }
 
 struct Design {
@@ -76,30 +73,34 @@ Design design(const FractionalTransferFunction& model, double sample_time, doubl
   }
   const double theta = 1 - fraction;
 
-  const FractionalTransferFunction core = times_power({model.numerator(), model.denominator()}, static_cast<double>(m));
-  const auto step_response = [&core](double extra_integrations) {
-    return detail::InverseLaplace({core.numerator(), detail::scaled(core.denominator(), 1, 1 + extra_integrations)});
-  };
-  const detail::InverseLaplace response = step_response(0);
-  const detail::LaplaceImage& step = response.image();
+  const detail::LaplaceImage step(detail::scaled(model.numerator(), 1, static_cast<double>(m)),
+                                  detail::scaled(model.denominator(), 1, 1));
   if (!step.poles().complete) throw std::domain_error("respond: the poles of the model could not be counted");
-  const double latest = horizon * sample_time;
-  double size = 0;
-  for (const double t : {latest, latest / 3, latest / 20}) {
-    const double value = std::abs(response(t).value);
-    if (std::isfinite(value)) size = std::max(size, value);
-  }
-  const std::vector<detail::Exponential> terms =
-      detail::exponential_sum(step, theta * sample_time, latest, tolerance, size);
-
   const std::size_t channels = m + (hold == Hold::first_order ? 2 : 1);
-  std::vector<double> now;
+  const double read = theta * sample_time;
+  const detail::ExponentialSum sum = detail::exponential_sum(step, read, horizon * sample_time, tolerance, m, channels);
+
+  // The output at the reading instant to (t/T)^i/i! from rest.
+  std::vector<double> now(channels, 0.0);
   for (std::size_t i = 0; i < channels; ++i) {
-    const auto power = static_cast<double>(i);
-    const double value = i == 0 ? response(theta * sample_time).value : step_response(power)(theta * sample_time).value;
-    now.push_back(value / std::pow(sample_time, power));
+    double factor = 1;  // T^-i t^(i-j)/(i-j)!, from j = i down
+    for (std::size_t k = 0; k < i; ++k) factor /= sample_time;
+    for (std::size_t j = i + 1; j-- > 0;) {
+      now[i] += factor * sum.constants[j];
+      factor *= read / static_cast<double>(i - j + 1);
+    }
   }
-  return {m, channels, direct, static_cast<std::size_t>(whole), theta, FilterBank(terms, sample_time, theta, now)};
+  std::vector<std::complex<double>> phis(channels);
+  for (const detail::Exponential& term : sum.terms) {
+    const std::complex<double> z = term.rate * read;
+    detail::phi(z, phis);
+    double factor = 1;  // theta^i
+    for (std::size_t i = 0; i < channels; ++i, factor *= theta) {
+      const std::complex<double> response = i == 0 ? detail::expm1(z) : z * phis[i];
+      now[i] += factor * (term.weight * response).real();
+    }
+  }
+  return {m, channels, direct, static_cast<std::size_t>(whole), theta, FilterBank(sum.terms, sample_time, theta, now)};
 }
 
 }  // namespace
@@ -108,7 +109,7 @@ struct ResponseFilter::Filter {
   Filter(const FractionalTransferFunction& model, double sample_time, double tolerance, Hold hold_, double horizon)
       : hold(hold_),
         now(design(model, sample_time, tolerance, hold_, horizon)),
-        gamma(now.channels * FilterBank::block, 0) {
+        gamma(FilterBank::together * now.channels * FilterBank::block, 0) {
     scale = std::pow(sample_time, static_cast<double>(now.integrators));
     waiting.reserve(now.dead);
   }
@@ -153,35 +154,49 @@ struct ResponseFilter::Filter {
     return y;
   }
 
+  // What the bank takes of one block, and from `latest` on the next; jumps, where there are any, go to the output.
+  void fill_block(const double* next, double* to, double* jumps) {
+    constexpr std::size_t block = FilterBank::block;
+    if (jumps != nullptr) {
+      jumps[0] = now.direct * (next[0] - latest);
+      for (std::size_t i = 1; i < block; ++i) jumps[i] = now.direct * (next[i] - next[i - 1]);
+    }
+    if (now.integrators > 0) {
+      for (std::size_t i = 0; i < block; ++i) {
+        fill(next[i], to + i, block);
+        advance(next[i], to + i, block);
+      }
+      return;
+    }
+    to[0] = latest;
+    std::copy(next, next + block - 1, to + 1);
+    latest = next[block - 1];
+    if (hold == Hold::first_order) {
+      for (std::size_t i = 0; i < block; ++i) to[block + i] = next[i] - to[i];
+    }
+  }
+
   void take(std::span<const double> samples, double* output) {
     constexpr std::size_t block = FilterBank::block;
+    constexpr std::size_t together = FilterBank::together;
+    const bool has_jumps = now.theta == 1 && hold == Hold::zero_order && now.direct != 0;
+    double jumps[together * block];
     std::size_t k = 0;
     if (!started && !samples.empty()) output[k++] = take(samples[0]);
-    for (; k + block <= samples.size(); k += block) {
-      const double* next = &samples[k];
-      double jumps[block];
-      const bool has_jumps = now.theta == 1 && hold == Hold::zero_order && now.direct != 0;
-      if (has_jumps) {
-        jumps[0] = now.direct * (next[0] - latest);
-        for (std::size_t i = 1; i < block; ++i) jumps[i] = now.direct * (next[i] - next[i - 1]);
+    while (k + block <= samples.size()) {
+      const std::size_t blocks = k + together * block <= samples.size() ? together : 1;
+      for (std::size_t b = 0; b < blocks; ++b) {
+        fill_block(&samples[k + b * block], &gamma[b * now.channels * block], has_jumps ? jumps + b * block : nullptr);
       }
-      if (now.integrators == 0) {
-        gamma[0] = latest;
-        std::copy(next, next + block - 1, &gamma[1]);
-        latest = next[block - 1];
-        if (hold == Hold::first_order) {
-          for (std::size_t i = 0; i < block; ++i) gamma[block + i] = next[i] - gamma[i];
-        }
+      if (blocks == together) {
+        now.bank.run_blocks(gamma.data(), output + k);
       } else {
-        for (std::size_t i = 0; i < block; ++i) {
-          fill(next[i], &gamma[i], block);
-          advance(next[i], &gamma[i], block);
-        }
+        now.bank.run_block(gamma.data(), output + k);
       }
-      now.bank.run_block(gamma.data(), output + k);
       if (has_jumps) {
-        for (std::size_t i = 0; i < block; ++i) output[k + i] += jumps[i];
+        for (std::size_t i = 0; i < blocks * block; ++i) output[k + i] += jumps[i];
       }
+      k += blocks * block;
     }
     for (; k < samples.size(); ++k) output[k] = take(samples[k]);
   }

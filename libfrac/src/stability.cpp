@@ -134,7 +134,6 @@ ClosedLoopStability analyse_closed_loop(const FractionalTransferFunction& loop) 
     return detail::ValueAndSlope{d.value * own + n.value * late,
                                  d.slope * own + (n.slope - delay * s * n.value) * late};
   };
-  // Beyond `last` |L| < 1/2 or its limit; below `first` the lowest terms alone are left and the dead time is nothing.
   std::vector<PowerTerm> all = top;
   all.insert(all.end(), bottom.begin(), bottom.end());
   double lowest_corner = 0;
@@ -155,8 +154,40 @@ ClosedLoopStability analyse_closed_loop(const FractionalTransferFunction& loop) 
       if (gap > 1e-13) smallest_step = std::min(smallest_step, gap);
     }
   }
-  const double first = lowest_corner - 8 / smallest_step;
-  const double last = highest_corner + 3 / smallest_step;
+  // In the right half-plane e^{-delay s} is at most 1: no root where the terms say |L| < 1 for every phase of theirs.
+  // The contour is taken no further, because dead time makes it turn as often as there are radians.
+  const auto may_have_root = [&](double u) {
+    const auto size = [&](const PowerTerm& term) {
+      return std::abs(term.coefficient) * std::exp((term.order - bottom.front().order) * u);
+    };
+    double least = 2 * size(bottom.front());
+    for (const PowerTerm& term : bottom) least -= size(term);
+    double most = 0;
+    for (const PowerTerm& term : top) most += size(term);
+    return !(most < (high_order == 0 ? (1 + high_gain) / 2 : 0.5) * least);
+  };
+  double last = highest_corner + 3 / smallest_step;
+  while (last > lowest_corner && !may_have_root(last)) last -= 0.1;
+  last += 0.1;
+  // Below `first` the lowest terms together outweigh the others twice, and the dead time is nothing; where they cancel,
+  // the next do by far.
+  const auto outweighed = [&](double u) {
+    double lowest_terms = 0;
+    double others = 0;
+    for (const PowerTerm& term : all) {
+      const double size = std::abs(term.coefficient) * std::exp(term.order * u);
+      if (term.order < 1e-13) {
+        lowest_terms += term.coefficient;
+      } else {
+        others += size;
+      }
+    }
+    for (const PowerTerm& term : top) others += delay * std::abs(term.coefficient) * std::exp((term.order + 1) * u);
+    return 2 * others < std::abs(lowest_terms);
+  };
+  const double least_first = lowest_corner - 8 / smallest_step;
+  double first = last;
+  while (first > least_first && !outweighed(first)) first -= 0.1;
   const double right = pi / 2 - axis_width;
   const double count =
       detail::winding_number(characteristic, {{first, -right}, {last, -right}, {last, right}, {first, right}});

@@ -8,6 +8,7 @@
 
 #include "backlash/orbit_continuation.hpp"
 #include "support/expect_invalid_argument.hpp"
+#include "support/relative_error.hpp"
 
 namespace {
 
@@ -15,18 +16,13 @@ using backlash::BasinMap;
 using backlash::basins;
 using backlash::Regime;
 using backlash::TwoMassSystem;
-
-std::vector<double> even_grid(double from, double to, int count) {
-  std::vector<double> grid;
-  for (int i = 0; i < count; ++i) grid.push_back(from + (to - from) * i / (count - 1));
-  return grid;
-}
+using support::linear_grid;
 
 // Between the pitchfork (c = 1.653) and the loss of the two-impact orbit (1.408) lives an asymmetric one with its
 // mirror twin, here beside one of three impacts and its twin.
 TEST(Basins, MirrorTwinsAreTwoAttractorsOfOneDescribingFunction) {
   const TwoMassSystem system(1, 1, 1, 0.6);
-  const BasinMap map = basins(system, 1, 1.41, even_grid(0, 1, 15), even_grid(-1, 1, 15));
+  const BasinMap map = basins(system, 1, 1.41, linear_grid(0, 1, 15), linear_grid(-1, 1, 15));
   ASSERT_EQ(map.attractors.size(), 4u);
   ASSERT_EQ(map.attractor.size(), 225u);
   std::size_t starts = 0;
@@ -50,7 +46,7 @@ TEST(Basins, MirrorTwinsAreTwoAttractorsOfOneDescribingFunction) {
 TEST(Basins, AttractorsAreTheStableOrbitsOfTheContinuation) {
   for (const double omega : {1.41, 1.5, 1.8}) {
     const TwoMassSystem system(1, 1, 1, 0.6);
-    const BasinMap map = basins(system, 1, omega, even_grid(0, 1, 25), even_grid(-1.5, 1.5, 25));
+    const BasinMap map = basins(system, 1, omega, linear_grid(0, 1, 25), linear_grid(-1.5, 1.5, 25));
     const auto diagram = backlash::orbit_diagram(system, 1, omega * (1 - 1e-4), omega * (1 + 1e-4));
     for (const auto& attractor : map.attractors) {
       if (attractor.point.regime == Regime::free || attractor.point.regime == Regime::averaged) continue;
@@ -70,10 +66,10 @@ TEST(Basins, AttractorsAreTheStableOrbitsOfTheContinuation) {
 
 TEST(Basins, FreeMotionChatterAndMeansAreOneAttractorEach) {
   // At rest at the peak the mass swings between y and y + 2 F/(M2 omega^2) = y + 1/8 without drift.
-  const BasinMap free = basins({1, 1, 1, 0.6}, 1, 4, even_grid(0.01, 0.87, 7), {0});
+  const BasinMap free = basins({1, 1, 1, 0.6}, 1, 4, linear_grid(0.01, 0.87, 7), {0});
   ASSERT_EQ(free.attractors.size(), 1u);
   EXPECT_EQ(free.attractors[0].point.regime, Regime::free);
-  const BasinMap sticking = basins({1, 1, 1, 0.6}, 1, 0.1, even_grid(0, 1, 7), even_grid(-0.5, 0.5, 7));
+  const BasinMap sticking = basins({1, 1, 1, 0.6}, 1, 0.1, linear_grid(0, 1, 7), linear_grid(-0.5, 0.5, 7));
   ASSERT_EQ(sticking.attractors.size(), 1u);
   EXPECT_EQ(sticking.attractors[0].point.regime, Regime::chatter);
   EXPECT_TRUE(sticking.attractors[0].symmetric);
@@ -82,10 +78,11 @@ TEST(Basins, FreeMotionChatterAndMeansAreOneAttractorEach) {
 TEST(Basins, IsTheSameOnAnyNumberOfThreadsAndCountsProgress) {
   backlash::SweepOptions options;
   options.threads = 1;
-  const BasinMap one = basins({1, 1, 1, 0.4}, 1, 1.38, even_grid(0, 1, 9), even_grid(-1, 1, 9), options);
+  const BasinMap one = basins({1, 1, 1, 0.4}, 1, 1.38, linear_grid(0, 1, 9), linear_grid(-1, 1, 9), options);
   options.threads = 3;
   frac::Progress progress;
-  const BasinMap three = basins({1, 1, 1, 0.4}, 1, 1.38, even_grid(0, 1, 9), even_grid(-1, 1, 9), options, &progress);
+  const BasinMap three =
+      basins({1, 1, 1, 0.4}, 1, 1.38, linear_grid(0, 1, 9), linear_grid(-1, 1, 9), options, &progress);
   EXPECT_EQ(one.attractor, three.attractor);
   EXPECT_EQ(progress.done, 81u);
   EXPECT_EQ(&three.at(8, 3), &three.attractors[three.attractor[8 * 9 + 3]]);

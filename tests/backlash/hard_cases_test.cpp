@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "backlash/describing_function.hpp"
 #include "backlash/impact_simulation.hpp"
 #include "detail/gap_motion.hpp"
 #include "detail/steady_state.hpp"
@@ -189,7 +190,7 @@ TEST(HardCases, RandomScenesKeepEveryInvariant) {
 
 TEST(HardCases, RandomScenesKeepMomentumAndRestitutionForAnyMasses) {
   support::Random random(202);
-  for (int scene = 0; scene < 5'000; ++scene) {
+  for (int scene = 0; scene < 100'000; ++scene) {
     const TwoMassSystem system(random.log_uniform(1e-9, 1e9), random.log_uniform(1e-3, 1e3),
                                random.log_uniform(1e-12, 1e6), random.unit());
     const double force = random.log_uniform(1e-3, 1e3);
@@ -208,6 +209,55 @@ TEST(HardCases, RandomScenesKeepMomentumAndRestitutionForAnyMasses) {
       ASSERT_GE(impact.energy_loss, 0);
     }
   }
+}
+
+// Passivity: a motion takes energy from the force, so that Im N1 >= 0 and Im N2 <= 0, one the other times -M2/M1; and N
+// (M1 + M2) omega^2 depends on F/(M2 clearance omega^2), the mass ratio, restitution and the start in units of the
+// clearance alone.
+TEST(HardCases, RandomScenesKeepTheSignsAndTheSimilarityOfN) {
+  support::Random random(303);
+  backlash::SweepOptions options;
+  options.protocol = backlash::Protocol::mid_gap_at_rest;
+  options.mean_tolerance = 0.05;
+  options.threads = 1;
+  const auto point = [&options](const TwoMassSystem& system, double force, double omega) {
+    return describing_function_sweep(system, force, {omega}, options).points.front();
+  };
+  const auto power_of_two = [&random] { return std::ldexp(1.0, static_cast<int>(random.below(21)) - 10); };
+  int impacting = 0;
+  for (int scene = 0; scene < 100'000; ++scene) {
+    const double gamma = random.log_uniform(0.2, 1e4);
+    const double restitution = scene % 50 == 0 ? 1e-12 : 0.97 * random.unit();
+    const double mass1 = random.log_uniform(1e-9, 1e9);
+    const double mass2 = random.log_uniform(1e-9, 1e9);
+    const double clearance = random.log_uniform(1e-12, 1e6);
+    const double omega = random.log_uniform(1e-6, 1e6);
+    const double force = gamma * mass2 * clearance * omega * omega;
+    SCOPED_TRACE(testing::Message() << "gamma " << gamma << ", restitution " << restitution << ", masses " << mass1
+                                    << ", " << mass2);
+    const auto one = point({mass1, mass2, clearance, restitution}, force, omega);
+    ASSERT_TRUE(std::isfinite(one.value.real()) && std::isfinite(one.value.imag()) && std::isfinite(one.uncertainty));
+    ASSERT_GE(one.value.imag(), -one.uncertainty);
+    impacting += one.regime == Regime::free ? 0 : 1;
+    if (scene % 10 != 0) continue;
+    // Powers of two scale without rounding, so that even chaotic motions are the same to the last bit.
+    const double mass_scale = power_of_two();
+    const double length_scale = power_of_two();
+    const double rate_scale = power_of_two();
+    const auto other = point({mass1 * mass_scale, mass2 * mass_scale, clearance * length_scale, restitution},
+                             force * mass_scale * length_scale * rate_scale * rate_scale, omega * rate_scale);
+    ASSERT_EQ(one.value, other.value * (mass_scale * rate_scale * rate_scale));
+    ASSERT_EQ(one.regime, other.regime);
+    options.output = backlash::Output::x2;
+    const auto forced = point({mass1, mass2, clearance, restitution}, force, omega);
+    options.output = backlash::Output::x1;
+    const double ratio = mass2 / mass1;
+    ASSERT_LE(forced.value.imag(), forced.uncertainty);
+    // A mean of x2 may end earlier or later than that of x1: both intervals hold the same number, of the motion in
+    // common nearly always within twice their sum.
+    ASSERT_NEAR(forced.value.imag() * ratio, -one.value.imag(), 3 * (one.uncertainty + forced.uncertainty * ratio));
+  }
+  EXPECT_GT(impacting, 90'000);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "detail/steady_state.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/random.hpp"
+#include "support/relative_error.hpp"
 
 namespace {
 
@@ -26,12 +27,7 @@ using backlash::detail::MeanGoal;
 using backlash::detail::state_at_peak;
 using backlash::detail::SteadyState;
 using support::expect_invalid_argument;
-
-std::vector<double> log_grid(double from, double to, int count) {
-  std::vector<double> grid;
-  for (int i = 0; i < count; ++i) grid.push_back(from * std::pow(to / from, i / (count - 1.0)));
-  return grid;
-}
+using support::log_grid;
 
 TEST(RegimeMap, RowsAreSweeps) {
   const std::vector<double> restitution = {0, 0.3, 0.6, 1};

@@ -1,7 +1,8 @@
-// Time responses: error against seconds for the exponential sum and for Gruenwald-Letnikov, with the reference itself
-// as judge.  Prints case,method,setting,error,seconds; error is the largest over the largest value, at 300 samples
-// spread in logarithm, seconds are for the whole response (set-up apart), the median of 7 repeats.  The case "fft" is
-// the unit F(2^20): one real FFT of that length, by Eigen's kissfft divided by 4, about what FFTW takes.
+// Time responses: error against seconds for every method, with the reference itself as judge.  Prints
+// case,method,setting,error,seconds; error is the largest over the largest value, at 300 samples spread in logarithm,
+// seconds are for the whole response (set-up apart), the median of 7 repeats.  The case "fft" is the unit F(2^20): one
+// real FFT of that length, by FFTW where the machine has it, else by Eigen's kissfft divided by 4, about what FFTW
+// takes.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -11,8 +12,13 @@
 #include <unsupported/Eigen/FFT>
 #include <vector>
 
+#ifdef FRACFIT_HAS_FFTW
+#include <fftw3.h>
+#endif
+
 #include "frac/reference_response.hpp"
 #include "frac/respond.hpp"
+#include "frac/response_methods.hpp"
 #include "support/random.hpp"
 #include "support/step_systems.hpp"
 
@@ -71,13 +77,43 @@ void run(const std::string& name, const FractionalTransferFunction& model, std::
     filter(samples, output);
   });
   print(name, "exponential sum: step", with_states, step_error(model, output, sample_time), seconds);
+  const auto timed = [&](const char* input) {
+    print(name, input, with_states, std::numeric_limits<double>::quiet_NaN(), median_seconds(7, [&] {
+            filter.reset();
+            filter(samples, output);
+          }));
+  };
   support::Random random(1);
   for (double& sample : samples) sample = random.normal();
-  print(name, "exponential sum: noise", with_states, std::numeric_limits<double>::quiet_NaN(), median_seconds(7, [&] {
-          filter.reset();
-          filter(samples, output);
-        }));
+  timed("exponential sum: noise");
+  for (std::size_t n = 0; n < count; ++n) {
+    const double t = static_cast<double>(n) * sample_time;
+    samples[n] = std::sin(t * t);
+  }
+  timed("exponential sum: sin t^2");
 }
+
+constexpr int unit_length = 1 << 20;
+
+#ifdef FRACFIT_HAS_FFTW
+void print_unit() {
+  std::vector<double> time(unit_length, 1.0);
+  std::vector<std::complex<double>> spectrum(unit_length / 2 + 1);
+  const fftw_plan plan =
+      fftw_plan_dft_r2c_1d(unit_length, time.data(), reinterpret_cast<fftw_complex*>(spectrum.data()), FFTW_MEASURE);
+  print("fft", "F(2^20)", "FFTW", std::numeric_limits<double>::quiet_NaN(),
+        median_seconds(7, [&] { fftw_execute(plan); }));
+  fftw_destroy_plan(plan);
+}
+#else
+void print_unit() {
+  Eigen::FFT<double> fft;
+  std::vector<double> time(unit_length, 1.0);
+  std::vector<std::complex<double>> spectrum;
+  print("fft", "F(2^20)", "kissfft/4", std::numeric_limits<double>::quiet_NaN(),
+        median_seconds(7, [&] { fft.fwd(spectrum, time); }) / 4);
+}
+#endif
 
 }  // namespace
 
@@ -86,13 +122,7 @@ int main(int argc, char** argv) {
   const bool quick = argc > 1 && std::string(argv[1]) == "--smoke";
   std::printf("# %s, GCC %s, median of 7 repeats\ncase,method,setting,error,seconds\n", FRACFIT_BUILD_TYPE,
               __VERSION__);
-  {
-    Eigen::FFT<double> fft;
-    std::vector<double> time(std::size_t{1} << 20, 1.0);
-    std::vector<std::complex<double>> spectrum;
-    print("fft", "F(2^20)", "kissfft/4", std::numeric_limits<double>::quiet_NaN(),
-          median_seconds(7, [&] { fft.fwd(spectrum, time); }) / 4);
-  }
+  print_unit();
   std::vector<std::pair<std::string, FractionalTransferFunction>> systems;
   for (const auto& [name, system] : support::step_systems()) systems.emplace_back(name, system.model);
   systems.emplace_back("furnace", FractionalTransferFunction::parse("1/(0.8 s^2.2 + 0.5 s^0.9 + 1)"));
@@ -110,6 +140,16 @@ int main(int argc, char** argv) {
     const double slow =
         median_seconds(1, [&] { output = frac::respond_grunwald_letnikov(furnace, samples, time_step); });
     print("furnace", "grunwald-letnikov", setting, step_error(furnace, output, time_step), slow);
+    if (count <= 10'000) {
+      const double second_order = median_seconds(1, [&] { output = frac::respond_bdf2(furnace, samples, time_step); });
+      print("furnace", "bdf2", setting, step_error(furnace, output, time_step), second_order);
+      for (const double tolerance : {1e-3, 1e-6}) {
+        const double by_ladder =
+            median_seconds(3, [&] { output = frac::respond_ladder(furnace, samples, time_step, tolerance); });
+        print("furnace", "ladder", setting + (tolerance > 1e-4 ? " tolerance 1e-3" : " tolerance 1e-6"),
+              step_error(furnace, output, time_step), by_ladder);
+      }
+    }
     const double fast = median_seconds(7, [&] { output = frac::respond(furnace, samples, time_step, 1e-12); });
     print("furnace", "exponential sum with set-up", setting + " tolerance 1e-12",
           step_error(furnace, output, time_step), fast);

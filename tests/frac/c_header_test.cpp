@@ -106,7 +106,7 @@ FractionalPidConfig usual(double lambda, double mu) {
   config.band = {0.1, 300};
   config.derivative_filter_time = 2e-3;
   config.setpoint_weight = 0.7;
-  config.minimum = -3;
+  config.minimum = lambda == 0.5 ? 0.25 : -3;
   config.maximum = 2.5;
   return config;
 }
@@ -121,7 +121,8 @@ std::vector<Real> run_class(const FractionalPidDesign& design, int samples) {
     const auto setpoint = static_cast<Real>(n / 1000 % 3);
     auto measured = static_cast<Real>(0.8 + 0.5 * draw());
     if (n % 5000 < 20) pid.track(static_cast<Real>(draw()));
-    if (n % 3000 == 7) measured = std::numeric_limits<Real>::quiet_NaN();
+    if (n % 7000 == 6999) pid.reset(setpoint, measured);
+    if (n % 3000 == 0) measured = std::numeric_limits<Real>::quiet_NaN();
     output.push_back(pid.step(setpoint, measured) + static_cast<Real>(10 * pid.saturated() + 100 * pid.bad_input()));
   }
   return output;
@@ -132,7 +133,9 @@ std::string pid_program(const std::string& real, int samples) {
          ("int main(void)\n{\n  controller_state s;\n  int n;\n  controller_init(&s);\n  for (n = 0; n < " +
           std::to_string(samples) + "; ++n) {\n    const " + real + " setpoint = (" + real + ")(n / 1000 % 3);\n    " +
           real + " measured = (" + real + ")(0.8 + 0.5 * draw());\n    " + real +
-          " out;\n    if (n % 5000 < 20) controller_track(&s, (" + real + ")draw());\n    if (n % 3000 == 7) { const " +
+          " out;\n    if (n % 5000 < 20) controller_track(&s, (" + real +
+          ")draw());\n    if (n % 7000 == 6999) controller_reset_at(&s, setpoint, measured);\n    if (n % 3000 == 0) { "
+          "const " +
           real +
           " zero = 0; measured = zero / zero; }\n    out = controller_step(&s, setpoint, measured);\n    out += (" +
           real +

@@ -37,6 +37,7 @@ const std::vector<Case>& cases() {
                                      {"(1 - T s^a)/(s^b + s^a + 1)", {0.7, 0.8, 1.6}},
                                      {"K/(s^a - c)", {1, 1.2, 0.3}},
                                      {"K/(s^a + 1)", {1, 3.5}},
+                                     {"Kp + Ki/s", {1, 2}},
                                      {"Kp + Ki/s^l + Kd s^d/(0.01 s + 1)", {1, 2, 0.9, 0.3, 0.7}}};
   return all;
 }
@@ -149,4 +150,20 @@ TEST(EventResponse, SaysWhereThereIsNoResponse) {
   }
   ASSERT_TRUE(events.evaluate(reduce(Structure("exp(-5 s)/(s + 1)").expression(), {}), 1e-8, result));
   EXPECT_EQ(result.value, Eigen::VectorXd::Zero(3));
+}
+
+// G s^2 grows as s^1.5, so that states of weight 1e6 cancel against the twofold integral of the input: some 1e-15 of
+// their product, which is 1e-8 of the output here.
+TEST(EventResponse, IntegratorsWithAFastWayThroughCostDigits) {
+  const std::vector<double> time = uneven_times(120);
+  const std::vector<double> input = switched_input(time);
+  const EventResponse events(time, input, Hold::zero_order, time);
+  for (const Case& each : {Case{"(s^a + b)/s^2", {1.5, 0.7}}, {"(s^2 + s^a + b)/(s^2 (s^c + 1))", {1.2, 0.7, 0.4}}}) {
+    const auto model = to_transfer_function(Structure(each.formula), each.parameters);
+    const std::vector<double> exact = support::exact_output(model, time, input, Hold::zero_order);
+    const auto result = evaluated(each, events, 1e-11);
+    for (std::size_t i = 0; i < time.size(); ++i) {
+      EXPECT_NEAR(result.value[static_cast<Eigen::Index>(i)], exact[i], 1e-7 * largest(exact)) << each.formula << i;
+    }
+  }
 }

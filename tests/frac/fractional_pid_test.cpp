@@ -10,6 +10,8 @@
 #include <numbers>
 #include <vector>
 
+#include "frac/fractional_transfer_function.hpp"
+#include "frac/reference_response.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/random.hpp"
 
@@ -104,13 +106,24 @@ TEST(FractionalPid, DesignFollowsTheExactOperatorsOnTheBand) {
         const Complex s(0, omega);
         const Complex integral = 3.0 * std::pow(s, -lambda);
         const Complex exact = 2.0 + integral + 0.05 * std::pow(s, mu);
-        // Filters within 2e-4; the trapezoidal rule is x^2/3 off, x = omega T/2.
+        // Filters within 2e-4; at lambda = 1 there is none, and the trapezoidal rule is x^2/3 off, x = omega T/2.
         const double x = omega * config.sample_time / 2;
-        const double allowed = 2e-4 * (std::abs(exact - 2.0) + 1) + std::abs(integral) * x * x / 2;
+        const double allowed = 2e-4 * (std::abs(exact - 2.0) + 1) + (lambda == 1 ? std::abs(integral) * x * x / 2 : 0);
         EXPECT_LT(std::abs(design.response(omega) - exact), allowed) << lambda << " " << mu << " " << omega;
       }
     }
   }
+}
+
+TEST(FractionalPid, FractionalIntegralHoldsUpToAQuarterOfTheSamplingFrequency) {
+  FractionalPidConfig config = usual(0.6, 1);
+  config.gains = {.kp = 0, .ki = 1, .kd = 0, .lambda = 0.6, .mu = 1};
+  config.band = {1, pi / (2 * config.sample_time)};
+  const FractionalPidDesign direct(config);
+  EXPECT_LT(direct.error(), 0.01);
+  // The bilinear rule is off by (tan x/x)^-0.6, x = pi/4: 13 %.
+  config.discretisation = Discretisation::tustin;
+  EXPECT_NEAR(FractionalPidDesign(config).error(), 1 - std::pow(4 / pi, -0.6), 0.002);
 }
 
 TEST(FractionalPid, ErrorVanishesAtRestExactly) {
@@ -125,6 +138,39 @@ TEST(FractionalPid, ErrorVanishesAtRestExactly) {
     // The slowest pole of the filters lies a decade below the band, at 0.5 rad/s, and the slowest of the loop
     // above half of that: 200 s leave e^-50.
     EXPECT_NEAR(y, 2, 1e-12) << lambda;
+  }
+}
+
+// kp + ki/s^lambda about the plant 1/(s + 1), sampled, against the exact step response of the closed loop
+// (kp s^lambda + ki)/(s^(lambda + 1) + (1 + kp) s^lambda + ki).
+double loop_error(double lambda, double sample_time) {
+  FractionalPidConfig config;
+  config.gains = {.kp = 2, .ki = 3, .kd = 0, .lambda = lambda, .mu = 1};
+  config.sample_time = sample_time;
+  config.band = {1e-3, 200};
+  config.goal = frac::Tolerance{1e-4};
+  FractionalPid<double> pid(config);
+  const std::string l = std::to_string(lambda);
+  const auto loop =
+      frac::FractionalTransferFunction::parse("(2 s^" + l + " + 3)/(s^(" + l + "+1) + 3 s^" + l + " + 3)");
+  const frac::ReferenceResponse exact(loop, {frac::ResponseInput::Kind::step, 0});
+  double y = 0, worst = 0;
+  const double keep = std::exp(-sample_time);
+  const int samples = static_cast<int>(std::lround(8 / sample_time));
+  for (int n = 0; n < samples; ++n) {
+    y = keep * y + (1 - keep) * pid.step(1, y);
+    if ((n + 1) % (samples / 16) == 0) worst = std::max(worst, std::abs(y - exact((n + 1) * sample_time).value));
+  }
+  return worst;
+}
+
+TEST(FractionalPid, ClosedLoopFollowsTheExactFractionalOne) {
+  for (const double lambda : {0.5, 0.9, 1.3}) {
+    // The control is held for a sample, half a sample late on average: at least first order in T, with a slope of y of
+    // about 2.
+    const double coarse = loop_error(lambda, 4e-3), fine = loop_error(lambda, 1e-3);
+    EXPECT_LT(fine, 2e-3) << lambda;
+    EXPECT_GT(std::log2(coarse / fine) / 2, 0.75) << lambda;
   }
 }
 
@@ -219,6 +265,19 @@ TEST(FractionalPid, RefusesWhatIsNotANumberAndGoesOnAsIfItHadNotBeen) {
   EXPECT_TRUE(std::isfinite(pid.output()));
 }
 
+TEST(FractionalPid, OutputObeysTheLimitsFromTheFirstRefusedInputOn) {
+  FractionalPidConfig config = usual();
+  config.minimum = 1;
+  config.maximum = 5;
+  FractionalPid<double> pid(config);
+  EXPECT_EQ(pid.step(0, nan), 1);
+  (void)pid.step(100, 0);
+  EXPECT_EQ(pid.output(), 5);
+  config.maximum = 3;
+  pid.retune(config);
+  EXPECT_EQ(pid.step(nan, 0), 3);
+}
+
 TEST(FractionalPid, TakesOverFromManualWithoutABump) {
   FractionalPidConfig config = usual();
   config.maximum = 5;
@@ -287,6 +346,31 @@ TEST(FractionalPid, RetuneInMotionCarriesTheHistoryOver) {
   }
   EXPECT_LT(missed, 0.02 * moved);
   EXPECT_GT(lost, 0.1 * moved);
+}
+
+TEST(FractionalPid, RetuneInEverySituationKeepsTheOutputFinite) {
+  support::Random random(11);
+  FractionalPidConfig config = usual();
+  config.minimum = -4;
+  config.maximum = 3;
+  FractionalPid<float> pid(config);
+  for (int change = 0; change < 60; ++change) {
+    config.gains.lambda = change % 4 == 0 ? 1 : random.uniform(0.05, 1.95);
+    config.gains.mu = change % 5 == 0 ? 1 : random.uniform(0.05, 1.95);
+    config.gains.ki = change % 7 == 0 ? 0 : random.uniform(0.1, 5);
+    config.gains.kd = change % 6 == 0 ? 0 : random.uniform(0.001, 0.05);
+    config.sample_time = change % 3 == 0 ? 1e-3 : 2e-3;
+    config.derivative_filter_time = change % 2 == 0 ? 0 : 0.02;
+    config.anti_windup = change % 2 == 0 ? AntiWindup::back_calculation : AntiWindup::conditional_integration;
+    pid.retune(config);
+    if (change % 9 == 0) pid.track(1);
+    for (int n = 0; n < 200; ++n) {
+      const auto y = static_cast<float>(random.normal());
+      const float u = pid.step(change % 2 == 0 ? 1.0F : 50.0F, y);
+      ASSERT_TRUE(u >= -4 && u <= 3) << change << " " << n;
+      ASSERT_FALSE(pid.bad_input()) << change << " " << n;
+    }
+  }
 }
 
 TEST(FractionalPid, ResetAtASignalStartsWithoutAKick) {

@@ -199,3 +199,59 @@ TEST(RespondByAnyMethod, RefusesWhatMakesNoSense) {
   expect_invalid_argument([&] { (void)frac::respond_ladder(lag, uneven, 1, 0.5); }, {"tolerance = 0.5"});
   expect_invalid_argument([] { (void)frac::response_method_from_string("best"); }, {"'best'", "bdf2"});
 }
+
+TEST(HardCases, IntegerOrdersGiveTheClassicalAnswer) {
+  struct Classical {
+    const char* formula;
+    double (*exact)(double);
+  };
+  for (const auto& [formula, exact] : {Classical{"1/(s + 1)", [](double t) { return -std::expm1(-t); }},
+                                       {"1/(s^2 + 1)", [](double t) { return 1 - std::cos(t); }},
+                                       {"1/(s^2 + 2 s + 1)", [](double t) { return 1 - (1 + t) * std::exp(-t); }},
+                                       {"(s + 1)/(s^2 + 3 s + 2)", [](double t) { return -std::expm1(-2 * t) / 2; }},
+                                       {"(s + 2)/s", [](double t) { return 1 + 2 * t; }}}) {
+    const std::vector<double> time = even_times(20, 1000);
+    const auto response = frac::respond(model(formula), ResponseInput{}, time, 1e-13, ResponseMethod::exponential_sum);
+    double size = 0;
+    for (const double t : time) size = std::max(size, std::abs(exact(t)));
+    for (std::size_t n = 1; n < time.size(); ++n)
+      EXPECT_NEAR(response.output[n], exact(time[n]), 1e-12 * size) << formula;
+  }
+}
+
+TEST(HardCases, FromANanosecondToABillionSeconds) {
+  std::vector<double> time;
+  for (double t = 1e-9; t < 1.1e9; t *= 10) time.push_back(t);
+  for (const char* formula :
+       {"1/(s^0.6 + 10)", "1/(14994 s^1.31 + 6009.5 s^0.97 + 1.69)", "(s^0.5 + 0.5)/(s + 0.2 s^0.5 + 2)",
+        "(s + 1)/(s^2 + 3 s + 2.0000001)", "1/(s^2 + 2 s^1.5 + s)"}) {
+    const auto response = frac::respond(model(formula), ResponseInput{}, time, 1e-9, ResponseMethod::exponential_sum);
+    const auto exact = frac::reference_response(model(formula), {}, time);
+    for (std::size_t i = 0; i < time.size(); ++i) {
+      EXPECT_NEAR(response.output[i], exact[i].value, 1e-9 * std::abs(exact.back().value)) << formula << " " << time[i];
+    }
+  }
+}
+
+// The pole of 1/(s^0.6 - 0.5) is 0.5^(1/0.6); what else there is has decayed by 1e-50 against it.
+TEST(HardCases, UnstableModelsGrowAsTheyMust) {
+  const std::vector<double> time = even_times(400, 400);
+  const auto response = frac::respond(model("1/(s^0.6 - 0.5)"), ResponseInput{}, time, 1e-9);
+  const double pole = std::pow(0.5, 1 / 0.6);
+  EXPECT_NEAR(std::log(response.output[400] / response.output[300]) / 100, pole, 1e-9);
+  EXPECT_TRUE(response.meets_tolerance);
+}
+
+TEST(HardCases, OneSampleAndStepsOfAPicosecond) {
+  const std::vector<double> start{0};
+  EXPECT_EQ(frac::respond(model("(2 s^0.5 + 1)/(s^0.5 + 3)"), ResponseInput{}, start).output.at(0), 2);
+  const SampledInput one{{5}, {3}};
+  const std::vector<double> at{5, 6};
+  EXPECT_NEAR(frac::respond(model("1/(s + 1)"), one, at).output.at(1), -3 * std::expm1(-1), 1e-9);
+  const std::vector<double> tiny = even_times(1e-9, 1000);
+  const auto response = frac::respond(model("1/(s^0.5 + 1)"), ResponseInput{}, tiny, 1e-9);
+  const ReferenceResponse exact(model("1/(s^0.5 + 1)"));
+  for (const std::size_t n : {1u, 10u, 1000u}) {
+    EXPECT_NEAR(response.output[n], exact(tiny[n]).value, 1e-9 * response.output.back());
+  }
+}

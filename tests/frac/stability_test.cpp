@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <string>
 
 #include "support/expect_invalid_argument.hpp"
 #include "support/random.hpp"
@@ -25,6 +26,20 @@ FractionalTransferFunction model(const char* formula) {
 
 Stability stability(const char* formula) {
   return frac::analyse_stability(model(formula)).stability;
+}
+
+TEST(Stability, AMultiplePoleIsListedOnceAndToRounding) {
+  const auto poles_of = [](const char* formula) {
+    return frac::analyse_stability(frac::FractionalTransferFunction::parse(formula)).poles;
+  };
+  for (const char* formula : {"1/(s + 1)^2", "1/(s + 1)^3", "1/((s + 1)^2 (s^0.5 + 2))"}) {
+    const auto poles = poles_of(formula);
+    ASSERT_EQ(poles.size(), 1u) << formula;
+    EXPECT_EQ(poles[0].multiplicity, std::string(formula).find("^3") == std::string::npos ? 2 : 3);
+    // Rounded coefficients move the members of a multiple pole apart, but hardly their middle.
+    EXPECT_NEAR(poles[0].value.real(), -1, 1e-12) << formula;
+    EXPECT_EQ(poles[0].value.imag(), 0) << formula;
+  }
 }
 
 }  // namespace

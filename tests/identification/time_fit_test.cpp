@@ -79,6 +79,19 @@ TEST(TimeFit, OrdersOfTheFurnaceComeBackWithoutAStart) {
   EXPECT_EQ(result.residuals, 301u);
 }
 
+TEST(TimeFit, EqualTermsAreNamedAlikeWhateverTheSeed) {
+  std::vector<double> first;
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    TimeFitOptions options;
+    options.seed = seed;
+    const FitResult result = frac::fit(furnace_step(), Structure("1/(T s^a + D s^b + 1)"), options);
+    std::vector<double> values;
+    for (const auto& each : result.parameters) values.push_back(each.value);
+    if (first.empty()) first = values;
+    for (std::size_t i = 0; i < values.size(); ++i) EXPECT_NEAR(values[i], first[i], to_rounding) << seed;
+  }
+}
+
 TEST(TimeFit, DeadTimeOffsetAndUnevenSamplesOfASwitchedInput) {
   support::Random random(4);
   std::vector<double> time{0}, input{1};

@@ -123,6 +123,18 @@ TEST(ResponseDeviation, FollowsTheGain) {
   const std::complex<double> shape = frac::Structure("1/(0.5 s^0.6 + 1)").response({}, 1.0);
   EXPECT_NEAR(deviation[0].real, result.parameters[0].standard_error * shape.real(), 1e-15);
   EXPECT_NEAR(deviation[0].imaginary, -result.parameters[0].standard_error * shape.imag(), 1e-15);
+  EXPECT_NEAR(deviation[0].log_magnitude, result.parameters[0].standard_error / result.parameters[0].value, 1e-15);
+  EXPECT_NEAR(deviation[0].phase, 0, 1e-15);
+}
+
+// K s^a: the phase is a pi/2 at any frequency, and at omega = 1 the magnitude is K.
+TEST(ResponseDeviation, OfAPowerLawIsThatOfItsOrderInThePhase) {
+  const auto data = noisy_response("K s^a", {2, -0.4}, 0.02, 1);
+  const frac::FitResult result = frac::fit(data, frac::Structure("K s^a"), both_parts());
+  const auto deviation = frac::response_deviation(result, frac::ExactRealisation{}, {1.0, 30.0});
+  const frac::ParameterEstimate &gain = result.parameters[0], &order = result.parameters[1];
+  EXPECT_NEAR(deviation[0].log_magnitude, gain.standard_error / gain.value, 1e-14);
+  for (const auto& each : deviation) EXPECT_NEAR(each.phase, order.standard_error * std::acos(0.0), 1e-14);
 }
 
 TEST(FitResult, NamesOutliersAndTheCentreOfTheBand) {

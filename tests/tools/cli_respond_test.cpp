@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
@@ -171,4 +172,20 @@ TEST(Analyse, ClosesALoop) {
   EXPECT_EQ(json["model"], "8/(s^1.5 + 8)");
   EXPECT_NEAR(json["poles"][0]["re"].get<double>(), -2, 1e-13);
   expect_failure({"analyse", "--model", "exp(-1 s)/s", "--feedback", "1"}, 2, "dead time of 1 s");
+}
+
+// The scripts are written whether gnuplot is there or not.
+TEST(Analyse, DrawsItsDiagrams) {
+  const TemporaryFolder folder;
+  const auto result = run_fracfit(
+      {"analyse", "--model", "exp(-0.2 s)/(s (s^0.7 + 1))", "--pictures", folder.path("pictures"), "--quiet"});
+  for (const char* name : {"bode", "nyquist", "nichols", "step"}) {
+    std::ifstream script(folder.path("pictures") + "/model-" + name + ".gp");
+    EXPECT_TRUE(script.good()) << name;
+    if (result.code != 0) continue;
+    std::ifstream picture(folder.path("pictures") + "/model-" + name + ".png", std::ios::binary);
+    char magic[4] = {};
+    picture.read(magic, 4);
+    EXPECT_EQ(std::string(magic + 1, 3), "PNG") << name;
+  }
 }

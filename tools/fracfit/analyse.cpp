@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -12,6 +13,7 @@
 #include "frac/algebra.hpp"
 #include "frac/stability.hpp"
 #include "io/sweep_file.hpp"
+#include "report/model_figures.hpp"
 #include "subcommand.hpp"
 
 namespace fracfit {
@@ -21,7 +23,7 @@ using Json = nlohmann::ordered_json;
 
 struct AnalyseOptions {
   CommonOptions common;
-  std::string model, feedback;
+  std::string model, feedback, pictures;
 };
 
 struct Analysis {
@@ -139,6 +141,21 @@ std::string table_text(const Analysis& result) {
   return text;
 }
 
+// Scripts, SVG and PNG of the diagrams, into the folder. @return false with a message where gnuplot is missing or
+// fails.
+bool draw_pictures(const AnalyseOptions& given, const frac::FractionalTransferFunction& model) {
+  const std::filesystem::path folder(given.pictures);
+  std::filesystem::create_directories(folder);
+  const auto gnuplot = report::find_gnuplot();
+  std::string trouble = gnuplot ? "" : "gnuplot was not found; the scripts are written";
+  for (const report::Figure& figure : report::model_figures(model, "model")) {
+    report::write_script(figure, folder);
+    if (gnuplot && trouble.empty()) trouble = report::draw(*gnuplot, folder, figure.name);
+  }
+  if (!trouble.empty()) say(given.common, trouble);
+  return trouble.empty();
+}
+
 int analyse(const AnalyseOptions& given) {
   const io::OutputFile file(given.common.out);
   const Analysis result = analysis_of(given);
@@ -147,7 +164,8 @@ int analyse(const AnalyseOptions& given) {
   if (!given.feedback.empty()) line.option("--feedback", given.feedback);
   const std::string& command = line.text();
   file.write(chosen_format(given.common, "json") == "table" ? table_text(result) : json_text(result, command));
-  return result.stability.stability == frac::Stability::undetermined ? no_usable_result : usable_result;
+  const bool drawn = given.pictures.empty() || draw_pictures(given, result.model);
+  return drawn && result.stability.stability != frac::Stability::undetermined ? usable_result : no_usable_result;
 }
 
 }  // namespace
@@ -163,6 +181,10 @@ void add_analyse(CLI::App& program, Run& run) {
       ->add_option("--feedback", given->feedback,
                    "Analyse the closed loop model/(1 + model FORMULA) in place of the model; no dead time")
       ->type_name("FORMULA");
+  analysis
+      ->add_option("--pictures", given->pictures,
+                   "Draw Bode, Nyquist and Nichols diagrams and the step response into this folder (SVG, PNG, gnuplot)")
+      ->type_name("FOLDER");
   add_common_options(*analysis, given->common, {"json", "table"});
   analysis->footer(
       "Examples:\n"

@@ -25,6 +25,7 @@ struct ControllerArguments {
   std::string discretisation = "direct";
   std::string minimum, maximum, anti_windup = "back-calculation", tracking_time;
   std::string derivative_filter = "0", setpoint_weight = "1", derivative_setpoint_weight = "1";
+  std::string horizon = "1e9";
   std::string precision = "double", name;
 };
 
@@ -138,7 +139,9 @@ FilterResult filter_for(const frac::FractionalTransferFunction& model, const Con
     if (!given.poles.empty()) throw std::invalid_argument("--poles belongs to a power of s on a --band");
     const double order = model.numerator().front().order - model.denominator().front().order;
     if (is_power && order > 0) throw std::invalid_argument("--band is required for a power of s: LOW:HIGH in rad/s");
-    return {filter_design(model, sample_time, number_or("--tolerance", given.tolerance, 1e-9)), NAN, ""};
+    return {filter_design(model, sample_time, number_or("--tolerance", given.tolerance, 1e-9),
+                          number_option("--horizon", given.horizon)),
+            NAN, ""};
   }
   if (!is_power)
     throw std::invalid_argument("--band belongs to a PID or to a power of s; other models hold at all frequencies");
@@ -167,6 +170,7 @@ int run_filter(const ControllerArguments& given) {
   command.option("--model", given.model).option("--sample-time", given.sample_time);
   if (!given.band.empty()) command.option("--band", given.band).option("--discretisation", given.discretisation);
   put_goal(command, given, given.band.empty() ? "1e-9" : "1e-3");
+  if (given.band.empty()) command.option("--horizon", given.horizon);
   put_format(command, format, header);
   header.comment = "Filter " + model.formula() + ", every " + given.sample_time + " s, written by fracfit " +
                    std::string(io::version()) + ":\n  " + command.text();
@@ -202,6 +206,7 @@ void add_controller(CLI::App& program, Run& run) {
          "response, 1e-9 if not given",
          "T");
   option("--poles", given->poles, "Number of poles per power, instead of a tolerance", "N");
+  option("--horizon", given->horizon, "Of a --model without band: samples it is good for; fewer states for fewer", "N");
   option("--discretisation", given->discretisation, "direct, tustin, tustin-prewarped or al-alaoui", "METHOD");
   option("--min", given->minimum, "Least output; no limit if not given", "U");
   option("--max", given->maximum, "Largest output; no limit if not given", "U");

@@ -36,7 +36,6 @@ Json operator_json(const frac::PidOperator& design, double order, double error) 
   return {{"filter_order", number(order)},
           {"output", output_name(design.output)},
           {"direct", number(design.direct)},
-          {"sections", sections_json(design.rates, design.weights, design.sections)},
           {"max_relative_error", number(error)}};
 }
 
@@ -44,9 +43,19 @@ double derivative_filter_order(const frac::FractionalPidGains& gains) {
   return gains.kd == 0 ? 0 : gains.mu < 1 ? gains.mu : gains.mu - 1;
 }
 
+std::string power_of_s(double order) {
+  return order == 1 ? "s" : "s^" + short_number(order);
+}
+
 std::string formula(const frac::FractionalPidGains& gains) {
-  return short_number(gains.kp) + " + " + short_number(gains.ki) + "/s^" + short_number(gains.lambda) + " + " +
-         short_number(gains.kd) + " s^" + short_number(gains.mu);
+  std::string text;
+  const auto add = [&](double gain, const std::string& part) {
+    if (gain != 0) text += (text.empty() ? "" : " + ") + short_number(gain) + part;
+  };
+  add(gains.kp, "");
+  add(gains.ki, "/" + power_of_s(gains.lambda));
+  add(gains.kd, " " + power_of_s(gains.mu));
+  return text.empty() ? "0" : text;
 }
 
 bool has_band(const frac::FractionalPidDesign& design) {
@@ -77,6 +86,10 @@ std::string controller_json(const frac::FractionalPidDesign& design, const std::
   json["derivative"] = operator_json(design.derivative(), derivative_filter_order(gains), design.derivative_error());
   json["derivative"]["after"] = before;
   json["derivative"]["filter_time"] = number(config.derivative_filter_time);
+  json["sections"] = {
+      {"integral", sections_json(design.integral().rates, design.integral().weights, design.integral().sections)},
+      {"derivative",
+       sections_json(design.derivative().rates, design.derivative().weights, design.derivative().sections)}};
   json["setpoint_weight"] = number(config.setpoint_weight);
   json["derivative_setpoint_weight"] = number(config.derivative_setpoint_weight);
   json["minimum"] = number(config.minimum);
@@ -114,10 +127,11 @@ std::string controller_table(const frac::FractionalPidDesign& design) {
   const frac::FractionalPidConfig& config = design.config();
   std::string text = formula(config.gains) + ", every " + short_number(config.sample_time) + " s\n\n";
   AlignedTable table({"", "filter", "sections", "largest error"});
-  table.add({"integral", "s^" + short_number(config.gains.ki == 0 ? 0 : 1 - config.gains.lambda),
+  const auto filter = [&](double order) { return order == 0 ? std::string("none") : power_of_s(order); };
+  table.add({"integral", filter(config.gains.ki == 0 ? 0 : 1 - config.gains.lambda),
              std::to_string(design.integral().sections), short_number(design.integral_error())});
-  table.add({"derivative", "s^" + short_number(derivative_filter_order(config.gains)),
-             std::to_string(design.derivative().sections), short_number(design.derivative_error())});
+  table.add({"derivative", filter(derivative_filter_order(config.gains)), std::to_string(design.derivative().sections),
+             short_number(design.derivative_error())});
   text += table.text() + "\n";
   if (has_band(design)) {
     text += "band " + short_number(config.band.lower) + " .. " + short_number(config.band.upper) + " rad/s, " +

@@ -82,8 +82,10 @@ io::Metadata realisation_entries(const frac::Realisation& realisation) {
 
 void add_fit_options(CLI::App& subcommand, FitRequest& request) {
   subcommand
-      .add_option("DATA", request.data,
-                  "Frequency response: CSV or TSV with a header naming columns and units; - for standard input")
+      .add_option(
+          "DATA", request.data,
+          "CSV or TSV with a header naming columns and units: a frequency response or, for fit, samples over time "
+          "(time_s,input,output); - for standard input")
       ->required()
       ->type_name("FILE");
   add_residual_options(subcommand, request);

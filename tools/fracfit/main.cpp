@@ -78,6 +78,8 @@ int main(int argc, char** argv) {
     fracfit::add_jump_law(program, run);
     fracfit::add_approximate(program, run);
     fracfit::add_controller(program, run);
+    fracfit::add_realise(program, run);
+    fracfit::add_tune(program, run);
     fracfit::add_analyse(program, run);
     fracfit::add_respond(program, run);
     fracfit::add_mittag_leffler(program, run);

@@ -108,6 +108,8 @@ void add_orbits(CLI::App& program, Run& run) {
   add_common_options(*orbits, given->common, {"csv", "json"});
   orbits->footer(
       "With force, clearance and masses 1 the frequency is that over sqrt(F/(M2 Delta)).\n"
+      "Orbits in which the masses rest in contact are not followed: a branch ends at the grazing before; simulate and\n"
+      "map give them (regime chatter), each the only one that its stick leaves.\n"
       "Examples:\n"
       "  fracfit orbits --restitution 0.6 --from 1.3 --to 2.5\n"
       "  fracfit orbits --parameter restitution --omega 1.6 --from 0.1 --to 0.95\n"

@@ -27,8 +27,10 @@ void add_map(CLI::App& program, Run& run);
 void add_merge(CLI::App& program, Run& run);
 void add_mittag_leffler(CLI::App& program, Run& run);
 void add_orbits(CLI::App& program, Run& run);
+void add_realise(CLI::App& program, Run& run);
 void add_report(CLI::App& program, Run& run);
 void add_respond(CLI::App& program, Run& run);
+void add_tune(CLI::App& program, Run& run);
 /// Adds `completion` and `man`.
 void add_shell_help(CLI::App& program, Run& run);
 

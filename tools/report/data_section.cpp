@@ -1,8 +1,11 @@
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "frac/identification/model_library.hpp"
+#include "frac/identification/statistics.hpp"
+#include "frac/identification/uncertainty.hpp"
 #include "frac/structure.hpp"
 #include "report/html.hpp"
 #include "report/ranking.hpp"
@@ -61,6 +64,72 @@ std::vector<double> decibels(const std::vector<std::complex<double>>& values) {
   return level;
 }
 
+/// Half widths of the 95 % band of a fitted curve.
+struct Band {
+  std::vector<double> decibel, degrees;  // of magnitude and phase
+  std::vector<double> magnitude, phase;  // in % of the magnitude and in 1/100 rad
+};
+
+Band band_of(const frac::FitResult& fit, const std::vector<double>& omega) {
+  const double t = frac::student_t_95(static_cast<double>(fit.residuals) - static_cast<double>(fit.free_parameters));
+  Band band;
+  for (const auto& deviation : frac::response_deviation(fit, frac::ExactRealisation{}, omega)) {
+    band.decibel.push_back(t * deviation.log_magnitude * 20 / std::numbers::ln10);
+    band.degrees.push_back(t * deviation.phase * 180 / std::numbers::pi);
+    band.magnitude.push_back(100 * t * deviation.log_magnitude);
+    band.phase.push_back(100 * t * deviation.phase);
+  }
+  return band;
+}
+
+Curve band_round(const std::string& label, const std::string& colour, const std::vector<double>& omega,
+                 const std::vector<double>& middle, const std::vector<double>& half_width) {
+  std::vector<double> lower, upper;
+  for (std::size_t i = 0; i < omega.size(); ++i) {
+    lower.push_back(middle[i] - half_width[i]);
+    upper.push_back(middle[i] + half_width[i]);
+  }
+  return make_band(label, colour, omega, lower, upper);
+}
+
+/// data/model - 1 of the chosen structure: its real part is the error of the magnitude, its imaginary part that of the
+/// phase.
+Figure residual_figure(const std::string& name, const frac::FrequencyResponseData& data,
+                       const frac::RankedFit& chosen) {
+  const std::vector<double>& omega = data.omega();
+  const auto model = frac::fitted_response(chosen.fit, frac::ExactRealisation{}, omega);
+  const Band band = band_of(chosen.fit, omega);
+  std::vector<double> magnitude, phase;
+  for (std::size_t i = 0; i < omega.size(); ++i) {
+    const std::complex<double> error = 100.0 * (data.value()[i] / model[i] - 1.0);
+    magnitude.push_back(error.real());
+    phase.push_back(error.imag());
+  }
+  const std::vector<double> zero(omega.size(), 0.0);
+  const auto panel = [&](const char* title, const char* axis, const std::vector<double>& error,
+                         const std::vector<double>& half_width) {
+    Panel drawn;
+    drawn.title = title;
+    drawn.x = {"ω in rad/s", true, {}, {}};
+    drawn.y = {axis, false, {}, {}};
+    drawn.curves.push_back(band_round("95 % band of the fit", category_colour(0), omega, zero, half_width));
+    drawn.curves.push_back(make_curve("", category_colour(0), Mark::line, omega, zero));
+    drawn.curves.push_back(make_curve("data", "#222222", Mark::open_points, omega, error));
+    return drawn;
+  };
+  Figure figure;
+  figure.name = name + "-residuals";
+  figure.caption = "Residuals of the chosen structure, " + escape_html(chosen.name) +
+                   ", along the frequency axis, with the 95 % band of the fitted curve. Points that scatter about "
+                   "zero without a trend are noise; a wave is what the structure cannot follow.";
+  figure.columns = 2;
+  figure.panel_height = 220;
+  figure.panels = {panel("Magnitude", "|data|/|model| − 1 in %", magnitude, band.magnitude),
+                   panel("Phase", "data − model in 1/100 rad", phase, band.phase)};
+  figure.panels.back().key = true;
+  return figure;
+}
+
 Figure data_figure(const std::string& name, const std::string& caption, const frac::FrequencyResponseData& data,
                    const frac::IdentificationResult& result, const std::string& unit) {
   Panel magnitude, phase, residual;
@@ -91,6 +160,16 @@ Figure data_figure(const std::string& name, const std::string& caption, const fr
     phase.curves.push_back(make_curve("", category_colour(i), marks[i], omega, model_phase));
     residual.curves.push_back(make_curve("", category_colour(i), marks[i], omega, distance));
   }
+  const frac::RankedFit& chosen = result.ranking.at(result.chosen);
+  const Band band = band_of(chosen.fit, omega);
+  const auto model = frac::fitted_response(chosen.fit, frac::ExactRealisation{}, omega);
+  std::vector<double> model_phase = unwrapped_phase(model);
+  const double turn = 360 * std::round((measured_phase.front() - model_phase.front()) / 360);
+  for (double& degrees : model_phase) degrees += turn;
+  // Below all curves.
+  magnitude.curves.insert(magnitude.curves.begin(), band_round("95 % band of " + enhanced_escape(chosen.name),
+                                                               "#888888", omega, decibels(model), band.decibel));
+  phase.curves.insert(phase.curves.begin(), band_round("", "#888888", omega, model_phase, band.degrees));
   magnitude.curves.push_back(make_curve("data", "#222222", Mark::open_points, omega, decibels(data.value())));
   phase.curves.push_back(make_curve("", "#222222", Mark::open_points, omega, measured_phase));
   Figure figure;
@@ -148,6 +227,7 @@ Section data_section(const Work& work, const std::string& name, const io::Freque
   section.blocks.emplace_back(
       data_figure(id, "Data with the three best structures, and their relative distance from the data.", data, result,
                   read.value_unit));
+  section.blocks.emplace_back(residual_figure(id, data, result.ranking.at(result.chosen)));
   std::string verdict = "<p><b>Verdict.</b> " + escape_html(result.verdict_sentence);
   for (const std::string& skipped : result.skipped) verdict += " Left out: " + escape_html(skipped) + ".";
   section.blocks.emplace_back(Html{verdict + "</p>"});

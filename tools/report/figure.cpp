@@ -41,6 +41,19 @@ Curve make_curve(std::string label, std::string colour, Mark mark, const std::ve
   return curve;
 }
 
+Curve make_band(std::string label, std::string colour, const std::vector<double>& x, const std::vector<double>& lower,
+                const std::vector<double>& upper) {
+  Curve curve{std::move(label), std::move(colour), Mark::band, {{}}};
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    if (std::isfinite(x[i]) && std::isfinite(lower[i]) && std::isfinite(upper[i])) {
+      curve.segments.back().push_back({x[i], (lower[i] + upper[i]) / 2, lower[i], upper[i]});
+    } else if (!curve.segments.back().empty()) {
+      curve.segments.emplace_back();
+    }
+  }
+  return curve;
+}
+
 std::string category_colour(std::size_t index) {
   static constexpr std::array<std::string_view, 7> colours = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                                                               "#e69f00", "#56b4e9", "#444444"};

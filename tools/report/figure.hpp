@@ -24,6 +24,7 @@ enum class Mark {
   open_points,   // circles that let what lies below show through
   faint_points,  // small, pale: values that carry a large uncertainty
   faint_bars,    // pale error bars
+  band,          // pale area between lower and upper; the axes do not stretch for it
 };
 
 /// One family member.  Segments are drawn apart from each other: a line never crosses from one into the next.
@@ -72,6 +73,10 @@ struct Figure {
 /// Curves of the plain kinds; points where x or y is not finite break the line.
 [[nodiscard]] Curve make_curve(std::string label, std::string colour, Mark mark, const std::vector<double>& x,
                                const std::vector<double>& y);
+
+/// The area between two curves.
+[[nodiscard]] Curve make_band(std::string label, std::string colour, const std::vector<double>& x,
+                              const std::vector<double>& lower, const std::vector<double>& upper);
 
 /// Colours of unordered curves, told apart by readers with any colour vision (Okabe, Ito 2008).
 [[nodiscard]] std::string category_colour(std::size_t index);

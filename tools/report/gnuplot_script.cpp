@@ -186,6 +186,8 @@ std::string style_of(const Curve& curve) {
       return "with points pt 7 ps 0.32" + faint;
     case Mark::faint_bars:
       return "with yerrorbars pt -1 lw 0.8" + faint;
+    case Mark::band:
+      return "with filledcurves fs solid noborder" + faint;
   }
   return {};
 }
@@ -260,8 +262,10 @@ void write_panel(std::ostream& script, const Panel& panel, std::size_t index) {
       script << (first ? "" : ", \\\n     ") << "NaN " << style_of(curve) << " title " << quoted(curve.label);
     } else {
       script << (first ? "" : ", \\\n     ") << block_name(index, i) << " using "
-             << (curve.mark == Mark::faint_bars ? "1:2:3:4 " : "1:2 ") << style_of(curve)
-             << (curve.label.empty() ? " notitle" : " title " + quoted(curve.label));
+             << (curve.mark == Mark::faint_bars ? "1:2:3:4 "
+                 : curve.mark == Mark::band     ? "1:3:4 "
+                                                : "1:2 ")
+             << style_of(curve) << (curve.label.empty() ? " notitle" : " title " + quoted(curve.label));
     }
     first = false;
   }

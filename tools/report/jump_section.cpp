@@ -268,7 +268,7 @@ Table discontinuity_table(const Scene& scene, const Family& family) {
       "Discontinuities found from the values of the curves over ε alone, as one would in a measurement (largest three "
       "per "
       "curve). The bracket is the pair of neighbouring samples between which the step lies; a curve can hold several. "
-      "In irregular stretches the scatter of the means can count as a step too.",
+      "A step counts only where it exceeds the uncertainty of the points beside it.",
       {{"restitution", "ε"},
        {"rank", "rank"},
        {"omega_lower_rad_s", "bracket from / (rad/s)", 5},
@@ -278,10 +278,10 @@ Table discontinuity_table(const Scene& scene, const Family& family) {
        {"size", "relative size of the step", 3}},
       {}};
   for (const auto& sweep : family.sweeps) {
-    std::vector<double> omega;
-    for (const auto& point : sweep.points) omega.push_back(point.omega);
     if (sweep.system.clearance() == 0) continue;
-    const auto found = backlash::find_discontinuities(sweep.data());
+    std::vector<double> uncertainty;
+    for (const auto& point : sweep.points) uncertainty.push_back(point.uncertainty);
+    const auto found = backlash::find_discontinuities(sweep.data(), uncertainty);
     const double scale = std::sqrt(sweep.force_amplitude / (scene.mass2 * sweep.system.clearance()));
     for (std::size_t i = 0; i < std::min<std::size_t>(found.size(), 3); ++i) {
       table.rows.push_back({sweep.system.restitution(), static_cast<double>(i + 1), found[i].omega_lower,

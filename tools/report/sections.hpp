@@ -50,6 +50,12 @@ struct Bands;  // bands.hpp
 /// Only for a clearance above 0.
 [[nodiscard]] Section orbit_section(const Work& work);
 [[nodiscard]] Section speed_section(const Work& work);
+/// Bode, Nyquist and Nichols diagrams and step response of one fractional model.
+[[nodiscard]] Section model_section();
+/// Work-precision diagram of the time-response methods.
+[[nodiscard]] Section response_speed_section();
+/// Of s^0.5 on four decades, whatever the scene.
+[[nodiscard]] Section approximation_section();
 /// @param name    of the file, for the reader
 /// @param number  from 1, makes the names of figures and tables
 [[nodiscard]] Section data_section(const Work& work, const std::string& name, const io::FrequencyResponseFile& file,

@@ -3,10 +3,11 @@
 #include <Eigen/Core>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <cstdio>
 #include <limits>
+
+#include "frac/identification/statistics.hpp"
 
 namespace backlash::detail {
 namespace {
@@ -174,7 +175,7 @@ SceneUncertainty scene_uncertainty(const NormalEquations& equations, const Scene
   result.rank = fisher.determined + bound_count;
   const double degrees = static_cast<double>(equations.residuals) - static_cast<double>(result.rank);
   const double variance = degrees > 0 ? equations.cost / degrees : nan;
-  const double t = degrees >= 1 ? boost::math::quantile(boost::math::students_t(degrees), 0.975) : nan;
+  const double t = frac::student_t_95(degrees);
 
   const std::array<double, 4> value = {std::exp(theta[0]), std::exp(theta[1]), std::exp(theta[2]), theta[3]};
   std::array<Vector4, 4> gradient;

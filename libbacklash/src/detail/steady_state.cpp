@@ -10,6 +10,7 @@
 
 #include "detail/closed_orbit.hpp"
 #include "detail/two_impact_orbit.hpp"
+#include "detail/window_mean.hpp"
 
 namespace backlash::detail {
 namespace {
@@ -20,12 +21,8 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 // Longest period of a closed orbit, in force periods; what closes later is averaged.
 constexpr int longest_period = 64;
-// Force periods left to the transient, and records of the window that is averaged when no orbit has closed.
+// Force periods left to the transient.
 constexpr int transient_periods = 256;
-constexpr std::size_t window_records = 1024;
-// A window with fewer impacts than this is lengthened, at most to window_records times longest_stride periods.
-constexpr std::int64_t enough_impacts = 512;
-constexpr std::int64_t longest_stride = 64;
 // A mean with a goal (MeanGoal) begins after fewer periods, once the impacts have taken the energy of the start
 // energy_memory times over, and is judged when its window holds 32, 64, 128, ... periods.  It ends early only where a
 // small disturbance has grown by e^certain_growth: slow transients and undamped motions, whose batches may all agree on
@@ -47,21 +44,6 @@ constexpr double very_near_return = 1e-6;
 // A state this near to a stable closed orbit is on its way to it.
 constexpr double captured = 1e-6;
 constexpr int capture_rounds = 50;
-
-// State at a peak of the force with what was counted up to it.
-struct Strobe {
-  double position = 0;
-  double position_rate = 0;
-  std::int64_t impacts = 0;
-};
-
-// State at the end of each period of the window that is averaged.
-struct WindowRecord {
-  Strobe strobe;
-  std::int64_t period = 0;
-  JumpSum jumps;
-  double log_growth = 0;  // of a small disturbance since the beginning of the window
-};
 
 double distance_between(const GapState& a, const GapState& b) {
   return std::abs(a.s - b.s) + std::abs(a.velocity - b.velocity) / (1 + b.velocity);
@@ -91,6 +73,60 @@ double tail_limit(const GapMotion& motion, double tolerance) {
   return 1e-3 * tolerance * std::min(1.0, std::cbrt(1 / motion.gamma()));
 }
 
+// Growth of a small disturbance of a motion, followed from impact to impact.
+class Disturbance {
+ public:
+  // Returns the growth over this flight and impact.
+  double advance(const GapMotion& motion, const GapState& from, const Flight& flight, const GapState& to) noexcept {
+    const double before = std::abs(phase_) + std::abs(velocity_);
+    const Jacobian step = chain({}, motion, from, flight, to);
+    const double phase = step.phase_phase * phase_ + step.phase_velocity * velocity_;
+    velocity_ = step.velocity_phase * phase_ + step.velocity_velocity * velocity_;
+    phase_ = phase;
+    const double size = std::abs(phase_) + std::abs(velocity_);
+    if (!(size > 1e-60 && size < 1e60)) renormalise();
+    return size / before;
+  }
+  [[nodiscard]] double log_growth() noexcept {
+    renormalise();
+    return log_growth_;
+  }
+
+ private:
+  void renormalise() noexcept {
+    const double size = std::abs(phase_) + std::abs(velocity_);
+    // A disturbance lost at restitution 0, or grown without bound at a touch of speed 0, begins anew.
+    if (!(size > 0) || !std::isfinite(size)) {
+      phase_ = velocity_ = 1;
+      return;
+    }
+    log_growth_ += std::log(size);
+    phase_ /= size;
+    velocity_ /= size;
+  }
+
+  double phase_ = 1;
+  double velocity_ = 1;
+  double log_growth_ = 0;
+};
+
+// What rounding makes of the mean of a course of impacts: each adds to the error of phase and velocity, which grows
+// with the motion like a small disturbance.
+class RoundingGrowth {
+ public:
+  void advance(const GapMotion& motion, const GapState& from, const Flight& flight, const GapState& to) noexcept {
+    error_ = error_ * disturbance_.advance(motion, from, flight, to) + 8 * rounding * (1 + to.velocity);
+    sum_ += error_ * (1 + to.velocity + flight.speed);
+  }
+  // Of |U_1| over that many half periods: by its velocity jump times the error of its phase each impact moves the sum.
+  [[nodiscard]] double error_of_mean(double half_periods) const noexcept { return 2 / (pi * half_periods) * sum_; }
+
+ private:
+  Disturbance disturbance_;
+  double error_ = 0;
+  double sum_ = 0;
+};
+
 // The orbit of a mass that sticks and is known to do so again after `release`: everything before a release is
 // forgotten, so the motion from one release to the next is the whole orbit, or half of it when the next one is from the
 // opposite wall.
@@ -103,6 +139,7 @@ SteadyState orbit_from_release(const GapMotion& motion, const GapState& release,
   double neglected = 0;
   double squared_speeds = 0;
   double tail_loss = 0;
+  RoundingGrowth rounding_growth;
   for (;;) {
     if (!motion.rests(state)) {
       const Flight flight = motion.next_flight(state);
@@ -111,6 +148,7 @@ SteadyState orbit_from_release(const GapMotion& motion, const GapState& release,
       squared_speeds += flight.speed * flight.speed;
       flights.add_flight(state, flight);
       if (flight.crosses) flights.add_crossing(next);
+      rounding_growth.advance(motion, state, flight, next);
       state = next;
       const ChatterTail tail = motion.chatter_tail(state);
       if (!tail.negligible(limit)) continue;
@@ -136,110 +174,11 @@ SteadyState orbit_from_release(const GapMotion& motion, const GapState& release,
     steady.lyapunov = -std::numeric_limits<double>::infinity();
     // A few dozen roundings of phases and of integrals over flights, each below 1.
     steady.uncertainty = 2 / (pi * half_periods) * neglected + 32 * rounding;
+    // Within one period a stick leaves rounding no time to grow.
+    if (steady.period > 1) steady.uncertainty += rounding_growth.error_of_mean(half_periods);
     steady.end = state_at_next_peak(motion, release, limit);
     return steady;
   }
-}
-
-// Batches that the window is divided into, and 95 % quantiles F(1, batches - 1) and F(2, 2 (batches - 1)) of the
-// squared error of a complex mean over its estimated variance: for errors along a line, and for errors alike in all
-// directions.
-struct BatchSize {
-  int batches;
-  double line_quantile;
-  double plane_quantile;
-};
-constexpr std::array<BatchSize, 2> batch_sizes = {
-    {{16, 4.543077165217305, 3.3158295010135213}, {8, 5.5914478512207371, 3.7388918324407374}}};
-
-Harmonics mean_harmonics(const WindowRecord& from, const WindowRecord& to, double gamma) {
-  // Two integrations by parts over whole periods leave the velocity jumps and the difference of the end states.
-  Harmonics result;
-  const double scale = 1 / (pi * static_cast<double>(to.period - from.period));
-  for (std::size_t i = 0; i < harmonic_orders.size(); ++i) {
-    const double k = harmonic_orders[i];
-    const std::complex<double> jumps = quarter_turns(harmonic_orders[i], to.jumps.sums()[i] - from.jumps.sums()[i]);
-    const std::complex<double> ends(to.strobe.position_rate - from.strobe.position_rate,
-                                    k * (to.strobe.position - from.strobe.position));
-    result.u[i] = (ends - jumps) * (scale / (k * k));
-  }
-  result.u1_plus_gamma = result.u[0];
-  result.u[0] -= gamma;
-  return result;
-}
-
-// Long-time mean with the 95 % half width of batch means; the wider of two batch sizes, since short batches of a slowly
-// varying motion are correlated and give too narrow a width.
-SteadyState averaged(const std::vector<WindowRecord>& window, const GapMotion& motion) {
-  const double gamma = motion.gamma();
-  SteadyState steady;
-  steady.regime = Regime::averaged;
-  steady.period = 0;
-  steady.spectral_radius = nan;
-  steady.energy_defect = nan;
-  steady.lyapunov = nan;
-  const auto periods = static_cast<std::int64_t>(window.size()) - 1;
-  if (periods < batch_sizes.back().batches) {
-    // Too few periods to judge: |U_1| of a motion between the walls lies in [0, 2/pi].
-    steady.uncertainty = 4 / pi;
-    if (periods < 1) {
-      steady.harmonics.u1_plus_gamma = gamma;  // U_1 = 0, the middle of what is possible
-      steady.impacts_per_period = nan;
-      return steady;
-    }
-  }
-  const WindowRecord& first = window.front();
-  const WindowRecord& last = window.back();
-  steady.harmonics = mean_harmonics(first, last, gamma);
-  steady.impacts_per_period =
-      static_cast<double>(last.strobe.impacts - first.strobe.impacts) / static_cast<double>(periods);
-  const double followed = static_cast<double>(last.period - first.period);
-  // The work of the force changes the kinetic energy too, and the mean of a motion that does not close has ends.
-  const double squared_speeds = last.jumps.squared_speeds() - first.jumps.squared_speeds();
-  const double kinetic = 0.5 * (last.strobe.position_rate * last.strobe.position_rate -
-                                first.strobe.position_rate * first.strobe.position_rate);
-  const double ends = gamma * (last.strobe.position - first.strobe.position);
-  const double work = ends - pi * followed * gamma * steady.harmonics.u[0].imag();
-  const double loss = 0.5 * (1 - motion.restitution() * motion.restitution()) * squared_speeds;
-  steady.energy_defect = squared_speeds > 0 ? std::abs(work - loss - kinetic) / (0.5 * squared_speeds) : 0;
-  steady.lyapunov = (last.log_growth - first.log_growth) / followed;
-  if (last.strobe.impacts == first.strobe.impacts) {
-    // Nothing was met: so far the motion is free, give or take the drift over the window.
-    steady.harmonics = {};
-    steady.harmonics.u[0] = -gamma;
-  }
-  // By as much the ends of a motion that does not close move its mean: two integrations by parts leave (u + j u')/(pi
-  // periods) at each.  A slow drift has them the same in every batch, where scatter cannot show them.
-  const double drift = (std::abs(last.strobe.position - first.strobe.position) +
-                        std::abs(last.strobe.position_rate - first.strobe.position_rate)) /
-                       (pi * followed);
-  if (periods < batch_sizes.back().batches) return steady;
-  steady.uncertainty = 0;
-  for (const BatchSize& size : batch_sizes) {
-    const std::int64_t length = periods / size.batches;
-    if (length == 0) continue;
-    double squares = 0;               // sum of |deviation|^2
-    std::complex<double> pseudo = 0;  // sum of deviation^2, which tells a line from a plane
-    for (int i = 0; i < size.batches; ++i) {
-      const auto from = static_cast<std::size_t>(i * length);
-      const auto to = static_cast<std::size_t>((i + 1) * length);
-      const std::complex<double> deviation =
-          mean_harmonics(window[from], window[to], gamma).u[0] - steady.harmonics.u[0];
-      squares += std::norm(deviation);
-      pseudo += deviation * deviation;
-    }
-    // The variances along the principal axes are (squares +- |pseudo|)/2: degrees of freedom (sum)^2/(sum of squares)
-    // between 1 and 2 (Satterthwaite 1946).
-    const double ratio = squares > 0 ? std::norm(pseudo) / (squares * squares) : 1;
-    const double degrees = 2 / (1 + std::min(1.0, ratio));
-    const double quantile = size.line_quantile + (degrees - 1) * (size.plane_quantile - size.line_quantile);
-    const double half_width = std::sqrt(quantile * squares / (size.batches - 1.0) / size.batches);
-    steady.uncertainty = std::max(steady.uncertainty, half_width);
-  }
-  const double impacts = static_cast<double>(last.strobe.impacts - first.strobe.impacts);
-  // Many impacts make the ends part of the scatter that the batches show.
-  if (impacts < 2.0 * static_cast<double>(periods)) steady.uncertainty += drift;
-  return steady;
 }
 
 // An orbit that sticks only once in many periods: what lies between amplifies rounding like any chaotic motion, so that
@@ -330,41 +269,6 @@ std::optional<SteadyState> closed_orbit_near(const GapMotion& motion, const GapS
   return steady;
 }
 
-// Growth of a small disturbance of a motion, followed from impact to impact.
-class Disturbance {
- public:
-  void advance(const GapMotion& motion, const GapState& from, const Flight& flight, const GapState& to) noexcept {
-    const Jacobian step = chain({}, motion, from, flight, to);
-    const double phase = step.phase_phase * phase_ + step.phase_velocity * velocity_;
-    velocity_ = step.velocity_phase * phase_ + step.velocity_velocity * velocity_;
-    phase_ = phase;
-    const double size = std::abs(phase_) + std::abs(velocity_);
-    if (size > 1e-60 && size < 1e60) return;
-    renormalise();
-  }
-  [[nodiscard]] double log_growth() noexcept {
-    renormalise();
-    return log_growth_;
-  }
-
- private:
-  void renormalise() noexcept {
-    const double size = std::abs(phase_) + std::abs(velocity_);
-    // A disturbance lost at restitution 0, or grown without bound at a touch of speed 0, begins anew.
-    if (!(size > 0) || !std::isfinite(size)) {
-      phase_ = velocity_ = 1;
-      return;
-    }
-    log_growth_ += std::log(size);
-    phase_ /= size;
-    velocity_ /= size;
-  }
-
-  double phase_ = 1;
-  double velocity_ = 1;
-  double log_growth_ = 0;
-};
-
 SteadyState free_motion(double gamma, const GapState& end) {
   SteadyState steady;
   steady.regime = Regime::free;
@@ -425,35 +329,6 @@ class ReturnDetector {
   std::array<Strobe, longest_period> ring_{};
   std::array<std::int64_t, longest_period + 1> wait_until_{};
   std::array<std::int64_t, longest_period + 1> wait_{};
-};
-
-// Records of the motion at peaks of the force, from the end of the transient on.  When they are full but hold few
-// impacts, every second one is dropped and the window goes on at twice the stride.
-class Window {
- public:
-  [[nodiscard]] bool empty() const noexcept { return records_.empty(); }
-  [[nodiscard]] std::int64_t stride() const noexcept { return stride_; }
-  [[nodiscard]] const std::vector<WindowRecord>& records() const noexcept { return records_; }
-  void clear() {
-    records_.clear();
-    stride_ = 1;
-  }
-  /// False when the window is complete.
-  bool add(const WindowRecord& record) {
-    if (records_.empty()) records_.reserve(window_records + 1);
-    records_.push_back(record);
-    if (records_.size() <= window_records) return true;
-    const std::int64_t impacts = record.strobe.impacts - records_.front().strobe.impacts;
-    if (impacts >= enough_impacts || stride_ >= longest_stride) return false;
-    for (std::size_t i = 0; 2 * i < records_.size(); ++i) records_[i] = records_[2 * i];
-    records_.resize(window_records / 2 + 1);
-    stride_ *= 2;
-    return true;
-  }
-
- private:
-  std::vector<WindowRecord> records_;
-  std::int64_t stride_ = 1;
 };
 
 }  // namespace
@@ -525,7 +400,8 @@ SteadyState find_steady_state(const GapMotion& motion, const GapState& start, do
     if (motion.rests(state) || motion.chatter_tail(state).negligible(limit)) {
       if (released) {
         const SteadyState orbit = orbit_from_release(motion, *released, tolerance);
-        return orbit.period <= longest_period ? orbit : mean_of_long_orbit(orbit, averaged(window.records(), motion));
+        if (orbit.period <= longest_period && orbit.uncertainty < captured) return orbit;
+        return mean_of_long_orbit(orbit, averaged(window.records(), motion));
       }
       const GapState release = motion.release_after(state);
       while (release.half_period >= next_peak) {

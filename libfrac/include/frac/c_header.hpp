@@ -26,6 +26,7 @@ struct CHeaderOptions {
 /// functions on a struct:
 ///   void <name>_init(<name>_state *);                             at rest, all signals 0
 ///   void <name>_reset(<name>_state *);                            the same again
+///   void <name>_reset_at(<name>_state *, double setpoint, double measured);  at rest at these values
 ///   double <name>_step(<name>_state *, double setpoint, double measured);
 ///   void <name>_track(<name>_state *, double output);             see FractionalPid
 /// Flags saturated and bad_input are members of the struct.  Outputs are those of FractionalPid, bit for bit, as long

@@ -37,9 +37,10 @@ struct DigitalFilterDesign {
 [[nodiscard]] DigitalFilterDesign filter_design(const DigitalPower& power);
 
 /// Any proper model, exactly but for `tolerance` for an input that is constant between samples, by the sum of
-/// exponentials of respond.hpp: poles and branch cut become sections with one state each.  That beats powers of s
-/// realised term by term inside the model: no algebraic loop, no band to choose, fewer states (some 20 to 60 for the
-/// whole model), and stable whenever the model is.
+/// exponentials of respond.hpp: poles and branch cut become sections with one state each.  Chosen over powers of s
+/// realised term by term inside the model because it has no algebraic loop and no band to choose, costs the same
+/// whatever the number of terms (some 50 states at 1e-4, 100 at 1e-9 for the longest horizons), and is stable whenever
+/// the model is.
 /// @param tolerance  1e-13 to 0.1, of the largest value of the step response over the horizon.
 /// @param horizon    number of samples the filter is good for, 1 to 10^12.
 /// @throws std::invalid_argument  an argument out of range; the model improper, with more than one whole integration,

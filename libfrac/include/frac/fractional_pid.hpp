@@ -61,7 +61,7 @@ struct PidOperator {
 
 /// The numbers a FractionalPid runs on, designed outside the loop.
 ///  - Integral: filter for s^(1 - lambda), then a true integrator by the trapezoidal rule, so that the control error
-///    vanishes at rest exactly.
+///    vanishes at rest exactly.  With Discretisation::direct the filter makes up for the rule's gain error too.
 ///  - Derivative: for mu < 1 filter for s^mu behind the lag F by the backward rule; for mu >= 1 the backward difference
 ///    s F(s), then the filter for s^(mu - 1).
 /// With lambda = mu = 1 there are no filters, and this is the classical PID.
@@ -76,14 +76,15 @@ class FractionalPidDesign {
   [[nodiscard]] const std::string& note() const noexcept { return note_; }
   [[nodiscard]] const PidOperator& integral() const noexcept { return integral_; }
   [[nodiscard]] const PidOperator& derivative() const noexcept { return derivative_; }
-  /// Largest relative error of either filter on the band against s^(1 - lambda) and s^mu or s^(mu - 1); 0 without one.
+  /// Largest relative error on the band of the filter with its integrator against s^-lambda, and of the derivative's
+  /// filter against s^mu or s^(mu - 1); 0 without filter.
   [[nodiscard]] double integral_error() const noexcept { return integral_error_; }
   [[nodiscard]] double derivative_error() const noexcept { return derivative_error_; }
   /// s, as used; 0 where there is no back calculation.
   [[nodiscard]] double tracking_time() const noexcept { return tracking_time_; }
   /// Largest |C_d/C - 1| on the band, C_d the running controller and C the exact one with its lag F, and where (rad/s);
-  /// NaN where the configuration has no band.  Low values need more than good filters: the rules for the whole
-  /// integration and differentiation err at high frequency, by (omega T)^2/12 and omega T/2 of their parts.
+  /// NaN where the configuration has no band.  Low values need more than good filters: the backward rule of lag and
+  /// whole differentiation errs by omega T/2, the trapezoidal one at lambda = 1 by (omega T)^2/12 of their parts.
   [[nodiscard]] double error() const noexcept { return error_; }
   [[nodiscard]] double omega_at_error() const noexcept { return omega_at_error_; }
   /// C(e^{j omega T}) from control error to output, weights 1, limits aside; omega in rad/s, in (0, pi/T).
@@ -151,7 +152,8 @@ class FractionalPid {
   void track(Real output) noexcept;
   /// At rest, all signals 0.
   void reset() noexcept;
-  /// At rest after signals that had been constant at these values, output 0: no kick of the derivative at the start.
+  /// At rest after signals that had been constant at these values, output 0 (or the limit next to it): no kick of the
+  /// derivative at the start.
   void reset(Real setpoint, Real measured) noexcept;
 
   /// New parameters.  Were the last inputs repeated, the next output would be what it would have been without the

@@ -2,6 +2,7 @@
 
 #include <complex>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace frac {
@@ -12,6 +13,11 @@ namespace frac {
 /// @throws std::invalid_argument  order not finite or |order| > 20, memory_length > 10^7.
 [[nodiscard]] std::vector<double> grunwald_letnikov_weights(double order, std::size_t memory_length);
 
+/// One of them, at any index up to 2^53: by the recurrence below 1000, from there by the expansion of
+/// Gamma(index - order)/Gamma(index + 1) in powers of (index - order/2)^-2.  Relative error as above.
+/// @throws std::invalid_argument  order as above; index above 2^53.
+[[nodiscard]] double grunwald_letnikov_weight(double order, std::uint64_t index);
+
 /// Frequency response of that difference as it will be deployed: sample time h (s), sum over k = 0 .. memory_length,
 /// that is the present sample and the memory_length before it.  memory_length = 0 means all: ((1 - e^{-j omega
 /// h})/h)^order.
@@ -21,9 +27,31 @@ namespace frac {
                                                               std::size_t memory_length, double omega);
 
 /// The difference itself: order-`order` derivative of samples taken every sample_time seconds, zero before the first.
-/// memory_length = 0 keeps all samples.  Cost is proportional to samples times memory length.
+/// memory_length = 0 keeps all samples.  Cost is proportional to samples times memory length; a stream, or long memory:
+/// see fractional_derivative.hpp.
 /// @throws std::invalid_argument  as above, or a sample not finite (its index is named).
 [[nodiscard]] std::vector<double> grunwald_letnikov_derivative(const std::vector<double>& samples, double order,
                                                                double sample_time, std::size_t memory_length = 0);
+
+/// The same with all samples kept, by the fast Fourier transform.  What it gains in time it loses in accuracy: every
+/// value errs by some roundings of the largest, not of its own.
+/// @throws std::invalid_argument  as above; more than 10^7 samples.
+[[nodiscard]] std::vector<double> grunwald_letnikov_derivative_by_fft(const std::vector<double>& samples, double order,
+                                                                      double sample_time);
+
+/// Short memory (Podlubny 1999, section 7.3): largest possible deviation of the difference over memory_length from that
+/// over all of `samples` samples, none above `largest_sample` in magnitude,
+///   largest_sample h^-order sum_{k = memory_length + 1}^{samples - 1} |w_k|,
+/// reached by samples of one sign and size when memory_length >= order.
+/// @param samples  0: any number, for which the bound is infinite when order < 0.
+/// @throws std::invalid_argument  order, sample_time as above; memory_length 0 or below order; largest_sample negative
+/// or
+///                                not finite.
+[[nodiscard]] double short_memory_bound(double order, double sample_time, std::uint64_t memory_length,
+                                        double largest_sample, std::uint64_t samples = 0);
+
+/// The shortest memory, in samples, that keeps that bound for any number of samples within `error`.
+/// @throws std::invalid_argument  as above; order not above 0; error not positive; more than 2^53 samples needed.
+[[nodiscard]] std::uint64_t short_memory_length(double order, double sample_time, double largest_sample, double error);
 
 }  // namespace frac

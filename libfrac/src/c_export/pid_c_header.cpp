@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstddef>
 #include <limits>
 #include <string>
@@ -72,7 +73,8 @@ static inline void NAME_reset(NAME_state *s)
 {
 )") + (has_sections ? "  int i;\n" : "") +
                      clear_text(integral) + clear_text(derivative) + R"(  s->integrator = s->integrator_lost = @zero@;
-  s->lag = s->track_output = s->output = s->unlimited = @zero@;
+  s->lag = s->track_output = s->unlimited = @zero@;
+  s->output = @rest_output@;
   s->is_tracking = s->saturated = s->bad_input = 0;
 }
 
@@ -81,6 +83,24 @@ static inline void NAME_init(NAME_state *s)
 {
   NAME_reset(s);
 }
+
+/* At rest after signals that had been constant at these values: no kick of the derivative at the start. */
+static inline void NAME_reset_at(NAME_state *s, REAL setpoint, REAL measured)
+{
+)" + (derivative.rates.empty() || k.differentiates ? "" : "  int i;\n") +
+                     R"(  const REAL input = @derivative_setpoint_weight@ * setpoint - measured;
+  if (!(input <= @most@ && input >= -@most@)) {
+    s->bad_input = 1;
+    return;
+  }
+  NAME_reset(s);
+  s->lag = input;
+)" +
+                     (derivative.rates.empty() || k.differentiates
+                          ? ""
+                          : "  for (i = 0; i < " + std::to_string(derivative.rates.size()) +
+                                "; ++i) s->derivative_v[i] = s->lag / NAME_derivative_rate[i];\n") +
+                     R"(}
 
 /* The next output will be this one: call before every step while another source drives the plant. */
 static inline void NAME_track(NAME_state *s, REAL output)
@@ -109,8 +129,7 @@ static inline REAL NAME_step(NAME_state *s, REAL setpoint, REAL measured)
   const REAL derivative = @kd@ * NAME_derivative_output(s, derivative_input);
   REAL integral_input = @ki@ * error;
   REAL integral_filtered = NAME_integral_output(s, integral_input);
-  REAL integral = s->integrator + @half_time@ * integral_filtered;
-  REAL sum = proportional + integral + derivative;
+  REAL sum = proportional + (s->integrator + @half_time@ * integral_filtered) + derivative;
   REAL excess, increment, next;
   if (!(proportional_input <= largest && proportional_input >= -largest && difference_input <= largest &&
         difference_input >= -largest && error <= largest && error >= -largest && sum <= @most@ && sum >= -@most@)) {
@@ -122,7 +141,6 @@ static inline REAL NAME_step(NAME_state *s, REAL setpoint, REAL measured)
     const REAL shift = s->track_output - sum;
     s->integrator += shift;
     s->integrator_lost = @zero@;
-    integral += shift;
     sum = s->track_output;
     s->is_tracking = 0;
   }
@@ -161,6 +179,7 @@ static inline REAL NAME_step(NAME_state *s, REAL setpoint, REAL measured)
                           {"half_time", number(k.half_time)},
                           {"lag_share", number(k.lag_share)},
                           {"inverse_lag_time", number(k.inverse_lag_time)},
+                          {"rest_output", number(std::clamp(Real(0), k.minimum, k.maximum))},
                           {"minimum", "(" + number(k.minimum) + ")"},
                           {"maximum", "(" + number(k.maximum) + ")"},
                           {"tracking_share", number(k.tracking_share)},

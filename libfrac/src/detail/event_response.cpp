@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "branch_cut.hpp"
+#include "exponential_sum.hpp"
 #include "laplace_image.hpp"
 #include "phi_functions.hpp"
 #include "power_sum.hpp"
@@ -18,6 +19,11 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double pi = std::numbers::pi;
 constexpr std::size_t most_integrators = 8;
+
+// Instants closer than this are one.
+double rounding_at(double t) {
+  return 16 * std::numeric_limits<double>::epsilon() * std::abs(t);
+}
 
 // Value in column 0, derivative by parameter p in column 1 + p.
 using ComplexRow = Eigen::Array<Complex, 1, Eigen::Dynamic>;
@@ -109,24 +115,6 @@ void add_circles(const LaplaceImage& image, double cut_angle, double latest, dou
   }
 }
 
-// Where the constant is read from the image: on the positive axis at the scale of the horizon, away from poles.
-double anchor(const LaplaceImage& image, double latest) {
-  double best = 0;
-  double widest = -1;
-  for (const double offset : {0.0, 0.8, -0.8, 1.6, -1.6, 2.4}) {
-    const double log_s = offset - std::log(latest);
-    double distance = 1;
-    for (const RootCluster& pole : image.poles().clusters) {
-      distance = std::min(distance, std::abs(pole.log_s - log_s) - pole.spread);
-    }
-    if (distance > widest) {
-      widest = distance;
-      best = log_s;
-    }
-  }
-  return best;
-}
-
 }  // namespace
 
 // The model at one set of parameters, ready to be run over the events.  Rows of `weight`: real nodes, real parts of
@@ -169,15 +157,15 @@ double EventResponse::shortest_lag(double delay) const {
   double shortest = span;
   std::size_t knot = 0;
   for (const double t : output_time_) {
-    while (knot + 1 < knots_.size() && knots_[knot + 1].time + delay <= t + 1e-12 * span) ++knot;
+    while (knot + 1 < knots_.size() && knots_[knot + 1].time + delay <= t + rounding_at(t)) ++knot;
     for (std::size_t k = knot + 1; k-- > 0;) {
       const double lag = t - knots_[k].time - delay;
-      if (std::abs(lag) <= 1e-12 * span) continue;
+      if (std::abs(lag) <= rounding_at(t)) continue;
       if (lag > 0) shortest = std::min(shortest, lag);
       break;
     }
   }
-  return std::max(shortest, 1e-10 * span);
+  return shortest;
 }
 
 bool EventResponse::evaluate(const RatioOfPowerSums& ratio, double tolerance, Result& result) const {
@@ -251,37 +239,55 @@ bool EventResponse::evaluate(const RatioOfPowerSums& ratio, double tolerance, Re
     nodes.push_back({{log_r, cut.angle}, cut_factor});
     sensitive.evaluate(nodes.back().zeta, row);
     weights.push_back(cut_factor * row);
-    // Derivatives fall off as H does, times a logarithm.
-    const double added = weights.back().abs().maxCoeff() * std::min(1.0, std::exp(log_r) * latest);
-    const double own = std::abs(weights.back()[0]) * std::min(1.0, std::exp(log_r) * latest);
+    const double own = effect(std::abs(weights.back()[0]), std::exp(log_r), latest, plan.integrators);
     largest = std::max(largest, own);
-    if (!std::isfinite(added)) return false;
+    if (!std::isfinite(own)) return false;
     if (log_r < lowest && own < 0.03 * step * tolerance * largest) break;
   }
 
-  const double log_anchor = anchor(image, latest);
-  const double s0 = std::exp(log_anchor);
-  sensitive.evaluate(log_anchor, row);
-  plan.constant.setZero(static_cast<Eigen::Index>(plan.channels), columns);
-  plan.constant.row(0) = row.real().matrix();
-  const double anchored = std::abs(row[0]);
-  for (std::size_t k = 0; k < nodes.size(); ++k) {
-    const Complex r = rate_of(nodes[k].zeta);
-    plan.constant.row(0) -= (weights[k] * (r / (s0 - r))).real().matrix();
+  // y has one more s below than H, which the image stands for.
+  const std::size_t anchored = high_order + m >= 1 ? static_cast<std::size_t>(std::floor(high_order + m)) + 1 : 1;
+  const std::vector<double> log_anchor = log_anchors(image, latest, anchored);
+  std::vector<double> anchor;
+  Eigen::MatrixXd rest(static_cast<Eigen::Index>(anchored), columns);  // of H at the anchors
+  double size = 0;
+  for (std::size_t i = 0; i < anchored; ++i) {
+    anchor.push_back(std::exp(log_anchor[i]));
+    sensitive.evaluate(log_anchor[i], row);
+    auto left = rest.row(static_cast<Eigen::Index>(i));
+    left = row.real().matrix();
+    size = std::max(size, std::abs(row[0]));
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      const Complex r = rate_of(nodes[k].zeta);
+      left -= (weights[k] * (r / (anchor[i] - r))).real().matrix();
+    }
   }
   // Nodes too fast for the shortest lag have decayed wherever the output is read: constants are left of them.
+  plan.constant.setZero(static_cast<Eigen::Index>(plan.channels), columns);
   for (int k = 1; k < 5'000; ++k) {
     const Complex zeta(upper + k * step, cut.angle);
     const Complex r = rate_of(zeta);
     sensitive.evaluate(zeta, row);
     row *= cut_factor;
-    const double part = std::abs(row[0] * (s0 / (s0 - r)));
-    plan.constant.row(0) -= (row * (s0 / (s0 - r))).real().matrix();
-    for (std::size_t j = 1; j < plan.channels; ++j) {
-      row /= r;
+    double part = 0;
+    for (std::size_t i = 0; i < anchored; ++i) {
+      const Complex part_of_rate = anchor[i] / r;
+      const Complex share = std::pow(part_of_rate, static_cast<int>(anchored)) / (1.0 - part_of_rate);
+      rest.row(static_cast<Eigen::Index>(i)) += (row * share).real().matrix();
+      part = std::max(part, std::abs(row[0] * share));
+    }
+    row /= std::pow(r, static_cast<int>(anchored));
+    for (std::size_t j = anchored; j < plan.channels; ++j, row /= r) {
       plan.constant.row(static_cast<Eigen::Index>(j)) -= row.real().matrix();
     }
-    if (part < 1e-3 * tolerance * anchored) break;
+    if (part < 1e-3 * tolerance * size) break;
+  }
+  for (Eigen::Index column = 0; column < columns; ++column) {
+    const std::vector<double> coefficient =
+        interpolating_polynomial(anchor, {rest.col(column).begin(), rest.col(column).end()});
+    for (std::size_t j = 0; j < std::min(anchored, plan.channels); ++j) {
+      plan.constant(static_cast<Eigen::Index>(j), column) = coefficient[j];
+    }
   }
 
   // Real rates first.
@@ -327,7 +333,6 @@ void EventResponse::run(const Plan& plan, Result& result) const {
   const Eigen::Index complexes = plan.complex_count;
   const Eigen::Index size = reals + 2 * complexes;
   const auto channels = static_cast<Eigen::Index>(plan.channels);
-  const double span = output_time_.back() - knots_.front().time;
 
   std::vector<Complex> phis(plan.channels);
   const auto prepared = [&](double length) {
@@ -347,6 +352,7 @@ void EventResponse::run(const Plan& plan, Result& result) const {
     }
     return gap;
   };
+  double now = knots_.front().time + plan.delay;
   // Equal gaps, to rounding, are prepared once.
   constexpr std::size_t most_kept = 12;
   std::vector<Gap> kept;
@@ -354,7 +360,7 @@ void EventResponse::run(const Plan& plan, Result& result) const {
   std::size_t oldest = 0;
   const auto gap_of = [&](double length) -> const Gap& {
     for (const Gap& gap : kept) {
-      if (std::abs(gap.length - length) <= 1e-14 * span) return gap;
+      if (std::abs(gap.length - length) <= rounding_at(now + length)) return gap;
     }
     if (kept.size() < most_kept) {
       kept.push_back(prepared(length));
@@ -367,7 +373,6 @@ void EventResponse::run(const Plan& plan, Result& result) const {
 
   Eigen::ArrayXd state = Eigen::ArrayXd::Zero(size);
   Eigen::ArrayXd input = Eigen::ArrayXd::Zero(channels);
-  double now = knots_.front().time + plan.delay;
   const auto advance = [&](double to) {
     if (to <= now) return;
     const double length = to - now;
@@ -435,18 +440,18 @@ void EventResponse::run(const Plan& plan, Result& result) const {
   for (Eigen::Index n = 0; n < rows; ++n) {
     const double t = output_time_[static_cast<std::size_t>(n)];
     const auto at = [&] { return knots_[next].time + plan.delay; };
-    while (next < knots_.size() && at() < t - 1e-12 * span) {
+    while (next < knots_.size() && at() < t - rounding_at(t)) {
       advance(at());
       apply(knots_[next++]);
     }
-    const bool on_knot = next < knots_.size() && at() <= t + 1e-12 * span;
+    const bool on_knot = next < knots_.size() && at() <= t + rounding_at(t);
     advance(t);
     const Eigen::Index row = n % most_buffered;
     states.row(row) = state.matrix();
     inputs.row(row) = input.matrix();
     jumps[row] = 0;
     if (on_knot) {
-      if (plan.integrators == 0) jumps[row] = knots_[next].jump;
+      jumps[row] = knots_[next].jump;
       apply(knots_[next++]);
     }
     if (row + 1 == most_buffered || n + 1 == rows) flush(n - row, row + 1);

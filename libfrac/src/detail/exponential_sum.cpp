@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "branch_cut.hpp"
+#include "phi_functions.hpp"
 
 namespace frac::detail {
 namespace {
@@ -83,60 +84,149 @@ void merge_slow(std::vector<Exponential>& terms, std::size_t first, double angle
   for (std::size_t j = 0; j < count; ++j) terms.push_back({point[j] * direction, merged[j]});
 }
 
-// What a term adds to the sum by the end of the horizon.
-double effect(const Exponential& term, double latest) {
-  return std::abs(term.weight) * std::min(1.0, std::abs(term.rate) * latest);
+// Y s at s0 less what the terms make of it.
+double rest_at(const LaplaceImage& image, double log_s0, const std::vector<Exponential>& terms) {
+  const double s0 = std::exp(log_s0);
+  double rest = image.value(log_s0, log_s0).real();
+  for (const Exponential& term : terms) rest -= (term.weight * (term.rate / (s0 - term.rate))).real();
+  return rest;
 }
 
-std::vector<Exponential> with_tolerance(const LaplaceImage& image, double earliest, double latest, double tolerance) {
-  std::vector<Exponential> terms;
+ExponentialSum with_tolerance(const LaplaceImage& image, double earliest, double latest, double tolerance,
+                              std::size_t integrations, std::size_t constants) {
+  ExponentialSum sum{{}, std::vector<double>(constants, 0.0)};
+  std::vector<Exponential>& terms = sum.terms;
   const std::vector<RootCluster>& poles = image.poles().clusters;
+  const std::vector<double> log_anchor = log_anchors(image, latest, anchored_count(image));
+  std::vector<double> anchor, rest;
+  for (const double log_s0 : log_anchor) anchor.push_back(std::exp(log_s0));
+  const auto set_anchored = [&] {
+    const std::vector<double> coefficient = interpolating_polynomial(anchor, rest);
+    std::copy_n(coefficient.begin(), std::min(coefficient.size(), constants), sum.constants.begin());
+  };
   if (has_integer_orders(image)) {
     for (std::size_t k = 0; k < poles.size(); ++k) {
       const double argument = poles[k].log_s.imag();
       const bool on_cut = std::abs(argument - pi) < 1e-7 + poles[k].spread;
       if (on_cut || argument < pi) add_pole(image, k, on_cut, latest, terms);
     }
-    return terms;
+    for (const double log_s0 : log_anchor) rest.push_back(rest_at(image, log_s0, terms));
+    set_anchored();
+    return sum;
   }
   // A complex term costs as much as two real ones.
   const BranchCut cut = best_cut(image, 0.7, 2);
+  int multiplicity = 1;
   for (std::size_t k = 0; k < poles.size(); ++k) {
+    multiplicity = std::max(multiplicity, poles[k].multiplicity);
     if (poles[k].log_s.imag() < cut.angle) add_pole(image, k, false, latest, terms);
   }
   const std::size_t first_of_cut = terms.size();
-  const double digits = std::log(1 / tolerance) + 3;
+  // At a pole of order m beside the strip the rule errs by (2 pi/step)^(m-1) times what it does at a simple one.
+  double digits = std::log(1 / tolerance) + 3;
+  digits += (multiplicity - 1) * std::log(digits / cut.half_width);
   const double step = 2 * pi * 0.97 * cut.half_width / digits;
   const double upper = std::log(digits / (-std::cos(cut.angle) * earliest));
   const double lowest = std::min(image.lowest_corner(), -std::log(latest));
+  const auto term_at = [&](double log_r) -> Exponential {
+    const Complex zeta(log_r, cut.angle);
+    const Complex weight = Complex(0, -step / pi) * image.value(zeta, zeta);
+    if (cut.angle == pi) return {-std::exp(log_r), weight};
+    return {std::exp(zeta), weight};
+  };
   double largest = 0;
   for (int k = 0; k < 100'000; ++k) {
     const double log_r = upper - k * step;
-    const Complex zeta(log_r, cut.angle);
-    const Complex weight = Complex(0, -step / pi) * image.value(zeta, zeta);
-    if (cut.angle == pi) {
-      terms.push_back({-std::exp(log_r), weight.real()});
-    } else {
-      terms.push_back({std::exp(zeta), weight});
-    }
-    const double added = std::abs(weight) * std::min(1.0, std::exp(log_r) * latest);
+    terms.push_back(term_at(log_r));
+    const double added = effect(std::abs(terms.back().weight), std::exp(log_r), latest, integrations);
+    if (cut.angle == pi) terms.back().weight = terms.back().weight.real();
     largest = std::max(largest, added);
     if (log_r < lowest && added < 0.03 * step * tolerance * largest) break;
   }
+  for (const double log_s0 : log_anchor) rest.push_back(rest_at(image, log_s0, terms));
+  const auto anchored = static_cast<int>(anchor.size());
+  for (int k = 1; k < 5'000; ++k) {
+    const auto [rate, weight] = term_at(upper + k * step);
+    double size = 0;
+    for (std::size_t i = 0; i < anchor.size(); ++i) {
+      const Complex ratio = anchor[i] / rate;
+      const Complex left = weight * std::pow(ratio, anchored) / (1.0 - ratio);
+      rest[i] += left.real();
+      size = std::max(size, std::abs(left));
+    }
+    Complex left = weight / std::pow(rate, anchored);
+    for (std::size_t j = anchor.size(); j < constants; ++j, left /= rate) sum.constants[j] -= left.real();
+    if (size < 1e-3 * step * tolerance * largest) break;
+  }
+  set_anchored();
   merge_slow(terms, first_of_cut, cut.angle, latest, tolerance);
-  return terms;
+  return sum;
 }
 
 }  // namespace
 
-std::vector<Exponential> exponential_sum(const LaplaceImage& image, double earliest, double latest, double tolerance,
-                                         double size) {
-  std::vector<Exponential> terms = with_tolerance(image, earliest, latest, tolerance);
+std::size_t anchored_count(const LaplaceImage& image) {
+  const double growth = image.numerator().front().order - image.denominator().front().order + 1;
+  return growth >= 1 ? static_cast<std::size_t>(std::floor(growth)) + 1 : 1;
+}
+
+std::vector<double> log_anchors(const LaplaceImage& image, double latest, std::size_t count) {
+  struct Candidate {
+    double log_s, distance;
+  };
+  std::vector<Candidate> candidates;
+  for (std::size_t i = 0; i < 2 * count + 4; ++i) {
+    // 0, 0.8, -0.8, 1.6, ...
+    const double offset = 0.8 * static_cast<double>((i + 1) / 2) * (i % 2 == 1 ? 1 : -1);
+    const double log_s = offset - std::log(latest);
+    double distance = 1;
+    for (const RootCluster& pole : image.poles().clusters) {
+      distance = std::min(distance, std::abs(pole.log_s - log_s) - pole.spread);
+    }
+    candidates.push_back({log_s, distance});
+  }
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.distance > b.distance; });
+  std::vector<double> result;
+  for (std::size_t i = 0; i < count; ++i) result.push_back(candidates[i].log_s);
+  return result;
+}
+
+std::vector<double> interpolating_polynomial(const std::vector<double>& x, std::vector<double> y) {
+  // Newton's divided differences, then Horner's scheme on the coefficients.
+  const std::size_t count = x.size();
+  for (std::size_t order = 1; order < count; ++order) {
+    for (std::size_t i = count; i-- > order;) y[i] = (y[i] - y[i - 1]) / (x[i] - x[i - order]);
+  }
+  std::vector<double> coefficient(count, 0.0);
+  for (std::size_t i = count; i-- > 0;) {
+    for (std::size_t k = count; k-- > 1;) coefficient[k] = coefficient[k - 1] - x[i] * coefficient[k];
+    coefficient[0] = y[i] - x[i] * coefficient[0];
+  }
+  return coefficient;
+}
+
+double effect(double weight, double rate, double latest, std::size_t integrations) {
+  const double x = rate * latest;
+  return x < 1 ? weight * x : weight * std::pow(x, -static_cast<double>(integrations));
+}
+
+ExponentialSum exponential_sum(const LaplaceImage& image, double earliest, double latest, double tolerance,
+                               std::size_t integrations, std::size_t constants) {
+  ExponentialSum sum = with_tolerance(image, earliest, latest, tolerance, integrations, constants);
   double largest = 0;
-  for (const Exponential& term : terms) largest = std::max(largest, effect(term, latest));
+  for (const Exponential& term : sum.terms) {
+    largest = std::max(largest, effect(std::abs(term.weight), std::abs(term.rate), latest, integrations));
+  }
+  double size = 0;
+  for (const double t : {latest, latest / 3, latest / 20}) {
+    double value = sum.constants[0];
+    for (const Exponential& term : sum.terms) value += (term.weight * expm1(term.rate * t)).real();
+    if (std::isfinite(value)) size = std::max(size, std::abs(value));
+  }
   // Beyond 1e-16 the rounding of the parts decides.
   const double finer = std::max(1e-16, tolerance * size / largest);
-  return finer < 0.5 * tolerance ? with_tolerance(image, earliest, latest, finer) : terms;
+  return finer < 0.5 * tolerance ? with_tolerance(image, earliest, latest, finer, integrations, constants) : sum;
 }
 
 }  // namespace frac::detail

@@ -13,10 +13,32 @@ struct Exponential {
   std::complex<double> weight;
 };
 
-/// Exponentials with y(t) = constant + sum weight (e^{rate t} - 1) for the original y of `image` on earliest <= t <=
-/// latest, within tolerance * size.  The image is s^q, q > -2, at the origin.
-/// @param size  of y on that interval; parts of the sum that are larger and cancel are made as much more accurate.
-[[nodiscard]] std::vector<Exponential> exponential_sum(const LaplaceImage& image, double earliest, double latest,
-                                                       double tolerance, double size);
+/// With y the original of `image`, for lags of at least `earliest` its j-fold integral is
+///   sum_(i<=j) constants_i t^(j-i)/(j-i)! + Re sum weight rate^-j (e^{rate t} - 1 - ... - (rate t)^j/j!):
+/// the constants beyond the first are what nodes too fast for `earliest` have left.
+struct ExponentialSum {
+  std::vector<Exponential> terms;
+  std::vector<double> constants;
+};
+
+/// On earliest <= t <= latest, within `tolerance` of the largest |y| there; where parts of the sum are larger and
+/// cancel they are made as much more accurate, down to rounding.  The image is s^q, q > -2, at the origin.
+/// @param integrations  m, if what counts is the m-fold integral of y, in which fast terms weigh less
+/// @param constants     how many are wanted, one at least
+[[nodiscard]] ExponentialSum exponential_sum(const LaplaceImage& image, double earliest, double latest,
+                                             double tolerance, std::size_t integrations, std::size_t constants);
+
+/// Size of what a term contributes to the m-fold integral by the end of the horizon, over latest^m.
+[[nodiscard]] double effect(double weight, double rate, double latest, std::size_t integrations);
+
+/// Number of the constants above that diverge as sums over fast nodes, one at least: Y s grows as s^q, q >= 1 with
+/// integrations split off, and its polynomial part has no node.  They are read from the image instead.
+[[nodiscard]] std::size_t anchored_count(const LaplaceImage& image);
+
+/// Where they are read: ln s at `count` points of the positive axis at the scale of the horizon, away from poles.
+[[nodiscard]] std::vector<double> log_anchors(const LaplaceImage& image, double latest, std::size_t count);
+
+/// Coefficients by rising power of the polynomial through the points.
+[[nodiscard]] std::vector<double> interpolating_polynomial(const std::vector<double>& x, std::vector<double> y);
 
 }  // namespace frac::detail

@@ -46,6 +46,35 @@ FRACFIT_WIDE_VECTORS void add_rows(const double* factor, std::size_t count, cons
   vector_at(output + 24) = d;
 }
 
+// For each of four factors: output[b][0..16) += sum_k factor[b][k] row(k)[0..16).  Sixteen results times four factors
+// stay in registers, and a row is read once for all four.
+FRACFIT_WIDE_VECTORS void add_tile(const double* const* factor, std::size_t count, const double* row,
+                                   std::ptrdiff_t stride, double* const* output) {
+  const double *f0 = factor[0], *f1 = factor[1], *f2 = factor[2], *f3 = factor[3];
+  Vector a0 = vector_at(output[0]), b0 = vector_at(output[0] + 8), a1 = vector_at(output[1]),
+         b1 = vector_at(output[1] + 8), a2 = vector_at(output[2]), b2 = vector_at(output[2] + 8),
+         a3 = vector_at(output[3]), b3 = vector_at(output[3] + 8);
+  for (std::size_t k = 0; k < count; ++k, row += stride) {
+    const Vector a = vector_at(row), b = vector_at(row + 8);
+    a0 += f0[k] * a;
+    b0 += f0[k] * b;
+    a1 += f1[k] * a;
+    b1 += f1[k] * b;
+    a2 += f2[k] * a;
+    b2 += f2[k] * b;
+    a3 += f3[k] * a;
+    b3 += f3[k] * b;
+  }
+  vector_at(output[0]) = a0;
+  vector_at(output[0] + 8) = b0;
+  vector_at(output[1]) = a1;
+  vector_at(output[1] + 8) = b1;
+  vector_at(output[2]) = a2;
+  vector_at(output[2] + 8) = b2;
+  vector_at(output[3]) = a3;
+  vector_at(output[3] + 8) = b3;
+}
+
 // sum[0..size) += sum_l gamma[l] drive[l * size + ..], a few vectors of states at a time.
 FRACFIT_WIDE_VECTORS void add_drive(const double* gamma, const double* drive, std::size_t size, double* sum) {
   std::size_t s = 0;
@@ -71,6 +100,10 @@ FRACFIT_WIDE_VECTORS void add_drive(const double* gamma, const double* drive, st
   }
 }
 
+bool is_constant(const double* samples) {
+  return std::all_of(samples, samples + block, [samples](double each) { return each == samples[0]; });
+}
+
 // Below this a state is worth nothing and, denormal, slow.
 double flushed(double x) {
   return std::abs(x) < 1e-280 ? 0 : x;
@@ -93,6 +126,10 @@ FilterBank::FilterBank(std::vector<Exponential> terms, double sample_time, doubl
   complex_size_ = filled_up(complex_count_);
   size_ = real_size_ + 2 * complex_size_;
   state_.assign(size_, 0);
+  // Tiles of sixteen states may reach beyond the last.
+  padded_size_ = size_ + width;
+  states_.assign(together * padded_size_, 0);
+  driven_.assign(together * padded_size_, 0);
   change_re_.assign(real_size_ + complex_size_, 0);
   change_im_.assign(complex_size_, 0);
   block_change_re_ = change_re_;
@@ -100,7 +137,7 @@ FilterBank::FilterBank(std::vector<Exponential> terms, double sample_time, doubl
   output_.assign(size_, 0);
   drive_.assign(channels_ * size_, 0);
   block_output_.assign(size_ * block, 0);
-  block_drive_.assign(channels_ * block * size_, 0);
+  block_drive_.assign(channels_ * block * size_ + width, 0);
   block_drive_sum_.assign(channels_ * size_, 0);
   kernel_.assign(channels_ * 2 * block, 0);
   kernel_sum_.assign(channels_ * block, 0);
@@ -242,16 +279,66 @@ void FilterBank::run_constant(double value, double* output) noexcept {
   }
 }
 
-void FilterBank::run_block(const double* gamma, double* output) noexcept {
-  const auto is_constant = [gamma](std::size_t channel) {
-    const double* in = gamma + channel * block;
-    return std::all_of(in, in + block, [in](double each) { return each == in[0]; });
-  };
-  bool settles = is_constant(0) && gamma[0] != 0;
+bool FilterBank::settles(const double* gamma) const noexcept {
+  if (gamma[0] == 0 || !is_constant(gamma)) return false;
   for (std::size_t channel = 1; channel < channels_; ++channel) {
-    settles = settles && gamma[channel * block] == 0 && is_constant(channel);
+    if (gamma[channel * block] != 0 || !is_constant(gamma + channel * block)) return false;
   }
-  if (settles) {
+  return true;
+}
+
+void FilterBank::run_blocks(const double* gamma, double* output) noexcept {
+  const std::size_t stride = channels_ * block;
+  bool any_settles = false;
+  for (std::size_t b = 0; b < together; ++b) any_settles = any_settles || settles(gamma + b * stride);
+  if (any_settles) {
+    for (std::size_t b = 0; b < together; ++b) run_block(gamma + b * stride, output + b * block);
+    return;
+  }
+  leave_constant();
+  constexpr std::size_t half = block / 2;
+  const double* factor[together];
+  double* result[together];
+  std::fill(driven_.begin(), driven_.end(), 0);
+  std::fill(output, output + together * block, 0);
+  for (std::size_t channel = 0; channel < channels_; ++channel) {
+    for (std::size_t b = 0; b < together; ++b) factor[b] = gamma + b * stride + channel * block;
+    if (std::all_of(factor, factor + together, is_constant)) {
+      for (std::size_t b = 0; b < together; ++b) {
+        const double in = factor[b][0];
+        if (in == 0) continue;
+        for (std::size_t i = 0; i < block; ++i) output[b * block + i] += in * kernel_sum_[channel * block + i];
+        for (std::size_t s = 0; s < size_; ++s) {
+          driven_[b * padded_size_ + s] += in * block_drive_sum_[channel * size_ + s];
+        }
+      }
+      continue;
+    }
+    for (std::size_t s = 0; s < size_; s += half) {
+      for (std::size_t b = 0; b < together; ++b) result[b] = &driven_[b * padded_size_ + s];
+      add_tile(factor, block, &block_drive_[channel * block * size_ + s], static_cast<std::ptrdiff_t>(size_), result);
+    }
+    // Row l of the convolution is the kernel moved right by l: it does not reach the first half after half the rows.
+    const double* kernel = &kernel_[channel * 2 * block + block];
+    for (std::size_t b = 0; b < together; ++b) result[b] = output + b * block;
+    add_tile(factor, half, kernel, -1, result);
+    for (std::size_t b = 0; b < together; ++b) result[b] = output + b * block + half;
+    add_tile(factor, block, kernel + half, -1, result);
+  }
+  for (std::size_t b = 0; b < together; ++b) {
+    std::copy(state_.begin(), state_.end(), &states_[b * padded_size_]);
+    change(block_change_re_, block_change_im_);
+    for (std::size_t s = 0; s < size_; ++s) state_[s] += driven_[b * padded_size_ + s];
+  }
+  for (std::size_t b = 0; b < together; ++b) factor[b] = &states_[b * padded_size_];
+  for (const std::size_t from : {std::size_t{0}, half}) {
+    for (std::size_t b = 0; b < together; ++b) result[b] = output + b * block + from;
+    add_tile(factor, size_, block_output_.data() + from, block, result);
+  }
+}
+
+void FilterBank::run_block(const double* gamma, double* output) noexcept {
+  if (settles(gamma)) {
     run_constant(gamma[0], output);
     return;
   }
@@ -261,7 +348,7 @@ void FilterBank::run_block(const double* gamma, double* output) noexcept {
   change(block_change_re_, block_change_im_);
   for (std::size_t channel = 0; channel < channels_; ++channel) {
     const double* in = gamma + channel * block;
-    if (is_constant(channel)) {
+    if (is_constant(in)) {
       if (in[0] == 0) continue;
       for (std::size_t i = 0; i < block; ++i) output[i] += in[0] * kernel_sum_[channel * block + i];
       for (std::size_t s = 0; s < size_; ++s) state_[s] += in[0] * block_drive_sum_[channel * size_ + s];

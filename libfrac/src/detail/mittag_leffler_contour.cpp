@@ -137,7 +137,8 @@ bool MittagLefflerContour::has_pole_at_node(const Poles& poles) const {
 }
 
 template <bool with_derivative>
-MittagLefflerContour::ValueAndDerivative MittagLefflerContour::evaluate(Complex z, const Poles& poles) const {
+[[gnu::always_inline]] inline MittagLefflerContour::ValueAndDerivative MittagLefflerContour::over_nodes(
+    Complex z) const {
   double sum_re[lanes] = {}, sum_im[lanes] = {}, slope_re[lanes] = {}, slope_im[lanes] = {};
   const double x = z.real();
   const double y = z.imag();
@@ -170,7 +171,20 @@ MittagLefflerContour::ValueAndDerivative MittagLefflerContour::evaluate(Complex 
     value += Complex(sum_re[i], sum_im[i]);
     slope += Complex(slope_re[i], slope_im[i]);
   }
+  return {value, slope};
+}
 
+FRACFIT_WIDE_VECTORS MittagLefflerContour::ValueAndDerivative MittagLefflerContour::values_over_nodes(Complex z) const {
+  return over_nodes<false>(z);
+}
+
+FRACFIT_WIDE_VECTORS MittagLefflerContour::ValueAndDerivative MittagLefflerContour::both_over_nodes(Complex z) const {
+  return over_nodes<true>(z);
+}
+
+template <bool with_derivative>
+MittagLefflerContour::ValueAndDerivative MittagLefflerContour::evaluate(Complex z, const Poles& poles) const {
+  auto [value, slope] = with_derivative ? both_over_nodes(z) : values_over_nodes(z);
   const double rate = 2 * pi / step_;
   for (std::size_t j = 0; j < poles.count; ++j) {
     const Complex w = poles.w[j];
@@ -197,7 +211,7 @@ MittagLefflerContour::ValueAndDerivative MittagLefflerContour::evaluate(Complex 
       slope += scaled_exp(exponent, times(part, inner) / (alpha_ * z));
     }
   }
-  if (y == 0) return {value.real(), slope.real()};
+  if (z.imag() == 0) return {value.real(), slope.real()};
   return {value, slope};
 }
 

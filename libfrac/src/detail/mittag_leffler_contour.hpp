@@ -54,6 +54,10 @@ class MittagLefflerContour {
   void negative_plain(std::span<const double> z, double* value) const;
   void negative_cancelling(std::span<const double> z, double* value) const;
   template <bool with_derivative>
+  [[nodiscard]] ValueAndDerivative over_nodes(std::complex<double> z) const;
+  [[nodiscard]] ValueAndDerivative values_over_nodes(std::complex<double> z) const;
+  [[nodiscard]] ValueAndDerivative both_over_nodes(std::complex<double> z) const;
+  template <bool with_derivative>
   [[nodiscard]] ValueAndDerivative evaluate(std::complex<double> z, const Poles& poles) const;
 
   double alpha_;

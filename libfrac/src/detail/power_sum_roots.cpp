@@ -45,7 +45,7 @@ class Search {
   void divide(const Box& box, int expected, int depth) {
     if (expected == 0) return;
     if (expected == 1) {
-      const std::optional<Complex> root = polished(box.centre());
+      const std::optional<Complex> root = polished(sum_, box.centre());
       if (root && box.contains(*root)) {
         found_.push_back({*root, 1, 0});
         return;
@@ -79,11 +79,22 @@ class Search {
   [[nodiscard]] const std::vector<Found>& found() const { return found_; }
   [[nodiscard]] bool complete() const { return complete_; }
 
+  // The middle of roots that lie close together is nearly a simple root of a derivative, and known to rounding where
+  // they coincide.
+  void polish(RootCluster& cluster) const {
+    if (cluster.multiplicity == 1) return;
+    std::vector<PowerTerm> derivative = sum_;
+    for (PowerTerm& term : derivative) term.coefficient *= std::pow(term.order, cluster.multiplicity - 1);
+    std::erase_if(derivative, [](const PowerTerm& term) { return term.coefficient == 0; });
+    const std::optional<Complex> root = polished(derivative, cluster.log_s);
+    if (root && std::abs(*root - cluster.log_s) < 2 * cluster.spread) cluster.log_s = *root;
+  }
+
  private:
   // Empty where Newton's method has not converged.
-  [[nodiscard]] std::optional<Complex> polished(Complex zeta) const {
+  [[nodiscard]] static std::optional<Complex> polished(const std::vector<PowerTerm>& sum, Complex zeta) {
     for (int i = 0; i < 60; ++i) {
-      const ScaledSum f = scaled_sum(sum_, zeta);
+      const ScaledSum f = scaled_sum(sum, zeta);
       Complex step = f.value / f.slope;
       if (!std::isfinite(step.real()) || !std::isfinite(step.imag())) return std::nullopt;
       if (std::abs(step) > 0.5) step *= 0.5 / std::abs(step);
@@ -185,6 +196,7 @@ PowerSumRoots power_sum_roots(const std::vector<PowerTerm>& sum, double largest_
     if (!(std::abs(count - std::round(count)) < 0.01)) continue;
     search.divide(box, static_cast<int>(std::lround(count)), 200);
     result.clusters = clustered(search.found());
+    for (RootCluster& cluster : result.clusters) search.polish(cluster);
     std::erase_if(result.clusters,
                   [&](const RootCluster& cluster) { return cluster.log_s.imag() > largest_argument + 1e-9; });
     result.complete = search.complete();

@@ -3,8 +3,9 @@
 #include <string>
 
 #include "../detail/exponential_sum.hpp"
-#include "../detail/inverse_laplace.hpp"
+#include "../detail/laplace_image.hpp"
 #include "../detail/number_text.hpp"
+#include "../detail/phi_functions.hpp"
 #include "../detail/power_sum.hpp"
 #include "frac/digital_filter.hpp"
 
@@ -12,15 +13,10 @@ namespace frac {
 namespace {
 
 using Complex = std::complex<double>;
+using detail::expm1;
 
 [[noreturn]] void refuse(const std::string& why) {
   throw std::invalid_argument("filter_design: " + why);
-}
-
-Complex expm1(Complex z) {
-  const double half_sine = std::sin(z.imag() / 2);
-  return {std::expm1(z.real()) * std::cos(z.imag()) - 2 * half_sine * half_sine,
-          std::exp(z.real()) * std::sin(z.imag())};
 }
 
 // (e^z - 1 - z)/z
@@ -88,23 +84,20 @@ DigitalFilterDesign filter_design(const FractionalTransferFunction& model, doubl
 
   // Step response of the model without its integration and dead time: constant + sum weight (e^{rate t} - 1).
   const std::vector<PowerTerm> numerator = detail::scaled(model.numerator(), 1, integrates ? 1 : 0);
-  const auto response_to = [&](double order) {
-    return detail::InverseLaplace({numerator, detail::scaled(model.denominator(), 1, order)});
-  };
-  const detail::InverseLaplace step = response_to(1);
-  if (!step.image().poles().complete)
-    throw std::domain_error("filter_design: the poles of the model could not be counted");
+  const detail::LaplaceImage step(numerator, detail::scaled(model.denominator(), 1, 1));
+  if (!step.poles().complete) throw std::domain_error("filter_design: the poles of the model could not be counted");
   const double latest = horizon * sample_time;
-  double size = 0;
-  for (const double t : {latest, latest / 3, latest / 20}) {
-    const double value = std::abs(step(t).value);
-    if (std::isfinite(value)) size = std::max(size, value);
-  }
   const double theta = 1 - rest;
+  const detail::ExponentialSum sum =
+      detail::exponential_sum(step, theta * sample_time, latest, tolerance, integrates ? 1 : 0, integrates ? 2 : 1);
   const double high_gain =
       high_order == 0 ? model.numerator().front().coefficient / model.denominator().front().coefficient : 0;
-  const double after_step = step(theta * sample_time).value;
-  const double after_ramp = integrates ? response_to(2)(sample_time).value / sample_time : 0;
+  double after_step = sum.constants[0];
+  double after_ramp = integrates ? sum.constants[0] + sum.constants[1] / sample_time : 0;
+  for (const detail::Exponential& term : sum.terms) {
+    after_step += (term.weight * expm1(term.rate * (theta * sample_time))).real();
+    if (integrates) after_ramp += (term.weight * second_change(term.rate * sample_time)).real();
+  }
 
   DigitalFilterDesign design;
   design.sample_time = sample_time;
@@ -117,8 +110,7 @@ DigitalFilterDesign filter_design(const FractionalTransferFunction& model, doubl
   // which a section of rate 1 stands.
   design.sections.direct = rest > 0 ? after_step : integrates ? after_ramp : high_gain;
   double previous = rest > 0 ? 0 : after_step - design.sections.direct;
-  for (const detail::Exponential& term :
-       detail::exponential_sum(step.image(), theta * sample_time, latest, tolerance, size)) {
+  for (const detail::Exponential& term : sum.terms) {
     const Complex z = term.rate * sample_time;
     const Complex rate = -expm1(z);
     const Complex ramp = integrates ? second_change(z) : 0;

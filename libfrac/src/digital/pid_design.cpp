@@ -8,6 +8,7 @@
 
 #include "../detail/number_text.hpp"
 #include "frac/fractional_pid.hpp"
+#include "power_design.hpp"
 #include "section_kernel.hpp"
 
 namespace frac {
@@ -16,8 +17,9 @@ namespace {
 constexpr double pi = std::numbers::pi;
 // No coefficient may leave the range of float by far.
 constexpr double largest_coefficient = 1e30;
-// What the correction may amplify beyond the band: noise there reaches the actuator.
-constexpr double most_gain = 4;
+// What the corrections may amplify beyond the band: through the derivative, noise there reaches the actuator.
+constexpr double most_integral_gain = 20;
+constexpr double most_derivative_gain = 4;
 
 [[noreturn]] void refuse(const std::string& why) {
   throw std::invalid_argument("fractional PID: " + why);
@@ -118,13 +120,14 @@ PidOperator operator_of(const ParallelSections& sections) {
   return result;
 }
 
-PidOperator filter_for(double order, const char* name, const FractionalPidConfig& config, double& error,
-                       std::string& note) {
+// The filter for s^order, made so that `integrators` trapezoidal ones behind it are right too.
+PidOperator filter_for(double order, int integrators, double most_gain, const char* name,
+                       const FractionalPidConfig& config, double& error, std::string& note) {
   if (order == 0) return {};
-  DigitalPower power = [&] {
+  const DigitalPower power = [&] {
     try {
-      return digital_power(order, config.band, config.goal, config.sample_time, config.discretisation,
-                           ApproximationMethod::ladder, 1, most_gain);
+      return detail::power_in_sections({order, 0, integrators}, config.band, config.goal, config.sample_time,
+                                       config.discretisation, ApproximationMethod::ladder, most_gain);
     } catch (const std::invalid_argument& failure) {
       refuse(std::string(name) + ": " + failure.what());
     }
@@ -183,10 +186,10 @@ FractionalPidDesign::FractionalPidDesign(const FractionalPidConfig& config) : co
   const double integral_order = ki != 0 ? 1 - lambda : 0;
   const double derivative_order = kd != 0 ? (mu < 1 ? mu : mu - 1) : 0;
   if (integral_order != 0 || derivative_order != 0) config_.band = usable_band(config, note_);
-  integral_ = filter_for(integral_order, "integral", config_, integral_error_, note_);
+  integral_ = filter_for(integral_order, 1, most_integral_gain, "integral", config_, integral_error_, note_);
   // Its first sample of the step response: the limits are obeyed by solving for it.
   if (!(integral_.high_gain > 0)) refuse("no usable filter for s^" + short_text(integral_order) + " on this band");
-  derivative_ = filter_for(derivative_order, "derivative", config_, derivative_error_, note_);
+  derivative_ = filter_for(derivative_order, 0, most_derivative_gain, "derivative", config_, derivative_error_, note_);
   if (ki != 0 && config.anti_windup == AntiWindup::back_calculation) {
     // The correction acts within its sample, so that any tracking time is stable; one below the sample time is in
     // effect the sample time.

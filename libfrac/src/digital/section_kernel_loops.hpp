@@ -82,9 +82,12 @@ struct Sections {
       const Vector increment = (x - rate.part[k] * v) + lost.part[k];
       const Vector sum = v + increment;
       const Vector remainder = increment - (sum - v);
-      const auto matters = (sum > tiny) | (sum < -tiny);
-      state.part[k] = matters ? sum : Vector{};
-      lost.part[k] = matters ? remainder : Vector{};
+      // Each choice is a comparison and a blend; their logical or would leave the vector registers.
+      const Vector none{};
+      const Vector negative = sum < -tiny ? sum : none;
+      const Vector negative_lost = sum < -tiny ? remainder : none;
+      state.part[k] = sum > tiny ? sum : negative;
+      lost.part[k] = sum > tiny ? remainder : negative_lost;
     }
   }
 };
@@ -124,33 +127,33 @@ void advance_of(const SectionArrays<Real>& bank, Real x) {
   }
 }
 
+// `groups` groups at a time hide each other's latency.
+template <std::size_t groups, bool of_changes, typename Real, std::size_t bytes>
+void run_groups(const SectionArrays<Real>& bank, std::size_t at, const Real* x, Group<Real, bytes>* sums,
+                std::size_t count) {
+  Sections<Real, bytes> sections[groups];
+  for (std::size_t g = 0; g < groups; ++g) sections[g].load(bank, at + g * section_group);
+  for (std::size_t n = 0; n < count; ++n) {
+    Group<Real, bytes> sum = sums[n];
+    for (std::size_t g = 0; g < groups; ++g) sections[g].template add_output<of_changes>(sum, x[n]);
+    for (std::size_t g = 0; g < groups; ++g) sections[g].advance(x[n]);
+    sums[n] = sum;
+  }
+  for (std::size_t g = 0; g < groups; ++g) sections[g].store(bank, at + g * section_group);
+}
+
 template <typename Real, std::size_t bytes, bool of_changes>
 void run_of(const SectionArrays<Real>& bank, const Real* x, Real* y, std::size_t count) {
   Group<Real, bytes> sums[section_block];
   for (std::size_t n = 0; n < count; ++n) sums[n].clear();
-  // Two groups at a time hide each other's latency.
+  // As many as the registers hold.
+  constexpr std::size_t most = bytes == 64 ? 4 : bytes == 32 ? 2 : 1;
   std::size_t s = 0;
-  Sections<Real, bytes> a, b;
-  for (; s + 2 * section_group <= bank.size; s += 2 * section_group) {
-    a.load(bank, s);
-    b.load(bank, s + section_group);
-    for (std::size_t n = 0; n < count; ++n) {
-      a.template add_output<of_changes>(sums[n], x[n]);
-      b.template add_output<of_changes>(sums[n], x[n]);
-      a.advance(x[n]);
-      b.advance(x[n]);
-    }
-    a.store(bank, s);
-    b.store(bank, s + section_group);
+  for (; s + most * section_group <= bank.size; s += most * section_group) {
+    run_groups<most, of_changes>(bank, s, x, sums, count);
   }
-  for (; s < bank.size; s += section_group) {
-    a.load(bank, s);
-    for (std::size_t n = 0; n < count; ++n) {
-      a.template add_output<of_changes>(sums[n], x[n]);
-      a.advance(x[n]);
-    }
-    a.store(bank, s);
-  }
+  for (; s + 2 * section_group <= bank.size; s += 2 * section_group) run_groups<2, of_changes>(bank, s, x, sums, count);
+  for (; s < bank.size; s += section_group) run_groups<1, of_changes>(bank, s, x, sums, count);
   for (std::size_t n = 0; n < count; ++n) y[n] = sums[n].lane_sum();
 }
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "student_t.hpp"
+#include "frac/identification/statistics.hpp"
 
 namespace frac::detail {
 

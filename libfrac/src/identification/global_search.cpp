@@ -287,16 +287,38 @@ class Search {
     for (int walk = 0; walk < 4 && !exact(); ++walk) {
       std::vector<std::vector<double>> starts;
       for (const std::vector<double>& direction : flat_directions(residuals_, result_.best, hardly_resists)) {
-        for (const double step : {-4.0, -2.0, -1.0, 1.0, 2.0, 4.0}) {
-          starts.push_back(stepped(direction, step));
-          if (!std::isfinite(residuals_.cost(starts.back()))) starts.pop_back();
-        }
+        for (const double step : {-4.0, -2.0, -1.0, 1.0, 2.0, 4.0}) add_step(direction, step, starts);
+        for (const double step : dips_along(direction)) add_step(direction, step, starts);
       }
       if (!try_from(starts)) break;
       lower = true;
     }
     independent_ = independent;
     return lower;
+  }
+
+  void add_step(const std::vector<double>& direction, double step, std::vector<std::vector<double>>& starts) const {
+    std::vector<double> theta = stepped(direction, step);
+    if (std::isfinite(residuals_.cost(theta))) starts.push_back(std::move(theta));
+  }
+
+  /// Steps within 24 e-folds of the best point at which the cost has a minimum along the line, the lowest few.
+  [[nodiscard]] std::vector<double> dips_along(const std::vector<double>& direction) const {
+    constexpr int reach = 96;
+    constexpr double spacing = 0.25;
+    constexpr std::size_t most = 4;
+    std::vector<double> cost;
+    for (int i = -reach; i <= reach; ++i) cost.push_back(residuals_.cost(stepped(direction, i * spacing)));
+    std::vector<std::pair<double, double>> dips;
+    for (int i = 1 - reach; i < reach; ++i) {
+      const auto at = static_cast<std::size_t>(i + reach);
+      if (i != 0 && cost[at] < cost[at - 1] && cost[at] < cost[at + 1]) dips.emplace_back(cost[at], i * spacing);
+    }
+    std::sort(dips.begin(), dips.end());
+    if (dips.size() > most) dips.resize(most);
+    std::vector<double> steps;
+    for (const auto& [height, step] : dips) steps.push_back(step);
+    return steps;
   }
 
   [[nodiscard]] std::vector<double> stepped(const std::vector<double>& direction, double step) const {

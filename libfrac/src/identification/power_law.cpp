@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "student_t.hpp"
+#include "frac/identification/statistics.hpp"
 
 namespace frac {
 
@@ -66,7 +66,7 @@ PowerLaw fit_power_law(std::span<const double> x, std::span<const double> y) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   law.r_squared = syy > 0 ? 1 - sum_of_squares / syy : nan;
   law.rms_log_residual = count > 2 ? std::sqrt(sum_of_squares / (n - 2)) : nan;
-  const double t = detail::student_t_95(n - 2);
+  const double t = student_t_95(n - 2);
   law.exponent_standard_error = law.rms_log_residual / std::sqrt(sxx);
   law.exponent_ci95_lower = law.exponent - t * law.exponent_standard_error;
   law.exponent_ci95_upper = law.exponent + t * law.exponent_standard_error;

@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "frac/identification/statistics.hpp"
 #include "frac/parallel_for.hpp"
-#include "student_t.hpp"
 
 namespace frac {
 
@@ -59,7 +59,7 @@ ProfileInterval profile_interval(const FrequencyResponseData& data, const FitOpt
   }
   const double degrees = static_cast<double>(result.residuals) - static_cast<double>(result.free_parameters);
   if (!(degrees >= 1)) throw std::invalid_argument("a profile needs more residuals than free parameters");
-  const double t = detail::student_t_95(degrees);
+  const double t = student_t_95(degrees);
   const double limit = result.cost * (1 + t * t / degrees);
 
   const Structure structure(result.model);
@@ -181,17 +181,22 @@ std::vector<ResponseDeviation> response_deviation(const FitResult& result, const
   std::vector<ResponseDeviation> deviations;
   std::vector<std::complex<double>> gradient(count);
   for (const double each : omega) {
-    structure.response_and_gradient(parameters, each, realisation, gradient);
-    double real = 0, imaginary = 0;
+    const std::complex<double> value = structure.response_and_gradient(parameters, each, realisation, gradient);
+    double real = 0, imaginary = 0, log_magnitude = 0, phase = 0;
     for (std::size_t i = 0; i < count; ++i) {
       for (std::size_t j = 0; j < count; ++j) {
         const double covariance = result.covariance[i][j];
         if (std::isnan(covariance)) continue;
         real += gradient[i].real() * covariance * gradient[j].real();
         imaginary += gradient[i].imag() * covariance * gradient[j].imag();
+        // d ln G = dG/G: its parts are those of ln|G| and of the phase.
+        const std::complex<double> left = gradient[i] / value, right = gradient[j] / value;
+        log_magnitude += left.real() * covariance * right.real();
+        phase += left.imag() * covariance * right.imag();
       }
     }
-    deviations.push_back({std::sqrt(std::max(real, 0.0)), std::sqrt(std::max(imaginary, 0.0))});
+    const auto root = [](double variance) { return std::sqrt(std::max(variance, 0.0)); };
+    deviations.push_back({root(real), root(imaginary), root(log_magnitude), root(phase)});
   }
   return deviations;
 }

@@ -37,7 +37,9 @@ struct BootstrapInterval {
 
 /// Standard deviation of the fitted curve, from the covariance of the parameters (those without a standard error held).
 struct ResponseDeviation {
-  double real, imaginary;
+  double real, imaginary;  // unit of the data
+  double log_magnitude;    // of ln|G|
+  double phase;            // rad
 };
 [[nodiscard]] std::vector<ResponseDeviation> response_deviation(const FitResult& result, const Realisation& realisation,
                                                                 const std::vector<double>& omega);

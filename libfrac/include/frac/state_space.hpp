@@ -1,0 +1,96 @@
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "frac/fractional_transfer_function.hpp"
+#include "frac/zero_pole_gain.hpp"
+
+namespace frac {
+
+/// How a whole fractional transfer function is made rational.
+enum class RealisationMethod {
+  joint,         // one set of poles for the whole model: its own poles, and real ones along the branch cut; the default
+  term_by_term,  // every power of s by a ladder (approximate.hpp), powers a whole number apart sharing one
+};
+/// joint, term-by-term.
+[[nodiscard]] std::string_view to_string(RealisationMethod method);
+/// @throws std::invalid_argument  unknown name; the text lists the known ones.
+[[nodiscard]] RealisationMethod realisation_method(std::string_view name);
+
+/// sum_k residues[k]/(s - pole)^(k+1), for a complex pole (above the real axis) together with the conjugate.
+struct Mode {
+  std::complex<double> pole;  // rad/s
+  std::vector<std::complex<double>> residues;
+};
+
+/// x' = A x + B u, y = C x + D u(t); the dead time of the model, which belongs in front, is kept apart.
+struct StateSpace {
+  std::size_t states = 0;
+  std::vector<double> a;  // states x states, row after row
+  std::vector<double> b;  // states
+  std::vector<double> c;  // states
+  double d = 0;
+  /// C (j omega - A)^-1 B + D, omega in rad/s.
+  [[nodiscard]] std::complex<double> response(double omega) const;
+};
+
+enum class RationalModelStatus {
+  met,             // the tolerance is kept
+  not_attainable,  // it is not; the result is the best found
+};
+/// met, not-attainable.
+[[nodiscard]] std::string_view to_string(RationalModelStatus status);
+
+/// A rational stand-in for G(s) without its dead time, and what to state about it.
+struct RationalModel {
+  FractionalTransferFunction model;
+  FrequencyBand band;
+  double tolerance;
+  RealisationMethod method;  // joint falls back on term_by_term where that needs fewer states
+  double delay;              // s, of the model
+  double direct = 0;         // D
+  std::vector<Mode> modes;   // by rising |pole|
+  std::size_t states = 0;
+  bool stable = false;  // all poles left of the imaginary axis
+  double max_relative_error =
+      0;  // largest |H(j omega)/G(j omega) - 1| on the band, on `grid_points` and between the worst
+  double omega_at_maximum = 0;  // rad/s
+  double max_decibels = 0;      // |20 log10 |H/G||
+  double max_degrees = 0;       // |arg(H/G)|
+  int grid_points = 0;          // at least ten times as many as those of the design
+  RationalModelStatus status = RationalModelStatus::met;
+  std::string message;  // one sentence
+
+  /// H(j omega), dead time not included.
+  [[nodiscard]] std::complex<double> response(double omega) const;
+};
+
+/// Fewest states that keep a tolerance on a band.  Poles of the model within two decades of the band, poles in the
+/// right half-plane and whole integrators are taken over as they are, so that the result is stable when the model is;
+/// other poles are real and negative.  Strictly proper where the model falls by a whole order of s or more.
+/// @param tolerance  largest |H/G - 1|, 1e-12 to below 1.
+/// @throws std::invalid_argument  band not 0 < lower < upper < infinity or not between 0.01 and 24 decades wide;
+/// tolerance out of range; the model grows by a whole order of s or more.
+/// @throws std::domain_error      the poles of the model could not be counted, or G is 0 or not finite on the band.
+[[nodiscard]] RationalModel realise(const FractionalTransferFunction& model, FrequencyBand band, double tolerance,
+                                    RealisationMethod method = RealisationMethod::joint);
+
+/// Real modal form: A has 1 x 1 blocks of real poles and 2 x 2 blocks [re im; -im re] of pairs, chained for multiple
+/// poles; B and C share each residue's size evenly.
+[[nodiscard]] StateSpace modal_form(const RationalModel& system);
+
+/// Balanced form: controllability and observability Gramian are equal and diagonal, falling.
+struct BalancedForm {
+  StateSpace system;
+  std::vector<double> hankel_singular_values;  // falling
+  double max_relative_error = 0;               // |H/G - 1| of this form, which rounding may enlarge
+};
+/// @throws std::domain_error  the system is not stable, or two modes are too alike to be balanced in extended
+/// precision.
+[[nodiscard]] BalancedForm balanced_form(const RationalModel& system);
+
+}  // namespace frac

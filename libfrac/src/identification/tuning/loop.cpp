@@ -1,0 +1,172 @@
+#include "loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <stdexcept>
+
+#include "../../detail/number_text.hpp"
+#include "frac/fractional_derivative.hpp"
+
+namespace frac::detail {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double pi = std::numbers::pi;
+
+Complex power(double order, double omega) {
+  return std::polar(std::pow(omega, order), order * pi / 2);
+}
+
+double wrapped(double angle) {
+  return std::remainder(angle, 2 * pi);
+}
+
+// Of the straight line between two points.
+Complex nearest_to_origin(Complex from, Complex to) {
+  const Complex way = to - from;
+  const double length = std::norm(way);
+  if (length == 0) return to;
+  const double share = -(from.real() * way.real() + from.imag() * way.imag()) / length;
+  return from + std::clamp(share, 0.0, 1.0) * way;
+}
+
+FractionalTransferFunction with_less_delay(const FractionalTransferFunction& plant, double by) {
+  return {plant.numerator(), plant.denominator(), std::max(0.0, plant.delay() - by)};
+}
+
+}  // namespace
+
+Complex log_slope(const FractionalTransferFunction& model, double omega) {
+  const auto slope = [&](const std::vector<PowerTerm>& terms) {
+    Complex sum = 0;
+    Complex weighted = 0;
+    for (const PowerTerm& term : terms) {
+      const Complex each = term.coefficient * power(term.order, omega);
+      sum += each;
+      weighted += term.order * each;
+    }
+    return weighted / sum;
+  };
+  return slope(model.numerator()) - slope(model.denominator()) - Complex(0, model.delay() * omega);
+}
+
+ControllerTerms controller_terms(double lambda, double mu, double filter_time, double omega) {
+  const Complex lag = 1.0 + Complex(0, filter_time * omega);
+  ControllerTerms terms{{1, power(-lambda, omega), power(mu, omega) / lag}, {}};
+  terms.slope[0] = 0;
+  terms.slope[1] = -lambda * terms.value[1];
+  terms.slope[2] = (mu - Complex(0, filter_time * omega) / lag) * terms.value[2];
+  return terms;
+}
+
+LoopGrid::LoopGrid(const FractionalTransferFunction& plant, double centre, const std::vector<double>& bounds)
+    : plant_(plant),
+      order_at_origin_(plant.numerator().back().order - plant.denominator().back().order),
+      order_at_infinity_(plant.numerator().front().order - plant.denominator().front().order),
+      gain_at_origin_(plant.numerator().back().coefficient / plant.denominator().back().coefficient),
+      gain_at_infinity_(plant.numerator().front().coefficient / plant.denominator().front().coefficient) {
+  constexpr double decades = 4.5;
+  constexpr int points = 271;  // thirty per decade
+  for (int i = 0; i < points; ++i) omega_.push_back(centre * std::pow(10, decades * (2.0 * i / (points - 1) - 1)));
+  for (const Pole& pole : analyse_stability(plant).poles) {
+    if (pole.cancelled) continue;
+    if (pole.value.real() > 0) unstable_plant_poles_ += pole.multiplicity * (pole.value.imag() == 0 ? 1 : 2);
+    const double size = std::abs(pole.value);
+    const double damping = std::abs(pole.value.real()) / size;
+    if (damping < 1e-9) {
+      throw std::invalid_argument("tune: the plant has an undamped pole at omega = " + number_text(size) +
+                                  " rad/s; needed is some damping");
+    }
+    if (!(damping < 0.3)) continue;
+    for (int i = -8; i <= 8; ++i) omega_.push_back(size * (1 + 0.5 * damping * i));
+  }
+  omega_.insert(omega_.end(), bounds.begin(), bounds.end());
+  std::sort(omega_.begin(), omega_.end());
+  for (const double omega : omega_) value_.push_back(plant.response(omega));
+}
+
+LoopGrid::Peaks LoopGrid::peaks(const FractionalPidGains& gains, double filter_time, double high, double low) const {
+  Peaks peaks{0, 0, 0, 0, 0};
+  Complex previous = 0;
+  double turned = 0;
+  for (std::size_t i = 0; i < omega_.size(); ++i) {
+    const double omega = omega_[i];
+    Complex controller = gains.kp;
+    if (gains.ki != 0) controller += gains.ki * power(-gains.lambda, omega);
+    if (gains.kd != 0) controller += gains.kd * power(gains.mu, omega) / (1.0 + Complex(0, filter_time * omega));
+    const Complex loop = value_[i] * controller;
+    const Complex difference = 1.0 + loop;
+    // Where dead time turns L by more than half a radian from point to point, the worst phase counts.
+    const bool fast = 0.08 * omega * plant_.delay() > 0.5;
+    // Else the way from the last point is taken to be straight, so that no narrow peak hides between two points.
+    const Complex nearest = i == 0 || fast ? difference : nearest_to_origin(previous, difference);
+    const double sensitivity = fast ? 1 / std::max(1 - std::abs(loop), 1e-9) : 1 / std::abs(nearest);
+    const double complementary = (fast ? std::abs(loop) : std::abs(nearest - 1.0)) * sensitivity;
+    peaks.sensitivity = std::max(peaks.sensitivity, sensitivity);
+    peaks.complementary_sensitivity = std::max(peaks.complementary_sensitivity, complementary);
+    if (omega >= high) peaks.high_frequency = std::max(peaks.high_frequency, complementary);
+    if (omega <= low) peaks.low_frequency = std::max(peaks.low_frequency, sensitivity);
+    if (i > 0) turned += std::arg(difference / previous);
+    if (i == 0) {
+      // From the limit at the origin: 1 + L ~ c (j omega)^-r for r > 0.
+      const double order = order_at_origin_ - (gains.ki > 0 ? gains.lambda : 0);
+      const double start = order < 0 ? order * pi / 2 + (gain_at_origin_ < 0 ? pi : 0) : 0;
+      turned += order < 0 ? wrapped(std::arg(difference) - start) : 0;
+      peaks.unstable_poles = unstable_plant_poles_ + (order < 0 ? -order / 2 : 0);
+    }
+    previous = difference;
+  }
+  // To the limit at infinity, where L falls to 0, or keeps a gain, or grows and turns like a power.
+  const double order = order_at_infinity_ + (gains.kd > 0 ? gains.mu - (filter_time > 0 ? 1 : 0) : 0);
+  if (order > 0) {
+    turned += wrapped(order * pi / 2 + (gain_at_infinity_ < 0 ? pi : 0) - std::arg(previous));
+    peaks.unstable_poles += order / 2;
+  } else {
+    turned -= std::arg(previous);
+  }
+  peaks.unstable_poles -= turned / pi;
+  return peaks;
+}
+
+LoopSimulation::LoopSimulation(const FractionalTransferFunction& plant, double horizon, bool load_step, int samples)
+    : step_(horizon / samples),
+      load_step_(load_step),
+      samples_(samples),
+      // The filter answers the present sample one step later than the loop would want it: dead time makes up for it.
+      filter_(with_less_delay(plant, step_), step_, 1e-6, Hold::zero_order, samples) {}
+
+ErrorIntegrals LoopSimulation::operator()(const FractionalPidGains& gains, double filter_time) {
+  constexpr double tolerance = 1e-6;
+  constexpr double run_away = 1e6;
+  filter_.reset();
+  std::optional<FractionalDerivative<double>> integral;
+  std::optional<FractionalDerivative<double>> derivative;
+  if (gains.ki != 0) integral.emplace(-gains.lambda, step_, tolerance, samples_);
+  if (gains.kd != 0) derivative.emplace(gains.mu, step_, tolerance, samples_);
+  const double share = step_ / (filter_time + step_);
+  double filtered = 0;
+  double output = 0;
+  ErrorIntegrals result{0, 0};
+  for (int n = 0; n < samples_; ++n) {
+    const double error = (load_step_ ? 0 : 1) - output;
+    double control = gains.kp * error + (load_step_ ? 1 : 0);
+    if (integral) control += gains.ki * (*integral)(error);
+    if (derivative) {
+      filtered += share * ((*derivative)(error)-filtered);
+      control += gains.kd * filtered;
+    }
+    result.iae += std::abs(error) * step_;
+    result.itae += std::abs(error) * step_ * (n * step_);
+    output = filter_(control);
+    if (!(std::abs(output) < run_away)) {
+      constexpr double infinity = std::numeric_limits<double>::infinity();
+      return {infinity, infinity};
+    }
+  }
+  return result;
+}
+
+}  // namespace frac::detail

@@ -1,0 +1,166 @@
+#include "frac/identification/tune.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+
+#include "frac/respond.hpp"
+#include "support/expect_invalid_argument.hpp"
+
+namespace {
+
+using frac::ControllerStructure;
+using frac::FractionalPidGains;
+using frac::FractionalTransferFunction;
+using frac::TuningCriterion;
+using frac::TuningResult;
+using frac::TuningStatus;
+using support::expect_invalid_argument;
+using Complex = std::complex<double>;
+
+constexpr double degree = std::numbers::pi / 180;
+
+FractionalTransferFunction parsed(const char* formula) {
+  return FractionalTransferFunction::parse(formula);
+}
+
+// L(j omega) from the formula of the controller, without the library's transfer function of it.
+Complex loop(const FractionalTransferFunction& plant, const FractionalPidGains& gains, double omega) {
+  const Complex s(0, omega);
+  return plant.response(omega) * (gains.kp + gains.ki * std::pow(s, -gains.lambda) + gains.kd * std::pow(s, gains.mu));
+}
+
+// Monje, Vinagre, Feliu, Chen (2008), section 5: a tank, tuned for flat phase with noise and disturbance bounds.
+TEST(Tune, KeepsTheSpecificationOfAPublishedExample) {
+  const auto plant = parsed("3.13 exp(-50 s)/(433.33 s + 1)");
+  const TuningResult result = frac::tune(plant, {.crossover = 0.008,
+                                                 .phase_margin = 60 * degree,
+                                                 .flat_phase = true,
+                                                 .high_frequency = frac::GainBound{10, 0.1},
+                                                 .low_frequency = frac::GainBound{0.001, 0.1}});
+  ASSERT_EQ(result.status, TuningStatus::met) << result.message;
+  EXPECT_EQ(result.closed_loop, frac::Stability::stable);
+  const auto at = [&](double omega) { return loop(plant, result.gains, omega); };
+  // Three linear equations in double.
+  EXPECT_NEAR(std::abs(at(0.008)), 1, 1e-9);
+  EXPECT_NEAR(std::arg(at(0.008)) + std::numbers::pi, 60 * degree, 1e-9);
+  // Central difference over 1e-4 of omega: the second derivative cancels, the third leaves 1e-8.
+  EXPECT_NEAR((std::arg(at(0.008 * 1.0001)) - std::arg(at(0.008 * 0.9999))) / 2e-4, 0, 1e-6);
+  for (double omega = 1e-5; omega <= 0.001; omega *= 1.05) EXPECT_LE(std::abs(1.0 / (1.0 + at(omega))), 0.1003);
+  for (double omega = 10; omega < 1e3; omega *= 1.01) EXPECT_LE(std::abs(at(omega) / (1.0 + at(omega))), 0.1003);
+}
+
+TEST(Tune, BoundsTheSensitivityItStates) {
+  for (const char* formula : {"1/(0.8 s^2.2 + 0.5 s^0.9 + 1)", "1/(s - 1)", "exp(-0.1 s)/(s + 1)"}) {
+    const auto plant = parsed(formula);
+    const TuningResult result =
+        frac::tune(plant, {.crossover = 4, .phase_margin = 60 * degree, .max_sensitivity = 1.5});
+    ASSERT_EQ(result.status, TuningStatus::met) << formula << ": " << result.message;
+    double s = 0;
+    double t = 0;
+    for (double omega = 1e-3; omega < 1e3; omega *= 1.001) {
+      const Complex value = loop(plant, result.gains, omega);
+      s = std::max(s, std::abs(1.0 / (1.0 + value)));
+      t = std::max(t, std::abs(value / (1.0 + value)));
+    }
+    EXPECT_LE(s, 1.5 * 1.002);
+    EXPECT_LE(s, result.max_sensitivity * (1 + 1e-9)) << formula;
+    EXPECT_LE(t, result.max_complementary_sensitivity * (1 + 1e-9)) << formula;
+    EXPECT_GE(s, result.max_sensitivity * (1 - 1e-3));
+  }
+}
+
+// With both orders held at 1 and no derivative the equations are those of every textbook: C = kp + ki/(j omega).
+TEST(Tune, GivesTheClassicalPiController) {
+  const TuningResult result = frac::tune(parsed("1/(s + 1)^3"), {.crossover = 0.5, .phase_margin = 60 * degree},
+                                         {.structure = ControllerStructure::pi, .lambda = {1, 1}});
+  ASSERT_EQ(result.status, TuningStatus::met) << result.message;
+  const Complex wanted = std::polar(1.0, -120 * degree) * std::pow(Complex(1, 0.5), 3);
+  EXPECT_NEAR(result.gains.kp, wanted.real(), 1e-12);
+  EXPECT_NEAR(result.gains.ki, -0.5 * wanted.imag(), 1e-12);
+  EXPECT_EQ(result.gains.kd, 0);
+}
+
+// 1/(s (0.4 s + 1)) with kp + kd s: the loop in closed form has d arg L/d omega = 0 where kd/kp and 0.4 balance.
+TEST(Tune, TwoGainsAndOneOrderGiveFlatPhase) {
+  const auto plant = parsed("1/(0.4 s^2 + s)");
+  const TuningResult result = frac::tune(plant, {.crossover = 10, .phase_margin = 70 * degree, .flat_phase = true},
+                                         {.structure = ControllerStructure::pd});
+  ASSERT_EQ(result.status, TuningStatus::met) << result.message;
+  const auto phase = [&](double omega) { return std::arg(loop(plant, result.gains, omega)); };
+  EXPECT_NEAR((phase(10.001) - phase(9.999)) / 2e-4, 0, 1e-6);
+}
+
+// Every other controller of a grid that keeps max |S| has a larger integral, by the step response of the closed loop
+// from another method: exponential sums of E/R = 1/(1 + L), no dead time.
+TEST(Tune, TheIntegralCriterionIsWhatTheClosedLoopHas) {
+  const auto plant = parsed("1/(s^2 + 1.4 s + 1)");
+  const TuningResult result = frac::tune(
+      plant, {.max_sensitivity = 1.6},
+      {.structure = ControllerStructure::pi, .lambda = {1, 1}, .criterion = TuningCriterion::iae, .horizon = 20});
+  ASSERT_EQ(result.status, TuningStatus::met) << result.message;
+  const auto integral = [&](const FractionalPidGains& g) {
+    // 1/(1 + L) = s (s^2 + 1.4 s + 1)/(s (s^2 + 1.4 s + 1) + kp s + ki).
+    const FractionalTransferFunction error({{1, 3}, {1.4, 2}, {1, 1}}, {{1, 3}, {1.4, 2}, {1 + g.kp, 1}, {g.ki, 0}});
+    constexpr std::size_t count = 4001;
+    const double step = 20.0 / (count - 1);
+    const std::vector<double> output = frac::respond(error, std::vector<double>(count, 1.0), step);
+    double sum = 0;
+    for (std::size_t n = 0; n + 1 < count; ++n) sum += step * (std::abs(output[n]) + std::abs(output[n + 1])) / 2;
+    return sum;
+  };
+  // The stated value is extrapolated from steps of 5 and 2.5 ms: what remains is of second order.
+  EXPECT_NEAR(result.iae, integral(result.gains), 1e-3 * result.iae);
+  const auto sensitivity = [&](const FractionalPidGains& g) {
+    double largest = 0;
+    for (double omega = 1e-2; omega < 1e2; omega *= 1.01)
+      largest = std::max(largest, 1 / std::abs(1.0 + loop(plant, g, omega)));
+    return largest;
+  };
+  for (const double kp : {0.2, 0.4, 0.6, 0.8, 1.0, 1.3, 1.6}) {
+    for (const double ki : {0.2, 0.4, 0.6, 0.8, 1.0, 1.3}) {
+      const FractionalPidGains other{kp, ki, 0, 1, 1};
+      // Unstable ones have ki above (1 + kp) 1.4 (Routh); the search itself samples with a step of 13 ms.
+      if (ki > 1.4 * (1 + kp) || sensitivity(other) > 1.6) continue;
+      EXPECT_GT(integral(other), result.iae * 0.99) << kp << " " << ki;
+    }
+  }
+}
+
+TEST(Tune, IsRepeatableAndDependsOnTheSeedAlone) {
+  const auto plant = parsed("1/(0.8 s^2.2 + 0.5 s^0.9 + 1)");
+  const frac::LoopSpecification asked{.crossover = 2, .phase_margin = 60 * degree, .max_sensitivity = 1.6};
+  EXPECT_EQ(frac::tune(plant, asked).gains, frac::tune(plant, asked).gains);
+}
+
+TEST(Tune, SaysWhatIsNotReached) {
+  const TuningResult result = frac::tune(parsed("exp(-1 s)/(s + 1)"), {.crossover = 50, .max_sensitivity = 1.2});
+  EXPECT_EQ(result.status, TuningStatus::not_met);
+  EXPECT_FALSE(result.message.empty());
+  EXPECT_TRUE(std::isnan(result.iae));
+}
+
+TEST(Tune, RefusesWhatMakesNoSense) {
+  const auto plant = parsed("1/(s + 1)");
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  expect_invalid_argument([&] { (void)frac::tune(plant, {}); }, {"nothing is asked for"});
+  expect_invalid_argument([&] { (void)frac::tune(plant, {.crossover = -1}); }, {"crossover = -1 rad/s"});
+  expect_invalid_argument([&] { (void)frac::tune(plant, {.crossover = nan}); }, {"crossover = nan"});
+  expect_invalid_argument([&] { (void)frac::tune(plant, {.phase_margin = 1}); }, {"needs the crossover"});
+  expect_invalid_argument([&] { (void)frac::tune(plant, {.crossover = 1, .phase_margin = 4}); }, {"phase_margin = 4"});
+  expect_invalid_argument([&] { (void)frac::tune(plant, {.crossover = 1, .max_sensitivity = 0.9}); },
+                          {"max_sensitivity = 0.9"});
+  expect_invalid_argument([&] { (void)frac::tune(plant, {.crossover = 1}, {.lambda = {1, 2}}); }, {"lambda = 1 to 2"});
+  expect_invalid_argument([&] { (void)frac::tune(plant, {.crossover = 1}, {.mu = {1, 1}}); }, {"mu = 1", "filter"});
+  expect_invalid_argument([&] { (void)frac::tune(plant, {}, {.criterion = TuningCriterion::iae}); }, {"horizon"});
+  expect_invalid_argument([&] { (void)frac::tune(parsed("s^0.5"), {.crossover = 1}); }, {"grows as s^0.5"});
+  expect_invalid_argument([&] { (void)frac::tune(parsed("1/(s^2 + 1)"), {.crossover = 1.5}); }, {"undamped pole"});
+  expect_invalid_argument([] { (void)frac::tuning_criterion("ise"); }, {"\"ise\"", "iae"});
+  expect_invalid_argument([] { (void)frac::controller_structure("i"); }, {"pid, pi, pd"});
+  expect_invalid_argument([] { (void)frac::controller_transfer_function({0, 0, 0, 1, 1}); }, {"numerator is zero"});
+}
+
+}  // namespace

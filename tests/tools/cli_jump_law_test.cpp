@@ -1,0 +1,92 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "run_program.hpp"
+
+namespace {
+
+TEST(JumpLaw, WithoutAnyJumpItRanButHasNoUsableResult) {
+  // At restitution 0 two impacts per period remain at every lower frequency.
+  const auto result = run_fracfit({"jump-law", "--restitution", "0"});
+  EXPECT_EQ(result.code, 1);
+  EXPECT_NE(result.error.find("two-impact-loss"), std::string::npos) << result.error;
+  const auto json = nlohmann::json::parse(result.output);
+  EXPECT_EQ(json["averaged"], 0);
+  EXPECT_EQ(json["left_out"], 1);
+  EXPECT_TRUE(json["laws"].empty());
+  EXPECT_TRUE(json["points"][0]["omega_jump"].is_null());
+  EXPECT_NE(json["constants"][0]["meaning"].get<std::string>().find("stick"), std::string::npos);
+}
+
+TEST(JumpLaw, SaysWhichRestitutionsAreAveraged) {
+  const auto result = run_fracfit({"jump-law", "--restitution", "0,0.05,0.6,1"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const auto json = nlohmann::json::parse(result.output);
+  EXPECT_EQ(json["averaged"], 3);
+  EXPECT_EQ(json["left_out"], 1);
+  double sum = 0;
+  for (const auto& constant : json["constants"]) {
+    if (constant["averaged"].get<bool>()) sum += constant["similarity_constant"].get<double>();
+  }
+  EXPECT_NEAR(json["similarity"]["mean_constant"].get<double>(), sum / 3, 1e-12);
+}
+
+TEST(JumpLaw, ConstantsOverRestitutionStandInATable) {
+  const auto result = run_fracfit(
+      {"jump-law", "--constants", "--restitution", "0.2,0.4,0.6", "--criterion", "symmetry-loss", "--format", "csv"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  EXPECT_NE(result.output.find("restitution,similarity_constant,meaning\n0.2,"), std::string::npos) << result.output;
+  // Pitchfork at gamma_sb = .3660699362 for restitution 0.6, c = gamma^-1/2; tabled to ten digits.
+  const auto row = result.output.find("\n0.6,");
+  ASSERT_NE(row, std::string::npos);
+  EXPECT_NEAR(std::stod(result.output.substr(row + 5)), 1 / std::sqrt(.3660699362), 3e-10);
+}
+
+TEST(Simulate, DiagnosticsAreColumnsAfterTheOthers) {
+  const std::vector<std::string> scene{"simulate",      "--force", "40",      "--clearance", "0.3",
+                                       "--restitution", "0.6",     "--omega", "8:20:5"};
+  auto with = scene;
+  with.emplace_back("--diagnostics");
+  const auto plain = run_fracfit(scene);
+  const auto more = run_fracfit(with);
+  ASSERT_EQ(plain.code, 0) << plain.error;
+  ASSERT_EQ(more.code, 0) << more.error;
+  const std::string columns =
+      "omega_rad_s,re_m_per_n,im_m_per_n,regime,period,impacts_per_period,uncertainty_m_per_n,third_harmonic_ratio";
+  EXPECT_NE(plain.output.find("\n" + columns + "\n"), std::string::npos);
+  const std::string longer = "\n" + columns + ",even_harmonic_ratio,energy_defect,lyapunov_exponent\n";
+  const auto rows = more.output.find(longer);
+  ASSERT_NE(rows, std::string::npos);
+  // Each row begins with the row without diagnostics.
+  std::size_t from = plain.output.find("\n" + columns + "\n") + columns.size() + 2;
+  while (from < plain.output.size()) {
+    const auto end = plain.output.find('\n', from);
+    EXPECT_NE(more.output.find("\n" + plain.output.substr(from, end - from) + ",", rows), std::string::npos);
+    from = end + 1;
+  }
+  EXPECT_EQ(run_fracfit({"simulate", "--force", "40", "--clearance", "0.3", "--omega", "8:20:5", "--model", "static",
+                         "--diagnostics"})
+                .code,
+            2);
+}
+
+TEST(Simulate, FrequenciesThatLeaveTheRangeOfNumbersAreRefused) {
+  for (const std::string omega : {"1e200", "1e-200"}) {
+    const auto result =
+        run_fracfit({"simulate", "--force", "40", "--clearance", "0.3", "--restitution", "0.6", "--omega", omega});
+    EXPECT_EQ(result.code, 2);
+    EXPECT_NE(result.error.find("range of numbers"), std::string::npos) << result.error;
+  }
+  for (const std::string omega : {"1e140", "1e-140", "1e20", "1e-9", "1e9"}) {
+    const auto result = run_fracfit({"simulate", "--force", "40", "--clearance", "0.3", "--restitution", "0.6",
+                                     "--omega", omega, "--output", "x2"});
+    EXPECT_EQ(result.code, 0) << result.error;
+    EXPECT_EQ(result.output.find("nan"), std::string::npos) << result.output;
+  }
+}
+
+}  // namespace

@@ -1,0 +1,78 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <string>
+
+#include "run_program.hpp"
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Complex = std::complex<double>;
+
+TEST(CliTune, PrintsAControllerThatKeepsWhatWasAsked) {
+  const auto result = run_fracfit({"tune", "--plant", "1/(s^1.5 + 1)", "--crossover", "3", "--phase-margin", "55",
+                                   "--flat-phase", "--max-sensitivity", "1.7"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const Json json = Json::parse(result.output);
+  EXPECT_EQ(json["status"], "met");
+  EXPECT_EQ(json["closed_loop"], "stable");
+  EXPECT_EQ(json["specification"].size(), 4u);
+  const Json& c = json["controller"];
+  const Complex s(0, 3);
+  const Complex loop = (c["kp"].get<double>() + c["ki"].get<double>() * std::pow(s, -c["lambda"].get<double>()) +
+                        c["kd"].get<double>() * std::pow(s, c["mu"].get<double>())) /
+                       (std::pow(s, 1.5) + 1.0);
+  // Three linear equations in double.
+  EXPECT_NEAR(std::abs(loop), 1, 1e-9);
+  EXPECT_NEAR(std::arg(loop), -125 * std::numbers::pi / 180, 1e-9);
+  EXPECT_TRUE(json["iae"].is_null());
+  // The command line that is printed makes the same output.
+  EXPECT_NE(json["command"].get<std::string>().find("--phase-margin 55 --flat-phase"), std::string::npos);
+}
+
+TEST(CliTune, SaysWhatIsWrongAndWhatIsNotReached) {
+  const auto wrong = run_fracfit({"tune", "--plant", "1/(s + 1)", "--phase-margin", "50"});
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_NE(wrong.error.find("needs the crossover"), std::string::npos) << wrong.error;
+  const auto impossible =
+      run_fracfit({"tune", "--plant", "exp(-1 s)/(s + 1)", "--crossover", "50", "--max-sensitivity", "1.2"});
+  EXPECT_EQ(impossible.code, 1);
+  EXPECT_EQ(Json::parse(impossible.output)["status"], "not-met");
+}
+
+TEST(CliRealise, PrintsMatricesWithTheResponseOfTheModel) {
+  for (const std::string form : {"modal", "balanced"}) {
+    const auto result = run_fracfit(
+        {"realise", "--model", "exp(-0.2 s)/(s^0.5 + 1)", "--band", "0.1:10", "--tolerance", "1e-3", "--form", form});
+    ASSERT_EQ(result.code, 0) << result.error;
+    const Json json = Json::parse(result.output);
+    EXPECT_EQ(json["delay"], 0.2);
+    EXPECT_TRUE(json["stable"]);
+    const std::size_t n = json["states"];
+    ASSERT_EQ(json["A"].size(), n);
+    // (j omega - A) x = B by Gauss and Seidel's elimination without pivoting: the diagonal has j omega.
+    const Complex s(0, 1);
+    std::vector<std::vector<Complex>> m(n, std::vector<Complex>(n + 1));
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t j = 0; j < n; ++j) m[i][j] = (i == j ? s : 0.0) - json["A"][i][j].get<double>();
+      m[i][n] = json["B"][i][0].get<double>();
+    }
+    for (std::size_t k = 0; k < n; ++k) {
+      for (std::size_t i = 0; i < n; ++i) {
+        if (i == k) continue;
+        const Complex factor = m[i][k] / m[k][k];
+        for (std::size_t j = k; j <= n; ++j) m[i][j] -= factor * m[k][j];
+      }
+    }
+    Complex value = json["D"].get<double>();
+    for (std::size_t k = 0; k < n; ++k) value += json["C"][0][k].get<double>() * m[k][n] / m[k][k];
+    const Complex exact = 1.0 / (std::sqrt(s) + 1.0);
+    EXPECT_LT(std::abs(value / exact - 1.0), 1.001e-3) << form;
+  }
+}
+
+}  // namespace

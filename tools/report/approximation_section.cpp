@@ -1,0 +1,185 @@
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "frac/approximate.hpp"
+#include "report/html.hpp"
+#include "report/sections.hpp"
+
+namespace report {
+
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double order = 0.5;
+constexpr frac::FrequencyBand band{1e-2, 1e2};
+constexpr int drawn_poles = 9;
+
+// H(j omega)/(j omega)^order on the band and half a decade beyond.
+struct Deviation {
+  std::vector<double> omega, decibels, degrees;
+};
+Deviation deviation_of(const frac::Approximation& approximation) {
+  constexpr int points = 500;
+  Deviation deviation;
+  const double from = band.lower / 3;
+  const double to = band.upper * 3;
+  for (int i = 0; i <= points; ++i) {
+    const double omega = from * std::pow(to / from, static_cast<double>(i) / points);
+    const Complex exact = std::polar(std::pow(omega, order), order * std::numbers::pi / 2);
+    const Complex ratio = approximation.system.response(omega) / exact;
+    deviation.omega.push_back(omega);
+    deviation.decibels.push_back(20 * std::log10(std::abs(ratio)));
+    deviation.degrees.push_back(std::arg(ratio) * 180 / std::numbers::pi);
+  }
+  return deviation;
+}
+
+// Empty where the method has no design of so many poles.
+std::vector<frac::Approximation> design(frac::ApproximationMethod method, int poles) {
+  try {
+    return {frac::approximate(order, band, frac::PoleCount{poles}, method)};
+  } catch (const std::invalid_argument&) {
+    return {};
+  }
+}
+
+// Eight methods, seven colours told apart: the last is grey.
+std::string method_colour(frac::ApproximationMethod method) {
+  const auto all = frac::approximation_methods();
+  const auto index = static_cast<std::size_t>(std::find(all.begin(), all.end(), method) - all.begin());
+  return index + 1 < all.size() ? category_colour(index) : "#999999";
+}
+
+Figure bode_error_figure(const std::string& name, const std::string& caption,
+                         std::span<const frac::ApproximationMethod> methods, double decibels, double degrees) {
+  Figure figure;
+  figure.name = name;
+  figure.caption = caption;
+  Panel level, phase;
+  level.title = "Magnitude error";
+  phase.title = "Phase error";
+  for (Panel* panel : {&level, &phase}) panel->x = {"ω in rad/s", true, band.lower / 3, band.upper * 3};
+  level.y = {"dB", false, -decibels, decibels};
+  phase.y = {"degrees", false, -degrees, degrees};
+  level.key = methods.size() > 1;
+  static constexpr Mark marks[] = {Mark::line, Mark::dashed, Mark::dotted};
+  std::size_t drawn = 0;
+  for (const frac::ApproximationMethod method : methods) {
+    for (const frac::Approximation& approximation : design(method, drawn_poles)) {
+      const Deviation deviation = deviation_of(approximation);
+      const std::string label(frac::to_string(method));
+      const Mark mark = marks[drawn++ % 3];
+      level.curves.push_back(make_curve(label, method_colour(method), mark, deviation.omega, deviation.decibels));
+      phase.curves.push_back(make_curve(label, method_colour(method), mark, deviation.omega, deviation.degrees));
+    }
+  }
+  figure.panels = {std::move(level), std::move(phase)};
+  return figure;
+}
+
+Figure error_against_poles_figure(const std::vector<std::vector<frac::Approximation>>& designs) {
+  Figure figure;
+  figure.name = "approximation-error-poles";
+  figure.caption =
+      "Largest relative error on the band against the number of poles. The dashed line is what can be attained at all, "
+      "2 sin(&pi;<i>a</i>) exp(&minus;&pi;<sup>2</sup><i>N</i>/(<i>L</i> + 4 ln 2)).";
+  Panel panel;
+  panel.x = {"poles", false, 0.0, {}};
+  panel.y = {"largest relative error on the band", true, 1e-11, 10.0};
+  panel.key = true;
+  std::vector<double> poles, limit;
+  for (int n = 1; n <= 34; ++n) {
+    poles.push_back(n);
+    const double width = std::log(band.upper / band.lower) + 4 * std::numbers::ln2;
+    limit.push_back(2 * std::sin(std::numbers::pi * order) *
+                    std::exp(-std::numbers::pi * std::numbers::pi * n / width));
+  }
+  panel.curves.push_back(make_curve("attainable", "#000000", Mark::dashed, poles, limit));
+  for (std::size_t i = 0; i < designs.size(); ++i) {
+    std::vector<double> x, y;
+    for (const frac::Approximation& each : designs[i]) {
+      x.push_back(each.poles);
+      y.push_back(each.error.max_relative);
+    }
+    if (x.empty()) continue;
+    panel.curves.push_back(make_curve(
+        std::string(frac::to_string(designs[i][0].method)), method_colour(designs[i][0].method),
+        designs[i][0].method == frac::ApproximationMethod::carlson ? Mark::open_points : Mark::line_points, x, y));
+  }
+  figure.panels = {std::move(panel)};
+  figure.panel_height = 380;
+  return figure;
+}
+
+Table methods_table(const std::vector<std::vector<frac::Approximation>>& designs) {
+  Table table;
+  table.name = "approximation-methods";
+  table.caption =
+      "All methods for <i>s</i><sup>0.5</sup> on 0.01 &hellip; 100 rad/s; errors are the largest on the band.";
+  table.columns = {{"method", "method"},   {"poles", "poles"},           {"max_relative_error", "relative error"},
+                   {"max_error_db", "dB"}, {"max_error_deg", "degrees"}, {"limit_poles", "poles the limit needs"}};
+  table.rows_on_page = 40;
+  for (const auto& family : designs) {
+    for (const frac::Approximation& each : family) {
+      if (each.poles != 5 && each.poles != 9 && each.poles != 13 && each.poles != 21 && each.poles != 29) continue;
+      table.rows.push_back({std::string(frac::to_string(each.method)), static_cast<double>(each.poles),
+                            each.error.max_relative, each.error.max_decibels, each.error.max_degrees,
+                            static_cast<double>(each.limit_poles)});
+    }
+  }
+  return table;
+}
+
+}  // namespace
+
+Section approximation_section() {
+  Section section;
+  section.id = "approximation";
+  section.title = "Rational stand-ins for a fractional power";
+  section.reading =
+      "A controller or a simulation puts zeros and poles in place of <i>s</i><sup><i>a</i></sup>, which is right on a "
+      "band only. Errors are |<i>H</i>(j&omega;)/(j&omega;)<sup><i>a</i></sup> &minus; 1| on the whole of the band, "
+      "its "
+      "ends included. An error that stops falling as poles are added is the method's own.";
+  std::vector<std::vector<frac::Approximation>> designs;
+  for (const frac::ApproximationMethod method : frac::approximation_methods()) {
+    std::vector<frac::Approximation>& family = designs.emplace_back();
+    for (int poles = 1; poles <= 33; poles += 2) {
+      for (frac::Approximation& each : design(method, poles)) family.push_back(std::move(each));
+    }
+  }
+  const std::string poles = std::to_string(drawn_poles);
+  section.blocks.emplace_back(bode_error_figure(
+      "approximation-bode-error",
+      "Deviation of rational stand-ins with " + poles +
+          " poles for <i>s</i><sup>0.5</sup> on 0.01 &hellip; 100 rad/s from the power itself, drawn half a decade "
+          "beyond the band on both sides.",
+      frac::approximation_methods(), 2, 30));
+  static constexpr frac::ApproximationMethod ladder_alone[] = {frac::ApproximationMethod::ladder};
+  section.blocks.emplace_back(bode_error_figure(
+      "approximation-ladder-error",
+      "The minimax ladder alone, " + poles + " poles, on the scale it needs: equal turns over the whole band.",
+      ladder_alone, 0.015, 0.1));
+  section.blocks.emplace_back(error_against_poles_figure(designs));
+  section.blocks.emplace_back(methods_table(designs));
+  const auto error_of = [](frac::ApproximationMethod method) {
+    return design(method, drawn_poles).at(0).error.max_relative;
+  };
+  const double ladder = error_of(frac::ApproximationMethod::ladder);
+  const double oustaloup = error_of(frac::ApproximationMethod::oustaloup);
+  section.findings.push_back("With " + std::to_string(drawn_poles) +
+                             " poles over four decades the minimax ladder stands for <i>s</i><sup>0.5</sup> within " +
+                             html_number(ladder, 2) + ", Oustaloup&rsquo;s on its own band within " +
+                             html_number(oustaloup, 2) + ".");
+  section.facts = {{"ladder_error_9_poles", ladder}, {"oustaloup_error_9_poles", oustaloup}};
+  return section;
+}
+
+}  // namespace report
