@@ -6,7 +6,6 @@
 //  - step: median and 99.9th percentile of single calls of FractionalPid::step over 10^6 calls; the error column is
 //  empty
 #include <algorithm>
-#include <boost/multiprecision/float128.hpp>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -17,11 +16,12 @@
 
 #include "frac/digital_filter.hpp"
 #include "frac/fractional_pid.hpp"
+#include "support/filter_in_quadruple.hpp"
 #include "support/random.hpp"
 
 namespace {
 
-using Quad = boost::multiprecision::float128;
+using support::Quad;
 using Clock = std::chrono::steady_clock;
 
 // Of this program, so that what else the machine does weighs less.
@@ -65,35 +65,6 @@ void powers() {
   }
 }
 
-// The bilinear rule by its definition, poles in z.
-std::vector<Quad> in_quadruple(const frac::ZeroPoleGain& system, double sample_time, const std::vector<double>& input) {
-  std::vector<Quad> signal(input.begin(), input.end());
-  const Quad rate = 2 / Quad(sample_time);
-  for (std::size_t i = 0; i < system.poles.size(); ++i) {
-    const Quad zero = -Quad(system.zeros[i]), pole = -Quad(system.poles[i]);
-    const Quad a = (rate - pole) / (rate + pole), b0 = (rate + zero) / (rate + pole),
-               b1 = (rate - zero) / (rate + pole);
-    Quad x1 = 0, y1 = 0;
-    for (Quad& value : signal) {
-      const Quad x = value;
-      value = y1 = a * y1 + b0 * x - b1 * x1;
-      x1 = x;
-    }
-  }
-  for (Quad& value : signal) value *= Quad(system.gain);
-  return signal;
-}
-
-// Largest difference relative to the largest value.
-double difference(const std::vector<Quad>& exact, const std::vector<double>& output) {
-  double worst = 0, scale = 0;
-  for (std::size_t n = 0; n < exact.size(); ++n) {
-    worst = std::max(worst, std::abs(static_cast<double>(exact[n] - output[n])));
-    scale = std::max(scale, std::abs(static_cast<double>(exact[n])));
-  }
-  return worst / scale;
-}
-
 void filters(std::size_t samples) {
   const double sample_time = 1e-3;
   support::Random random(1);
@@ -114,9 +85,9 @@ void filters(std::size_t samples) {
         filter.run(input, output);
         seconds.push_back(processor_seconds() - start);
       }
-      const std::vector<Quad> exact = in_quadruple(system, sample_time, input);
+      const std::vector<Quad> exact = support::filter_in_quadruple(system, sample_time, input);
       std::printf("s^0.5 fs/wb = %.0e,parallel sections,%d poles %zu samples,%.2e,%.2e\n", ratio, poles, samples,
-                  difference(exact, output), median(seconds) / static_cast<double>(samples) / poles);
+                  support::worst_difference(exact, output), median(seconds) / static_cast<double>(samples) / poles);
       std::vector<double> signal = input;
       for (const auto& section : frac::discretise(system, sample_time).cascade.sections) {
         double v = 0;
@@ -129,7 +100,7 @@ void filters(std::size_t samples) {
       const double gain = frac::discretise(system, sample_time).cascade.gain;
       for (double& value : signal) value *= gain;
       std::printf("s^0.5 fs/wb = %.0e,cascade of delta sections,%d poles %zu samples,%.2e,\n", ratio, poles, samples,
-                  difference(exact, signal));
+                  support::worst_difference(exact, signal));
       std::fflush(stdout);
     }
   }

@@ -3,56 +3,26 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <boost/multiprecision/float128.hpp>
 #include <cmath>
 #include <vector>
 
 #include "frac/respond.hpp"
 #include "support/expect_invalid_argument.hpp"
+#include "support/filter_in_quadruple.hpp"
 #include "support/random.hpp"
 
 namespace {
 
 using frac::DigitalFilter;
 using frac::FractionalTransferFunction;
-using Quad = boost::multiprecision::float128;
+using support::Quad;
+using support::worst_difference;
 
 std::vector<double> noise(std::size_t count, unsigned seed) {
   support::Random random(seed);
   std::vector<double> samples;
   for (std::size_t n = 0; n < count; ++n) samples.push_back(random.normal());
   return samples;
-}
-
-// gain prod (s + z)/(s + p) by the bilinear rule as it is defined, with the roots as stored and poles in z:
-//   y_n = a y_(n-1) + (b0 x_n - b1 x_(n-1)) per section, all in quadruple precision.
-std::vector<Quad> cascade_in_quadruple(const frac::ZeroPoleGain& system, double sample_time,
-                                       const std::vector<double>& samples) {
-  std::vector<Quad> signal(samples.begin(), samples.end());
-  const Quad rate = 2 / Quad(sample_time);
-  for (std::size_t i = 0; i < system.poles.size(); ++i) {
-    const Quad zero = -Quad(system.zeros[i]), pole = -Quad(system.poles[i]);
-    const Quad a = (rate - pole) / (rate + pole);
-    const Quad b0 = (rate + zero) / (rate + pole);
-    const Quad b1 = (rate - zero) / (rate + pole);
-    Quad x1 = 0, y1 = 0;
-    for (Quad& value : signal) {
-      const Quad x = value;
-      value = y1 = a * y1 + b0 * x - b1 * x1;
-      x1 = x;
-    }
-  }
-  for (Quad& value : signal) value *= Quad(system.gain);
-  return signal;
-}
-
-double worst_difference(const std::vector<Quad>& exact, const std::vector<double>& output) {
-  Quad worst = 0, scale = 0;
-  for (std::size_t n = 0; n < exact.size(); ++n) {
-    worst = std::max<Quad>(worst, abs(exact[n] - output[n]));
-    scale = std::max<Quad>(scale, abs(exact[n]));
-  }
-  return static_cast<double>(worst / scale);
 }
 
 frac::DigitalFilterDesign parallel_of(const frac::ZeroPoleGain& system, double sample_time) {
@@ -87,7 +57,7 @@ TEST(DigitalFilter, KeepsFullPrecisionAtAnyRatioOfSampleRateToBand) {
         const auto system =
             frac::approximate(order, {2 * 3.14159 / sample_time / ratio, top}, frac::PoleCount{poles}).system;
         for (const auto& input : {samples, steps}) {
-          EXPECT_LT(worst_difference(cascade_in_quadruple(system, sample_time, input),
+          EXPECT_LT(worst_difference(support::filter_in_quadruple(system, sample_time, input),
                                      filtered(parallel_of(system, sample_time), input)),
                     5e-15)
               << order << " " << ratio << " " << poles;
@@ -138,7 +108,7 @@ TEST(DigitalFilter, CascadeOfDeltaSectionsIsTheSameFilter) {
     }
   }
   for (double& value : signal) value *= sections.gain;
-  EXPECT_LT(worst_difference(cascade_in_quadruple(system, 1e-3, samples), signal), 2e-14);
+  EXPECT_LT(worst_difference(support::filter_in_quadruple(system, 1e-3, samples), signal), 2e-14);
 }
 
 TEST(DigitalFilter, SampleBySampleAndInBlocksAreTheSameBits) {
