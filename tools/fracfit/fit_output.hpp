@@ -14,9 +14,9 @@ struct FitRun {
   std::string command;
   std::string file;
   std::size_t points;
-  double lower, upper;              // of omega, rad/s, or of time, s
-  std::string value_unit;           // empty when the file gives none
-  io::Metadata file_header;         // "# key: value" lines of the data file
+  double lower, upper;       // of omega, rad/s, or of time, s
+  std::string value_unit;    // empty when the file gives none
+  io::Metadata file_header;  // "# key: value" lines of the data file
   io::Metadata options;
   bool over_time = false;
 };

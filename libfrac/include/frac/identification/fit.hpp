@@ -106,9 +106,9 @@ struct FitResult {
   double seconds;
 };
 
-/// Fits one structure: starts by linear least squares where the structure allows it, data-driven and seeded starts, Ceres
-/// for each, NLopt when they disagree.  Interchangeable parts get their labels in a fixed order (arcs by rising time
-/// constant, single powers by rising order), unless the constraints tell them apart.
+/// Fits one structure: starts by linear least squares where the structure allows it, data-driven and seeded starts,
+/// Ceres for each, NLopt when they disagree.  Interchangeable parts get their labels in a fixed order (arcs by rising
+/// time constant, single powers by rising order), unless the constraints tell them apart.
 /// @throws std::invalid_argument  an unknown or contradictory constraint; fewer residuals than free parameters; weight
 ///     `given` without sigma or `repeats` without repeats; zero data under relative weight, log-complex weight, or for
 ///     a phase; log-complex weight for one part; frequencies the realisation cannot cover.
