@@ -177,7 +177,8 @@ class Scene {
       case OrbitParameter::restitution:
         break;
     }
-    return segment.restitution;
+    // The end of a range is met to rounding, also from outside.
+    return std::clamp(segment.restitution, 0.0, 1.0);
   }
 
   struct Scales {

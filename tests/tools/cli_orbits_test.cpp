@@ -96,4 +96,25 @@ TEST(Orbits, WrongUsageIsNamed) {
   expect_usage({"orbits", "--restitution", "1.5", "--from", "1", "--to", "2"}, "restitution");
 }
 
+TEST(Orbits, HoldsAllButWhatChanges) {
+  const auto result = run_fracfit(
+      {"orbits", "--parameter", "force", "--restitution", "0.6", "--omega", "1", "--from", "0.2", "--to", "0.6"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  EXPECT_NE(result.output.find("\nbranch,kind,force_n,"), std::string::npos);
+  EXPECT_EQ(result.output.find("--force"), std::string::npos);
+  const auto refused = [](const std::vector<std::string>& arguments, const std::string& name) {
+    const auto answer = run_fracfit(arguments);
+    EXPECT_EQ(answer.code, 2);
+    EXPECT_NE(answer.error.find(name), std::string::npos) << answer.error;
+    EXPECT_EQ(answer.output, "");
+  };
+  refused({"orbits", "--parameter", "force", "--force", "3", "--restitution", "0.6", "--omega", "1", "--from", "0.2",
+           "--to", "0.6"},
+          "--force is what changes");
+  refused({"orbits", "--parameter", "restitution", "--restitution", "0.6", "--omega", "1", "--from", "0", "--to", "1"},
+          "--restitution is what changes");
+  refused({"orbits", "--parameter", "force", "--restitution", "0.6", "--from", "0.2", "--to", "0.6"},
+          "--omega is missing");
+}
+
 }  // namespace

@@ -59,7 +59,7 @@ int run_orbits(const OrbitsOptions& given) {
     return backlash::orbit_diagram(system, number_option("--force", given.scene.force), omega, parameter, from, to,
                                    options, &progress);
   }();
-  CommandLine line = scene_command("orbits", given.scene);
+  CommandLine line = scene_command("orbits", given.scene, given.parameter);
   line.option("--parameter", given.parameter).option("--from", given.from).option("--to", given.to);
   if (!over_omega) line.option("--omega", given.omega);
   if (!over_restitution) line.option("--restitution", given.restitution);
@@ -115,7 +115,13 @@ void add_orbits(CLI::App& program, Run& run) {
       "  fracfit orbits --parameter restitution --omega 1.6 --from 0.1 --to 0.95\n"
       "  fracfit orbits --restitution 0.6 --force 40 --clearance 0.3 --from 14 --to 25 --format json --out "
       "orbits.json");
-  orbits->callback([given, &run] { run = [given] { return run_orbits(*given); }; });
+  orbits->callback([given, orbits, &run] {
+    const std::string changing = "--" + given->parameter;
+    if ((changing == "--force" || changing == "--clearance") && orbits->count(changing) > 0) {
+      throw std::invalid_argument(changing + " is what changes from --from to --to; leave it out");
+    }
+    run = [given] { return run_orbits(*given); };
+  });
 }
 
 }  // namespace fracfit

@@ -23,6 +23,8 @@ void add_scene_options(CLI::App& subcommand, SceneOptions& scene);
 [[nodiscard]] backlash::TwoMassSystem system_of(const SceneOptions& scene, const std::string& restitution);
 
 /// The command line up to the scene.
-[[nodiscard]] CommandLine scene_command(const std::string& subcommand, const SceneOptions& scene);
+/// @param left_out  force or clearance, where that is what changes
+[[nodiscard]] CommandLine scene_command(const std::string& subcommand, const SceneOptions& scene,
+                                        const std::string& left_out = {});
 
 }  // namespace fracfit
