@@ -72,7 +72,8 @@ class FractionalPidDesign {
 
   /// As configured, the band as used.
   [[nodiscard]] const FractionalPidConfig& config() const noexcept { return config_; }
-  /// What differs from what was asked: a band cut at Nyquist, a tolerance not kept.  Empty if nothing does.
+  /// What differs from what was asked: a band cut at Nyquist, a tolerance not kept, gain beyond the band that makes
+  /// steps ring.  Empty if nothing does.
   [[nodiscard]] const std::string& note() const noexcept { return note_; }
   [[nodiscard]] const PidOperator& integral() const noexcept { return integral_; }
   [[nodiscard]] const PidOperator& derivative() const noexcept { return derivative_; }

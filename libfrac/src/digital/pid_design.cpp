@@ -120,6 +120,9 @@ PidOperator operator_of(const ParallelSections& sections) {
   return result;
 }
 
+// Gain beyond the band, over that of s^order itself, above which the answer to a step swings below zero.
+constexpr double ringing_amplification = 1.5;
+
 // The filter for s^order, made so that `integrators` trapezoidal ones behind it are right too.
 PidOperator filter_for(double order, int integrators, double most_gain, const char* name,
                        const FractionalPidConfig& config, double& error, std::string& note) {
@@ -135,6 +138,12 @@ PidOperator filter_for(double order, int integrators, double most_gain, const ch
   error = power.error.max_relative;
   if (power.status == ApproximationStatus::not_attainable) {
     note += "The error of the " + std::string(name) + " filter is " + short_text(error) + ", above the tolerance. ";
+  }
+  if (integrators == 0 && power.most_amplification > ringing_amplification) {
+    note += "Between the band and half the sampling frequency the " + std::string(name) + " gains up to " +
+            short_text(power.most_amplification) +
+            " times as much as s^mu, so that its answer to a step rings from sample to sample; al-alaoui, a derivative "
+            "filter time, a lower band or a derivative set-point weight of 0 avoid that. ";
   }
   return operator_of(power.parallel);
 }
