@@ -27,6 +27,8 @@ constexpr double pi = std::numbers::pi;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 // Margin of arg s about pi/2 within which rounding of the coefficients decides.
 constexpr double axis_width = 1e-9;
+// Radians that dead time may turn along the contour of a closed loop: each takes a few evaluations.
+constexpr double largest_turning = 1e6;
 
 double order_at_origin(const FractionalTransferFunction& model) {
   return model.numerator().back().order - model.denominator().back().order;
@@ -45,8 +47,10 @@ LaplaceImage image(const FractionalTransferFunction& model) {
   return {model.numerator(), model.denominator()};
 }
 
-double first_u(const LaplaceImage& y, double delay) {
-  return std::min(y.lowest_corner(), delay > 0 ? -std::log(delay) : 0.0) - 12;
+// Where a condition that holds towards `low`, if anywhere, ceases to; `low` where it holds nowhere.
+template <typename Condition>
+double boundary(const Condition& holds, double low, double high) {
+  return holds(low) ? detail::bisected([&](double u) { return holds(u) ? 1.0 : -1.0; }, low, high) : low;
 }
 
 }  // namespace
@@ -127,12 +131,12 @@ ClosedLoopStability analyse_closed_loop(const FractionalTransferFunction& loop) 
   const auto characteristic = [&](Complex zeta) {
     const ScaledSum n = detail::scaled_sum(top, zeta);
     const ScaledSum d = detail::scaled_sum(bottom, zeta);
-    const Complex s = std::exp(zeta);
+    // Without dead time the contour may lead where e^zeta overflows.
+    const Complex turn = delay > 0 ? delay * std::exp(zeta) : Complex(0);
     const double scale = std::max(n.scale, d.scale);
-    const Complex late = std::exp(-delay * s + (n.scale - scale));
+    const Complex late = std::exp(-turn + (n.scale - scale));
     const double own = std::exp(d.scale - scale);
-    return detail::ValueAndSlope{d.value * own + n.value * late,
-                                 d.slope * own + (n.slope - delay * s * n.value) * late};
+    return detail::ValueAndSlope{d.value * own + n.value * late, d.slope * own + (n.slope - turn * n.value) * late};
   };
   std::vector<PowerTerm> all = top;
   all.insert(all.end(), bottom.begin(), bottom.end());
@@ -160,15 +164,20 @@ ClosedLoopStability analyse_closed_loop(const FractionalTransferFunction& loop) 
     const auto size = [&](const PowerTerm& term) {
       return std::abs(term.coefficient) * std::exp((term.order - bottom.front().order) * u);
     };
-    double least = 2 * size(bottom.front());
-    for (const PowerTerm& term : bottom) least -= size(term);
+    double least = size(bottom.front());
+    for (std::size_t i = 1; i < bottom.size(); ++i) {
+      // Within a right angle of the highest term in the whole half-plane: takes nothing from it.
+      const bool helps =
+          bottom[i].coefficient * bottom.front().coefficient > 0 && bottom.front().order - bottom[i].order <= 1;
+      if (!helps) least -= size(bottom[i]);
+    }
     double most = 0;
     for (const PowerTerm& term : top) most += size(term);
     return !(most < (high_order == 0 ? (1 + high_gain) / 2 : 0.5) * least);
   };
   double last = highest_corner + 3 / smallest_step;
-  while (last > lowest_corner && !may_have_root(last)) last -= 0.1;
-  last += 0.1;
+  if (!may_have_root(last)) last = boundary(may_have_root, lowest_corner, last) + 0.1;
+  if (delay * std::exp(last) > largest_turning) return {Stability::undetermined, 0};
   // Below `first` the lowest terms together outweigh the others twice, and the dead time is nothing; where they cancel,
   // the next do by far.
   const auto outweighed = [&](double u) {
@@ -186,8 +195,7 @@ ClosedLoopStability analyse_closed_loop(const FractionalTransferFunction& loop) 
     return 2 * others < std::abs(lowest_terms);
   };
   const double least_first = lowest_corner - 8 / smallest_step;
-  double first = last;
-  while (first > least_first && !outweighed(first)) first -= 0.1;
+  const double first = outweighed(last) ? last : boundary(outweighed, least_first, last) - 0.1;
   const double right = pi / 2 - axis_width;
   const double count =
       detail::winding_number(characteristic, {{first, -right}, {last, -right}, {last, right}, {first, right}});
@@ -212,7 +220,7 @@ PeakGain h_infinity_norm(const FractionalTransferFunction& model) {
   PeakGain best{limit(order_at_origin(model), model.numerator().back(), model.denominator().back()), 0};
   const double high = limit(order_at_infinity(model), model.numerator().front(), model.denominator().front());
   if (high > best.gain) best = {high, infinity};
-  const std::vector<double> points = axis.breakpoints(first_u(y, 0), y.highest_corner() + 12);
+  const std::vector<double> points = axis.breakpoints(std::min(y.lowest_corner(), 0.0) - 12, y.highest_corner() + 12);
   const auto slope = [&](double u) { return axis.log_slope(u).real(); };
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
     if (!(slope(points[i]) > 0 && slope(points[i + 1]) <= 0)) continue;
@@ -253,75 +261,6 @@ double h2_norm(const FractionalTransferFunction& model) {
         [&](double u) { return std::exp(2 * axis.log_gain(u) + u); }, ends[i], ends[i + 1], 12, 1e-14);
   }
   return std::sqrt(sum / pi);
-}
-
-Margins margins(const FractionalTransferFunction& loop) {
-  const LaplaceImage y = image(loop);
-  const detail::FrequencyAxis axis(y, loop.delay());
-  double last = y.highest_corner() + 12;
-  const double far = order_at_infinity(loop);
-  // With dead time up to where |L| has fallen to 1e-3 for good, or a thousand turns.
-  if (loop.delay() > 0) {
-    const double small =
-        far < 0 ? y.highest_corner() + 2 + std::max(0.0, (7 + y.log_magnitude(y.highest_corner())) / -far) : infinity;
-    last = std::min(small, std::max(y.highest_corner() + 2, std::log(2000 * pi / loop.delay())));
-  }
-  std::vector<double> points = axis.breakpoints(first_u(y, loop.delay()), last);
-  // Not more than a quarter turn between neighbours.
-  std::vector<double> fine;
-  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-    const double turns = loop.delay() * (std::exp(points[i + 1]) - std::exp(points[i])) / (pi / 2);
-    const double pieces = 1 + std::floor(turns);
-    for (double piece = 0; piece < pieces; ++piece) {
-      fine.push_back(points[i] + (points[i + 1] - points[i]) * piece / pieces);
-    }
-  }
-  fine.push_back(points.back());
-  // Extrema of gain and phase are ends of intervals too, so that two crossings in one interval are not missed.
-  points = fine;
-  for (std::size_t i = 0; i + 1 < fine.size(); ++i) {
-    for (const bool gain : {true, false}) {
-      const auto slope = [&](double u) {
-        const Complex both = axis.log_slope(u);
-        return gain ? both.real() : both.imag();
-      };
-      if ((slope(fine[i]) < 0) != (slope(fine[i + 1]) < 0)) {
-        points.push_back(detail::bisected(slope, fine[i], fine[i + 1]));
-      }
-    }
-  }
-  std::sort(points.begin(), points.end());
-
-  Margins result;
-  result.gain_margin = result.phase_margin = result.delay_margin = infinity;
-  const auto log_gain = [&](double u) { return axis.log_gain(u); };
-  const auto imaginary = [&](double u) {
-    const Complex value = axis.value(u);
-    return value.imag() / std::abs(value);
-  };
-  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-    const double a = points[i];
-    const double b = points[i + 1];
-    if ((log_gain(a) < 0) != (log_gain(b) < 0)) {
-      const double u = detail::bisected(log_gain, a, b);
-      const double margin = std::arg(-axis.value(u));
-      result.phase.push_back({std::exp(u), margin});
-      result.phase_margin = std::min(result.phase_margin, std::abs(margin));
-      const double turn = margin >= 0 ? margin : margin + 2 * pi;
-      result.delay_margin = std::min(result.delay_margin, turn / std::exp(u));
-    }
-    if ((imaginary(a) < 0) != (imaginary(b) < 0)) {
-      const double u = detail::bisected(imaginary, a, b);
-      // A change of sign in Re > 0 is the positive axis.
-      if (axis.value(u).real() >= 0) continue;
-      const double factor = std::exp(-log_gain(u));
-      if (factor > 1e3 && loop.delay() > 0) continue;
-      result.gain.push_back({std::exp(u), factor});
-      if (factor >= 1) result.gain_margin = std::min(result.gain_margin, factor);
-      if (factor < 1) result.gain_reduction = std::max(result.gain_reduction, factor);
-    }
-  }
-  return result;
 }
 
 }  // namespace frac

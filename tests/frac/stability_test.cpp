@@ -160,6 +160,114 @@ TEST(Stability, OfLoopsWithDeadTime) {
   support::expect_invalid_argument([&] { (void)closed({{2, 0}}, {{1, 0}}, 1); }, {"tends to 2"});
 }
 
+// K e^{-L s}/s^a: a pair of roots for each omega_k = (pi - a pi/2 + 2 pi k)/L with omega_k^a < K.
+TEST(Stability, OfSlowlyFallingLoopsWithDeadTime) {
+  for (const double a : {0.2, 0.25, 0.3}) {
+    for (const double delay : {0.1, 1.0, 3.0}) {
+      for (const int k : {0, 1, 5}) {
+        const double critical = std::pow((pi - a * pi / 2 + 2 * pi * k) / delay, a);
+        const auto below = frac::analyse_closed_loop({{{0.999 * critical, 0}}, {{1, a}}, delay});
+        EXPECT_EQ(below.unstable_poles, 2 * k) << a << " " << delay;
+        EXPECT_EQ(below.stability, k == 0 ? Stability::stable : Stability::unstable) << a << " " << delay;
+        const auto above = frac::analyse_closed_loop({{{1.001 * critical, 0}}, {{1, a}}, delay});
+        EXPECT_EQ(above.unstable_poles, 2 * k + 2) << a << " " << delay;
+      }
+    }
+  }
+  // |L| is 1 at 1e15 rad/s.
+  EXPECT_EQ(frac::analyse_closed_loop(model("1000 exp(-1 s)/s^0.2")).stability, Stability::undetermined);
+}
+
+// s^(1 + e) + s + 1 + K is s (1 + s^e) + 1 + K, for small e nearly 2 s + 1 + K.  s^e = -3 has no root on the principal
+// sheet.
+TEST(Stability, OfLoopsWhereTwoOrdersNearlyCoincide) {
+  for (const double e : {1e-3, 1e-5, 1e-7, 1e-9, 1e-11}) {
+    EXPECT_EQ(frac::analyse_closed_loop({{{1, 0}}, {{1, 1 + e}, {1, 1}, {1, 0}}}).stability, Stability::stable) << e;
+    EXPECT_EQ(frac::analyse_closed_loop({{{-2, 0}}, {{1, 1 + e}, {1, 1}, {1, 0}}}).unstable_poles, 1) << e;
+    EXPECT_EQ(frac::analyse_closed_loop({{{1, 0}}, {{1, 1 + e}, {1, 1}, {1, 0}}, 0.1}).stability, Stability::stable)
+        << e;
+  }
+  EXPECT_EQ(frac::analyse_closed_loop(model("3/s^0.001")).stability, Stability::stable);
+}
+
+// K e^{-L s}/s^a: |L| = 1 at omega_c = K^(1/a) with phase -a pi/2 - L omega_c; real and negative at omega_k = (pi - a
+// pi/2 + 2 pi k)/L with factor omega_k^a/K.
+TEST(Stability, MarginsOfAPowerWithDeadTime) {
+  struct Loop {
+    double gain, delay, order;
+  };
+  for (const Loop& loop : {Loop{1, 0.1, 0.25}, Loop{1, 1, 0.2}, Loop{2, 1, 0.2}, Loop{5, 0.5, 0.3}, Loop{10, 1, 0.3},
+                           Loop{10, 1, 0.2}, Loop{30, 2, 0.25}, Loop{1e-3, 1, 1}, Loop{3, 20, 0.1}}) {
+    const std::string name =
+        std::to_string(loop.gain) + " " + std::to_string(loop.delay) + " " + std::to_string(loop.order);
+    const frac::Margins found = frac::margins({{{loop.gain, 0}}, {{1, loop.order}}, loop.delay});
+    const double crossover = std::pow(loop.gain, 1 / loop.order);
+    ASSERT_EQ(found.phase.size(), 1u) << name;
+    // ln omega is found to a few roundings of ln K over a.
+    const double accuracy = 1e-14 * (1 + std::abs(std::log(loop.gain))) / loop.order;
+    EXPECT_NEAR(found.phase[0].omega / crossover, 1, accuracy) << name;
+    const double exact_phase = std::remainder(pi - loop.order * pi / 2 - loop.delay * crossover, 2 * pi);
+    EXPECT_NEAR(found.phase[0].margin, exact_phase, 1e-14 + accuracy * loop.delay * crossover) << name;
+    EXPECT_DOUBLE_EQ(found.phase_margin, std::abs(found.phase[0].margin)) << name;
+    const double first = pi - loop.order * pi / 2;
+    const double k = std::max(0.0, std::ceil((loop.delay * crossover - first) / (2 * pi)));
+    const auto factor = [&](double turns) {
+      return std::pow((first + 2 * pi * turns) / loop.delay, loop.order) / loop.gain;
+    };
+    EXPECT_NEAR(found.gain_margin / factor(k), 1, 1e-12) << name;
+    EXPECT_NEAR(found.gain_reduction, k > 0 ? factor(k - 1) : 0, 1e-12) << name;
+    // Those that decide are in the list, which begins with the first.
+    std::size_t deciding = 0;
+    for (const frac::Crossover& listed : found.gain) {
+      deciding += listed.margin == found.gain_margin || listed.margin == found.gain_reduction ? 1 : 0;
+    }
+    EXPECT_EQ(deciding, k > 0 ? 2u : 1u) << name;
+    EXPECT_LE(found.gain.size(), 1100u) << name;
+    EXPECT_EQ(found.remark.empty(), loop.order == 1) << name << found.remark;
+  }
+  // Rounding of 1e20 rad leaves no phase, but a gain margin of 1.
+  const frac::Margins blurred = frac::margins({{{10, 0}}, {{1, 0.05}}, 1});
+  EXPECT_TRUE(std::isnan(blurred.phase_margin));
+  EXPECT_NE(blurred.remark.find("not determined"), std::string::npos) << blurred.remark;
+  EXPECT_NEAR(blurred.gain_margin, 1, 1e-10);
+  EXPECT_NEAR(blurred.gain_reduction, 1, 1e-10);
+}
+
+// K e^{-s}/(s^0.2 + 1) with x = omega^0.2, c = cos(0.1 pi): |L| = 1 where x^2 + 2 c x + 1 = K^2, and the phase is
+// -omega - atan2(x sin(0.1 pi), 1 + x c), whose second part hardly changes: omega_k by fixed-point iteration.
+TEST(Stability, MarginsOfASlowLagWithDeadTime) {
+  const double c = std::cos(0.1 * pi);
+  const auto lag = [&](double omega) {
+    const double x = std::pow(omega, 0.2);
+    return std::atan2(x * std::sin(0.1 * pi), 1 + x * c);
+  };
+  for (const double gain : {0.5, 1.0, 2.5, 4.0, 8.0}) {
+    const frac::Margins found = frac::margins({{{gain, 0}}, {{1, 0.2}, {1, 0}}, 1});
+    const double crossover = gain > 1 ? std::pow(std::sqrt(c * c + gain * gain - 1) - c, 5) : 0;
+    ASSERT_EQ(found.phase.size(), gain > 1 ? 1u : 0u) << gain;
+    if (gain > 1) {
+      // A rounding of |L| moves omega by about 5 to 50 of its own.
+      EXPECT_NEAR(found.phase[0].omega / crossover, 1, 1e-13) << gain;
+      EXPECT_NEAR(found.phase[0].margin, std::remainder(pi - crossover - lag(crossover), 2 * pi),
+                  1e-13 * (1 + crossover))
+          << gain;
+    } else {
+      EXPECT_EQ(found.phase_margin, infinity) << gain;
+    }
+    double above = infinity;
+    double below = 0;
+    for (int k = 0; above == infinity; ++k) {
+      double omega = pi * (1 + 2 * k);
+      for (int i = 0; i < 60; ++i) omega = pi * (1 + 2 * k) - lag(omega);
+      const double x = std::pow(omega, 0.2);
+      const double factor = std::sqrt(x * x + 2 * c * x + 1) / gain;
+      (factor < 1 ? below : above) = factor;
+    }
+    EXPECT_NEAR(found.gain_margin, above, 1e-12) << gain;
+    EXPECT_NEAR(found.gain_reduction, below, 1e-12) << gain;
+  }
+}
+
 TEST(Stability, MarginsAreTheRoots) {
   // 1/(s (s + 1)^2): phase -pi at 1, gain 1/2.
   const frac::Margins third = frac::margins(model("1/(s^3 + 2 s^2 + s)"));

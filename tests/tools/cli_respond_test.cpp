@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <complex>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -162,6 +163,21 @@ TEST(Analyse, ReportsALoop) {
   EXPECT_NEAR(json["margins"]["gain_margin"].get<double>(), std::acos(-1.0) / 2, 1e-12);
   EXPECT_NEAR(json["margins"]["phase_margin_rad"].get<double>(), std::acos(-1.0) / 2 - 1, 1e-12);
   EXPECT_TRUE(json["h2_norm"].is_null());
+}
+
+TEST(Analyse, ReportsASlowlyFallingLoopWithDeadTime) {
+  const auto result = run_fracfit({"analyse", "--model", "exp(-s)/(s^0.2+1)"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const Json margins = Json::parse(result.output)["margins"];
+  // omega + arg(1 + (j omega)^0.2) = pi.
+  const double pi = std::acos(-1.0);
+  const auto lag = [&](double omega) { return 1.0 + std::polar(std::pow(omega, 0.2), 0.1 * pi); };
+  double omega = 3;
+  for (int i = 0; i < 60; ++i) omega = pi - std::arg(lag(omega));
+  EXPECT_NEAR(margins["gain_margin"].get<double>(), std::abs(lag(omega)), 1e-12);
+  EXPECT_TRUE(margins["phase_margin_rad"].is_null());
+  EXPECT_TRUE(margins["gain_crossovers"].empty());
+  EXPECT_NE(margins["remark"].get<std::string>().find("listed up to"), std::string::npos) << margins["remark"];
 }
 
 TEST(Analyse, ClosesALoop) {

@@ -94,7 +94,8 @@ std::string json_text(const Analysis& result, const std::string& command) {
                      {"phase_margin_rad", number(result.margins.phase_margin)},
                      {"delay_margin_s", number(result.margins.delay_margin)},
                      {"gain_crossovers", crossovers(result.margins.phase, "phase_margin_rad")},
-                     {"phase_crossovers", crossovers(result.margins.gain, "gain_margin")}};
+                     {"phase_crossovers", crossovers(result.margins.gain, "gain_margin")},
+                     {"remark", result.margins.remark}};
   json["unity_feedback"] = nullptr;
   if (result.closed_loop) {
     json["unity_feedback"] = {{"stability", frac::to_string(result.closed_loop->stability)},
@@ -138,6 +139,7 @@ std::string table_text(const Analysis& result) {
           short_number(result.margins.gain_reduction) +
           " down\nphase margin: " + short_number(result.margins.phase_margin * 180 / std::numbers::pi) +
           " deg\ndelay margin: " + short_number(result.margins.delay_margin) + " s\n";
+  if (!result.margins.remark.empty()) text += result.margins.remark + "\n";
   return text;
 }
 

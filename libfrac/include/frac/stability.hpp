@@ -2,6 +2,7 @@
 
 #include <complex>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -46,6 +47,8 @@ struct StabilityAnalysis {
 [[nodiscard]] StabilityAnalysis analyse_stability(const FractionalTransferFunction& model);
 
 /// Roots of 1 + L(s) = 0 with Re s > 0, dead time of L included, by the argument principle on D(s) + N(s) e^{-delay s}.
+/// Undetermined where the roots cannot be counted, and where |L| may be 1 beyond omega = 1e6/delay: dead time then
+/// makes more turns than can be followed.
 struct ClosedLoopStability {
   Stability stability;  // stable, marginal, unstable or undetermined
   int unstable_poles;   // conjugates counted
@@ -68,18 +71,27 @@ struct Crossover {
   double omega;   // rad/s
   double margin;  // gain: factor 1/|L| that makes |L| = 1 at phase -pi; phase: arg L + pi in (-pi, pi], rad
 };
-/// Margins of the loop L, all crossovers by root finding on the exact response.
+/// Margins of the loop L by root finding on the exact response.
 struct Margins {
-  std::vector<Crossover> gain;   // where L is real and negative
-  std::vector<Crossover> phase;  // where |L| = 1
+  std::vector<Crossover> gain;   // where L is real and negative, by rising omega
+  std::vector<Crossover> phase;  // where |L| = 1, by rising omega
   /// The factors nearest to 1 above and below it; infinite and 0 where there are none.
   double gain_margin = 0;
   double gain_reduction = 0;
-  /// Smallest |margin| of `phase`, infinite where there is none; and the dead time that uses one up, s.
+  /// Smallest |margin| of `phase`, infinite where there is none; and the dead time that uses one up, s.  NaN where
+  /// `remark` says that they are not determined.
   double phase_margin = 0;
   double delay_margin = 0;
+  /// One sentence for each thing that is not determined or not listed; empty where nothing is missing.
+  std::string remark;
 };
-/// Dead time makes L real and negative infinitely often: crossovers are listed down to |L| = 1e-3.
+/// |L| does not depend on the dead time: it is cut at its extrema and at every gain crossover into stretches where it
+/// is monotone and on one side of 1.  On each, the phase crossover next to one of the ends has |L| nearest 1, so that
+/// the margins are those of all phase crossovers, however many dead time makes.  Listed are those that decide the
+/// margins and the others with |L| >= 1e-3 up to about the first thousand turns of the dead time; `remark` tells where
+/// there are more.  With dead time and |L| tending to a constant at high frequency, that limit counts as a phase
+/// crossover. Not determined is a phase margin where delay omega is so large that its rounding exceeds 1e-3 rad, and
+/// where |L| reaches 1 only beyond omega = e^690 or e^-690.
 [[nodiscard]] Margins margins(const FractionalTransferFunction& loop);
 
 }  // namespace frac
