@@ -52,8 +52,9 @@ inline constexpr double half_pi = pi / 2;
 }
 
 /// Phase psi with psi - e sin psi = m (Kepler's equation), |e| < 1, |m| < 6000: to third order in e, with sines that
-/// are good to 1e-3.
-[[gnu::always_inline]] inline double rough_kepler(double m, double e) noexcept {
+/// are good to 1e-3.  Beyond, and for NaN, some finite phase.
+[[gnu::always_inline]] inline double rough_kepler(double mean, double e) noexcept {
+  const double m = mean < 6000 ? (mean > -6000 ? mean : -6000.0) : 6000.0;
   const double base = e < 0 ? pi : 0;  // psi - pi solves it with -e
   const double turns = 2 * pi * static_cast<double>(static_cast<int>((m - base) * (0.5 / pi) + 1000.5) - 1000);
   const double reduced = (m - base) - turns;
