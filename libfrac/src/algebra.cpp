@@ -17,23 +17,6 @@ namespace {
 using Terms = std::vector<PowerTerm>;
 constexpr double eps = std::numeric_limits<double>::epsilon();
 
-// Sum of two sums with what is left of terms that cancel to rounding dropped.
-Terms merged(const Terms& a, const Terms& b) {
-  Terms all = a;
-  all.insert(all.end(), b.begin(), b.end());
-  Terms sizes = all;
-  for (PowerTerm& term : sizes) term.coefficient = std::abs(term.coefficient);
-  Terms sum = detail::collected(std::move(all));
-  const Terms size = detail::collected(std::move(sizes));
-  std::erase_if(sum, [&](const PowerTerm& term) {
-    const auto own = std::find_if(size.begin(), size.end(), [&](const PowerTerm& each) {
-      return std::abs(each.order - term.order) <= 1e-12 * std::max(1.0, std::abs(term.order));
-    });
-    return own != size.end() && std::abs(term.coefficient) <= 4 * eps * own->coefficient;
-  });
-  return sum;
-}
-
 // Without the power of s that both share.
 FractionalTransferFunction without_common_power(Terms numerator, Terms denominator, double delay) {
   const double common = std::min(numerator.back().order, denominator.back().order);
@@ -108,7 +91,7 @@ Division divided(const Terms& dividend, const Terms& divisor) {
     for (const PowerTerm& each : part) result.size = std::max(result.size, std::abs(each.coefficient));
     // The leading terms cancel by construction.
     part.erase(part.begin());
-    result.remainder = merged({result.remainder.begin() + 1, result.remainder.end()}, part);
+    result.remainder = detail::merged({result.remainder.begin() + 1, result.remainder.end()}, part);
     std::erase_if(result.remainder,
                   [&](const PowerTerm& each) { return std::abs(each.coefficient) <= 64 * eps * result.size; });
   }
@@ -142,9 +125,9 @@ FractionalTransferFunction operator+(const FractionalTransferFunction& a, const 
                                 " s differ, so that the sum is no ratio of sums of powers with one dead time");
   }
   const bool same = a.denominator() == b.denominator();
-  Terms numerator =
-      same ? merged(a.numerator(), b.numerator())
-           : merged(detail::product(a.numerator(), b.denominator()), detail::product(b.numerator(), a.denominator()));
+  Terms numerator = same ? detail::merged(a.numerator(), b.numerator())
+                         : detail::merged(detail::product(a.numerator(), b.denominator()),
+                                          detail::product(b.numerator(), a.denominator()));
   if (numerator.empty()) throw std::invalid_argument("sum of transfer functions: they cancel; the result is zero");
   return without_common_power(std::move(numerator),
                               same ? a.denominator() : detail::product(a.denominator(), b.denominator()), a.delay());
@@ -186,7 +169,7 @@ FractionalTransferFunction feedback(const FractionalTransferFunction& forward,
   }
   const Terms loop_top = detail::product(forward.numerator(), backward.numerator());
   const Terms loop_bottom = detail::product(forward.denominator(), backward.denominator());
-  Terms denominator = merged(loop_top, loop_bottom);
+  Terms denominator = detail::merged(loop_top, loop_bottom);
   if (denominator.empty()) throw std::invalid_argument("feedback: 1 + forward backward is zero");
   return without_common_power(detail::product(forward.numerator(), backward.denominator()), std::move(denominator), 0);
 }

@@ -49,6 +49,10 @@ struct AxisEnd {
 
   [[nodiscard]] double order() const { return top.order - bottom.order; }
   [[nodiscard]] double gain() const { return std::abs(top.coefficient / bottom.coefficient); }
+  // Without dead time.
+  [[nodiscard]] bool has_negative_limit() const {
+    return std::abs(order()) < 1e-13 && top.coefficient / bottom.coefficient < 0;
+  }
 
   // From u outwards |L| stays on one side of 1: the bounds by the leading terms only tighten.
   [[nodiscard]] bool gain_is_settled(double u) const {
@@ -186,19 +190,28 @@ void read_phase_margins(const FrequencyAxis& axis, double delay, const std::vect
   if (blurred) result.phase_margin = result.delay_margin = std::numeric_limits<double>::quiet_NaN();
 }
 
-void read_gain_margins(const FrequencyAxis& axis, const PhaseCrossovers& crossovers, Margins& result) {
+void count_gain_factor(double factor, Margins& result) {
+  if (factor >= 1) result.gain_margin = std::min(result.gain_margin, factor);
+  if (factor < 1) result.gain_reduction = std::max(result.gain_reduction, factor);
+}
+
+void read_gain_margins(const FrequencyAxis& axis, const PhaseCrossovers& crossovers, const AxisEnd& low,
+                       const AxisEnd& high, double delay, Margins& result) {
   result.gain_margin = infinity;
-  for (const double u : crossovers.log_omega) {
-    const double factor = std::exp(-axis.log_gain(u));
-    if (factor >= 1) result.gain_margin = std::min(result.gain_margin, factor);
-    if (factor < 1) result.gain_reduction = std::max(result.gain_reduction, factor);
+  for (const double u : crossovers.log_omega) count_gain_factor(std::exp(-axis.log_gain(u)), result);
+  const bool ends_negative = delay == 0 && high.has_negative_limit();
+  if (low.has_negative_limit()) {
+    count_gain_factor(1 / low.gain(), result);
+    result.gain.push_back({0, 1 / low.gain()});
   }
+  if (ends_negative || (delay > 0 && high.order() == 0)) count_gain_factor(1 / high.gain(), result);
   for (const double u : crossovers.log_omega) {
     const double factor = std::exp(-axis.log_gain(u));
     const bool decides = factor == result.gain_margin || factor == result.gain_reduction;
     const bool listed = u <= crossovers.followed_until && factor <= 1 / least_listed_gain;
     if (decides || listed) result.gain.push_back({std::exp(u), factor});
   }
+  if (ends_negative) result.gain.push_back({infinity, 1 / high.gain()});
 }
 
 }  // namespace
@@ -237,12 +250,7 @@ Margins margins(const FractionalTransferFunction& loop) {
 
   Margins result;
   read_phase_margins(axis, delay, gain_crossovers, result);
-  read_gain_margins(axis, crossovers, result);
-  if (delay > 0 && high.order() == 0) {
-    const double limit = 1 / high.gain();
-    if (limit >= 1) result.gain_margin = std::min(result.gain_margin, limit);
-    if (limit < 1) result.gain_reduction = std::max(result.gain_reduction, limit);
-  }
+  read_gain_margins(axis, crossovers, low, high, delay, result);
   if (!ends_settled) {
     result.phase_margin = result.delay_margin = std::numeric_limits<double>::quiet_NaN();
     add_sentence(result.remark,

@@ -116,9 +116,13 @@ StabilityAnalysis analyse_stability(const FractionalTransferFunction& model) {
 }
 
 ClosedLoopStability analyse_closed_loop(const FractionalTransferFunction& loop) {
-  const double high_order = order_at_infinity(loop);
+  const double order_rounding = 1e-13 * std::max(1.0, std::abs(loop.denominator().front().order));
+  const double order_difference = order_at_infinity(loop);
+  const double high_order = std::abs(order_difference) <= order_rounding ? 0 : order_difference;
   const double high_gain = std::abs(loop.numerator().front().coefficient / loop.denominator().front().coefficient);
-  if (high_order > 0 || (high_order == 0 && high_gain >= 1)) {
+  // Nearer to 1 the leading terms may cancel to rounding.
+  constexpr double most_high_gain = 1 - 16 * std::numeric_limits<double>::epsilon();
+  if (high_order > 0 || (high_order == 0 && high_gain >= most_high_gain)) {
     throw std::invalid_argument("analyse_closed_loop: |L| tends to " +
                                 (high_order > 0 ? std::string("infinity") : detail::number_text(high_gain)) +
                                 " at high frequency; allowed is below 1");
@@ -128,18 +132,28 @@ ClosedLoopStability analyse_closed_loop(const FractionalTransferFunction& loop) 
   const double lowest = std::min(loop.numerator().back().order, loop.denominator().back().order);
   const std::vector<PowerTerm> top = detail::scaled(loop.numerator(), 1, -lowest);
   const std::vector<PowerTerm> bottom = detail::scaled(loop.denominator(), 1, -lowest);
+  const std::vector<PowerTerm> low_frequency_sum = detail::merged(top, bottom);
+  const bool pole_at_origin = low_frequency_sum.back().order > 1e-12;
+  // Without dead time, free of cancellation and of the pole at the origin.
+  const std::vector<PowerTerm> polynomial = detail::scaled(low_frequency_sum, 1, -low_frequency_sum.back().order);
   const auto characteristic = [&](Complex zeta) {
+    if (delay == 0) {
+      const ScaledSum sum = detail::scaled_sum(polynomial, zeta);
+      return detail::ValueAndSlope{sum.value, sum.slope};
+    }
     const ScaledSum n = detail::scaled_sum(top, zeta);
     const ScaledSum d = detail::scaled_sum(bottom, zeta);
-    // Without dead time the contour may lead where e^zeta overflows.
-    const Complex turn = delay > 0 ? delay * std::exp(zeta) : Complex(0);
+    const Complex turn = delay * std::exp(zeta);
     const double scale = std::max(n.scale, d.scale);
     const Complex late = std::exp(-turn + (n.scale - scale));
     const double own = std::exp(d.scale - scale);
     return detail::ValueAndSlope{d.value * own + n.value * late, d.slope * own + (n.slope - turn * n.value) * late};
   };
-  std::vector<PowerTerm> all = top;
-  all.insert(all.end(), bottom.begin(), bottom.end());
+  std::vector<PowerTerm> all = polynomial;
+  if (delay > 0) {
+    all = top;
+    all.insert(all.end(), bottom.begin(), bottom.end());
+  }
   double lowest_corner = 0;
   double highest_corner = 0;
   for (const PowerTerm& a : all) {
@@ -150,7 +164,17 @@ ClosedLoopStability analyse_closed_loop(const FractionalTransferFunction& loop) 
       highest_corner = std::max(highest_corner, corner);
     }
   }
-  if (delay > 0) lowest_corner = std::min(lowest_corner, -std::log(delay));
+  if (delay > 0) {
+    lowest_corner = std::min(lowest_corner, -std::log(delay));
+    // The lowest terms may nearly cancel: what is left of them meets the other terms far below those' own corners.
+    std::vector<PowerTerm> others = all;
+    for (const PowerTerm& term : top) others.push_back({delay * term.coefficient, term.order + 1});
+    for (const PowerTerm& term : others) {
+      if (pole_at_origin || term.order < 1e-13) continue;
+      const double corner = std::log(std::abs(low_frequency_sum.back().coefficient / term.coefficient)) / term.order;
+      lowest_corner = std::min(lowest_corner, corner);
+    }
+  }
   double smallest_step = 1;
   for (std::size_t i = 0; i + 1 < all.size(); ++i) {
     for (std::size_t j = i + 1; j < all.size(); ++j) {
@@ -206,7 +230,7 @@ ClosedLoopStability analyse_closed_loop(const FractionalTransferFunction& loop) 
   const double left = pi / 2 + axis_width;
   const double with_axis =
       detail::winding_number(characteristic, {{first, -left}, {last, -left}, {last, left}, {first, left}});
-  return {std::abs(with_axis) < 0.01 ? Stability::stable : Stability::marginal, 0};
+  return {!pole_at_origin && std::abs(with_axis) < 0.01 ? Stability::stable : Stability::marginal, 0};
 }
 
 PeakGain h_infinity_norm(const FractionalTransferFunction& model) {

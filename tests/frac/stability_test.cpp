@@ -7,6 +7,7 @@
 #include <numbers>
 #include <string>
 
+#include "frac/algebra.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/random.hpp"
 #include "support/relative_error.hpp"
@@ -302,6 +303,106 @@ TEST(Stability, MarginsAreTheRoots) {
   EXPECT_GT(conditional.gain_margin, 1);
   EXPECT_LT(conditional.gain_reduction, 1);
   EXPECT_GT(conditional.gain_reduction, 0);
+}
+
+// N + D is s, s^0.5 or s (s + 3): a root at s = 0 and no other right of the axis.
+TEST(Stability, APoleOfTheClosedLoopAtTheOriginIsMarginal) {
+  for (const char* formula :
+       {"1/(s - 1)", "-1/(s + 1)", "1/(s^0.5 - 1)", "-1/(s^0.5 + 1)", "(s - 1)/(s + 1)^2", "0.3/(s - 0.1 - 0.2)",
+        "-s/(s^2 + s)", "exp(-0.1 s)*1/(s - 1)", "exp(-0.1 s)*(s - 1)/(s + 1)^2", "exp(-1 s)*(-1)/(s^0.5 + 1)"}) {
+    const auto found = frac::analyse_closed_loop(model(formula));
+    EXPECT_EQ(found.stability, Stability::marginal) << formula;
+    EXPECT_EQ(found.unstable_poles, 0) << formula;
+  }
+  // All of N + D cancels to rounding.
+  support::expect_invalid_argument(
+      [] {
+        (void)frac::analyse_closed_loop({{{-1 + 4e-16, 0}}, {{1, 0}}});
+      },
+      {"allowed is below 1"});
+  // s (s - 1), and e^{-T s} + s - 1 = s (1 - T + T^2 s/2 - ...), which grows from -0 to infinity for T > 1.
+  for (const char* formula : {"1/(s^2 - s - 1)", "exp(-1.1 s)*1/(s - 1)", "exp(-2 s)*1/(s - 1)"}) {
+    const auto found = frac::analyse_closed_loop(model(formula));
+    EXPECT_EQ(found.stability, Stability::unstable) << formula;
+    EXPECT_EQ(found.unstable_poles, 1) << formula;
+  }
+}
+
+// K e^{-T s}/(s^a - 1) without or with a short dead time has one root, near (1 - K)^(1/a) or (1 - K)/(1 - T): right of
+// the axis for K < 1.
+TEST(Stability, OfClosedLoopsWithAPoleNextToTheOrigin) {
+  for (const double order : {0.5, 1.0}) {
+    for (const double delay : {0.0, 0.1}) {
+      for (const double distance : {1e-2, 1e-4, 1e-8, 1e-12}) {
+        const auto closed = [&](double gain) {
+          return frac::analyse_closed_loop({{{gain, 0}}, {{1, order}, {-1, 0}}, delay});
+        };
+        EXPECT_EQ(closed(1 - distance).unstable_poles, 1) << order << " " << delay << " " << distance;
+        EXPECT_EQ(closed(1 - distance).stability, Stability::unstable) << order << " " << delay << " " << distance;
+        EXPECT_EQ(closed(1 + distance).stability, Stability::stable) << order << " " << delay << " " << distance;
+      }
+    }
+  }
+}
+
+// The factor 1/|L(0)| puts a root of D + K N at s = 0.  On the way through it the number of roots right of the axis
+// changes by one.
+TEST(Stability, ANegativeLimitAtTheOriginIsAPhaseCrossover) {
+  struct Loop {
+    const char* formula;
+    double factor;
+    bool stable_above;
+  };
+  for (const Loop& loop :
+       {Loop{"2/(s - 1)", 0.5, true}, Loop{"1/(s - 0.5)", 0.5, true}, Loop{"4/(s - 1)", 0.25, true},
+        Loop{"exp(-0.1 s)*2/(s - 1)", 0.5, true}, Loop{"2/(s^0.5 - 1)", 0.5, true}, Loop{"-0.5/(s + 1)", 2, false},
+        Loop{"0.5 (s - 1)/(s + 1)^2", 2, false}, Loop{"-2/(s + 1)", 0.5, false}, Loop{"-0.5/(s^0.5 + 1)", 2, false}}) {
+    const auto transfer = model(loop.formula);
+    const frac::Margins found = frac::margins(transfer);
+    ASSERT_FALSE(found.gain.empty()) << loop.formula;
+    EXPECT_EQ(found.gain.front().omega, 0) << loop.formula;
+    // 1/|L(0)| takes two divisions.
+    EXPECT_DOUBLE_EQ(found.gain.front().margin, loop.factor) << loop.formula;
+    EXPECT_DOUBLE_EQ(loop.factor < 1 ? found.gain_reduction : found.gain_margin, loop.factor) << loop.formula;
+    const auto closed = [&](double gain) { return frac::analyse_closed_loop(gain * transfer); };
+    const auto below = closed(0.999 * loop.factor);
+    const auto above = closed(1.001 * loop.factor);
+    EXPECT_EQ(closed(loop.factor).stability, Stability::marginal) << loop.formula;
+    EXPECT_EQ(below.stability, loop.stable_above ? Stability::unstable : Stability::stable) << loop.formula;
+    EXPECT_EQ(above.stability, loop.stable_above ? Stability::stable : Stability::unstable) << loop.formula;
+    EXPECT_EQ(below.unstable_poles + above.unstable_poles, 1) << loop.formula;
+  }
+  // The other margin of the one with dead time: its phase -pi + atan w - 0.1 w is -pi again at w = 10 atan w.
+  double w = 15;
+  for (int i = 0; i < 200; ++i) w = 10 * std::atan(w);
+  EXPECT_NEAR(frac::margins(model("exp(-0.1 s)*2/(s - 1)")).gain_margin, std::sqrt(1 + w * w) / 2, 1e-12);
+  // At factor 1 the loop is on the margin; a positive limit is none.
+  EXPECT_EQ(frac::margins(model("1/(s - 1)")).gain_margin, 1);
+  EXPECT_TRUE(frac::margins(model("0.5/(s + 1)")).gain.empty());
+  EXPECT_TRUE(frac::margins(model("-1/s")).gain.empty());
+}
+
+// s + 2 - K (s + 1)/2: the root -(2 - K/2)/(1 - K/2) passes through infinity at K = 2 and through 0 at 4.
+TEST(Stability, ANegativeLimitAtInfinityIsAPhaseCrossover) {
+  const auto transfer = model("-0.5 (s + 1)/(s + 2)");
+  const frac::Margins found = frac::margins(transfer);
+  ASSERT_EQ(found.gain.size(), 2u);
+  EXPECT_EQ(found.gain[0].omega, 0);
+  EXPECT_DOUBLE_EQ(found.gain[0].margin, 4);
+  EXPECT_EQ(found.gain[1].omega, infinity);
+  EXPECT_DOUBLE_EQ(found.gain[1].margin, 2);
+  EXPECT_DOUBLE_EQ(found.gain_margin, 2);
+  EXPECT_EQ(found.gain_reduction, 0);
+  EXPECT_EQ(frac::analyse_closed_loop(0.999 * 2 * transfer).stability, Stability::stable);
+  // Above, |L| does not fall below 1.
+  const auto closed = [&](double gain) {
+    return frac::analyse_stability(frac::feedback(gain * transfer, FractionalTransferFunction({{1, 0}}, {{1, 0}})))
+        .stability;
+  };
+  EXPECT_EQ(closed(1.999), Stability::stable);
+  EXPECT_EQ(closed(2.001), Stability::unstable);
+  EXPECT_EQ(closed(3.999), Stability::unstable);
+  EXPECT_EQ(closed(4.001), Stability::stable);
 }
 
 TEST(Stability, HardSystems) {

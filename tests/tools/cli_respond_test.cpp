@@ -165,6 +165,31 @@ TEST(Analyse, ReportsALoop) {
   EXPECT_TRUE(json["h2_norm"].is_null());
 }
 
+TEST(Analyse, ReportsALoopOfAnUnstablePlant) {
+  // K/(s - 1): closed loop K/(s - 1 + K).
+  const auto closed_loop = [](const char* loop) {
+    const auto result = run_fracfit({"analyse", "--model", loop});
+    EXPECT_EQ(result.code, 0) << result.error;
+    return Json::parse(result.output)["unity_feedback"]["stability"].get<std::string>();
+  };
+  EXPECT_EQ(closed_loop("1/(s - 1)"), "marginal");
+  EXPECT_EQ(closed_loop("0.9999/(s - 1)"), "unstable");
+  EXPECT_EQ(closed_loop("1.0001/(s - 1)"), "stable");
+  const auto table = run_fracfit({"analyse", "--model", "2/(s - 1)", "--format", "table"}).output;
+  EXPECT_NE(table.find("gain margin: factor inf up, 0.5 down"), std::string::npos) << table;
+  EXPECT_EQ(table.find("unstable loop"), std::string::npos) << table;
+  const auto unstable = run_fracfit({"analyse", "--model", "0.5/(s - 1)", "--format", "table"}).output;
+  EXPECT_NE(unstable.find("those of an unstable loop"), std::string::npos) << unstable;
+  EXPECT_NE(unstable.find("gain margin: factor 2 up, 0 down"), std::string::npos) << unstable;
+  // L(0) = -1/4, L(inf) = -1/2, where JSON has no number for omega.
+  const auto biproper = run_fracfit({"analyse", "--model", "-0.5 (s + 1)/(s + 2)"});
+  const Json margins = Json::parse(biproper.output)["margins"];
+  EXPECT_EQ(margins["gain_margin"], 2.0);
+  ASSERT_EQ(margins["phase_crossovers"].size(), 2u);
+  EXPECT_EQ(margins["phase_crossovers"][0]["omega"], 0.0);
+  EXPECT_TRUE(margins["phase_crossovers"][1]["omega"].is_null());
+}
+
 TEST(Analyse, ReportsASlowlyFallingLoopWithDeadTime) {
   const auto result = run_fracfit({"analyse", "--model", "exp(-s)/(s^0.2+1)"});
   ASSERT_EQ(result.code, 0) << result.error;

@@ -63,7 +63,7 @@ Json complex_number(std::complex<double> value) {
 
 Json crossovers(const std::vector<frac::Crossover>& list, const char* margin) {
   Json array = Json::array();
-  for (const auto& crossover : list) array.push_back({{"omega", crossover.omega}, {margin, crossover.margin}});
+  for (const auto& crossover : list) array.push_back({{"omega", number(crossover.omega)}, {margin, crossover.margin}});
   return array;
 }
 
@@ -135,6 +135,9 @@ std::string table_text(const Analysis& result) {
   text += "\n\nas a loop under unity feedback: ";
   text += result.closed_loop ? std::string(frac::to_string(result.closed_loop->stability))
                              : "not judged, |L| does not fall below 1 at high frequency";
+  if (result.closed_loop && result.closed_loop->stability == frac::Stability::unstable) {
+    text += "\nthe closed loop is unstable: the margins below are those of an unstable loop, no reserve of stability";
+  }
   text += "\ngain margin: factor " + short_number(result.margins.gain_margin) + " up, " +
           short_number(result.margins.gain_reduction) +
           " down\nphase margin: " + short_number(result.margins.phase_margin * 180 / std::numbers::pi) +

@@ -47,6 +47,7 @@ struct StabilityAnalysis {
 [[nodiscard]] StabilityAnalysis analyse_stability(const FractionalTransferFunction& model);
 
 /// Roots of 1 + L(s) = 0 with Re s > 0, dead time of L included, by the argument principle on D(s) + N(s) e^{-delay s}.
+/// Marginal where none is right of the axis but one on it, or at s = 0: D(0) + N(0) is 0 to rounding of its terms.
 /// Undetermined where the roots cannot be counted, and where |L| may be 1 beyond omega = 1e6/delay: dead time then
 /// makes more turns than can be followed.
 struct ClosedLoopStability {
@@ -73,7 +74,7 @@ struct Crossover {
 };
 /// Margins of the loop L by root finding on the exact response.
 struct Margins {
-  std::vector<Crossover> gain;   // where L is real and negative, by rising omega
+  std::vector<Crossover> gain;   // where L is real and negative, by rising omega from 0 to infinity
   std::vector<Crossover> phase;  // where |L| = 1, by rising omega
   /// The factors nearest to 1 above and below it; infinite and 0 where there are none.
   double gain_margin = 0;
@@ -89,9 +90,10 @@ struct Margins {
 /// is monotone and on one side of 1.  On each, the phase crossover next to one of the ends has |L| nearest 1, so that
 /// the margins are those of all phase crossovers, however many dead time makes.  Listed are those that decide the
 /// margins and the others with |L| >= 1e-3 up to about the first thousand turns of the dead time; `remark` tells where
-/// there are more.  With dead time and |L| tending to a constant at high frequency, that limit counts as a phase
-/// crossover. Not determined is a phase margin where delay omega is so large that its rounding exceeds 1e-3 rad, and
-/// where |L| reaches 1 only beyond omega = e^690 or e^-690.
+/// there are more.  A limit of L at omega = 0 or infinity that is finite, real and negative is a phase crossover:
+/// there a pole of the closed loop passes through s = 0 or infinity.  So is, unlisted, a limit of |L| at high frequency
+/// with dead time.  Not determined is a phase margin where delay omega is so large that its rounding exceeds 1e-3 rad,
+/// and where |L| reaches 1 only beyond omega = e^690 or e^-690.
 [[nodiscard]] Margins margins(const FractionalTransferFunction& loop);
 
 }  // namespace frac

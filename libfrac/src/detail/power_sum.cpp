@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -28,6 +29,23 @@ std::vector<PowerTerm> collected(std::vector<PowerTerm> terms) {
   }
   std::erase_if(result, [](const PowerTerm& term) { return term.coefficient == 0; });
   return result;
+}
+
+std::vector<PowerTerm> merged(const std::vector<PowerTerm>& a, const std::vector<PowerTerm>& b) {
+  std::vector<PowerTerm> all = a;
+  all.insert(all.end(), b.begin(), b.end());
+  std::vector<PowerTerm> sizes = all;
+  for (PowerTerm& term : sizes) term.coefficient = std::abs(term.coefficient);
+  std::vector<PowerTerm> sum = collected(std::move(all));
+  const std::vector<PowerTerm> size = collected(std::move(sizes));
+  std::erase_if(sum, [&](const PowerTerm& term) {
+    const auto own = std::find_if(size.begin(), size.end(), [&](const PowerTerm& each) {
+      return std::abs(each.order - term.order) <= 1e-12 * std::max(1.0, std::abs(term.order));
+    });
+    return own != size.end() &&
+           std::abs(term.coefficient) <= 4 * std::numeric_limits<double>::epsilon() * own->coefficient;
+  });
+  return sum;
 }
 
 std::vector<PowerTerm> product(const std::vector<PowerTerm>& a, const std::vector<PowerTerm>& b) {
