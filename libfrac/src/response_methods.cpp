@@ -174,7 +174,8 @@ TimeResponse by_reference(const FractionalTransferFunction& model, const TimeInp
     const std::vector<ReferenceValue> values = reference_response(model, *named, time);
     for (std::size_t i = 0; i < time.size(); ++i) {
       response.output[i] = values[i].value;
-      if (std::isfinite(values[i].value)) {
+      // Infinite from the start on is the response itself; later it is one that no double holds.
+      if (std::isfinite(values[i].value) || time[i] > model.delay()) {
         response.error_estimate = std::max(response.error_estimate, values[i].error_estimate);
       }
     }
@@ -225,7 +226,11 @@ double difference_from_reference(const FractionalTransferFunction& model, const 
   double worst = 0;
   const auto judge = [&](std::size_t n) {
     const ReferenceValue value = reference(time[n]);
-    if (std::isfinite(value.value)) worst = std::max(worst, std::abs(output[n] - value.value) + value.error_estimate);
+    if (std::isfinite(value.value) && std::isfinite(output[n])) {
+      worst = std::max(worst, std::abs(output[n] - value.value) + value.error_estimate);
+    } else if (time[n] > model.delay()) {
+      worst = std::numeric_limits<double>::infinity();
+    }
   };
   for (std::size_t n = 0; n + 1 < time.size(); n = n < 4 ? n + 1 : n + n / 2) judge(n);
   judge(time.size() - 1);

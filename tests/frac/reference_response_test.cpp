@@ -106,6 +106,56 @@ TEST(ReferenceResponse, OfIntegerOrdersIsClassical) {
   }
 }
 
+// A pole of order two on the imaginary axis: the phase omega t is known to eps omega t, and the amplitude grows with t,
+// so that a few eps t of it is what doubles allow.  The estimate is to bound the error and to stay within a thousand of
+// these.
+TEST(ReferenceResponse, OfADoublePoleOnTheImaginaryAxisGrowsLinearly) {
+  struct Case {
+    const char* model;
+    ResponseInput input;
+    double omega;
+    std::function<double(double)> exact;
+    double growth;  // of the amplitude
+  };
+  const ResponseInput sine{ResponseInput::Kind::sine, 1};
+  const ResponseInput sine_two{ResponseInput::Kind::sine, 2};
+  const Case cases[] = {
+      {"1/(s^2 + 1)", sine, 1, [](double t) { return (std::sin(t) - t * std::cos(t)) / 2; }, 0.5},
+      {"1/(s^2 + 1)^2", step, 1, [](double t) { return 1 - std::cos(t) - t * std::sin(t) / 2; }, 0.5},
+      {"1/(s^2 + 1)^2", impulse, 1, [](double t) { return (std::sin(t) - t * std::cos(t)) / 2; }, 0.5},
+      {"1/(s^2 + 4)", sine_two, 2, [](double t) { return (std::sin(2 * t) - 2 * t * std::cos(2 * t)) / 8; }, 0.25},
+  };
+  constexpr double eps = std::numeric_limits<double>::epsilon();
+  for (const auto& [model, input, omega, exact, growth] : cases) {
+    const ReferenceResponse response(FractionalTransferFunction::parse(model), input);
+    for (const double t : {10.0, 1e3, 1e5, 1e6, 1e9}) {
+      const frac::ReferenceValue value = response(t);
+      const double allowed = 4 * eps * (1 + omega * t) * (1 + growth * t);
+      EXPECT_EQ(value.status, ResponseStatus::exact) << model << " " << t;
+      EXPECT_NEAR(value.value, exact(t), allowed) << model << " " << t;
+      EXPECT_LE(std::abs(value.value - exact(t)), value.error_estimate) << model << " " << t;
+      EXPECT_LE(value.error_estimate, 1e3 * allowed) << model << " " << t;
+    }
+  }
+}
+
+// Poles at distance d from each other on the axis, told apart or not by e^{st} at time t: 1/(s^2 + 1) to sin(w t) is
+// (w sin t - sin(w t))/(w^2 - 1), here by w = 1 + d and sum-to-product formulas without cancellation.
+TEST(ReferenceResponse, OfPolesThatNearlyCoincideIsWithinItsEstimate) {
+  for (const double d : {1e-10, 1e-8, 1e-6, 1e-5, 1e-4, 3e-4}) {
+    const ResponseInput sine{ResponseInput::Kind::sine, 1 + d};
+    const double near = (1 + d) - 1;
+    const ReferenceResponse response(FractionalTransferFunction::parse("1/(s^2 + 1)"), sine);
+    for (const double t : {10.0, 1e3, 1e5, 1e7, 1e9}) {
+      const double difference = -2 * std::cos(t + near * t / 2) * std::sin(near * t / 2);  // sin t - sin(w t)
+      const double exact = (difference + near * std::sin(t)) / (near * (2 + near));
+      const frac::ReferenceValue value = response(t);
+      EXPECT_TRUE(std::isfinite(value.value)) << d << " " << t;
+      EXPECT_LE(std::abs(value.value - exact), value.error_estimate + 1e-15 * std::abs(exact)) << d << " " << t;
+    }
+  }
+}
+
 // No closed form: what is tested is that residues with the turned cut and the parabola agree within their rounding.
 TEST(ReferenceResponse, OfHardSystemsIsConfirmedByTheSecondContour) {
   for (const std::string& model : support::hard_systems()) {

@@ -82,7 +82,7 @@ int respond(const RespondOptions& given) {
     finite = finite && std::isfinite(response.output[n]);
   }
   file.write(text);
-  if (!finite) say(given.common, "some values are infinite");
+  if (!finite) say(given.common, "some values are not finite: the response is infinite there or exceeds a double");
   if (!response.meets_tolerance) {
     say(given.common, "the estimated error, " + io::format_number(response.error_estimate) +
                           ", exceeds the tolerance times the largest output");

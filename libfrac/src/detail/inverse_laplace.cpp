@@ -23,7 +23,8 @@ constexpr double accuracy = 40;
 // e^{st} at ln s = zeta + offset.  The distance to the middle is formed without it, so that the phase of the middle,
 // known to the rounding of s t, is common to a cluster.
 Complex exponential(Complex zeta, Complex offset, double t) {
-  const Complex middle = std::exp(zeta) * t;
+  // On the imaginary axis e^{st} neither grows nor decays, which the rounding of pi/2 would hide.
+  const Complex middle = zeta.imag() == pi / 2 ? Complex(0, std::exp(zeta.real()) * t) : std::exp(zeta) * t;
   if (middle.real() < -700) return 0;
   if (offset == 0.0) return std::exp(middle);
   const double half_sine = std::sin(offset.imag() / 2);

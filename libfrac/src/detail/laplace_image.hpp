@@ -67,31 +67,69 @@ template <typename Weight>
 LaplaceImage::Sum LaplaceImage::residue(std::size_t k, const Weight& weight, double weight_rate) const {
   const RootCluster& pole = poles_.clusters[k];
   const double copies = pole.is_conjugate ? 1 : 2;
-  if (pole.multiplicity == 1) {
-    const ScaledSum top = scaled_sum(numerator_, pole.log_s);
-    const ScaledSum bottom = scaled_sum(denominator_, pole.log_s);
-    const std::complex<double> part = top.value / bottom.slope * std::exp(top.scale - bottom.scale + pole.log_s) *
-                                      weight(pole.log_s, std::complex<double>(0));
+  Sum sum;
+  const auto add_simple = [&](std::complex<double> offset, double clearance) {
+    const std::complex<double> zeta = pole.log_s + offset;
+    const ScaledSum top = scaled_sum(numerator_, zeta);
+    const ScaledSum bottom = scaled_sum(denominator_, zeta);
+    const std::complex<double> part =
+        top.value / bottom.slope * std::exp(top.scale - bottom.scale + zeta) * weight(pole.log_s, offset);
     // The rounding of the sum shifts the root, and with it weight and slope.
-    const double shift = bottom.magnitude / std::abs(bottom.slope) * (1 + weight_rate + 1 / clearance_[k]);
-    const double rounding = 4 + 2 * shift + 2 * top.magnitude / std::abs(top.value);
-    return {copies * part.real(), copies * std::abs(part) * rounding};
+    const double shift = bottom.magnitude / std::abs(bottom.slope) * (1 + weight_rate + 1 / clearance);
+    sum.value += copies * part.real();
+    sum.rounding += copies * std::abs(part) * (4 + 2 * shift + 2 * top.magnitude / std::abs(top.value));
+  };
+  if (pole.multiplicity == 1) {
+    add_simple(0, clearance_[k]);
+    return sum;
   }
   // A circle about the cluster, wide against its spread, small against the way to the next pole and against the length
   // over which the weight changes: 64 points then leave nothing of the next orders.
   const double widest = std::min(0.5 * clearance_[k], std::min(0.3, 3 / weight_rate));
-  const double radius = std::max(widest, 4 * pole.spread);
+  if (widest < 4 * pole.spread && !pole.members.empty()) {
+    // No such circle: the weight tells the members from each other.
+    for (std::size_t i = 0; i < pole.members.size(); ++i) {
+      double clearance = clearance_[k];
+      for (std::size_t j = 0; j < pole.members.size(); ++j) {
+        if (j != i) clearance = std::min(clearance, std::abs(pole.members[i] - pole.members[j]));
+      }
+      add_simple(pole.members[i], clearance);
+    }
+    return sum;
+  }
+  const bool coincide = pole.spread == 0;
+  // The parts on it cancel least where the weight changes by e; coefficients in doubt want it wide.
+  const double narrow = pole.is_exact ? 1 / weight_rate : widest;
+  const double radius = std::max(std::min(widest, narrow), 4 * pole.spread);
+  const double scale = scaled_sum(denominator_, pole.log_s).scale;
+  // How far the rounding of the coefficients may move the members apart; nothing where they coincide exactly.
+  double unsure = 0;
+  if (coincide && !pole.is_exact) {
+    const TaylorStart start = taylor_start(denominator_, pole.log_s, pole.multiplicity);
+    for (std::size_t j = start.rounding.size(); j-- > 0;) unsure = unsure * radius + start.rounding[j];
+  }
   constexpr int points = 64;
-  Sum sum;
   for (int i = 0; i < points; ++i) {
     const std::complex<double> offset = std::polar(radius, 2 * std::numbers::pi * (i + 0.5) / points);
     const std::complex<double> zeta = pole.log_s + offset;
     const ScaledSum top = scaled_sum(numerator_, zeta);
-    const ScaledSum bottom = scaled_sum(denominator_, zeta);
-    const std::complex<double> part = top.value / bottom.value * std::exp(top.scale - bottom.scale + zeta) *
+    std::complex<double> bottom;
+    double bottom_scale = scale;
+    double relative_rounding = 0;
+    if (coincide) {
+      const DeflatedSum rest = deflated_sum(denominator_, pole.log_s, offset, pole.multiplicity);
+      bottom = rest.value;
+      relative_rounding = (4 * rest.magnitude + unsure) / std::abs(bottom);
+    } else {
+      const ScaledSum whole = scaled_sum(denominator_, zeta);
+      bottom = whole.value;
+      bottom_scale = whole.scale;
+      relative_rounding = whole.magnitude / std::abs(bottom);
+    }
+    const std::complex<double> part = top.value / bottom * std::exp(top.scale - bottom_scale + zeta) *
                                       weight(pole.log_s, offset) * offset / static_cast<double>(points);
     sum.value += copies * part.real();
-    sum.rounding += copies * std::abs(part) * (8 + bottom.magnitude / std::abs(bottom.value));
+    sum.rounding += copies * std::abs(part) * (8 + weight_rate + relative_rounding);
   }
   return sum;
 }

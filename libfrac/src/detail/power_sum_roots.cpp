@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include "winding_number.hpp"
 
@@ -27,6 +28,80 @@ struct Found {
   int multiplicity;
   double radius;
 };
+
+// Divides by (y - root), in exact arithmetic or not at all.
+bool divides_exactly(std::vector<double>& polynomial, double root) {
+  std::vector<double> quotient;
+  double carry = 0;
+  for (const double coefficient : polynomial) {  // from the highest power down
+    const double product = root * carry;
+    if (std::fma(root, carry, -product) != 0) return false;
+    const double sum = product + coefficient;
+    const double back = sum - product;
+    if ((product - (sum - back)) + (coefficient - back) != 0) return false;
+    carry = sum;
+    quotient.push_back(sum);
+  }
+  if (carry != 0) return false;
+  if (!quotient.empty()) quotient.pop_back();
+  polynomial = std::move(quotient);
+  return true;
+}
+
+// A root s = i omega of order m of a polynomial is one of order m, as -omega^2, of its even and its odd part.
+bool snapped_to_imaginary_axis(const std::vector<PowerTerm>& sum, RootCluster& cluster) {
+  constexpr double pi = std::numbers::pi;
+  constexpr double highest_degree = 200;
+  if (!(std::abs(cluster.log_s.imag() - pi / 2) < 1e-9) || sum.front().order > highest_degree) return false;
+  const auto half_degree = static_cast<std::size_t>(sum.front().order / 2);
+  std::vector<double> even(half_degree + 1, 0.0), odd(half_degree + 1, 0.0);  // from the highest power down
+  for (const PowerTerm& term : sum) {
+    if (term.order != std::floor(term.order)) return false;
+    const auto power = static_cast<std::size_t>(term.order);
+    (power % 2 == 0 ? even : odd)[half_degree - power / 2] = term.coefficient;
+  }
+  // omega^2 rounded to 44 bits: only a number short enough to be meant can pass.
+  int exponent = 0;
+  const double mantissa = std::frexp(std::exp(2 * cluster.log_s.real()), &exponent);
+  const double square = std::ldexp(std::round(std::ldexp(mantissa, 44)), exponent - 44);
+  for (int i = 0; i < cluster.multiplicity; ++i) {
+    if (!divides_exactly(even, -square) || !divides_exactly(odd, -square)) return false;
+  }
+  cluster.log_s = {std::log(square) / 2, pi / 2};
+  cluster.spread = 0;
+  cluster.is_exact = true;
+  return true;
+}
+
+// All roots of a polynomial, coefficients by rising power, by simultaneous iteration (Weierstrass).
+std::vector<Complex> polynomial_roots(const std::vector<Complex>& coefficient) {
+  const std::size_t degree = coefficient.size() - 1;
+  double bound = 0;
+  for (std::size_t k = 1; k <= degree; ++k) {
+    const double ratio = std::abs(coefficient[degree - k] / coefficient[degree]);
+    bound = std::max(bound, std::pow(ratio, 1 / static_cast<double>(k)));
+  }
+  std::vector<Complex> root;
+  for (std::size_t i = 0; i < degree; ++i) {
+    root.push_back(
+        std::polar(bound, 0.4 + 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(degree)));
+  }
+  for (int round = 0; round < 200; ++round) {
+    double largest_step = 0;
+    for (std::size_t i = 0; i < degree; ++i) {
+      Complex value = 0;
+      for (std::size_t k = degree + 1; k-- > 0;) value = value * root[i] + coefficient[k];
+      Complex step = value / coefficient[degree];
+      for (std::size_t j = 0; j < degree; ++j) {
+        if (j != i) step /= root[i] - root[j];
+      }
+      root[i] -= step;
+      largest_step = std::max(largest_step, std::abs(step));
+    }
+    if (!(largest_step > 1e-15 * bound)) break;
+  }
+  return root;
+}
 
 class Search {
  public:
@@ -88,6 +163,8 @@ class Search {
     std::erase_if(derivative, [](const PowerTerm& term) { return term.coefficient == 0; });
     const std::optional<Complex> root = polished(derivative, cluster.log_s);
     if (root && std::abs(*root - cluster.log_s) < 2 * cluster.spread) cluster.log_s = *root;
+    if (snapped_to_imaginary_axis(sum_, cluster)) return;
+    resolve(cluster);
   }
 
  private:
@@ -104,6 +181,31 @@ class Search {
       if (i >= 20 && std::abs(step) < 1e-9) return zeta;
     }
     return std::nullopt;
+  }
+
+  // How the members lie about the middle, from the start of the expansion there.
+  void resolve(RootCluster& cluster) const {
+    constexpr double eps = std::numeric_limits<double>::epsilon();
+    const TaylorStart start = taylor_start(sum_, cluster.log_s, cluster.multiplicity + 1);
+    bool coincide = true;
+    for (std::size_t j = 0; j + 1 < start.coefficient.size(); ++j) {
+      coincide = coincide && std::abs(start.coefficient[j]) <= 4 * eps * start.rounding[j];
+    }
+    if (coincide) {
+      cluster.spread = 0;
+      return;
+    }
+    std::vector<Complex> members = polynomial_roots(start.coefficient);
+    double spread = 0;
+    for (Complex& member : members) {
+      const std::optional<Complex> root = polished(sum_, cluster.log_s + member);
+      if (root && std::abs(*root - cluster.log_s - member) < 0.1 * std::abs(member)) member = *root - cluster.log_s;
+      spread = std::max(spread, std::abs(member));
+    }
+    // NaN where the iteration failed: what the search found stands.
+    if (!(spread <= 4 * cluster.spread)) return;
+    cluster.spread = spread;
+    cluster.members = std::move(members);
   }
 
   const std::vector<PowerTerm>& sum_;
@@ -136,7 +238,7 @@ std::vector<RootCluster> clustered(std::vector<Found> roots) {
         roots.erase(roots.begin() + static_cast<std::ptrdiff_t>(j));
       }
     }
-    RootCluster cluster{0, 0, 0, false};
+    RootCluster cluster{0, 0, 0, false, false, {}};
     double nearest = std::numeric_limits<double>::infinity();
     for (const Found& member : members) {
       cluster.multiplicity += member.multiplicity;
@@ -159,6 +261,33 @@ std::vector<RootCluster> clustered(std::vector<Found> roots) {
   return clusters;
 }
 
+// c e^{q zeta} over e^scale.
+Complex part_of(const PowerTerm& term, Complex zeta, double scale) {
+  const double modulus = std::abs(term.coefficient) * std::exp(term.order * zeta.real() - scale);
+  const double angle = term.order * zeta.imag();
+  const double signed_modulus = term.coefficient < 0 ? -modulus : modulus;
+  if (angle == 0) return signed_modulus;
+  return {signed_modulus * std::cos(angle), signed_modulus * std::sin(angle)};
+}
+
+// e^x less the first `order` terms of its series.
+Complex exponential_rest(Complex x, int order) {
+  Complex term = 1;
+  Complex start = 0;
+  for (int j = 0; j < order; ++j) {
+    start += term;
+    term *= x / static_cast<double>(j + 1);
+  }
+  if (std::abs(x) > order + 2) return std::exp(x) - start;
+  Complex rest = 0;
+  for (int j = order; j < order + 60; ++j) {
+    rest += term;
+    if (std::abs(term) <= 1e-18 * std::abs(rest)) break;
+    term *= x / static_cast<double>(j + 1);
+  }
+  return rest;
+}
+
 }  // namespace
 
 ScaledSum scaled_sum(const std::vector<PowerTerm>& terms, Complex zeta) {
@@ -168,14 +297,36 @@ ScaledSum scaled_sum(const std::vector<PowerTerm>& terms, Complex zeta) {
   }
   ScaledSum sum{0, 0, scale, 0};
   for (const PowerTerm& term : terms) {
-    const double modulus = std::abs(term.coefficient) * std::exp(term.order * zeta.real() - scale);
-    const double signed_modulus = term.coefficient < 0 ? -modulus : modulus;
-    const double angle = term.order * zeta.imag();
-    const Complex value = angle == 0 ? Complex(signed_modulus)
-                                     : Complex(signed_modulus * std::cos(angle), signed_modulus * std::sin(angle));
+    const Complex value = part_of(term, zeta, scale);
     sum.value += value;
     sum.slope += term.order * value;
-    sum.magnitude += modulus;
+    sum.magnitude += std::abs(value);
+  }
+  return sum;
+}
+
+TaylorStart taylor_start(const std::vector<PowerTerm>& terms, Complex zeta, int count) {
+  const double scale = scaled_sum(terms, zeta).scale;
+  TaylorStart start{std::vector<Complex>(static_cast<std::size_t>(count), 0.0),
+                    std::vector<double>(static_cast<std::size_t>(count), 0.0)};
+  for (const PowerTerm& term : terms) {
+    const Complex value = part_of(term, zeta, scale);
+    double factor = 1;  // order^j/j!
+    for (std::size_t j = 0; j < start.coefficient.size(); factor *= term.order / static_cast<double>(++j)) {
+      start.coefficient[j] += factor * value;
+      start.rounding[j] += std::abs(factor * value) * (4 + std::abs(term.order * zeta));
+    }
+  }
+  return start;
+}
+
+DeflatedSum deflated_sum(const std::vector<PowerTerm>& terms, Complex zeta, Complex offset, int order) {
+  const double scale = scaled_sum(terms, zeta).scale;
+  DeflatedSum sum{0, 0};
+  for (const PowerTerm& term : terms) {
+    const Complex part = part_of(term, zeta, scale) * exponential_rest(term.order * offset, order);
+    sum.value += part;
+    sum.magnitude += std::abs(part);
   }
   return sum;
 }
