@@ -237,6 +237,20 @@ TEST_F(Batch, MergeRefusesWhatDoesNotBelongTogether) {
   expect_refusal({folder.path("absent.csv")}, "is missing");
 }
 
+TEST_F(Batch, MergeDoesNotReplaceAnInput) {
+  const auto one = folder.path("one.csv");
+  const auto two = folder.path("two.csv");
+  EXPECT_EQ(run_fracfit(command({"--shard", "1/2", "--out", one})).code, 0);
+  EXPECT_EQ(run_fracfit(command({"--shard", "2/2", "--out", two})).code, 0);
+  const auto before = content_of(one);
+  for (const auto& again : {one, folder.path("data/../one.csv")}) {
+    const auto result = run_fracfit({"merge", again, one, two});
+    EXPECT_EQ(result.code, 2);
+    EXPECT_NE(result.error.find("is also the input"), std::string::npos) << result.error;
+    EXPECT_EQ(content_of(one), before);
+  }
+}
+
 TEST_F(Batch, WhatIsMissingIsNamedAndCanBeDoneAfterwards) {
   const auto single = whole("all.csv");
   const auto one = folder.path("one.csv");
