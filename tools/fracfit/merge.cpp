@@ -93,7 +93,11 @@ int run_merge(const MergeArguments& given) {
   }
   std::string text = header_text(merged.format, merged.manifest);
   for (const auto& line : lines) text += line + "\n";
-  if (missing.empty()) text += power_law_remarks(merged.format, merged.manifest, lines);
+  if (missing.empty()) {
+    const auto laws = power_law_remarks(merged.format, merged.manifest, lines);
+    text += laws.text;
+    for (const auto& note : laws.notes) say({}, note);
+  }
   out.write(text);
   if (missing.empty()) return usable_result;
   say({}, std::to_string(missing.size()) + " of " + std::to_string(merged.manifest.inputs.size()) +
