@@ -147,26 +147,22 @@ void measure(DigitalPower& result) {
 void conclude(DigitalPower& result, const ApproximationGoal& goal) {
   const auto* tolerance = std::get_if<Tolerance>(&goal);
   const std::string reached = short_text(result.error.max_relative);
-  const std::string poles = std::to_string(result.parallel.rates.size()) + " sections";
-  if (result.method == Discretisation::grunwald_letnikov) {
-    result.status = ApproximationStatus::as_asked;
-    result.message =
-        "The largest relative error with " + std::to_string(result.taps.size()) + " taps is " + reached + ".";
-    return;
-  }
+  const std::string size = result.method == Discretisation::grunwald_letnikov
+                               ? std::to_string(result.taps.size()) + " taps"
+                               : std::to_string(result.parallel.rates.size()) + " sections";
   if (tolerance == nullptr) {
     result.status = ApproximationStatus::as_asked;
-    result.message = "The largest relative error with " + poles + " is " + reached + ".";
+    result.message = "The largest relative error with " + size + " is " + reached + ".";
   } else if (result.error.max_relative <= tolerance->value) {
     result.status = ApproximationStatus::met;
-    result.message = "Tolerance " + short_text(tolerance->value) + " is met with " + poles +
+    result.message = "Tolerance " + short_text(tolerance->value) + " is met with " + size +
                      ", largest relative error " + reached + ".";
   } else {
     result.status = ApproximationStatus::not_attainable;
     const std::string share = short_text(result.band.upper * result.sample_time / (2 * pi));
     result.message = "Tolerance " + short_text(tolerance->value) + " is not attainable by " +
                      std::string(to_string(result.method)) + " up to " + share +
-                     " of the sampling frequency, best is " + reached + " with " + poles + ".";
+                     " of the sampling frequency, best is " + reached + " with " + size + ".";
   }
 }
 

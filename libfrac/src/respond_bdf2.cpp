@@ -97,9 +97,10 @@ class StartingWeights {
             exact_at(terms, sample_time, exponent, static_cast<double>(n)) - sum;
       }
     }
-    factored_.compute(power);
+    if (starts > 0) factored_.compute(power);
   }
   [[nodiscard]] Eigen::VectorXd at(std::size_t n) const {
+    if (lacking_.rows() == 0) return {};
     return factored_.solve(lacking_.col(static_cast<Eigen::Index>(n)));
   }
 

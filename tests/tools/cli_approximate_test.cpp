@@ -79,8 +79,8 @@ TEST(Approximate, SampleTimeGivesSectionsThatDoWhatTheyState) {
     for (const char* method : {"direct", "tustin", "al-alaoui"}) {
       const auto result = run_fracfit(approximate({"--order", order, "--band", "0.1:300", "--tolerance", "1e-2",
                                                    "--sample-time", "1e-3", "--discretisation", method}));
-      EXPECT_EQ(result.code, 0) << result.error;
       const auto json = Json::parse(result.output);
+      EXPECT_EQ(result.code, json["status"] == "met" ? 0 : 1) << result.error;
       EXPECT_EQ(json["digital"]["discretisation"], method);
       EXPECT_FALSE(json["sections"].empty());
       const double q = json["order"];
@@ -95,6 +95,30 @@ TEST(Approximate, SampleTimeGivesSectionsThatDoWhatTheyState) {
         EXPECT_EQ(json["digital"]["status"], "met");
         EXPECT_LE(largest, 1e-2);
       }
+    }
+  }
+}
+
+TEST(Approximate, ARecursionThatMissesTheToleranceIsNoUsableResult) {
+  for (const char* method : {"direct", "tustin", "al-alaoui", "grunwald-letnikov"}) {
+    for (const char* format : {"json", "csv"}) {
+      const auto result =
+          run_fracfit(approximate({"--order", "0.5", "--band", "0.1:300", "--tolerance", "1e-4", "--sample-time",
+                                   "1e-3", "--discretisation", method, "--format", format}));
+      const bool met = method == std::string("direct");
+      EXPECT_EQ(result.code, met ? 0 : 1) << method;
+      EXPECT_EQ(result.error.find("Tolerance 0.0001 is not attainable by " + std::string(method)) == std::string::npos,
+                met)
+          << result.error;
+      const std::string status = met ? "met" : "missed";
+      if (format == std::string("csv")) {
+        EXPECT_NE(result.output.find("\n# status: " + status + "\n"), std::string::npos) << result.output;
+        continue;
+      }
+      const auto json = Json::parse(result.output);
+      EXPECT_EQ(json["status"], status);
+      EXPECT_EQ(json["digital"]["max_relative_error"].get<double>() <= 1e-4, met);
+      EXPECT_LE(json["max_relative_error"].get<double>(), 1e-4);
     }
   }
 }

@@ -151,12 +151,52 @@ TEST_F(Batch, ABadFileAmongGoodOnesIsARowWithItsError) {
   EXPECT_EQ(converged, 6U);
 }
 
-TEST_F(Batch, NoResultAtAllIsExitCodeOne) {
-  const auto result =
-      run_fracfit({"batch", folder.path("missing.csv"), folder.write("empty.csv", ""), "--model", "power-law"});
-  EXPECT_EQ(result.code, 1);
+TEST_F(Batch, NoCurveThatCanBeReadIsExitCodeThree) {
+  const auto missing = folder.path("missing.csv");
+  const auto result = run_fracfit({"batch", missing, folder.write("empty.csv", ""), "--model", "power-law"});
+  EXPECT_EQ(result.code, 3);
   EXPECT_NE(result.output.find("missing.csv,invalid-data,"), std::string::npos) << result.output;
-  EXPECT_NE(result.error.find("2 of 2 curves gave no result"), std::string::npos) << result.error;
+  EXPECT_NE(result.error.find(missing), std::string::npos) << result.error;
+  EXPECT_NE(result.error.find("nor can the other 1 curves"), std::string::npos) << result.error;
+  const auto one = run_fracfit({"batch", missing, folder.path("data/force_1.csv"), "--model", "power-law"});
+  EXPECT_EQ(one.code, 0) << one.error;
+}
+
+TEST_F(Batch, NoFitAtAllIsExitCodeOne) {
+  // Read, but too few points for two parameters.
+  const auto short_file = folder.write("short.csv", "omega_rad_s,re,im\n1,1,1\n");
+  const auto result = run_fracfit({"batch", short_file, "--model", "power-law"});
+  EXPECT_EQ(result.code, 1) << result.output;
+  EXPECT_NE(result.error.find("1 of 1 curves gave no result"), std::string::npos) << result.error;
+}
+
+TEST_F(Batch, ALawNeedsAVariableThatTheDataKnow) {
+  for (const std::string name : {"foo", "clearance_m"}) {
+    const auto out = folder.path("law.csv");
+    const auto result =
+        run_fracfit({"batch", folder.path("data"), "--model", "power-law", "--power-law", "K:" + name, "--out", out});
+    EXPECT_EQ(result.code, 2);
+    EXPECT_NE(result.error.find("'" + name + "' is no number in the header of any file"), std::string::npos)
+        << result.error;
+    EXPECT_NE(result.error.find("known are force_n, points, omega_lower, omega_upper, K, a"), std::string::npos)
+        << result.error;
+    EXPECT_FALSE(std::filesystem::exists(out));
+  }
+}
+
+TEST_F(Batch, RowsLeftOutOfALawAreCounted) {
+  std::filesystem::create_directory(folder.path("mixed"));
+  folder.write("mixed/a.csv", curve(2, 0.7, 1));
+  folder.write("mixed/b.csv", curve(4, 0.7, 4));
+  folder.write("mixed/c.csv", curve(4, 0.7, -4));
+  folder.write("mixed/d.csv", "nothing\n");
+  const auto result = run_fracfit({"batch", folder.path("mixed"), "--model", "power-law", "--power-law", "K:force_n"});
+  EXPECT_EQ(result.code, 0) << result.error;
+  for (const char* part : {"2 of 4 rows are left out: 1 force_n not positive, 1 without a fit", "two points"})
+    EXPECT_NE(result.error.find(part), std::string::npos) << part << " in " << result.error;
+  const auto law = result.output.substr(result.output.find("# power_law: K:force_n"));
+  for (const char* part : {" points=2 ", "left_out=\"1 force_n not positive, 1 without a fit\"", "note=\"two points"})
+    EXPECT_NE(law.find(part), std::string::npos) << part << " in " << law;
 }
 
 /// The power law fitted to the curves of one file, from the remark below the rows.
@@ -194,8 +234,9 @@ TEST_F(Batch, CurvesInOneFileAreRowsOfTheirOwn) {
   EXPECT_NE(second.output.find("rows.csv#40,converged,"), std::string::npos) << second.output;
   EXPECT_NEAR(law_exponent(second.output), 0.5, 1e-9) << second.output;
   const auto unknown = run_fracfit({"batch", by_row, "--by", "mass", "--model", "power-law"});
-  EXPECT_EQ(unknown.code, 1);
-  EXPECT_NE(unknown.output.find("no column 'mass'"), std::string::npos) << unknown.output;
+  EXPECT_EQ(unknown.code, 3);
+  EXPECT_NE(unknown.error.find("no column 'mass' among force, omega_rad_s, re, im"), std::string::npos)
+      << unknown.error;
 }
 
 TEST_F(Batch, ThreadsDoNotChangeAByte) {
@@ -235,6 +276,20 @@ TEST_F(Batch, MergeRefusesWhatDoesNotBelongTogether) {
   expect_refusal({one, one}, "force_1.csv, which");
   expect_refusal({one, folder.path("data/force_1.csv")}, "expected a table written by fracfit batch");
   expect_refusal({folder.path("absent.csv")}, "is missing");
+}
+
+TEST_F(Batch, MergeDoesNotReplaceAnInput) {
+  const auto one = folder.path("one.csv");
+  const auto two = folder.path("two.csv");
+  EXPECT_EQ(run_fracfit(command({"--shard", "1/2", "--out", one})).code, 0);
+  EXPECT_EQ(run_fracfit(command({"--shard", "2/2", "--out", two})).code, 0);
+  const auto before = content_of(one);
+  for (const auto& again : {one, folder.path("data/../one.csv")}) {
+    const auto result = run_fracfit({"merge", again, one, two});
+    EXPECT_EQ(result.code, 2);
+    EXPECT_NE(result.error.find("is also the input"), std::string::npos) << result.error;
+    EXPECT_EQ(content_of(one), before);
+  }
 }
 
 TEST_F(Batch, WhatIsMissingIsNamedAndCanBeDoneAfterwards) {

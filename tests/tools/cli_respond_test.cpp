@@ -119,6 +119,20 @@ TEST(Respond, FilesOfSamples) {
   }
 }
 
+TEST(Respond, AnInfiniteValueAtTheStartLeavesTheOtherRows) {
+  // The impulse response of 1/(s^0.5 + 1) is E_{1/2,1/2}(-t^0.5)/t^0.5 = 1/sqrt(pi t) - e^t erfc(sqrt t).
+  const auto some = run_fracfit({"respond", "--model", "1/(s^0.5+1)", "--input", "impulse", "--time", "0,1"});
+  EXPECT_EQ(some.code, 0) << some.error;
+  EXPECT_NE(some.output.find("\n0,inf\n1,"), std::string::npos) << some.output;
+  EXPECT_NE(some.error.find("the output at 0 s is infinite: the impulse response begins as t^-0.5"), std::string::npos)
+      << some.error;
+  const double value = std::stod(some.output.substr(some.output.rfind(',') + 1));
+  EXPECT_NEAR(value, 1 / std::sqrt(std::acos(-1.0)) - std::exp(1.0) * std::erfc(1.0), 1e-14);
+  const auto only = run_fracfit({"respond", "--model", "1/(s^0.5+1)", "--input", "impulse", "--time", "0"});
+  EXPECT_EQ(only.code, 1) << only.error;
+  EXPECT_NE(only.error.find("no value is finite"), std::string::npos) << only.error;
+}
+
 TEST(Respond, WhatIsWrongIsNamed) {
   const TemporaryFolder folder;
   expect_failure({"respond", "--time", "1"}, 2, "--model");
@@ -213,6 +227,14 @@ TEST(Analyse, ClosesALoop) {
   EXPECT_EQ(json["model"], "8/(s^1.5 + 8)");
   EXPECT_NEAR(json["poles"][0]["re"].get<double>(), -2, 1e-13);
   expect_failure({"analyse", "--model", "exp(-1 s)/s", "--feedback", "1"}, 2, "dead time of 1 s");
+}
+
+TEST(Analyse, AFolderThatCannotBeMadeIsFoundOutFirst) {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("file", "x");
+  for (const auto& path : {file, file + "/below"})
+    expect_failure({"analyse", "--model", furnace, "--pictures", path}, 2,
+                   "--pictures " + path + ": cannot be made a folder: ");
 }
 
 // The scripts are written whether gnuplot is there or not.

@@ -91,12 +91,24 @@ TEST(TimeFit, UnitsWeightsAndFormats) {
   EXPECT_NE(csv.output.find("# weight: absolute"), std::string::npos) << csv.output;
 }
 
+TEST(TimeFit, HelpNamesWhatDoesNotApply) {
+  const auto help = run_fracfit({"fit", "--help"}).output;
+  const auto from = help.find("Samples over time take");
+  ASSERT_NE(from, std::string::npos) << help;
+  const auto sentence = help.substr(from, help.find("--bootstrap.", from) - from + 12);
+  for (const char* option : {"--weight", "--component", "--loss", "--realisation", "--band", "--poles", "--sample-time",
+                             "--memory", "--where", "--grow", "--profile", "--bootstrap"})
+    EXPECT_NE(sentence.find(option), std::string::npos) << option;
+}
+
 TEST(TimeFit, WhatIsWrongIsNamed) {
   const TemporaryFolder folder;
   const std::string good = folder.write("good.csv", "time_s,input,output\n0,1,0\n1,1,1\n2,1,1.5\n3,1,1.7\n");
   for (const auto& [option, value] : {std::pair{"--component", "both"},
                                       {"--where", "omega<4"},
                                       {"--loss", "huber"},
+                                      {"--weight", "relative"},
+                                      {"--weight", "log-complex"},
                                       {"--bootstrap", "50"},
                                       {"--realisation", "ladder"}}) {
     expect_failure({"fit", good, "--model", "K/(T s + 1)", option, value}, 2, option);

@@ -150,7 +150,6 @@ std::string table_text(const Analysis& result) {
 // fails.
 bool draw_pictures(const AnalyseOptions& given, const frac::FractionalTransferFunction& model) {
   const std::filesystem::path folder(given.pictures);
-  std::filesystem::create_directories(folder);
   const auto gnuplot = report::find_gnuplot();
   std::string trouble = gnuplot ? "" : "gnuplot was not found; the scripts are written";
   for (const report::Figure& figure : report::model_figures(model, "model")) {
@@ -161,7 +160,16 @@ bool draw_pictures(const AnalyseOptions& given, const frac::FractionalTransferFu
   return trouble.empty();
 }
 
+void make_folder(const std::string& path) {
+  std::error_code trouble;
+  std::filesystem::create_directories(path, trouble);
+  // Where a file stands in its place, creating nothing is no error to the library.
+  if (!trouble && !std::filesystem::is_directory(path)) trouble = std::make_error_code(std::errc::not_a_directory);
+  if (trouble) throw std::invalid_argument("--pictures " + path + ": cannot be made a folder: " + trouble.message());
+}
+
 int analyse(const AnalyseOptions& given) {
+  if (!given.pictures.empty()) make_folder(given.pictures);
   const io::OutputFile file(given.common.out);
   const Analysis result = analysis_of(given);
   CommandLine line("analyse");

@@ -61,9 +61,10 @@ int run_approximate(const ApproximateArguments& given) {
   out.write(format == "json"  ? approximation_json(result, sampled, command.text())
             : format == "csv" ? approximation_csv(result, sampled, command.text())
                               : approximation_table(result, sampled));
-  if (digital && digital->status == frac::ApproximationStatus::not_attainable) say(given.common, digital->message);
-  if (result.status != frac::ApproximationStatus::not_attainable) return usable_result;
-  say(given.common, result.message);
+  if (!missed(result, sampled)) return usable_result;
+  if (result.status == frac::ApproximationStatus::not_attainable) say(given.common, result.message);
+  if (sampled != nullptr && sampled->status == frac::ApproximationStatus::not_attainable)
+    say(given.common, sampled->message);
   return no_usable_result;
 }
 

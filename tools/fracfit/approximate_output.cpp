@@ -13,6 +13,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+struct Outcome {
+  std::string status, message;
+};
+
 Json number(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
@@ -71,7 +75,19 @@ void add_digital(Json& json, const frac::DigitalPower& digital) {
   more["most_amplification_beyond_band"] = number(digital.most_amplification);
 }
 
+// Of the whole: a recursion that misses makes a tolerance that the continuous system keeps a missed one.
+Outcome outcome_of(const frac::Approximation& result, const frac::DigitalPower* digital) {
+  if (result.status != frac::ApproximationStatus::not_attainable && missed(result, digital))
+    return {"missed", digital->message};
+  return {std::string(frac::to_string(result.status)), result.message};
+}
+
 }  // namespace
+
+bool missed(const frac::Approximation& result, const frac::DigitalPower* digital) {
+  return result.status == frac::ApproximationStatus::not_attainable ||
+         (digital != nullptr && digital->status == frac::ApproximationStatus::not_attainable);
+}
 
 std::string approximation_json(const frac::Approximation& result, const frac::DigitalPower* digital,
                                const std::string& command) {
@@ -81,8 +97,9 @@ std::string approximation_json(const frac::Approximation& result, const frac::Di
   json["method"] = frac::to_string(result.method);
   json["parameters"] = Json::object();
   for (const auto& [name, value] : result.parameters) json["parameters"][name] = number(value);
-  json["status"] = frac::to_string(result.status);
-  json["message"] = result.message;
+  const Outcome outcome = outcome_of(result, digital);
+  json["status"] = outcome.status;
+  json["message"] = outcome.message;
   json["integer_order"] = result.system.integer_order;
   json["gain"] = number(result.system.gain);
   json["zeros"] = array_of(result.system.zeros);
@@ -112,8 +129,9 @@ std::string approximation_csv(const frac::Approximation& result, const frac::Dig
   };
   entry("method", std::string(frac::to_string(result.method)));
   for (const auto& [name, value] : result.parameters) entry(name, io::format_number(value));
-  entry("status", std::string(frac::to_string(result.status)));
-  entry("message", result.message);
+  const Outcome outcome = outcome_of(result, digital);
+  entry("status", outcome.status);
+  entry("message", outcome.message);
   entry("integer_order", std::to_string(system.integer_order));
   entry("gain", io::format_number(system.gain));
   entry("max_relative_error", io::format_number(result.error.max_relative));

@@ -7,6 +7,9 @@
 
 namespace fracfit {
 
+/// Whether a tolerance was given that the continuous system or the recursion does not keep.
+[[nodiscard]] bool missed(const frac::Approximation& result, const frac::DigitalPower* digital);
+
 // `digital` is nullptr where no sample time was given.
 [[nodiscard]] std::string approximation_json(const frac::Approximation& result, const frac::DigitalPower* digital,
                                              const std::string& command);

@@ -69,7 +69,8 @@ BatchTask task_of(const BatchArguments& given) {
     if (std::find(names.begin(), names.end(), request.parameter) == names.end())
       throw std::invalid_argument("--power-law " + io::quoted(law) + ": " + io::quoted(request.parameter) +
                                   " is no parameter of " + task.models.front().formula);
-    if (std::find(task.variables.begin(), task.variables.end(), request.variable) == task.variables.end())
+    const auto columns = batch_columns(task);
+    if (std::find(columns.begin(), columns.end(), request.variable) == columns.end())
       task.variables.push_back(request.variable);
   }
   return task;
@@ -115,6 +116,32 @@ std::map<std::string, std::string> finished_rows(const std::string& out, BatchFo
   return rows;
 }
 
+// A law needs a variable that the data, or a column of every row, know.
+void check_variables(const BatchArguments& given, const BatchTask& task, const std::vector<BatchCurve>& curves) {
+  for (const auto& law : given.laws) {
+    const auto variable = power_law_request(law).variable;
+    const auto columns = batch_columns(task);
+    const bool of_headers = std::find(task.variables.begin(), task.variables.end(), variable) != task.variables.end();
+    if (!of_headers && std::find(columns.begin(), columns.end(), variable) != columns.end()) continue;
+    const auto known = variables_of(task, curves, variable);
+    if (known.empty() || std::find(known.begin(), known.end(), variable) != known.end()) continue;
+    std::string list;
+    for (const auto& name : known) list += (list.empty() ? "" : ", ") + name;
+    for (const auto& model : task.models)
+      for (const frac::Structure structure(model.formula); const auto& name : structure.parameter_names())
+        list += ", " + name;
+    throw std::invalid_argument("--power-law " + io::quoted(law) + ": " + io::quoted(variable) +
+                                " is no number in the header of any file and no column of the rows; known are " + list);
+  }
+}
+
+// The trouble with data of which none can be read, as the rows tell it.
+void complain_of_data(BatchFormat format, const BatchManifest& manifest, const std::vector<std::string>& lines) {
+  const auto row = read_row(format, manifest.columns, lines.front()).value();
+  say({}, row.at("message") +
+              (lines.size() > 1 ? "; nor can the other " + std::to_string(lines.size() - 1) + " curves be read" : ""));
+}
+
 std::string status_of(BatchFormat format, const BatchManifest& manifest, const std::string& line) {
   return read_row(format, manifest.columns, line).value().at("status");
 }
@@ -133,6 +160,9 @@ int run_batch(const BatchArguments& given) {
       throw std::invalid_argument("two curves have the name " + io::quoted(curve.name) + "; rename a file or a column");
   }
   const auto files = shard_of(inputs, given.shard);
+  std::vector<BatchCurve> in_order;
+  for (const auto& name : inputs) in_order.push_back(curves.at(name));
+  check_variables(given, task, in_order);
   const BatchManifest manifest{std::string(io::version()), command_of(given, task), given.shard, given.laws, inputs,
                                batch_columns(task)};
   const auto header = header_text(format, manifest);
@@ -156,16 +186,25 @@ int run_batch(const BatchArguments& given) {
       ++progress.done;
     });
   }
-  const auto laws = given.shard.empty() ? power_law_remarks(format, manifest, lines) : std::string();
+  const auto laws = given.shard.empty() ? power_law_remarks(format, manifest, lines) : PowerLawRemarks{};
   if (stream) {
-    stream->finish(files, laws);
+    stream->finish(files, laws.text);
   } else {
     std::string text = header;
     for (const auto& line : lines) text += line + "\n";
-    out.write(text + laws);
+    out.write(text + laws.text);
   }
-  std::size_t converged = 0;
-  for (const auto& line : lines) converged += status_of(format, manifest, line) == "converged" ? 1U : 0U;
+  std::size_t converged = 0, unreadable = 0;
+  for (const auto& line : lines) {
+    const auto status = status_of(format, manifest, line);
+    converged += status == "converged" ? 1U : 0U;
+    unreadable += status == "invalid-data" ? 1U : 0U;
+  }
+  if (!files.empty() && unreadable == files.size()) {
+    complain_of_data(format, manifest, lines);
+    return invalid_data;
+  }
+  for (const auto& note : laws.notes) say(given.common, note);
   if (converged < files.size())
     say(given.common, std::to_string(files.size() - converged) + " of " + std::to_string(files.size()) +
                           " curves gave no result; see column status");

@@ -75,6 +75,15 @@ void set_data(RowBuilder& row, const BatchTask& task, const io::FrequencyRespons
   row.set("omega_upper", file.data.omega().back());
 }
 
+io::FrequencyResponseFile data_of(const BatchTask& task, const BatchCurve& curve) {
+  auto request = task.request;
+  request.data = curve.file;
+  request.curve = curve.label;
+  CommonOptions silent;
+  silent.quiet = true;
+  return read_data(request, silent);
+}
+
 void set_result(RowBuilder& row, const BatchTask& task, const io::FrequencyResponseFile& file) {
   if (!task.ranked) {
     const auto& model = task.models.front();
@@ -131,16 +140,31 @@ std::vector<BatchCurve> curves_of(const std::vector<std::string>& files, const s
   return curves;
 }
 
+std::vector<std::string> variables_of(const BatchTask& task, const std::vector<BatchCurve>& curves,
+                                      const std::string& wanted) {
+  std::vector<std::string> names;
+  const auto knows = [&](const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  for (const auto& curve : curves) {
+    try {
+      for (const auto& [key, value] : data_of(task, curve).metadata)
+        if (io::parse_number(value) && !knows(key)) names.push_back(key);
+      for (const char* column : {"points", "omega_lower", "omega_upper"})
+        if (!knows(column)) names.emplace_back(column);
+    } catch (const io::DataError&) {  // its row will say it
+    } catch (const std::invalid_argument&) {
+    }
+    if (knows(wanted)) break;
+  }
+  return names;
+}
+
 BatchRow batch_row(const BatchTask& task, const BatchCurve& curve) {
   RowBuilder row(batch_columns(task));
   row.set("file", std::string_view(curve.name));
-  auto request = task.request;
-  request.data = curve.file;
-  request.curve = curve.label;
-  CommonOptions silent;
-  silent.quiet = true;
   try {
-    const auto data = read_data(request, silent);
+    const auto data = data_of(task, curve);
     set_data(row, task, data);
     set_result(row, task, data);
   } catch (const io::DataError& error) {

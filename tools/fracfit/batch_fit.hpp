@@ -32,6 +32,11 @@ struct BatchTask {
 /// @throws std::invalid_argument  a parameter has the name of another column.
 [[nodiscard]] std::vector<std::string> batch_columns(const BatchTask& task);
 
+/// Entries with a number in the headers of those curves that can be read, and the columns that a row has anyway; one
+/// curve is enough where it has `wanted`.  Nothing where no curve can be read.
+[[nodiscard]] std::vector<std::string> variables_of(const BatchTask& task, const std::vector<BatchCurve>& curves,
+                                                    const std::string& wanted);
+
 /// One row; a curve that cannot be read or fitted gives one that says why.
 [[nodiscard]] BatchRow batch_row(const BatchTask& task, const BatchCurve& curve);
 

@@ -14,9 +14,14 @@ struct PowerLawRequest {
 /// From PARAMETER:VARIABLE. @throws std::invalid_argument
 [[nodiscard]] PowerLawRequest power_law_request(const std::string& text);
 
-/// The laws of the manifest as lines below the rows, each over the rows that converged, identified the parameter, and
-/// know the variable.
-[[nodiscard]] std::string power_law_remarks(BatchFormat format, const BatchManifest& manifest,
-                                            const std::vector<std::string>& lines);
+struct PowerLawRemarks {
+  std::string text;                // lines below the rows
+  std::vector<std::string> notes;  // of rows left out, laws through two points or none; one sentence each
+};
+
+/// The laws of the manifest, each over the rows that converged, identified the parameter, and know the variable, both
+/// positive.
+[[nodiscard]] PowerLawRemarks power_law_remarks(BatchFormat format, const BatchManifest& manifest,
+                                                const std::vector<std::string>& lines);
 
 }  // namespace fracfit

@@ -147,14 +147,19 @@ void add_fit(CLI::App& program, Run& run) {
       ->type_name("N");
   add_time_fit_options(*fit, given->over_time);
   add_common_options(*fit, given->common, {"json", "csv", "table"});
-  fit->footer("Presets:\n" + preset_list() +
-              "Examples:\n"
-              "  fracfit fit curve.csv --model power-law --where 'omega>20'\n"
-              "  fracfit fit cell.csv --model 'R0 + R1/(1 + R1 Q1 s^n1)' --component both --bound n1=:1 --profile\n"
-              "  fracfit fit cell.csv --grow arcs --component both\n"
-              "  fracfit fit step.csv --model 'K exp(-L s)/(T s^a + 1)'      # columns time_s,input,output\n"
-              "  fracfit fit curve.csv --model 'K/(T s^a + 1)' --realisation oustaloup --band 0.01:1000 --poles 9 "
-              "--out fit.json");
+  fit->footer(
+      "Samples over time take --weight given (the default where the file has a column sigma) or absolute, and\n"
+      "none of --component, --loss, --realisation, --band, --poles, --sample-time, --memory, --where, --grow,\n"
+      "--profile and --bootstrap.\n"
+      "Presets:\n" +
+      preset_list() +
+      "Examples:\n"
+      "  fracfit fit curve.csv --model power-law --where 'omega>20'\n"
+      "  fracfit fit cell.csv --model 'R0 + R1/(1 + R1 Q1 s^n1)' --component both --bound n1=:1 --profile\n"
+      "  fracfit fit cell.csv --grow arcs --component both\n"
+      "  fracfit fit step.csv --model 'K exp(-L s)/(T s^a + 1)'      # columns time_s,input,output\n"
+      "  fracfit fit curve.csv --model 'K/(T s^a + 1)' --realisation oustaloup --band 0.01:1000 --poles 9 "
+      "--out fit.json");
   fit->callback([given, &run] { run = [given] { return run_fit(*given); }; });
 }
 

@@ -101,6 +101,7 @@ void add_residual_options(CLI::App& subcommand, FitRequest& request) {
           "Residuals are divided by: relative |data|; absolute nothing; given the file's sigma or weight column, or "
           "any column by its name; smoothed-relative |data| as up to eight neighbours tell it; log-complex: ln of "
           "the magnitude ratio and angle; repeats: the spread of repeated values at each frequency")
+      ->each([&request](const std::string&) { request.weight_is_given = true; })
       ->capture_default_str()
       ->type_name("WEIGHT");
   subcommand.add_option("--loss", request.loss, "Robust loss: none, huber or cauchy")

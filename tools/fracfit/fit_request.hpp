@@ -16,6 +16,7 @@ struct FitRequest {
   std::string data;
   std::string component;
   std::string weight = "relative";
+  bool weight_is_given = false;  // by the user
   std::string loss = "none";
   std::string realisation = "exact";
   std::string band, poles, sample_time, memory;

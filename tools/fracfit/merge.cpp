@@ -1,4 +1,5 @@
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <set>
@@ -46,7 +47,17 @@ std::string shortened(const std::vector<std::string>& names) {
   return names.size() > most ? text + " and " + std::to_string(names.size() - most) + " more" : text;
 }
 
+void check_output(const MergeArguments& given) {
+  for (const auto& name : given.in) {
+    std::error_code absent;
+    if (name == given.out || std::filesystem::equivalent(name, given.out, absent))
+      throw std::invalid_argument("OUT " + given.out + " is also the input " + name +
+                                  "; the joined table would replace it: give OUT first, and a name of its own");
+  }
+}
+
 int run_merge(const MergeArguments& given) {
+  check_output(given);
   const io::OutputFile out(given.out);
   if (io::is_map_file(given.in.front())) {
     out.write(io::joined_map_csv(given.in));
@@ -82,7 +93,11 @@ int run_merge(const MergeArguments& given) {
   }
   std::string text = header_text(merged.format, merged.manifest);
   for (const auto& line : lines) text += line + "\n";
-  if (missing.empty()) text += power_law_remarks(merged.format, merged.manifest, lines);
+  if (missing.empty()) {
+    const auto laws = power_law_remarks(merged.format, merged.manifest, lines);
+    text += laws.text;
+    for (const auto& note : laws.notes) say({}, note);
+  }
   out.write(text);
   if (missing.empty()) return usable_result;
   say({}, std::to_string(missing.size()) + " of " + std::to_string(merged.manifest.inputs.size()) +

@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "aligned_table.hpp"
 #include "common_options.hpp"
 #include "exit_code.hpp"
 #include "frac/response_methods.hpp"
@@ -54,6 +55,19 @@ Request request_of(const RespondOptions& given) {
           std::move(time)};
 }
 
+// Why the output is infinite at these instants.
+std::string infinity_note(const std::vector<double>& instants, const frac::FractionalTransferFunction& model,
+                          const RespondOptions& given) {
+  std::string text = "the output at " + io::format_number(instants.front()) + " s";
+  if (instants.size() > 1) text += " and " + std::to_string(instants.size() - 1) + " more instants";
+  if (instants.front() > model.delay()) return text + " exceeds a double";
+  text += " is infinite: ";
+  if (given.input != "impulse") return text + "the model differentiates a jump of the input there";
+  const double order = model.denominator().front().order - model.numerator().front().order;
+  if (order <= 0) return text + "the model passes the impulse on";
+  return text + "the impulse response begins as t^" + short_number(order - 1) + " there";
+}
+
 int respond(const RespondOptions& given) {
   const io::OutputFile file(given.common.out);
   const auto model = frac::FractionalTransferFunction::parse(given.model);
@@ -73,21 +87,23 @@ int respond(const RespondOptions& given) {
                      "\n# model: " + model.formula() + "\n# method: " + used + "\n# error_estimate: ";
   io::append_number(text, response.error_estimate);
   text += std::string("\n# meets_tolerance: ") + (response.meets_tolerance ? "true" : "false") + "\ntime_s,output\n";
-  bool finite = true;
+  std::vector<double> infinite;
   for (std::size_t n = 0; n < request.time.size(); ++n) {
     io::append_number(text, request.time[n]);
     text += ',';
     io::append_number(text, response.output[n]);
     text += '\n';
-    finite = finite && std::isfinite(response.output[n]);
+    if (!std::isfinite(response.output[n])) infinite.push_back(request.time[n]);
   }
   file.write(text);
-  if (!finite) say(given.common, "some values are not finite: the response is infinite there or exceeds a double");
+  const bool usable = infinite.size() < request.time.size();
+  if (!infinite.empty())
+    say(given.common, infinity_note(infinite, model, given) + (usable ? "" : "; no value is finite"));
   if (!response.meets_tolerance) {
     say(given.common, "the estimated error, " + io::format_number(response.error_estimate) +
                           ", exceeds the tolerance times the largest output");
   }
-  return finite ? usable_result : no_usable_result;
+  return usable ? usable_result : no_usable_result;
 }
 
 }  // namespace

@@ -31,8 +31,7 @@ void refuse_options_over_frequency(const FitRequest& request) {
 
 // "given" or "absolute".
 std::string weight_of(const FitRequest& request, const io::TimeSeries& series) {
-  // The default of a frequency response stands for none asked for.
-  if (request.weight == "relative") return series.sigma.empty() ? "absolute" : "given";
+  if (!request.weight_is_given) return series.sigma.empty() ? "absolute" : "given";
   if (request.weight == "absolute") return request.weight;
   if (request.weight != "given")
     throw std::invalid_argument("--weight " + io::quoted(request.weight) +

@@ -153,14 +153,12 @@ class Planner {
     if (magnitude && options.phase_may_miss) {
       plan.form = ValueForm::magnitude_alone;
       plan.first = plan.second = *magnitude;
-      notes_.emplace_back("there is no phase; only the magnitude can be fitted");
       return;
     }
     if (phase && options.magnitude_may_miss) {
       if (!meanings_[*phase].problem.empty()) fail_at(*phase, meanings_[*phase].problem);
       plan.form = ValueForm::phase_alone;
       plan.first = plan.second = *phase;
-      notes_.emplace_back("there is no magnitude; only the phase can be fitted");
       return;
     }
     if (real) fail_missing("imaginary part", "a column im or im_<unit> beside the real part");
