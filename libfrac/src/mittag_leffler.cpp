@@ -1,5 +1,6 @@
 #include "frac/mittag_leffler.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -166,9 +167,62 @@ bool series_serves(double alpha, Complex z) {
 }
 
 constexpr double far_radius = 1e8;
+// Below it the weights of the contour, as large as Gamma(-beta), may outgrow the result.
+constexpr double lowest_beta_of_contour = -1;
 
 bool is_pole_of_gamma(double x) {
   return x <= 0 && x == std::floor(x);
+}
+
+double negative_value(const MittagLefflerContour& rule, double z) {
+  double result = 0;
+  rule.negative_values({&z, 1}, &result);
+  return result;
+}
+
+bool has_fixed_rational(double alpha, double beta, double z) {
+  return alpha < 1 && z < -0.01 && z >= -far_radius && beta >= lowest_beta_of_contour && !is_pole_of_gamma(beta);
+}
+
+// E_{alpha,beta}(z) = sum_{j<k} z^j/Gamma(beta + alpha j) + z^k E_{alpha,beta + alpha k}(z), with k the first that
+// makes beta + alpha k at least 1. Empty where the contour loses less: its weights reach Gamma(1 + alpha - beta), the
+// terms here z^k and more.
+template <typename Evaluate>
+std::optional<ValueAndDerivative> raised_value(double alpha, double beta, Complex z, const Evaluate& evaluate) {
+  using Long = std::complex<long double>;
+  const double steps = std::ceil((1 - beta) / alpha);
+  if (!(steps <= 1000)) return std::nullopt;
+  const auto k = static_cast<int>(steps);
+  const Long factor(z.real(), z.imag());
+  Long sum = 0;
+  Long slope = 0;
+  Long power = 1;     // z^j; in long double the rounding of many factors stays below that of one double
+  Long previous = 0;  // z^(j-1)
+  long double magnitude = 0;
+  for (int j = 0; j < k; ++j) {
+    const long double coefficient = detail::reciprocal_gamma(std::fma(j, alpha, beta));
+    sum += coefficient * power;
+    slope += coefficient * static_cast<long double>(j) * previous;
+    magnitude += std::abs(coefficient) * std::abs(power);
+    previous = power;
+    power *= factor;
+  }
+  const ValueAndDerivative rest = evaluate(alpha, std::fma(k, alpha, beta), z);
+  const Long rest_value(rest.value.real(), rest.value.imag());
+  const Long rest_slope(rest.derivative.real(), rest.derivative.imag());
+  sum += power * rest_value;
+  slope += static_cast<long double>(k) * previous * rest_value + power * rest_slope;
+  // In units of the rounding unit: the rest is known to a few of 1 + |rest|, the weights of the contour add up to
+  // e^2.6 times the largest.
+  const double absolute = alpha == 1 && std::fma(k, alpha, beta) == 1 ? 0 : 4;  // of the rest; none of e^z
+  const long double error = 2 * magnitude + std::abs(power) * (2 * std::abs(rest_value) + absolute);
+  const long double error_of_contour =
+      16 * std::exp(std::lgamma(static_cast<long double>(1 + alpha - beta))) / std::max(1.0L, std::abs(factor)) +
+      2 * std::abs(sum);
+  if (!(error <= error_of_contour)) return std::nullopt;
+  const auto rounded = [](Long x) { return Complex(static_cast<double>(x.real()), static_cast<double>(x.imag())); };
+  if (z.imag() == 0) return ValueAndDerivative{rounded(sum).real(), rounded(slope).real()};
+  return ValueAndDerivative{rounded(sum), rounded(slope)};
 }
 
 Complex value(double alpha, double beta, Complex z) {
@@ -183,6 +237,13 @@ Complex value(double alpha, double beta, Complex z) {
   if (const auto exact = elementary(alpha, beta, z)) return *exact;
   if (series_serves(alpha, z)) return series(alpha, beta, z).value;
   if (std::abs(z) > far_radius) return far_out(alpha, beta, z).value;
+  if (beta < lowest_beta_of_contour) {
+    const auto raised = raised_value(alpha, beta, z, [](double a, double b, Complex x) {
+      return ValueAndDerivative{value(a, b, x), 0};
+    });
+    if (raised) return raised->value;
+    if (alpha < 1 && z.imag() == 0 && z.real() < 0) return negative_value(contour(alpha, beta), z.real());
+  }
   // 1/Gamma(beta) = 0 leaves a function that vanishes with z, which the rule would only meet to absolute accuracy.
   if (is_pole_of_gamma(beta) && std::abs(z) < 1) return z * value(alpha, beta + alpha, z);
   const auto poles = MittagLefflerContour::poles(alpha, z);
@@ -191,20 +252,17 @@ Complex value(double alpha, double beta, Complex z) {
 
 ValueAndDerivative value_and_derivative(double alpha, double beta, Complex z) {
   if (series_serves(alpha, z)) return series(alpha, beta, z);
+  if (alpha == 1 && beta == 1) {
+    const Complex exponential = value(1, 1, z);
+    return {exponential, exponential};
+  }
   if (alpha > 2) return over_roots(alpha, beta, z, value_and_derivative);
   if (std::abs(z) > far_radius) return far_out(alpha, beta, z);
+  if (beta < lowest_beta_of_contour) {
+    if (const auto raised = raised_value(alpha, beta, z, value_and_derivative)) return *raised;
+  }
   const auto poles = MittagLefflerContour::poles(alpha, z);
   return contour(alpha, beta, poles).value_and_derivative(z, poles);
-}
-
-bool has_fixed_rational(double alpha, double z) {
-  return alpha < 1 && z < -0.01 && z >= -far_radius;
-}
-
-double negative_value(const MittagLefflerContour& rule, double z) {
-  double result = 0;
-  rule.negative_values({&z, 1}, &result);
-  return result;
 }
 
 }  // namespace
@@ -212,7 +270,7 @@ double negative_value(const MittagLefflerContour& rule, double z) {
 double mittag_leffler(double alpha, double beta, double z) {
   check_orders(alpha, beta, "mittag_leffler");
   check_argument(z, "z", "mittag_leffler");
-  if (has_fixed_rational(alpha, z) && !is_pole_of_gamma(beta)) return negative_value(contour(alpha, beta), z);
+  if (has_fixed_rational(alpha, beta, z)) return negative_value(contour(alpha, beta), z);
   return overflowed(value(alpha, beta, z)).real();
 }
 
@@ -234,8 +292,8 @@ void mittag_leffler(double alpha, double beta, std::span<const double> z, std::s
   }
   for (std::size_t i = 0; i < z.size();) {
     std::size_t end = i;
-    while (end < z.size() && has_fixed_rational(alpha, z[end])) ++end;
-    if (end > i && !is_pole_of_gamma(beta)) {
+    while (end < z.size() && has_fixed_rational(alpha, beta, z[end])) ++end;
+    if (end > i) {
       contour(alpha, beta).negative_values(z.subspan(i, end - i), &value[i]);
       i = end;
     } else {
