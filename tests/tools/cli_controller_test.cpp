@@ -4,6 +4,7 @@
 #include <complex>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "run_program.hpp"
@@ -97,6 +98,29 @@ TEST(Controller, CCodeCompilesByItselfAndRuns) {
   }
 }
 
+TEST(Controller, TwoControllersOfOneNameDoNotCompileTogether) {
+  if (std::system("cc --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "no C compiler";
+  const TemporaryFolder folder;
+  for (const auto& [file, gain, name] :
+       {std::tuple{"a.h", "2", "controller"}, {"b.h", "3", "controller"}, {"c.h", "3", "other"}})
+    ASSERT_EQ(
+        run_fracfit({"controller", "--kp", gain, "--sample-time", "1", "--name", name, "--out", folder.path(file)})
+            .code,
+        0);
+  const auto compiles = [&](const std::string& first, const std::string& second) {
+    folder.write("main.c", "#include \"" + first + "\"\n#include \"" + second + "\"\nint main(void) { return 0; }\n");
+    const std::string compile = "cc -std=c99 -Wall -Wextra -Werror -pedantic -o " + folder.path("run") + " " +
+                                folder.path("main.c") + " 2>" + folder.path("said");
+    return std::system(compile.c_str()) == 0;
+  };
+  EXPECT_TRUE(compiles("a.h", "a.h")) << content_of(folder.path("said"));
+  EXPECT_TRUE(compiles("a.h", "c.h")) << content_of(folder.path("said"));
+  EXPECT_FALSE(compiles("a.h", "b.h"));
+  EXPECT_NE(content_of(folder.path("said")).find("another controller with the name 'controller' is already included"),
+            std::string::npos)
+      << content_of(folder.path("said"));
+}
+
 TEST(Controller, ModelsBecomeFilters) {
   const Json plant = json_of({"controller", "--model", "1/(0.8 s^2.2 + 0.5 s^0.9 + 1)", "--sample-time", "0.01"});
   EXPECT_EQ(plant["kind"], "filter");
@@ -140,6 +164,15 @@ TEST(Controller, WrongUsageIsNamed) {
   expect_refusal(with(pid, {"--anti-windup", "clamp"}), "anti-windup \"clamp\"");
   expect_refusal(with(pid, {"--precision", "half", "--format", "c"}), "precision \"half\"");
   expect_refusal(with(pid, {"--name", "9", "--format", "c"}), "C name \"9\"");
+  expect_refusal(with(pid, {"--name", "a b"}), "C name \"a b\"");
+  expect_refusal({"controller", "--model", "1/(s + 1)", "--sample-time", "1", "--name", "1x"}, "C name \"1x\"");
+  for (const char* format : {"json", "c"}) {
+    // The root of s^0.5 = 1, and of s^2 - s + 1 = 0.
+    expect_refusal({"controller", "--model", "1/(s^0.5 - 1)", "--sample-time", "0.01", "--format", format},
+                   "the model is unstable, with a pole at 1 rad/s");
+    expect_refusal({"controller", "--model", "1/(s^2 - s + 1)", "--sample-time", "0.01", "--format", format},
+                   "the model is unstable, with poles at 0.5 +- 0.866");
+  }
   expect_refusal(with(pid, {"--model", "1/s"}), "not both");
   expect_refusal({"controller", "--kp", "1", "--lambda", "2", "--sample-time", "1"}, "lambda = 2");
   expect_refusal({"controller", "--ki", "1", "--lambda", "0.5", "--sample-time", "1", "--band", "5:9"},

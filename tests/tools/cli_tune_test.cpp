@@ -34,6 +34,23 @@ TEST(CliTune, PrintsAControllerThatKeepsWhatWasAsked) {
   EXPECT_NE(json["command"].get<std::string>().find("--phase-margin 55 --flat-phase"), std::string::npos);
 }
 
+TEST(CliTune, SaysWhereTheOrderOfDifferentiationIsHeldBack) {
+  const std::vector<std::string> steep{"tune", "--plant",        "1/(s + 1)", "--crossover",
+                                       "10",   "--phase-margin", "85",        "--flat-phase"};
+  const auto held = run_fracfit(steep);
+  ASSERT_EQ(held.code, 0) << held.error;
+  const Json json = Json::parse(held.output);
+  // The plant falls as 1/s, so s^mu leaves s^(mu - 1), and s^-0.2 is the slowest fall allowed.
+  EXPECT_NEAR(json["controller"]["mu"].get<double>(), 0.8, 1e-3);
+  EXPECT_NE(json["message"].get<std::string>().find("mu stands at its limit, 0.8"), std::string::npos) << json;
+  EXPECT_NE(held.error.find("mu stands at its limit, 0.8"), std::string::npos) << held.error;
+  auto asked = steep;
+  asked.insert(asked.end(), {"--mu", "0.5"});
+  EXPECT_EQ(run_fracfit(asked).output.find("stands at its limit"), std::string::npos);
+  const auto help = run_fracfit({"tune", "--help"}).output;
+  EXPECT_NE(help.find("s^-0.2"), std::string::npos) << help;
+}
+
 TEST(CliTune, SaysWhatIsWrongAndWhatIsNotReached) {
   const auto wrong = run_fracfit({"tune", "--plant", "1/(s + 1)", "--phase-margin", "50"});
   EXPECT_EQ(wrong.code, 2);

@@ -97,6 +97,7 @@ int run_pid(const ControllerArguments& given) {
   const std::string format = format_of(given);
   frac::CHeaderOptions header;
   header.name = given.name.empty() ? "controller" : given.name;
+  frac::check_c_name(header.name);
   header.precision = frac::precision(given.precision);
   CommandLine command("controller");
   for (const auto& [name, value] : {std::pair{"--kp", given.kp}, {"--ki", given.ki}, {"--kd", given.kd}})
@@ -165,6 +166,7 @@ int run_filter(const ControllerArguments& given) {
   const std::string format = format_of(given);
   frac::CHeaderOptions header;
   header.name = given.name.empty() ? "filter" : given.name;
+  frac::check_c_name(header.name);
   header.precision = frac::precision(given.precision);
   CommandLine command("controller");
   command.option("--model", given.model).option("--sample-time", given.sample_time);

@@ -157,7 +157,10 @@ int run_tune(const TuneArguments& given) {
   const frac::TuningResult result = frac::tune(plant, asked, options);
   out.write(chosen_format(given.common, "json") == "json" ? tuning_json(result, plant.formula(), command.text())
                                                           : tuning_table(result, plant.formula()));
-  if (result.status == frac::TuningStatus::met) return usable_result;
+  if (result.status == frac::TuningStatus::met) {
+    if (result.mu_at_limit) say(given.common, result.message);
+    return usable_result;
+  }
   say(given.common, result.message);
   return no_usable_result;
 }
@@ -180,7 +183,11 @@ void add_tune(CLI::App& program, Run& run) {
   option("--low-frequency", given->disturbance, "|S| <= GAIN up to W (disturbances)", "W:GAIN");
   option("--structure", given->structure, "pid, pi or pd", "NAME")->capture_default_str();
   option("--lambda", given->lambda, "Order of integration, or its range; 0.1:1.9 if not given", "ORDER|LOW:HIGH");
-  option("--mu", given->mu, "Order of differentiation, or its range; 0.1:1.9 if not given", "ORDER|LOW:HIGH");
+  option("--mu", given->mu,
+         "Order of differentiation, or its range; 0.1:1.9 if not given. Never above what leaves the loop falling as "
+         "s^-0.2 at high frequency: beyond that no dead time or lag is small enough to be left out of the plant; a "
+         "derivative filter adds 1",
+         "ORDER|LOW:HIGH");
   option("--derivative-filter", given->filter, "Time constant of the derivative's filter, s", "T")
       ->capture_default_str();
   option("--criterion", given->criterion, "What is made least: sensitivity (max |S|), iae or itae", "NAME")

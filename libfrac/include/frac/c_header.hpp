@@ -16,6 +16,9 @@ enum class Precision { float_type, double_type };
 /// @throws std::invalid_argument  unknown name.
 [[nodiscard]] Precision precision(std::string_view name);
 
+/// @throws std::invalid_argument  no C identifier, a keyword, or above 40 characters.
+void check_c_name(const std::string& name);
+
 struct CHeaderOptions {
   std::string name = "controller";  // prefix of types and functions, a C identifier of up to 40 characters
   Precision precision = Precision::double_type;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <charconv>
+#include <cstdint>
 #include <stdexcept>
 #include <string_view>
 
@@ -22,7 +23,6 @@ Precision precision(std::string_view name) {
   throw std::invalid_argument("precision \"" + std::string(name) + "\": expected float or double");
 }
 
-namespace detail {
 namespace {
 
 constexpr std::string_view c_keywords[] = {
@@ -31,7 +31,9 @@ constexpr std::string_view c_keywords[] = {
     "long",   "register", "return", "short",    "restrict", "signed",   "sizeof",  "static", "struct",
     "switch", "typedef",  "union",  "unsigned", "void",     "volatile", "while"};
 
-void check_name(const std::string& name) {
+}  // namespace
+
+void check_c_name(const std::string& name) {
   constexpr std::size_t longest = 40;
   const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
   const auto is_part = [&](char c) { return is_letter(c) || (c >= '0' && c <= '9'); };
@@ -43,10 +45,22 @@ void check_name(const std::string& name) {
   }
 }
 
+namespace detail {
+namespace {
+
 void replace_all(std::string& text, const std::string& from, const std::string& to) {
   for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
     text.replace(at, from.size(), to);
   }
+}
+
+// FNV-1a (Fowler, Noll, Vo), 64 bits, as hexadecimal digits.
+std::string fingerprint(const std::string& text) {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+  std::array<char, 16> digits;
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), hash, 16);
+  return std::string(digits.data(), end.ptr);
 }
 
 template <typename Real>
@@ -62,7 +76,7 @@ std::string shortest(Real value) {
 
 CText::CText(const CHeaderOptions& options)
     : name_(options.name), is_float_(options.precision == Precision::float_type) {
-  check_name(name_);
+  check_c_name(name_);
 }
 
 std::string CText::literal(double value) const {
@@ -99,8 +113,12 @@ std::string CText::opening(const std::string& comment) const {
 @comment@
  * C99, no heap, no mathematical library.  All state is in one struct.
  */
+#if defined(@guard@) && !defined(@guard@_@content@)
+#error "another controller with the name 'NAME' is already included; use --name"
+#endif
 #ifndef @guard@
 #define @guard@
+#define @guard@_@content@
 
 /* Products are not to be fused into sums: the last bits would differ. */
 #if defined(__clang__)
@@ -117,12 +135,14 @@ std::string CText::opening(const std::string& comment) const {
   return text;
 }
 
-std::string CText::closing() const {
+std::string CText::closed(std::string text) const {
   std::string guard = name_ + "_H";
   std::transform(guard.begin(), guard.end(), guard.begin(),
                  [](char c) { return static_cast<char>(std::toupper(static_cast<unsigned char>(c))); });
-  return "\n#ifdef " + guard + "_POP_OPTIONS\n#pragma GCC pop_options\n#undef " + guard +
-         "_POP_OPTIONS\n#endif\n\n#endif\n";
+  text += "\n#ifdef " + guard + "_POP_OPTIONS\n#pragma GCC pop_options\n#undef " + guard +
+          "_POP_OPTIONS\n#endif\n\n#endif\n";
+  replace_all(text, "@content@", fingerprint(text));
+  return text;
 }
 
 std::string CText::section_members(const CSections& sections) const {

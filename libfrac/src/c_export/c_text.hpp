@@ -30,9 +30,11 @@ class CText {
                                    const std::vector<std::pair<std::string, std::string>>& words = {}) const;
   [[nodiscard]] std::string array(const std::string& name, const std::vector<double>& values) const;
 
-  /// Comment, include guard, and what keeps compilers from fusing operations.
+  /// Comment, include guard, and what keeps compilers from fusing operations.  closed() is to follow.
   [[nodiscard]] std::string opening(const std::string& comment) const;
-  [[nodiscard]] std::string closing() const;
+  /// The text from opening() on with its end, and in the guard a fingerprint of it all: another header of the same
+  /// name is then an error where both are included, instead of being skipped.
+  [[nodiscard]] std::string closed(std::string text) const;
   /// Arrays, and functions NAME_<prefix>_output(state, x), NAME_<prefix>_advance(state, x).
   [[nodiscard]] std::string section_functions(const CSections& sections) const;
   /// Members of the struct for them.

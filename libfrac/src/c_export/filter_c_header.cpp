@@ -1,6 +1,7 @@
 #include <cstddef>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "../digital/section_kernel.hpp"
 #include "c_text.hpp"
@@ -141,7 +142,7 @@ static inline REAL NAME_step(NAME_state *s, REAL sample)
                           {"now", c.literal(now)},
                           {"time", c.literal(design.sample_time)},
                           {"inverse_time", c.literal(1 / design.sample_time)}});
-  return text + c.closing();
+  return c.closed(std::move(text));
 }
 
 }  // namespace

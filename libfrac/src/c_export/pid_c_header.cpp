@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "../digital/section_kernel.hpp"
 #include "c_text.hpp"
@@ -187,7 +188,7 @@ static inline REAL NAME_step(NAME_state *s, REAL setpoint, REAL measured)
                           {"integral_gain", number(k.integral_gain)},
                           {"inverse_integral_gain", number(k.inverse_integral_gain)},
                           {"high_gain", number(static_cast<Real>(design.integral().high_gain))}});
-  return text + c.closing();
+  return c.closed(std::move(text));
 }
 
 }  // namespace

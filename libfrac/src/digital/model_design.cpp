@@ -1,4 +1,7 @@
+#include <array>
 #include <cmath>
+#include <cstdio>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 
@@ -29,6 +32,26 @@ Complex second_change(Complex z) {
     term *= z / static_cast<double>(k);
   }
   return sum;
+}
+
+std::string short_text(double value) {
+  std::array<char, 32> buffer;
+  std::snprintf(buffer.data(), buffer.size(), "%.3g", value);
+  return buffer.data();
+}
+
+// A recursion that grows would overflow long before the horizon.
+void refuse_unstable(const detail::PowerSumRoots& poles) {
+  // A pole on the axis is found to within rounding of it.
+  constexpr double rounding = 1e-9;
+  for (const auto& pole : poles.clusters) {
+    if (pole.log_s.imag() >= std::numbers::pi / 2 - rounding - pole.spread) continue;
+    const Complex place = std::exp(pole.log_s);
+    const std::string real = short_text(place.real());
+    refuse("the model is unstable, with " +
+           (pole.is_conjugate ? "a pole at " + real : "poles at " + real + " +- " + short_text(place.imag()) + " i") +
+           " rad/s; allowed is a stable or integrating model");
+  }
 }
 
 struct DeadTime {
@@ -86,6 +109,7 @@ DigitalFilterDesign filter_design(const FractionalTransferFunction& model, doubl
   const std::vector<PowerTerm> numerator = detail::scaled(model.numerator(), 1, integrates ? 1 : 0);
   const detail::LaplaceImage step(numerator, detail::scaled(model.denominator(), 1, 1));
   if (!step.poles().complete) throw std::domain_error("filter_design: the poles of the model could not be counted");
+  refuse_unstable(step.poles());
   const double latest = horizon * sample_time;
   const double theta = 1 - rest;
   const detail::ExponentialSum sum =

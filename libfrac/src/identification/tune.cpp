@@ -31,6 +31,9 @@ void check_positive(const char* name, double value, const char* unit) {
   }
 }
 
+// Of mu from its limit: what the search leaves.
+constexpr double at_limit = 1e-3;
+
 // Highest order of differentiation with which the loop still falls, as s^-0.2, at high frequency: beyond it no dead
 // time or lag is small enough to be left out of the model.
 double highest_mu(const FractionalTransferFunction& plant, const TuningOptions& options) {
@@ -707,6 +710,9 @@ TuningResult tune(const FractionalTransferFunction& plant, const LoopSpecificati
   result.gains = tuner.best().gains;
   result.derivative_filter_time = options.derivative_filter_time;
   result.evaluations = tuner.evaluations();
+  result.mu_limit = highest_mu(plant, options);
+  result.mu_at_limit = options.structure != ControllerStructure::pi && result.mu_limit < options.mu.upper &&
+                       result.gains.kd != 0 && result.gains.mu > result.mu_limit - at_limit;
   const FractionalPidGains& gains = result.gains;
   if (!(std::isfinite(gains.kp) && std::isfinite(gains.ki) && std::isfinite(gains.kd))) {
     result.message = "The equations for the gains have no solution.";
@@ -727,6 +733,10 @@ TuningResult tune(const FractionalTransferFunction& plant, const LoopSpecificati
   } else {
     result.status = TuningStatus::met;
     result.message = "The closed loop is stable and keeps the specification.";
+  }
+  if (result.mu_at_limit) {
+    result.message += " mu stands at its limit, " + detail::number_text(result.mu_limit) +
+                      ": above it the loop would fall more slowly than s^-0.2 at high frequency.";
   }
   return result;
 }

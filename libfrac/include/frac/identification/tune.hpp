@@ -88,7 +88,9 @@ struct TuningResult {
   FractionalPidGains gains;
   double derivative_filter_time = 0;  // s, as given
   TuningStatus status = TuningStatus::not_met;
-  std::string message;  // one sentence
+  std::string message;       // one sentence, and one more where mu_at_limit
+  double mu_limit = 0;       // order of differentiation with which the loop falls as s^-0.2 at high frequency
+  bool mu_at_limit = false;  // that limit, below options.mu.upper, holds back mu
   std::vector<ReachedSpecification> specification;
   Stability closed_loop = Stability::undetermined;  // of the exact loop, dead time included, by the argument principle
   double crossover = 0;     // rad/s; of all with |L| = 1 the one nearest to what was asked, else the highest; NaN: none
