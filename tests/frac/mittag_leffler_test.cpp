@@ -142,8 +142,8 @@ TEST(MittagLeffler, AgreesWithTheSeriesInHighPrecision) {
 }
 
 // Poles on and beside every node of the rule, where a term and the residue are both infinite.
-// Values by the defining series in 400 digits (mpmath).  Where the contour serves, at z = -10 and beta = -3.3, the
-// phases of its weights, |2 (alpha - beta) + 1| times an argument, bring their rounding with them.
+// Values by the defining series in 400 digits (mpmath).  At z = -10 and at beta = -3.3 the bound of beta >= -1 does not
+// hold: the weight of a node turns 2 (alpha - beta) + 1 times as fast as the node itself, and its rounding as well.
 TEST(MittagLeffler, OfSecondOrderFarBelowZeroAgreesWithTheTable) {
   std::ifstream file(std::string(FRACFIT_SOURCE_DIR) + "/data/reference/mittag_leffler_negative_beta.csv");
   std::string line;
