@@ -2,7 +2,6 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
@@ -13,13 +12,12 @@
 #include "frac/algebra.hpp"
 #include "frac/stability.hpp"
 #include "io/sweep_file.hpp"
+#include "json_number.hpp"
 #include "report/model_figures.hpp"
 #include "subcommand.hpp"
 
 namespace fracfit {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct AnalyseOptions {
   CommonOptions common;
@@ -51,10 +49,6 @@ Analysis analysis_of(const AnalyseOptions& given) {
     result.closed_loop.reset();
   }
   return result;
-}
-
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
 Json complex_number(std::complex<double> value) {

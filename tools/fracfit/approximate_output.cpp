@@ -2,24 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "aligned_table.hpp"
 #include "io/number.hpp"
 #include "io/sweep_file.hpp"
+#include "json_number.hpp"
 
 namespace fracfit {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 struct Outcome {
   std::string status, message;
 };
-
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
 
 Json array_of(const std::vector<double>& values) {
   Json array = Json::array();

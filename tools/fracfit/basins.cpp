@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "common_options.hpp"
 #include "exit_code.hpp"
@@ -11,13 +10,12 @@
 #include "io/number_list.hpp"
 #include "io/progress_bar.hpp"
 #include "io/sweep_file.hpp"
+#include "json_number.hpp"
 #include "scene_options.hpp"
 #include "subcommand.hpp"
 
 namespace fracfit {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 struct BasinOptions {
   CommonOptions common;
@@ -66,10 +64,6 @@ std::string csv(const backlash::BasinMap& map, backlash::Output output, const st
     text += "," + std::to_string(map.attractor[i]) + "\n";
   }
   return text;
-}
-
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
 }
 
 std::string json(const backlash::BasinMap& map, backlash::Output output, const std::string& command) {

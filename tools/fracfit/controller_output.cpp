@@ -1,19 +1,13 @@
 #include "controller_output.hpp"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "aligned_table.hpp"
 #include "io/sweep_file.hpp"
+#include "json_number.hpp"
 
 namespace fracfit {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
 
 const char* output_name(frac::SectionOutput output) {
   return output == frac::SectionOutput::state ? "state" : "change";

@@ -1,19 +1,13 @@
 #include "identify_scene_output.hpp"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "aligned_table.hpp"
 #include "io/sweep_file.hpp"
+#include "json_number.hpp"
 
 namespace fracfit {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
 
 Json estimate_json(const backlash::SceneEstimate& estimate) {
   return {{"name", estimate.name},

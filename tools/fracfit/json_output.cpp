@@ -3,18 +3,12 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <nlohmann/json.hpp>
 
 #include "io/number.hpp"
+#include "json_number.hpp"
 
 namespace fracfit {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
 
 // An entry of a scene, as a number where it is one.  Whole numbers stay exact: a seed may exceed 2^53.
 Json entry(const std::string& text) {

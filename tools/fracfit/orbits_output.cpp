@@ -1,20 +1,14 @@
 #include "orbits_output.hpp"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "io/number.hpp"
 #include "io/sweep_file.hpp"
+#include "json_number.hpp"
 
 namespace fracfit {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
 
 // Column of the quantity that changes along a branch, as in every other file.
 std::string parameter_column(backlash::OrbitParameter parameter) {

@@ -1,28 +1,22 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 #include "aligned_table.hpp"
 #include "common_options.hpp"
 #include "exit_code.hpp"
 #include "frac/state_space.hpp"
 #include "io/sweep_file.hpp"
+#include "json_number.hpp"
 #include "subcommand.hpp"
 
 namespace fracfit {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 struct RealiseArguments {
   CommonOptions common;
   std::string model, band, tolerance, method = "joint", form = "modal";
 };
-
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
 
 Json pair_of(std::complex<double> value) {
   return {number(value.real()), number(value.imag())};

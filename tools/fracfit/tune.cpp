@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <numbers>
 #include <stdexcept>
 
@@ -13,12 +12,12 @@
 #include "common_options.hpp"
 #include "exit_code.hpp"
 #include "io/sweep_file.hpp"
+#include "json_number.hpp"
 #include "subcommand.hpp"
 
 namespace fracfit {
 namespace {
 
-using Json = nlohmann::ordered_json;
 constexpr double degree = std::numbers::pi / 180;
 
 struct TuneArguments {
@@ -28,10 +27,6 @@ struct TuneArguments {
   std::string structure = "pid", criterion = "sensitivity", step = "setpoint";
   bool flat_phase = false;
 };
-
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
 
 frac::GainBound bound_option(const char* name, const std::string& text) {
   const auto [omega, gain] = range_option(name, text);
