@@ -34,6 +34,14 @@ std::string format_of(const ControllerArguments& given) {
   return chosen_format(given.common, "json");
 }
 
+frac::CHeaderOptions header_options(const ControllerArguments& given, const std::string& default_name) {
+  frac::CHeaderOptions header;
+  header.name = given.name.empty() ? default_name : given.name;
+  frac::check_c_name(header.name);
+  header.precision = frac::precision(given.precision);
+  return header;
+}
+
 double number_or(const std::string& name, const std::string& text, double otherwise) {
   return text.empty() ? otherwise : number_option(name, text);
 }
@@ -95,10 +103,7 @@ int run_pid(const ControllerArguments& given) {
   const frac::FractionalPidDesign design(config);
 
   const std::string format = format_of(given);
-  frac::CHeaderOptions header;
-  header.name = given.name.empty() ? "controller" : given.name;
-  frac::check_c_name(header.name);
-  header.precision = frac::precision(given.precision);
+  frac::CHeaderOptions header = header_options(given, "controller");
   CommandLine command("controller");
   for (const auto& [name, value] : {std::pair{"--kp", given.kp}, {"--ki", given.ki}, {"--kd", given.kd}})
     command.option(name, value.empty() ? "0" : value);
@@ -164,10 +169,7 @@ int run_filter(const ControllerArguments& given) {
   const FilterResult result = filter_for(model, given, number_option("--sample-time", given.sample_time));
 
   const std::string format = format_of(given);
-  frac::CHeaderOptions header;
-  header.name = given.name.empty() ? "filter" : given.name;
-  frac::check_c_name(header.name);
-  header.precision = frac::precision(given.precision);
+  frac::CHeaderOptions header = header_options(given, "filter");
   CommandLine command("controller");
   command.option("--model", given.model).option("--sample-time", given.sample_time);
   if (!given.band.empty()) command.option("--band", given.band).option("--discretisation", given.discretisation);

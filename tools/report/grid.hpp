@@ -17,4 +17,14 @@ namespace report {
   return grid;
 }
 
+/// count >= 2 points in equal steps, both ends hit exactly.
+[[nodiscard]] inline std::vector<double> linear_grid(double from, double to, std::size_t count) {
+  std::vector<double> grid(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    grid[i] = from + (to - from) * static_cast<double>(i) / static_cast<double>(count - 1);
+  }
+  grid.back() = to;
+  return grid;
+}
+
 }  // namespace report

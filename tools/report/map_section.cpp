@@ -7,6 +7,7 @@
 
 #include "backlash/jump_frequency.hpp"
 #include "backlash/regime_map.hpp"
+#include "report/grid.hpp"
 #include "report/html.hpp"
 #include "report/sections.hpp"
 
@@ -47,14 +48,6 @@ std::size_t kind_of(const DescribingFunctionPoint& point) {
   if (point.impacts_per_period != 2) return 2;
   // At restitution 0 the symmetric orbit of two impacts holds rests, so that no closed form applies to it.
   return point.even_harmonic_ratio > 1e-9 ? 1 : 0;
-}
-
-std::vector<double> linear_grid(double from, double to, std::size_t count) {
-  std::vector<double> grid(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    grid[i] = from + (to - from) * static_cast<double>(i) / static_cast<double>(count - 1);
-  }
-  return grid;
 }
 
 Curve boundary(JumpCriterion criterion, const std::string& label, Mark mark, double highest) {

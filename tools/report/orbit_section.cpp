@@ -251,9 +251,7 @@ Mean mean_over(const std::vector<double>& restitutions, JumpCriterion criterion)
 }
 
 void add_jump_constants(const Work& work, Section& section) {
-  std::vector<double> restitution;
-  constexpr std::size_t steps = 200;
-  for (std::size_t i = 0; i <= steps; ++i) restitution.push_back(static_cast<double>(i) / steps);
+  const std::vector<double> restitution = linear_grid(0, 1, 201);
   const std::vector<CriterionCurve> curves = criterion_curves(restitution, work.threads);
   const std::vector<double>& averaged = work.scene.jump_restitutions;
 
