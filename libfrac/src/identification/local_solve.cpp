@@ -6,6 +6,7 @@
 #include <ceres/solver.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <memory>
 
@@ -57,10 +58,13 @@ class ReducedCost final : public ceres::CostFunction {
   }
 
   bool Evaluate(const double* const* parameters, double* residual, double** jacobians) const override {
-    if (evaluation_.moves_to(parameters[0]) && evaluation_.finite()) {
-      triangular_form(evaluation_.jacobian(), evaluation_.residual(), triangle_);
+    if (evaluation_.moves_to(parameters[0])) {
+      finite_ = evaluation_.finite();
+      if (finite_) triangular_form(evaluation_.jacobian(), evaluation_.residual(), triangle_);
+      // Squares of finite entries may overflow.
+      finite_ = finite_ && std::all_of(triangle_.begin(), triangle_.end(), [](double x) { return std::isfinite(x); });
     }
-    if (!evaluation_.finite()) return false;
+    if (!finite_) return false;
     for (std::size_t row = 0; row < columns_; ++row) {
       const double* const from = triangle_.data() + row * columns_;
       residual[row] = from[columns_ - 1];
@@ -73,6 +77,7 @@ class ReducedCost final : public ceres::CostFunction {
   LastEvaluation& evaluation_;
   std::size_t columns_;
   mutable std::vector<double> triangle_;
+  mutable bool finite_ = false;
 };
 
 /// One point as a Ceres residual block over the whole theta.
