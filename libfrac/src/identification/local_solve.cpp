@@ -153,6 +153,8 @@ LocalSolution local_solve(const Residuals& residuals, const std::vector<double>&
   solver.gradient_tolerance = 1e-300;  // residuals are scaled, so only relative changes say when to stop
   solver.parameter_tolerance = 1e-14;
   solver.max_num_consecutive_invalid_steps = 20;
+  // A step that a bound cuts short is judged like any other; searching along it costs more than the next step.
+  solver.max_num_line_search_step_size_iterations = 0;
   solver.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
