@@ -146,10 +146,7 @@ Json constants_json(const backlash::JumpLaw& law) {
   return constants;
 }
 
-}  // namespace
-
-std::string sweep_json(const backlash::DescribingFunctionSweep& sweep, const std::string& command) {
-  Json json = origin(command);
+void append_sweep(Json& json, const backlash::DescribingFunctionSweep& sweep) {
   json["scene"] = object_of(io::scene_of(sweep));
   json["points"] = Json::array();
   for (const auto& point : sweep.points)
@@ -164,6 +161,20 @@ std::string sweep_json(const backlash::DescribingFunctionSweep& sweep, const std
                               {"even_harmonic_ratio", number(point.even_harmonic_ratio)},
                               {"energy_defect", number(point.energy_defect)},
                               {"lyapunov_exponent", number(point.lyapunov_exponent)}});
+}
+
+}  // namespace
+
+std::string sweep_json(const backlash::DescribingFunctionSweep& sweep, const std::string& command) {
+  Json json = origin(command);
+  append_sweep(json, sweep);
+  return text_of(json);
+}
+
+std::string sweeps_json(const std::vector<backlash::DescribingFunctionSweep>& sweeps, const std::string& command) {
+  Json json = origin(command);
+  json["sweeps"] = Json::array();
+  for (const auto& sweep : sweeps) append_sweep(json["sweeps"].emplace_back(Json::object()), sweep);
   return text_of(json);
 }
 
