@@ -66,7 +66,7 @@ constexpr double plain_misfit = 0.3;
 
 std::vector<double> residuals_at(const detail::Residuals& residuals, const std::vector<double>& theta) {
   std::vector<double> residual(residuals.count());
-  residuals.evaluate(theta, 0, residuals.points(), residual.data(), nullptr);
+  residuals.evaluate(theta, residual.data(), nullptr);
   return residual;
 }
 

@@ -314,7 +314,7 @@ FitResult fit(const TimeResponseData& data, const Structure& structure, const Ti
   result.covariance = found.covariance;
 
   std::vector<double> residual(data.size());
-  residuals.evaluate(solution.best.theta, 0, data.size(), residual.data(), nullptr);
+  residuals.evaluate(solution.best.theta, residual.data(), nullptr);
   for (double& each : residual) each *= unit;
   const std::size_t rank = found.rank + residuals.eliminated();
   const detail::Information information = detail::information(residual, rank, unit);
