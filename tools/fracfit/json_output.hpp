@@ -21,6 +21,6 @@ namespace fracfit {
 [[nodiscard]] std::string identification_json(const FitRun& run, const frac::IdentificationResult& result,
                                               const std::vector<double>& prediction_rms);
 [[nodiscard]] std::string jump_law_json(const JumpLawRun& run, const backlash::JumpLaw& law);
-[[nodiscard]] std::string jump_constants_json(const JumpLawRun& run, const backlash::JumpLaw& law);
+[[nodiscard]] std::string jump_constants_json(const std::string& command, const backlash::JumpGrid& grid);
 
 }  // namespace fracfit
