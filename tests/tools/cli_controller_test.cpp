@@ -33,11 +33,16 @@ Complex sections_response(const Json& part, const Json& sections, Complex delta)
   for (const Json& section : sections)
     value += section["weight"].get<double>() * (part["output"] == "state" ? 1.0 : delta) /
              (delta + section["rate"].get<double>());
-  return value;
+  Complex taps = 0, past = 1;
+  for (const Json& tap : part["taps"]) {
+    taps += tap.get<double>() * past;
+    past /= 1.0 + delta;
+  }
+  return taps * value;
 }
 
 TEST(Controller, SectionsOfTheJsonMakeTheController) {
-  const Json json = json_of(with(pid, {"--tolerance", "1e-4"}));
+  const Json json = json_of(with(pid, {"--tolerance", "1e-4", "--swing", "1"}));
   EXPECT_EQ(json["kind"], "fractional-pid");
   EXPECT_EQ(json["note"].get<std::string>().find("above the tolerance"), std::string::npos) << json["note"];
   EXPECT_LE(json["integral"]["max_relative_error"].get<double>(), 1e-4);
