@@ -12,6 +12,7 @@ namespace {
 using Complex = std::complex<double>;
 constexpr std::size_t block = FilterBank::block;
 constexpr std::size_t lane = filter_lane;
+constexpr std::size_t half = lane / 2;  // from a real part to its imaginary part
 constexpr std::size_t most_powers = FilterBank::most_integrations + 2;
 
 constexpr std::array<double, most_powers> inverse_factorials() {
@@ -30,8 +31,8 @@ double flushed(double x) {
   return std::abs(x) < 1e-280 ? 0 : x;
 }
 
-std::size_t filled_up(std::size_t count) {
-  return (count + lane - 1) / lane * lane;
+std::size_t filled_up(std::size_t count, std::size_t to) {
+  return (count + to - 1) / to * to;
 }
 
 // What a unit of each power of the input has done some intervals after the one in which it is the input.
@@ -82,14 +83,15 @@ FilterBank::FilterBank(const FilterDesign& design)
   const auto is_real = [](const Exponential& term) { return term.rate.imag() == 0; };
   real_count_ = static_cast<std::size_t>(std::count_if(terms.begin(), terms.end(), is_real));
   complex_count_ = terms.size() - real_count_;
-  real_size_ = filled_up(real_count_);
-  complex_size_ = 2 * filled_up(complex_count_);
-  size_ = real_size_ + complex_size_;
+  real_size_ = filled_up(real_count_, lane);
+  size_ = real_size_ + 2 * filled_up(complex_count_, half);
   const std::size_t extra = 1 + integrations_;
   state_.assign(size_, 0);
   before_.assign(together * size_, 0);
   change_.assign(size_, 0);
   block_change_.assign(size_, 0);
+  cross_.assign(size_, 0);
+  block_cross_.assign(size_, 0);
   output_.assign(size_, 0);
   drive_.assign((integrations_ + 2) * size_, 0);
   block_output_.assign(size_ * block, 0);
@@ -104,7 +106,7 @@ FilterBank::FilterBank(const FilterDesign& design)
   std::vector<Complex> phis(integrations_ + 2);
   for (const Exponential& term : terms) {
     const bool real = is_real(term);
-    const std::size_t s = real ? next_real++ : real_size_ + next_complex / lane * 2 * lane + next_complex % lane;
+    const std::size_t s = real ? next_real++ : real_size_ + next_complex / half * lane + next_complex % half;
     if (!real) ++next_complex;
     const auto put_at = [&](double& re, double* im, Complex value) {
       re = flushed(value.real());
@@ -112,19 +114,26 @@ FilterBank::FilterBank(const FilterDesign& design)
     };
     const auto put = [&](AlignedVector<double>& list, std::size_t row, Complex value) {
       double& re = list[row * size_ + s];
-      put_at(re, &re + lane, value);
+      put_at(re, &re + half, value);
     };
     const auto put_in_column = [&](AlignedVector<double>& matrix, std::size_t rows, std::size_t row, Complex value) {
       double& re = matrix[(s / lane * rows + row) * lane + s % lane];
-      put_at(re, &re + rows * lane, value);
+      put_at(re, &re + half, value);
     };
     const auto put_in_row = [&](AlignedVector<double>& matrix, std::size_t column, Complex value) {
       double& re = matrix[(column / lane * size_ + s) * lane + column % lane];
-      put_at(re, &re + lane * lane, value);
+      put_at(re, &re + half * lane, value);
     };
     const Complex z = term.rate * design.sample_time;
-    put(change_, 0, expm1(z));
-    put(block_change_, 0, expm1(z * static_cast<double>(block)));
+    const auto put_change = [&](AlignedVector<double>& change, AlignedVector<double>& cross, Complex value) {
+      change[s] = value.real();
+      if (real) return;
+      change[s + half] = value.real();
+      cross[s] = -value.imag();
+      cross[s + half] = value.imag();
+    };
+    put_change(change_, cross_, expm1(z));
+    put_change(block_change_, block_cross_, expm1(z * static_cast<double>(block)));
     phi(z, phis);
     const Complex factor = std::exp(z);
     const Complex output = std::conj(term.weight * std::exp(design.theta * z));
@@ -184,7 +193,7 @@ FilterBank::FilterBank(const FilterDesign& design)
 }
 
 bool FilterBank::is_real_part(std::size_t s) const noexcept {
-  return s < real_size_ || (s - real_size_) / lane % 2 == 0;
+  return s < real_size_ || s % lane < half;
 }
 
 void FilterBank::reset() noexcept {
@@ -193,7 +202,7 @@ void FilterBank::reset() noexcept {
   lost_.fill(0);
   latest_ = 0;
   steady_ = 0;
-  first_real_ = first_complex_ = 0;
+  first_ = 0;
 }
 
 void FilterBank::add_to_integral(std::size_t q, double gain) noexcept {
@@ -214,12 +223,12 @@ double FilterBank::step(double next) noexcept {
   double y = 0;
   for (std::size_t s = 0; s < size_; ++s) y += output_[s] * state_[s];
   for (std::size_t s = 0; s < real_size_; ++s) state_[s] = flushed(state_[s] + change_[s] * state_[s]);
-  for (std::size_t group = real_size_; group < size_; group += 2 * lane) {
-    for (std::size_t s = group; s < group + lane; ++s) {
+  for (std::size_t group = real_size_; group < size_; group += lane) {
+    for (std::size_t s = group; s < group + half; ++s) {
       const double re = state_[s];
-      const double im = state_[s + lane];
-      state_[s] = flushed(re + (change_[s] * re - change_[s + lane] * im));
-      state_[s + lane] = flushed(im + (change_[s + lane] * re + change_[s] * im));
+      const double im = state_[s + half];
+      state_[s] = flushed(re + (change_[s] * re + cross_[s] * im));
+      state_[s + half] = flushed(im + (change_[s + half] * im + cross_[s + half] * re));
     }
   }
   const std::size_t last = m + (is_straight_ ? 1 : 0);
@@ -250,12 +259,11 @@ void FilterBank::integrate_block(const double* next, double* extra) noexcept {
 }
 
 FilterArrays FilterBank::arrays() noexcept {
-  return {.first_real = first_real_ / lane * lane,
-          .real_size = real_size_,
-          .first_complex = first_complex_ / lane * 2 * lane,
-          .complex_size = complex_size_,
+  return {.first = first_ / lane * lane,
+          .size = size_,
           .extra = 1 + integrations_,
           .change = block_change_.data(),
+          .cross = block_cross_.data(),
           .state_output = block_output_.data(),
           .drive = block_drive_.data(),
           .kernel = kernel_.data(),
@@ -266,7 +274,10 @@ FilterArrays FilterBank::arrays() noexcept {
 }
 
 bool FilterBank::settles(const double* next, double before) const noexcept {
-  return integrations_ == 0 && std::all_of(next, next + block, [before](double each) { return each == before; });
+  if (integrations_ > 0 || next[0] != before) return false;
+  std::ptrdiff_t others = 0;
+  for (std::size_t i = 0; i < block; ++i) others += next[i] != before ? 1 : 0;
+  return others == 0;
 }
 
 void FilterBank::run(const double* next, std::size_t blocks, double* output) noexcept {
@@ -301,7 +312,7 @@ void FilterBank::leave_constant() noexcept {
     }
   }
   steady_ = 0;
-  first_real_ = first_complex_ = 0;
+  first_ = 0;
 }
 
 void FilterBank::run_constant(std::size_t blocks, double* output) noexcept {
@@ -314,18 +325,10 @@ void FilterBank::run_constant(std::size_t blocks, double* output) noexcept {
   }
   run_filter(arrays(), nullptr, latest_ * steady_gain_, blocks, output);
   // 1e-22 of the largest output weight is nothing to any sum of a few hundred.
-  const auto has_decayed = [&](double state, double weight) {
-    return std::abs(state * weight) < 1e-22 * std::abs(latest_) * largest_;
+  const auto has_decayed = [&](std::size_t s) {
+    return std::abs(state_[s] * output_[s]) < 1e-22 * std::abs(latest_) * largest_;
   };
-  while (first_real_ < real_count_ && has_decayed(state_[first_real_], output_[first_real_])) {
-    state_[first_real_++] = 0;
-  }
-  while (first_complex_ < complex_count_) {
-    const std::size_t s = real_size_ + first_complex_ / lane * 2 * lane + first_complex_ % lane;
-    if (!has_decayed(std::hypot(state_[s], state_[s + lane]), std::hypot(output_[s], output_[s + lane]))) break;
-    state_[s] = state_[s + lane] = 0;
-    ++first_complex_;
-  }
+  for (; first_ < real_count_ && has_decayed(first_); ++first_) state_[first_] = 0;
 }
 
 }  // namespace frac::detail

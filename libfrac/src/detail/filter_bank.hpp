@@ -50,13 +50,14 @@ class FilterBank {
   [[nodiscard]] bool settles(const double* next, double before) const noexcept;
   [[nodiscard]] FilterArrays arrays() noexcept;
 
-  std::size_t integrations_, real_count_, complex_count_, real_size_, complex_size_, size_;
+  std::size_t integrations_, real_count_, complex_count_, real_size_, size_;
   bool is_straight_;
   AlignedVector<double> state_, before_;
   // e^{rate T} - 1 and e^{rate block T} - 1: next to 1 the factors themselves would round the rates away.
   AlignedVector<double> change_, block_change_;
-  AlignedVector<double> output_;  // by state
-  AlignedVector<double> drive_;   // by power and state
+  AlignedVector<double> cross_, block_cross_;  // what the other part of a complex state adds
+  AlignedVector<double> output_;               // by state
+  AlignedVector<double> drive_;                // by power and state
   std::vector<double> now_;
   AlignedVector<double> block_output_;  // by state and sample of the block
   AlignedVector<double> block_drive_;   // by sample and state
@@ -68,13 +69,12 @@ class FilterBank {
   std::array<double, most_integrations> integral_{};  // of the input: the (m - i)-fold one over T^(m-i)
   std::array<double, most_integrations> lost_{};      // of them, to rounding
   double latest_ = 0;
-  // In a run of one constant value u a state is its end value -u plus what still decays.  States come by falling decay,
-  // and those before first_real_ and first_complex_ have decayed.
+  // In a run of one constant value u a state is its end value -u plus what still decays.  Real states come by falling
+  // decay, and those before first_ have decayed.
   double steady_ = 0;
   double steady_gain_ = 0;
   double largest_ = 0;  // output weight
-  std::size_t first_real_ = 0;
-  std::size_t first_complex_ = 0;
+  std::size_t first_ = 0;
 };
 
 }  // namespace frac::detail

@@ -10,18 +10,19 @@ inline constexpr std::size_t filter_together = 8;  // blocks, at most
 
 /// A filter for whole blocks of samples, all of it linear: the output of a block from the states before it, from the
 /// samples of the input and from a few further numbers; the states after it from the same.
-/// States come in lanes of eight: the real ones, then for each eight complex ones their real and their imaginary parts.
-/// A matrix has its columns in lanes of eight, one lane after the other and in it one row after the other.
+/// States come in lanes of eight, either of real ones or of four real parts and four imaginary parts, so that the
+/// partner of state s is s ^ 4.  A matrix has its columns in lanes of eight, one lane after the other and in it one row
+/// after the other.
 struct FilterArrays {
-  std::size_t first_real, real_size;        // what lies before first_real or first_complex rests at 0;
-  std::size_t first_complex, complex_size;  // multiples of the lane, of two lanes for complex ones
-  std::size_t extra;                        // further numbers
-  const double* change;                     // by state: what multiplies it from block to block, less 1
-  const double* state_output;               // matrix by state and sample of the output
-  const double* drive;                      // matrix by sample of the input and state
-  const double* kernel;                     // response to one sample of the input, after a block of zeros
-  const double* extra_output;               // matrix by further number and sample of the output
-  const double* extra_drive;                // matrix by further number and state
+  std::size_t first, size;     // what lies before first rests at 0; multiples of the lane
+  std::size_t extra;           // further numbers
+  const double* change;        // by state: what multiplies it from block to block, less 1
+  const double* cross;         // by state: what multiplies its partner
+  const double* state_output;  // matrix by state and sample of the output
+  const double* drive;         // matrix by sample of the input and state
+  const double* kernel;        // response to one sample of the input, after a block of zeros
+  const double* extra_output;  // matrix by further number and sample of the output
+  const double* extra_drive;   // matrix by further number and state
   double* state;
   double* before;  // room for the states before each block
 };

@@ -16,19 +16,40 @@ namespace {
 constexpr double nothing = 1e-280;
 
 template <std::size_t bytes>
+struct Register {
+  // At any address.
+  typedef double Numbers __attribute__((vector_size(bytes), aligned(sizeof(double)), may_alias));
+  typedef long long Indices __attribute__((vector_size(bytes)));
+};
+
+template <std::size_t bytes>
 struct Loops {
   static constexpr std::size_t width = bytes / sizeof(double);
-  // At any address.
-  typedef double Vector __attribute__((vector_size(bytes), aligned(sizeof(double)), may_alias));
+  using Vector = typename Register<bytes>::Numbers;
+  using Indices = typename Register<bytes>::Indices;
 
   static const Vector& at(const double* place) { return *reinterpret_cast<const Vector*>(place); }
   static Vector& at(double* place) { return *reinterpret_cast<Vector*>(place); }
   static Vector flushed(Vector x) { return x < nothing && x > -nothing ? Vector{} : x; }
 
-  // From one register of a tile to the next in a matrix of so many rows, its columns in lanes.
-  static constexpr std::size_t apart(std::size_t rows) { return width < filter_lane ? width : rows * filter_lane; }
   static std::size_t column(std::size_t at, std::size_t rows) {
     return at / filter_lane * rows * filter_lane + at % filter_lane;
+  }
+  // A tile holds two registers: two lanes, or the same place in both halves of one.
+  static constexpr std::size_t half = filter_lane / 2;
+  static constexpr std::size_t tile_columns = 2 * width;
+  static constexpr std::size_t gap(std::size_t rows) { return width < filter_lane ? half : rows * filter_lane; }
+  // Calls with the first column of each tile, and with those of a last half tile.
+  template <typename Whole, typename Rest>
+  static void for_tiles(std::size_t from, std::size_t to, const Whole& whole, const Rest& rest) {
+    if constexpr (width < filter_lane) {
+      for (std::size_t lane = from; lane < to; lane += filter_lane) {
+        for (std::size_t part = 0; part < half; part += width) whole(lane + part);
+      }
+    } else {
+      for (; from + tile_columns <= to; from += tile_columns) whole(from);
+      if (from < to) rest(from);
+    }
   }
 
   // Sums for a few blocks at once, `registers` vectors each: they stay in registers, and a row is read once for all
@@ -42,12 +63,12 @@ struct Loops {
         for (std::size_t r = 0; r < registers; ++r) sum[b][r] = Vector{} + value;
       }
     }
-    // sum[b] += sum_k factor[b * stride + k] row(k), the vectors of a row `gap` doubles apart.
+    // sum[b] += sum_k factor[b * stride + k] row(k), the vectors of a row `apart` doubles apart.
     __attribute__((always_inline)) void add(const double* factor, std::size_t stride, std::size_t count,
-                                            const double* row, std::ptrdiff_t row_stride, std::size_t gap) {
+                                            const double* row, std::ptrdiff_t row_stride, std::size_t apart) {
       for (std::size_t k = 0; k < count; ++k, row += row_stride) {
         Vector part[registers];
-        for (std::size_t r = 0; r < registers; ++r) part[r] = at(row + r * gap);
+        for (std::size_t r = 0; r < registers; ++r) part[r] = at(row + r * apart);
         for (std::size_t b = 0; b < blocks; ++b) {
           for (std::size_t r = 0; r < registers; ++r) sum[b][r] += factor[b * stride + k] * part[r];
         }
@@ -55,93 +76,76 @@ struct Loops {
     }
   };
 
-  // What the input adds to the states from `from` on, the second register `states_apart` after the first.
-  template <std::size_t blocks, std::size_t registers>
-  static Tile<blocks, registers> driven(const FilterArrays& a, const FilterInput* input, std::size_t from,
-                                        std::size_t states_apart) {
-    Tile<blocks, registers> tile;
-    tile.clear(0);
-    if (input != nullptr) {
-      const auto gap = [&](std::size_t rows) { return column(from + states_apart, rows) - column(from, rows); };
-      tile.add(input->samples, filter_block, filter_block, a.drive + column(from, filter_block), filter_lane,
-               gap(filter_block));
-      tile.add(input->extra, a.extra, a.extra, a.extra_drive + column(from, a.extra), filter_lane, gap(a.extra));
+  // Next to 1 the factor itself would round the rate away.
+  static Vector moved(Vector state, Vector change, Vector partner, Vector cross, Vector driven) {
+    return (state + driven) + change * state + cross * partner;
+  }
+  static Vector swapped(Vector state) {
+    if constexpr (width == filter_lane) {
+      constexpr Indices other_half = {4, 5, 6, 7, 0, 1, 2, 3};
+      return __builtin_shuffle(state, other_half);
+    } else {
+      return state;
     }
-    return tile;
   }
 
   // The states before each block and after the last.
   template <std::size_t blocks>
-  static void advance(const FilterArrays& a, const FilterInput* input, std::size_t size, double* before) {
-    const auto real = [&]<std::size_t registers>(std::size_t from) {
-      const auto tile = driven<blocks, registers>(a, input, from, width);
-      for (std::size_t r = 0; r < registers; ++r) {
-        const std::size_t s = from + r * width;
-        const Vector change = at(a.change + s);
-        Vector state = at(a.state + s);
-        for (std::size_t b = 0; b < blocks; ++b) {
-          at(before + b * size + s) = state;
-          // Next to 1 the factor itself would round the rate away.
-          state += change * state + tile.sum[b][r];
-        }
-        at(a.state + s) = flushed(state);
+  static void advance(const FilterArrays& a, const FilterInput* input, double* before) {
+    const auto tile_at = [&]<std::size_t registers>(std::size_t s) {
+      Tile<blocks, registers> tile;
+      tile.clear(0);
+      if (input != nullptr) {
+        tile.add(input->samples, filter_block, filter_block, a.drive + column(s, filter_block), filter_lane,
+                 gap(filter_block));
+        tile.add(input->extra, a.extra, a.extra, a.extra_drive + column(s, a.extra), filter_lane, gap(a.extra));
       }
+      constexpr std::size_t apart = width < filter_lane ? half : filter_lane;
+      Vector state[registers];
+      for (std::size_t r = 0; r < registers; ++r) state[r] = at(a.state + s + r * apart);
+      for (std::size_t b = 0; b < blocks; ++b) {
+        Vector partner[registers];
+        for (std::size_t r = 0; r < registers; ++r) {
+          at(before + b * a.size + s + r * apart) = state[r];
+          partner[r] = width < filter_lane ? state[registers - 1 - r] : swapped(state[r]);
+        }
+        for (std::size_t r = 0; r < registers; ++r) {
+          state[r] =
+              moved(state[r], at(a.change + s + r * apart), partner[r], at(a.cross + s + r * apart), tile.sum[b][r]);
+        }
+      }
+      for (std::size_t r = 0; r < registers; ++r) at(a.state + s + r * apart) = flushed(state[r]);
     };
-    std::size_t s = a.first_real;
-    for (; s + 2 * width <= a.real_size; s += 2 * width) real.template operator()<2>(s);
-    for (; s < a.real_size; s += width) real.template operator()<1>(s);
-    for (std::size_t group = a.first_complex; group < a.complex_size; group += 2 * filter_lane) {
-      for (std::size_t part = 0; part < filter_lane; part += width) {
-        const std::size_t re_at = a.real_size + group + part;
-        const std::size_t im_at = re_at + filter_lane;
-        const auto tile = driven<blocks, 2>(a, input, re_at, filter_lane);
-        const Vector change_re = at(a.change + re_at);
-        const Vector change_im = at(a.change + im_at);
-        Vector re = at(a.state + re_at);
-        Vector im = at(a.state + im_at);
-        for (std::size_t b = 0; b < blocks; ++b) {
-          at(before + b * size + re_at) = re;
-          at(before + b * size + im_at) = im;
-          const Vector gain_re = (change_re * re - change_im * im) + tile.sum[b][0];
-          const Vector gain_im = (change_im * re + change_re * im) + tile.sum[b][1];
-          re += gain_re;
-          im += gain_im;
-        }
-        at(a.state + re_at) = flushed(re);
-        at(a.state + im_at) = flushed(im);
-      }
-    }
+    for_tiles(
+        a.first, a.size, [&](std::size_t s) { tile_at.template operator()<2>(s); },
+        [&](std::size_t s) { tile_at.template operator()<1>(s); });
   }
 
   template <std::size_t blocks>
-  static void put_out(const FilterArrays& a, const FilterInput* input, double offset, std::size_t size,
-                      const double* before, double* output) {
-    constexpr std::size_t wide = 2 * width;
-    for (std::size_t i = 0; i < filter_block; i += wide) {
+  static void put_out(const FilterArrays& a, const FilterInput* input, double offset, const double* before,
+                      double* output) {
+    const auto tile_at = [&](std::size_t i) {
       Tile<blocks, 2> tile;
       tile.clear(offset);
-      const auto add_states = [&](std::size_t from, std::size_t to) {
-        tile.add(before + from, size, to - from, a.state_output + column(i, size) + from * filter_lane, filter_lane,
-                 apart(size));
-      };
-      add_states(a.first_real, a.real_size);
-      add_states(a.real_size + a.first_complex, size);
+      tile.add(before + a.first, a.size, a.size - a.first, a.state_output + column(i, a.size) + a.first * filter_lane,
+               filter_lane, gap(a.size));
+      constexpr std::size_t apart = width < filter_lane ? half : filter_lane;
       if (input != nullptr) {
         // Row l is the response moved right by l: it does not reach the first samples after as many rows.
-        tile.add(input->samples, filter_block, i + wide, a.kernel + filter_block + i, -1, width);
-        tile.add(input->extra, a.extra, a.extra, a.extra_output + column(i, a.extra), filter_lane, apart(a.extra));
+        tile.add(input->samples, filter_block, i + apart + width, a.kernel + filter_block + i, -1, apart);
+        tile.add(input->extra, a.extra, a.extra, a.extra_output + column(i, a.extra), filter_lane, gap(a.extra));
       }
       for (std::size_t b = 0; b < blocks; ++b) {
-        for (std::size_t r = 0; r < 2; ++r) at(output + b * filter_block + i + r * width) = tile.sum[b][r];
+        for (std::size_t r = 0; r < 2; ++r) at(output + b * filter_block + i + r * apart) = tile.sum[b][r];
       }
-    }
+    };
+    for_tiles(0, filter_block, tile_at, tile_at);
   }
 
   template <std::size_t blocks>
   static void step(const FilterArrays& a, const FilterInput* input, double offset, double* output) {
-    const std::size_t size = a.real_size + a.complex_size;
-    advance<blocks>(a, input, size, a.before);
-    put_out<blocks>(a, input, offset, size, a.before, output);
+    advance<blocks>(a, input, a.before);
+    put_out<blocks>(a, input, offset, a.before, output);
   }
 
   static void run(const FilterArrays& a, const FilterInput* input, double offset, std::size_t blocks, double* output) {
