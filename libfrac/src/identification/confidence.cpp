@@ -18,9 +18,13 @@ constexpr double flat_share = 0.1;
 // A column this much smaller than the largest is rounding: the residuals do not see the parameter.
 constexpr double unseen_column = 1e-10;
 
-/// Variance of one unit-weight residual.  For a robust loss Huber's (1981, sect. 7.6) estimate sum psi^2/(n - k) /
-/// mean(psi')^2.
-double residual_variance(const std::vector<double>& residual, double degrees_of_freedom, const LocalOptions& options) {
+/// Variance of one unit-weight residual, and half the curvature of the objective by it.
+struct Spread {
+  double variance, slope;
+};
+
+/// For a robust loss Huber's (1981, sect. 7.6) estimate sum psi^2/(n - k) / mean(psi')^2.
+Spread residual_spread(const std::vector<double>& residual, double degrees_of_freedom, const LocalOptions& options) {
   double sum = 0, slope = 0;
   for (const double r : residual) {
     const double x = r / options.loss_scale;
@@ -44,7 +48,7 @@ double residual_variance(const std::vector<double>& residual, double degrees_of_
     }
   }
   slope /= static_cast<double>(residual.size());
-  return sum / degrees_of_freedom / (slope * slope);
+  return {sum / degrees_of_freedom / (slope * slope), slope};
 }
 
 /// A square matrix with the singular values and the right singular vectors of the Jacobian at theta; none where the
@@ -80,6 +84,7 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
                     std::vector<bool>(parameters, true),
                     0,
                     1,
+                    nan,
                     nan};
   for (std::size_t i = 0; i < parameters; ++i) {
     if (!residuals.map().is_fixed(i)) continue;
@@ -130,8 +135,10 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
   const double degrees_of_freedom =
       static_cast<double>(residual.size()) - static_cast<double>(result.rank + residuals.eliminated());
   result.t = student_t_95(degrees_of_freedom);
-  const double deviation =
-      degrees_of_freedom > 0 ? std::sqrt(residual_variance(residual, degrees_of_freedom, options)) : nan;
+  const Spread noise =
+      degrees_of_freedom > 0 ? residual_spread(residual, degrees_of_freedom, options) : Spread{nan, nan};
+  const double deviation = std::sqrt(noise.variance);
+  result.rise = noise.slope * noise.variance;
 
   const std::vector<double> values = residuals.map().to_user(solution.theta);
   const Eigen::MatrixXd to_user = residuals.map().jacobian(values);

@@ -9,37 +9,19 @@
 #include <stdexcept>
 
 #include "confidence.hpp"
+#include "curvature_fit.hpp"
+#include "fit_problem.hpp"
 #include "global_search.hpp"
 #include "information.hpp"
 #include "interchange.hpp"
-#include "local_solve.hpp"
-#include "parameter_map.hpp"
-#include "residuals.hpp"
+#include "profile.hpp"
+#include "robust_loss.hpp"
 
 namespace frac {
 
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-detail::DataScale data_scale(const FrequencyResponseData& data) {
-  double sum = 0, lower = std::numeric_limits<double>::infinity(), upper = 0;
-  std::size_t nonzero = 0;
-  for (const std::complex<double> value : data.value()) {
-    const double magnitude = std::abs(value);
-    if (!(magnitude > 0)) continue;
-    sum += std::log(magnitude);
-    lower = std::min(lower, magnitude);
-    upper = std::max(upper, magnitude);
-    ++nonzero;
-  }
-  // Half a decade beyond the data on either side, so that constant data leave room too.
-  constexpr double margin = 3;
-  const double first = data.omega().front(), last = data.omega().back();
-  if (nonzero == 0) return {1, 1 / margin, margin, std::sqrt(first) * std::sqrt(last), first / margin, last * margin};
-  return {std::exp(sum / static_cast<double>(nonzero)), lower / margin, upper * margin,
-          std::sqrt(first) * std::sqrt(last),           first / margin, last * margin};
-}
 
 void check_coverage(const FrequencyResponseData& data, const Realisation& realisation) {
   validate(realisation);
@@ -70,47 +52,18 @@ std::vector<double> residuals_at(const detail::Residuals& residuals, const std::
   return residual;
 }
 
-/// 1.4826 times the median absolute residual: the standard deviation of the well-behaved part (normal residuals).
-double robust_spread(std::vector<double> residual) {
-  for (double& value : residual) value = std::abs(value);
-  const auto middle = residual.begin() + static_cast<std::ptrdiff_t>(residual.size() / 2);
-  std::nth_element(residual.begin(), middle, residual.end());
-  return 1.4826 * *middle;
-}
-
 /// Residuals below this, in units of the data, are rounding.
 constexpr double rounding = 1e-13;
 
 /// Points with a residual beyond five robust standard deviations: one in two million of normal residuals.
 std::vector<std::size_t> outliers(const std::vector<double>& residual, std::size_t per_point) {
   std::vector<std::size_t> points;
-  const double limit = std::max(5 * robust_spread(residual), rounding);
+  const double limit = std::max(5 * detail::robust_spread(residual), rounding);
   for (std::size_t i = 0; i < residual.size(); ++i) {
     const std::size_t point = i / per_point;
     if (std::abs(residual[i]) > limit && (points.empty() || points.back() != point)) points.push_back(point);
   }
   return points;
-}
-
-/// Loss scales that keep 95 % efficiency on normal residuals (Huber 1981; Holland, Welsch 1977).
-double tuning_constant(Loss loss) {
-  return loss == Loss::huber ? 1.345 : 2.385;
-}
-
-/// Refines a least-squares solution under a robust loss whose scale follows the residuals until it settles.
-detail::LocalOptions robust_refinement(const detail::Residuals& residuals, Loss loss, detail::LocalSolution& solution) {
-  detail::LocalOptions options;
-  options.loss = loss;
-  double spread = robust_spread(residuals_at(residuals, solution.theta));
-  for (int pass = 0; pass < 30 && spread > 0; ++pass) {
-    options.loss_scale = tuning_constant(loss) * spread;
-    solution = local_solve(residuals, solution.theta, options);
-    const double next = robust_spread(residuals_at(residuals, solution.theta));
-    const bool settled = std::abs(next - spread) <= 1e-3 * spread;
-    spread = next;
-    if (settled) break;
-  }
-  return options;
 }
 
 [[noreturn]] void refuse_count(std::size_t residuals, std::size_t parameters) {
@@ -279,14 +232,19 @@ Component other_component(Component component) {
   return component == Component::imaginary ? Component::real : Component::imaginary;
 }
 
-/// fit() with or without a look at the other component for what this one is blind to.
+/// Parts of fit() that some of its callers go without.
+struct Extent {
+  bool recover;   // looks at the other component for what the fitted one is blind to
+  bool profiles;  // follows the cost where intervals are wide
+};
 FitResult fit_component(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
-                        bool recover);
+                        Extent extent);
 
 /// What the fitted component is blind to (a real constant in an imaginary part) is estimated from the other one, the
 /// rest held.
 void recover_unseen(FitResult& result, const detail::Confidence& found, const detail::Residuals& residuals, double cost,
-                    const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
+                    const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
+                    bool profiles) {
   if (options.component != Component::imaginary && options.component != Component::real) return;
   const bool all_seen = std::find(found.seen.begin(), found.seen.end(), false) == found.seen.end();
   const bool none_seen = std::find(found.seen.begin(), found.seen.end(), true) == found.seen.end();
@@ -304,7 +262,7 @@ void recover_unseen(FitResult& result, const detail::Confidence& found, const de
       if (constraint.name == name) rest.constraints.push_back(constraint);
     }
   }
-  const FitResult recovered = fit_component(data, structure, rest, false);
+  const FitResult recovered = fit_component(data, structure, rest, {false, profiles});
   std::vector<double> values;
   for (const ParameterEstimate& estimate : recovered.parameters) values.push_back(estimate.value);
   // The fitted component must not notice: blindness at the minimum alone is not enough.
@@ -316,18 +274,42 @@ void recover_unseen(FitResult& result, const detail::Confidence& found, const de
   }
 }
 
+/// An interval up to this share of the value on either side is left as the curvature gives it: where parameters act
+/// through their logarithms, the next term moves an end by half that share of the half width, and coverage by some
+/// tenths of a per cent.
+constexpr double narrow = 0.1;
+
+/// Wide intervals follow the cost instead of its curvature at the minimum.
+void follow_cost(FitResult& result, const detail::FitProblem& problem, const detail::LocalSolution& solution,
+                 const detail::Confidence& found) {
+  if (problem.options.loss != Loss::none || found.condition > detail::flat_condition || !(found.rise > 0)) return;
+  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+    ParameterEstimate& estimate = result.parameters[i];
+    const double half_width = found.t * estimate.standard_error;
+    if (estimate.fixed || !std::isfinite(half_width) || half_width <= narrow * std::abs(estimate.value)) continue;
+    // An end to half a per cent of the half width, or none within 15 steps.
+    const detail::ProfileEnds ends = profile_ends(problem, solution, {}, found, i, 5e-3, 15);
+    if (ends.below_minimum) continue;
+    estimate.ci95_lower = std::max(ends.lower, ends.lower_limit);
+    estimate.ci95_upper = std::min(ends.upper, ends.upper_limit);
+    estimate.interval = IntervalKind::profile;
+    const double widest = std::max(estimate.value - ends.lower, ends.upper - estimate.value);
+    estimate.identified = found.identified[i] && widest <= 0.5 * std::abs(estimate.value);
+  }
+}
+
 FitResult fit_component(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
-                        bool recover) {
+                        Extent extent) {
   const auto begin = std::chrono::steady_clock::now();
   check_coverage(data, options.realisation);
   const std::size_t most_residuals = 2 * data.size();
   const std::size_t least_free =
       structure.parameter_names().size() - std::min(structure.parameter_names().size(), options.constraints.size());
   if (least_free > most_residuals) refuse_count(most_residuals, least_free);
-  const detail::ParameterMap map(structure, options.constraints, data_scale(data),
-                                 options.component == Component::magnitude);
-  const detail::ResidualRule rule = detail::residual_rule(data, options.component, options.weight);
-  const detail::FrequencyResiduals residuals(data, structure, options.realisation, map, rule);
+  const detail::FitProblem problem(data, structure, options);
+  const detail::ParameterMap& map = problem.map;
+  const detail::ResidualRule& rule = problem.rule;
+  const detail::FrequencyResiduals& residuals = problem.residuals;
   if (residuals.count() < map.free().size()) {
     refuse_count(residuals.count(), map.free().size());
   }
@@ -385,6 +367,7 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   for (std::size_t k = 0; k < map.free().size(); ++k) {
     result.parameters[map.free()[k].parameter].centre_value = map.centre_value(k, values);
   }
+  if (extent.profiles) follow_cost(result, problem, solution.best, found);
   result.covariance = found.covariance;
   refuse_inseparable_parts(result, structure);
   result.centre_omega = map.scale().omega;
@@ -397,7 +380,9 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
     result.message += text;
   }
   result.message += remarks_on_limits(result, structure, options, residuals.count() > map.free().size());
-  if (recover) recover_unseen(result, found, residuals, solution.best.cost, data, structure, options);
+  if (extent.recover) {
+    recover_unseen(result, found, residuals, solution.best.cost, data, structure, options, extent.profiles);
+  }
   refuse_whole_orders(result, structure, options.realisation);
 
   std::vector<double> residual = residuals_at(residuals, solution.best.theta);
@@ -427,7 +412,12 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
 }  // namespace
 
 FitResult fit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
-  return fit_component(data, structure, options, true);
+  return fit_component(data, structure, options, {true, true});
+}
+
+FitResult detail::curvature_fit(const FrequencyResponseData& data, const Structure& structure,
+                                const FitOptions& options) {
+  return fit_component(data, structure, options, {true, false});
 }
 
 std::vector<std::complex<double>> fitted_response(const FitResult& result, const Realisation& realisation,

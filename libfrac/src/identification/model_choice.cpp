@@ -9,6 +9,7 @@
 #include <string>
 
 #include "autocorrelation.hpp"
+#include "curvature_fit.hpp"
 #include "residual_rule.hpp"
 
 namespace frac {
@@ -70,7 +71,7 @@ double cross_validation(const FrequencyResponseData& data, const Structure& stru
   double square = 0;
   for (std::size_t fold = 0; fold < folds; ++fold) {
     const std::size_t first = fold * data.size() / folds, last = (fold + 1) * data.size() / folds;
-    const FitResult result = fit(part_of(data, first, last, false), structure, options);
+    const FitResult result = detail::curvature_fit(part_of(data, first, last, false), structure, options);
     if (result.termination == FitTermination::no_usable_start) return infinity;
     const std::vector<std::complex<double>> model = fitted_response(result, options.realisation, data.omega());
     for (std::size_t i = first; i < last; ++i) {

@@ -1,15 +1,16 @@
 #include "frac/identification/uncertainty.hpp"
 
 #include <algorithm>
-#include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 #include <limits>
 #include <random>
 #include <stdexcept>
 #include <string>
 
-#include "frac/identification/statistics.hpp"
+#include "curvature_fit.hpp"
 #include "frac/parallel_for.hpp"
+#include "profile.hpp"
+#include "robust_loss.hpp"
 
 namespace frac {
 
@@ -35,13 +36,6 @@ FitOptions warm(const FitOptions& options, const std::vector<ParameterEstimate>&
   return result;
 }
 
-FitOptions held(FitOptions options, std::string_view parameter, double value) {
-  std::erase_if(options.constraints,
-                [&](const ParameterConstraint& constraint) { return constraint.name == parameter; });
-  options.constraints.push_back({std::string(parameter), value, {}, {}, {}});
-  return options;
-}
-
 const ParameterEstimate& estimate_of(const FitResult& result, std::string_view name) {
   const Structure structure(result.model);
   return result.parameters[structure.parameter_index(name)];
@@ -59,55 +53,18 @@ ProfileInterval profile_interval(const FrequencyResponseData& data, const FitOpt
   }
   const double degrees = static_cast<double>(result.residuals) - static_cast<double>(result.free_parameters);
   if (!(degrees >= 1)) throw std::invalid_argument("a profile needs more residuals than free parameters");
-  const double t = student_t_95(degrees);
-  const double limit = result.cost * (1 + t * t / degrees);
 
   const Structure structure(result.model);
-  ProfileInterval interval{-infinity, infinity, false};
-  for (const int side : {-1, 1}) {
-    FitResult last = result;
-    const auto excess = [&](double value) {
-      const FitResult refit = fit(data, structure, held(warm(options, last.parameters), parameter, value));
-      if (std::isfinite(refit.cost)) last = refit;
-      interval.better_minimum_found = interval.better_minimum_found || refit.cost < result.cost * (1 - 1e-6);
-      return std::isfinite(refit.cost) ? refit.cost / limit - 1 : infinity;
-    };
-    double lower = -infinity, upper = infinity;
-    for (const ParameterConstraint& constraint : options.constraints) {
-      if (constraint.name != parameter) continue;
-      lower = constraint.lower.value_or(lower);
-      upper = constraint.upper.value_or(upper);
-    }
-    const auto role = structure.parameter_roles()[structure.parameter_index(parameter)];
-    if (role != ParameterRole::order && lower == -infinity && estimate.value > 0) lower = 0;
-    // Steps outward from the estimate until the cost is past the limit.
-    const double scale = std::isfinite(estimate.standard_error) && estimate.standard_error > 0
-                             ? std::min(estimate.standard_error, std::abs(estimate.value) + 1e-300)
-                             : 0.01 * std::abs(estimate.value) + 1e-300;
-    double inside = estimate.value, outside = estimate.value, step = scale;
-    bool found = false;
-    for (int i = 0; i < 60 && !found; ++i) {
-      outside = inside + side * step;
-      if (outside <= lower || outside >= upper) {
-        // Half the way to a bound that cannot be reached (a positive coefficient never is 0), and no further than 1e-6
-        // of it.
-        const double bound = side < 0 ? lower : upper;
-        outside = inside + (bound - inside) / 2;
-        if (!(std::abs(bound - outside) > 1e-6 * (std::abs(estimate.value) + std::abs(bound)))) break;
-      }
-      found = excess(outside) > 0;
-      if (!found) inside = outside;
-      step *= 1.6;
-    }
-    if (!found) continue;
-    std::uintmax_t iterations = 40;
-    const auto close = [&](double a, double b) { return std::abs(a - b) <= 1e-6 * (std::abs(a) + std::abs(b)); };
-    const auto bracket = inside < outside
-                             ? boost::math::tools::toms748_solve(excess, inside, outside, close, iterations)
-                             : boost::math::tools::toms748_solve(excess, outside, inside, close, iterations);
-    (side < 0 ? interval.lower : interval.upper) = 0.5 * (bracket.first + bracket.second);
-  }
-  return interval;
+  const detail::FitProblem problem(data, structure, options);
+  std::vector<double> values;
+  for (const ParameterEstimate& each : result.parameters) values.push_back(each.value);
+  const std::vector<double> theta = problem.map.to_theta(values);
+  const detail::LocalOptions local = detail::robust_options(problem.residuals, theta, options.loss);
+  const detail::LocalSolution solution = detail::solution_at(problem.residuals, theta, local);
+  const detail::Confidence found = confidence(problem.residuals, solution, local);
+  const detail::ProfileEnds ends =
+      profile_ends(problem, solution, local, found, structure.parameter_index(parameter), 1e-6, 60);
+  return {ends.lower, ends.upper, ends.below_minimum};
 }
 
 std::vector<BootstrapInterval> bootstrap(const FrequencyResponseData& data, const FitOptions& options,
@@ -151,7 +108,7 @@ std::vector<BootstrapInterval> bootstrap(const FrequencyResponseData& data, cons
       if (options.component == Component::imaginary) value[i].real(data.value()[i].real());
       if (options.component == Component::real) value[i].imag(data.value()[i].imag());
     }
-    const FitResult again = fit({data.omega(), value, data.sigma()}, structure, refit);
+    const FitResult again = detail::curvature_fit({data.omega(), value, data.sigma()}, structure, refit);
     for (std::size_t k = 0; k < values.size(); ++k) values[k][sample] = again.parameters[k].value;
   });
 
