@@ -77,19 +77,7 @@ TEST(DigitalFilter, DirectDesignsKeepFullPrecisionToo) {
         const double upper = share * 2 * 3.14159 / 1e-3;
         const auto design =
             filter_design(frac::digital_power(order, {upper / ratio, upper}, frac::PoleCount{30}, 1e-3));
-        const auto& sections = design.sections;
-        std::vector<Quad> exact, v(sections.rates.size(), 0);
-        for (std::size_t n = 0; n < samples.size(); ++n) {
-          Quad x = 0;
-          for (std::size_t k = 0; k < design.taps.size() && k <= n; ++k) x += Quad(design.taps[k]) * samples[n - k];
-          Quad sum = Quad(sections.direct) * x;
-          for (std::size_t i = 0; i < v.size(); ++i) {
-            const Quad change = x - Quad(sections.rates[i]) * v[i];
-            sum += Quad(sections.weights[i]) * (sections.output == frac::SectionOutput::state ? v[i] : change);
-            v[i] += change;
-          }
-          exact.push_back(sum);
-        }
+        const std::vector<Quad> exact = support::design_in_quadruple(design, samples);
         EXPECT_LT(worst_difference(exact, filtered(design, samples)), 5e-15) << order << " " << share << " " << ratio;
       }
     }
@@ -186,6 +174,22 @@ TEST(DigitalFilter, ShortMemoryRunsAsTheSumOfItsWeights) {
       weight *= (static_cast<double>(k) - 0.6) / static_cast<double>(k + 1);
     }
     EXPECT_NEAR(output[n], sum, 60 * 2.2e-16 * size);
+  }
+}
+
+// t^1.5/Gamma(2.5) after 10^7 samples of a constant: fifty states and an integrator, none of which may drift.
+TEST(DigitalFilter, DoesNotDriftOverTenMillionSamples) {
+  constexpr std::size_t part = 10'000;
+  DigitalFilter<double> filter(filter_design(FractionalTransferFunction::parse("1/s^1.5"), 1e-3, 1e-12, 1e7));
+  const std::vector<double> ones(part, 1.0);
+  std::vector<double> output(part);
+  for (int i = 1; i <= 1000; ++i) {
+    filter.run(ones, output);
+    // Output n holds the n samples before it.
+    const double time = (static_cast<double>(i) * part - 1) * 1e-3;
+    // 1e-12 of the largest value over the horizon, which grows as t^1.5.
+    const double exact = std::pow(time, 1.5) / std::tgamma(2.5);
+    ASSERT_NEAR(output.back(), exact, 1e-12 * std::pow(1e4, 1.5) / std::tgamma(2.5) + 1e-13 * exact) << i;
   }
 }
 

@@ -78,8 +78,10 @@ class DigitalFilter {
   Real before(Real sample) noexcept;
   Real after(Real sum) noexcept;
   Real through_taps(Real sample) noexcept;
+  void through_taps(Real* samples, std::size_t count) noexcept;
 
-  std::vector<Real> taps_, past_;  // empty, or even numbers of them
+  std::vector<Real> taps_;  // empty, or an even number of them
+  std::vector<Real> line_;  // as many past samples, the newest last, and room for a block of new ones
   std::size_t sections_ = 0;
   SectionOutput output_ = SectionOutput::state;
   Real direct_ = 0;
