@@ -71,7 +71,8 @@ class MittagLefflerContour {
   double leading_;  // 1/Gamma(beta - alpha), that of -1/z far out
   // Pairs of conjugate nodes: the rule is sum a/(v - z) + conj(a)/(conj(v) - z), v = w^(2 alpha).
   Column a_re_, a_im_, v_re_, v_im_;
-  Column av_re_, av_im_;  // a v, for E_{alpha,beta-alpha}
+  // At real z: a v instead of a gives E_{alpha,beta-alpha}, and products of imaginary parts stay the same.
+  Column av_re_, v_im_square_, a_cross_, av_cross_;
 };
 
 }  // namespace frac::detail
