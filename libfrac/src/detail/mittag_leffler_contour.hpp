@@ -40,7 +40,7 @@ class MittagLefflerContour {
   [[nodiscard]] std::complex<double> value(std::complex<double> z, const Poles& poles) const;
   [[nodiscard]] ValueAndDerivative value_and_derivative(std::complex<double> z, const Poles& poles) const;
 
-  /// Each -1e60 < z < 0, and alpha < 1, so that no pole is met: accurate in relative terms.
+  /// Each -1e30 < z < 0, and alpha < 1, so that no pole is met: accurate in relative terms.
   void negative_values(std::span<const double> z, double* value) const;
 
  private:
