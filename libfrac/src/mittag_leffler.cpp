@@ -1,6 +1,7 @@
 #include "frac/mittag_leffler.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -40,19 +41,25 @@ void check_argument(Complex z, const std::string& name, const char* function) {
   }
 }
 
-// Orders rarely change from one call to the next, and the nodes cost more than a value.
+// Orders rarely change from one call to the next, and the nodes cost more than a value; two orders take turns where
+// beta is a pole of Gamma.
+const MittagLefflerContour& contour(double alpha, double beta, double offset) {
+  thread_local std::array<std::optional<MittagLefflerContour>, 4> latest;
+  thread_local std::size_t oldest = 0;
+  for (const std::optional<MittagLefflerContour>& each : latest) {
+    if (each && each->is(alpha, beta, offset)) return *each;
+  }
+  oldest = (oldest + 1) % latest.size();
+  return latest[oldest].emplace(alpha, beta, offset);
+}
+
 const MittagLefflerContour& contour(double alpha, double beta) {
-  thread_local std::optional<MittagLefflerContour> latest;
-  if (!latest || !latest->is(alpha, beta)) latest.emplace(alpha, beta, 0.5);
-  return *latest;
+  return contour(alpha, beta, 0.5);
 }
 
 const MittagLefflerContour& contour(double alpha, double beta, const MittagLefflerContour::Poles& poles) {
   const MittagLefflerContour& usual = contour(alpha, beta);
-  if (!usual.has_pole_at_node(poles)) return usual;
-  thread_local std::optional<MittagLefflerContour> shifted;
-  if (!shifted || !shifted->is(alpha, beta)) shifted.emplace(alpha, beta, 0.0);
-  return *shifted;
+  return usual.has_pole_at_node(poles) ? contour(alpha, beta, 0) : usual;
 }
 
 // An infinity whose sign was lost by inf - inf; no other NaN can arise from finite arguments.

@@ -17,7 +17,9 @@ class MittagLefflerContour {
   /// @param offset  0 or 1/2, of the nodes in steps.
   MittagLefflerContour(double alpha, double beta, double offset);
 
-  [[nodiscard]] bool is(double alpha, double beta) const noexcept { return alpha == alpha_ && beta == beta_; }
+  [[nodiscard]] bool is(double alpha, double beta, double offset) const noexcept {
+    return alpha == alpha_ && beta == beta_ && offset == offset_;
+  }
 
   /// The roots of s^alpha = z on the principal sheet, where w = sqrt(s) has a positive real part.
   struct Poles {

@@ -69,21 +69,19 @@ Real LongMittagLeffler::coefficient(int j) {
 
 // e^{w^2} w^(2 (alpha - beta + alpha m) + 1)/(w^(2 alpha) - z) on w = line + i (k + offset) step.
 const std::vector<LongMittagLeffler::Node>& LongMittagLeffler::nodes(int power, bool shifted) {
-  if (!nodes_.empty() && nodes_power_ == power && nodes_shifted_ == shifted) return nodes_;
-  nodes_.clear();
-  nodes_power_ = power;
-  nodes_shifted_ = shifted;
+  std::vector<Node>& list = nodes_[{power, shifted}];
+  if (!list.empty()) return list;
   const Real exponent = 2 * (Real(alpha_) * (power + 1) - Real(beta_)) + 1;
   const Real peak = std::sqrt(exponent / 2);
   const auto log_size = [&](Real y) { return line * line - y * y + exponent / 2 * std::log(line * line + y * y); };
   const Real least = log_size(peak) - 50;
   for (int k = 0;; ++k) {
     const Real y = (k + (shifted ? Real(0) : Real(0.5))) * step;
-    if (y > peak && log_size(y) < least) return nodes_;
+    if (y > peak && log_size(y) < least) return list;
     const Real log_modulus = std::log(line * line + y * y) / 2;
     const Real argument = std::atan2(y, line);
     const Real weight = (y == 0 ? 0.5L : 1.0L) * step / pi;
-    nodes_.push_back({std::polar(weight * std::exp((line - y) * (line + y) + exponent * log_modulus),
+    list.push_back({std::polar(weight * std::exp((line - y) * (line + y) + exponent * log_modulus),
                                  2 * line * y + exponent * argument),
                       std::polar(std::exp(2 * Real(alpha_) * log_modulus), 2 * Real(alpha_) * argument)});
   }

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <complex>
+#include <map>
+#include <utility>
 #include <vector>
 
 namespace frac::detail {
@@ -48,9 +50,7 @@ class LongMittagLeffler {
 
   double alpha_, beta_;
   std::vector<Real> rising_, falling_;  // 1/Gamma(beta + alpha j), j = 0, 1, ... and j = -1, -2, ...
-  int nodes_power_ = 0;
-  bool nodes_shifted_ = false;
-  std::vector<Node> nodes_;
+  std::map<std::pair<int, bool>, std::vector<Node>> nodes_;  // by power and shift
 };
 
 }  // namespace frac::detail
