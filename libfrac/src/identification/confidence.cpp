@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "frac/identification/statistics.hpp"
 #include "robust.hpp"
+#include "triangular_form.hpp"
 
 namespace frac::detail {
 
@@ -22,7 +24,7 @@ constexpr double unseen_column = 1e-10;
 struct Spread {
   double variance, loss_unit;
 };
-Spread spread_of(const Eigen::VectorXd& residual, double degrees_of_freedom, const LocalOptions& options) {
+Spread spread_of(const std::vector<double>& residual, double degrees_of_freedom, const LocalOptions& options) {
   double sum = 0, slope = 0;
   for (const double r : residual) {
     const LossAt loss = loss_at(options.loss, r / options.loss_scale);
@@ -31,6 +33,25 @@ Spread spread_of(const Eigen::VectorXd& residual, double degrees_of_freedom, con
   }
   slope /= static_cast<double>(residual.size());
   return {sum / degrees_of_freedom / (slope * slope), sum / degrees_of_freedom / slope};
+}
+
+/// A square matrix with the singular values and the right singular vectors of the Jacobian at theta; none where the
+/// model is not finite there.
+std::optional<Eigen::MatrixXd> reduced_jacobian(const Residuals& residuals, const std::vector<double>& theta,
+                                                std::vector<double>& residual) {
+  const std::size_t width = theta.size();
+  residual.resize(residuals.count());
+  std::vector<double> jacobian(residual.size() * width), triangle((width + 1) * (width + 1));
+  if (!residuals.evaluate(theta, residual.data(), jacobian.data())) return std::nullopt;
+  if (width == 0) return Eigen::MatrixXd(0, 0);
+  triangular_form(jacobian, residual, triangle);
+  Eigen::MatrixXd reduced(width, width);
+  for (std::size_t row = 0; row < width; ++row) {
+    for (std::size_t k = 0; k < width; ++k) {
+      reduced(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(k)) = triangle[row * (width + 1) + k];
+    }
+  }
+  return reduced;
 }
 
 }  // namespace
@@ -56,10 +77,9 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
     for (std::size_t j = 0; j < parameters; ++j) result.covariance[i][j] = result.covariance[j][i] = 0;
   }
 
-  Eigen::VectorXd residual(static_cast<Eigen::Index>(residuals.count()));
-  RowMajorMatrix jacobian(residual.size(), columns);
-  if (!residuals.evaluate(solution.theta, 0, residuals.points(), residual.data(),
-                          free.empty() ? nullptr : jacobian.data())) {
+  std::vector<double> residual;
+  const std::optional<Eigen::MatrixXd> jacobian = reduced_jacobian(residuals, solution.theta, residual);
+  if (!jacobian) {
     std::fill(result.identified.begin(), result.identified.end(), false);
     result.condition = std::numeric_limits<double>::infinity();
     return result;
@@ -79,7 +99,7 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
     return result;
   }
 
-  const Eigen::VectorXd norm = jacobian.colwise().norm();
+  const Eigen::VectorXd norm = jacobian->colwise().norm();
   std::vector<Eigen::Index> inner;  // seen and not at a bound
   for (Eigen::Index k = 0; k < columns; ++k) {
     const auto index = static_cast<std::size_t>(k);
@@ -103,10 +123,10 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
   }
 
   const auto width = static_cast<Eigen::Index>(inner.size());
-  Eigen::MatrixXd scaled(residual.size(), width);
+  Eigen::MatrixXd scaled(columns, width);
   for (Eigen::Index k = 0; k < width; ++k) {
     const Eigen::Index column = inner[static_cast<std::size_t>(k)];
-    scaled.col(k) = jacobian.col(column) / norm[column];
+    scaled.col(k) = jacobian->col(column) / norm[column];
   }
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeThinV);
   const Eigen::VectorXd& sigma = svd.singularValues();
@@ -158,14 +178,12 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
 
 std::vector<std::vector<double>> flat_directions(const Residuals& residuals, const LocalSolution& solution,
                                                  double times) {
-  const auto columns = static_cast<Eigen::Index>(residuals.map().free().size());
-  RowMajorMatrix jacobian(static_cast<Eigen::Index>(residuals.count()), columns);
-  Eigen::VectorXd residual(jacobian.rows());
-  if (!residuals.evaluate(solution.theta, 0, residuals.points(), residual.data(), jacobian.data())) return {};
-  const Eigen::MatrixXd dense = jacobian;
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(dense, Eigen::ComputeThinV);
+  std::vector<double> residual;
+  const std::optional<Eigen::MatrixXd> jacobian = reduced_jacobian(residuals, solution.theta, residual);
+  if (!jacobian) return {};
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(*jacobian, Eigen::ComputeThinV);
   std::vector<std::vector<double>> directions;
-  for (Eigen::Index k = columns; k-- > 0;) {
+  for (Eigen::Index k = jacobian->cols(); k-- > 0;) {
     const Eigen::VectorXd direction = svd.matrixV().col(k) / svd.matrixV().col(k).lpNorm<Eigen::Infinity>();
     const double rise = svd.singularValues()[k] * direction.norm();
     if (!(rise * rise <= times * solution.cost)) continue;

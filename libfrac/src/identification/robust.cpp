@@ -83,7 +83,7 @@ LocalOptions robust_refinement(Residuals& residuals, Loss loss, std::optional<do
 
 std::vector<double> residuals_at(const Residuals& residuals, std::span<const double> theta) {
   std::vector<double> residual(residuals.count());
-  residuals.evaluate(theta, 0, residuals.points(), residual.data(), nullptr);
+  residuals.evaluate(theta, residual.data(), nullptr);
   return residual;
 }
 
