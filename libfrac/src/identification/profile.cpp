@@ -55,38 +55,15 @@ class Profile {
 
   /// -infinity or infinity where there is none.
   double end(int side, double tolerance, int steps) {
-    const double centre = logarithmic_ ? std::log(best_[parameter_]) : best_[parameter_];
-    const double limit = side < 0 ? lower_ : upper_;
     double error = confidence_.standard_error[parameter_];
     if (!(error > 0)) error = 0.01 * std::abs(best_[parameter_]) + 1e-300;  // at a bound
-    const double wanted = confidence_.t;
+    const double centre = logarithmic_ ? std::log(best_[parameter_]) : best_[parameter_];
+    const double step = confidence_.t * (logarithmic_ ? error / best_[parameter_] : error);
     last_ = best_;
-    double inside = centre, inside_rise = 0, outside = side * infinity, outside_rise = infinity;
-    double at = centre + side * wanted * (logarithmic_ ? error / best_[parameter_] : error);
-    for (int step = 0; step < steps; ++step) {
-      if (side * at >= side * limit) at = limit;
-      const double rise = rise_at(at);
-      if (rise < wanted * (1 - tolerance)) {
-        if (at == limit) return side * infinity;
-        inside = at;
-        inside_rise = rise;
-      } else {
-        outside = at;
-        outside_rise = rise;
-      }
-      if (std::isfinite(rise) && std::abs(rise - wanted) <= tolerance * wanted) return user(at);
-      if (std::isinf(outside)) {
-        const double factor = rise > 0 ? std::clamp(1.1 * wanted / rise, 1.2, 3.0) : 3.0;
-        at = centre + factor * (at - centre);
-        if (logarithmic_ && std::abs(at - centre) > open_reach) return side * infinity;
-        continue;
-      }
-      if (std::abs(outside - inside) <= tolerance * std::abs(inside - centre)) return user(inside);
-      // The secant through both, kept off their neighbourhood: a valley left on the way makes the rise jump.
-      const double share = std::isfinite(outside_rise) ? (wanted - inside_rise) / (outside_rise - inside_rise) : 0.5;
-      at = inside + std::clamp(share, 0.05, 0.95) * (outside - inside);
-    }
-    return std::isinf(outside) ? side * infinity : user(outside);
+    const double found =
+        profile_end([this](double coordinate) { return rise_at(coordinate); },
+                    {centre, step, lower_, upper_, logarithmic_}, side, confidence_.t, tolerance, steps);
+    return std::isfinite(found) ? user(found) : found;
   }
 
  private:
@@ -107,7 +84,7 @@ class Profile {
     if (!std::isfinite(solution.objective)) return infinity;
     last_ = map.to_user(solution.theta);
     below_minimum_ = below_minimum_ || solution.objective < best_objective_ * (1 - 1e-6);
-    return std::sqrt(std::max(0.0, solution.objective - best_objective_) / confidence_.rise);
+    return std::sqrt(std::max(0.0, solution.objective - best_objective_) / confidence_.loss_unit);
   }
 
   /// The other parameters moved along with the held one as their covariance says, positive ones as logarithms.
@@ -146,6 +123,37 @@ class Profile {
 };
 
 }  // namespace
+
+double profile_end(const std::function<double(double)>& rise, const ProfileLine& line, int side, double wanted,
+                   double tolerance, int steps) {
+  const double limit = side < 0 ? line.lower : line.upper;
+  double inside = line.centre, inside_rise = 0, outside = side * infinity, outside_rise = infinity;
+  double at = line.centre + side * line.step;
+  for (int step = 0; step < steps; ++step) {
+    if (side * at >= side * limit) at = limit;
+    const double here = rise(at);
+    if (here < wanted * (1 - tolerance)) {
+      if (at == limit) return side * infinity;
+      inside = at;
+      inside_rise = here;
+    } else {
+      outside = at;
+      outside_rise = here;
+    }
+    if (std::isfinite(here) && std::abs(here - wanted) <= tolerance * wanted) return at;
+    if (std::isinf(outside)) {
+      const double factor = here > 0 ? std::clamp(1.1 * wanted / here, 1.2, 3.0) : 3.0;
+      at = line.centre + factor * (at - line.centre);
+      if (line.logarithmic && std::abs(at - line.centre) > open_reach) return side * infinity;
+      continue;
+    }
+    if (std::abs(outside - inside) <= tolerance * std::abs(inside - line.centre)) return inside;
+    // The secant through both, kept off their neighbourhood: a valley left on the way makes the rise jump.
+    const double share = std::isfinite(outside_rise) ? (wanted - inside_rise) / (outside_rise - inside_rise) : 0.5;
+    at = inside + std::clamp(share, 0.05, 0.95) * (outside - inside);
+  }
+  return outside;
+}
 
 ProfileEnds profile_ends(const FitProblem& problem, const LocalSolution& solution, const LocalOptions& options,
                          const Confidence& confidence, std::size_t parameter, double tolerance, int steps) {
