@@ -52,6 +52,7 @@ void append_fit(Json& json, const frac::FitResult& result) {
   for (const auto& parameter : result.parameters) json["parameters"].push_back(parameter_json(parameter));
   json["cost"] = number(result.cost);
   json["rms"] = number(result.rms);
+  json["gain_factor"] = number(result.gain_factor);
   json["max_residual"] = number(result.max_residual);
   json["aicc"] = number(result.aicc);
   json["bic"] = number(result.bic);

@@ -41,8 +41,9 @@ void check_coverage(const FrequencyResponseData& data, const Realisation& realis
   }
 }
 
-/// Under relative weight noise of standard deviation r also sits in the divisor |data|, which biases gains by 2 r^2: as
-/// much as their standard error for r sqrt(n) around 1.
+/// Under relative weight noise of standard deviation r on either part also sits in the divisor |data|.  With data
+/// G (1 + e) the fit comes to G E[1/(1 + conj e)]/E[1/|1 + e|^2] = G/(1 + 2 r^2) to order r^4, whichever part is
+/// fitted: as much as the standard error of a gain for r sqrt(n) around 1.
 constexpr double noisy_divisor = 0.05;
 constexpr double plain_misfit = 0.3;
 
@@ -396,11 +397,14 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   result.bic = information.bic;
   if (options.weight == Weight::relative && options.component != Component::magnitude &&
       options.component != Component::phase && result.rms > noisy_divisor && result.rms < plain_misfit) {
-    char text[192];
-    std::snprintf(text, sizeof text,
-                  " With residuals of %.2g |data| is a noisy divisor, which biases gains by about %.1g %%; weight "
-                  "smoothed-relative does not.",
-                  result.rms, 200 * result.rms * result.rms);
+    const double deviation = options.loss == Loss::none ? result.rms : detail::robust_spread(residual);
+    result.gain_factor = 1 + 2 * deviation * deviation;
+    char text[256];
+    std::snprintf(
+        text, sizeof text,
+        " If residuals of %.2g are noise, the divisor |data| is as noisy, which lowers the fitted response by "
+        "%.1f %%: multiply it by %.4f, or take weight smoothed-relative, which has no such bias.",
+        deviation, 100 * (1 - 1 / result.gain_factor), result.gain_factor);
     result.message += text;
   }
   result.condition = found.condition;
