@@ -89,6 +89,22 @@ TEST(ProfileInterval, EndsWhereTheCostIsThatOfItsDefinition) {
   }
 }
 
+// Two arcs a factor 3 apart share their resistance in nearly any proportion: a long bent valley, in which a step as
+// long as the curvature says ends on a slope far up.  Both ends are where its floor has risen, well away from the
+// estimate.
+TEST(ProfileInterval, FollowsABentValley) {
+  const char* const formula = "0.1 + R1/(1 + (0.01 s)^0.8) + R2/(1 + (T s)^0.8)";
+  std::mt19937_64 generator(7);
+  const auto data = noisy_response(formula, {1, 0.8, 0.03}, 0.01, generator, 80);
+  const frac::FitResult result = frac::fit(data, frac::Structure(formula), both_parts());
+  for (const frac::ParameterEstimate& estimate : result.parameters) {
+    const auto interval = frac::profile_interval(data, both_parts(), result, estimate.name);
+    EXPECT_LT(interval.lower, estimate.value - 0.5 * estimate.standard_error) << estimate.name;
+    EXPECT_GT(interval.upper, estimate.value + 0.5 * estimate.standard_error) << estimate.name;
+    EXPECT_FALSE(interval.better_minimum_found);
+  }
+}
+
 // Cauchy's loss on clean data acts like least squares, so the two profiles agree but for its 5 % of efficiency and what
 // one spread of 60 pairs differs from the other (1/sqrt(240) = 6 %, and the median is 1.6 times as uncertain): 25 %.
 TEST(ProfileInterval, FollowsTheLossOfARobustFit) {

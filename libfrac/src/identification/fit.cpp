@@ -8,6 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "autocorrelation.hpp"
 #include "confidence.hpp"
 #include "curvature_fit.hpp"
 #include "fit_problem.hpp"
@@ -45,7 +46,7 @@ void check_coverage(const FrequencyResponseData& data, const Realisation& realis
 /// G (1 + e) the fit comes to G E[1/(1 + conj e)]/E[1/|1 + e|^2] = G/(1 + 2 r^2) to order r^4, whichever part is
 /// fitted: as much as the standard error of a gain for r sqrt(n) around 1.
 constexpr double noisy_divisor = 0.05;
-constexpr double plain_misfit = 0.3;
+constexpr double plain_misfit = 0.3;  // correlation of neighbouring residuals
 
 std::vector<double> residuals_at(const detail::Residuals& residuals, const std::vector<double>& theta) {
   std::vector<double> residual(residuals.count());
@@ -396,15 +397,15 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   result.aicc = information.aicc;
   result.bic = information.bic;
   if (options.weight == Weight::relative && options.component != Component::magnitude &&
-      options.component != Component::phase && result.rms > noisy_divisor && result.rms < plain_misfit) {
+      options.component != Component::phase && result.rms > noisy_divisor &&
+      std::abs(detail::autocorrelation(residual, residuals.per_point(), 1)) < plain_misfit) {
     const double deviation = options.loss == Loss::none ? result.rms : detail::robust_spread(residual);
     result.gain_factor = 1 + 2 * deviation * deviation;
     char text[256];
-    std::snprintf(
-        text, sizeof text,
-        " If residuals of %.2g are noise, the divisor |data| is as noisy, which lowers the fitted response by "
-        "%.1f %%: multiply it by %.4f, or take weight smoothed-relative, which has no such bias.",
-        deviation, 100 * (1 - 1 / result.gain_factor), result.gain_factor);
+    std::snprintf(text, sizeof text,
+                  " Residuals of %.2g are noise that the divisor |data| has too, which lowers the fitted response by "
+                  "%.1f %%: multiply it by %.4f, or take weight smoothed-relative, which has no such bias.",
+                  deviation, 100 * (1 - 1 / result.gain_factor), result.gain_factor);
     result.message += text;
   }
   result.condition = found.condition;

@@ -111,7 +111,7 @@ struct FitResult {
   double centre_omega;  // geometric middle of the band, rad/s
   double seconds;
   /// By which the fitted response is to be multiplied to undo the bias that noise in the divisor |data| causes under
-  /// relative weight, 1 + 2 r^2 with r the spread of the residuals if these are noise; 1 where r is below 0.05.
+  /// relative weight, 1 + 2 r^2 with r the spread of the residuals; 1 where that is below 0.05 or neighbours are alike.
   double gain_factor = 1;
 };
 
