@@ -7,6 +7,7 @@
 #include <limits>
 #include <random>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "identification/parameter_map.hpp"
@@ -33,9 +34,7 @@ std::vector<Case> cases() {
           {"R0 + R1/(1 + R1 Q1 s^n1)", {0.1, 0.5, 0.3, 0.8}, {{"R0", 0.1, {}, {}, {}}}}};
 }
 
-// Central differences with a step of 1e-5: their own error is about step^2 = 1e-10 times third derivatives plus
-// rounding 1e-16/step = 1e-11, both of the size of the residuals (about 1).
-TEST(Residuals, JacobianAgreesWithDifferencesForEveryComponentAndWeight) {
+frac::FrequencyResponseData samples() {
   std::vector<double> omega, sigma;
   std::vector<std::complex<double>> value;
   for (int i = 0; i < 12; ++i) {
@@ -43,38 +42,61 @@ TEST(Residuals, JacobianAgreesWithDifferencesForEveryComponentAndWeight) {
     value.push_back({0.4 + 0.1 * i, -0.3 - 0.05 * i});
     sigma.push_back(0.1 + 0.02 * i);
   }
-  const frac::FrequencyResponseData data(omega, value, sigma);
+  return {omega, value, sigma};
+}
+
+// Central differences with a step of 1e-5: their own error is about step^2 = 1e-10 times third derivatives plus
+// rounding 1e-16/step = 1e-11, both of the size of the residuals (about 1).
+void expect_jacobian_of_differences(const Case& test, Component component, Weight weight,
+                                    const frac::Realisation& realisation) {
+  const frac::FrequencyResponseData data = samples();
+  const frac::Structure structure(test.formula);
+  const frac::detail::ParameterMap map(structure, test.constraints, scale);
+  const std::vector<double> theta = map.to_theta(test.parameters);
+  const frac::detail::ResidualRule rule = frac::detail::residual_rule(data, component, weight);
+  const frac::detail::FrequencyResiduals residuals(data, structure, realisation, map, rule);
+  const std::size_t rows = residuals.count();
+  std::vector<double> residual(rows), jacobian(rows * theta.size()), above(rows), below(rows);
+  ASSERT_TRUE(residuals.evaluate(theta, residual.data(), jacobian.data()));
+  for (std::size_t k = 0; k < theta.size(); ++k) {
+    constexpr double step = 1e-5;
+    std::vector<double> shifted = theta;
+    shifted[k] += step;
+    ASSERT_TRUE(residuals.evaluate(shifted, above.data(), nullptr));
+    shifted[k] -= 2 * step;
+    ASSERT_TRUE(residuals.evaluate(shifted, below.data(), nullptr));
+    for (std::size_t i = 0; i < rows; ++i) {
+      const double difference = (above[i] - below[i]) / (2 * step);
+      EXPECT_NEAR(jacobian[k * rows + i], difference, 1e-7 * (1 + std::abs(difference)))
+          << test.formula << ' ' << frac::to_string(component) << ' ' << frac::to_string(weight) << ' '
+          << frac::to_string(realisation) << " row " << i << " column " << k;
+    }
+  }
+}
+
+TEST(Residuals, JacobianAgreesWithDifferencesForEveryComponentAndWeight) {
   for (const Case& test : cases()) {
-    const frac::Structure structure(test.formula);
-    const frac::detail::ParameterMap map(structure, test.constraints, scale);
-    const std::vector<double> theta = map.to_theta(test.parameters);
     for (const Component component :
          {Component::imaginary, Component::real, Component::both, Component::magnitude, Component::phase}) {
       for (const Weight weight :
            {Weight::relative, Weight::absolute, Weight::given, Weight::smoothed_relative, Weight::log_complex}) {
         if (weight == Weight::log_complex && (component == Component::imaginary || component == Component::real))
           continue;
-        const frac::Realisation exact = frac::ExactRealisation{};
-        const frac::detail::ResidualRule rule = frac::detail::residual_rule(data, component, weight);
-        const frac::detail::FrequencyResiduals residuals(data, structure, exact, map, rule);
-        const std::size_t rows = residuals.count(), columns = theta.size();
-        std::vector<double> residual(rows), jacobian(rows * columns), above(rows), below(rows);
-        ASSERT_TRUE(residuals.evaluate(theta, residual.data(), jacobian.data()));
-        for (std::size_t k = 0; k < columns; ++k) {
-          constexpr double step = 1e-5;
-          std::vector<double> shifted = theta;
-          shifted[k] += step;
-          ASSERT_TRUE(residuals.evaluate(shifted, above.data(), nullptr));
-          shifted[k] -= 2 * step;
-          ASSERT_TRUE(residuals.evaluate(shifted, below.data(), nullptr));
-          for (std::size_t i = 0; i < rows; ++i) {
-            const double difference = (above[i] - below[i]) / (2 * step);
-            EXPECT_NEAR(jacobian[k * rows + i], difference, 1e-7 * (1 + std::abs(difference)))
-                << test.formula << ' ' << frac::to_string(component) << ' ' << frac::to_string(weight) << " row " << i
-                << " column " << k;
-          }
-        }
+        expect_jacobian_of_differences(test, component, weight, frac::ExactRealisation{});
       }
+    }
+  }
+}
+
+TEST(Residuals, JacobianAgreesWithDifferencesThroughEveryRealisation) {
+  for (const Case& test : cases()) {
+    // Its outer power is not one of s, so no realisation expresses it.
+    if (test.formula == std::string("K/(1 + (T s)^a)^b")) continue;
+    for (const frac::Realisation& realisation : {frac::Realisation(frac::OustaloupRealisation{{1e-2, 1e3}, 6}),
+                                                 frac::Realisation(frac::LadderRealisation({1e-2, 1e3}, 6)),
+                                                 frac::Realisation(frac::GrunwaldLetnikovRealisation{0.05, 0}),
+                                                 frac::Realisation(frac::GrunwaldLetnikovRealisation{0.05, 100})}) {
+      expect_jacobian_of_differences(test, Component::both, Weight::relative, realisation);
     }
   }
 }

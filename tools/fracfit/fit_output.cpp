@@ -102,7 +102,7 @@ std::string growth_table(const frac::Growth& growth) {
     table.add({fit.model, std::to_string(fit.free_parameters), short_number(fit.rms), short_number(fit.aicc),
                i == growth.chosen ? "chosen" : ""});
   }
-  return table.text() + "\n";
+  return table.text() + growth.reason + "\n\n";
 }
 
 std::string closing(const frac::FitResult& result) {

@@ -52,6 +52,7 @@ void append_fit(Json& json, const frac::FitResult& result) {
   for (const auto& parameter : result.parameters) json["parameters"].push_back(parameter_json(parameter));
   json["cost"] = number(result.cost);
   json["rms"] = number(result.rms);
+  json["gain_factor"] = number(result.gain_factor);
   json["max_residual"] = number(result.max_residual);
   json["aicc"] = number(result.aicc);
   json["bic"] = number(result.bic);
@@ -103,7 +104,8 @@ void append_statistics(Json& json, const frac::FitResult& result, const FitStati
                        {"p_value", number(statistics.whiteness.p_value)}};
   if (statistics.bootstrap_samples > 0) json["bootstrap_samples"] = statistics.bootstrap_samples;
   if (!statistics.growth) return;
-  json["growth"] = {{"chosen", statistics.growth->chosen}, {"fits", Json::array()}};
+  json["growth"] = {
+      {"chosen", statistics.growth->chosen}, {"reason", statistics.growth->reason}, {"fits", Json::array()}};
   for (const auto& fit : statistics.growth->fits) {
     Json grown;
     append_fit(grown, fit);

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "autocorrelation.hpp"
 #include "confidence.hpp"
 #include "curvature_fit.hpp"
 #include "estimates.hpp"
@@ -41,10 +42,11 @@ void check_coverage(const FrequencyResponseData& data, const Realisation& realis
   }
 }
 
-/// Under relative weight noise of standard deviation r also sits in the divisor |data|, which biases gains by 2 r^2: as
-/// much as their standard error for r sqrt(n) around 1.
+/// Under relative weight noise of standard deviation r on either part also sits in the divisor |data|.  With data
+/// G (1 + e) the fit comes to G E[1/(1 + conj e)]/E[1/|1 + e|^2] = G/(1 + 2 r^2) to order r^4, whichever part is
+/// fitted: as much as the standard error of a gain for r sqrt(n) around 1.
 constexpr double noisy_divisor = 0.05;
-constexpr double plain_misfit = 0.3;
+constexpr double plain_misfit = 0.3;  // correlation of neighbouring residuals
 
 [[noreturn]] void refuse_count(std::size_t residuals, std::size_t parameters) {
   throw std::invalid_argument(std::to_string(residuals) + " residuals cannot determine " + std::to_string(parameters) +
@@ -228,6 +230,22 @@ void follow_cost(FitResult& result, const detail::FitProblem& problem, const det
   }
 }
 
+/// Says by which factor noise in the divisor |data| lowers the response, where residuals are noise.
+/// @param residual  relative ones
+void correct_for_noisy_divisor(FitResult& result, const FitOptions& options, const std::vector<double>& residual,
+                               std::size_t per_point) {
+  if (options.component == Component::magnitude || options.component == Component::phase) return;
+  if (!(result.rms > noisy_divisor && std::abs(detail::autocorrelation(residual, per_point, 1)) < plain_misfit)) return;
+  const double deviation = options.loss == Loss::none ? result.rms : detail::robust_spread(residual);
+  result.gain_factor = 1 + 2 * deviation * deviation;
+  char text[256];
+  std::snprintf(text, sizeof text,
+                " Residuals of %.2g are noise that the divisor |data| has too, which lowers the fitted response by "
+                "%.1f %%: multiply it by %.4f, or take weight smoothed-relative, which has no such bias.",
+                deviation, 100 * (1 - 1 / result.gain_factor), result.gain_factor);
+  result.message += text;
+}
+
 FitResult fit_component(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
                         Extent extent) {
   const auto begin = std::chrono::steady_clock::now();
@@ -279,14 +297,8 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   refuse_whole_orders(result, structure, options.realisation);
 
   describe_residuals(result, residuals, local, found, solution.best.theta, rule.unit);
-  if (options.weight == Weight::relative && options.component != Component::magnitude &&
-      options.component != Component::phase && result.rms > noisy_divisor && result.rms < plain_misfit) {
-    char text[192];
-    std::snprintf(text, sizeof text,
-                  " With residuals of %.2g |data| is a noisy divisor, which biases gains by about %.1g %%; weight "
-                  "smoothed-relative does not.",
-                  result.rms, 200 * result.rms * result.rms);
-    result.message += text;
+  if (options.weight == Weight::relative) {
+    correct_for_noisy_divisor(result, options, residuals_at(residuals, solution.best.theta), residuals.per_point());
   }
   result.termination = solution.best.converged ? FitTermination::converged : FitTermination::not_converged;
   result.seconds = seconds();

@@ -89,6 +89,19 @@ const ParameterEstimate* decided_order(const FitResult& fit, double share) {
   return decided;
 }
 
+/// The simplest of the converged fits that are as good as the best of them; the best of all where none converged.
+std::size_t chosen_of(const std::vector<RankedFit>& ranking) {
+  std::optional<std::size_t> best;
+  std::size_t chosen = 0;
+  for (std::size_t i = 0; i < ranking.size(); ++i) {
+    if (ranking[i].fit.termination != FitTermination::converged) continue;
+    if (!best) best = chosen = i;
+    const bool as_good = !(ranking[i].fit.aicc > ranking[*best].fit.aicc + simplest_within);
+    if (as_good && ranking[i].fit.free_parameters < ranking[chosen].fit.free_parameters) chosen = i;
+  }
+  return chosen;
+}
+
 std::string number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.4g", value);
@@ -173,12 +186,7 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
     total += ranked.akaike_weight;
   }
   for (RankedFit& ranked : result.ranking) ranked.akaike_weight /= total;
-  for (std::size_t i = 1; i < result.ranking.size(); ++i) {
-    if (result.ranking[i].delta_aicc <= simplest_within &&
-        result.ranking[i].fit.free_parameters < result.ranking[result.chosen].fit.free_parameters) {
-      result.chosen = i;
-    }
-  }
+  result.chosen = chosen_of(result.ranking);
   const RankedFit& front = result.ranking.front();
   const auto curve = std::find_if(curves.begin(), curves.end(), [&](const ComparedCurve& each) {
     return front.model_class == ModelClass::fixed_curve && each.ranked.name == front.name;

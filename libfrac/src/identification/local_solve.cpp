@@ -20,30 +20,35 @@ namespace {
 /// same, and block by block.  The Jacobian comes at once, since most steps are taken.
 class LastEvaluation {
  public:
-  explicit LastEvaluation(const Residuals& residuals)
+  /// @param reduces  whether the triangular form is wanted
+  LastEvaluation(const Residuals& residuals, bool reduces)
       : residuals_(residuals),
         theta_(residuals.map().free().size(), std::numeric_limits<double>::quiet_NaN()),
         residual_(residuals.count()),
-        jacobian_(residuals.count() * theta_.size()) {}
+        jacobian_(residuals.count() * theta_.size()),
+        triangle_(reduces ? (theta_.size() + 1) * (theta_.size() + 1) : 0) {}
 
   [[nodiscard]] std::size_t width() const { return theta_.size(); }
   [[nodiscard]] std::size_t per_point() const { return residuals_.per_point(); }
   [[nodiscard]] const std::vector<double>& residual() const { return residual_; }
   [[nodiscard]] const std::vector<double>& jacobian() const { return jacobian_; }
+  [[nodiscard]] const std::vector<double>& triangle() const { return triangle_; }
 
-  /// Whether theta is another one than the last.
-  bool moves_to(const double* theta) {
-    if (std::equal(theta_.begin(), theta_.end(), theta)) return false;
+  /// False where the model is not finite.
+  bool at(const double* theta) {
+    if (std::equal(theta_.begin(), theta_.end(), theta)) return finite_;
     std::copy_n(theta, theta_.size(), theta_.begin());
     finite_ = residuals_.evaluate(theta_, residual_.data(), jacobian_.data());
-    return true;
+    if (!finite_ || triangle_.empty()) return finite_;
+    triangular_form(jacobian_, residual_, triangle_);
+    // Squares of finite entries may overflow.
+    finite_ = std::all_of(triangle_.begin(), triangle_.end(), [](double each) { return std::isfinite(each); });
+    return finite_;
   }
-  /// False where the model is not finite.
-  [[nodiscard]] bool finite() const { return finite_; }
 
  private:
   const Residuals& residuals_;
-  std::vector<double> theta_, residual_, jacobian_;
+  std::vector<double> theta_, residual_, jacobian_, triangle_;
   bool finite_ = false;
 };
 
@@ -51,33 +56,24 @@ class LastEvaluation {
 /// gradient and the same steps, and what Ceres does with them takes a time that does not grow with the points.
 class ReducedCost final : public ceres::CostFunction {
  public:
-  explicit ReducedCost(LastEvaluation& evaluation)
-      : evaluation_(evaluation), columns_(evaluation.width() + 1), triangle_(columns_ * columns_) {
-    set_num_residuals(static_cast<int>(columns_));
+  explicit ReducedCost(LastEvaluation& evaluation) : evaluation_(evaluation) {
+    set_num_residuals(static_cast<int>(evaluation.width() + 1));
     mutable_parameter_block_sizes()->push_back(static_cast<int>(evaluation.width()));
   }
 
   bool Evaluate(const double* const* parameters, double* residual, double** jacobians) const override {
-    if (evaluation_.moves_to(parameters[0])) {
-      finite_ = evaluation_.finite();
-      if (finite_) triangular_form(evaluation_.jacobian(), evaluation_.residual(), triangle_);
-      // Squares of finite entries may overflow.
-      finite_ = finite_ && std::all_of(triangle_.begin(), triangle_.end(), [](double x) { return std::isfinite(x); });
-    }
-    if (!finite_) return false;
-    for (std::size_t row = 0; row < columns_; ++row) {
-      const double* const from = triangle_.data() + row * columns_;
-      residual[row] = from[columns_ - 1];
-      if (jacobians && jacobians[0]) std::copy_n(from, columns_ - 1, jacobians[0] + row * (columns_ - 1));
+    if (!evaluation_.at(parameters[0])) return false;
+    const std::size_t width = evaluation_.width();
+    const double* from = evaluation_.triangle().data();
+    for (std::size_t row = 0; row <= width; ++row, from += width + 1) {
+      residual[row] = from[width];
+      if (jacobians && jacobians[0]) std::copy_n(from, width, jacobians[0] + row * width);
     }
     return true;
   }
 
  private:
   LastEvaluation& evaluation_;
-  std::size_t columns_;
-  mutable std::vector<double> triangle_;
-  mutable bool finite_ = false;
 };
 
 /// One point as a Ceres residual block over the whole theta.
@@ -90,8 +86,7 @@ class PointCost final : public ceres::CostFunction {
   }
 
   bool Evaluate(const double* const* parameters, double* residual, double** jacobians) const override {
-    evaluation_.moves_to(parameters[0]);
-    if (!evaluation_.finite()) return false;
+    if (!evaluation_.at(parameters[0])) return false;
     const std::size_t count = evaluation_.per_point(), width = evaluation_.width();
     std::copy_n(evaluation_.residual().data() + first_, count, residual);
     if (jacobians && jacobians[0]) {
@@ -149,7 +144,12 @@ LocalSolution local_solve(const Residuals& residuals, const std::vector<double>&
   ceres::Problem problem(problem_options);
   std::vector<double> end = start;
   double* theta = end.data();
-  LastEvaluation evaluation(residuals);
+  LastEvaluation evaluation(residuals, !loss);
+  if (!evaluation.at(theta)) {
+    LocalSolution solution = solution_at(residuals, start, options);
+    solution.converged = false;
+    return solution;
+  }
   if (loss) {
     // A loss acts on a block, so each frequency is a block of its own.
     for (std::size_t i = 0; i < residuals.points(); ++i) {

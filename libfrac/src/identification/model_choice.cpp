@@ -4,6 +4,7 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -40,27 +41,54 @@ double rms_of_predictions(const Data& data, const Structure& structure, const Op
   return std::sqrt(square / static_cast<double>(points * per_point));
 }
 
+/// What speaks against a structure with one term more; empty where nothing does.
+/// @param gain  by which it lowers AICc, in the measure of identify()
+std::string reason_against(const FitResult& simple, const FitResult& full, double gain) {
+  char text[160];
+  if (full.termination != FitTermination::converged) return "With another term the solver did not settle.";
+  if (!(gain > 2)) {
+    std::snprintf(text, sizeof text, "Another term does not pay: it lowers AICc by %.2g, and 2 is asked.", gain);
+    return text;
+  }
+  const double chance = f_test(simple, full).p_value;
+  if (!(chance < 0.01)) {
+    std::snprintf(text, sizeof text, "Another term may be noise: so large an improvement has a chance of %.2g.",
+                  chance);
+    return text;
+  }
+  std::string unknown;
+  for (const ParameterEstimate& estimate : full.parameters) {
+    if (!estimate.identified) unknown += (unknown.empty() ? "" : ", ") + estimate.name;
+  }
+  if (unknown.empty()) return {};
+  std::snprintf(text, sizeof text,
+                "Another term lowers AICc by %.3g, but the data do not tell its part from the others: ", gain);
+  return text + unknown + " would not be identified.";
+}
+
 template <class Data, class Options>
 Growth grown(const Data& data, GrowthFamily family, const Options& options, std::size_t most_terms) {
-  Growth growth{{}, 0};
+  Growth growth{{}, 0, "The structure has as many terms as were allowed."};
   const std::size_t residuals = detail::points(data) * detail::residuals_per_point(data, options);
   for (std::size_t terms = 1; terms <= most_terms; ++terms) {
     const NamedModel model = grown_model(family, terms);
     const Structure structure(model.formula);
-    if (terms > 1 && structure.parameter_names().size() >= residuals) break;
+    if (terms > 1 && structure.parameter_names().size() >= residuals) {
+      growth.reason = "Another term would have as many parameters as there are residuals.";
+      break;
+    }
     Options of_model = options;
     of_model.constraints.insert(of_model.constraints.end(), model.constraints.begin(), model.constraints.end());
     growth.fits.push_back(fit(data, structure, of_model));
     if (terms == 1) continue;
     const FitResult& simple = growth.fits[growth.chosen];
     const FitResult& full = growth.fits.back();
-    const bool determined = full.termination == FitTermination::converged &&
-                            std::all_of(full.parameters.begin(), full.parameters.end(),
-                                        [](const ParameterEstimate& estimate) { return estimate.identified; });
-    if (!determined) break;
     const double correlation = std::max(0.0, residual_whiteness(data, options, full).lag_one_correlation);
     const double gain = (simple.aicc - full.aicc) * (1 - correlation) / (1 + correlation);
-    if (!(gain > 2) || !(f_test(simple, full).p_value < 0.01)) break;
+    if (const std::string against = reason_against(simple, full, gain); !against.empty()) {
+      growth.reason = against;
+      break;
+    }
     growth.chosen = growth.fits.size() - 1;
   }
   return growth;

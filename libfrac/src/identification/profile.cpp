@@ -59,54 +59,59 @@ class Profile {
     if (!(error > 0)) error = 0.01 * std::abs(best_[parameter_]) + 1e-300;  // at a bound
     const double centre = logarithmic_ ? std::log(best_[parameter_]) : best_[parameter_];
     const double step = confidence_.t * (logarithmic_ ? error / best_[parameter_] : error);
-    last_ = best_;
+    inside_ = best_;
+    const auto rise = [&](double coordinate) {
+      std::vector<double> there = inside_;
+      const double here = rise_at(coordinate, there);
+      if (here < confidence_.t) inside_ = std::move(there);
+      return here;
+    };
     const double found =
-        profile_end([this](double coordinate) { return rise_at(coordinate); },
-                    {centre, step, lower_, upper_, logarithmic_}, side, confidence_.t, tolerance, steps);
+        profile_end(rise, {centre, step, lower_, upper_, logarithmic_}, side, confidence_.t, tolerance, steps);
     return std::isfinite(found) ? user(found) : found;
   }
 
  private:
   [[nodiscard]] double user(double coordinate) const { return logarithmic_ ? std::exp(coordinate) : coordinate; }
 
-  /// Square root of the rise of the objective above its minimum, in units of that of one standard error.
-  double rise_at(double coordinate) {
+  /// Square root of the rise of the objective above its minimum, in units of that of one standard error, from the
+  /// parameters of a point nearby; these become those of the point.
+  double rise_at(double coordinate, std::vector<double>& parameters) {
     held_.back().fixed = user(coordinate);
     const ParameterMap map(problem_.structure, held_, problem_.map.scale(),
                            problem_.options.component == Component::magnitude);
     const FrequencyResiduals residuals(problem_.data, problem_.structure, problem_.options.realisation, map,
                                        problem_.rule);
-    std::vector<double> near = predicted(user(coordinate));
-    std::vector<double> start = map.to_theta(near);
-    if (!std::isfinite(residuals.cost(start))) start = map.to_theta(last_);
+    std::vector<double> start = map.to_theta(predicted(parameters, user(coordinate)));
+    const std::vector<double> unmoved = map.to_theta(parameters);
+    if (!(residuals.cost(start) < residuals.cost(unmoved))) start = unmoved;
     if (!std::isfinite(residuals.cost(start))) return infinity;
     const LocalSolution solution = local_solve(residuals, start, options_);
     if (!std::isfinite(solution.objective)) return infinity;
-    last_ = map.to_user(solution.theta);
+    parameters = map.to_user(solution.theta);
     below_minimum_ = below_minimum_ || solution.objective < best_objective_ * (1 - 1e-6);
     return std::sqrt(std::max(0.0, solution.objective - best_objective_) / confidence_.loss_unit);
   }
 
-  /// The other parameters moved along with the held one as their covariance says, positive ones as logarithms.
-  [[nodiscard]] std::vector<double> predicted(double value) const {
-    std::vector<double> result = last_;
+  /// The other parameters moved along with the held one as their covariance says, positive ones as logarithms: in
+  /// relative terms of the estimates, in which the covariance holds farthest.
+  [[nodiscard]] std::vector<double> predicted(std::vector<double> parameters, double value) const {
     const double variance = confidence_.covariance[parameter_][parameter_];
     const double change =
-        logarithmic_ ? last_[parameter_] * std::log(value / last_[parameter_]) : value - last_[parameter_];
+        logarithmic_ ? best_[parameter_] * std::log(value / parameters[parameter_]) : value - parameters[parameter_];
     for (const ParameterMap::Free& entry : problem_.map.free()) {
       const std::size_t i = entry.parameter;
       const double covariance = confidence_.covariance[i][parameter_];
       if (i == parameter_ || !std::isfinite(covariance)) continue;
-      // In relative terms of the estimates, in which the covariance holds along the curve best.
-      const double slope = covariance / variance * (logarithmic_ ? best_[parameter_] / last_[parameter_] : 1);
+      const double shift = covariance / variance * change;
       if (entry.logarithmic) {
-        result[i] *= std::exp(std::clamp(slope * change / best_[i], -3.0, 3.0));
+        parameters[i] *= std::exp(std::clamp(shift / best_[i], -3.0, 3.0));
       } else {
-        result[i] += slope * change;
+        parameters[i] += shift;
       }
     }
-    result[parameter_] = value;
-    return result;
+    parameters[parameter_] = value;
+    return parameters;
   }
 
   const FitProblem& problem_;
@@ -116,7 +121,7 @@ class Profile {
   std::vector<double> best_;
   double best_objective_;
   std::vector<ParameterConstraint> held_;
-  std::vector<double> last_;  // parameters at the point solved last
+  std::vector<double> inside_;  // parameters at the point inside that is farthest out
   bool logarithmic_ = false;
   double lower_ = -infinity, upper_ = infinity;  // of the coordinate
   bool below_minimum_ = false;
@@ -148,9 +153,9 @@ double profile_end(const std::function<double(double)>& rise, const ProfileLine&
       continue;
     }
     if (std::abs(outside - inside) <= tolerance * std::abs(inside - line.centre)) return inside;
-    // The secant through both, kept off their neighbourhood: a valley left on the way makes the rise jump.
+    // The secant through both, but no small step from within: a point far outside says little of the way there.
     const double share = std::isfinite(outside_rise) ? (wanted - inside_rise) / (outside_rise - inside_rise) : 0.5;
-    at = inside + std::clamp(share, 0.05, 0.95) * (outside - inside);
+    at = inside + std::clamp(share, 0.25, 0.95) * (outside - inside);
   }
   return outside;
 }

@@ -233,7 +233,7 @@ ProfileInterval profile_interval(const TimeResponseData& data, const TimeFitOpti
       detail::hold(refit_options, parameter, line.logarithmic ? std::exp(coordinate) : coordinate);
       const FitResult refit = fit(data, structure, refit_options);
       if (!std::isfinite(refit.loss_cost)) return infinity;
-      last = refit;
+      if (refit.loss_cost <= result.loss_cost + t * t * result.loss_unit) last = refit;
       interval.better_minimum_found = interval.better_minimum_found || refit.loss_cost < result.loss_cost * (1 - 1e-6);
       return std::sqrt(std::max(0.0, refit.loss_cost - result.loss_cost) / result.loss_unit);
     };

@@ -101,7 +101,7 @@ struct FitResult {
   std::size_t free_parameters;  // count
   std::size_t starts;           // local solves made
   std::size_t starts_at_best;   // of which ended at the best cost
-  std::size_t distinct_minima;  // different ends of the seeded starts, those beyond ten times the best cost as one
+  std::size_t distinct_minima;  // different ends of the seeded starts, those beyond 1.5 times the best cost as one
   /// Probability that no start whatever would have ended lower, from how often the seeded starts ended alike (Boender,
   /// Rinnooy Kan 1987; nothing is assumed of the number of minima and of the reach of each): 1 - distinct_minima/(n -
   /// 1) with n seeded starts.  1 where the fit is exact, NaN after a local solve.
@@ -117,6 +117,9 @@ struct FitResult {
   /// loss, with one sum psi^2/(residuals - parameters)/mean psi' (Huber 1981, sect. 7.10).
   double loss_unit;
   double seconds;
+  /// By which the fitted response is to be multiplied to undo the bias that noise in the divisor |data| causes under
+  /// relative weight, 1 + 2 r^2 with r the spread of the residuals; 1 where that is below 0.05 or neighbours are alike.
+  double gain_factor = 1;
 };
 
 /// Fits one structure: starts by linear least squares where the structure allows it, data-driven and seeded starts,

@@ -29,8 +29,8 @@ struct RankedFit {
 enum class Verdict { fractional_supported, fractional_not_supported, undecided };
 [[nodiscard]] std::string_view to_string(Verdict verdict);
 
-/// Structures ranked by AICc on the same residuals, best first.  The chosen one is the simplest (fewest free
-/// parameters) whose AICc is within 2 of the best.
+/// Structures ranked by AICc on the same residuals, best first.  The chosen one is, of those whose fit converged, the
+/// simplest (fewest free parameters) with an AICc within 2 of the best.
 ///
 /// The verdict compares the best fractional candidate with the best of the others.  Where the best fit leaves residuals
 /// that follow each other along the axis of frequency or time (the model, not noise, is what is left), the points count

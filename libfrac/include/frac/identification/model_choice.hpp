@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -57,6 +58,7 @@ enum class GrowthFamily {
 struct Growth {
   std::vector<FitResult> fits;
   std::size_t chosen;  // index into fits
+  std::string reason;  // one sentence: why it went no further
 };
 
 /// Starts from one term and adds another only while the data pay for it: AICc must fall by more than 2 in the measure
