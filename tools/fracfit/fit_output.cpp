@@ -42,6 +42,15 @@ std::string state_of(const frac::ParameterEstimate& parameter) {
   return "";
 }
 
+std::string note_on_profiles(const frac::FitResult& result) {
+  std::string names;
+  for (const auto& parameter : result.parameters) {
+    if (parameter.interval == frac::IntervalKind::profile) names += (names.empty() ? "" : ", ") + parameter.name;
+  }
+  if (names.empty()) return {};
+  return "Wide intervals follow the cost itself (profile likelihood), not its curvature: " + names + ".\n";
+}
+
 std::string parameter_table(const frac::FitResult& result) {
   AlignedTable table({"parameter", "value", "standard error", "95 % interval", ""});
   for (const auto& parameter : result.parameters) {
@@ -50,7 +59,7 @@ std::string parameter_table(const frac::FitResult& result) {
                parameter.fixed ? "-" : short_number(parameter.standard_error),
                has_interval ? interval(parameter.ci95_lower, parameter.ci95_upper) : "-", state_of(parameter)});
   }
-  return table.text();
+  return table.text() + note_on_profiles(result);
 }
 
 std::string added_intervals(const frac::FitResult& result, const FitStatistics& statistics) {

@@ -22,7 +22,7 @@ struct Confidence {
   double condition;              // of the scaled Fisher matrix
   double t;                      // half width of a 95 % interval in standard errors
   double deviation;              // standard deviation of a residual, NaN without a degree of freedom
-  double loss_unit;              // see FitResult, in units of the residuals
+  double loss_unit;  // see FitResult, in units of the residuals: rise of the objective for one standard error
 };
 
 [[nodiscard]] Confidence confidence(const Residuals& residuals, const LocalSolution& solution,

@@ -9,12 +9,12 @@
 #include <stdexcept>
 
 #include "confidence.hpp"
+#include "curvature_fit.hpp"
 #include "estimates.hpp"
+#include "fit_problem.hpp"
 #include "global_search.hpp"
 #include "interchange.hpp"
-#include "local_solve.hpp"
-#include "parameter_map.hpp"
-#include "residuals.hpp"
+#include "profile.hpp"
 #include "robust.hpp"
 
 namespace frac {
@@ -22,25 +22,6 @@ namespace frac {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-detail::DataScale data_scale(const FrequencyResponseData& data) {
-  double sum = 0, lower = std::numeric_limits<double>::infinity(), upper = 0;
-  std::size_t nonzero = 0;
-  for (const std::complex<double> value : data.value()) {
-    const double magnitude = std::abs(value);
-    if (!(magnitude > 0)) continue;
-    sum += std::log(magnitude);
-    lower = std::min(lower, magnitude);
-    upper = std::max(upper, magnitude);
-    ++nonzero;
-  }
-  // Half a decade beyond the data on either side, so that constant data leave room too.
-  constexpr double margin = 3;
-  const double first = data.omega().front(), last = data.omega().back();
-  if (nonzero == 0) return {1, 1 / margin, margin, std::sqrt(first) * std::sqrt(last), first / margin, last * margin};
-  return {std::exp(sum / static_cast<double>(nonzero)), lower / margin, upper * margin,
-          std::sqrt(first) * std::sqrt(last),           first / margin, last * margin};
-}
 
 void check_coverage(const FrequencyResponseData& data, const Realisation& realisation) {
   validate(realisation);
@@ -87,18 +68,29 @@ void check_start(const detail::ParameterMap& map, const Structure& structure) {
   }
 }
 
-/// Every n-th point, so few that searches and first iterations stay quick and so many that they see the same shape.
+/// Points of the data, at most `count`: half of them spread evenly, half by the length of the curve in logarithms, so
+/// that a resonance keeps its points.
 struct Thinned {
   FrequencyResponseData data;
   detail::ResidualRule rule;
 };
-Thinned thinned(const FrequencyResponseData& data, const detail::ResidualRule& rule) {
-  constexpr std::size_t enough = 500;
-  const std::size_t stride = (data.size() + enough - 1) / enough;
+Thinned thinned(const FrequencyResponseData& data, const detail::ResidualRule& rule, std::size_t count) {
+  const std::size_t size = data.size();
+  std::vector<double> length(size, 0.0);
+  for (std::size_t i = 1; i < size; ++i) {
+    const std::complex<double> before = data.value()[i - 1], after = data.value()[i];
+    const double mean = (std::abs(before) + std::abs(after)) / 2;
+    length[i] = length[i - 1] + (mean > 0 ? std::abs(after - before) / mean : 0);  // at most 2: also of an outlier
+  }
   std::vector<double> omega;
   std::vector<std::complex<double>> value;
   detail::ResidualRule thin{rule.form, {}, rule.unit};
-  for (std::size_t i = 0; i < data.size(); i += stride) {
+  const double total = length.back() > 0 ? length.back() : 1;
+  double next = 0;
+  for (std::size_t i = 0; i < size; ++i) {
+    const double place = 0.5 * static_cast<double>(i) / static_cast<double>(size) + 0.5 * length[i] / total;
+    if (count < size && place < next && i + 1 < size) continue;
+    next = (std::floor(place * static_cast<double>(count)) + 1) / static_cast<double>(count);
     omega.push_back(data.omega()[i]);
     value.push_back(data.value()[i]);
     thin.weight.push_back(rule.weight[i]);
@@ -106,13 +98,26 @@ Thinned thinned(const FrequencyResponseData& data, const detail::ResidualRule& r
   return {{std::move(omega), std::move(value)}, std::move(thin)};
 }
 
+detail::GlobalSolution search(const detail::Residuals& residuals, const detail::ResidualRule& rule,
+                              const FrequencyResponseData& data, const Structure& structure,
+                              const FitOptions& options) {
+  // So few that scouting is quick and so many that they show the shape of most curves; see global_search().
+  const std::size_t scouted = std::max<std::size_t>(64, 8 * residuals.map().free().size());
+  const std::vector<double> orders = detail::suggested_orders(data);
+  if (2 * data.size() < 3 * scouted) return global_search(residuals, residuals, orders, options.seed);
+  const Thinned few = thinned(data, rule, scouted);
+  const detail::FrequencyResiduals scouting(few.data, structure, options.realisation, residuals.map(), few.rule);
+  return global_search(scouting, residuals, orders, options.seed);
+}
+
 detail::GlobalSolution solve(const detail::Residuals& residuals, const detail::ResidualRule& rule,
                              const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
-  const Thinned thin = thinned(data, rule);
+  // First iterations stay quick on so many points, and see the same shape.
+  const Thinned thin = thinned(data, rule, 500);
   const detail::FrequencyResiduals few(thin.data, structure, options.realisation, residuals.map(), thin.rule);
   detail::GlobalSolution result;
   if (options.global_start && !residuals.map().free().empty()) {
-    result = global_search(few, detail::suggested_orders(thin.data), options.seed);
+    result = search(few, thin.rule, thin.data, structure, options);
     if (result.starts_at_best == 0) return result;
   } else {
     check_start(residuals.map(), structure);
@@ -157,14 +162,19 @@ Component other_component(Component component) {
   return component == Component::imaginary ? Component::real : Component::imaginary;
 }
 
-/// fit() with or without a look at the other component for what this one is blind to.
+/// Parts of fit() that some of its callers go without.
+struct Extent {
+  bool recover;   // looks at the other component for what the fitted one is blind to
+  bool profiles;  // follows the cost where intervals are wide
+};
 FitResult fit_component(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
-                        bool recover);
+                        Extent extent);
 
 /// What the fitted component is blind to (a real constant in an imaginary part) is estimated from the other one, the
 /// rest held.
 void recover_unseen(FitResult& result, const detail::Confidence& found, const detail::Residuals& residuals, double cost,
-                    const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
+                    const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
+                    bool profiles) {
   if (options.component != Component::imaginary && options.component != Component::real) return;
   const bool all_seen = std::find(found.seen.begin(), found.seen.end(), false) == found.seen.end();
   const bool none_seen = std::find(found.seen.begin(), found.seen.end(), true) == found.seen.end();
@@ -182,7 +192,7 @@ void recover_unseen(FitResult& result, const detail::Confidence& found, const de
       if (constraint.name == name) rest.constraints.push_back(constraint);
     }
   }
-  const FitResult recovered = fit_component(data, structure, rest, false);
+  const FitResult recovered = fit_component(data, structure, rest, {false, profiles});
   std::vector<double> values;
   for (const ParameterEstimate& estimate : recovered.parameters) values.push_back(estimate.value);
   // The fitted component must not notice: blindness at the minimum alone is not enough.
@@ -194,18 +204,42 @@ void recover_unseen(FitResult& result, const detail::Confidence& found, const de
   }
 }
 
+/// An interval up to this share of the value on either side is left as the curvature gives it: where parameters act
+/// through their logarithms, the next term moves an end by half that share of the half width, and coverage by some
+/// tenths of a per cent.
+constexpr double narrow = 0.1;
+
+/// Wide intervals follow the cost instead of its curvature at the minimum.
+void follow_cost(FitResult& result, const detail::FitProblem& problem, const detail::LocalSolution& solution,
+                 const detail::Confidence& found) {
+  if (problem.options.loss != Loss::none || found.condition > detail::flat_condition || !(found.loss_unit > 0)) return;
+  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+    ParameterEstimate& estimate = result.parameters[i];
+    const double half_width = found.t * estimate.standard_error;
+    if (estimate.fixed || !std::isfinite(half_width) || half_width <= narrow * std::abs(estimate.value)) continue;
+    // An end to half a per cent of the half width, or none within 15 steps.
+    const detail::ProfileEnds ends = profile_ends(problem, solution, {}, found, i, 5e-3, 15);
+    if (ends.below_minimum) continue;
+    estimate.ci95_lower = std::max(ends.lower, ends.lower_limit);
+    estimate.ci95_upper = std::min(ends.upper, ends.upper_limit);
+    estimate.interval = IntervalKind::profile;
+    const double widest = std::max(estimate.value - ends.lower, ends.upper - estimate.value);
+    estimate.identified = estimate.identified && widest <= 0.5 * std::abs(estimate.value);
+  }
+}
+
 FitResult fit_component(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
-                        bool recover) {
+                        Extent extent) {
   const auto begin = std::chrono::steady_clock::now();
   check_coverage(data, options.realisation);
   const std::size_t most_residuals = 2 * data.size();
   const std::size_t least_free =
       structure.parameter_names().size() - std::min(structure.parameter_names().size(), options.constraints.size());
   if (least_free > most_residuals) refuse_count(most_residuals, least_free);
-  const detail::ParameterMap map(structure, options.constraints, data_scale(data),
-                                 options.component == Component::magnitude);
-  const detail::ResidualRule rule = detail::residual_rule(data, options.component, options.weight);
-  detail::FrequencyResiduals residuals(data, structure, options.realisation, map, rule);
+  detail::FitProblem problem(data, structure, options);
+  const detail::ParameterMap& map = problem.map;
+  const detail::ResidualRule& rule = problem.rule;
+  detail::FrequencyResiduals& residuals = problem.residuals;
   if (residuals.count() < map.free().size()) {
     refuse_count(residuals.count(), map.free().size());
   }
@@ -238,7 +272,10 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   const detail::Confidence found = confidence(residuals, solution.best, local);
   result.message = ending(solution);
   describe_estimates(result, structure, residuals, options.constraints, found, solution.best.theta);
-  if (recover) recover_unseen(result, found, residuals, solution.best.cost, data, structure, options);
+  if (extent.profiles) follow_cost(result, problem, solution.best, found);
+  if (extent.recover) {
+    recover_unseen(result, found, residuals, solution.best.cost, data, structure, options, extent.profiles);
+  }
   refuse_whole_orders(result, structure, options.realisation);
 
   describe_residuals(result, residuals, local, found, solution.best.theta, rule.unit);
@@ -259,7 +296,12 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
 }  // namespace
 
 FitResult fit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
-  return fit_component(data, structure, options, true);
+  return fit_component(data, structure, options, {true, true});
+}
+
+FitResult detail::curvature_fit(const FrequencyResponseData& data, const Structure& structure,
+                                const FitOptions& options) {
+  return fit_component(data, structure, options, {true, false});
 }
 
 std::vector<std::complex<double>> fitted_response(const FitResult& result, const Realisation& realisation,

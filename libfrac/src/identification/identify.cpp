@@ -77,7 +77,9 @@ const ParameterEstimate* decided_order(const FitResult& fit, double share) {
     if (structure.parameter_roles()[i] != ParameterRole::order || estimate.at_bound) continue;
     if (!estimate.fixed && !std::isfinite(estimate.standard_error)) continue;
     const double distance = std::abs(estimate.value - std::round(estimate.value));
-    const double half_width = estimate.fixed ? 0 : (estimate.ci95_upper - estimate.value) / std::sqrt(share);
+    const bool whole_above = std::round(estimate.value) > estimate.value;
+    const double side = whole_above ? estimate.ci95_upper - estimate.value : estimate.value - estimate.ci95_lower;
+    const double half_width = estimate.fixed ? 0 : side / std::sqrt(share);
     const double widths = half_width > 0 ? distance / half_width : (distance > 0 ? 1e300 : 0);
     if (widths > farthest) {
       farthest = widths;

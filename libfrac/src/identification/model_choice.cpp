@@ -9,6 +9,7 @@
 #include <string>
 
 #include "autocorrelation.hpp"
+#include "curvature_fit.hpp"
 #include "fit_data.hpp"
 
 namespace frac {
@@ -30,7 +31,7 @@ double rms_of_predictions(const Data& data, const Structure& structure, const Op
   double square = 0;
   for (std::size_t fold = 0; fold < folds; ++fold) {
     const std::size_t first = fold * points / folds, last = (fold + 1) * points / folds;
-    const FitResult result = fit(detail::part_of(data, first, last, false), structure, options);
+    const FitResult result = detail::curvature_fit(detail::part_of(data, first, last, false), structure, options);
     if (result.termination == FitTermination::no_usable_start) return infinity;
     const std::vector<double> residual = detail::weighted_residuals(data, options, result);
     for (std::size_t i = first * per_point; i < last * per_point; ++i) square += residual[i] * residual[i];

@@ -50,7 +50,7 @@ class TimeSearch {
       search_transforms();
       const TimeResiduals sparse = problem_.residuals(every_nth(problem_.data.observed(), very_few_outputs), coarsest);
       if (!std::isfinite(result_.best.cost)) {
-        const GlobalSolution found = global_search(sparse, {}, problem_.options.seed);
+        const GlobalSolution found = global_search(sparse, sparse, {}, problem_.options.seed);
         if (found.starts_at_best > 0) try_from(found.best.theta);
         result_.starts += found.starts;
       }
@@ -90,7 +90,7 @@ class TimeSearch {
                                          decay);
       if (transformed.points() < problem_.map.free().size()) continue;
       const GlobalSolution found =
-          global_search(transformed, suggested_orders(transformed.quotient()), problem_.options.seed);
+          global_search(transformed, transformed, suggested_orders(transformed.quotient()), problem_.options.seed);
       result_.starts += found.starts;
       if (found.starts_at_best > 0) try_from(found.best.theta);
       if (is_exact() || at_best() > 1) return;

@@ -1,16 +1,17 @@
 #include "frac/identification/uncertainty.hpp"
 
 #include <algorithm>
-#include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 #include <limits>
 #include <random>
 #include <stdexcept>
 #include <string>
 
+#include "curvature_fit.hpp"
 #include "fit_data.hpp"
 #include "frac/identification/statistics.hpp"
 #include "frac/parallel_for.hpp"
+#include "profile.hpp"
 
 namespace frac {
 
@@ -47,73 +48,22 @@ const ParameterEstimate& estimate_of(const FitResult& result, std::string_view n
   return *found;
 }
 
-template <class Data, class Options>
-ProfileInterval profile_of(const Data& data, const Options& options, const FitResult& result,
-                           std::string_view parameter) {
+/// Of a fit at one's hands. @throws std::invalid_argument  as profile_interval().
+const ParameterEstimate& profiled(const FitResult& result, std::string_view parameter) {
   const ParameterEstimate& estimate = estimate_of(result, parameter);
   if (estimate.fixed)
     throw std::invalid_argument("parameter '" + std::string(parameter) + "' is fixed, it has no interval");
   if (estimate.from_other_component || !(std::isfinite(estimate.value))) {
     throw std::invalid_argument("parameter '" + std::string(parameter) + "' is not seen by the fitted component");
   }
-  const double degrees = static_cast<double>(result.residuals) - static_cast<double>(result.free_parameters);
-  if (!(degrees >= 1)) throw std::invalid_argument("a profile needs more residuals than free parameters");
-  const double t = student_t_95(degrees);
-  const double limit = result.loss_cost + t * t * (std::isfinite(result.loss_unit) ? result.loss_unit : 0);
-
-  const Structure structure(result.model);
-  Options held = options;
-  if (options.loss != Loss::none) held.loss_scale = result.loss_scale;
-  ProfileInterval interval{-infinity, infinity, false};
-  for (const int side : {-1, 1}) {
-    FitResult last = result;
-    const auto excess = [&](double value) {
-      Options refit_options = warm(held, structure, last.parameters);
-      detail::hold(refit_options, parameter, value);
-      const FitResult refit = fit(data, structure, refit_options);
-      if (std::isfinite(refit.loss_cost)) last = refit;
-      interval.better_minimum_found = interval.better_minimum_found || refit.loss_cost < result.loss_cost * (1 - 1e-6);
-      return std::isfinite(refit.loss_cost) ? refit.loss_cost / limit - 1 : infinity;
-    };
-    double lower = -infinity, upper = infinity;
-    for (const ParameterConstraint& constraint : options.constraints) {
-      if (constraint.name != parameter) continue;
-      lower = constraint.lower.value_or(lower);
-      upper = constraint.upper.value_or(upper);
-    }
-    if (parameter != detail::offset_name) {
-      const auto role = structure.parameter_roles()[structure.parameter_index(parameter)];
-      if (role != ParameterRole::order && lower == -infinity && estimate.value > 0) lower = 0;
-    }
-    // Steps outward from the estimate until the cost is past the limit.
-    const double scale = std::isfinite(estimate.standard_error) && estimate.standard_error > 0
-                             ? std::min(estimate.standard_error, std::abs(estimate.value) + 1e-300)
-                             : 0.01 * std::abs(estimate.value) + 1e-300;
-    double inside = estimate.value, outside = estimate.value, step = scale;
-    bool found = false;
-    for (int i = 0; i < 60 && !found; ++i) {
-      outside = inside + side * step;
-      if (outside <= lower || outside >= upper) {
-        // Half the way to a bound that cannot be reached (a positive coefficient never is 0), and no further than 1e-6
-        // of it.
-        const double bound = side < 0 ? lower : upper;
-        outside = inside + (bound - inside) / 2;
-        if (!(std::abs(bound - outside) > 1e-6 * (std::abs(estimate.value) + std::abs(bound)))) break;
-      }
-      found = excess(outside) > 0;
-      if (!found) inside = outside;
-      step *= 1.6;
-    }
-    if (!found) continue;
-    std::uintmax_t iterations = 40;
-    const auto close = [&](double a, double b) { return std::abs(a - b) <= 1e-6 * (std::abs(a) + std::abs(b)); };
-    const auto bracket = inside < outside
-                             ? boost::math::tools::toms748_solve(excess, inside, outside, close, iterations)
-                             : boost::math::tools::toms748_solve(excess, outside, inside, close, iterations);
-    (side < 0 ? interval.lower : interval.upper) = 0.5 * (bracket.first + bracket.second);
-  }
-  return interval;
+  if (result.residuals <= result.free_parameters)
+    throw std::invalid_argument("a profile needs more residuals than free parameters");
+  return estimate;
 }
+
+// To this share of an interval, within so many refits.
+constexpr double profile_tolerance = 1e-6;
+constexpr int profile_steps = 60;
 
 /// Data made of the fitted curve and residuals drawn from those left, for the bootstrap.
 class FrequencyResampling {
@@ -223,7 +173,7 @@ std::vector<BootstrapInterval> bootstrap_of(const Resampling& resampling, const 
   parallel_for(samples, threads, [&](std::size_t sample) {
     std::seed_seq seed{options.seed, static_cast<std::uint64_t>(sample)};
     std::mt19937_64 generator(seed);
-    const FitResult again = fit(resampling.draw(generator), structure, refit);
+    const FitResult again = detail::curvature_fit(resampling.draw(generator), structure, refit);
     for (std::size_t k = 0; k < values.size(); ++k) values[k][sample] = again.parameters[k].value;
   });
   std::vector<BootstrapInterval> intervals;
@@ -235,12 +185,62 @@ std::vector<BootstrapInterval> bootstrap_of(const Resampling& resampling, const 
 
 ProfileInterval profile_interval(const FrequencyResponseData& data, const FitOptions& options, const FitResult& result,
                                  std::string_view parameter) {
-  return profile_of(data, options, result, parameter);
+  profiled(result, parameter);
+  const Structure structure(result.model);
+  detail::FitProblem problem(data, structure, options);
+  detail::LocalOptions local;
+  if (std::isfinite(result.loss_scale)) {
+    local.loss = options.loss;
+    local.loss_scale = result.loss_scale / problem.rule.unit;
+  }
+  std::vector<double> values;
+  for (const ParameterEstimate& each : result.parameters) values.push_back(each.value);
+  const detail::LocalSolution solution = detail::solution_at(problem.residuals, problem.map.to_theta(values), local);
+  const detail::Confidence found = confidence(problem.residuals, solution, local);
+  const detail::ProfileEnds ends = profile_ends(problem, solution, local, found, structure.parameter_index(parameter),
+                                                profile_tolerance, profile_steps);
+  return {ends.lower, ends.upper, ends.below_minimum};
 }
 
 ProfileInterval profile_interval(const TimeResponseData& data, const TimeFitOptions& options, const FitResult& result,
                                  std::string_view parameter) {
-  return profile_of(data, options, result, parameter);
+  const ParameterEstimate& estimate = profiled(result, parameter);
+  const Structure structure(result.model);
+  TimeFitOptions held = options;
+  if (std::isfinite(result.loss_scale)) held.loss_scale = result.loss_scale;
+  detail::ProfileLine line{estimate.value, 0, -infinity, infinity, false};
+  for (const ParameterConstraint& constraint : options.constraints) {
+    if (constraint.name != parameter) continue;
+    line.lower = constraint.lower.value_or(line.lower);
+    line.upper = constraint.upper.value_or(line.upper);
+  }
+  if (parameter != detail::offset_name) {
+    const ParameterRole role = structure.parameter_roles()[structure.parameter_index(parameter)];
+    line.logarithmic = role == ParameterRole::coefficient && line.lower == -infinity && estimate.value > 0;
+  }
+  const double t = student_t_95(static_cast<double>(result.residuals - result.free_parameters));
+  const double error = estimate.standard_error > 0 ? estimate.standard_error : 0.01 * std::abs(estimate.value) + 1e-300;
+  line.step = t * (line.logarithmic ? error / estimate.value : error);
+  if (line.logarithmic) {
+    line.centre = std::log(estimate.value);
+    line.upper = std::log(line.upper);
+  }
+  ProfileInterval interval{-infinity, infinity, false};
+  for (const int side : {-1, 1}) {
+    FitResult last = result;
+    const auto rise = [&](double coordinate) {
+      TimeFitOptions refit_options = warm(held, structure, last.parameters);
+      detail::hold(refit_options, parameter, line.logarithmic ? std::exp(coordinate) : coordinate);
+      const FitResult refit = fit(data, structure, refit_options);
+      if (!std::isfinite(refit.loss_cost)) return infinity;
+      last = refit;
+      interval.better_minimum_found = interval.better_minimum_found || refit.loss_cost < result.loss_cost * (1 - 1e-6);
+      return std::sqrt(std::max(0.0, refit.loss_cost - result.loss_cost) / result.loss_unit);
+    };
+    const double end = detail::profile_end(rise, line, side, t, profile_tolerance, profile_steps);
+    (side < 0 ? interval.lower : interval.upper) = line.logarithmic && std::isfinite(end) ? std::exp(end) : end;
+  }
+  return interval;
 }
 
 std::vector<BootstrapInterval> bootstrap(const FrequencyResponseData& data, const FitOptions& options,

@@ -58,11 +58,16 @@ struct FitOptions {
   bool global_start = true;  // false: one local solve from the given starts; every free parameter then needs one
 };
 
+/// What an interval follows: the curvature of the cost at its minimum, or the cost itself, as profile_interval() does.
+enum class IntervalKind { curvature, profile };
+[[nodiscard]] std::string_view to_string(IntervalKind kind);
+
 struct ParameterEstimate {
   std::string name;
   double value;
-  double standard_error;          // scaled by the residual variance; 0 when fixed, NaN when unseen or at a bound
-  double ci95_lower, ci95_upper;  // Student t; NaN like standard_error
+  double standard_error;  // scaled by the residual variance; 0 when fixed, NaN when unseen or at a bound
+  /// Student t.  NaN like standard_error; a profile that has no end within the limits of the parameter ends at a limit.
+  double ci95_lower, ci95_upper;
   bool fixed;
   bool at_bound;
   bool
@@ -71,6 +76,7 @@ struct ParameterEstimate {
   /// correlated with the orders.
   double centre_value, centre_standard_error;
   bool from_other_component;  // the fitted component is blind to it; estimated from the other one with the rest held
+  IntervalKind interval = IntervalKind::curvature;  // wider ones than 10 % of the value on either side: profile
 };
 
 enum class FitTermination {
