@@ -105,3 +105,19 @@ TEST(PowerSumRoots, RealAndWidelySpreadRoots) {
   for (const RootCluster& root : roots.clusters) EXPECT_TRUE(root.is_conjugate);
   EXPECT_TRUE(frac::detail::power_sum_roots({{3, 0.4}}, pi).clusters.empty());
 }
+
+// Terms of nearly equal orders outweigh each other only at e^-1e12 and e^1e4, where nothing is to be looked for: terms
+// of one sign that turn by less than a right angle from each other cannot cancel.
+TEST(PowerSumRoots, NearlyEqualOrdersAreNotFollowedForEver) {
+  const auto none = frac::detail::power_sum_roots({{1, 2.4e-12}, {0.138, 0}}, 1.5 * pi);
+  EXPECT_TRUE(none.complete);
+  EXPECT_TRUE(none.clusters.empty());
+  const std::vector<PowerTerm> sum{{1, 1.0001}, {2, 1}, {3, 0}};
+  const auto roots = frac::detail::power_sum_roots(sum, 1.5 * pi);
+  EXPECT_TRUE(roots.complete);
+  ASSERT_EQ(roots.clusters.size(), 1u);
+  // 3 s + 3 = 0 but for 0.0001 pi.
+  EXPECT_LE(std::abs(roots.clusters[0].log_s - Complex(0, pi)), 1e-3);
+  const auto value = frac::detail::scaled_sum(sum, roots.clusters[0].log_s);
+  EXPECT_LE(std::abs(value.value), 1e-14);
+}

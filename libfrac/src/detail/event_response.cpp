@@ -221,7 +221,7 @@ bool EventResponse::evaluate(const RatioOfPowerSums& ratio, double tolerance, Re
   digits += (multiplicity - 1) * std::log(digits / cut.half_width);
   const double step = 2 * pi * 0.97 * cut.half_width / digits;
   const double upper = std::log(digits / (-std::cos(cut.angle) * shortest_lag(ratio.delay)));
-  const double lowest = std::min(image.lowest_corner(), -std::log(latest));
+  const double lowest = image.lowest_noticed(latest, tolerance);
   const Complex cut_factor(0, -step / pi);
 
   const auto rate_of = [&](Complex zeta) {

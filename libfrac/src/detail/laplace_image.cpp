@@ -25,13 +25,13 @@ double log_size(const PowerTerm& term, double log_radius) {
   return std::log(std::abs(term.coefficient)) + term.order * log_radius;
 }
 
-void widen(const std::vector<PowerTerm>& terms, double& lowest, double& highest) {
+// Visits ln|s| where two terms of a sum are equally large.
+template <typename Visit>
+void for_each_corner(const std::vector<PowerTerm>& terms, const Visit& visit) {
   for (const PowerTerm& a : terms) {
     for (const PowerTerm& b : terms) {
       if (a.order <= b.order) continue;
-      const double corner = std::log(std::abs(b.coefficient / a.coefficient)) / (a.order - b.order);
-      lowest = std::min(lowest, corner);
-      highest = std::max(highest, corner);
+      visit(std::log(std::abs(b.coefficient / a.coefficient)) / (a.order - b.order));
     }
   }
 }
@@ -57,8 +57,12 @@ LaplaceImage::LaplaceImage(std::vector<PowerTerm> numerator, std::vector<PowerTe
   }
   lowest_corner_ = std::numeric_limits<double>::infinity();
   highest_corner_ = -lowest_corner_;
-  widen(numerator_, lowest_corner_, highest_corner_);
-  widen(denominator_, lowest_corner_, highest_corner_);
+  for (const std::vector<PowerTerm>* terms : {&numerator_, &denominator_}) {
+    for_each_corner(*terms, [&](double corner) {
+      lowest_corner_ = std::min(lowest_corner_, corner);
+      highest_corner_ = std::max(highest_corner_, corner);
+    });
+  }
   if (lowest_corner_ > highest_corner_) lowest_corner_ = highest_corner_ = 0;
 }
 
@@ -75,6 +79,20 @@ double LaplaceImage::log_magnitude(double log_radius) const {
 
 double LaplaceImage::slope(double log_radius) const {
   return dominant(numerator_, log_radius).order - dominant(denominator_, log_radius).order;
+}
+
+double LaplaceImage::lowest_noticed(double latest, double tolerance) const {
+  // Nodes at s add about Y s latest to a response up to `latest` where s latest < 1; in logarithms that is piecewise
+  // straight, so it is largest at a corner.  A margin for what poles nearby add.
+  const double own = -std::log(latest);
+  const double least = log_magnitude(own) + std::log(1e-3 * tolerance);
+  double lowest = own;
+  for (const std::vector<PowerTerm>* terms : {&numerator_, &denominator_}) {
+    for_each_corner(*terms, [&](double corner) {
+      if (corner < lowest && log_magnitude(corner) + corner - own > least) lowest = corner;
+    });
+  }
+  return lowest;
 }
 
 LaplaceImage::OriginExpansion LaplaceImage::origin_expansion(double limit) const {

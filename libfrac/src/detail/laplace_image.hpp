@@ -35,6 +35,9 @@ class LaplaceImage {
   /// ln|s| below which one term dominates each sum.
   [[nodiscard]] double lowest_corner() const noexcept { return lowest_corner_; }
   [[nodiscard]] double highest_corner() const noexcept { return highest_corner_; }
+  /// The lowest ln|s| that a step response up to `latest` notices at a relative tolerance: that of the record, or a
+  /// corner below it that adds to the response.  An order near 0 has corners so low that nothing ever does.
+  [[nodiscard]] double lowest_noticed(double latest, double tolerance) const;
 
   /// Terms c s^q with q <= limit that Y has at the origin, and the numerator of what remains; their leading terms
   /// cancel exactly.

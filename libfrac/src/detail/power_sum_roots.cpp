@@ -213,12 +213,15 @@ class Search {
   bool complete_ = true;
 };
 
-// ln|s| beyond which one term outweighs all others together.
-double dominance(const std::vector<PowerTerm>& sum, const PowerTerm& term, double sign) {
+// ln|s| beyond which one term outweighs together all others that can point against it within the largest argument:
+// those of the other sign, and those of orders that turn them by more than a right angle.  Infinite if there are none.
+double dominance(const std::vector<PowerTerm>& sum, const PowerTerm& term, double sign, double largest_argument) {
   double bound = -sign * std::numeric_limits<double>::infinity();
   const auto others = static_cast<double>(sum.size());
   for (const PowerTerm& other : sum) {
     if (other.order == term.order) continue;
+    const double turn = std::abs(other.order - term.order) * largest_argument;
+    if (other.coefficient * term.coefficient > 0 && turn < std::numbers::pi / 2) continue;
     const double at = std::log(others * std::abs(other.coefficient / term.coefficient)) / (term.order - other.order);
     bound = sign > 0 ? std::max(bound, at) : std::min(bound, at);
   }
@@ -341,8 +344,16 @@ PowerSumRoots power_sum_roots(const std::vector<PowerTerm>& sum, double largest_
   // Edges that meet a root are moved a little.
   for (int attempt = 0; attempt < 8; ++attempt) {
     const double shift = 0.0137 * (attempt + 1);
-    const Box box{dominance(reduced, reduced.back(), -1) - 1 - shift,
-                  dominance(reduced, reduced.front(), 1) + 1 + shift, -shift, largest_argument + shift};
+    const double top = largest_argument + shift;
+    Box box{dominance(reduced, reduced.back(), -1, top) - 1 - shift,
+            dominance(reduced, reduced.front(), 1, top) + 1 + shift, -shift, top};
+    if (!(box.left < box.right)) return result;  // no two terms cancel
+    // Nearly equal orders move roots out of any range: below this |s| is 0 to a double, and beyond the edges of the box
+    // would be too long to follow.
+    box.left = std::max(box.left, -800 - shift);
+    constexpr double farthest = 20'000;
+    const bool cut_off = box.right > farthest + shift;
+    box.right = std::max(std::min(box.right, farthest + shift), box.left + 1);
     const double count = search.count(box);
     if (!(std::abs(count - std::round(count)) < 0.01)) continue;
     search.divide(box, static_cast<int>(std::lround(count)), 200);
@@ -350,7 +361,7 @@ PowerSumRoots power_sum_roots(const std::vector<PowerTerm>& sum, double largest_
     for (RootCluster& cluster : result.clusters) search.polish(cluster);
     std::erase_if(result.clusters,
                   [&](const RootCluster& cluster) { return cluster.log_s.imag() > largest_argument + 1e-9; });
-    result.complete = search.complete();
+    result.complete = search.complete() && !cut_off;
     return result;
   }
   result.complete = false;

@@ -14,21 +14,13 @@
 #include "estimates.hpp"
 #include "fit_data.hpp"
 #include "frac/identification/model_choice.hpp"
-#include "global_search.hpp"
-#include "interchange.hpp"
-#include "laplace_residuals.hpp"
 #include "robust.hpp"
-#include "time_residuals.hpp"
+#include "time_search.hpp"
 
 namespace frac {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-// Simulations of the searches, far below any noise, and of the final solve, at rounding.
-constexpr double coarse = 1e-8;
-constexpr double fine = 1e-13;
-// Costs that agree to this are the same minimum or equally good fits: far less than noise in the data makes of it.
-constexpr double equally_good = 1e-3;
 using detail::offset_name;
 
 double length_of(const TimeResponseData& data) {
@@ -108,19 +100,6 @@ void check(const TimeResponseData& data, const Structure& structure, const TimeF
   }
 }
 
-std::vector<std::size_t> every_nth(const std::vector<std::size_t>& all, std::size_t enough) {
-  const std::size_t stride = (all.size() + enough - 1) / enough;
-  std::vector<std::size_t> index;
-  for (std::size_t i = 0; i < all.size(); i += stride) index.push_back(all[i]);
-  if (index.back() != all.back()) index.push_back(all.back());
-  return index;
-}
-
-bool is_complete(const std::vector<double>& start, const detail::ParameterMap& map) {
-  return std::none_of(map.free().begin(), map.free().end(),
-                      [&](const auto& entry) { return std::isnan(start[entry.parameter]); });
-}
-
 // Standard deviation of the weighted output: the unit of the residuals the solvers see.
 double unit_of(const TimeResponseData& data, std::optional<double> offset) {
   double weights = 0, mean = 0;
@@ -135,91 +114,6 @@ double unit_of(const TimeResponseData& data, std::optional<double> offset) {
   const double unit = std::sqrt(sum / static_cast<double>(data.observed().size()));
   return unit > 0 ? unit : 1;
 }
-
-// From start values in the domain of Laplace, or given ones, to the best of their minima in time.
-class TimeSearch {
- public:
-  TimeSearch(const TimeResponseData& data, const Structure& structure, const detail::ParameterMap& map,
-             const TimeFitOptions& options, double unit)
-      : data_(data), structure_(structure), map_(map), options_(options), unit_(unit) {
-    result_.best.cost = std::numeric_limits<double>::infinity();
-  }
-
-  detail::GlobalSolution run() {
-    constexpr std::size_t enough = 500;
-    const detail::TimeResiduals few = residuals(every_nth(data_.observed(), enough), coarse);
-    if (is_complete(map_.start(), map_)) try_from(few, map_.to_theta(map_.start()));
-    if (options_.global_start && !map_.free().empty() && !is_exact(few)) {
-      search_transforms(few);
-      if (at_best() < 2 && !is_exact(few)) {
-        // The transform misled, or the two best differ: search among simulations, of few points.
-        constexpr std::size_t very_few = 120;
-        const detail::TimeResiduals sparse = residuals(every_nth(data_.observed(), very_few), 1e-5);
-        const detail::GlobalSolution found = detail::global_search(sparse, sparse, {}, options_.seed);
-        if (found.starts_at_best > 0) try_from(few, found.best.theta);
-        result_.starts += found.starts;
-      }
-    }
-    if (!std::isfinite(result_.best.cost)) return {};
-    const detail::TimeResiduals all = residuals(data_.observed(), fine);
-    result_.starts_at_best = at_best();
-    result_.best.theta =
-        map_.to_theta(detail::with_labels_in_order(structure_, options_.constraints, map_.to_user(result_.best.theta)));
-    result_.best = local_solve(all, result_.best.theta, {});
-    if (!result_.best.converged) {
-      detail::LocalOptions patient;
-      patient.iterations = 1000;
-      result_.best = local_solve(all, result_.best.theta, patient);
-    }
-    return result_;
-  }
-
-  [[nodiscard]] detail::TimeResiduals residuals(std::vector<std::size_t> index, double tolerance) const {
-    return {data_, structure_, map_, options_.offset, std::move(index), tolerance, unit_};
-  }
-
- private:
-  void try_from(const detail::Residuals& few, const std::vector<double>& theta) {
-    ++result_.starts;
-    if (!std::isfinite(few.cost(theta))) return;
-    const detail::LocalSolution found = local_solve(few, theta, {});
-    ends_.push_back(found.cost);
-    floor_ = few.rounding_cost();
-    // Of equal minima the first counts: the user's start names the parameters.
-    if (found.cost + floor_ < result_.best.cost || ends_.size() == 1) result_.best = found;
-  }
-
-  [[nodiscard]] bool is_exact(const detail::Residuals& few) const { return result_.best.cost <= few.rounding_cost(); }
-
-  [[nodiscard]] std::size_t at_best() const {
-    return static_cast<std::size_t>(std::count_if(ends_.begin(), ends_.end(), [&](double cost) {
-      return cost <= result_.best.cost * (1 + equally_good) + floor_;
-    }));
-  }
-
-  // What weighs the end of the record more sees slow modes better and is cut off more: their minima differ, and those
-  // that agree in time agree for a reason.
-  void search_transforms(const detail::TimeResiduals& few) {
-    for (const double decay : {8.0, 4.0, 2.0}) {
-      const detail::LaplaceResiduals transformed(data_, structure_, map_, options_.offset, decay);
-      if (transformed.points() < map_.free().size()) continue;
-      const detail::GlobalSolution found = detail::global_search(
-          transformed, transformed, detail::suggested_orders(transformed.quotient()), options_.seed);
-      result_.starts += found.starts;
-      if (found.starts_at_best > 0) try_from(few, found.best.theta);
-      if (is_exact(few)) return;
-    }
-  }
-
-  const TimeResponseData& data_;
-  const Structure& structure_;
-  const detail::ParameterMap& map_;
-  const TimeFitOptions& options_;
-  double unit_;
-  detail::GlobalSolution result_;
-  std::vector<double> ends_;
-  double floor_ = 0;
-};
 
 // The offset as one more parameter: the mean of what the model leaves, with the spread of that mean and, through the
 // model, that of the parameters.
@@ -325,16 +219,16 @@ FitResult fit(const TimeResponseData& data, const Structure& structure, const Ti
     }
   }
   const double unit = unit_of(data, options.offset);
-  TimeSearch search(data, structure, map, options, unit);
+  const detail::TimeProblem problem{data, structure, map, options, unit};
   const std::string silence = explained_by_offset(data, options.offset);
-  const detail::GlobalSolution found_solution = silence.empty() ? search.run() : detail::GlobalSolution{};
-  detail::LocalSolution best = found_solution.best;
-  detail::TimeResiduals residuals = search.residuals(data.observed(), fine);
-  FitResult result = describe_search(structure, residuals, found_solution);
+  const detail::GlobalSolution solution = silence.empty() ? time_search(problem) : detail::GlobalSolution{};
+  detail::LocalSolution best = solution.best;
+  detail::TimeResiduals residuals = problem.residuals(data.observed(), detail::finest_simulation);
+  FitResult result = describe_search(structure, residuals, solution);
   result.distinct_minima = 1;
   result.confidence_of_optimum = nan;
   const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
-  if (found_solution.starts_at_best == 0) {
+  if (solution.starts_at_best == 0) {
     describe_failure(
         result, structure, map,
         silence.empty() ? "The model has no finite response to this input anywhere it was tried." : silence);
@@ -348,7 +242,7 @@ FitResult fit(const TimeResponseData& data, const Structure& structure, const Ti
     local = robust_refinement(residuals, options.loss, scale, best);
   }
   const detail::Confidence found = confidence(residuals, best, local);
-  result.message = ending(found_solution, best.cost <= residuals.rounding_cost());
+  result.message = ending(solution, best.cost <= residuals.rounding_cost());
   const bool unseen = std::none_of(map.free().begin(), map.free().end(),
                                    [&](const auto& entry) { return found.seen[entry.parameter]; });
   if (unseen && !map.free().empty()) {
@@ -383,7 +277,8 @@ std::vector<double> fitted_output(const FitResult& result, const TimeResponseDat
   std::iota(all.begin(), all.end(), std::size_t{0});
   const auto events = detail::event_response(data, all);
   detail::EventResponse::Result model;
-  if (!events.evaluate(detail::reduce(structure.expression(), parameters), fine, model)) return output;
+  if (!events.evaluate(detail::reduce(structure.expression(), parameters), detail::finest_simulation, model))
+    return output;
   for (std::size_t i = 0; i < output.size(); ++i) output[i] = model.value[static_cast<Eigen::Index>(i)] + offset;
   return output;
 }
