@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 
 #include "detail/exact_power.hpp"
 #include "detail/number_text.hpp"
@@ -101,15 +102,14 @@ void check_power(double order, FrequencyBand band, double sample_time, Discretis
   }
 }
 
-// The band in the variable that the rule puts for s.  The backward difference turns s off the imaginary axis, to the
-// side away from the poles, where the sections are no less accurate at the same |s|.
+// The band in the variable that the rule puts for s.  The backward difference turns s off the imaginary axis by x, away
+// from the poles, where the sections are no less accurate within the band, but for its ends: these lie as far out.
 FrequencyBand warped(FrequencyBand band, double sample_time, Discretisation method) {
   if (method == Discretisation::al_alaoui || method == Discretisation::grunwald_letnikov) return band;
-  const auto size = [&](double omega) {
-    const double x = omega * sample_time / 2;
-    return 2 / sample_time * (method == Discretisation::direct ? std::sin(x) : std::tan(x));
-  };
-  return {size(band.lower), size(band.upper)};
+  const double low = band.lower * sample_time / 2, high = band.upper * sample_time / 2;
+  const double scale = 2 / sample_time;
+  if (method != Discretisation::direct) return {scale * std::tan(low), scale * std::tan(high)};
+  return {scale * std::sin(low) * std::exp(-low), scale * std::sin(high) * std::exp(high)};
 }
 
 // The tolerance is shared between sections and taps; a pole gains a factor of two or three.
@@ -149,7 +149,8 @@ void measure(DigitalPower& result) {
   result.most_amplification = 0;
   for (int i = 0; i < beyond; ++i) {
     const double omega = result.band.upper + (nyquist - result.band.upper) * i / beyond;
-    result.most_amplification = std::max(result.most_amplification, std::abs(ratio(omega)));
+    const double from_edge = std::pow(omega / result.band.upper, std::min(result.order, 0.0));
+    result.most_amplification = std::max(result.most_amplification, from_edge * std::abs(ratio(omega)));
   }
 }
 
@@ -175,14 +176,52 @@ void conclude(DigitalPower& result, const ApproximationGoal& goal, double allowe
   } else {
     result.status = ApproximationStatus::not_attainable;
     const std::string share = short_text(result.band.upper * result.sample_time / (2 * pi));
-    result.message =
-        "Tolerance " + short_text(tolerance->value) + " is not attainable by " + std::string(to_string(result.method)) +
-        " up to " + share + " of the sampling frequency" +
-        (result.method == Discretisation::direct ? " with at most " + short_text(allowed_amplification) +
-                                                       " times the gain of s^" + short_text(result.order) + " beyond"
-                                                 : "") +
-        ", best is " + reached + " with " + size + ".";
+    result.message = "Tolerance " + short_text(tolerance->value) + " is not attainable by " +
+                     std::string(to_string(result.method)) + " up to " + share + " of the sampling frequency" +
+                     (result.method == Discretisation::direct
+                          ? " with at most " + short_text(allowed_amplification) + " times the gain of s^" +
+                                short_text(result.order) + (result.order < 0 ? " at its edge beyond" : " beyond")
+                          : "") +
+                     ", best is " + reached + " with " + size + ".";
   }
+}
+
+struct Attempt {
+  DigitalPower power;
+  bool taps_are_good = true;  // within their share of the tolerance
+};
+
+Attempt attempt(const detail::SplitOrder& split, FrequencyBand band, ApproximationGoal goal, double sample_time,
+                Discretisation method, ApproximationMethod approximation, const detail::DirectLimits& limits) {
+  const double order = split.fractional + split.differences - split.integrators;
+  DigitalPower result{.order = order, .band = band, .sample_time = sample_time, .method = method};
+  result.prototype =
+      approximate(split.fractional, warped(band, sample_time, method), prototype_goal(goal, method), approximation);
+  check_system(result.prototype.system);
+  result.differences = split.differences;
+  result.integrators = split.integrators;
+  ZeroPoleGain system = result.prototype.system;
+  if (method == Discretisation::tustin_prewarped) {
+    // What the trapezoidal rule leaves is of the same kind as what the bilinear one does.
+    const double x = band.upper * sample_time / 2;
+    system.gain *= std::pow(x / std::tan(x), split.fractional - split.integrators);
+  }
+  const detail::SectionForm form(system, sample_time, slope_of(method));
+  result.cascade = form.cascade();
+  result.parallel = form.parallel();
+  bool taps_are_good = true;
+  if (method == Discretisation::direct) {
+    const auto* tolerance = std::get_if<Tolerance>(&goal);
+    const double allowed = tolerance != nullptr ? tolerance->value * correction_share
+                                                : std::max(0.5 * result.prototype.error.max_relative, 1e-12);
+    const double edge = band.upper * sample_time / 2;
+    detail::CorrectionTaps correction =
+        detail::correction_taps({split, sample_time, &result.parallel, edge}, allowed, limits);
+    taps_are_good = correction.error <= allowed;
+    result.taps = std::move(correction.taps);
+  }
+  measure(result);
+  return {std::move(result), taps_are_good};
 }
 
 }  // namespace
@@ -261,31 +300,21 @@ DigitalPower detail::power_in_sections(const SplitOrder& split, FrequencyBand ba
                                        const DirectLimits& limits) {
   const double order = split.fractional + split.differences - split.integrators;
   check_power(order, band, sample_time, method, 1, limits.amplification);
-  DigitalPower result{.order = order, .band = band, .sample_time = sample_time, .method = method};
-  result.prototype =
-      approximate(split.fractional, warped(band, sample_time, method), prototype_goal(goal, method), approximation);
-  check_system(result.prototype.system);
-  result.differences = split.differences;
-  result.integrators = split.integrators;
-  ZeroPoleGain system = result.prototype.system;
-  if (method == Discretisation::tustin_prewarped) {
-    // What the trapezoidal rule leaves is of the same kind as what the bilinear one does.
-    const double x = band.upper * sample_time / 2;
-    system.gain *= std::pow(x / std::tan(x), split.fractional - split.integrators);
+  const auto* tolerance = std::get_if<Tolerance>(&goal);
+  Attempt best = attempt(split, band, goal, sample_time, method, approximation, limits);
+  // What the ends of the band leave over.
+  double share = 1;
+  for (int again = 0; again < 3 && method == Discretisation::direct && tolerance != nullptr; ++again) {
+    const double excess = best.power.error.max_relative / tolerance->value;
+    if (excess <= 1 || !best.taps_are_good) break;
+    share *= 0.8 / excess;
+    Attempt next =
+        attempt(split, band, Tolerance{share * tolerance->value}, sample_time, method, approximation, limits);
+    if (!(next.power.error.max_relative < best.power.error.max_relative)) break;
+    best = std::move(next);
   }
-  const SectionForm form(system, sample_time, slope_of(method));
-  result.cascade = form.cascade();
-  result.parallel = form.parallel();
-  if (method == Discretisation::direct) {
-    const auto* tolerance = std::get_if<Tolerance>(&goal);
-    const double allowed = tolerance != nullptr ? tolerance->value * correction_share
-                                                : std::max(0.5 * result.prototype.error.max_relative, 1e-12);
-    result.taps =
-        correction_taps({split, sample_time, &result.parallel, band.upper * sample_time / 2}, allowed, limits).taps;
-  }
-  measure(result);
-  conclude(result, goal, limits.amplification);
-  return result;
+  conclude(best.power, goal, limits.amplification);
+  return std::move(best.power);
 }
 
 DigitalPower digital_power(double order, FrequencyBand band, ApproximationGoal goal, double sample_time,

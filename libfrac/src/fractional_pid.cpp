@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
-#include <tuple>
 
 #include "digital/section_kernel.hpp"
 #include "digital/tap_line.hpp"
@@ -63,10 +62,11 @@ void FractionalPid<Real>::Filter::set(const PidOperator& design) noexcept {
 
 template <typename Real>
 Real FractionalPid<Real>::Filter::through_taps(Real input) const noexcept {
-  static_assert(PidOperator::tap_capacity <= std::tuple_size_v<decltype(past)>);
+  static_assert(PidOperator::tap_capacity <= kept);
   if (tap_count == 0) return input;
+  const Real* const before = inputs();
   return detail::tapped(
-      tap.data(), tap_count, [this](std::size_t k) { return ago(k); }, input);
+      tap.data(), tap_count, [before](std::size_t k) { return before[k]; }, input);
 }
 
 template <typename Real>
@@ -80,8 +80,8 @@ Real FractionalPid<Real>::Filter::output_for(Real x) const noexcept {
 
 template <typename Real>
 void FractionalPid<Real>::Filter::advance(Real input, Real x) noexcept {
-  newest = (newest + past.size() - 1) % past.size();
-  past[newest] = input;
+  newest = (newest + kept - 1) % kept;
+  past[newest] = past[newest + kept] = input;
   if (size != 0) detail::advance_states<Real>({rate.data(), weight.data(), state.data(), lost.data(), size}, x);
 }
 
@@ -104,7 +104,7 @@ void FractionalPid<Real>::Filter::inherit(const Filter& old, Real input, Real fa
   past.fill(input);
   // Samples of another sample time are not those between which the new one's lie.
   if (time_ratio == 1) {
-    for (std::size_t k = 0; k < past.size(); ++k) past[k] = old.ago(k) * factor;
+    for (std::size_t k = 0; k < kept; ++k) past[k] = past[k + kept] = old.inputs()[k] * factor;
   }
   const Real x = through_taps(input);
   std::size_t k = 0;

@@ -11,6 +11,7 @@
 #include <span>
 #include <string>
 #include <unsupported/Eigen/FFT>
+#include <utility>
 #include <vector>
 
 #include "frac/fractional_derivative.hpp"
@@ -27,6 +28,11 @@ double processor_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
+  return values[values.size() / 2];
+}
+
 template <typename Work>
 double median_seconds(int repeats, const Work& work) {
   std::vector<double> seconds;
@@ -35,8 +41,7 @@ double median_seconds(int repeats, const Work& work) {
     work();
     seconds.push_back(processor_seconds() - start);
   }
-  std::nth_element(seconds.begin(), seconds.begin() + repeats / 2, seconds.end());
-  return seconds[static_cast<std::size_t>(repeats / 2)];
+  return median(std::move(seconds));
 }
 
 // Exact sums at some samples: order q - 1 of the first differences, which are exact here, 0 < q < 1.
@@ -118,16 +123,24 @@ void run(const std::string& name, std::size_t count, double order, double tolera
   std::vector<Real> noise(count);
   support::Random random(1);
   for (Real& each : noise) each = static_cast<Real>(random.normal());
-  const double noisy = median_seconds(7, [&] {
-    derivative.reset();
-    derivative(noise, output);
-  });
   std::vector<Real> pulse(count, 0);
   pulse[0] = 1;
-  const double silent = median_seconds(7, [&] {
-    derivative.reset();
-    derivative(pulse, output);
-  });
+  // In turn and from the same memory, so that what else the machine does falls on both alike.
+  std::vector<Real> input(count);
+  std::vector<double> noisy_seconds, silent_seconds;
+  for (int repeat = 0; repeat < 11; ++repeat) {
+    const auto timed = [&](const std::vector<Real>& samples_of) {
+      input = samples_of;
+      derivative.reset();
+      const double start = processor_seconds();
+      derivative(input, output);
+      return processor_seconds() - start;
+    };
+    noisy_seconds.push_back(timed(noise));
+    silent_seconds.push_back(timed(pulse));
+  }
+  const double noisy = median(noisy_seconds);
+  const double silent = median(silent_seconds);
   print(name, "sum of exponentials: noise", setting, nothing, noisy);
   print(name, "sum of exponentials: pulse", setting + text(" over noise %.2f", silent / noisy), nothing, silent);
 }

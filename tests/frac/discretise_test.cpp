@@ -109,6 +109,18 @@ TEST(Discretise, DirectDesignRemovesTheGainErrorUpToAQuarterOfTheSamplingFrequen
   }
 }
 
+TEST(Discretise, DirectDesignKeepsItsToleranceOnNarrowWideAndLowBands) {
+  for (const double order : {1e-6, 0.5, 1 - 1e-6, 1.0, -0.5, -1.5, 0.0}) {
+    for (const double decades : {0.1, 4.0, 12.0}) {
+      for (const double share : {1e-6, 1e-2, 0.1}) {
+        const double upper = share * sampling;
+        const auto power = digital_power(order, {upper * std::pow(10, -decades), upper}, Tolerance{1e-3}, time_step);
+        EXPECT_EQ(power.status, frac::ApproximationStatus::met) << order << " " << decades << " " << power.message;
+      }
+    }
+  }
+}
+
 TEST(Discretise, AmplificationBoundTradesAccuracyAtTheEdge) {
   double last = 1;
   for (const double bound : {1.2, 1.5, 2.0, 4.0}) {

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <ctime>
+#include <limits>
 #include <numbers>
 #include <span>
 #include <stdexcept>
@@ -8,6 +10,7 @@
 #include <vector>
 
 #include "frac/approximate.hpp"
+#include "frac/digital_filter.hpp"
 #include "report/html.hpp"
 #include "report/sections.hpp"
 
@@ -42,12 +45,61 @@ Deviation deviation_of(const frac::Approximation& approximation) {
 }
 
 // Empty where the method has no design of so many poles.
-std::vector<frac::Approximation> design(frac::ApproximationMethod method, int poles) {
+std::vector<frac::Approximation> designed(frac::ApproximationMethod method, int poles) {
   try {
     return {frac::approximate(order, band, frac::PoleCount{poles}, method)};
   } catch (const std::invalid_argument&) {
     return {};
   }
+}
+
+// Of this thread: what else the machine does is no property of a method.
+double processor_seconds() {
+  timespec now{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+struct Timed {
+  frac::Approximation approximation;
+  double design_seconds;      // of one design
+  double seconds_per_sample;  // of the recursion by the bilinear rule; NaN where there are complex pairs
+};
+
+double running_seconds(const frac::ZeroPoleGain& system) {
+  if (!system.pole_pairs.empty() || !system.zero_pairs.empty()) return std::numeric_limits<double>::quiet_NaN();
+  constexpr double sample_time = 0.1 / band.upper;
+  constexpr std::size_t samples = 8192;
+  frac::DigitalFilterDesign design;
+  design.sample_time = sample_time;
+  design.sections = frac::discretise(system, sample_time).parallel;
+  frac::DigitalFilter<double> filter(design);
+  std::vector<double> signal(samples);
+  for (std::size_t n = 0; n < samples; ++n) signal[n] = std::sin(0.01 * static_cast<double>(n));
+  std::vector<double> seconds;
+  for (int repeat = 0; repeat < 5; ++repeat) {
+    const double start = processor_seconds();
+    filter.run(signal, signal);
+    seconds.push_back((processor_seconds() - start) / static_cast<double>(samples));
+  }
+  std::nth_element(seconds.begin(), seconds.begin() + 2, seconds.end());
+  return seconds[2];
+}
+
+std::vector<std::vector<Timed>> families() {
+  std::vector<std::vector<Timed>> all;
+  for (const frac::ApproximationMethod method : frac::approximation_methods()) {
+    std::vector<Timed>& family = all.emplace_back();
+    for (int poles = 1; poles <= 33; poles += 2) {
+      const double start = processor_seconds();
+      std::vector<frac::Approximation> design = designed(method, poles);
+      const double seconds = processor_seconds() - start;
+      if (design.empty()) continue;
+      const double running = running_seconds(design[0].system);
+      family.push_back({std::move(design[0]), seconds, running});
+    }
+  }
+  return all;
 }
 
 // Eight methods, seven colours told apart: the last is grey.
@@ -72,7 +124,7 @@ Figure bode_error_figure(const std::string& name, const std::string& caption,
   static constexpr Mark marks[] = {Mark::line, Mark::dashed, Mark::dotted};
   std::size_t drawn = 0;
   for (const frac::ApproximationMethod method : methods) {
-    for (const frac::Approximation& approximation : design(method, drawn_poles)) {
+    for (const frac::Approximation& approximation : designed(method, drawn_poles)) {
       const Deviation deviation = deviation_of(approximation);
       const std::string label(frac::to_string(method));
       const Mark mark = marks[drawn++ % 3];
@@ -84,7 +136,22 @@ Figure bode_error_figure(const std::string& name, const std::string& caption,
   return figure;
 }
 
-Figure error_against_poles_figure(const std::vector<std::vector<frac::Approximation>>& designs) {
+void add_families(Panel& panel, const std::vector<std::vector<Timed>>& all, double (*abscissa)(const Timed&)) {
+  for (const auto& family : all) {
+    std::vector<double> x, y;
+    for (const Timed& each : family) {
+      if (!std::isfinite(abscissa(each))) continue;
+      x.push_back(abscissa(each));
+      y.push_back(each.approximation.error.max_relative);
+    }
+    if (x.empty()) continue;
+    const frac::ApproximationMethod method = family[0].approximation.method;
+    const Mark mark = method == frac::ApproximationMethod::carlson ? Mark::open_points : Mark::line_points;
+    panel.curves.push_back(make_curve(std::string(frac::to_string(method)), method_colour(method), mark, x, y));
+  }
+}
+
+Figure error_against_poles_figure(const std::vector<std::vector<Timed>>& all) {
   Figure figure;
   figure.name = "approximation-error-poles";
   figure.caption =
@@ -102,36 +169,48 @@ Figure error_against_poles_figure(const std::vector<std::vector<frac::Approximat
                     std::exp(-std::numbers::pi * std::numbers::pi * n / width));
   }
   panel.curves.push_back(make_curve("attainable", "#000000", Mark::dashed, poles, limit));
-  for (std::size_t i = 0; i < designs.size(); ++i) {
-    std::vector<double> x, y;
-    for (const frac::Approximation& each : designs[i]) {
-      x.push_back(each.poles);
-      y.push_back(each.error.max_relative);
-    }
-    if (x.empty()) continue;
-    panel.curves.push_back(make_curve(
-        std::string(frac::to_string(designs[i][0].method)), method_colour(designs[i][0].method),
-        designs[i][0].method == frac::ApproximationMethod::carlson ? Mark::open_points : Mark::line_points, x, y));
-  }
+  add_families(panel, all, [](const Timed& each) { return static_cast<double>(each.approximation.poles); });
   figure.panels = {std::move(panel)};
   figure.panel_height = 380;
   return figure;
 }
 
-Table methods_table(const std::vector<std::vector<frac::Approximation>>& designs) {
+Figure work_precision_figure(const std::vector<std::vector<Timed>>& all) {
+  Figure figure;
+  figure.name = "approximation-work-precision";
+  figure.caption = "The same designs against the time that one takes. Further left at the same error is better.";
+  Panel panel;
+  panel.x = {"milliseconds for one design", true, {}, {}};
+  panel.y = {"largest relative error on the band", true, 1e-11, 10.0};
+  panel.key = true;
+  add_families(panel, all, [](const Timed& each) { return 1e3 * each.design_seconds; });
+  figure.panels = {std::move(panel)};
+  figure.panel_height = 380;
+  return figure;
+}
+
+Table methods_table(const std::vector<std::vector<Timed>>& all) {
   Table table;
   table.name = "approximation-methods";
   table.caption =
-      "All methods for <i>s</i><sup>0.5</sup> on 0.01 &hellip; 100 rad/s; errors are the largest on the band.";
-  table.columns = {{"method", "method"},   {"poles", "poles"},           {"max_relative_error", "relative error"},
-                   {"max_error_db", "dB"}, {"max_error_deg", "degrees"}, {"limit_poles", "poles the limit needs"}};
+      "Work and precision of all methods for <i>s</i><sup>0.5</sup> on 0.01 &hellip; 100 rad/s; errors are the largest "
+      "on the band, times are those of this run: one design, and one sample through its recursion (none where zeros or "
+      "poles are complex).";
+  table.columns = {{"method", "method"},
+                   {"poles", "poles"},
+                   {"max_relative_error", "relative error"},
+                   {"max_error_db", "dB"},
+                   {"max_error_deg", "degrees"},
+                   {"limit_poles", "poles the limit needs"},
+                   {"design_ms", "design, ms", 2},
+                   {"ns_per_sample", "ns per sample", 2}};
   table.rows_on_page = 40;
-  for (const auto& family : designs) {
-    for (const frac::Approximation& each : family) {
+  for (const auto& family : all) {
+    for (const auto& [each, design_seconds, seconds_per_sample] : family) {
       if (each.poles != 5 && each.poles != 9 && each.poles != 13 && each.poles != 21 && each.poles != 29) continue;
       table.rows.push_back({std::string(frac::to_string(each.method)), static_cast<double>(each.poles),
                             each.error.max_relative, each.error.max_decibels, each.error.max_degrees,
-                            static_cast<double>(each.limit_poles)});
+                            static_cast<double>(each.limit_poles), 1e3 * design_seconds, 1e9 * seconds_per_sample});
     }
   }
   return table;
@@ -148,13 +227,7 @@ Section approximation_section() {
       "band only. Errors are |<i>H</i>(j&omega;)/(j&omega;)<sup><i>a</i></sup> &minus; 1| on the whole of the band, "
       "its "
       "ends included. An error that stops falling as poles are added is the method's own.";
-  std::vector<std::vector<frac::Approximation>> designs;
-  for (const frac::ApproximationMethod method : frac::approximation_methods()) {
-    std::vector<frac::Approximation>& family = designs.emplace_back();
-    for (int poles = 1; poles <= 33; poles += 2) {
-      for (frac::Approximation& each : design(method, poles)) family.push_back(std::move(each));
-    }
-  }
+  const std::vector<std::vector<Timed>> all = families();
   const std::string poles = std::to_string(drawn_poles);
   section.blocks.emplace_back(bode_error_figure(
       "approximation-bode-error",
@@ -167,10 +240,11 @@ Section approximation_section() {
       "approximation-ladder-error",
       "The minimax ladder alone, " + poles + " poles, on the scale it needs: equal turns over the whole band.",
       ladder_alone, 0.015, 0.1));
-  section.blocks.emplace_back(error_against_poles_figure(designs));
-  section.blocks.emplace_back(methods_table(designs));
+  section.blocks.emplace_back(error_against_poles_figure(all));
+  section.blocks.emplace_back(work_precision_figure(all));
+  section.blocks.emplace_back(methods_table(all));
   const auto error_of = [](frac::ApproximationMethod method) {
-    return design(method, drawn_poles).at(0).error.max_relative;
+    return designed(method, drawn_poles).at(0).error.max_relative;
   };
   const double ladder = error_of(frac::ApproximationMethod::ladder);
   const double oustaloup = error_of(frac::ApproximationMethod::oustaloup);

@@ -92,7 +92,9 @@ struct DigitalPower {
   ParallelSections parallel = {.output = SectionOutput::state, .direct = 1, .rates = {}, .weights = {}};
   std::vector<double> taps = {1};  // of direct, and of grunwald_letnikov, which has no sections
   ApproximationError error = {};   // of H(e^{j omega T})/(j omega)^order on the band
-  double most_amplification = 1;   // largest |H/(j omega)^order| between the upper edge of the band and pi/T
+  /// Largest |H| between the upper edge of the band and pi/T, over |(j omega)^order| or, of a falling power, over that
+  /// at the edge.
+  double most_amplification = 1;
   ApproximationStatus status = ApproximationStatus::as_asked;
   std::string message = {};  // one sentence
 
@@ -103,8 +105,9 @@ struct DigitalPower {
 /// @param band                upper edge below pi/T; for `direct` at most pi/(2 T), a quarter of the sampling
 /// frequency.
 /// @param memory_length       of grunwald_letnikov, 1 to 10^7 samples.
-/// @param most_amplification  of `direct`, 1.1 to 1000: bound of |H/(j omega)^order| beyond the band, which accuracy up
-///                            to its edge is paid with.  The least that the tolerance takes is used.  Up to about 1.5
+/// @param most_amplification  of `direct`, 1.1 to 1000: bound of the gain beyond the band, which accuracy up to its
+/// edge
+///                            is paid with.  The least that the tolerance takes is used.  Up to about 1.5
 ///                            the answer to a step hardly rings from sample to sample.
 /// @throws std::invalid_argument  as approximate(); order not within (-8, 8); an argument out of range; band and sample
 /// time too close to each other: the text gives them and what is allowed.

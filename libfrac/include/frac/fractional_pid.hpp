@@ -194,15 +194,16 @@ class FractionalPid {
     std::size_t sections = 0;
     std::size_t size = 0;
     std::array<Real, PidOperator::tap_capacity> tap{};
+    static constexpr std::size_t kept = 16;
     std::size_t newest = 0;
-    std::array<Real, 16> past{};  // inputs, a ring; newer ones at lower places
+    std::array<Real, 2 * kept> past{};  // inputs, a ring written twice over; from `newest` on the newest first
 
-    [[nodiscard]] Real ago(std::size_t k) const noexcept { return past[(newest + k) % past.size()]; }
     alignas(64) std::array<Real, PidOperator::capacity> rate{};
     alignas(64) std::array<Real, PidOperator::capacity> weight{};
     alignas(64) std::array<Real, PidOperator::capacity> state{};
     alignas(64) std::array<Real, PidOperator::capacity> lost{};
 
+    [[nodiscard]] const Real* inputs() const noexcept { return past.data() + newest; }
     void set(const PidOperator& design) noexcept;
     [[nodiscard]] Real through_taps(Real input) const noexcept;
     [[nodiscard]] Real output_for(Real x) const noexcept;  // x = through_taps(input)

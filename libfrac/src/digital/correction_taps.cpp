@@ -28,12 +28,15 @@ Complex rules(const SplitOrder& order, double power, double x) {
   return std::polar(std::pow(std::sin(x) / x, power) * std::pow(x / std::tan(x), order.integrators), -power * x);
 }
 
-// The same with the sections as they are, which beyond the band are no longer s^fractional.
+// Beyond the band, with the sections as they are, which there are no longer s^fractional; of a falling power over the
+// exact one at the edge.
 Complex as_built(const CorrectionTask& task, double x) {
   const Complex delta = 2 * std::sin(x) * Complex(-std::sin(x), std::cos(x));
   const Complex exact = std::polar(std::pow(2 * x / task.sample_time, task.order.fractional),
                                    task.order.fractional * std::numbers::pi / 2);
-  return rules(task.order, task.order.differences, x) * task.sections->response(delta) / exact;
+  const double order = task.order.fractional + task.order.differences - task.order.integrators;
+  const double fall = std::pow(x / task.edge, std::min(order, 0.0));
+  return fall * rules(task.order, task.order.differences, x) * task.sections->response(delta) / exact;
 }
 
 // For one number of taps: least largest of |C R - 1| on the band and stress |C R| beyond it.

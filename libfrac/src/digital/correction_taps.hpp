@@ -10,7 +10,7 @@ namespace frac::detail {
 struct CorrectionTaps {
   std::vector<double> taps;
   double error;          // largest |C R - 1| on the band
-  double amplification;  // largest |H/(j omega)^order| beyond it
+  double amplification;  // see DigitalPower::most_amplification
 };
 
 /// What a correction is for: H = C times sections, differences and integrators of digital_power().

@@ -15,7 +15,7 @@ struct SplitOrder {
 
 /// Of Discretisation::direct, for what lies beyond the band.
 struct DirectLimits {
-  double amplification;                                    // of |H/(j omega)^order|
+  double amplification;                                    // see DigitalPower::most_amplification
   double swing = std::numeric_limits<double>::infinity();  // see step_swing(); for 0 < order < 1
   double lag_share = 1;
 };
