@@ -23,8 +23,8 @@ void check(double mass1, double mass2, const std::vector<double>& force, const s
            const std::vector<double>& restitution) {
   detail::require_positive("mass1", "kg", mass1);
   detail::require_positive("mass2", "kg", mass2);
-  require_list("force", force, 2);
-  require_list("clearance", clearance, 2);
+  require_list("force", force, 1);
+  require_list("clearance", clearance, 1);
   require_list("restitution", restitution, 1);
   const auto item = [](const char* name, std::size_t i) { return std::string(name) + "[" + std::to_string(i) + "]"; };
   for (std::size_t i = 0; i < force.size(); ++i) detail::require_positive(item("force", i), "N", force[i]);
@@ -73,45 +73,63 @@ std::vector<JumpPoint> points_of(const std::vector<double>& force, const std::ve
   return points;
 }
 
+struct Mean {
+  double sum = 0;
+  std::size_t count = 0;
+  void add(double value) {
+    sum += value;
+    ++count;
+  }
+  [[nodiscard]] double value() const { return count > 0 ? sum / static_cast<double>(count) : nan; }
+};
+
 // Jumps of sweeps, each from its values alone.
-void jumps_of_sweeps(JumpLaw& law, double mass1, double mass2, int threads, frac::Progress* progress) {
-  if (progress != nullptr) progress->total += law.points.size();
-  frac::parallel_for(law.points.size(), threads, [&](std::size_t i) {
-    JumpPoint& point = law.points[i];
+void jumps_of_sweeps(JumpGrid& grid, double mass1, double mass2, int threads, frac::Progress* progress) {
+  if (progress != nullptr) progress->total += grid.points.size();
+  frac::parallel_for(grid.points.size(), threads, [&](std::size_t i) {
+    JumpPoint& point = grid.points[i];
     point.omega_jump =
         largest_discontinuity(TwoMassSystem(mass1, mass2, point.clearance, point.restitution), point.force);
     if (progress != nullptr) ++progress->done;
   });
-  const std::size_t restitutions = law.constants.size();
-  const std::size_t sweeps = law.points.size() / restitutions;
+  const std::size_t restitutions = grid.constants.size();
+  const std::size_t sweeps = grid.points.size() / restitutions;
+  Mean overall;
   for (std::size_t i = 0; i < restitutions; ++i) {
-    double sum = 0;
-    std::size_t count = 0;
-    for (std::size_t k = i; k < law.points.size(); k += restitutions) {
-      const JumpPoint& point = law.points[k];
+    Mean mean;
+    for (std::size_t k = i; k < grid.points.size(); k += restitutions) {
+      const JumpPoint& point = grid.points[k];
       if (!point.omega_jump) continue;
-      sum += *point.omega_jump / std::sqrt(point.force / mass2 / point.clearance);
-      ++count;
+      const double c = *point.omega_jump / std::sqrt(point.force / mass2 / point.clearance);
+      mean.add(c);
+      overall.add(c);
     }
-    if (count > 0) law.constants[i].similarity_constant = sum / static_cast<double>(count);
-    law.constants[i].message = std::to_string(count) + " of " + std::to_string(sweeps) + " sweeps have a discontinuity";
+    if (mean.count > 0) grid.constants[i].similarity_constant = mean.value();
+    grid.constants[i].message =
+        std::to_string(mean.count) + " of " + std::to_string(sweeps) + " sweeps have a discontinuity";
   }
+  grid.mean_similarity_constant = overall.value();
 }
 
 // Jumps of the physics: c depends on restitution alone.
-void jumps_of_physics(JumpLaw& law, double mass2, int threads, frac::Progress* progress) {
-  if (progress != nullptr) progress->total += law.constants.size();
-  frac::parallel_for(law.constants.size(), threads, [&](std::size_t i) {
-    JumpConstant& constant = law.constants[i];
-    const JumpFrequency jump = jump_similarity_constant(constant.restitution, law.criterion);
+void jumps_of_physics(JumpGrid& grid, double mass2, int threads, frac::Progress* progress) {
+  if (progress != nullptr) progress->total += grid.constants.size();
+  frac::parallel_for(grid.constants.size(), threads, [&](std::size_t i) {
+    JumpConstant& constant = grid.constants[i];
+    const JumpFrequency jump = jump_similarity_constant(constant.restitution, grid.criterion);
     constant.similarity_constant = jump.similarity_constant;
     constant.message = jump.message;
     if (progress != nullptr) ++progress->done;
   });
-  for (std::size_t i = 0; i < law.points.size(); ++i) {
-    const std::optional<double>& c = law.constants[i % law.constants.size()].similarity_constant;
-    if (c) law.points[i].omega_jump = *c * std::sqrt(law.points[i].force / mass2 / law.points[i].clearance);
+  for (std::size_t i = 0; i < grid.points.size(); ++i) {
+    const std::optional<double>& c = grid.constants[i % grid.constants.size()].similarity_constant;
+    if (c) grid.points[i].omega_jump = *c * std::sqrt(grid.points[i].force / mass2 / grid.points[i].clearance);
   }
+  Mean mean;
+  for (const JumpConstant& constant : grid.constants) {
+    if (constant.similarity_constant) mean.add(*constant.similarity_constant);
+  }
+  grid.mean_similarity_constant = mean.value();
 }
 
 }  // namespace
@@ -121,22 +139,26 @@ double PublishedJumpLaw::omega_jump(double force, double clearance) const {
          std::pow(force, b_coefficient * std::pow(clearance, b_exponent));
 }
 
-JumpLaw fit_jump_law(double mass1, double mass2, const std::vector<double>& force, const std::vector<double>& clearance,
-                     const std::vector<double>& restitution, JumpCriterion criterion, int threads,
-                     frac::Progress* progress) {
+JumpGrid jump_grid(double mass1, double mass2, const std::vector<double>& force, const std::vector<double>& clearance,
+                   const std::vector<double>& restitution, JumpCriterion criterion, int threads,
+                   frac::Progress* progress) {
   check(mass1, mass2, force, clearance, restitution);
-  JumpLaw result{};
-  result.criterion = criterion;
-  result.points = points_of(force, clearance, restitution);
+  JumpGrid result{criterion, points_of(force, clearance, restitution), {}, nan};
   for (const double e : restitution) result.constants.push_back({e, std::nullopt, {}});
   if (criterion == JumpCriterion::largest_discontinuity) {
     jumps_of_sweeps(result, mass1, mass2, threads, progress);
   } else {
     jumps_of_physics(result, mass2, threads, progress);
   }
+  return result;
+}
 
-  double constant_sum = 0;
-  std::size_t constant_count = 0;
+JumpLaw fit_jump_law(double mass1, double mass2, const std::vector<double>& force, const std::vector<double>& clearance,
+                     const std::vector<double>& restitution, JumpCriterion criterion, int threads,
+                     frac::Progress* progress) {
+  require_list("force", force, 2);
+  require_list("clearance", clearance, 2);
+  JumpLaw result{jump_grid(mass1, mass2, force, clearance, restitution, criterion, threads, progress), {}, {}, {}, {}};
   std::vector<double> fitted_clearance;
   std::vector<double> a;
   std::vector<double> b;
@@ -145,18 +167,13 @@ JumpLaw fit_jump_law(double mass1, double mass2, const std::vector<double>& forc
     std::vector<double> fitted_force;
     std::vector<double> omega;
     for (const double f : force) {
-      double sum = 0;
-      std::size_t count = 0;
+      Mean mean;
       for (std::size_t i = 0; i < restitution.size(); ++i, ++point) {
-        if (!point->omega_jump) continue;
-        sum += *point->omega_jump;
-        ++count;
-        constant_sum += *point->omega_jump / std::sqrt(f / mass2 / d);
-        ++constant_count;
+        if (point->omega_jump) mean.add(*point->omega_jump);
       }
-      if (count == 0) continue;
+      if (mean.count == 0) continue;
       fitted_force.push_back(f);
-      omega.push_back(sum / static_cast<double>(count));
+      omega.push_back(mean.value());
     }
     if (fitted_force.size() < 2) continue;
     const frac::PowerLaw law = frac::fit_power_law(fitted_force, omega);
@@ -165,7 +182,6 @@ JumpLaw fit_jump_law(double mass1, double mass2, const std::vector<double>& forc
     a.push_back(law.coefficient);
     b.push_back(law.exponent);
   }
-  result.mean_similarity_constant = constant_count > 0 ? constant_sum / static_cast<double>(constant_count) : nan;
   if (fitted_clearance.size() < 2) {
     result.message = "criterion " + std::string(to_string(criterion)) + " gives a jump at two forces for " +
                      std::to_string(fitted_clearance.size()) + " of " + std::to_string(clearance.size()) +

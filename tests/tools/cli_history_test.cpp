@@ -64,4 +64,21 @@ TEST(Basins, ListsAttractorsAndTheirStarts) {
   EXPECT_NE(table.output.find("position_m,velocity_m_s,attractor\n0,-1,"), std::string::npos);
 }
 
+// Without loss of energy the map of impacts keeps areas, so that no motion attracts others.
+TEST(Basins, CallsNothingAnAttractorWhereNoEnergyIsLost) {
+  std::vector<std::string> scene{"basins",     "--restitution", "1",          "--omega", "1.41",
+                                 "--position", "0.2,0.4",       "--velocity", "0,0.5"};
+  const auto table = run_fracfit(scene);
+  ASSERT_EQ(table.code, 0) << table.error;
+  EXPECT_NE(table.error.find("nothing attracts"), std::string::npos) << table.error;
+  EXPECT_EQ(table.output.find("attractor"), std::string::npos) << table.output;
+  EXPECT_NE(table.output.find("# motion 0: share "), std::string::npos);
+  EXPECT_NE(table.output.find("position_m,velocity_m_s,motion\n0.2,0,"), std::string::npos);
+  scene.insert(scene.end(), {"--format", "json"});
+  const auto json = nlohmann::json::parse(run_fracfit(scene).output);
+  EXPECT_FALSE(json.contains("attractors"));
+  EXPECT_EQ(json["motion"].size(), 4u);
+  EXPECT_FALSE(json["motions"].empty());
+}
+
 }  // namespace

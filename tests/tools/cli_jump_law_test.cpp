@@ -46,6 +46,22 @@ TEST(JumpLaw, ConstantsOverRestitutionStandInATable) {
   EXPECT_NEAR(std::stod(result.output.substr(row + 5)), 1 / std::sqrt(.3660699362), 3e-10);
 }
 
+// c depends on restitution alone, so one force is as good as five; sweeps take the scenes that are given.
+TEST(JumpLaw, ConstantsNeedNoMoreThanOneScene) {
+  const std::vector<std::string> constants{"jump-law", "--constants", "--restitution", "0.4,0.6"};
+  auto one_force = constants;
+  one_force.insert(one_force.end(), {"--force", "3"});
+  const auto result = run_fracfit(one_force);
+  EXPECT_EQ(result.code, 0);
+  EXPECT_EQ(result.output, run_fracfit(constants).output);
+  EXPECT_NE(result.error.find("depend on restitution alone"), std::string::npos) << result.error;
+  one_force.insert(one_force.end(), {"--clearance", "0.3", "--criterion", "largest-discontinuity"});
+  const auto swept = run_fracfit(one_force);
+  ASSERT_EQ(swept.code, 0) << swept.error;
+  EXPECT_EQ(swept.error.find("restitution alone"), std::string::npos) << swept.error;
+  EXPECT_NE(swept.output.find("1 of 1 sweeps"), std::string::npos) << swept.output;
+}
+
 TEST(Simulate, DiagnosticsAreColumnsAfterTheOthers) {
   const std::vector<std::string> scene{"simulate",      "--force", "40",      "--clearance", "0.3",
                                        "--restitution", "0.6",     "--omega", "8:20:5"};

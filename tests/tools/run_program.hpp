@@ -8,6 +8,7 @@
 #include <array>
 #include <cerrno>
 #include <cstdlib>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -92,4 +93,11 @@ inline ProgramResult run_fracfit(const std::vector<std::string>& arguments, cons
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status),
           setting.terminal_output ? terminal_text : content_of(folder.path("output")),
           content_of(folder.path("error"))};
+}
+
+inline std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
 }

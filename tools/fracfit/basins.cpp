@@ -39,24 +39,35 @@ io::Metadata scene_of(const backlash::BasinMap& map, backlash::Output output) {
       {"output", std::string(backlash::to_string(output))}};
 }
 
+// What the starts are told apart by.
+std::string motion_name(const backlash::BasinMap& map) {
+  return map.attracts() ? "attractor" : "motion";
+}
+
+constexpr const char* no_attractor =
+    "at restitution 1 impacts lose no energy and nothing attracts: the motions listed are those of these starts, told "
+    "apart by their long-time means; other starts have others";
+
 double share_of(const backlash::BasinMap& map, const backlash::Attractor& attractor) {
   return static_cast<double>(attractor.starts) / static_cast<double>(map.attractor.size());
 }
 
 std::string csv(const backlash::BasinMap& map, backlash::Output output, const std::string& command) {
   io::Metadata entries = scene_of(map, output);
+  if (!map.attracts()) entries.emplace_back("note", no_attractor);
   for (std::size_t i = 0; i < map.attractors.size(); ++i) {
     const auto& [point, symmetric, starts] = map.attractors[i];
     entries.emplace_back(
-        "attractor " + std::to_string(i),
+        motion_name(map) + " " + std::to_string(i),
         "share " + io::format_number(share_of(map, map.attractors[i])) + ", regime " +
             std::string(backlash::to_string(point.regime)) + ", period " + std::to_string(point.period) +
             ", impacts per period " + io::format_number(point.impacts_per_period) +
-            (symmetric ? ", symmetric" : ", asymmetric") + ", N " + io::format_number(point.value.real()) + " + " +
-            io::format_number(point.value.imag()) + " j m/N, uncertainty " + io::format_number(point.uncertainty));
+            (symmetric ? ", symmetric" : ", asymmetric") + ", N " + io::format_number(point.value.real()) +
+            (std::signbit(point.value.imag()) ? " - " : " + ") + io::format_number(std::abs(point.value.imag())) +
+            " j m/N, uncertainty " + io::format_number(point.uncertainty));
   }
   std::string text = io::header_lines(entries, command);
-  text += "position_m,velocity_m_s,attractor\n";
+  text += "position_m,velocity_m_s," + motion_name(map) + "\n";
   for (std::size_t i = 0; i < map.attractor.size(); ++i) {
     io::append_number(text, map.position[i / map.velocity.size()]);
     text += ',';
@@ -72,21 +83,22 @@ std::string json(const backlash::BasinMap& map, backlash::Output output, const s
     const auto parsed = io::parse_number(value);
     result["scene"][key] = parsed ? Json(*parsed) : Json(value);
   }
-  result["attractors"] = Json::array();
+  if (!map.attracts()) result["note"] = no_attractor;
+  Json& motions = result[motion_name(map) + "s"] = Json::array();
   for (const auto& attractor : map.attractors)
-    result["attractors"].push_back({{"share", share_of(map, attractor)},
-                                    {"starts", attractor.starts},
-                                    {"regime", backlash::to_string(attractor.point.regime)},
-                                    {"period", attractor.point.period},
-                                    {"impacts_per_period", number(attractor.point.impacts_per_period)},
-                                    {"symmetric", attractor.symmetric},
-                                    {"re_m_per_n", number(attractor.point.value.real())},
-                                    {"im_m_per_n", number(attractor.point.value.imag())},
-                                    {"uncertainty_m_per_n", number(attractor.point.uncertainty)},
-                                    {"lyapunov_exponent", number(attractor.point.lyapunov_exponent)}});
+    motions.push_back({{"share", share_of(map, attractor)},
+                       {"starts", attractor.starts},
+                       {"regime", backlash::to_string(attractor.point.regime)},
+                       {"period", attractor.point.period},
+                       {"impacts_per_period", number(attractor.point.impacts_per_period)},
+                       {"symmetric", attractor.symmetric},
+                       {"re_m_per_n", number(attractor.point.value.real())},
+                       {"im_m_per_n", number(attractor.point.value.imag())},
+                       {"uncertainty_m_per_n", number(attractor.point.uncertainty)},
+                       {"lyapunov_exponent", number(attractor.point.lyapunov_exponent)}});
   result["position_m"] = map.position;
   result["velocity_m_s"] = map.velocity;
-  result["attractor"] = map.attractor;
+  result[motion_name(map)] = map.attractor;
   return result.dump() + "\n";
 }
 
@@ -114,6 +126,7 @@ int run_basins(const BasinOptions& given) {
   if (!given.velocity.empty()) command.option("--velocity", given.velocity);
   file.write(given.common.format == "json" ? json(map, options.output, command.text())
                                            : csv(map, options.output, command.text()));
+  if (!map.attracts()) say(given.common, no_attractor);
   return usable_result;
 }
 
@@ -139,7 +152,8 @@ void add_basins(CLI::App& program, Run& run) {
   basins->add_option("--output", given->output, "Position read: x1 or x2")->capture_default_str()->type_name("x1|x2");
   add_common_options(*basins, given->common, {"csv", "json"});
   basins->footer(
-      "Attractors are numbered by their share of the starts and listed in the header.\n"
+      "Attractors are numbered by their share of the starts and listed in the header.  At restitution 1 nothing\n"
+      "attracts; the motions of the starts are listed instead.\n"
       "Examples:\n"
       "  fracfit basins --restitution 0.6 --omega 1.41\n"
       "  fracfit basins --force 40 --clearance 0.3 --restitution 0.4 --omega 17 --position 0:0.3:101 \\\n"

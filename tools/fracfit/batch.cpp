@@ -159,7 +159,7 @@ int run_batch(const BatchArguments& given) {
     if (!curves.emplace(curve.name, curve).second)
       throw std::invalid_argument("two curves have the name " + io::quoted(curve.name) + "; rename a file or a column");
   }
-  const auto files = shard_of(inputs, given.shard);
+  const auto files = io::part_of(inputs, shard_option(given.shard));
   std::vector<BatchCurve> in_order;
   for (const auto& name : inputs) in_order.push_back(curves.at(name));
   check_variables(given, task, in_order);

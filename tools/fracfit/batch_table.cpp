@@ -172,23 +172,4 @@ BatchTable read_batch_table(const std::string& file) {
   return table;
 }
 
-io::Shard shard_option(const std::string& text) {
-  if (text.empty()) return {};
-  const auto slash = text.find('/');
-  if (slash == std::string::npos)
-    throw std::invalid_argument("--shard " + io::quoted(text) + ": expected i/n, such as 1/4");
-  const io::Shard shard{count_option("--shard", text.substr(0, slash), 1),
-                        count_option("--shard", text.substr(slash + 1), 1)};
-  if (shard.index > shard.count)
-    throw std::invalid_argument("--shard " + io::quoted(text) + ": expected i/n with 1 <= i <= n");
-  return shard;
-}
-
-std::vector<std::string> shard_of(const std::vector<std::string>& inputs, const std::string& shard) {
-  const io::Shard part = shard_option(shard);
-  std::vector<std::string> chosen;
-  for (std::size_t i = part.index - 1; i < inputs.size(); i += part.count) chosen.push_back(inputs[i]);
-  return chosen;
-}
-
 }  // namespace fracfit

@@ -6,8 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "io/shard.hpp"
-
 namespace fracfit {
 
 enum class BatchFormat { csv, jsonl };
@@ -50,11 +48,5 @@ struct BatchTable {
 
 /// @throws io::DataError  the file is no batch table, or a row of it cannot be understood.
 [[nodiscard]] BatchTable read_batch_table(const std::string& file);
-
-/// "i/n"; empty: all. @throws std::invalid_argument  not of that form with 1 <= i <= n.
-[[nodiscard]] io::Shard shard_option(const std::string& text);
-
-/// What `inputs` a shard works on. @throws std::invalid_argument  not of the form i/n with 1 <= i <= n.
-[[nodiscard]] std::vector<std::string> shard_of(const std::vector<std::string>& inputs, const std::string& shard);
 
 }  // namespace fracfit

@@ -64,6 +64,18 @@ std::size_t count_option(std::string_view name, const std::string& text, std::si
   return value;
 }
 
+io::Shard shard_option(const std::string& text) {
+  if (text.empty()) return {};
+  const auto slash = text.find('/');
+  if (slash == std::string::npos)
+    throw std::invalid_argument("--shard " + io::quoted(text) + ": expected i/n, such as 1/4");
+  const io::Shard shard{count_option("--shard", text.substr(0, slash), 1),
+                        count_option("--shard", text.substr(slash + 1), 1)};
+  if (shard.index > shard.count)
+    throw std::invalid_argument("--shard " + io::quoted(text) + ": expected i/n with 1 <= i <= n");
+  return shard;
+}
+
 std::pair<std::string, std::string> range_option(std::string_view name, const std::string& text) {
   const auto colon = text.find(':');
   if (colon == std::string::npos || text.find(':', colon + 1) != std::string::npos)

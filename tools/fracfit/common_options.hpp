@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "io/output_file.hpp"
+#include "io/shard.hpp"
 
 namespace CLI {
 class App;
@@ -36,6 +37,8 @@ void add_repeatable(CLI::App& subcommand, const std::string& name, std::vector<s
 [[nodiscard]] double number_option(std::string_view name, const std::string& text);
 /// A whole number >= lowest. @throws std::invalid_argument
 [[nodiscard]] std::size_t count_option(std::string_view name, const std::string& text, std::size_t lowest);
+/// Of option --shard "i/n"; empty: all. @throws std::invalid_argument  not of that form with 1 <= i <= n.
+[[nodiscard]] io::Shard shard_option(const std::string& text);
 /// LOW:HIGH, split at the colon. @throws std::invalid_argument
 [[nodiscard]] std::pair<std::string, std::string> range_option(std::string_view name, const std::string& text);
 

@@ -24,7 +24,7 @@ struct ControllerArguments {
   std::string sample_time, band, tolerance, poles;
   std::string discretisation = "direct";
   std::string minimum, maximum, anti_windup = "back-calculation", tracking_time;
-  std::string derivative_filter = "0", setpoint_weight = "1", derivative_setpoint_weight = "1";
+  std::string derivative_filter = "0", setpoint_weight = "1", derivative_setpoint_weight = "1", swing = "0.15";
   std::string horizon = "1e9";
   std::string precision = "double", name;
 };
@@ -100,6 +100,7 @@ int run_pid(const ControllerArguments& given) {
   config.derivative_filter_time = number_option("--derivative-filter", given.derivative_filter);
   config.setpoint_weight = number_option("--setpoint-weight", given.setpoint_weight);
   config.derivative_setpoint_weight = number_option("--derivative-setpoint-weight", given.derivative_setpoint_weight);
+  config.most_swing = number_option("--swing", given.swing);
   const frac::FractionalPidDesign design(config);
 
   const std::string format = format_of(given);
@@ -116,7 +117,7 @@ int run_pid(const ControllerArguments& given) {
   command.option("--anti-windup", given.anti_windup);
   if (!given.tracking_time.empty()) command.option("--tracking-time", given.tracking_time);
   command.option("--derivative-filter", given.derivative_filter).option("--setpoint-weight", given.setpoint_weight);
-  command.option("--derivative-setpoint-weight", given.derivative_setpoint_weight);
+  command.option("--derivative-setpoint-weight", given.derivative_setpoint_weight).option("--swing", given.swing);
   put_format(command, format, header);
   header.comment = controller_comment(design, command.text());
 
@@ -125,11 +126,6 @@ int run_pid(const ControllerArguments& given) {
                                : controller_table(design));
   if (!design.note().empty() && format != "table") say(given.common, design.note());
   return usable_result;
-}
-
-void scale(frac::ParallelSections& sections, double factor) {
-  sections.direct *= factor;
-  for (double& weight : sections.weights) weight *= factor;
 }
 
 struct FilterResult {
@@ -156,7 +152,8 @@ FilterResult filter_for(const frac::FractionalTransferFunction& model, const Con
       digital_power(order, band_option(given.band), goal_option(given).value_or(frac::Tolerance{1e-3}), sample_time,
                     frac::discretisation(given.discretisation));
   FilterResult result{filter_design(power), power.error.max_relative, ""};
-  scale(result.design.sections, model.numerator()[0].coefficient / model.denominator()[0].coefficient);
+  const double factor = model.numerator()[0].coefficient / model.denominator()[0].coefficient;
+  for (double& tap : result.design.taps) tap *= factor;
   if (power.status == frac::ApproximationStatus::not_attainable) result.note = power.message;
   return result;
 }
@@ -220,6 +217,11 @@ void add_controller(CLI::App& program, Run& run) {
   option("--setpoint-weight", given->setpoint_weight, "Share of the set-point in the proportional part", "B");
   option("--derivative-setpoint-weight", given->derivative_setpoint_weight,
          "Share of the set-point in the derivative; 0: derivative on the measurement", "C");
+  option(
+      "--swing", given->swing,
+      "How far the derivative's answer to a set-point step may rise again after its peak, share of the peak: more is "
+      "more accurate at the upper edge of the band",
+      "SHARE");
   option("--precision", given->precision, "Of C code: float or double", "REAL");
   option("--name", given->name, "Of C code: prefix of its functions; controller or filter if not given", "NAME");
   add_common_options(*controller, given->common, {"json", "c", "table"});

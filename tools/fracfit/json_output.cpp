@@ -135,9 +135,9 @@ Json laws_json(double a_coefficient, double a_exponent, double b_coefficient, do
           {"b_of_clearance", {{"coefficient", number(b_coefficient)}, {"exponent", number(b_exponent)}}}};
 }
 
-Json constants_json(const backlash::JumpLaw& law) {
+Json constants_json(const backlash::JumpGrid& grid) {
   Json constants = Json::array();
-  for (const auto& constant : law.constants)
+  for (const auto& constant : grid.constants)
     constants.push_back(
         {{"restitution", number(constant.restitution)},
          {"similarity_constant", constant.similarity_constant ? number(*constant.similarity_constant) : Json(nullptr)},
@@ -146,10 +146,7 @@ Json constants_json(const backlash::JumpLaw& law) {
   return constants;
 }
 
-}  // namespace
-
-std::string sweep_json(const backlash::DescribingFunctionSweep& sweep, const std::string& command) {
-  Json json = origin(command);
+void append_sweep(Json& json, const backlash::DescribingFunctionSweep& sweep) {
   json["scene"] = object_of(io::scene_of(sweep));
   json["points"] = Json::array();
   for (const auto& point : sweep.points)
@@ -164,6 +161,20 @@ std::string sweep_json(const backlash::DescribingFunctionSweep& sweep, const std
                               {"even_harmonic_ratio", number(point.even_harmonic_ratio)},
                               {"energy_defect", number(point.energy_defect)},
                               {"lyapunov_exponent", number(point.lyapunov_exponent)}});
+}
+
+}  // namespace
+
+std::string sweep_json(const backlash::DescribingFunctionSweep& sweep, const std::string& command) {
+  Json json = origin(command);
+  append_sweep(json, sweep);
+  return text_of(json);
+}
+
+std::string sweeps_json(const std::vector<backlash::DescribingFunctionSweep>& sweeps, const std::string& command) {
+  Json json = origin(command);
+  json["sweeps"] = Json::array();
+  for (const auto& sweep : sweeps) append_sweep(json["sweeps"].emplace_back(Json::object()), sweep);
   return text_of(json);
 }
 
@@ -205,13 +216,13 @@ std::string identification_json(const FitRun& run, const frac::IdentificationRes
   return text_of(json);
 }
 
-std::string jump_constants_json(const JumpLawRun& run, const backlash::JumpLaw& law) {
-  Json json = origin(run.command);
-  json["criterion"] = backlash::to_string(law.criterion);
-  json["mean_similarity_constant"] = number(law.mean_similarity_constant);
-  json["averaged"] = averaged_count(law);
-  json["left_out"] = law.constants.size() - averaged_count(law);
-  json["constants"] = constants_json(law);
+std::string jump_constants_json(const std::string& command, const backlash::JumpGrid& grid) {
+  Json json = origin(command);
+  json["criterion"] = backlash::to_string(grid.criterion);
+  json["mean_similarity_constant"] = number(grid.mean_similarity_constant);
+  json["averaged"] = averaged_count(grid);
+  json["left_out"] = grid.constants.size() - averaged_count(grid);
+  json["constants"] = constants_json(grid);
   return text_of(json);
 }
 

@@ -1,7 +1,9 @@
 #include "backlash/jump_law.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <memory>
+#include <vector>
 
 #include "common_options.hpp"
 #include "exit_code.hpp"
@@ -25,33 +27,60 @@ struct JumpLawArguments {
   bool constants = false;
 };
 
-int run_jump_law(const JumpLawArguments& given) {
+void put_scenes(CommandLine& command, const JumpLawArguments& given) {
+  command.option("--force", given.force).option("--clearance", given.clearance);
+  command.option("--m1", given.mass1).option("--m2", given.mass2);
+}
+
+template <class Function>
+auto over_grid(Function function, const JumpLawArguments& given, backlash::JumpCriterion criterion,
+               frac::Progress& progress) {
+  return function(number_option("--m1", given.mass1), number_option("--m2", given.mass2),
+                  io::parse_grid(given.force, "--force"), io::parse_grid(given.clearance, "--clearance"),
+                  io::parse_grid(given.restitution, "--restitution"), criterion, given.common.threads, &progress);
+}
+
+bool depends_on_restitution_alone(backlash::JumpCriterion criterion) {
+  return criterion != backlash::JumpCriterion::largest_discontinuity;
+}
+
+int run_constants(const JumpLawArguments& given, bool scene_given) {
   const io::OutputFile out(given.common.out);
   const auto criterion = backlash::jump_criterion_from_string(given.criterion);
   CommandLine command("jump-law");
-  command.option("--force", given.force)
-      .option("--clearance", given.clearance)
-      .option("--restitution", given.restitution)
-      .option("--criterion", given.criterion)
-      .option("--m1", given.mass1)
-      .option("--m2", given.mass2);
-  if (given.constants) command.flag("--constants");
+  command.flag("--constants").option("--restitution", given.restitution).option("--criterion", given.criterion);
+  if (!depends_on_restitution_alone(criterion)) put_scenes(command, given);
+  frac::Progress progress;
+  const auto grid = [&] {
+    const io::ProgressBar bar("jump-law", progress, !given.common.quiet);
+    return over_grid(backlash::jump_grid, given, criterion, progress);
+  }();
+  const std::string format = chosen_format(given.common, "json");
+  out.write(format == "json"  ? jump_constants_json(command.text(), grid)
+            : format == "csv" ? jump_constants_csv(command.text(), grid)
+                              : jump_constants_table(grid));
+  if (scene_given && depends_on_restitution_alone(criterion))
+    say(given.common,
+        "by criterion " + given.criterion +
+            " the constants depend on restitution alone; --force, --clearance, --m1 and --m2 do not change them");
+  if (averaged_count(grid) > 0) return usable_result;
+  say(given.common, "no restitution has a jump by this criterion");
+  return no_usable_result;
+}
+
+int run_laws(const JumpLawArguments& given) {
+  const io::OutputFile out(given.common.out);
+  const auto criterion = backlash::jump_criterion_from_string(given.criterion);
+  CommandLine command("jump-law");
+  command.option("--restitution", given.restitution).option("--criterion", given.criterion);
+  put_scenes(command, given);
   const JumpLawRun run{command.text(), number_option("--m1", given.mass1), number_option("--m2", given.mass2)};
   frac::Progress progress;
   const auto law = [&] {
     const io::ProgressBar bar("jump-law", progress, !given.common.quiet);
-    return backlash::fit_jump_law(
-        run.mass1, run.mass2, io::parse_grid(given.force, "--force"), io::parse_grid(given.clearance, "--clearance"),
-        io::parse_grid(given.restitution, "--restitution"), criterion, given.common.threads, &progress);
+    return over_grid(backlash::fit_jump_law, given, criterion, progress);
   }();
   const std::string format = chosen_format(given.common, "json");
-  if (given.constants) {
-    out.write(format == "json"  ? jump_constants_json(run, law)
-              : format == "csv" ? jump_constants_csv(run, law)
-                                : jump_constants_table(law));
-    if (averaged_count(law) == 0) say(given.common, "no restitution has a jump by this criterion");
-    return averaged_count(law) > 0 ? usable_result : no_usable_result;
-  }
   if (law.message.empty() || format != "table") {
     out.write(format == "json"  ? jump_law_json(run, law)
               : format == "csv" ? jump_law_csv(run, law)
@@ -67,12 +96,12 @@ int run_jump_law(const JumpLawArguments& given) {
 void add_jump_law(CLI::App& program, Run& run) {
   const auto given = std::make_shared<JumpLawArguments>();
   auto* jump_law = program.add_subcommand("jump-law", "Jump frequency over force and clearance, and its power laws");
-  jump_law->add_option("--force", given->force, "Force amplitudes, N: list or grid")
-      ->capture_default_str()
-      ->type_name("LIST");
-  jump_law->add_option("--clearance", given->clearance, "Clearances, m: list or grid")
-      ->capture_default_str()
-      ->type_name("LIST");
+  const std::vector<CLI::Option*> scene{
+      jump_law->add_option("--force", given->force, "Force amplitudes, N: list or grid")->type_name("LIST"),
+      jump_law->add_option("--clearance", given->clearance, "Clearances, m: list or grid")->type_name("LIST"),
+      jump_law->add_option("--m1", given->mass1, "Mass 1, kg")->type_name("M1"),
+      jump_law->add_option("--m2", given->mass2, "Mass 2, kg")->type_name("M2")};
+  for (CLI::Option* option : scene) option->capture_default_str();
   jump_law->add_option("--restitution", given->restitution, "Coefficients of restitution to average over: list or grid")
       ->capture_default_str()
       ->type_name("LIST");
@@ -83,8 +112,6 @@ void add_jump_law(CLI::App& program, Run& run) {
           "largest-discontinuity")
       ->capture_default_str()
       ->type_name("C");
-  jump_law->add_option("--m1", given->mass1, "Mass 1, kg")->capture_default_str()->type_name("M1");
-  jump_law->add_option("--m2", given->mass2, "Mass 2, kg")->capture_default_str()->type_name("M2");
   jump_law->add_flag("--constants", given->constants,
                      "Instead of the laws c = w_J/sqrt(F/(M2 Delta)) over restitution, with what happens at each jump");
   add_common_options(*jump_law, given->common, {"json", "csv", "table"});
@@ -94,7 +121,11 @@ void add_jump_law(CLI::App& program, Run& run) {
       "  fracfit jump-law --criterion symmetry-loss --restitution 0.2,0.4,0.6,0.8 --out law.json\n"
       "  fracfit jump-law --force 10:50:9 --clearance 0.01:0.5:12log --format table\n"
       "  fracfit jump-law --constants --restitution 0:1:101 --format csv --out constants.csv");
-  jump_law->callback([given, &run] { run = [given] { return run_jump_law(*given); }; });
+  jump_law->callback([given, scene, &run] {
+    const bool scene_given =
+        std::any_of(scene.begin(), scene.end(), [](const auto* option) { return !option->empty(); });
+    run = [given, scene_given] { return given->constants ? run_constants(*given, scene_given) : run_laws(*given); };
+  });
 }
 
 }  // namespace fracfit

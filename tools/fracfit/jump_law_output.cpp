@@ -51,30 +51,30 @@ double percent_difference(double value, double reference) {
   return 100 * (value / reference - 1);
 }
 
-std::size_t averaged_count(const backlash::JumpLaw& law) {
-  return static_cast<std::size_t>(std::count_if(law.constants.begin(), law.constants.end(), [](const auto& constant) {
+std::size_t averaged_count(const backlash::JumpGrid& grid) {
+  return static_cast<std::size_t>(std::count_if(grid.constants.begin(), grid.constants.end(), [](const auto& constant) {
     return constant.similarity_constant.has_value();
   }));
 }
 
-std::string jump_constants_table(const backlash::JumpLaw& law) {
+std::string jump_constants_table(const backlash::JumpGrid& grid) {
   std::string text =
-      "c = w_J / sqrt(F/(M2 Delta)), criterion " + std::string(backlash::to_string(law.criterion)) + "\n\n";
+      "c = w_J / sqrt(F/(M2 Delta)), criterion " + std::string(backlash::to_string(grid.criterion)) + "\n\n";
   AlignedTable table({"restitution", "c", "what happens there"});
-  for (const auto& [restitution, constant, message] : law.constants)
+  for (const auto& [restitution, constant, message] : grid.constants)
     table.add({short_number(restitution), constant ? io::format_number(*constant) : "none", message});
-  return text + table.text() + "\nmean over " + std::to_string(averaged_count(law)) + " of " +
-         std::to_string(law.constants.size()) + " restitutions: " + short_number(law.mean_similarity_constant) + "\n";
+  return text + table.text() + "\nmean over " + std::to_string(averaged_count(grid)) + " of " +
+         std::to_string(grid.constants.size()) + " restitutions: " + short_number(grid.mean_similarity_constant) + "\n";
 }
 
-std::string jump_constants_csv(const JumpLawRun& run, const backlash::JumpLaw& law) {
-  std::string text = "# fracfit: " + std::string(io::version()) + "\n# command: " + run.command +
-                     "\n# criterion: " + std::string(backlash::to_string(law.criterion)) +
-                     "\n# averaged: " + std::to_string(averaged_count(law)) +
-                     "\n# left_out: " + std::to_string(law.constants.size() - averaged_count(law)) +
-                     "\n# mean_similarity_constant: " + io::format_number(law.mean_similarity_constant) +
+std::string jump_constants_csv(const std::string& command, const backlash::JumpGrid& grid) {
+  std::string text = "# fracfit: " + std::string(io::version()) + "\n# command: " + command +
+                     "\n# criterion: " + std::string(backlash::to_string(grid.criterion)) +
+                     "\n# averaged: " + std::to_string(averaged_count(grid)) +
+                     "\n# left_out: " + std::to_string(grid.constants.size() - averaged_count(grid)) +
+                     "\n# mean_similarity_constant: " + io::format_number(grid.mean_similarity_constant) +
                      "\nrestitution,similarity_constant,meaning\n";
-  for (const auto& [restitution, constant, message] : law.constants)
+  for (const auto& [restitution, constant, message] : grid.constants)
     text += io::format_number(restitution) + "," + (constant ? io::format_number(*constant) : "nan") + "," +
             io::csv_field(message) + "\n";
   return text;

@@ -23,11 +23,11 @@ struct SimilarityLaw {
 [[nodiscard]] double percent_difference(double value, double reference);
 
 /// Restitutions that have a jump and enter the averages.
-[[nodiscard]] std::size_t averaged_count(const backlash::JumpLaw& law);
+[[nodiscard]] std::size_t averaged_count(const backlash::JumpGrid& grid);
 
 /// c over restitution, with what happens at each jump or why there is none.
-[[nodiscard]] std::string jump_constants_table(const backlash::JumpLaw& law);
-[[nodiscard]] std::string jump_constants_csv(const JumpLawRun& run, const backlash::JumpLaw& law);
+[[nodiscard]] std::string jump_constants_table(const backlash::JumpGrid& grid);
+[[nodiscard]] std::string jump_constants_csv(const std::string& command, const backlash::JumpGrid& grid);
 
 [[nodiscard]] std::string jump_law_table(const JumpLawRun& run, const backlash::JumpLaw& law);
 /// One row per point; the laws stand in "# key: value" lines.

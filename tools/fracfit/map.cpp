@@ -39,8 +39,7 @@ int run_map(const MapOptions& given) {
   const std::vector<double> omega = io::parse_grid(given.omega, "--omega");
   const std::vector<double> all = io::parse_grid(given.restitution, "--restitution");
   const io::Shard shard = shard_option(given.shard);
-  std::vector<double> restitution;
-  for (std::size_t i = shard.index - 1; i < all.size(); i += shard.count) restitution.push_back(all[i]);
+  const std::vector<double> restitution = io::part_of(all, shard);
   if (restitution.empty())
     throw std::invalid_argument("--shard " + given.shard + ": there are only " + std::to_string(all.size()) +
                                 " restitutions to share");

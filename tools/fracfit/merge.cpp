@@ -10,7 +10,7 @@
 #include "common_options.hpp"
 #include "exit_code.hpp"
 #include "io/data_error.hpp"
-#include "io/map_file.hpp"
+#include "io/shard_file.hpp"
 #include "subcommand.hpp"
 
 namespace fracfit {
@@ -59,8 +59,8 @@ void check_output(const MergeArguments& given) {
 int run_merge(const MergeArguments& given) {
   check_output(given);
   const io::OutputFile out(given.out);
-  if (io::is_map_file(given.in.front())) {
-    out.write(io::joined_map_csv(given.in));
+  if (io::is_block_table(given.in.front())) {
+    out.write(io::joined_block_table(given.in));
     return usable_result;
   }
   BatchTable merged;
@@ -110,9 +110,9 @@ int run_merge(const MergeArguments& given) {
 
 void add_merge(CLI::App& program, Run& run) {
   const auto given = std::make_shared<MergeArguments>();
-  auto* merge = program.add_subcommand("merge", "Joins the shards of a batch or a map");
+  auto* merge = program.add_subcommand("merge", "Joins the shards of a batch, a sweep or a map");
   merge->add_option("OUT", given->out, "Joined table; - for standard output")->required()->type_name("FILE");
-  merge->add_option("IN", given->in, "Tables written by fracfit batch --shard or fracfit map --shard")
+  merge->add_option("IN", given->in, "Tables written with --shard by fracfit batch, simulate or map")
       ->required()
       ->type_name("FILE");
   merge->footer(

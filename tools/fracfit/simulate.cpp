@@ -8,6 +8,7 @@
 #include "backlash/static_backlash.hpp"
 #include "common_options.hpp"
 #include "exit_code.hpp"
+#include "io/data_error.hpp"
 #include "io/number.hpp"
 #include "io/number_list.hpp"
 #include "io/progress_bar.hpp"
@@ -22,7 +23,7 @@ struct SimulateOptions {
   CommonOptions common;
   std::string force, clearance, restitution, omega;
   std::string mass1 = "1", mass2 = "1";
-  std::string output, model = "dynamic", protocol, tolerance;
+  std::string output, model = "dynamic", protocol, tolerance, shard;
   bool diagnostics = false;
 };
 
@@ -42,6 +43,8 @@ int simulate_static(const SimulateOptions& given, const io::OutputFile& file) {
        {std::pair{"--protocol", &given.protocol}, std::pair{"--tolerance", &given.tolerance}})
     if (!text->empty())
       throw std::invalid_argument(std::string(name) + " has no meaning with --model static, which is a closed form");
+  if (!given.shard.empty())
+    throw std::invalid_argument("--shard has no meaning with --model static, which is a closed form of one scene");
   if (given.diagnostics)
     throw std::invalid_argument("--diagnostics has no meaning with --model static, which is a closed form");
   if (!given.output.empty() && backlash::output_from_string(given.output) != backlash::Output::x1)
@@ -60,35 +63,73 @@ int simulate_static(const SimulateOptions& given, const io::OutputFile& file) {
   return usable_result;
 }
 
+// Every combination, force slowest.
+std::vector<backlash::SweepScene> scenes_of(const SimulateOptions& given) {
+  const auto distinct = [](const std::string& name, const std::string& text) {
+    std::vector<double> values = io::parse_grid(text, name);
+    // "0,3" may be meant as 0.3; two scenes in place of one would go unnoticed.
+    if (values.size() == 2 && text.find(',') != std::string::npos)
+      throw std::invalid_argument(name + " " + io::quoted(text) +
+                                  ": expected one number with a decimal point, or several as FROM:TO:COUNT or as a "
+                                  "list of three or more");
+    for (auto value = values.begin(); value != values.end(); ++value) {
+      if (std::find(values.begin(), value, *value) != value)
+        throw std::invalid_argument(name + " holds " + io::format_number(*value) + " twice");
+    }
+    return values;
+  };
+  const double mass1 = number_option("--m1", given.mass1), mass2 = number_option("--m2", given.mass2);
+  const auto clearances = distinct("--clearance", given.clearance);
+  const auto restitutions = distinct("--restitution", given.restitution);
+  std::vector<backlash::SweepScene> scenes;
+  for (const double force : distinct("--force", given.force)) {
+    for (const double clearance : clearances) {
+      for (const double restitution : restitutions)
+        scenes.push_back({backlash::TwoMassSystem(mass1, mass2, clearance, restitution), force});
+    }
+  }
+  return scenes;
+}
+
+std::string text_of(const std::vector<backlash::DescribingFunctionSweep>& sweeps, bool single,
+                    const SimulateOptions& given, const std::string& command, const io::Shard& shard) {
+  const auto columns = given.diagnostics ? io::PointColumns::with_diagnostics : io::PointColumns::basic;
+  if (given.common.format == "json") return single ? sweep_json(sweeps.front(), command) : sweeps_json(sweeps, command);
+  return single ? io::sweep_csv(sweeps.front(), command, columns) : io::sweeps_csv(sweeps, command, columns, shard);
+}
+
 int simulate_dynamic(const SimulateOptions& given, const io::OutputFile& file) {
   if (given.restitution.empty())
     throw std::invalid_argument("--restitution is required with --model dynamic; expected a number in [0, 1]");
-  const backlash::TwoMassSystem system(number_option("--m1", given.mass1), number_option("--m2", given.mass2),
-                                       number_option("--clearance", given.clearance),
-                                       number_option("--restitution", given.restitution));
   backlash::SweepOptions options;
   if (!given.output.empty()) options.output = backlash::output_from_string(given.output);
   if (!given.protocol.empty()) options.protocol = backlash::protocol_from_string(given.protocol);
   if (!given.tolerance.empty()) options.tolerance = number_option("--tolerance", given.tolerance);
   options.threads = given.common.threads;
-  const std::vector<backlash::SweepScene> scenes{{system, number_option("--force", given.force)}};
+  const std::vector<backlash::SweepScene> all = scenes_of(given);
+  const io::Shard shard = shard_option(given.shard);
+  if (shard.count > 1 && given.common.format == "json")
+    throw std::invalid_argument("--shard is for CSV, which fracfit merge joins; leave --format json out");
+  if (shard.index > all.size())
+    throw std::invalid_argument("--shard " + given.shard + ": there are only " + std::to_string(all.size()) +
+                                " scenes to share");
+  const std::vector<backlash::SweepScene> scenes = io::part_of(all, shard);
 
   frac::Progress progress;
-  const auto sweep = [&] {
+  const auto sweeps = [&] {
     const io::ProgressBar bar("simulate", progress, !given.common.quiet);
-    return backlash::describing_function_sweeps(scenes, io::parse_grid(given.omega, "--omega"), options, &progress)
-        .front();
+    return backlash::describing_function_sweeps(scenes, io::parse_grid(given.omega, "--omega"), options, &progress);
   }();
   CommandLine command = scene_command(given);
   command.option("--output", std::string(backlash::to_string(options.output)))
       .option("--protocol", std::string(backlash::to_string(options.protocol)))
       .option("--tolerance", io::format_number(options.tolerance));
   if (given.diagnostics) command.flag("--diagnostics");
-  const auto columns = given.diagnostics ? io::PointColumns::with_diagnostics : io::PointColumns::basic;
-  file.write(given.common.format == "json" ? sweep_json(sweep, command.text())
-                                           : io::sweep_csv(sweep, command.text(), columns));
-  const bool usable = std::all_of(sweep.points.begin(), sweep.points.end(), [](const auto& point) {
-    return std::isfinite(point.value.real()) && std::isfinite(point.value.imag());
+  file.write(text_of(sweeps, all.size() == 1, given, command.text(), shard));
+  const bool usable = std::all_of(sweeps.begin(), sweeps.end(), [](const auto& sweep) {
+    return std::all_of(sweep.points.begin(), sweep.points.end(), [](const auto& point) {
+      return std::isfinite(point.value.real()) && std::isfinite(point.value.imag());
+    });
   });
   if (!usable) say(given.common, "some points have no finite value, see the output");
   return usable ? usable_result : no_usable_result;
@@ -105,9 +146,14 @@ void add_simulate(CLI::App& program, Run& run) {
   const auto given = std::make_shared<SimulateOptions>();
   auto* simulation =
       program.add_subcommand("simulate", "Describing function N(F, w) of two masses with backlash on a frequency grid");
-  simulation->add_option("--force", given->force, "Force amplitude on mass 2, N, > 0")->required()->type_name("F");
-  simulation->add_option("--clearance", given->clearance, "Clearance, m, >= 0")->required()->type_name("DELTA");
-  simulation->add_option("--restitution", given->restitution, "Coefficient of restitution, 0 to 1")->type_name("EPS");
+  simulation->add_option("--force", given->force, "Force amplitude on mass 2, N, > 0; several: FROM:TO:COUNT or a list")
+      ->required()
+      ->type_name("F");
+  simulation->add_option("--clearance", given->clearance, "Clearance, m, >= 0; several too")
+      ->required()
+      ->type_name("DELTA");
+  simulation->add_option("--restitution", given->restitution, "Coefficient of restitution, 0 to 1; several too")
+      ->type_name("EPS");
   simulation->add_option("--m1", given->mass1, "Mass 1, kg")->capture_default_str()->type_name("M1");
   simulation->add_option("--m2", given->mass2, "Mass 2, kg")->capture_default_str()->type_name("M2");
   simulation
@@ -129,13 +175,22 @@ void add_simulate(CLI::App& program, Run& run) {
       ->type_name("T");
   simulation->add_flag("--diagnostics", given->diagnostics,
                        "Three more columns: even-harmonic ratio, energy defect, Lyapunov exponent");
+  simulation
+      ->add_option("--shard", given->shard,
+                   "Work on every n-th of several scenes only, from the i-th; join with fracfit merge")
+      ->type_name("i/n");
   add_common_options(*simulation, given->common, {"csv", "json"});
   simulation->footer(
+      "Several forces, clearances or restitutions give every combination in one table, with columns force_n, "
+      "clearance_m, restitution in front.\n"
       "Examples:\n"
       "  fracfit simulate --force 40 --clearance 0.3 --restitution 0.6 --omega 5:35:200log\n"
       "  fracfit simulate --force 40 --clearance 0.3 --restitution 0.6 --omega 0.5:25:200log --output x2 --out "
       "curve.csv\n"
-      "  fracfit simulate --force 40 --clearance 0.3 --omega 0.5:25:200log --model static --format json");
+      "  fracfit simulate --force 40 --clearance 0.3 --omega 0.5:25:200log --model static --format json\n"
+      "  fracfit simulate --force 10:50:5 --clearance 0.1:0.3:2 --restitution 0.6 --omega 5:35:200log --shard 1/2 "
+      "--out "
+      "part1.csv");
   simulation->callback([given, &run] { run = [given] { return simulate(*given); }; });
 }
 

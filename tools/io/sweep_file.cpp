@@ -41,6 +41,13 @@ void append_row(std::string& text, double omega, std::complex<double> value, std
   }
 }
 
+void append_options(Metadata& scene, const backlash::SweepOptions& options) {
+  scene.emplace_back("output", backlash::to_string(options.output));
+  scene.emplace_back("protocol", backlash::to_string(options.protocol));
+  scene.emplace_back("tolerance", format_number(options.tolerance));
+  if (options.mean_tolerance > 0) scene.emplace_back("mean_tolerance", format_number(options.mean_tolerance));
+}
+
 // What the scene or a row says, with the place in messages.
 class SweepReader {
  public:
@@ -164,11 +171,7 @@ Metadata scene_of(const backlash::DescribingFunctionSweep& sweep) {
   Metadata scene = scene_entries("dynamic", sweep.system.mass1(), sweep.system.mass2(), sweep.system.clearance(),
                                  sweep.force_amplitude);
   scene.emplace_back("restitution", format_number(sweep.system.restitution()));
-  scene.emplace_back("output", backlash::to_string(sweep.options.output));
-  scene.emplace_back("protocol", backlash::to_string(sweep.options.protocol));
-  scene.emplace_back("tolerance", format_number(sweep.options.tolerance));
-  if (sweep.options.mean_tolerance > 0)
-    scene.emplace_back("mean_tolerance", format_number(sweep.options.mean_tolerance));
+  append_options(scene, sweep.options);
   return scene;
 }
 
@@ -179,6 +182,27 @@ std::string sweep_csv(const backlash::DescribingFunctionSweep& sweep, const std:
   for (const auto& point : sweep.points) {
     append_point(text, point, columns);
     text += '\n';
+  }
+  return text;
+}
+
+std::string sweeps_csv(const std::vector<backlash::DescribingFunctionSweep>& sweeps, const std::string& command,
+                       PointColumns columns, const Shard& shard) {
+  Metadata common{{"model", "dynamic"},
+                  {"mass1_kg", format_number(sweeps.front().system.mass1())},
+                  {"mass2_kg", format_number(sweeps.front().system.mass2())}};
+  append_options(common, sweeps.front().options);
+  if (shard.count > 1) common.emplace_back(std::string(shard_key), text_of(shard));
+  std::string text = header_lines(common, command);
+  text += "force_n,clearance_m,restitution," + std::string(point_columns(columns)) + "\n";
+  for (const auto& sweep : sweeps) {
+    const std::string scene = format_number(sweep.force_amplitude) + "," + format_number(sweep.system.clearance()) +
+                              "," + format_number(sweep.system.restitution()) + ",";
+    for (const auto& point : sweep.points) {
+      text += scene;
+      append_point(text, point, columns);
+      text += '\n';
+    }
   }
   return text;
 }

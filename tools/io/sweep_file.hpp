@@ -7,6 +7,7 @@
 
 #include "backlash/describing_function.hpp"
 #include "backlash/two_mass_system.hpp"
+#include "io/shard.hpp"
 #include "io/text_table.hpp"
 
 namespace io {
@@ -29,6 +30,12 @@ void append_point(std::string& text, const backlash::DescribingFunctionPoint& po
 /// CSV text of a sweep: header lines, then one row per point.
 [[nodiscard]] std::string sweep_csv(const backlash::DescribingFunctionSweep& sweep, const std::string& command,
                                     PointColumns columns = PointColumns::basic);
+
+/// CSV text of sweeps that differ in force, clearance or restitution only: header lines with what they share and the
+/// shard where there is more than one, then force_n, clearance_m, restitution and the columns of a point, sweep by
+/// sweep.
+[[nodiscard]] std::string sweeps_csv(const std::vector<backlash::DescribingFunctionSweep>& sweeps,
+                                     const std::string& command, PointColumns columns, const Shard& shard);
 
 /// The static model's curve in the same columns; what has no meaning for it is nan.
 struct StaticCurve {

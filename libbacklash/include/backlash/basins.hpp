@@ -27,6 +27,9 @@ struct BasinMap {
   std::vector<Attractor> attractors;   // of many starts first
   std::vector<std::size_t> attractor;  // index into attractors, position slowest
 
+  /// Whether impacts lose energy.  At restitution 1 they do not, and nothing attracts: the entries of `attractors` are
+  /// then motions that starts stay in, and other starts give others.
+  [[nodiscard]] bool attracts() const { return system.restitution() < 1; }
   [[nodiscard]] const Attractor& at(std::size_t position_index, std::size_t velocity_index) const {
     return attractors.at(attractor.at(position_index * velocity.size() + velocity_index));
   }
@@ -42,8 +45,7 @@ struct BasinMap {
 /// @param options   output, tolerances and threads; protocol has no meaning here
 /// @param progress  counts starts, if given
 /// @throws std::invalid_argument  naming the quantity, its value, index and what is allowed; clearance 0 has no
-/// impacts,
-///                                F/(M2 clearance omega^2) must be in (1e-30, 1e30).
+///                                impacts, F/(M2 clearance omega^2) must be in (1e-30, 1e30).
 [[nodiscard]] BasinMap basins(const TwoMassSystem& system, double force_amplitude, double omega,
                               const std::vector<double>& position, const std::vector<double>& velocity,
                               const SweepOptions& options = {}, frac::Progress* progress = nullptr);

@@ -29,17 +29,21 @@ struct ForceLaw {
   frac::PowerLaw law;  // coefficient a, exponent b
 };
 
-/// Eqs. (7) and (8): a(Delta) and b(Delta) as power laws of the clearance.
-struct JumpLaw {
+/// Jumps over a grid of forces, clearances and restitutions.
+struct JumpGrid {
   JumpCriterion criterion;
   std::vector<JumpPoint> points;        // clearance slowest, restitution fastest
   std::vector<JumpConstant> constants;  // one per restitution
-  std::string message;                  // why there is no law; empty where there is one
+  double mean_similarity_constant;      // mean of c over the points that have a jump; NaN where none has
+};
+
+/// Eqs. (7) and (8): a(Delta) and b(Delta) as power laws of the clearance.  Similarity says a = c Delta^-1/2 M2^-1/2
+/// and b = 1/2.
+struct JumpLaw : JumpGrid {
+  std::string message;  // why there is no law, and its numbers are NaN; empty where there is one
   std::vector<ForceLaw> laws;
   frac::PowerLaw a_of_clearance;
   frac::PowerLaw b_of_clearance;
-  double mean_similarity_constant;  // mean of c over the restitutions that have a jump: similarity says a = c
-                                    // Delta^-1/2 M2^-1/2, b = 1/2.  NaN, as the laws, where there is none
 };
 
 /// The constants printed in Duarte, Tenreiro Machado (2009), eq. (8).
@@ -51,12 +55,19 @@ struct PublishedJumpLaw {
   [[nodiscard]] double omega_jump(double force, double clearance) const;
 };
 
-/// Jump frequencies on a grid of scenes and their power laws; the same for any number of threads.
-/// largest_discontinuity takes each from a sweep upwards over 1.2 to 1.75 sqrt(F/(M2 clearance)), 116 points.
+/// Jump frequencies on a grid of scenes; the same for any number of threads.  largest_discontinuity takes each from a
+/// sweep upwards over 1.2 to 1.75 sqrt(F/(M2 clearance)), 116 points; by every other criterion the constants depend on
+/// restitution alone.
 /// @param mass1,mass2  kg;  @param force  N, > 0;  @param clearance  m, > 0;  @param restitution  in [0, 1]
 /// @param progress  counts what is computed, if given
-/// Where fewer than two clearances have a jump at two forces there is no law, and `message` says so.
-/// @throws std::invalid_argument  a list empty, fewer than 2 forces or 2 clearances, or an entry out of range.
+/// @throws std::invalid_argument  a list empty, or an entry out of range.
+[[nodiscard]] JumpGrid jump_grid(double mass1, double mass2, const std::vector<double>& force,
+                                 const std::vector<double>& clearance, const std::vector<double>& restitution,
+                                 JumpCriterion criterion, int threads = 0, frac::Progress* progress = nullptr);
+
+/// The power laws of such a grid.  Where fewer than two clearances have a jump at two forces there is none, and
+/// `message` says so.
+/// @throws std::invalid_argument  as jump_grid, or fewer than 2 forces or 2 clearances.
 [[nodiscard]] JumpLaw fit_jump_law(double mass1, double mass2, const std::vector<double>& force,
                                    const std::vector<double>& clearance, const std::vector<double>& restitution,
                                    JumpCriterion criterion, int threads = 0, frac::Progress* progress = nullptr);

@@ -17,7 +17,8 @@ enum class IntegratorRule {
 };
 
 /// A recursion in first-order sections side by side:
-///   y_n = z^-dead_samples (integrator)^integrators [ sections + Re sum pair_weight v ] ((1 - 1/z)/T)^differences x_n,
+///   y_n = z^-dead_samples (integrator)^integrators [ sections + Re sum pair_weight v ] (sum taps_k z^-k)
+///         ((1 - 1/z)/T)^differences x_n,
 /// with v += x - rate v for real sections and pairs alike; a pair stands for a pole and its conjugate.
 struct DigitalFilterDesign {
   double sample_time = 1;  // s
@@ -25,6 +26,7 @@ struct DigitalFilterDesign {
   int differences = 0;
   int integrators = 0;
   IntegratorRule rule = IntegratorRule::trapezoidal;
+  std::vector<double> taps = {1};
   ParallelSections sections;
   std::vector<std::complex<double>> pair_rates;
   std::vector<std::complex<double>> pair_weights;
@@ -33,7 +35,7 @@ struct DigitalFilterDesign {
   [[nodiscard]] std::complex<double> response(double omega) const;
 };
 
-/// s^order as designed. @throws std::invalid_argument  method grunwald_letnikov, which has no sections.
+/// s^order as designed.
 [[nodiscard]] DigitalFilterDesign filter_design(const DigitalPower& power);
 
 /// Any proper model, exactly but for `tolerance` for an input that is constant between samples, by the sum of
@@ -55,7 +57,7 @@ template <typename Real>
 class DigitalFilter {
  public:
   /// @throws std::invalid_argument  differences or integrators not within 0 .. 7, a rate outside (0, 2), lists of
-  ///                                different lengths, or a coefficient not finite.
+  ///                                different lengths, no tap, or a coefficient not finite.
   explicit DigitalFilter(const DigitalFilterDesign& design);
 
   /// Takes x_n, returns y_n.  Constant time.  A sample that is not finite is not checked for and spoils the state.
@@ -64,7 +66,7 @@ class DigitalFilter {
   /// @throws std::invalid_argument  lengths differ.
   void run(std::span<const Real> samples, std::span<Real> output);
   void reset() noexcept;
-  /// First-order states; a pair counts as two.
+  /// First-order states; a pair counts as two.  Samples kept for taps, dead time and differences do not count.
   [[nodiscard]] std::size_t states() const noexcept { return sections_ + 2 * pairs_.size(); }
 
  private:
@@ -75,7 +77,9 @@ class DigitalFilter {
   };
   Real before(Real sample) noexcept;
   Real after(Real sum) noexcept;
+  Real through_taps(Real sample) noexcept;
 
+  std::vector<Real> taps_, past_;  // empty, or even numbers of them
   std::size_t sections_ = 0;
   SectionOutput output_ = SectionOutput::state;
   Real direct_ = 0;

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "frac/identification/statistics.hpp"
+#include "triangular_form.hpp"
 
 namespace frac::detail {
 
@@ -18,7 +20,7 @@ constexpr double unseen_column = 1e-10;
 
 /// Variance of one unit-weight residual.  For a robust loss Huber's (1981, sect. 7.6) estimate sum psi^2/(n - k) /
 /// mean(psi')^2.
-double residual_variance(const Eigen::VectorXd& residual, double degrees_of_freedom, const LocalOptions& options) {
+double residual_variance(const std::vector<double>& residual, double degrees_of_freedom, const LocalOptions& options) {
   double sum = 0, slope = 0;
   for (const double r : residual) {
     const double x = r / options.loss_scale;
@@ -45,6 +47,24 @@ double residual_variance(const Eigen::VectorXd& residual, double degrees_of_free
   return sum / degrees_of_freedom / (slope * slope);
 }
 
+/// A square matrix with the singular values and the right singular vectors of the Jacobian at theta; none where the
+/// model is not finite there.
+std::optional<Eigen::MatrixXd> reduced_jacobian(const Residuals& residuals, const std::vector<double>& theta,
+                                                std::vector<double>& residual) {
+  const std::size_t width = theta.size();
+  residual.resize(residuals.count());
+  std::vector<double> jacobian(residual.size() * width), triangle((width + 1) * (width + 1));
+  if (!residuals.evaluate(theta, residual.data(), jacobian.data())) return std::nullopt;
+  triangular_form(jacobian, residual, triangle);
+  Eigen::MatrixXd reduced(width, width);
+  for (std::size_t row = 0; row < width; ++row) {
+    for (std::size_t k = 0; k < width; ++k) {
+      reduced(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(k)) = triangle[row * (width + 1) + k];
+    }
+  }
+  return reduced;
+}
+
 }  // namespace
 
 Confidence confidence(const Residuals& residuals, const LocalSolution& solution, const LocalOptions& options) {
@@ -67,15 +87,15 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
   }
   if (free.empty()) return result;
 
-  Eigen::VectorXd residual(static_cast<Eigen::Index>(residuals.count()));
-  RowMajorMatrix jacobian(residual.size(), columns);
-  if (!residuals.evaluate(solution.theta, 0, residuals.points(), residual.data(), jacobian.data())) {
+  std::vector<double> residual;
+  const std::optional<Eigen::MatrixXd> jacobian = reduced_jacobian(residuals, solution.theta, residual);
+  if (!jacobian) {
     std::fill(result.identified.begin(), result.identified.end(), false);
     result.condition = std::numeric_limits<double>::infinity();
     return result;
   }
 
-  const Eigen::VectorXd norm = jacobian.colwise().norm();
+  const Eigen::VectorXd norm = jacobian->colwise().norm();
   std::vector<Eigen::Index> inner;  // seen and not at a bound
   for (Eigen::Index k = 0; k < columns; ++k) {
     const auto index = static_cast<std::size_t>(k);
@@ -96,10 +116,10 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
   if (inner.empty()) return result;
 
   const auto width = static_cast<Eigen::Index>(inner.size());
-  Eigen::MatrixXd scaled(residual.size(), width);
+  Eigen::MatrixXd scaled(columns, width);
   for (Eigen::Index k = 0; k < width; ++k) {
     const Eigen::Index column = inner[static_cast<std::size_t>(k)];
-    scaled.col(k) = jacobian.col(column) / norm[column];
+    scaled.col(k) = jacobian->col(column) / norm[column];
   }
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeThinV);
   const Eigen::VectorXd& sigma = svd.singularValues();
@@ -154,14 +174,12 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
 
 std::vector<std::vector<double>> flat_directions(const Residuals& residuals, const LocalSolution& solution,
                                                  double times) {
-  const auto columns = static_cast<Eigen::Index>(residuals.map().free().size());
-  RowMajorMatrix jacobian(static_cast<Eigen::Index>(residuals.count()), columns);
-  Eigen::VectorXd residual(jacobian.rows());
-  if (!residuals.evaluate(solution.theta, 0, residuals.points(), residual.data(), jacobian.data())) return {};
-  const Eigen::MatrixXd dense = jacobian;
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(dense, Eigen::ComputeThinV);
+  std::vector<double> residual;
+  const std::optional<Eigen::MatrixXd> jacobian = reduced_jacobian(residuals, solution.theta, residual);
+  if (!jacobian) return {};
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(*jacobian, Eigen::ComputeThinV);
   std::vector<std::vector<double>> directions;
-  for (Eigen::Index k = columns; k-- > 0;) {
+  for (Eigen::Index k = jacobian->cols(); k-- > 0;) {
     const Eigen::VectorXd direction = svd.matrixV().col(k) / svd.matrixV().col(k).lpNorm<Eigen::Infinity>();
     const double rise = svd.singularValues()[k] * direction.norm();
     if (!(rise * rise <= times * solution.cost)) continue;

@@ -66,7 +66,7 @@ constexpr double plain_misfit = 0.3;
 
 std::vector<double> residuals_at(const detail::Residuals& residuals, const std::vector<double>& theta) {
   std::vector<double> residual(residuals.count());
-  residuals.evaluate(theta, 0, residuals.points(), residual.data(), nullptr);
+  residuals.evaluate(theta, residual.data(), nullptr);
   return residual;
 }
 
@@ -135,18 +135,29 @@ void check_start(const detail::ParameterMap& map, const Structure& structure) {
   }
 }
 
-/// Every n-th point, so few that searches and first iterations stay quick and so many that they see the same shape.
+/// Points of the data, at most `count`: half of them spread evenly, half by the length of the curve in logarithms, so
+/// that a resonance keeps its points.
 struct Thinned {
   FrequencyResponseData data;
   detail::ResidualRule rule;
 };
-Thinned thinned(const FrequencyResponseData& data, const detail::ResidualRule& rule) {
-  constexpr std::size_t enough = 500;
-  const std::size_t stride = (data.size() + enough - 1) / enough;
+Thinned thinned(const FrequencyResponseData& data, const detail::ResidualRule& rule, std::size_t count) {
+  const std::size_t size = data.size();
+  std::vector<double> length(size, 0.0);
+  for (std::size_t i = 1; i < size; ++i) {
+    const std::complex<double> before = data.value()[i - 1], after = data.value()[i];
+    const double mean = (std::abs(before) + std::abs(after)) / 2;
+    length[i] = length[i - 1] + (mean > 0 ? std::abs(after - before) / mean : 0);  // at most 2: also of an outlier
+  }
   std::vector<double> omega;
   std::vector<std::complex<double>> value;
   detail::ResidualRule thin{rule.form, {}, rule.unit};
-  for (std::size_t i = 0; i < data.size(); i += stride) {
+  const double total = length.back() > 0 ? length.back() : 1;
+  double next = 0;
+  for (std::size_t i = 0; i < size; ++i) {
+    const double place = 0.5 * static_cast<double>(i) / static_cast<double>(size) + 0.5 * length[i] / total;
+    if (count < size && place < next && i + 1 < size) continue;
+    next = (std::floor(place * static_cast<double>(count)) + 1) / static_cast<double>(count);
     omega.push_back(data.omega()[i]);
     value.push_back(data.value()[i]);
     thin.weight.push_back(rule.weight[i]);
@@ -154,13 +165,26 @@ Thinned thinned(const FrequencyResponseData& data, const detail::ResidualRule& r
   return {{std::move(omega), std::move(value)}, std::move(thin)};
 }
 
+detail::GlobalSolution search(const detail::Residuals& residuals, const detail::ResidualRule& rule,
+                              const FrequencyResponseData& data, const Structure& structure,
+                              const FitOptions& options) {
+  // So few that scouting is quick and so many that they show the shape of most curves; see global_search().
+  const std::size_t scouted = std::max<std::size_t>(64, 8 * residuals.map().free().size());
+  const std::vector<double> orders = detail::suggested_orders(data);
+  if (2 * data.size() < 3 * scouted) return global_search(residuals, residuals, orders, options.seed);
+  const Thinned few = thinned(data, rule, scouted);
+  const detail::FrequencyResiduals scouting(few.data, structure, options.realisation, residuals.map(), few.rule);
+  return global_search(scouting, residuals, orders, options.seed);
+}
+
 detail::GlobalSolution solve(const detail::Residuals& residuals, const detail::ResidualRule& rule,
                              const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
-  const Thinned thin = thinned(data, rule);
+  // First iterations stay quick on so many points, and see the same shape.
+  const Thinned thin = thinned(data, rule, 500);
   const detail::FrequencyResiduals few(thin.data, structure, options.realisation, residuals.map(), thin.rule);
   detail::GlobalSolution result;
   if (options.global_start && !residuals.map().free().empty()) {
-    result = global_search(few, detail::suggested_orders(thin.data), options.seed);
+    result = search(few, thin.rule, thin.data, structure, options);
     if (result.starts_at_best == 0) return result;
   } else {
     check_start(residuals.map(), structure);

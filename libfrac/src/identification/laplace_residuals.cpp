@@ -90,15 +90,14 @@ LaplaceResiduals::LaplaceResiduals(const TimeResponseData& data, const Structure
   }
 }
 
-bool LaplaceResiduals::evaluate(std::span<const double> theta, std::size_t first, std::size_t points, double* residual,
-                                double* jacobian_row_major) const {
+bool LaplaceResiduals::evaluate(std::span<const double> theta, double* residual, double* jacobian) const {
   const std::vector<double> parameters = map().to_user(theta);
   const std::optional<RatioOfPowerSums> ratio = ratio_at(structure_, parameters);
   if (!ratio || !(ratio->delay >= 0)) return false;
   const auto rows = static_cast<Eigen::Index>(count());
   const auto all = static_cast<Eigen::Index>(map().parameter_count());
   // Column 0 the residual, then its derivatives; real and imaginary parts in turn.
-  RowMajorMatrix rest(rows, 1 + all);
+  Eigen::MatrixXd rest(rows, 1 + all);
   Eigen::VectorXd constant(rows);
   for (std::size_t i = 0; i < log_s_.size(); ++i) {
     const Complex s = std::exp(log_s_[i]);
@@ -137,13 +136,11 @@ bool LaplaceResiduals::evaluate(std::span<const double> theta, std::size_t first
     const Eigen::RowVectorXd share = constant.transpose() * rest / constant.squaredNorm();
     rest -= constant * share;
   }
-  const auto from = static_cast<Eigen::Index>(2 * first);
-  const auto wanted = static_cast<Eigen::Index>(2 * points);
-  Eigen::Map<Eigen::VectorXd>(residual, wanted) = rest.col(0).segment(from, wanted);
-  if (!jacobian_row_major) return true;
-  Eigen::Map<RowMajorMatrix> jacobian(jacobian_row_major, wanted, static_cast<Eigen::Index>(map().free().size()));
-  jacobian.noalias() = rest.middleRows(from, wanted).rightCols(all).lazyProduct(map().jacobian(parameters));
-  return jacobian.allFinite();
+  Eigen::Map<Eigen::VectorXd>(residual, rows) = rest.col(0);
+  if (!jacobian) return true;
+  Eigen::Map<Eigen::MatrixXd> by_theta(jacobian, rows, static_cast<Eigen::Index>(map().free().size()));
+  by_theta.noalias() = rest.rightCols(all).lazyProduct(map().jacobian(parameters));
+  return by_theta.allFinite();
 }
 
 double LaplaceResiduals::best_factor(std::span<const double> theta) const {

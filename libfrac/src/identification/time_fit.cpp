@@ -139,7 +139,7 @@ class TimeSearch {
         // The transform misled, or the two best differ: search among simulations, of few points.
         constexpr std::size_t very_few = 120;
         const detail::TimeResiduals sparse = residuals(every_nth(data_.size(), very_few), 1e-5);
-        const detail::GlobalSolution found = detail::global_search(sparse, {}, options_.seed);
+        const detail::GlobalSolution found = detail::global_search(sparse, sparse, {}, options_.seed);
         if (found.starts_at_best > 0) try_from(few, found.best.theta);
         result_.starts += found.starts;
       }
@@ -186,8 +186,8 @@ class TimeSearch {
     for (const double decay : {8.0, 4.0, 2.0}) {
       const detail::LaplaceResiduals transformed(data_, structure_, map_, options_.offset, decay);
       if (transformed.points() < map_.free().size()) continue;
-      const detail::GlobalSolution found =
-          detail::global_search(transformed, detail::suggested_orders(transformed.quotient()), options_.seed);
+      const detail::GlobalSolution found = detail::global_search(
+          transformed, transformed, detail::suggested_orders(transformed.quotient()), options_.seed);
       result_.starts += found.starts;
       if (found.starts_at_best > 0) try_from(few, found.best.theta);
       if (is_exact(few)) return;
@@ -314,7 +314,7 @@ FitResult fit(const TimeResponseData& data, const Structure& structure, const Ti
   result.covariance = found.covariance;
 
   std::vector<double> residual(data.size());
-  residuals.evaluate(solution.best.theta, 0, data.size(), residual.data(), nullptr);
+  residuals.evaluate(solution.best.theta, residual.data(), nullptr);
   for (double& each : residual) each *= unit;
   const std::size_t rank = found.rank + residuals.eliminated();
   const detail::Information information = detail::information(residual, rank, unit);

@@ -54,23 +54,20 @@ bool TimeResiduals::simulate(std::span<const double> theta) const {
   return true;
 }
 
-bool TimeResiduals::evaluate(std::span<const double> theta, std::size_t first, std::size_t points, double* residual,
-                             double* jacobian_row_major) const {
+bool TimeResiduals::evaluate(std::span<const double> theta, double* residual, double* jacobian) const {
   if (!simulate(theta)) return false;
   Eigen::VectorXd rest = model_.value - output_;
   rest.array() += fixed_offset_ ? *fixed_offset_ : -average_.dot(rest);
   rest.array() *= weight_.array();
-  const auto from = static_cast<Eigen::Index>(first);
-  const auto count = static_cast<Eigen::Index>(points);
-  Eigen::Map<Eigen::VectorXd>(residual, count) = rest.segment(from, count);
-  if (!jacobian_row_major) return true;
-  RowMajorMatrix by_theta = model_.gradient.lazyProduct(map().jacobian(map().to_user(theta)));
+  Eigen::Map<Eigen::VectorXd>(residual, rest.size()) = rest;
+  if (!jacobian) return true;
+  Eigen::Map<Eigen::MatrixXd> by_theta(jacobian, rest.size(), static_cast<Eigen::Index>(map().free().size()));
+  by_theta = model_.gradient.lazyProduct(map().jacobian(map().to_user(theta)));
   if (!fixed_offset_) {
     const Eigen::RowVectorXd mean = average_.transpose() * by_theta;
     by_theta.rowwise() -= mean;
   }
   by_theta.array().colwise() *= weight_.array();
-  Eigen::Map<RowMajorMatrix>(jacobian_row_major, count, by_theta.cols()) = by_theta.middleRows(from, count);
   return by_theta.allFinite();
 }
 

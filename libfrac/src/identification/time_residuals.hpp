@@ -29,8 +29,7 @@ class TimeResiduals final : public Residuals {
   [[nodiscard]] std::size_t points() const noexcept override { return index_.size(); }
   [[nodiscard]] std::size_t per_point() const noexcept override { return 1; }
   [[nodiscard]] std::size_t eliminated() const noexcept override { return fixed_offset_ ? 0 : 1; }
-  bool evaluate(std::span<const double> theta, std::size_t first, std::size_t points, double* residual,
-                double* jacobian_row_major) const override;
+  bool evaluate(std::span<const double> theta, double* residual, double* jacobian) const override;
   [[nodiscard]] double best_factor(std::span<const double> theta) const override;
   /// Simulation errors, correlated from point to point, decide where rounding would not yet.
   [[nodiscard]] double rounding_cost() const noexcept override;
