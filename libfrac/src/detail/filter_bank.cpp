@@ -143,8 +143,9 @@ FilterBank::FilterBank(const FilterDesign& design)
     for (std::size_t i = 0; i < block; ++i) {
       put_in_row(block_output_, i, output * std::conj(power));
       std::array<Complex, most_powers> later{};
-      for (std::size_t q = 0; q <= integrations_ + (is_straight_ ? 1 : 0); ++q) {
-        later[q] = z * phis[q] * power;
+      const std::size_t first = term.is_direct ? integrations_ : 0;
+      for (std::size_t q = first; q <= integrations_ + (is_straight_ ? 1 : 0); ++q) {
+        later[q] = z * phis[q - first] * power;
         if (i == 0) put(drive_, q, later[q]);
         if (i + 1 < block) own[i + 1][q] += (std::conj(output) * later[q]).real();
       }

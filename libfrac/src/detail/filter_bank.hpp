@@ -12,7 +12,8 @@ namespace frac::detail {
 
 /// What a filter bank computes.  With U the m-fold integral of the input over T^m, from rest at the first sample,
 ///   y(t_j + theta T) = Re sum over terms of weight e^{rate theta T} x_j + sum_i now_i gamma_i,j,
-///   x' = rate x + rate U(t),  U(t_j + tau) = sum_i gamma_i,j (tau/T)^i/i!  on [t_j, t_j + T).
+///   x' = rate x + rate U(t),  U(t_j + tau) = sum_i gamma_i,j (tau/T)^i/i!  on [t_j, t_j + T);
+/// direct terms take the input itself in place of U.
 /// Up to i = m - 1 gamma_i is an integral of the input over its power of T, gamma_m the input at t_j and gamma_(m+1)
 /// what it gains by t_j + T: in a straight line where `is_straight`, else in a jump at the end of the interval.
 struct FilterDesign {

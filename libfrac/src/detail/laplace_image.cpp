@@ -38,6 +38,11 @@ void widen(const std::vector<PowerTerm>& terms, double& lowest, double& highest)
 
 }  // namespace
 
+double dominant_slope(const std::vector<PowerTerm>& numerator, const std::vector<PowerTerm>& denominator,
+                      double log_radius) {
+  return dominant(numerator, log_radius).order - dominant(denominator, log_radius).order;
+}
+
 LaplaceImage::LaplaceImage(std::vector<PowerTerm> numerator, std::vector<PowerTerm> denominator)
     : numerator_(std::move(numerator)),
       denominator_(std::move(denominator)),
@@ -74,7 +79,7 @@ double LaplaceImage::log_magnitude(double log_radius) const {
 }
 
 double LaplaceImage::slope(double log_radius) const {
-  return dominant(numerator_, log_radius).order - dominant(denominator_, log_radius).order;
+  return dominant_slope(numerator_, denominator_, log_radius);
 }
 
 LaplaceImage::OriginExpansion LaplaceImage::origin_expansion(double limit) const {
