@@ -115,7 +115,7 @@ Design design(const FractionalTransferFunction& model, double sample_time, doubl
   const double direct = theta == 1 ? at_infinity : 0;
   if (!is_straight) now[m + 1] = direct;
   return {direct, static_cast<std::size_t>(whole),
-          FilterBank({std::move(sum.terms), sample_time, theta, m, is_straight, now})};
+          FilterBank({std::move(sum.terms), sample_time, theta, m, is_straight, now, 0.1 * tolerance * sum.size})};
 }
 
 }  // namespace

@@ -145,7 +145,7 @@ double integral_at(const ExponentialSum& sum, const Purpose& purpose, double sha
 ExponentialSum with_tolerance(const LaplaceImage& image, const Purpose& purpose) {
   const auto [earliest, latest, tolerance, integrations, constants, fast] = purpose;
   const bool is_direct = fast == FastTerms::direct && integrations > 0;
-  ExponentialSum sum{{}, std::vector<double>(constants, 0.0)};
+  ExponentialSum sum{{}, std::vector<double>(constants, 0.0), 0};
   std::vector<Exponential>& terms = sum.terms;
   const std::vector<RootCluster>& poles = image.poles().clusters;
   const std::vector<double> log_anchor =
@@ -277,14 +277,18 @@ ExponentialSum exponential_sum(const LaplaceImage& image, double earliest, doubl
     largest =
         std::max(largest, term.is_direct ? weight * unit : effect(weight, std::abs(term.rate), latest, integrations));
   }
-  double size = 0;
   for (const double share : {1.0, 1 / 3.0, 1 / 20.0}) {
     const double value = integral_at(sum, purpose, share);
-    if (std::isfinite(value)) size = std::max(size, std::abs(value));
+    if (std::isfinite(value)) sum.size = std::max(sum.size, std::abs(value));
   }
   // Beyond 1e-16 the rounding of the parts decides.
-  purpose.tolerance = std::max(1e-16, tolerance * size / largest);
-  return purpose.tolerance < 0.5 * tolerance ? with_tolerance(image, purpose) : sum;
+  purpose.tolerance = std::max(1e-16, tolerance * sum.size / largest);
+  if (purpose.tolerance < 0.5 * tolerance) {
+    const double size = sum.size;
+    sum = with_tolerance(image, purpose);
+    sum.size = size;
+  }
+  return sum;
 }
 
 }  // namespace frac::detail

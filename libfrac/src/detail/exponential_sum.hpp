@@ -23,6 +23,7 @@ struct Exponential {
 struct ExponentialSum {
   std::vector<Exponential> terms;
   std::vector<double> constants;
+  double size = 0;  // largest |y| of some instants of the horizon, of its m-fold integral over latest^m
 };
 
 enum class FastTerms { integrated, direct };

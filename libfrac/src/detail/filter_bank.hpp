@@ -23,6 +23,7 @@ struct FilterDesign {
   std::size_t integrations = 0;
   bool is_straight = false;
   std::vector<double> now;  // of m + 2 powers
+  double smallest = 0;      // what an output may err by for an input of 1
 };
 
 /// Sample by sample, or block by block in loops over whole vectors, in which all that happens within the block is one
@@ -72,6 +73,7 @@ class FilterBank {
   double latest_ = 0;
   // In a run of one constant value u a state is its end value -u plus what still decays.  Real states come by falling
   // decay, and those before first_ have decayed.
+  bool may_settle_ = false;
   double steady_ = 0;
   double steady_gain_ = 0;
   double largest_ = 0;  // output weight
