@@ -29,6 +29,13 @@ std::size_t integrators(const FractionalTransferFunction& model) {
   return order <= -1 ? static_cast<std::size_t>(std::floor(-order)) : 0;
 }
 
+// Where the horizon ends before the response has risen the parts of its step response would cancel; those of the
+// response to what has been integrated until its slope is gone do not.
+std::size_t early_integrations(const FractionalTransferFunction& model, double latest) {
+  const double order = -detail::dominant_slope(model.numerator(), model.denominator(), -std::log(3 * latest));
+  return static_cast<std::size_t>(std::clamp(std::floor(order), 0.0, 8.0));
+}
+
 struct Design {
   double direct;     // from the input straight to the output, where that is read as the input jumps
   std::size_t dead;  // whole samples of dead time
@@ -50,8 +57,9 @@ Design design(const FractionalTransferFunction& model, double sample_time, doubl
     throw std::invalid_argument("respond: the model grows as s^" + detail::number_text(high_order) +
                                 " at high frequency; allowed is a proper model");
   }
-  const std::size_t m = integrators(model);
-  if (m > 8) throw std::invalid_argument("respond: " + std::to_string(m) + " integrators; allowed is up to 8");
+  const std::size_t m = std::max(integrators(model), early_integrations(model, horizon * sample_time));
+  if (m > FilterBank::most_integrations)
+    throw std::invalid_argument("respond: " + std::to_string(m) + " integrators; allowed is up to 8");
   const double at_infinity =
       high_order == 0 ? model.numerator().front().coefficient / model.denominator().front().coefficient : 0;
   const double samples_late = model.delay() / sample_time;
@@ -76,7 +84,8 @@ Design design(const FractionalTransferFunction& model, double sample_time, doubl
   const bool is_straight = hold == Hold::first_order;
   const std::size_t channels = m + (is_straight ? 2 : 1);
   const double read = theta * sample_time;
-  detail::ExponentialSum sum = detail::exponential_sum(step, read, horizon * sample_time, tolerance, m, channels);
+  detail::ExponentialSum sum =
+      detail::exponential_sum(step, read, horizon * sample_time, tolerance, m, channels, detail::FastTerms::direct);
 
   // The output at the reading instant to (t/T)^i/i! from rest.
   std::vector<double> now(m + 2, 0.0);
@@ -89,23 +98,24 @@ Design design(const FractionalTransferFunction& model, double sample_time, doubl
     }
   }
   std::vector<std::complex<double>> phis(channels);
-  for (const detail::Exponential& term : sum.terms) {
+  // The bank counts integrals in units of the sample time.
+  const double unit = std::pow(sample_time, static_cast<double>(m));
+  for (double& each : now) each *= unit;
+  for (detail::Exponential& term : sum.terms) {
+    if (!term.is_direct) term.weight *= unit;
     const std::complex<double> z = term.rate * read;
     detail::phi(z, phis);
-    double factor = 1;  // theta^i
-    for (std::size_t i = 0; i < channels; ++i, factor *= theta) {
-      const std::complex<double> response = i == 0 ? detail::expm1(z) : z * phis[i];
+    const std::size_t first = term.is_direct ? m : 0;
+    double factor = 1;  // theta^(i - first)
+    for (std::size_t i = first; i < channels; ++i, factor *= theta) {
+      const std::complex<double> response = i == first ? detail::expm1(z) : z * phis[i - first];
       now[i] += factor * (term.weight * response).real();
     }
   }
-  // The bank counts integrals in units of the sample time.
-  const double unit = std::pow(sample_time, static_cast<double>(m));
-  for (detail::Exponential& term : sum.terms) term.weight *= unit;
-  for (double& each : now) each *= unit;
   const double direct = theta == 1 ? at_infinity : 0;
   if (!is_straight) now[m + 1] = direct;
   return {direct, static_cast<std::size_t>(whole),
-          FilterBank({std::move(sum.terms), sample_time, theta, m, is_straight, now})};
+          FilterBank({std::move(sum.terms), sample_time, theta, m, is_straight, now, 0.1 * tolerance * sum.size})};
 }
 
 }  // namespace

@@ -141,6 +141,21 @@ TEST(ReferenceResponse, OfADoublePoleOnTheImaginaryAxisGrowsLinearly) {
 
 // Poles at distance d from each other on the axis, told apart or not by e^{st} at time t: 1/(s^2 + 1) to sin(w t) is
 // (w sin t - sin(w t))/(w^2 - 1), here by w = 1 + d and sum-to-product formulas without cancellation.
+// 1/(s^2 + a)^2, its poles not on the grid of doubles and, time and again, beside a node of the parabola.  The rounding
+// of 2 a and a^2 splits them by 1e-8, which after 100 s changes the response by 1e-12 of itself.
+TEST(ReferenceResponse, OfADoublePoleBesideANodeIsConfirmed) {
+  const ReferenceResponse response(FractionalTransferFunction::parse("1/(s^2 + 0.3)^2"));
+  const double omega = std::sqrt(0.3);
+  for (double t = 1; t < 100; t *= 1.01) {
+    const double exact = (1 - std::cos(omega * t) - omega * t / 2 * std::sin(omega * t)) / 0.09;
+    const double size = (2 + omega * t / 2) / 0.09;
+    const frac::ReferenceValue value = response(t);
+    EXPECT_EQ(value.status, ResponseStatus::exact) << t;
+    EXPECT_NEAR(value.value, exact, 1e-12 * size) << t;
+    EXPECT_LE(value.error_estimate, 1e-10 * size) << t;
+  }
+}
+
 TEST(ReferenceResponse, OfPolesThatNearlyCoincideIsWithinItsEstimate) {
   for (const double d : {1e-10, 1e-8, 1e-6, 1e-5, 1e-4, 3e-4}) {
     const ResponseInput sine{ResponseInput::Kind::sine, 1 + d};

@@ -164,6 +164,35 @@ TEST(Respond, IntegratorsAreExact) {
   }
 }
 
+// Twice integrated fast terms would be 1e8 times the response here, and cancel.
+TEST(Respond, IntegratorsKeepTheirDigitsOverLongHorizons) {
+  for (const char* text :
+       {"(s^1.5 + 1)/s^2", "(s^0.5 + 1)/s^1.2", "1/(s^2.5 + s^2)", "1/s^2.7", "(s^2 + s^0.3 + 1)/s^2"}) {
+    const auto model = FractionalTransferFunction::parse(text);
+    for (const double sample_time : {1e-4, 0.1}) {
+      const std::vector<double> samples(100'000, 1.0);
+      EXPECT_LE(
+          relative_error(frac::respond(model, samples, sample_time, 1e-12), ReferenceResponse(model), sample_time),
+          1e-12)
+          << text << " " << sample_time;
+    }
+  }
+}
+
+// What cancels before the response has risen: 1e-18 of the static gain here.
+TEST(Respond, HorizonsThatEndBeforeTheRiseKeepTheirDigits) {
+  for (const char* text : {"1/(s^2 + 2 s + 1)", "1/(0.8 s^2.2 + 0.5 s^0.9 + 1)", "s^0.5/(s + 1)", "s^0.5/(s^1.2 + 1)",
+                           "1/(s^3.5 + 1)", "(1 - s)/(s^1.5 + 1)^2"}) {
+    const auto model = FractionalTransferFunction::parse(text);
+    const ReferenceResponse step(model);
+    const ReferenceResponse slope(model, {ResponseInput::Kind::ramp});
+    const std::vector<double> ones(1000, 1.0);
+    EXPECT_LE(relative_error(frac::respond(model, ones, 1e-12, 1e-12), step, 1e-12), 1e-12) << text;
+    const std::vector<double> line = ramp(1000, 1e-12);
+    EXPECT_LE(relative_error(frac::respond(model, line, 1e-12, 1e-12, Hold::first_order), slope, 1e-12), 1e-12) << text;
+  }
+}
+
 TEST(Respond, DeadTimeIsExactBelowOneSample) {
   for (const double delay : {0.0, 0.003, 0.01, 0.0249999, 0.03, 0.4321}) {
     const FractionalTransferFunction model({{1, 0.4}, {1, 0}}, {{1, 0.8}, {0.3, 0}}, delay);

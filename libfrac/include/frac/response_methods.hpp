@@ -12,7 +12,9 @@
 
 namespace frac {
 
-/// Ways to a time response.  All but the first two are there to be compared with.
+/// Ways to a time response.  The last three are there to be compared with and never the cheaper choice: for 1000
+/// samples of the furnace model the sum of exponentials takes 0.14 ms at 1e-12, set-up included, Gruenwald-Letnikov
+/// 0.7 ms at 4e-2, bdf2 1.9 ms at 1e-3 and the ladder 9 ms at 8e-4 (tests/benchmarks/work_precision_respond).
 enum class ResponseMethod {
   automatic,          // the cheaper of the next two that meets the tolerance
   reference,          // residues and branch cut at each instant, to rounding
@@ -43,7 +45,8 @@ struct TimeResponse {
   bool meets_tolerance;  // error_estimate <= tolerance times the largest output
 };
 
-/// Response from rest at rising instants, by the cheapest method that meets the tolerance or by the one asked for.
+/// Response from rest at rising instants, by the cheapest method that meets the tolerance or by the one asked for; by the
+/// more accurate one where none meets it, the reference being tried where it takes no more than some twenty seconds.
 /// Dead time, integrators, improper models (reference only) and instants of any spacing are welcome; grunwald_letnikov,
 /// bdf2 and ladder want instants 0, T, 2 T, ..., the last two those of the samples.
 /// @param time       s, rising; from 0 for a named input, from the first sample for a sampled one

@@ -51,13 +51,18 @@ void add_pole(const LaplaceImage& image, std::size_t k, bool on_cut, double late
   }
 }
 
+// Those that have not decayed at the end of the horizon are slow.
+bool is_slow(const Exponential& term, double latest) {
+  return std::abs(term.rate) <= 2 / latest;
+}
+
 // Exponentials that have not decayed at the end of the horizon, replaced by fewer at Chebyshev points of their common
 // ray: (e^{rt} - 1)/r is interpolated in r, with an error below 2 t (|r| t/4)^n/n! for |r| t up to 2; divided by r it
 // bears weights that grow towards the origin.
 void merge_slow(std::vector<Exponential>& terms, std::size_t first, double angle, double latest, double tolerance) {
   const double end = 2 / latest;
   const auto slow = std::stable_partition(terms.begin() + static_cast<std::ptrdiff_t>(first), terms.end(),
-                                          [&](const Exponential& term) { return std::abs(term.rate) > end; });
+                                          [&](const Exponential& term) { return !is_slow(term, latest); });
   std::size_t count = 4;
   for (double error = 2 / 24.0 / 16; error > 0.01 * tolerance && count < 30; ++count) {
     error *= 0.5 / static_cast<double>(count + 1);
@@ -85,20 +90,66 @@ void merge_slow(std::vector<Exponential>& terms, std::size_t first, double angle
   for (std::size_t j = 0; j < count; ++j) terms.push_back({point[j] * direction, merged[j]});
 }
 
+// What the sum is wanted for.
+struct Purpose {
+  double earliest, latest, tolerance;
+  std::size_t integrations, constants;
+  FastTerms fast;
+};
+
+void make_direct(std::vector<Exponential>& terms, const Purpose& purpose) {
+  for (Exponential& term : terms) {
+    if (is_slow(term, purpose.latest)) continue;
+    term.is_direct = true;
+    term.weight /= std::pow(term.rate, static_cast<int>(purpose.integrations));
+  }
+}
+
 // Y s at s0 less what the terms make of it.
-double rest_at(const LaplaceImage& image, double log_s0, const std::vector<Exponential>& terms) {
+double rest_at(const LaplaceImage& image, double log_s0, const std::vector<Exponential>& terms,
+               std::size_t integrations) {
   const double s0 = std::exp(log_s0);
+  const double raised = std::pow(s0, static_cast<double>(integrations));
   double rest = image.value(log_s0, log_s0).real();
-  for (const Exponential& term : terms) rest -= (term.weight * (term.rate / (s0 - term.rate))).real();
+  for (const Exponential& term : terms) {
+    rest -= (term.is_direct ? raised : 1) * (term.weight * (term.rate / (s0 - term.rate))).real();
+  }
   return rest;
 }
 
-ExponentialSum with_tolerance(const LaplaceImage& image, double earliest, double latest, double tolerance,
-                              std::size_t integrations, std::size_t constants) {
-  ExponentialSum sum{{}, std::vector<double>(constants, 0.0)};
+// The m-fold integral over latest^m at latest * share.
+double integral_at(const ExponentialSum& sum, const Purpose& purpose, double share) {
+  const std::size_t m = purpose.integrations;
+  const double t = purpose.latest * share;
+  double value = 0;
+  double power = 1;  // t^(m-i)/(m-i)! over latest^m, from i = m down
+  for (std::size_t k = 0; k < m; ++k) power /= purpose.latest;
+  for (std::size_t i = m + 1; i-- > 0;) {
+    if (i < sum.constants.size()) value += sum.constants[i] * power;
+    power *= t / static_cast<double>(m - i + 1);
+  }
+  std::vector<Complex> phis(m + 1);
+  const double scale = std::pow(purpose.latest, -static_cast<double>(m));
+  for (const Exponential& term : sum.terms) {
+    const Complex z = term.rate * t;
+    if (term.is_direct || m == 0) {
+      value += (term.is_direct ? scale : 1) * (term.weight * expm1(z)).real();
+    } else {
+      phi(z, phis);
+      value += std::pow(share, static_cast<double>(m)) * (term.weight * (z * phis[m])).real();
+    }
+  }
+  return value;
+}
+
+ExponentialSum with_tolerance(const LaplaceImage& image, const Purpose& purpose) {
+  const auto [earliest, latest, tolerance, integrations, constants, fast] = purpose;
+  const bool is_direct = fast == FastTerms::direct && integrations > 0;
+  ExponentialSum sum{{}, std::vector<double>(constants, 0.0), 0};
   std::vector<Exponential>& terms = sum.terms;
   const std::vector<RootCluster>& poles = image.poles().clusters;
-  const std::vector<double> log_anchor = log_anchors(image, latest, anchored_count(image));
+  const std::vector<double> log_anchor =
+      log_anchors(image, latest, is_direct ? integrations + 1 : anchored_count(image));
   std::vector<double> anchor, rest;
   for (const double log_s0 : log_anchor) anchor.push_back(std::exp(log_s0));
   const auto set_anchored = [&] {
@@ -111,7 +162,8 @@ ExponentialSum with_tolerance(const LaplaceImage& image, double earliest, double
       const bool on_cut = std::abs(argument - pi) < 1e-7 + poles[k].spread;
       if (on_cut || argument < pi) add_pole(image, k, on_cut, latest, 1, terms);
     }
-    for (const double log_s0 : log_anchor) rest.push_back(rest_at(image, log_s0, terms));
+    if (is_direct) make_direct(terms, purpose);
+    for (const double log_s0 : log_anchor) rest.push_back(rest_at(image, log_s0, terms, integrations));
     set_anchored();
     return sum;
   }
@@ -145,19 +197,20 @@ ExponentialSum with_tolerance(const LaplaceImage& image, double earliest, double
   }
   const std::size_t first_of_cut = terms.size();
   terms.insert(terms.end(), along.begin(), along.end());
-  for (const double log_s0 : log_anchor) rest.push_back(rest_at(image, log_s0, terms));
+  if (is_direct) make_direct(terms, purpose);
+  for (const double log_s0 : log_anchor) rest.push_back(rest_at(image, log_s0, terms, integrations));
   const auto anchored = static_cast<int>(anchor.size());
   for (int k = 1; k < 5'000; ++k) {
-    const auto [rate, weight] = term_at(-k);
+    const Exponential node = term_at(-k);
     double size = 0;
     for (std::size_t i = 0; i < anchor.size(); ++i) {
-      const Complex ratio = anchor[i] / rate;
-      const Complex left = weight * std::pow(ratio, anchored) / (1.0 - ratio);
+      const Complex ratio = anchor[i] / node.rate;
+      const Complex left = node.weight * std::pow(ratio, anchored) / (1.0 - ratio);
       rest[i] += left.real();
       size = std::max(size, std::abs(left));
     }
-    Complex left = weight / std::pow(rate, anchored);
-    for (std::size_t j = anchor.size(); j < constants; ++j, left /= rate) sum.constants[j] -= left.real();
+    Complex left = node.weight / std::pow(node.rate, anchored);
+    for (std::size_t j = anchor.size(); j < constants; ++j, left /= node.rate) sum.constants[j] -= left.real();
     if (size < 1e-3 * step * tolerance * largest) break;
   }
   set_anchored();
@@ -214,21 +267,28 @@ double effect(double weight, double rate, double latest, std::size_t integration
 }
 
 ExponentialSum exponential_sum(const LaplaceImage& image, double earliest, double latest, double tolerance,
-                               std::size_t integrations, std::size_t constants) {
-  ExponentialSum sum = with_tolerance(image, earliest, latest, tolerance, integrations, constants);
+                               std::size_t integrations, std::size_t constants, FastTerms fast) {
+  Purpose purpose{earliest, latest, tolerance, integrations, constants, fast};
+  ExponentialSum sum = with_tolerance(image, purpose);
+  const double unit = std::pow(latest, -static_cast<double>(integrations));
   double largest = 0;
   for (const Exponential& term : sum.terms) {
-    largest = std::max(largest, effect(std::abs(term.weight), std::abs(term.rate), latest, integrations));
+    const double weight = std::abs(term.weight);
+    largest =
+        std::max(largest, term.is_direct ? weight * unit : effect(weight, std::abs(term.rate), latest, integrations));
   }
-  double size = 0;
-  for (const double t : {latest, latest / 3, latest / 20}) {
-    double value = sum.constants[0];
-    for (const Exponential& term : sum.terms) value += (term.weight * expm1(term.rate * t)).real();
-    if (std::isfinite(value)) size = std::max(size, std::abs(value));
+  for (const double share : {1.0, 1 / 3.0, 1 / 20.0}) {
+    const double value = integral_at(sum, purpose, share);
+    if (std::isfinite(value)) sum.size = std::max(sum.size, std::abs(value));
   }
   // Beyond 1e-16 the rounding of the parts decides.
-  const double finer = std::max(1e-16, tolerance * size / largest);
-  return finer < 0.5 * tolerance ? with_tolerance(image, earliest, latest, finer, integrations, constants) : sum;
+  purpose.tolerance = std::max(1e-16, tolerance * sum.size / largest);
+  if (purpose.tolerance < 0.5 * tolerance) {
+    const double size = sum.size;
+    sum = with_tolerance(image, purpose);
+    sum.size = size;
+  }
+  return sum;
 }
 
 }  // namespace frac::detail

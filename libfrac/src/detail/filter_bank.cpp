@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
 
 #include "phi_functions.hpp"
 
@@ -143,8 +144,9 @@ FilterBank::FilterBank(const FilterDesign& design)
     for (std::size_t i = 0; i < block; ++i) {
       put_in_row(block_output_, i, output * std::conj(power));
       std::array<Complex, most_powers> later{};
-      for (std::size_t q = 0; q <= integrations_ + (is_straight_ ? 1 : 0); ++q) {
-        later[q] = z * phis[q] * power;
+      const std::size_t first = term.is_direct ? integrations_ : 0;
+      for (std::size_t q = first; q <= integrations_ + (is_straight_ ? 1 : 0); ++q) {
+        later[q] = z * phis[q - first] * power;
         if (i == 0) put(drive_, q, later[q]);
         if (i + 1 < block) own[i + 1][q] += (std::conj(output) * later[q]).real();
       }
@@ -186,10 +188,14 @@ FilterBank::FilterBank(const FilterDesign& design)
   }
   // To a constant input from its end values: the instantaneous part less what the states withdraw.
   steady_gain_ = now_[integrations_];
+  double total = 0;
   for (std::size_t s = 0; s < size_; ++s) {
     if (is_real_part(s)) steady_gain_ -= output_[s];
     largest_ = std::max(largest_, std::abs(output_[s]));
+    total += std::abs(output_[s]);
   }
+  // Before the response has risen the gain and what still decays cancel.
+  may_settle_ = integrations_ == 0 && total * std::numeric_limits<double>::epsilon() <= design.smallest;
 }
 
 bool FilterBank::is_real_part(std::size_t s) const noexcept {
@@ -274,7 +280,7 @@ FilterArrays FilterBank::arrays() noexcept {
 }
 
 bool FilterBank::settles(const double* next, double before) const noexcept {
-  if (integrations_ > 0 || next[0] != before) return false;
+  if (!may_settle_ || next[0] != before) return false;
   std::ptrdiff_t others = 0;
   for (std::size_t i = 0; i < block; ++i) others += next[i] != before ? 1 : 0;
   return others == 0;

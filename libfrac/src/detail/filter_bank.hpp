@@ -12,7 +12,8 @@ namespace frac::detail {
 
 /// What a filter bank computes.  With U the m-fold integral of the input over T^m, from rest at the first sample,
 ///   y(t_j + theta T) = Re sum over terms of weight e^{rate theta T} x_j + sum_i now_i gamma_i,j,
-///   x' = rate x + rate U(t),  U(t_j + tau) = sum_i gamma_i,j (tau/T)^i/i!  on [t_j, t_j + T).
+///   x' = rate x + rate U(t),  U(t_j + tau) = sum_i gamma_i,j (tau/T)^i/i!  on [t_j, t_j + T);
+/// direct terms take the input itself in place of U.
 /// Up to i = m - 1 gamma_i is an integral of the input over its power of T, gamma_m the input at t_j and gamma_(m+1)
 /// what it gains by t_j + T: in a straight line where `is_straight`, else in a jump at the end of the interval.
 struct FilterDesign {
@@ -22,6 +23,7 @@ struct FilterDesign {
   std::size_t integrations = 0;
   bool is_straight = false;
   std::vector<double> now;  // of m + 2 powers
+  double smallest = 0;      // what an output may err by for an input of 1
 };
 
 /// Sample by sample, or block by block in loops over whole vectors, in which all that happens within the block is one
@@ -71,6 +73,7 @@ class FilterBank {
   double latest_ = 0;
   // In a run of one constant value u a state is its end value -u plus what still decays.  Real states come by falling
   // decay, and those before first_ have decayed.
+  bool may_settle_ = false;
   double steady_ = 0;
   double steady_gain_ = 0;
   double largest_ = 0;  // output weight

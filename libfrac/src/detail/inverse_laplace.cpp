@@ -155,7 +155,7 @@ InverseLaplace::Estimate InverseLaplace::by_parabola(double t) const {
           if (exponent.real() > 300) return Complex(0);
           return exponential(zeta, from_middle, t) / (1.0 - (exponent.real() < -accuracy ? 0.0 : std::exp(exponent)));
         },
-        1 + growth + (pole.w.real() - line < accuracy / rate ? rate * std::abs(pole.w) : 0));
+        1 + growth + (pole.w.real() - line < accuracy / rate ? 2 * rate * std::abs(pole.w) : 0));
     sum += part.value;
     rounding += part.rounding;
   }

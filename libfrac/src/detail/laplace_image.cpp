@@ -38,6 +38,11 @@ void for_each_corner(const std::vector<PowerTerm>& terms, const Visit& visit) {
 
 }  // namespace
 
+double dominant_slope(const std::vector<PowerTerm>& numerator, const std::vector<PowerTerm>& denominator,
+                      double log_radius) {
+  return dominant(numerator, log_radius).order - dominant(denominator, log_radius).order;
+}
+
 LaplaceImage::LaplaceImage(std::vector<PowerTerm> numerator, std::vector<PowerTerm> denominator)
     : numerator_(std::move(numerator)),
       denominator_(std::move(denominator)),
@@ -78,7 +83,7 @@ double LaplaceImage::log_magnitude(double log_radius) const {
 }
 
 double LaplaceImage::slope(double log_radius) const {
-  return dominant(numerator_, log_radius).order - dominant(denominator_, log_radius).order;
+  return dominant_slope(numerator_, denominator_, log_radius);
 }
 
 double LaplaceImage::lowest_noticed(double latest, double tolerance) const {

@@ -12,6 +12,10 @@
 
 namespace frac::detail {
 
+/// d ln|N/D| / d ln|s| of the terms that dominate at |s| = e^log_radius.
+[[nodiscard]] double dominant_slope(const std::vector<PowerTerm>& numerator, const std::vector<PowerTerm>& denominator,
+                                    double log_radius);
+
 /// Y(s) = numerator/denominator, both sums of real powers, on the Riemann surface of ln s, with its poles in the upper
 /// half up to arg s = 3 pi/2.
 class LaplaceImage {
