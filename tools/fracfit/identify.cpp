@@ -159,9 +159,9 @@ void add_identify(CLI::App& program, Run& run) {
   add_common_options(*identification, given->common, {"json", "csv", "table"});
   identification->footer(
       "Examples:\n"
-      "  fracfit identify curve.csv\n"
+      "  fracfit identify curve.csv --where 'omega<4'\n"
       "  fracfit identify cell.csv --component both --models 'zarc,two-zarc,r-rc,two-rc' --out ranking.json\n"
-      "  fracfit identify curve.csv --where 'omega>17' --clearance 0.3 --force 40 --format table");
+      "  fracfit identify curve.csv --where 'omega<4' --clearance 0.3 --force 40 --format table");
   identification->callback([given, &run] { run = [given] { return run_identify(*given); }; });
 }
 

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <stdexcept>
 
+#include "choice.hpp"
 #include "exit_code.hpp"
 #include "frac/identification/time_fit.hpp"
 #include "io/data_error.hpp"
@@ -42,22 +43,21 @@ std::string weight_of(const FitRequest& request, const io::TimeSeries& series) {
 }
 
 frac::Hold hold_of(const std::string& text) {
-  if (text.empty() || text == "zero-order") return frac::Hold::zero_order;
-  if (text == "first-order") return frac::Hold::first_order;
-  throw std::invalid_argument("--hold " + io::quoted(text) + ": expected zero-order or first-order");
+  return text == "first-order" ? frac::Hold::first_order : frac::Hold::zero_order;
 }
 
 }  // namespace
 
 void add_time_fit_options(CLI::App& subcommand, TimeFitRequest& request) {
   subcommand
-      .add_option("--hold", request.hold,
-                  "Samples over time: how the input runs between them, zero-order (default) or first-order")
-      ->type_name("HOLD");
+      .add_option("--hold", request.hold, "Samples over time: how the input runs between them (default zero-order)")
+      ->type_name("HOLD")
+      ->check(one_of({"zero-order", "first-order"}));
   subcommand
       .add_option("--offset", request.offset,
                   "Samples over time: what the output shows at rest, free (estimated, default) or a number")
-      ->type_name("VALUE");
+      ->type_name("VALUE")
+      ->check(suggest({"free"}));
   subcommand
       .add_option("--input-at-rest", request.input_at_rest,
                   "Samples over time: the input before the first sample, 0 if not given")
