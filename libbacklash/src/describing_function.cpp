@@ -23,14 +23,14 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double rounding = std::numeric_limits<double>::epsilon();
 
-constexpr std::array<std::pair<Protocol, std::string_view>, 5> protocols = {{
+constexpr std::array<std::pair<Protocol, std::string_view>, 5> protocol_spellings = {{
     {Protocol::sweep_up, "sweep-up"},
     {Protocol::sweep_down, "sweep-down"},
     {Protocol::contact_at_rest, "contact-at-rest"},
     {Protocol::mid_gap_at_rest, "mid-gap-at-rest"},
     {Protocol::two_impact, "two-impact"},
 }};
-constexpr std::array<std::pair<Regime, std::string_view>, 6> regimes = {{
+constexpr std::array<std::pair<Regime, std::string_view>, 6> regime_spellings = {{
     {Regime::rigid, "rigid"},
     {Regime::free, "free"},
     {Regime::symmetric, "symmetric"},
@@ -38,7 +38,8 @@ constexpr std::array<std::pair<Regime, std::string_view>, 6> regimes = {{
     {Regime::chatter, "chatter"},
     {Regime::averaged, "averaged"},
 }};
-constexpr std::array<std::pair<Output, std::string_view>, 2> outputs = {{{Output::x1, "x1"}, {Output::x2, "x2"}}};
+constexpr std::array<std::pair<Output, std::string_view>, 2> output_spellings = {
+    {{Output::x1, "x1"}, {Output::x2, "x2"}}};
 
 detail::GapState mid_gap_at_rest() {
   return detail::state_at_peak(0.5, 0);
@@ -103,11 +104,9 @@ void require_representable(const TwoMassSystem& system, const std::vector<double
   }
 }
 
-void check(const SweepScene& scene, const std::vector<double>& omega, const SweepOptions& options) {
+void check(const SweepScene& scene, const std::vector<double>& omega) {
   detail::require_positive("force_amplitude", "N", scene.force_amplitude);
-  detail::require_frequency_grid(omega);
   require_representable(scene.system, omega);
-  detail::require_valid(options);
 }
 
 bool has_independent_points(Protocol protocol) {
@@ -220,22 +219,30 @@ void require_valid(const SweepOptions& options) {
 }  // namespace detail
 
 std::string_view to_string(Protocol protocol) {
-  return detail::spelling(protocols, protocol);
+  return detail::spelling(protocol_spellings, protocol);
 }
 std::string_view to_string(Regime regime) {
-  return detail::spelling(regimes, regime);
+  return detail::spelling(regime_spellings, regime);
 }
 std::string_view to_string(Output output) {
-  return detail::spelling(outputs, output);
+  return detail::spelling(output_spellings, output);
 }
 Protocol protocol_from_string(std::string_view text) {
-  return detail::from_spelling(protocols, "protocol", text);
+  return detail::from_spelling(protocol_spellings, "protocol", text);
 }
 Regime regime_from_string(std::string_view text) {
-  return detail::from_spelling(regimes, "regime", text);
+  return detail::from_spelling(regime_spellings, "regime", text);
 }
 Output output_from_string(std::string_view text) {
-  return detail::from_spelling(outputs, "output", text);
+  return detail::from_spelling(output_spellings, "output", text);
+}
+std::span<const Protocol> protocols() {
+  static constexpr auto all = detail::enumerators(protocol_spellings);
+  return all;
+}
+std::span<const Output> outputs() {
+  static constexpr auto all = detail::enumerators(output_spellings);
+  return all;
 }
 
 frac::FrequencyResponseData DescribingFunctionSweep::data() const {
@@ -261,9 +268,11 @@ std::vector<DescribingFunctionSweep> describing_function_sweeps(const std::vecto
                                                                 const SweepOptions& options, frac::Progress* progress) {
   std::vector<DescribingFunctionSweep> sweeps;
   sweeps.reserve(scenes.size());
+  detail::require_frequency_grid(omega);
+  detail::require_valid(options);
   for (std::size_t i = 0; i < scenes.size(); ++i) {
     try {
-      check(scenes[i], omega, options);
+      check(scenes[i], omega);
     } catch (const std::invalid_argument& error) {
       if (scenes.size() == 1) throw;
       throw std::invalid_argument("scene " + std::to_string(i) + ": " + error.what());

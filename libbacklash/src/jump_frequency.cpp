@@ -161,6 +161,10 @@ std::string_view to_string(JumpCriterion criterion) {
 JumpCriterion jump_criterion_from_string(std::string_view text) {
   return detail::from_spelling(criteria, "criterion", text);
 }
+std::span<const JumpCriterion> jump_criteria() {
+  static constexpr auto all = detail::enumerators(criteria);
+  return all;
+}
 
 JumpFrequency jump_similarity_constant(double restitution, JumpCriterion criterion) {
   detail::require_restitution(restitution);

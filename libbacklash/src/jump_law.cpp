@@ -1,5 +1,6 @@
 #include "backlash/jump_law.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -14,8 +15,18 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 void require_list(const std::string& name, const std::vector<double>& values, std::size_t least) {
   if (values.size() < least) {
-    throw std::invalid_argument(name + " has " + std::to_string(values.size()) + " entries; at least " +
-                                std::to_string(least) + " are needed");
+    throw std::invalid_argument(name + " has " + std::to_string(values.size()) +
+                                (values.size() == 1 ? " entry" : " entries") + "; at least " + std::to_string(least) +
+                                (least == 1 ? " is needed" : " are needed"));
+  }
+}
+
+// A power law needs two different places.
+void require_different(const std::string& name, const std::vector<double>& values) {
+  require_list(name, values, 2);
+  if (std::all_of(values.begin(), values.end(), [&](double value) { return value == values.front(); })) {
+    throw std::invalid_argument("every " + name + " is " + detail::text(values.front()) +
+                                "; a law needs at least 2 different ones");
   }
 }
 
@@ -156,8 +167,8 @@ JumpGrid jump_grid(double mass1, double mass2, const std::vector<double>& force,
 JumpLaw fit_jump_law(double mass1, double mass2, const std::vector<double>& force, const std::vector<double>& clearance,
                      const std::vector<double>& restitution, JumpCriterion criterion, int threads,
                      frac::Progress* progress) {
-  require_list("force", force, 2);
-  require_list("clearance", clearance, 2);
+  require_different("force", force);
+  require_different("clearance", clearance);
   JumpLaw result{jump_grid(mass1, mass2, force, clearance, restitution, criterion, threads, progress), {}, {}, {}, {}};
   std::vector<double> fitted_clearance;
   std::vector<double> a;

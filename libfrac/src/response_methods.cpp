@@ -1,6 +1,7 @@
 #include "frac/response_methods.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -17,13 +18,13 @@ namespace {
 using Kind = ResponseInput::Kind;
 constexpr double finest = 1e-13;  // of a sum of exponentials
 
-constexpr std::pair<ResponseMethod, std::string_view> names[] = {
-    {ResponseMethod::automatic, "auto"},
-    {ResponseMethod::reference, "reference"},
-    {ResponseMethod::exponential_sum, "exponential-sum"},
-    {ResponseMethod::grunwald_letnikov, "grunwald-letnikov"},
-    {ResponseMethod::bdf2, "bdf2"},
-    {ResponseMethod::ladder, "ladder"}};
+constexpr std::array<std::pair<ResponseMethod, std::string_view>, 6> names{
+    {{ResponseMethod::automatic, "auto"},
+     {ResponseMethod::reference, "reference"},
+     {ResponseMethod::exponential_sum, "exponential-sum"},
+     {ResponseMethod::grunwald_letnikov, "grunwald-letnikov"},
+     {ResponseMethod::bdf2, "bdf2"},
+     {ResponseMethod::ladder, "ladder"}}};
 
 [[noreturn]] void refuse(const std::string& reason) {
   throw std::invalid_argument("respond: " + reason);
@@ -345,6 +346,15 @@ ResponseMethod response_method_from_string(std::string_view text) {
     known += (known.empty() ? "" : ", ") + std::string(name);
   }
   refuse("method '" + std::string(text) + "'; known are " + known);
+}
+
+std::span<const ResponseMethod> response_methods() {
+  static constexpr auto all = [] {
+    std::array<ResponseMethod, names.size()> methods{};
+    for (std::size_t i = 0; i < names.size(); ++i) methods[i] = names[i].first;
+    return methods;
+  }();
+  return all;
 }
 
 TimeResponse respond(const FractionalTransferFunction& model, const TimeInput& input, std::span<const double> time,

@@ -139,8 +139,13 @@ std::string_view to_string(RealisationMethod method) {
   return method == RealisationMethod::joint ? "joint" : "term-by-term";
 }
 
+std::span<const RealisationMethod> realisation_methods() {
+  static constexpr RealisationMethod all[] = {RealisationMethod::joint, RealisationMethod::term_by_term};
+  return all;
+}
+
 RealisationMethod realisation_method(std::string_view name) {
-  for (const RealisationMethod method : {RealisationMethod::joint, RealisationMethod::term_by_term}) {
+  for (const RealisationMethod method : realisation_methods()) {
     if (to_string(method) == name) return method;
   }
   throw std::invalid_argument("realisation method \"" + std::string(name) + "\": expected one of joint, term-by-term");

@@ -114,7 +114,14 @@ TEST(JumpLaw, NamesWhatIsOutOfRange) {
         (void)fit_jump_law(1, 1, forces, clearances, {.5, 1.5}, criterion);
       },
       {"restitution[1]", "1.5"});
-  expect_invalid_argument([&] { (void)fit_jump_law(1, 1, {10, 10}, clearances, {.5}, criterion); }, {"x"});
+  expect_invalid_argument(
+      [&] {
+        (void)fit_jump_law(1, 1, {10, 10}, clearances, {.5}, criterion);
+      },
+      {"every force is 10", "at least 2 different"});
+  // One scene is enough for the constants.
+  expect_invalid_argument([&] { (void)backlash::jump_grid(1, 1, {}, {.1}, {.5}, criterion); },
+                          {"force has 0 entries; at least 1 is needed"});
 }
 
 TEST(JumpLaw, WithoutAnyJumpThereIsNoLawAndAReason) {

@@ -4,34 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <new>
 #include <numbers>
 #include <optional>
 #include <vector>
 
 #include "detail/harmonics.hpp"
 #include "detail/two_impact_orbit.hpp"
+#include "support/count_allocations.hpp"
 #include "support/random.hpp"
-
-namespace {
-
-std::size_t allocations = 0;
-
-}  // namespace
-
-// Every allocation of this program is counted, so that "none per impact" can be seen.
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* place = std::malloc(size == 0 ? 1 : size)) return place;
-  throw std::bad_alloc();
-}
-void operator delete(void* place) noexcept {
-  std::free(place);
-}
-void operator delete(void* place, std::size_t) noexcept {
-  std::free(place);
-}
 
 namespace {
 
@@ -190,7 +170,7 @@ TEST(OrdinaryFlight, AnImpactAllocatesNothing) {
     GapState state = state_at_peak(0.5, 0);
     backlash::detail::JumpSum jumps;
     backlash::detail::FlightSum flights;
-    const std::size_t before = allocations;
+    const long before = support::allocations;
     for (int i = 0; i < 1000; ++i) {
       if (motion.rests(state) || motion.chatter_tail(state).negligible(1e-13)) state = motion.release_after(state);
       const Flight flight = motion.next_flight(state);
@@ -199,11 +179,11 @@ TEST(OrdinaryFlight, AnImpactAllocatesNothing) {
       flights.add_flight(state, flight);
       state = next;
     }
-    EXPECT_EQ(allocations, before);
+    EXPECT_EQ(support::allocations, before);
   }
-  const std::size_t before = allocations;
+  const long before = support::allocations;
   ::operator delete(::operator new(1));
-  EXPECT_EQ(allocations, before + 1);  // the count counts
+  EXPECT_EQ(support::allocations, before + 1);  // the count counts
 }
 
 // Without dissipation the symmetric orbit meets its walls exactly where the force is at its peaks.

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "frac/grunwald_letnikov.hpp"
+#include "support/exact_derivative_sums.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/random.hpp"
 #include "support/reference_table.hpp"
@@ -108,17 +109,13 @@ TEST(FractionalDerivative, AgreesWithTheSumAtAnyOrder) {
   }
 }
 
-// The table holds the sum of exact samples t^m; ours are rounded: as in grunwald_letnikov_test.
 TEST(FractionalDerivative, AgreesWithTheExactSum) {
-  const auto rows = support::reference_table("gl_sum_exact.csv");
-  ASSERT_EQ(rows.size(), 48u);
-  for (const auto& row : rows) {
-    const auto n = static_cast<std::size_t>(row[3]);
-    const double h = row[4];
-    std::vector<double> samples;
-    for (std::size_t k = 0; k <= n; ++k) samples.push_back(std::pow(static_cast<double>(k) * h, row[1]));
-    const double rounding = (row[1] + 1) * eps * std::pow(2, row[0] + 1) * std::pow(h, -row[0]) * samples.back();
-    EXPECT_NEAR(derivative(samples, row[0], h).back(), row[5], rounding + 1e-12 * std::abs(row[5])) << row[0];
+  const auto sums = support::exact_derivative_sums();
+  ASSERT_EQ(sums.size(), 48u);
+  for (const auto& sum : sums) {
+    EXPECT_NEAR(derivative(sum.samples, sum.order, sum.step).back(), sum.value,
+                sum.rounding + 1e-12 * std::abs(sum.value))
+        << sum.order;
   }
 }
 

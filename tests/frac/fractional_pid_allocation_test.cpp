@@ -1,46 +1,10 @@
-// Replaces the global operator new by one that counts.
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
 #include <vector>
 
 #include "frac/digital_filter.hpp"
 #include "frac/fractional_pid.hpp"
-
-namespace {
-std::atomic<long> allocations = 0;
-}
-
-// Not inlined, or the compiler takes malloc and delete for a mismatched pair.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* const memory = std::malloc(size > 0 ? size : 1)) return memory;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-  ++allocations;
-  return std::malloc(size > 0 ? size : 1);
-}
-[[gnu::noinline]] void* operator new(std::size_t size, std::align_val_t alignment) {
-  ++allocations;
-  const auto step = static_cast<std::size_t>(alignment);
-  if (void* const memory = std::aligned_alloc(step, (size + step - 1) / step * step)) return memory;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
-[[gnu::noinline]] void operator delete(void* memory, std::align_val_t) noexcept {
-  std::free(memory);
-}
-[[gnu::noinline]] void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
-  std::free(memory);
-}
+#include "support/count_allocations.hpp"
 
 namespace {
 
@@ -56,7 +20,7 @@ void expect_no_allocation() {
   config.gains.mu = 1.2;
   const frac::FractionalPidDesign second(config);
   frac::FractionalPid<Real> pid(config);
-  const long before = allocations;
+  const long before = support::allocations;
   Real sum = 0;
   for (int n = 0; n < 10'000; ++n) {
     const auto y = static_cast<Real>(n % 100) / 50;
@@ -66,7 +30,7 @@ void expect_no_allocation() {
     if (n % 100 == 0) pid.adopt(n % 200 == 0 ? first : second);
     if (n % 1000 == 0) pid.reset();
   }
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(support::allocations, before);
   EXPECT_NE(sum, 0);
 }
 
@@ -81,11 +45,11 @@ TEST(DigitalFilter, AllocatesNothingAfterConstruction) {
        {filter_design(model, 0.01), filter_design(frac::digital_power(0.5, {1, 100}, frac::PoleCount{9}, 1e-3))}) {
     frac::DigitalFilter<double> filter(design);
     std::vector<double> samples(500, 1.0);
-    const long before = allocations;
+    const long before = support::allocations;
     for (int n = 0; n < 100; ++n) samples[0] = filter.step(samples[0]);
     filter.run(samples, samples);
     filter.reset();
-    EXPECT_EQ(allocations, before);
+    EXPECT_EQ(support::allocations, before);
   }
 }
 

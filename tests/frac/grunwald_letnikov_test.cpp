@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "support/exact_derivative_sums.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/observed_order.hpp"
 #include "support/random.hpp"
@@ -222,19 +223,12 @@ TEST(GrunwaldLetnikov, DerivativeOfPowersConvergesToTheTableWithFirstOrder) {
   EXPECT_GT(orders_seen, 50);
 }
 
-// The table holds the sum of exact samples t^m; ours are rounded, relative to t^m by (m + 1) eps.  The derivative of
-// order q of that rounding is at most h^-q sum|w_k| <= h^-q 2^(q+1) times as large as the samples, which are at most 1.
 TEST(GrunwaldLetnikov, DerivativeAgreesWithTheExactSum) {
-  const auto rows = support::reference_table("gl_sum_exact.csv");
-  ASSERT_EQ(rows.size(), 48u);
-  for (const auto& row : rows) {
-    const auto n = static_cast<std::size_t>(row[3]);
-    const double h = row[4];
-    std::vector<double> samples;
-    for (std::size_t k = 0; k <= n; ++k) samples.push_back(std::pow(static_cast<double>(k) * h, row[1]));
-    const double rounding = (row[1] + 1) * eps * std::pow(2, row[0] + 1) * std::pow(h, -row[0]) * samples.back();
-    EXPECT_NEAR(frac::grunwald_letnikov_derivative(samples, row[0], h).back(), row[5], rounding)
-        << row[0] << " " << row[1] << " " << h << " " << n;
+  const auto sums = support::exact_derivative_sums();
+  ASSERT_EQ(sums.size(), 48u);
+  for (const auto& sum : sums) {
+    EXPECT_NEAR(frac::grunwald_letnikov_derivative(sum.samples, sum.order, sum.step).back(), sum.value, sum.rounding)
+        << sum.order << " " << sum.step << " " << sum.samples.size();
   }
 }
 

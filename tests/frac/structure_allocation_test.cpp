@@ -1,30 +1,10 @@
-// Replaces the global operator new by one that counts.
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <complex>
-#include <cstdlib>
-#include <new>
 #include <vector>
 
 #include "frac/structure.hpp"
-
-namespace {
-std::atomic<long> allocations = 0;
-}
-
-// Not inlined, or the compiler takes malloc and delete for a mismatched pair.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* const memory = std::malloc(size > 0 ? size : 1)) return memory;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept {
-  std::free(memory);
-}
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
-  std::free(memory);
-}
+#include "support/count_allocations.hpp"
 
 namespace {
 
@@ -36,13 +16,13 @@ TEST(Structure, AllocatesNothingOnRepeatedEvaluation) {
   std::vector<std::complex<double>> value(omega.size());
   std::vector<std::complex<double>> gradient(omega.size() * parameters.size());
   structure.response_and_gradient(parameters, omega, frac::ExactRealisation{}, value, gradient);
-  const long before = allocations;
+  const long before = support::allocations;
   for (int i = 0; i < 10; ++i) {
     parameters[3] += 0.01;
     structure.response_and_gradient(parameters, omega, frac::ExactRealisation{}, value, gradient);
     (void)structure.response(parameters, 2.5);
   }
-  EXPECT_EQ(allocations - before, 0);
+  EXPECT_EQ(support::allocations - before, 0);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "frac/fractional_transfer_function.hpp"
 #include "frac/grunwald_letnikov.hpp"
 #include "frac/oustaloup.hpp"
+#include "support/relative_error.hpp"
 
 namespace {
 
@@ -23,14 +24,9 @@ using frac::FitResult;
 using frac::FrequencyResponseData;
 using frac::Structure;
 using frac::Weight;
+using support::log_grid;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-std::vector<double> logarithmic(double from, double to, int count) {
-  std::vector<double> grid;
-  for (int i = 0; i < count; ++i) grid.push_back(from * std::pow(to / from, i / (count - 1.0)));
-  return grid;
-}
 
 FrequencyResponseData sample(const std::string& formula, const std::vector<double>& parameters,
                              const std::vector<double>& omega) {
@@ -69,7 +65,7 @@ class RecoversExactData : public testing::TestWithParam<Recovery> {};
 // 1e-16 sqrt(1e6) = 1e-13 at a true minimum and the solver's stopping rules leave at most a few decades more.
 TEST_P(RecoversExactData, WithoutStartValues) {
   const Recovery& test = GetParam();
-  const FrequencyResponseData data = sample(test.formula, test.parameters, logarithmic(test.from, test.to, 120));
+  const FrequencyResponseData data = sample(test.formula, test.parameters, log_grid(test.from, test.to, 120));
   FitOptions options;
   options.component = test.component;
   options.constraints = test.constraints;
@@ -123,7 +119,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 // Orders do not depend on the units of the data; a gain scales with the values, T with omega^-a.
 TEST(Fit, IsTheSameInAnyUnit) {
-  const std::vector<double> omega = logarithmic(1e-2, 1e3, 60);
+  const std::vector<double> omega = log_grid(1e-2, 1e3, 60);
   const Structure structure("K/(T s^a + 1)");
   for (const double value_unit : {1e-18, 1.0, 1e18}) {
     for (const double frequency_unit : {1e-9, 1.0, 1e9}) {
@@ -152,7 +148,7 @@ TEST(Fit, IsTheSameInAnyUnit) {
 TEST(Fit, ThroughOustaloupFindsTheDeployedOrder) {
   const frac::FrequencyBand band{1e-2, 1e2};
   const frac::ZeroPoleGain power = frac::oustaloup(0.6, band, 4);
-  const std::vector<double> omega = logarithmic(2e-2, 5e1, 80);
+  const std::vector<double> omega = log_grid(2e-2, 5e1, 80);
   std::vector<std::complex<double>> value;
   for (const double w : omega) value.push_back(2.0 / (0.5 * power.response(w) + 1.0));
   FitOptions options;
@@ -169,7 +165,7 @@ TEST(Fit, ThroughOustaloupFindsTheDeployedOrder) {
 TEST(Fit, ThroughGrunwaldLetnikovFindsTheDeployedOrder) {
   constexpr double sample_time = 0.05;
   constexpr std::size_t memory = 200;
-  const std::vector<double> omega = logarithmic(0.1, 50, 60);
+  const std::vector<double> omega = log_grid(0.1, 50, 60);
   std::vector<std::complex<double>> value;
   for (const double w : omega) {
     value.push_back(2.0 / (0.5 * frac::grunwald_letnikov_response(0.6, sample_time, memory, w) + 1.0));
@@ -186,7 +182,7 @@ TEST(Fit, ThroughGrunwaldLetnikovFindsTheDeployedOrder) {
 
 // An imaginary part says nothing about M and d; they come from the real part with c and q held.
 TEST(Fit, TakesWhatTheImaginaryPartCannotSeeFromTheRealPart) {
-  const FrequencyResponseData data = sample("1/(M s^2) + d + c s^q", {-2, 0.03, 0.004, 0.6}, logarithmic(5, 35, 80));
+  const FrequencyResponseData data = sample("1/(M s^2) + d + c s^q", {-2, 0.03, 0.004, 0.6}, log_grid(5, 35, 80));
   FitOptions options;
   for (const char* name : {"M", "d", "c"}) options.constraints.push_back({name, {}, -infinity, {}, {}});
   const FitResult result = frac::fit(data, Structure("1/(M s^2) + d + c s^q"), options);
@@ -202,7 +198,7 @@ TEST(Fit, TakesWhatTheImaginaryPartCannotSeeFromTheRealPart) {
 // b2 wants to be 0: its logarithm runs to its bound, where the residuals no longer feel it.  It must stay there, not be
 // taken from the real part, and the parameters reported must give the cost reported.
 TEST(Fit, ParametersGiveTheCostEvenWhereOneVanishes) {
-  std::vector<double> omega = logarithmic(3, 6.6, 60);
+  std::vector<double> omega = log_grid(3, 6.6, 60);
   std::vector<std::complex<double>> value;
   for (const double w : omega) value.emplace_back(-1 / (2 * w * w), 0.0005 * std::pow(w, 0.46));
   FitOptions options;
@@ -218,7 +214,7 @@ TEST(Fit, ParametersGiveTheCostEvenWhereOneVanishes) {
 }
 
 TEST(Fit, SaysThatAPhaseCannotSeeAGain) {
-  const FrequencyResponseData data = sample("K/(T s^a + 1)", {3, 0.4, 0.7}, logarithmic(1e-2, 1e3, 60));
+  const FrequencyResponseData data = sample("K/(T s^a + 1)", {3, 0.4, 0.7}, log_grid(1e-2, 1e3, 60));
   FitOptions options;
   options.component = Component::phase;
   const FitResult result = frac::fit(data, Structure("K/(T s^a + 1)"), options);
@@ -230,7 +226,7 @@ TEST(Fit, SaysThatAPhaseCannotSeeAGain) {
 
 // R0 + R1 is seen only as a sum when the data hold nothing but the plateau.
 TEST(Fit, SaysThatAPlateauDoesNotSplitIntoTwoResistances) {
-  const std::vector<double> omega = logarithmic(1, 10, 40);
+  const std::vector<double> omega = log_grid(1, 10, 40);
   std::mt19937_64 generator(3);
   std::normal_distribution<double> noise(0, 0.01);
   std::vector<std::complex<double>> value;
@@ -245,7 +241,7 @@ TEST(Fit, SaysThatAPlateauDoesNotSplitIntoTwoResistances) {
 }
 
 TEST(Fit, ReportsAParameterAtItsBound) {
-  const FrequencyResponseData data = sample("K/(T s^a + 1)", {1, 0.4, 1.2}, logarithmic(1e-2, 1e2, 60));
+  const FrequencyResponseData data = sample("K/(T s^a + 1)", {1, 0.4, 1.2}, log_grid(1e-2, 1e2, 60));
   FitOptions options;
   options.component = Component::both;
   options.constraints = {{"a", {}, 0, 1, {}}};
@@ -257,7 +253,7 @@ TEST(Fit, ReportsAParameterAtItsBound) {
 }
 
 TEST(Fit, KeepsFixedParametersAndStaysWithinBounds) {
-  const FrequencyResponseData data = sample("K/(T s^a + 1)", {1, 0.4, 0.7}, logarithmic(1e-2, 1e2, 60));
+  const FrequencyResponseData data = sample("K/(T s^a + 1)", {1, 0.4, 0.7}, log_grid(1e-2, 1e2, 60));
   FitOptions options;
   options.component = Component::both;
   options.constraints = {{"a", 0.75, {}, {}, {}}, {"T", {}, 0.5, 0.9, {}}};
@@ -271,7 +267,7 @@ TEST(Fit, KeepsFixedParametersAndStaysWithinBounds) {
 }
 
 TEST(Fit, FromGivenStartsMakesOneSolve) {
-  const FrequencyResponseData data = sample("K/(T s^a + 1)", {1, 0.4, 0.7}, logarithmic(1e-2, 1e2, 60));
+  const FrequencyResponseData data = sample("K/(T s^a + 1)", {1, 0.4, 0.7}, log_grid(1e-2, 1e2, 60));
   FitOptions options;
   options.component = Component::both;
   options.global_start = false;
@@ -284,7 +280,7 @@ TEST(Fit, FromGivenStartsMakesOneSolve) {
 // Starts are searched on every n-th of many points; the fit itself must use them all: the cost is that of all, and the
 // gain is the mean of a noise that alternates between the points kept and those left out.
 TEST(Fit, UsesEveryPointOfALongFile) {
-  const std::vector<double> omega = logarithmic(1, 10, 1600);
+  const std::vector<double> omega = log_grid(1, 10, 1600);
   std::vector<std::complex<double>> value;
   for (std::size_t i = 0; i < omega.size(); ++i) value.emplace_back(i % 4 == 0 ? 1.03 : 0.99, 0.5);
   FitOptions options;
@@ -296,7 +292,7 @@ TEST(Fit, UsesEveryPointOfALongFile) {
 }
 
 TEST(Fit, IsRepeatable) {
-  const FrequencyResponseData data = sample("K/(T s^a + 1)", {1, 0.4, 0.7}, logarithmic(1e-2, 1e2, 60));
+  const FrequencyResponseData data = sample("K/(T s^a + 1)", {1, 0.4, 0.7}, log_grid(1e-2, 1e2, 60));
   FitOptions options;
   options.seed = 11;
   const FitResult first = frac::fit(data, Structure("K/(T s^a + 1)"), options);
@@ -307,7 +303,7 @@ TEST(Fit, IsRepeatable) {
 
 // The cost of the contract: the plain sum of squared relative residuals, recomputed here from the fitted curve.
 TEST(Fit, CostIsThePlainSumOfSquares) {
-  const std::vector<double> omega = logarithmic(0.1, 10, 30);
+  const std::vector<double> omega = log_grid(0.1, 10, 30);
   std::vector<std::complex<double>> value;
   for (const double w : omega) value.push_back(1.0 / std::complex<double>(1, w) + 0.05);
   FitOptions options;
@@ -326,7 +322,7 @@ TEST(Fit, CostIsThePlainSumOfSquares) {
 
 // Exact data of one structure leave parameters of another unseen by both parts: nothing may be looked for without end.
 TEST(Fit, EndsOnDataThatSeeNoParameter) {
-  const std::vector<double> omega = logarithmic(0.1, 10, 20);
+  const std::vector<double> omega = log_grid(0.1, 10, 20);
   const std::vector<std::complex<double>> constant(omega.size(), 2.0);
   for (const Component component : {Component::imaginary, Component::real, Component::both}) {
     for (const char* formula : {"E0 + E1 (1 - 1/(1 + (T s)^a)^b)", "K/(1 + (T s)^a)^b", "R0 + R1/(1 + R1 Q1 s^n1)"}) {
@@ -343,7 +339,7 @@ TEST(Fit, EndsOnDataThatSeeNoParameter) {
 // Squares of such data vanish or overflow in double; the fit must not notice.
 TEST(Fit, TakesDataOfAnySize) {
   for (const double size : {1e-200, 1e200}) {
-    const std::vector<double> omega = logarithmic(0.1, 10, 20);
+    const std::vector<double> omega = log_grid(0.1, 10, 20);
     std::vector<std::complex<double>> value;
     for (const double w : omega) value.push_back(size / std::complex<double>(1, w));
     FitOptions options;
@@ -356,7 +352,7 @@ TEST(Fit, TakesDataOfAnySize) {
 }
 
 TEST(Fit, SaysWhenTheModelIsNowhereFinite) {
-  const FrequencyResponseData data = sample("K", {1}, logarithmic(1, 10, 10));
+  const FrequencyResponseData data = sample("K", {1}, log_grid(1, 10, 10));
   const FitResult result = frac::fit(data, Structure("K/(s - s)"), FitOptions{});
   EXPECT_EQ(result.termination, frac::FitTermination::no_usable_start);
   EXPECT_TRUE(std::isnan(result.cost));
@@ -377,7 +373,7 @@ void expect_contains(const std::string& text, const std::string& part) {
 }
 
 TEST(Fit, RefusesContradictionsByName) {
-  const FrequencyResponseData data = sample("K/(T s^a + 1)", {1, 0.4, 0.7}, logarithmic(1e-2, 1e2, 60));
+  const FrequencyResponseData data = sample("K/(T s^a + 1)", {1, 0.4, 0.7}, log_grid(1e-2, 1e2, 60));
   const auto with = [&](std::vector<frac::ParameterConstraint> constraints) {
     FitOptions options;
     options.constraints = std::move(constraints);

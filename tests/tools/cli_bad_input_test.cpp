@@ -49,6 +49,25 @@ TEST(Usage, UnknownSubcommandsAndOptions) {
   expect_failure({"report"}, 2, "--out");
 }
 
+TEST(Usage, SlipsOfThePenAreRecognised) {
+  expect_failure({"simulat"}, 2, "did you mean simulate?");
+  expect_failure({"fti"}, 2, "did you mean fit?");
+  expect_failure(simulate({}, {"--toleranec", "1e-8"}), 2, "unknown option '--toleranec' (did you mean --tolerance?)");
+  expect_failure(simulate({}, {"--protocoll=sweep-up"}), 2, "(did you mean --protocol?)");
+  expect_failure(simulate({}, {"15"}), 2, "unexpected argument '15'");
+  // Nothing is near.
+  EXPECT_EQ(run_fracfit({"xyzzy"}).error.find("did you mean"), std::string::npos);
+  EXPECT_EQ(run_fracfit(simulate({}, {"--frobnicate"})).error.find("did you mean"), std::string::npos);
+}
+
+TEST(Usage, AbsurdSizesAreRefusedBeforeMemoryRunsOut) {
+  expect_failure(simulate({.omega = "1:2:1e9"}), 2, "between 2 and 10000000");
+  expect_failure({"map", "--restitution", "0:1:1e4", "--omega", "1:2:1e4"}, 2, "at most 10000000");
+  expect_failure({"basins", "--restitution", "0.6", "--omega", "1", "--position", "0:1:1e4", "--velocity", "0:1:1e4"},
+                 2, "10000 (--position) times 10000 (--velocity)");
+  expect_failure({"jump-law", "--force", "1:2:1e4", "--clearance", "1:2:1e4"}, 2, "at most 10000000");
+}
+
 TEST(Usage, NumbersOutOfRangeAreNamed) {
   for (const char* value : {"nan", "inf", "-inf", "1e999", "abc", "", "4,0", "40N"}) {
     expect_failure(simulate({.force = value}), 2, "--force");

@@ -188,8 +188,8 @@ TEST(Controller, WrongUsageIsNamed) {
   expect_refusal(with(pid, {"--tolerance", "1e-3", "--poles", "4"}), "not both");
   expect_refusal(with(pid, {"--max", "x"}), "--max 'x'");
   expect_refusal(with(pid, {"--max", "-1", "--min", "1"}), "limits = 1 to -1");
-  expect_refusal(with(pid, {"--anti-windup", "clamp"}), "anti-windup \"clamp\"");
-  expect_refusal(with(pid, {"--precision", "half", "--format", "c"}), "precision \"half\"");
+  expect_refusal(with(pid, {"--anti-windup", "clamp"}), "--anti-windup: 'clamp' is not allowed; expected none");
+  expect_refusal(with(pid, {"--precision", "half", "--format", "c"}), "--precision: 'half' is not allowed");
   expect_refusal(with(pid, {"--name", "9", "--format", "c"}), "C name \"9\"");
   expect_refusal(with(pid, {"--name", "a b"}), "C name \"a b\"");
   expect_refusal({"controller", "--model", "1/(s + 1)", "--sample-time", "1", "--name", "1x"}, "C name \"1x\"");

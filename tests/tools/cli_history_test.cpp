@@ -35,6 +35,8 @@ TEST(History, SaysWhatIsWrong) {
   for (const auto& [option, value, part] :
        std::vector<std::tuple<std::string, std::string, std::string>>{{"--periods", "0", "--periods"},
                                                                       {"--samples", "99999999999", "--samples"},
+                                                                      {"--samples", "2.5e6", "at most 10000000"},
+                                                                      {"--skip", "1.5", "--skip '1.5'"},
                                                                       {"--position", "2", "start.position is 2"},
                                                                       {"--velocity", "fast", "--velocity"}}) {
     const auto result = run_fracfit({"history", "--restitution", "0.6", "--omega", "2", option, value});

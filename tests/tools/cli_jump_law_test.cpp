@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -60,6 +61,17 @@ TEST(JumpLaw, ConstantsNeedNoMoreThanOneScene) {
   ASSERT_EQ(swept.code, 0) << swept.error;
   EXPECT_EQ(swept.error.find("restitution alone"), std::string::npos) << swept.error;
   EXPECT_NE(swept.output.find("1 of 1 sweeps"), std::string::npos) << swept.output;
+}
+
+TEST(JumpLaw, TablesFitATerminal) {
+  for (const std::vector<std::string>& arguments :
+       {std::vector<std::string>{"jump-law", "--format", "table"},
+        std::vector<std::string>{"jump-law", "--constants", "--format", "table"}}) {
+    const auto result = run_fracfit(arguments);
+    ASSERT_EQ(result.code, 0) << result.error;
+    std::istringstream lines(result.output);
+    for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 80u) << line;
+  }
 }
 
 TEST(Simulate, DiagnosticsAreColumnsAfterTheOthers) {

@@ -141,7 +141,7 @@ TEST(Respond, WhatIsWrongIsNamed) {
   expect_failure({"respond", "--model", "1/(s+1)", "--time", "-1,2"}, 2, "time[0] = -1");
   expect_failure({"respond", "--model", "1/(s+1)", "--input", "sine", "--time", "1"}, 2, "--omega");
   expect_failure({"respond", "--model", "1/(s+1)", "--time", "1,2,4", "--method", "bdf2"}, 2, "0, T, 2 T");
-  expect_failure({"respond", "--model", "1/(s+1)", "--time", "1", "--method", "best"}, 2, "known are auto, reference");
+  expect_failure({"respond", "--model", "1/(s+1)", "--time", "1", "--method", "best"}, 2, "expected auto, reference");
   expect_failure({"respond", "--model", "1/(s+1)", "--time", "1", "--tolerance", "0.5"}, 2, "tolerance = 0.5");
   expect_failure({"respond", "--model", "1/(s+1)", "--input", folder.path("none.csv")}, 3, "none.csv");
   const auto backwards = folder.write("backwards.csv", "time_s,input\n0,1\n1,1\n0.5,1\n");

@@ -6,6 +6,7 @@
 #include <set>
 #include <sstream>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "run_program.hpp"
@@ -76,6 +77,63 @@ TEST(ShellHelp, CompletesBeginningsAndChoices) {
   EXPECT_EQ(completed({"fracfit", "mitt"}), (std::set<std::string>{"mittag-leffler"}));
   EXPECT_EQ(completed({"fracfit", "orbits", "--longest"}), (std::set<std::string>{"--longest-period"}));
   EXPECT_EQ(completed({"fracfit", "simulate", "--model", ""}), (std::set<std::string>{"dynamic", "static"}));
+}
+
+// The library lists in its message what it takes, so that the two can be compared.
+TEST(ShellHelp, OffersTheWordsThatAreAccepted) {
+  for (const auto& [subcommand, option, some] : std::vector<std::tuple<std::string, std::string, std::string>>{
+           {"approximate", "--method", "oustaloup-widened"},
+           {"approximate", "--discretisation", "al-alaoui"},
+           {"basins", "--output", "x2"},
+           {"batch", "--format", "jsonl"},
+           {"controller", "--anti-windup", "back-calculation"},
+           {"controller", "--precision", "float"},
+           {"fit", "--component", "magnitude"},
+           {"fit", "--format", "table"},
+           {"fit", "--grow", "arcs"},
+           {"fit", "--hold", "first-order"},
+           {"fit", "--loss", "cauchy"},
+           {"fit", "--realisation", "grunwald-letnikov"},
+           {"identify-scene", "--weight", "given"},
+           {"jump-law", "--criterion", "saddle-node"},
+           {"map", "--protocol", "mid-gap-at-rest"},
+           {"orbits", "--parameter", "clearance"},
+           {"realise", "--form", "balanced"},
+           {"realise", "--method", "term-by-term"},
+           {"respond", "--method", "bdf2"},
+           {"simulate", "--protocol", "two-impact"},
+           {"tune", "--criterion", "itae"},
+           {"tune", "--structure", "pd"}}) {
+    SCOPED_TRACE(subcommand + " " + option);
+    const std::set<std::string> words = completed({"fracfit", subcommand, option, ""});
+    EXPECT_TRUE(words.count(some));
+    const auto refused = run_fracfit({subcommand, option, "no-such-word"});
+    EXPECT_EQ(refused.code, 2);
+    const auto list = refused.error.find("'no-such-word' is not allowed; expected ");
+    ASSERT_NE(list, std::string::npos) << refused.error;
+    const std::string expected = refused.error.substr(list);
+    const std::string help = std::regex_replace(run_fracfit({subcommand, "--help"}).output, std::regex("\\s+"), " ");
+    for (const std::string& word : words) {
+      EXPECT_NE(expected.find(word), std::string::npos) << word;
+      EXPECT_NE(help.find(word), std::string::npos) << word;
+    }
+  }
+}
+
+TEST(ShellHelp, OffersWordsBesideFilesAndOtherText) {
+  EXPECT_EQ(completed({"fracfit", "fit", "--weight", "r"}), (std::set<std::string>{"relative", "repeats"}));
+  EXPECT_EQ(completed({"fracfit", "respond", "--input", "s"}), (std::set<std::string>{"step", "sine"}));
+  EXPECT_EQ(completed({"fracfit", "fit", "--model", "two-z"}), (std::set<std::string>{"two-zarc"}));
+  const TemporaryFolder folder;
+  const std::string file = folder.write("signal.csv", "");
+  const std::string beginning = file.substr(0, file.size() - 4);
+  EXPECT_EQ(completed({"fracfit", "respond", "--input", beginning}), (std::set<std::string>{file}));
+}
+
+TEST(ShellHelp, ManualPageIsDated) {
+  const std::string manual = run_fracfit({"man"}).output;
+  EXPECT_TRUE(std::regex_search(manual, std::regex("^\\.TH FRACFIT 1 \"20[0-9]{2}-[01][0-9]-[0-3][0-9]\" \"fracfit ")))
+      << manual.substr(0, 80);
 }
 
 TEST(ShellHelp, ManualPageIsSoundTroff) {

@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <string>
+#include <tuple>
+#include <vector>
 
 #include "run_program.hpp"
 
@@ -55,6 +57,13 @@ TEST(CliTune, SaysWhatIsWrongAndWhatIsNotReached) {
   const auto wrong = run_fracfit({"tune", "--plant", "1/(s + 1)", "--phase-margin", "50"});
   EXPECT_EQ(wrong.code, 2);
   EXPECT_NE(wrong.error.find("needs the crossover"), std::string::npos) << wrong.error;
+  for (const auto& [option, value, part] : std::vector<std::tuple<std::string, std::string, std::string>>{
+           {"--phase-margin", "200", "--phase-margin 200: expected an angle above 0 and below 180 degrees"},
+           {"--high-frequency", "10", "--high-frequency '10': expected W:GAIN"}}) {
+    const auto refused = run_fracfit({"tune", "--plant", "1/(s + 1)", "--crossover", "1", option, value});
+    EXPECT_EQ(refused.code, 2);
+    EXPECT_NE(refused.error.find(part), std::string::npos) << refused.error;
+  }
   const auto impossible =
       run_fracfit({"tune", "--plant", "exp(-1 s)/(s + 1)", "--crossover", "50", "--max-sensitivity", "1.2"});
   EXPECT_EQ(impossible.code, 1);

@@ -372,4 +372,11 @@ TEST_F(FrequencyResponseFileTest, AnOrdinaryFileHoldsOneCurveWithoutLabel) {
   EXPECT_TRUE(io::curve_labels(folder.write("two.csv", "f_Hz,magnitude_db,phase_deg\n1,2,3\n"), "").empty());
 }
 
+TEST(DataError, MessagesHoldNothingThatATerminalCannotShow) {
+  EXPECT_EQ(io::printable("\xcf\x89_rad_s"), "\xcf\x89_rad_s");  // UTF-8 stays
+  EXPECT_EQ(io::printable("a\x1b[2J"), "a?[2J");
+  EXPECT_EQ(io::printable("\xff\xe2\x82 \xc0\x80 \xc2\x9b"), "??? ?? ??");
+  EXPECT_EQ(io::quoted(std::string(50, 'x')), "'" + std::string(40, 'x') + "...'");
+}
+
 }  // namespace

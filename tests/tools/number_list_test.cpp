@@ -54,6 +54,11 @@ TEST(NumberGrid, LogarithmicGridsHaveEqualRatiosAndExactEnds) {
     EXPECT_NEAR(grid[i] / std::pow(10.0, static_cast<double>(i) - 6), 1, 7e-15);
 }
 
+TEST(NumberGrid, CountsMayBeWrittenAsPowersOfTen) {
+  EXPECT_EQ(io::parse_grid("1:2:1e3", "--omega"), io::parse_grid("1:2:1000", "--omega"));
+  EXPECT_EQ(io::parse_grid("1:2:1e3log", "--omega"), io::parse_grid("1:2:1000log", "--omega"));
+}
+
 TEST(NumberGrid, AListIsTakenAsItIs) {
   EXPECT_EQ(io::parse_grid("5,10,20", "--omega"), (std::vector<double>{5, 10, 20}));
 }
@@ -80,6 +85,8 @@ TEST(NumberGrid, ErrorsSayWhatIsWrong) {
   says("5:35:10lin", "'10lin' (count)");
   says("5:35:99999999999999999999", "must lie between");
   says("5:35:10000001", "must lie between");
+  says("5:35:1e9", "must lie between");
+  says("5:35:1e9log", "must lie between");
   says("35:5:10", "from 35 must be less than to 5");
   says("5:5:10", "from 5 must be less than to 5");
   says("0:5:10log", "from 0 must be > 0");

@@ -47,3 +47,14 @@ TEST(Number, BeyondTheRangeOfADoubleIsInfiniteAndBelowItIsZero) {
   EXPECT_EQ(io::parse_number("-1e400"), -std::numeric_limits<double>::infinity());
   EXPECT_EQ(io::parse_number("1e-400"), 0.0);
 }
+
+TEST(Number, CountsAreWholeInAnySpelling) {
+  EXPECT_EQ(io::parse_count("0"), 0U);
+  EXPECT_EQ(io::parse_count("2000"), 2000U);
+  EXPECT_EQ(io::parse_count("1e5"), 100000U);
+  EXPECT_EQ(io::parse_count("2.5e1"), 25U);
+  EXPECT_EQ(io::parse_count("18446744073709551615"), 18446744073709551615U);  // 2^64 - 1, every digit kept
+  // From 2^53 on a double may stand for several whole numbers.
+  for (const char* text : {"", "-1", "2.5", "1e-3", "9007199254740992.0", "1e300", "1e400", "nan", "inf", "ten", "5 "})
+    EXPECT_FALSE(io::parse_count(text).has_value()) << text;
+}

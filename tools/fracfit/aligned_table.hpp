@@ -1,18 +1,28 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
 namespace fracfit {
 
-/// Columns set flush for people to read: the first to the left, the others to the right.
+/// Characters that a terminal shows in one line wherever nothing is known of it.
+constexpr std::size_t terminal_width = 80;
+
+/// Lines broken between words to fit a terminal, those after the first indented.  Ends with a line end.
+[[nodiscard]] std::string paragraph(const std::string& text, std::size_t indent = 0);
+
+/// Columns set flush for people to read: the first to the left, the others to the right.  A last column of remarks is
+/// set to the left and broken into lines.
 class AlignedTable {
  public:
-  explicit AlignedTable(std::vector<std::string> heading);
+  enum class Last { number, remark };
+  explicit AlignedTable(std::vector<std::string> heading, Last last = Last::number);
   void add(std::vector<std::string> row);
   [[nodiscard]] std::string text() const;
 
  private:
+  Last last_;
   std::vector<std::vector<std::string>> rows_;
 };
 

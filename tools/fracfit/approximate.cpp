@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "approximate_output.hpp"
+#include "choice.hpp"
 #include "common_options.hpp"
 #include "exit_code.hpp"
 #include "frac/discretise.hpp"
@@ -27,10 +28,10 @@ frac::ApproximationGoal goal_of(const ApproximateArguments& given) {
   if (given.tolerance.empty() == given.poles.empty())
     throw std::invalid_argument("expected either --tolerance or --poles");
   if (!given.tolerance.empty()) return frac::Tolerance{number_option("--tolerance", given.tolerance)};
-  const std::size_t poles = count_option("--poles", given.poles, 1);
   // Whether it is too many depends on the method, which the library knows.
   constexpr std::size_t most = std::numeric_limits<int>::max();
-  return frac::PoleCount{static_cast<int>(std::min(poles, most))};
+  return frac::PoleCount{static_cast<int>(
+      std::min(most, count_option("--poles", given.poles, 1, std::numeric_limits<std::size_t>::max())))};
 }
 
 int run_approximate(const ApproximateArguments& given) {
@@ -82,18 +83,18 @@ void add_approximate(CLI::App& program, Run& run) {
   approximate->add_option("--tolerance", given->tolerance, "Largest relative error; the fewest poles that keep it")
       ->type_name("T");
   approximate->add_option("--poles", given->poles, "Number of poles, instead of a tolerance")->type_name("N");
-  std::string names;
-  for (const auto method : frac::approximation_methods())
-    names += (names.empty() ? "" : ", ") + std::string(frac::to_string(method));
-  approximate->add_option("--method", given->method, names)->capture_default_str()->type_name("METHOD");
+  approximate->add_option("--method", given->method, "Design")
+      ->capture_default_str()
+      ->type_name("METHOD")
+      ->check(one_of(spellings(frac::approximation_methods())));
   approximate
       ->add_option("--sample-time", given->sample_time,
                    "Time between samples, s: gives the recursion in the samples too")
       ->type_name("TS");
-  names.clear();
-  for (const auto method : frac::discretisations())
-    names += (names.empty() ? "" : ", ") + std::string(frac::to_string(method));
-  approximate->add_option("--discretisation", given->discretisation, names)->capture_default_str()->type_name("METHOD");
+  approximate->add_option("--discretisation", given->discretisation, "How the recursion is made")
+      ->capture_default_str()
+      ->type_name("METHOD")
+      ->check(one_of(spellings(frac::discretisations())));
   approximate->add_option("--taps", given->taps, "Memory of grunwald-letnikov, samples")
       ->capture_default_str()
       ->type_name("N");

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 
+#include "choice.hpp"
 #include "common_options.hpp"
 #include "exit_code.hpp"
 #include "io/number.hpp"
@@ -11,6 +12,7 @@
 #include "io/progress_bar.hpp"
 #include "io/sweep_file.hpp"
 #include "json_number.hpp"
+#include "report/grid.hpp"
 #include "scene_options.hpp"
 #include "subcommand.hpp"
 
@@ -23,13 +25,6 @@ struct BasinOptions {
   std::string restitution, omega, position, velocity;
   std::string output = "x1";
 };
-
-// `count` values from one end to the other, both hit exactly.
-std::vector<double> even_grid(double from, double to, int count) {
-  std::vector<double> grid;
-  for (int i = 0; i < count; ++i) grid.push_back(i + 1 == count ? to : from + (to - from) * i / (count - 1));
-  return grid;
-}
 
 io::Metadata scene_of(const backlash::BasinMap& map, backlash::Output output) {
   return {
@@ -109,11 +104,12 @@ int run_basins(const BasinOptions& given) {
   backlash::SweepOptions options;
   options.output = backlash::output_from_string(given.output);
   options.threads = given.common.threads;
-  const auto position =
-      given.position.empty() ? even_grid(0, system.clearance(), 41) : io::parse_grid(given.position, "--position");
+  const auto position = given.position.empty() ? report::linear_grid(0, system.clearance(), 41)
+                                               : io::parse_grid(given.position, "--position");
   const double speed = system.clearance() * omega;
   const auto velocity =
-      given.velocity.empty() ? even_grid(-speed, speed, 41) : io::parse_grid(given.velocity, "--velocity");
+      given.velocity.empty() ? report::linear_grid(-speed, speed, 41) : io::parse_grid(given.velocity, "--velocity");
+  require_table_size({{"--position", position.size()}, {"--velocity", velocity.size()}});
   frac::Progress progress;
   const auto map = [&] {
     const io::ProgressBar bar("basins", progress, !given.common.quiet);
@@ -149,7 +145,10 @@ void add_basins(CLI::App& program, Run& run) {
       ->add_option("--velocity", given->velocity,
                    "x2' - x1' there, m/s: grid or list (default: 41 up to clearance times w either way)")
       ->type_name("GRID");
-  basins->add_option("--output", given->output, "Position read: x1 or x2")->capture_default_str()->type_name("x1|x2");
+  basins->add_option("--output", given->output, "Position read")
+      ->capture_default_str()
+      ->type_name("MASS")
+      ->check(one_of(spellings(backlash::outputs())));
   add_common_options(*basins, given->common, {"csv", "json"});
   basins->footer(
       "Attractors are numbered by their share of the starts and listed in the header.  At restitution 1 nothing\n"

@@ -8,6 +8,7 @@
 #include "aligned_table.hpp"
 #include "batch_fit.hpp"
 #include "batch_power_law.hpp"
+#include "choice.hpp"
 #include "exit_code.hpp"
 #include "frac/parallel_for.hpp"
 #include "frac/structure.hpp"
@@ -219,7 +220,9 @@ void add_batch(CLI::App& program, Run& run) {
   batch->add_option("DATA", given->data, "Frequency responses, or folders of them (.csv, .tsv, .txt, .dat)")
       ->required()
       ->type_name("FILE|FOLDER");
-  batch->add_option("--model", given->model, "Preset or formula to fit")->type_name("MODEL");
+  batch->add_option("--model", given->model, "Preset or formula to fit")
+      ->type_name("MODEL")
+      ->check(suggest(preset_names()));
   batch->add_option("--models", given->models, "Presets or formulas to rank, separated by commas")->type_name("LIST");
   add_residual_options(*batch, given->request);
   add_repeatable(*batch, "--fix", given->parameters.fix, "Hold a parameter at a value; repeatable", "NAME=VALUE");

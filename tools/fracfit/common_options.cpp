@@ -3,11 +3,11 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <stdexcept>
 
+#include "choice.hpp"
 #include "io/data_error.hpp"
 #include "io/number.hpp"
 
@@ -28,9 +28,7 @@ void add_common_options(CLI::App& subcommand, CommonOptions& options, const std:
   constexpr int most_threads = 1024;
   if (!formats.empty()) {
     subcommand.add_option("--out", options.out, "Output file; standard output if not given")->type_name("FILE");
-    subcommand.add_option("--format", options.format, "Output format")
-        ->check(CLI::IsMember(formats))
-        ->type_name("FORMAT");
+    subcommand.add_option("--format", options.format, "Output format")->check(one_of(formats))->type_name("FORMAT");
   }
   subcommand.add_option("--threads", options.threads, "Threads, 0 for one per core; results do not depend on it")
       ->check(CLI::Range(0, most_threads))
@@ -55,13 +53,23 @@ double number_option(std::string_view name, const std::string& text) {
   return *value;
 }
 
-std::size_t count_option(std::string_view name, const std::string& text, std::size_t lowest) {
-  std::size_t value = 0;
-  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || error != std::errc{} || stop != text.data() + text.size() || value < lowest)
-    throw std::invalid_argument(std::string(name) + " " + io::quoted(text) +
-                                ": expected a whole number >= " + std::to_string(lowest));
-  return value;
+std::size_t count_option(std::string_view name, const std::string& text, std::size_t lowest, std::size_t highest) {
+  const auto value = io::parse_count(text);
+  if (!value || *value < lowest || *value > highest)
+    throw std::invalid_argument(std::string(name) + " " + io::quoted(text) + ": expected a whole number from " +
+                                std::to_string(lowest) + " to " + std::to_string(highest));
+  return *value;
+}
+
+void require_table_size(std::initializer_list<std::pair<std::string_view, std::size_t>> counts) {
+  std::string product;
+  double rows = 1;
+  for (const auto& [name, count] : counts) {
+    product += (product.empty() ? "" : " times ") + std::to_string(count) + " (" + std::string(name) + ")";
+    rows *= static_cast<double>(count);
+  }
+  if (rows > static_cast<double>(largest_table))
+    throw std::invalid_argument(product + " rows: expected at most " + std::to_string(largest_table));
 }
 
 io::Shard shard_option(const std::string& text) {
@@ -77,9 +85,13 @@ io::Shard shard_option(const std::string& text) {
 }
 
 std::pair<std::string, std::string> range_option(std::string_view name, const std::string& text) {
+  return pair_option(name, text, "LOW:HIGH");
+}
+
+std::pair<std::string, std::string> pair_option(std::string_view name, const std::string& text, const char* form) {
   const auto colon = text.find(':');
   if (colon == std::string::npos || text.find(':', colon + 1) != std::string::npos)
-    throw std::invalid_argument(std::string(name) + " " + io::quoted(text) + ": expected LOW:HIGH");
+    throw std::invalid_argument(std::string(name) + " " + io::quoted(text) + ": expected " + form);
   return {text.substr(0, colon), text.substr(colon + 1)};
 }
 

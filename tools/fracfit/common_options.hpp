@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -35,12 +36,21 @@ void add_repeatable(CLI::App& subcommand, const std::string& name, std::vector<s
 
 /// A finite number from an option. @throws std::invalid_argument  naming option and text.
 [[nodiscard]] double number_option(std::string_view name, const std::string& text);
-/// A whole number >= lowest. @throws std::invalid_argument
-[[nodiscard]] std::size_t count_option(std::string_view name, const std::string& text, std::size_t lowest);
+/// Rows of one table, or samples, that are no mistake and fit into the memory of a small computer.
+constexpr std::size_t largest_table = 10'000'000;
+/// A whole number in a range. @throws std::invalid_argument
+[[nodiscard]] std::size_t count_option(std::string_view name, const std::string& text, std::size_t lowest,
+                                       std::size_t highest = largest_table);
+/// @throws std::invalid_argument  the product of these counts, each with the option it comes from, is above
+/// largest_table.
+void require_table_size(std::initializer_list<std::pair<std::string_view, std::size_t>> counts);
 /// Of option --shard "i/n"; empty: all. @throws std::invalid_argument  not of that form with 1 <= i <= n.
 [[nodiscard]] io::Shard shard_option(const std::string& text);
 /// LOW:HIGH, split at the colon. @throws std::invalid_argument
 [[nodiscard]] std::pair<std::string, std::string> range_option(std::string_view name, const std::string& text);
+/// The same for two other things, told by the message as in `form`. @throws std::invalid_argument
+[[nodiscard]] std::pair<std::string, std::string> pair_option(std::string_view name, const std::string& text,
+                                                              const char* form);
 
 /// The command line with every default spelled out, such that it can be pasted into a shell.  Options without influence
 /// on the result (threads, output file, quiet) are left out.

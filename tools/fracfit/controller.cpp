@@ -1,10 +1,12 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 
+#include "choice.hpp"
 #include "common_options.hpp"
 #include "controller_output.hpp"
 #include "exit_code.hpp"
@@ -61,7 +63,8 @@ std::optional<frac::ApproximationGoal> goal_option(const ControllerArguments& gi
   if (!given.tolerance.empty()) return frac::Tolerance{number_option("--tolerance", given.tolerance)};
   if (given.poles.empty()) return std::nullopt;
   constexpr std::size_t most = std::numeric_limits<int>::max();
-  return frac::PoleCount{static_cast<int>(std::min(count_option("--poles", given.poles, 1), most))};
+  return frac::PoleCount{static_cast<int>(
+      std::min(most, count_option("--poles", given.poles, 1, std::numeric_limits<std::size_t>::max())))};
 }
 
 void put_goal(CommandLine& command, const ControllerArguments& given, const std::string& default_tolerance) {
@@ -224,6 +227,13 @@ int run_filter(const ControllerArguments& given) {
   return usable_result;
 }
 
+// Those that give sections, which a controller is made of.
+std::vector<std::string> section_discretisations() {
+  std::vector<std::string> words = spellings(frac::discretisations());
+  std::erase(words, std::string(frac::to_string(frac::Discretisation::grunwald_letnikov)));
+  return words;
+}
+
 }  // namespace
 
 void add_controller(CLI::App& program, Run& run) {
@@ -255,10 +265,12 @@ void add_controller(CLI::App& program, Run& run) {
   option("--horizon", given->horizon,
          "Of a --model for all frequencies: samples it is good for; fewer states for fewer", "N");
   option("--discretisation", given->discretisation,
-         "Of a PID or power: direct (if not given), tustin, tustin-prewarped or al-alaoui", "METHOD");
+         "Of a PID or power: how powers of s become recursions (default direct)", "METHOD")
+      ->check(one_of(section_discretisations()));
   option("--min", given->minimum, "Least output; no limit if not given", "U");
   option("--max", given->maximum, "Largest output; no limit if not given", "U");
-  option("--anti-windup", given->anti_windup, "none, back-calculation or conditional-integration", "METHOD");
+  option("--anti-windup", given->anti_windup, "What the integral does while the output is at a limit", "METHOD")
+      ->check(one_of(spellings(frac::anti_windup_methods())));
   option("--tracking-time", given->tracking_time, "Of back-calculation, s; (kp/ki)^(1/lambda) if not given", "T");
   option("--derivative-filter", given->derivative_filter, "Time constant of the lag before the derivative, s", "T");
   option("--setpoint-weight", given->setpoint_weight, "Share of the set-point in the proportional part", "B");
@@ -269,7 +281,7 @@ void add_controller(CLI::App& program, Run& run) {
       "How far the derivative's answer to a set-point step may rise again after its peak, share of the peak: more is "
       "more accurate at the upper edge of the band",
       "SHARE");
-  option("--precision", given->precision, "Of C code: float or double", "REAL");
+  option("--precision", given->precision, "Of C code", "REAL")->check(one_of(spellings(frac::precisions())));
   option("--name", given->name, "Of C code: prefix of its functions; controller or filter if not given", "NAME");
   add_common_options(*controller, given->common, {"json", "c", "table"});
   controller->footer(

@@ -3,6 +3,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "choice.hpp"
 #include "exit_code.hpp"
 #include "fit_output.hpp"
 #include "fit_request.hpp"
@@ -136,10 +137,12 @@ void add_fit(CLI::App& program, Run& run) {
   add_fit_options(*fit, given->request);
   fit->add_option("--model", given->model,
                   "Preset or formula of s and named parameters, e.g. 'K exp(-L s)/(T s^a + 1)'")
-      ->type_name("MODEL");
+      ->type_name("MODEL")
+      ->check(suggest(preset_names()));
   fit->add_option("--grow", given->grow,
-                  "Instead of --model: powers, denominator or arcs; terms are added only while the data pay for them")
-      ->type_name("FAMILY");
+                  "Instead of --model a family, grown by a term at a time while the data pay for it")
+      ->type_name("FAMILY")
+      ->check(one_of(spellings(frac::growth_families())));
   add_repeatable(*fit, "--fix", given->parameters.fix, "Hold a parameter at a value; repeatable", "NAME=VALUE");
   add_repeatable(*fit, "--bound", given->parameters.bound, "Limit a parameter; one side may be left out; repeatable",
                  "NAME=LOW:HIGH");
@@ -156,11 +159,12 @@ void add_fit(CLI::App& program, Run& run) {
       "Presets:\n" +
       preset_list() +
       "Examples:\n"
-      "  fracfit fit curve.csv --model power-law --where 'omega>20'\n"
+      "  fracfit fit curve.csv --model power-law --where 'omega<4'\n"
       "  fracfit fit cell.csv --model 'R0 + R1/(1 + R1 Q1 s^n1)' --component both --bound n1=:1 --profile\n"
       "  fracfit fit cell.csv --grow arcs --component both\n"
       "  fracfit fit step.csv --model 'K exp(-L s)/(T s^a + 1)'      # columns time_s,input,output\n"
-      "  fracfit fit curve.csv --model 'K/(T s^a + 1)' --realisation oustaloup --band 0.01:1000 --poles 9 "
+      "  fracfit fit curve.csv --model 'K/(T s^a + 1)' --where 'omega<4' --realisation oustaloup --band 0.01:1000 "
+      "--poles 9 "
       "--out fit.json");
   fit->callback([given, &run] { run = [given] { return run_fit(*given); }; });
 }

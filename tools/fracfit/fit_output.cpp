@@ -37,8 +37,8 @@ std::string heading(const FitRun& run) {
 
 std::string state_of(const frac::ParameterEstimate& parameter) {
   if (parameter.fixed) return "fixed";
-  if (parameter.at_bound) return "at its bound: no interval";
-  if (!parameter.identified) return "not identified by these data";
+  if (parameter.at_bound) return "at its bound";
+  if (!parameter.identified) return "not identified";
   return "";
 }
 
@@ -52,7 +52,7 @@ std::string note_on_profiles(const frac::FitResult& result) {
 }
 
 std::string parameter_table(const frac::FitResult& result) {
-  AlignedTable table({"parameter", "value", "standard error", "95 % interval", ""});
+  AlignedTable table({"parameter", "value", "standard error", "95 % interval", ""}, AlignedTable::Last::remark);
   for (const auto& parameter : result.parameters) {
     const bool has_interval = parameter.ci95_lower == parameter.ci95_lower && !parameter.fixed;
     table.add({parameter.name, short_number(parameter.value),
@@ -68,7 +68,7 @@ std::string added_intervals(const frac::FitResult& result, const FitStatistics& 
   if (!statistics.profile.empty()) names.emplace_back("profile likelihood");
   if (!statistics.bootstrap.empty()) names.push_back("bootstrap of " + std::to_string(statistics.bootstrap_samples));
   names.emplace_back("");
-  AlignedTable table(names);
+  AlignedTable table(names, AlignedTable::Last::remark);
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
     std::vector<std::string> row{result.parameters[i].name};
     std::string remark;
@@ -96,7 +96,7 @@ std::string residual_remarks(const FitRun& run, const frac::FitResult& result, c
 }
 
 std::string growth_table(const frac::Growth& growth) {
-  AlignedTable table({"structures tried", "free", "rms", "AICc", ""});
+  AlignedTable table({"structures tried", "free", "rms", "AICc", ""}, AlignedTable::Last::remark);
   for (std::size_t i = 0; i < growth.fits.size(); ++i) {
     const auto& fit = growth.fits[i];
     table.add({fit.model, std::to_string(fit.free_parameters), short_number(fit.rms), short_number(fit.aicc),
@@ -110,8 +110,8 @@ std::string closing(const frac::FitResult& result) {
                      " squared residuals), rms " + short_number(result.rms) + ", largest " +
                      short_number(result.max_residual) + "\n";
   text += "AICc " + short_number(result.aicc) + ", BIC " + short_number(result.bic) + "\n";
-  return text + std::string(frac::to_string(result.termination)) + ": " + result.message + " " +
-         short_number(result.seconds) + " s.\n";
+  return text + paragraph(std::string(frac::to_string(result.termination)) + ": " + result.message + " " +
+                          short_number(result.seconds) + " s.");
 }
 
 std::string csv_header(const FitRun& run) {
@@ -135,16 +135,16 @@ std::string fit_table(const FitRun& run, const frac::FitResult& result, const Fi
 
 std::string identification_table(const FitRun& run, const frac::IdentificationResult& result,
                                  const std::vector<double>& prediction_rms) {
-  std::vector<std::string> names{"model", "class", "free", "rms", "AICc above best", "share of evidence"};
+  std::vector<std::string> names{"model", "class", "free", "rms", "delta AICc", "evidence"};
   if (!prediction_rms.empty()) names.emplace_back("rms of predictions");
   names.emplace_back("");
-  AlignedTable ranking(names);
+  AlignedTable ranking(names, AlignedTable::Last::remark);
   std::size_t index = 0;
   for (const auto& candidate : result.ranking) {
     std::string remark;
     if (candidate.fit.termination != frac::FitTermination::converged)
       remark = frac::to_string(candidate.fit.termination);
-    if (&candidate == &result.ranking.at(result.chosen)) remark = "chosen: simplest within 2 of the best";
+    if (&candidate == &result.ranking.at(result.chosen)) remark = "chosen";
     std::vector<std::string> row{candidate.name,
                                  std::string(frac::to_string(candidate.model_class)),
                                  std::to_string(candidate.fit.free_parameters),
@@ -156,10 +156,11 @@ std::string identification_table(const FitRun& run, const frac::IdentificationRe
     ranking.add(row);
   }
   const auto& chosen = result.ranking.at(result.chosen);
-  std::string text = heading(run) + "\n" + ranking.text() + "\n" + chosen.name;
+  std::string text =
+      heading(run) + "\n" + ranking.text() + "chosen: the simplest within 2 of the least AICc\n\n" + chosen.name;
   if (chosen.fit.model != chosen.name) text += "   " + chosen.fit.model;
   text += "\n" + parameter_table(chosen.fit) + "\n";
-  return text + "verdict: " + std::string(frac::to_string(result.verdict)) + ". " + result.verdict_sentence + "\n";
+  return text + paragraph("verdict: " + std::string(frac::to_string(result.verdict)) + ". " + result.verdict_sentence);
 }
 
 std::string fit_csv(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {

@@ -1,9 +1,11 @@
 #include "fit_request.hpp"
 
 #include <CLI/CLI.hpp>
-#include <charconv>
+#include <algorithm>
+#include <limits>
 #include <stdexcept>
 
+#include "choice.hpp"
 #include "io/data_error.hpp"
 #include "io/number.hpp"
 
@@ -11,10 +13,9 @@ namespace fracfit {
 namespace {
 
 bool names_weight(const std::string& text) {
-  for (const auto weight : {frac::Weight::relative, frac::Weight::absolute, frac::Weight::given,
-                            frac::Weight::smoothed_relative, frac::Weight::log_complex, frac::Weight::repeats})
-    if (text == frac::to_string(weight)) return true;
-  return false;
+  const auto weights = frac::weights();
+  return std::any_of(weights.begin(), weights.end(),
+                     [&](frac::Weight weight) { return text == frac::to_string(weight); });
 }
 
 void refuse(const std::string& realisation, std::initializer_list<std::pair<const char*, const std::string*>> options) {
@@ -43,20 +44,15 @@ frac::Realisation realisation_of(const FitRequest& request) {
     require(kind, {{"--band", &request.band}, {"--poles", &request.poles}});
     const auto [lower, upper] = range_option("--band", request.band);
     constexpr std::size_t most_poles = 1000;
-    const std::size_t poles = count_option("--poles", request.poles, 1);
-    if (poles > most_poles) throw std::invalid_argument("--poles " + request.poles + ": expected at most 1000");
+    const std::size_t poles = count_option("--poles", request.poles, 1, most_poles);
     const frac::FrequencyBand band{number_option("--band", lower), number_option("--band", upper)};
     if (kind == "ladder") return frac::LadderRealisation(band, static_cast<int>(poles));
     return frac::OustaloupRealisation{band, static_cast<int>(poles)};
   }
-  if (kind == "grunwald-letnikov") {
-    refuse(kind, {{"--band", &request.band}, {"--poles", &request.poles}});
-    require(kind, {{"--sample-time", &request.sample_time}});
-    const std::size_t memory = request.memory.empty() ? 0 : count_option("--memory", request.memory, 0);
-    return frac::GrunwaldLetnikovRealisation{number_option("--sample-time", request.sample_time), memory};
-  }
-  throw std::invalid_argument("--realisation " + io::quoted(kind) +
-                              ": expected exact, oustaloup, ladder or grunwald-letnikov");
+  refuse(kind, {{"--band", &request.band}, {"--poles", &request.poles}});
+  require(kind, {{"--sample-time", &request.sample_time}});
+  const std::size_t memory = request.memory.empty() ? 0 : count_option("--memory", request.memory, 0);
+  return frac::GrunwaldLetnikovRealisation{number_option("--sample-time", request.sample_time), memory};
 }
 
 io::Metadata realisation_entries(const frac::Realisation& realisation) {
@@ -91,9 +87,9 @@ void add_fit_options(CLI::App& subcommand, FitRequest& request) {
 }
 
 void add_residual_options(CLI::App& subcommand, FitRequest& request) {
-  subcommand
-      .add_option("--component", request.component, "Part fitted: imaginary (default), real, both, magnitude or phase")
-      ->type_name("PART");
+  subcommand.add_option("--component", request.component, "Part fitted (default imaginary)")
+      ->type_name("PART")
+      ->check(one_of(spellings(frac::components())));
   subcommand
       .add_option(
           "--weight", request.weight,
@@ -102,15 +98,16 @@ void add_residual_options(CLI::App& subcommand, FitRequest& request) {
           "the magnitude ratio and angle; repeats: the spread of repeated values at each frequency")
       ->each([&request](const std::string&) { request.weight_is_given = true; })
       ->capture_default_str()
-      ->type_name("WEIGHT");
-  subcommand.add_option("--loss", request.loss, "Robust loss: none, huber or cauchy")
+      ->type_name("WEIGHT")
+      ->check(suggest(spellings(frac::weights())));
+  subcommand.add_option("--loss", request.loss, "Robust loss")
       ->capture_default_str()
-      ->type_name("LOSS");
-  subcommand
-      .add_option("--realisation", request.realisation,
-                  "Powers of s through: exact, oustaloup, ladder or grunwald-letnikov")
+      ->type_name("LOSS")
+      ->check(one_of(spellings(frac::losses())));
+  subcommand.add_option("--realisation", request.realisation, "How powers of s are evaluated")
       ->capture_default_str()
-      ->type_name("R");
+      ->type_name("R")
+      ->check(one_of({"exact", "oustaloup", "ladder", "grunwald-letnikov"}));
   subcommand.add_option("--band", request.band, "Band of the oustaloup or ladder realisation, rad/s")
       ->type_name("LOW:HIGH");
   subcommand.add_option("--poles", request.poles, "Poles of that realisation per power of s")->type_name("N");
@@ -128,12 +125,7 @@ void add_residual_options(CLI::App& subcommand, FitRequest& request) {
 }
 
 std::uint64_t seed_of(const FitRequest& request) {
-  const std::string& text = request.seed;
-  std::uint64_t seed = 0;
-  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), seed);
-  if (text.empty() || error != std::errc{} || stop != text.data() + text.size())
-    throw std::invalid_argument("--seed " + io::quoted(text) + ": expected a whole number >= 0");
-  return seed;
+  return count_option("--seed", request.seed, 0, std::numeric_limits<std::uint64_t>::max());
 }
 
 frac::FitOptions fit_options(const FitRequest& request) {

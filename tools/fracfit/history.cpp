@@ -22,14 +22,6 @@ struct HistoryOptions {
   std::string position, velocity = "0", periods = "5", samples = "100", skip = "0";
 };
 
-int small_count(std::string_view name, const std::string& text, std::size_t lowest) {
-  const std::size_t value = count_option(name, text, lowest);
-  if (value > static_cast<std::size_t>(std::numeric_limits<int>::max()))
-    throw std::invalid_argument(std::string(name) + " " + text + ": expected at most " +
-                                std::to_string(std::numeric_limits<int>::max()));
-  return static_cast<int>(value);
-}
-
 std::string csv(const backlash::TimeHistory& history, const io::Metadata& scene, const std::string& command) {
   std::string text = io::header_lines(scene, command);
   text += "time_s,x1_m,v1_m_s,x2_m,v2_m_s,event,contact\n";
@@ -51,9 +43,11 @@ int run_history(const HistoryOptions& given) {
   const backlash::TwoMassSystem system = system_of(given.scene, given.restitution);
   const double force = number_option("--force", given.scene.force);
   const double omega = number_option("--omega", given.omega);
-  const int periods = small_count("--periods", given.periods, 1);
-  const int samples = small_count("--samples", given.samples, 1);
-  const int skip = small_count("--skip", given.skip, 0);
+  const std::size_t periods = count_option("--periods", given.periods, 1);
+  const std::size_t samples = count_option("--samples", given.samples, 1);
+  require_table_size({{"--periods", periods}, {"--samples", samples}});
+  constexpr std::size_t longest_skip = std::numeric_limits<int>::max();
+  const auto skip = static_cast<int>(count_option("--skip", given.skip, 0, longest_skip));
   backlash::RelativeState start{
       given.position.empty() ? 0.5 * system.clearance() : number_option("--position", given.position),
       number_option("--velocity", given.velocity)};
@@ -76,7 +70,8 @@ int run_history(const HistoryOptions& given) {
     }
     start = before.end;
   }
-  const auto history = backlash::time_history(system, force, omega, start, periods, samples);
+  const auto history =
+      backlash::time_history(system, force, omega, start, static_cast<int>(periods), static_cast<int>(samples));
   const io::Metadata scene{{"mass1_kg", io::format_number(system.mass1())},
                            {"mass2_kg", io::format_number(system.mass2())},
                            {"clearance_m", io::format_number(system.clearance())},

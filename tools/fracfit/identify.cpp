@@ -205,10 +205,10 @@ void add_identify(CLI::App& program, Run& run) {
       "Samples over time take and refuse the same options as in fit, and none of --clearance, --force, --m1 and "
       "--m2.\n"
       "Examples:\n"
-      "  fracfit identify curve.csv\n"
+      "  fracfit identify curve.csv --where 'omega<4'\n"
       "  fracfit identify step.csv --models 'lag,lag-delay,oscillator,fractional-lag,fractional-lag-delay'\n"
       "  fracfit identify cell.csv --component both --models 'zarc,two-zarc,r-rc,two-rc' --out ranking.json\n"
-      "  fracfit identify curve.csv --where 'omega>17' --clearance 0.3 --force 40 --format table");
+      "  fracfit identify curve.csv --where 'omega<4' --clearance 0.3 --force 40 --format table");
   identification->callback([given, &run] { run = [given] { return run_identify(*given); }; });
 }
 

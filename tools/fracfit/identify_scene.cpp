@@ -1,11 +1,13 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 
 #include "backlash/scene_identification.hpp"
+#include "choice.hpp"
 #include "common_options.hpp"
 #include "exit_code.hpp"
 #include "identify_scene_output.hpp"
@@ -145,14 +147,20 @@ void add_identify_scene(CLI::App& program, Run& run) {
       ->add_option("--force", given->force,
                    "Force amplitudes, N: one per file or one for all (default: the files' lines '# force_n: VALUE')")
       ->type_name("LIST");
-  scene->add_option("--output", given->output, "Mass measured: x1 or x2 (default: as the files say, else x1)")
-      ->type_name("MASS");
-  scene->add_option("--component", given->component, "Part fitted: both, real or imaginary")
+  scene->add_option("--output", given->output, "Mass measured (default: as the files say, else x1)")
+      ->type_name("MASS")
+      ->check(one_of(spellings(backlash::outputs())));
+  scene->add_option("--component", given->component, "Part fitted")
       ->capture_default_str()
-      ->type_name("PART");
-  scene->add_option("--weight", given->weight, "relative, given (the files' sigma or weight column) or absolute")
+      ->type_name("PART")
+      ->check(one_of(spellings(std::array{frac::Component::both, frac::Component::real, frac::Component::imaginary})));
+  scene
+      ->add_option(
+          "--weight", given->weight,
+          "Residuals are divided by: relative |data|; given the files' sigma or weight column; absolute nothing")
       ->capture_default_str()
-      ->type_name("WEIGHT");
+      ->type_name("WEIGHT")
+      ->check(one_of(spellings(std::array{frac::Weight::relative, frac::Weight::given, frac::Weight::absolute})));
   add_repeatable(*scene, "--fix", given->fix,
                  "Known value of mass1, mass2, clearance or restitution; repeatable.  x1 needs a mass or the clearance",
                  "NAME=VALUE");

@@ -22,13 +22,13 @@ Json estimate_json(const backlash::SceneEstimate& estimate) {
 
 std::string state_of(const backlash::SceneEstimate& estimate) {
   if (estimate.fixed) return "fixed";
-  if (estimate.at_bound) return "at its bound: no interval";
-  return estimate.identified ? "" : "not identified by these data";
+  if (estimate.at_bound) return "at its bound";
+  return estimate.identified ? "" : "not identified";
 }
 
 template <typename Estimates>
 std::string estimate_table(const std::string& heading, const Estimates& estimates) {
-  AlignedTable table({heading, "unit", "value", "standard error", "95 % interval", ""});
+  AlignedTable table({heading, "unit", "value", "standard error", "95 % interval", ""}, AlignedTable::Last::remark);
   for (const auto& estimate : estimates) {
     const bool has_interval = std::isfinite(estimate.standard_error) && !estimate.fixed;
     table.add({estimate.name, estimate.unit, short_number(estimate.value),
@@ -112,14 +112,14 @@ std::string scene_table(const SceneRun& run, const backlash::SceneIdentification
   std::string text = data.text() + "\n" + estimate_table("parameter", result.parameters) + "\n" +
                      estimate_table("combination", result.combinations) + "\n";
   for (const auto& direction : result.free_directions) text += direction + "\n";
-  text += std::string(frac::to_string(result.termination)) + ": " + result.message + " " +
-          short_number(result.seconds) + " s.\n";
+  text += paragraph(std::string(frac::to_string(result.termination)) + ": " + result.message + " " +
+                    short_number(result.seconds) + " s.");
   if (comparison) {
     AlignedTable ranking({"explanation", "model", "free", "rms", "AICc above best"});
     for (const auto& fit : comparison->ranking)
       ranking.add({std::string(backlash::to_string(fit.explanation)), fit.name, std::to_string(fit.free_parameters),
                    short_number(fit.rms), short_number(fit.delta_aicc)});
-    text += "\n" + ranking.text() + comparison->sentence + "\n";
+    text += "\n" + ranking.text() + paragraph(comparison->sentence);
   }
   return text;
 }

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "choice.hpp"
 #include "common_options.hpp"
 #include "exit_code.hpp"
 #include "io/number_list.hpp"
@@ -35,9 +36,13 @@ void put_scenes(CommandLine& command, const JumpLawArguments& given) {
 template <class Function>
 auto over_grid(Function function, const JumpLawArguments& given, backlash::JumpCriterion criterion,
                frac::Progress& progress) {
-  return function(number_option("--m1", given.mass1), number_option("--m2", given.mass2),
-                  io::parse_grid(given.force, "--force"), io::parse_grid(given.clearance, "--clearance"),
-                  io::parse_grid(given.restitution, "--restitution"), criterion, given.common.threads, &progress);
+  const auto force = io::parse_grid(given.force, "--force");
+  const auto clearance = io::parse_grid(given.clearance, "--clearance");
+  const auto restitution = io::parse_grid(given.restitution, "--restitution");
+  require_table_size(
+      {{"--force", force.size()}, {"--clearance", clearance.size()}, {"--restitution", restitution.size()}});
+  return function(number_option("--m1", given.mass1), number_option("--m2", given.mass2), force, clearance, restitution,
+                  criterion, given.common.threads, &progress);
 }
 
 bool depends_on_restitution_alone(backlash::JumpCriterion criterion) {
@@ -105,13 +110,10 @@ void add_jump_law(CLI::App& program, Run& run) {
   jump_law->add_option("--restitution", given->restitution, "Coefficients of restitution to average over: list or grid")
       ->capture_default_str()
       ->type_name("LIST");
-  jump_law
-      ->add_option(
-          "--criterion", given->criterion,
-          "two-impact-loss, symmetry-loss, saddle-node, contact-at-rest, mid-gap-at-rest, sweep-up, sweep-down or "
-          "largest-discontinuity")
+  jump_law->add_option("--criterion", given->criterion, "What counts as the jump")
       ->capture_default_str()
-      ->type_name("C");
+      ->type_name("C")
+      ->check(one_of(spellings(backlash::jump_criteria())));
   jump_law->add_flag("--constants", given->constants,
                      "Instead of the laws c = w_J/sqrt(F/(M2 Delta)) over restitution, with what happens at each jump");
   add_common_options(*jump_law, given->common, {"json", "csv", "table"});

@@ -30,7 +30,7 @@ double without_rounding_noise(double value) {
 
 std::string percent(double value, double reference) {
   char text[32];
-  std::snprintf(text, sizeof text, "%+.1f %%", without_rounding_noise(percent_difference(value, reference)));
+  std::snprintf(text, sizeof text, "%+.1f%%", without_rounding_noise(percent_difference(value, reference)));
   return text;
 }
 
@@ -60,7 +60,7 @@ std::size_t averaged_count(const backlash::JumpGrid& grid) {
 std::string jump_constants_table(const backlash::JumpGrid& grid) {
   std::string text =
       "c = w_J / sqrt(F/(M2 Delta)), criterion " + std::string(backlash::to_string(grid.criterion)) + "\n\n";
-  AlignedTable table({"restitution", "c", "what happens there"});
+  AlignedTable table({"restitution", "c", "what happens there"}, AlignedTable::Last::remark);
   for (const auto& [restitution, constant, message] : grid.constants)
     table.add({short_number(restitution), constant ? io::format_number(*constant) : "none", message});
   return text + table.text() + "\nmean over " + std::to_string(averaged_count(grid)) + " of " +
@@ -87,10 +87,12 @@ std::string jump_law_table(const JumpLawRun& run, const backlash::JumpLaw& law) 
   const SimilarityLaw similarity = similarity_law(run, law);
   const auto similarity_a = power_law(similarity.a_coefficient, similarity.a_exponent);
 
-  std::string text = "jump frequency w_J = a F^b (rad/s; F in N, Delta in m), M1 = " + short_number(run.mass1) +
-                     " kg, M2 = " + short_number(run.mass2) + " kg, criterion " +
-                     std::string(backlash::to_string(law.criterion)) + ", averaged over restitution\n\n";
-  AlignedTable table({"Delta [m]", "a", "b", "R^2", "a published", "", "b published", "", "a similarity", ""});
+  std::string text =
+      paragraph("jump frequency w_J = a F^b (rad/s; F in N, Delta in m), M1 = " + short_number(run.mass1) +
+                " kg, M2 = " + short_number(run.mass2) + " kg, criterion " +
+                std::string(backlash::to_string(law.criterion)) + ", averaged over restitution") +
+      "\n";
+  AlignedTable table({"Delta/m", "a", "b", "R^2", "a paper", "", "b paper", "", "a exact", ""});
   for (const auto& [clearance, force_law] : law.laws)
     table.add({short_number(clearance), short_number(force_law.coefficient), short_number(force_law.exponent),
                short_number(force_law.r_squared), short_number(published_a(clearance)),
@@ -99,14 +101,14 @@ std::string jump_law_table(const JumpLawRun& run, const backlash::JumpLaw& law) 
                percent(force_law.coefficient, similarity_a(clearance))});
   text += table.text() + "\nwith 95 % intervals:\n  " + formula("a", law.a_of_clearance) + "\n  " +
           formula("b", law.b_of_clearance) + "\n";
-  text += "published (Duarte, Tenreiro Machado 2009, eq. 8):  a = " + short_number(published.a_coefficient) +
-          " Delta^" + short_number(published.a_exponent) + ",  b = " + short_number(published.b_coefficient) +
-          " Delta^" + short_number(published.b_exponent) + "\n";
-  text += "similarity (exact for the ideal model):            a = " + short_number(similarity.a_coefficient) +
+  text += "paper (Duarte, Tenreiro Machado 2009, eq. 8):\n  a = " + short_number(published.a_coefficient) + " Delta^" +
+          short_number(published.a_exponent) + ",  b = " + short_number(published.b_coefficient) + " Delta^" +
+          short_number(published.b_exponent) + "\n";
+  text += "exact (similarity of the ideal model):\n  a = " + short_number(similarity.a_coefficient) +
           " Delta^-0.5,  b = 0.5\n";
   for (const auto& [restitution, constant, message] : law.constants)
     if (!constant)
-      text += "restitution " + short_number(restitution) + " is left out of the averages: " + message + "\n";
+      text += paragraph("restitution " + short_number(restitution) + " is left out of the averages: " + message, 2);
   return text;
 }
 

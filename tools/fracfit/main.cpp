@@ -1,14 +1,19 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <new>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
+#include "choice.hpp"
 #include "exit_code.hpp"
 #include "io/data_error.hpp"
 #include "io/output_file.hpp"
 #include "io/sweep_file.hpp"
+#include "misspelling.hpp"
 #include "solver_log.hpp"
 #include "subcommand.hpp"
 #include "wrapped_help.hpp"
@@ -20,18 +25,38 @@ int complain(const char* message, int code) {
   return code;
 }
 
+std::vector<std::string> subcommand_names(const CLI::App& program) {
+  std::vector<std::string> names;
+  for (const auto* subcommand : program.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(subcommand->get_name());
+  return names;
+}
+
+std::vector<std::string> option_names(const CLI::App& subcommand) {
+  std::vector<std::string> names;
+  for (const auto* option : subcommand.get_options([](const CLI::Option*) { return true; }))
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+std::string unexpected(const CLI::App& subcommand) {
+  const std::vector<std::string> extra = subcommand.remaining();
+  const auto option = std::find_if(extra.begin(), extra.end(), [](const std::string& word) { return word[0] == '-'; });
+  if (option == extra.end()) return "unexpected argument " + io::quoted(extra.front());
+  const std::string name = option->substr(0, option->find('='));
+  return "unknown option " + io::quoted(name) + fracfit::suggestion(name, option_names(subcommand));
+}
+
 std::string explained(const CLI::App& program, const CLI::ParseError& error, int argc, char** argv) {
-  std::string message = error.what();
-  std::string help = "fracfit";
-  for (const auto* subcommand : program.get_subcommands()) help += " " + subcommand->get_name();
   if (program.get_subcommands().empty()) {
-    message = argc > 1 ? "unknown subcommand or option " + io::quoted(argv[1]) : "no subcommand";
-    std::string names;
-    for (const auto* subcommand : program.get_subcommands([](const CLI::App*) { return true; }))
-      names += (names.empty() ? "" : ", ") + subcommand->get_name();
-    message += "; expected one of " + names;
+    const std::vector<std::string> names = subcommand_names(program);
+    return (argc > 1 ? "unknown subcommand or option " + io::quoted(argv[1]) + fracfit::suggestion(argv[1], names)
+                     : std::string("no subcommand")) +
+           "; expected one of " + fracfit::either(names) + "\nSee 'fracfit --help'.";
   }
-  return message + "\nSee '" + help + " --help'.";
+  const CLI::App& subcommand = *program.get_subcommands().front();
+  const bool is_extra = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr && !subcommand.remaining().empty();
+  return (is_extra ? unexpected(subcommand) : error.what()) + "\nSee 'fracfit " + subcommand.get_name() + " --help'.";
 }
 
 int parse_and_run(CLI::App& program, const fracfit::Run& run, int argc, char** argv) {
@@ -63,9 +88,9 @@ int main(int argc, char** argv) {
     program.require_subcommand(1);
     program.footer(
         "Examples:\n"
-        "  fracfit simulate --force 40 --clearance 0.3 --restitution 0.6 --omega 5:35:200log --out curve.csv\n"
-        "  fracfit fit curve.csv --model power-law --where 'omega>20'\n"
-        "  fracfit identify curve.csv\n"
+        "  fracfit simulate --force 40 --clearance 0.3 --restitution 0.6 --omega 0.5:25:200 --out curve.csv\n"
+        "  fracfit fit curve.csv --model power-law --where 'omega<4'\n"
+        "  fracfit identify curve.csv --where 'omega<4'\n"
         "  fracfit report --out report\n"
         "Exit codes: 0 usable result, 1 no usable result, 2 wrong usage, 3 unreadable or invalid data.");
     fracfit::Run run;

@@ -6,6 +6,7 @@
 
 #include "backlash/regime_map.hpp"
 #include "batch_table.hpp"
+#include "choice.hpp"
 #include "common_options.hpp"
 #include "exit_code.hpp"
 #include "io/map_file.hpp"
@@ -43,6 +44,7 @@ int run_map(const MapOptions& given) {
   if (restitution.empty())
     throw std::invalid_argument("--shard " + given.shard + ": there are only " + std::to_string(all.size()) +
                                 " restitutions to share");
+  require_table_size({{"--restitution", restitution.size()}, {"--omega", omega.size()}});
 
   frac::Progress progress;
   const auto map = [&] {
@@ -78,11 +80,14 @@ void add_map(CLI::App& program, Run& run) {
   map->add_option("--omega", given->omega, "Angular frequencies, rad/s: FROM:TO:COUNT, FROM:TO:COUNTlog or a list")
       ->required()
       ->type_name("GRID");
-  map->add_option("--output", given->output, "Position read: x1 or x2")->capture_default_str()->type_name("x1|x2");
-  map->add_option("--protocol", given->protocol,
-                  "Where the motion starts: sweep-up, sweep-down, contact-at-rest, mid-gap-at-rest, two-impact")
+  map->add_option("--output", given->output, "Position read")
       ->capture_default_str()
-      ->type_name("P");
+      ->type_name("MASS")
+      ->check(one_of(spellings(backlash::outputs())));
+  map->add_option("--protocol", given->protocol, "Where the motion starts")
+      ->capture_default_str()
+      ->type_name("P")
+      ->check(one_of(spellings(backlash::protocols())));
   map->add_option("--tolerance", given->tolerance, "Closure of an orbit, relative to the clearance (default 1e-10)")
       ->type_name("T");
   map->add_option("--mean-tolerance", given->mean_tolerance,

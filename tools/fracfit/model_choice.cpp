@@ -100,6 +100,12 @@ std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& mo
   return constraints;
 }
 
+std::vector<std::string> preset_names() {
+  std::vector<std::string> names;
+  for (const auto& model : frac::model_library()) names.push_back(model.name);
+  return names;
+}
+
 std::string preset_list() {
   std::size_t name_width = 0;
   std::size_t formula_width = 0;

@@ -27,6 +27,7 @@ struct ParameterOptions {
 [[nodiscard]] std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& model,
                                                                     const ParameterOptions& given);
 
+[[nodiscard]] std::vector<std::string> preset_names();
 /// One line per preset: name, formula, description.
 [[nodiscard]] std::string preset_list();
 

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "backlash/orbit_continuation.hpp"
+#include "choice.hpp"
 #include "common_options.hpp"
 #include "exit_code.hpp"
 #include "io/progress_bar.hpp"
@@ -25,10 +26,7 @@ struct OrbitsOptions {
 
 int small_count(std::string_view name, const std::string& text, std::size_t lowest) {
   constexpr std::size_t highest = 1000;
-  const std::size_t value = count_option(name, text, lowest);
-  if (value > highest)
-    throw std::invalid_argument(std::string(name) + " " + text + ": expected at most " + std::to_string(highest));
-  return static_cast<int>(value);
+  return static_cast<int>(count_option(name, text, lowest, highest));
 }
 
 int run_orbits(const OrbitsOptions& given) {
@@ -89,16 +87,20 @@ void add_orbits(CLI::App& program, Run& run) {
   auto* orbits = program.add_subcommand("orbits",
                                         "Branches of periodic orbits over frequency, force, clearance or restitution, "
                                         "stable and unstable, with their bifurcations");
-  orbits->add_option("--parameter", given->parameter, "What changes: omega, force, clearance or restitution")
+  orbits->add_option("--parameter", given->parameter, "What changes")
       ->capture_default_str()
-      ->type_name("NAME");
+      ->type_name("NAME")
+      ->check(one_of(spellings(backlash::orbit_parameters())));
   orbits->add_option("--from", given->from, "Its lowest value (rad/s, N, m or 1)")->required()->type_name("VALUE");
   orbits->add_option("--to", given->to, "Its highest value")->required()->type_name("VALUE");
   orbits->add_option("--restitution", given->restitution, "Coefficient of restitution, 0 to 1, unless it changes")
       ->type_name("EPS");
   orbits->add_option("--omega", given->omega, "Angular frequency, rad/s, unless it changes")->type_name("W");
   add_scene_options(*orbits, given->scene);
-  orbits->add_option("--output", given->output, "Position read: x1 or x2")->capture_default_str()->type_name("x1|x2");
+  orbits->add_option("--output", given->output, "Position read")
+      ->capture_default_str()
+      ->type_name("MASS")
+      ->check(one_of(spellings(backlash::outputs())));
   orbits->add_option("--longest-period", given->longest_period, "Force periods of the longest orbits kept")
       ->capture_default_str()
       ->type_name("N");

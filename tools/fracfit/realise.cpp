@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "aligned_table.hpp"
+#include "choice.hpp"
 #include "common_options.hpp"
 #include "exit_code.hpp"
 #include "frac/state_space.hpp"
@@ -126,11 +127,10 @@ void add_realise(CLI::App& program, Run& run) {
   option("--model", given->model, "Formula, e.g. \"exp(-0.1 s)/(s^1.5 + 2)\"", "FORMULA")->required();
   option("--band", given->band, "Band on which the error holds, rad/s", "LOW:HIGH")->required();
   option("--tolerance", given->tolerance, "Largest relative error; the fewest states that keep it", "T")->required();
-  option("--method", given->method, "joint (one set of poles) or term-by-term (a ladder per power)", "METHOD")
+  option("--method", given->method, "One set of poles for the whole model, or a ladder per power", "METHOD")
+      ->check(one_of(spellings(frac::realisation_methods())))
       ->capture_default_str();
-  option("--form", given->form, "Of A, B, C, D: modal or balanced", "FORM")
-      ->check(CLI::IsMember({"modal", "balanced"}))
-      ->capture_default_str();
+  option("--form", given->form, "Of A, B, C, D", "FORM")->check(one_of({"modal", "balanced"}))->capture_default_str();
   add_common_options(*realise, given->common, {"json", "table"});
   realise->footer(
       "Examples:\n"

@@ -1,14 +1,17 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 
 #include "aligned_table.hpp"
+#include "choice.hpp"
 #include "common_options.hpp"
 #include "exit_code.hpp"
 #include "frac/response_methods.hpp"
+#include "io/data_error.hpp"
 #include "io/number.hpp"
 #include "io/number_list.hpp"
 #include "io/sweep_file.hpp"
@@ -47,6 +50,9 @@ Request request_of(const RespondOptions& given) {
     return {frac::ResponseInput{*kind, given.omega.empty() ? 0 : number_option("--omega", given.omega)},
             io::parse_grid(given.time, "--time")};
   }
+  if (!std::filesystem::exists(given.input) && given.input != "-")
+    throw io::DataError(given.input, 0, 0,
+                        "cannot be read: no such file; --input takes a file, step, impulse, ramp or sine");
   io::TimeSeries series = io::read_input_signal(given.input);
   for (const auto& note : series.notes) say(given.common, given.input + ": " + note);
   std::vector<double> time = given.time.empty() ? series.time : io::parse_grid(given.time, "--time");
@@ -116,7 +122,8 @@ void add_respond(CLI::App& program, Run& run) {
       ->type_name("FORMULA");
   response->add_option("--input", given->input, "step, impulse, ramp, sine, or a file with columns time_s,input")
       ->capture_default_str()
-      ->type_name("INPUT");
+      ->type_name("INPUT")
+      ->check(suggest({"step", "impulse", "ramp", "sine"}));
   response->add_option("--omega", given->omega, "Angular frequency of the sine, rad/s")->type_name("W");
   response
       ->add_option("--time", given->time,
@@ -124,11 +131,12 @@ void add_respond(CLI::App& program, Run& run) {
                    "not given")
       ->type_name("GRID");
   response
-      ->add_option("--method", given->method,
-                   "auto (the cheaper of the next two that meets the tolerance), reference, exponential-sum, "
-                   "grunwald-letnikov, bdf2 or ladder")
+      ->add_option(
+          "--method", given->method,
+          "How it is computed; auto takes the cheaper of reference and exponential-sum that meets the tolerance")
       ->capture_default_str()
-      ->type_name("METHOD");
+      ->type_name("METHOD")
+      ->check(one_of(spellings(frac::response_methods())));
   response
       ->add_option(
           "--tolerance", given->tolerance,
@@ -136,9 +144,9 @@ void add_respond(CLI::App& program, Run& run) {
           "reference, grunwald-letnikov and bdf2")
       ->capture_default_str()
       ->type_name("T");
-  response->add_option("--hold", given->hold, "How a file's input runs between samples: zero-order or first-order")
+  response->add_option("--hold", given->hold, "How a file's input runs between samples")
       ->capture_default_str()
-      ->check(CLI::IsMember({"zero-order", "first-order"}))
+      ->check(one_of({"zero-order", "first-order"}))
       ->type_name("HOLD");
   response->add_option("--out", given->common.out, "Output file; standard output if not given")->type_name("FILE");
   add_common_options(*response, given->common, {});

@@ -1,9 +1,9 @@
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "choice.hpp"
 #include "exit_code.hpp"
 #include "io/output_file.hpp"
 #include "io/sweep_file.hpp"
@@ -21,20 +21,6 @@ std::vector<const CLI::Option*> options_of(const CLI::App& app) {
   return app.get_options([](const CLI::Option*) { return true; });
 }
 
-// Words that are all an option may be given, written a|b|c.
-std::string choices_of(const CLI::Option& option) {
-  std::string type = option.get_type_name();
-  const auto open = type.find('{');
-  if (open != std::string::npos) {
-    type = type.substr(open + 1, type.find('}') - open - 1);
-    std::replace(type.begin(), type.end(), ',', ' ');
-    return type;
-  }
-  if (type.find('|') == std::string::npos) return {};
-  std::replace(type.begin(), type.end(), '|', ' ');
-  return type;
-}
-
 std::string completion_script(const CLI::App& program) {
   std::string names, options, choices;
   for (const CLI::App* subcommand : subcommands_of(program)) {
@@ -44,7 +30,8 @@ std::string completion_script(const CLI::App& program) {
     for (const CLI::Option* option : options_of(*subcommand)) {
       for (const std::string& word : option->get_lnames()) {
         words += (words.empty() ? "--" : " --") + word;
-        const std::string values = choices_of(*option);
+        std::string values;
+        for (const std::string& value : choice_of(*option).words) values += (values.empty() ? "" : " ") + value;
         if (!values.empty()) choices += "    " + name + "/--" + word + ") words='" + values + "' ;;\n";
       }
     }
@@ -67,13 +54,9 @@ std::string completion_script(const CLI::App& program) {
          "  case $command/$before in\n" +
          choices +
          "  esac\n"
-         "  if [[ -n $words ]]; then\n"
-         "    mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$current\")\n"
-         "  elif [[ $current == -* ]]; then\n"
-         "    mapfile -t COMPREPLY < <(compgen -W \"$options\" -- \"$current\")\n"
-         "  else\n"
-         "    mapfile -t COMPREPLY < <(compgen -f -- \"$current\")\n"
-         "  fi\n"
+         "  [[ -z $words && $current == -* ]] && words=$options\n"
+         "  mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$current\")\n"
+         "  ((${#COMPREPLY[@]})) || mapfile -t COMPREPLY < <(compgen -f -- \"$current\")\n"
          "}\n"
          "complete -o filenames -F _fracfit fracfit\n";
 }
@@ -101,8 +84,8 @@ std::string option_entries(const CLI::App& app) {
     std::string heading = named ? "" : option->get_name(true);
     for (const std::string& name : option->get_snames()) heading += "-" + name + ", ";
     for (const std::string& name : option->get_lnames()) heading += "--" + name;
-    if (named && option->get_items_expected_max() > 0) heading += " " + option->get_type_name();
-    text += ".TP\n.B " + troff(heading) + "\n" + troff(option->get_description());
+    if (named && option->get_items_expected_max() > 0) heading += " " + type_name_of(*option);
+    text += ".TP\n.B " + troff(heading) + "\n" + troff(description_of(*option));
     if (!option->get_default_str().empty()) text += " (default " + troff(option->get_default_str()) + ")";
     text += "\n";
   }
@@ -114,7 +97,7 @@ std::string verbatim(const std::string& text) {
 }
 
 std::string manual_page(const CLI::App& program) {
-  std::string text = ".TH FRACFIT 1 \"\" \"fracfit " + std::string(io::version()) +
+  std::string text = ".TH FRACFIT 1 \"" FRACFIT_DATE "\" \"fracfit " + std::string(io::version()) +
                      "\"\n.SH NAME\nfracfit \\- fractional\\-order modelling and fitting\n"
                      ".SH SYNOPSIS\n.B fracfit\n.I SUBCOMMAND\n[options]\n.SH DESCRIPTION\n" +
                      troff(program.get_description()) + "\n" + verbatim(program.get_footer());

@@ -6,6 +6,7 @@
 
 #include "backlash/describing_function.hpp"
 #include "backlash/static_backlash.hpp"
+#include "choice.hpp"
 #include "common_options.hpp"
 #include "exit_code.hpp"
 #include "io/data_error.hpp"
@@ -72,17 +73,20 @@ std::vector<backlash::SweepScene> scenes_of(const SimulateOptions& given) {
       throw std::invalid_argument(name + " " + io::quoted(text) +
                                   ": expected one number with a decimal point, or several as FROM:TO:COUNT or as a "
                                   "list of three or more");
-    for (auto value = values.begin(); value != values.end(); ++value) {
-      if (std::find(values.begin(), value, *value) != value)
-        throw std::invalid_argument(name + " holds " + io::format_number(*value) + " twice");
-    }
+    std::vector<double> sorted = values;
+    std::sort(sorted.begin(), sorted.end());
+    const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
+    if (twice != sorted.end()) throw std::invalid_argument(name + " holds " + io::format_number(*twice) + " twice");
     return values;
   };
   const double mass1 = number_option("--m1", given.mass1), mass2 = number_option("--m2", given.mass2);
   const auto clearances = distinct("--clearance", given.clearance);
   const auto restitutions = distinct("--restitution", given.restitution);
+  const auto forces = distinct("--force", given.force);
+  require_table_size(
+      {{"--force", forces.size()}, {"--clearance", clearances.size()}, {"--restitution", restitutions.size()}});
   std::vector<backlash::SweepScene> scenes;
-  for (const double force : distinct("--force", given.force)) {
+  for (const double force : forces) {
     for (const double clearance : clearances) {
       for (const double restitution : restitutions)
         scenes.push_back({backlash::TwoMassSystem(mass1, mass2, clearance, restitution), force});
@@ -114,11 +118,13 @@ int simulate_dynamic(const SimulateOptions& given, const io::OutputFile& file) {
     throw std::invalid_argument("--shard " + given.shard + ": there are only " + std::to_string(all.size()) +
                                 " scenes to share");
   const std::vector<backlash::SweepScene> scenes = io::part_of(all, shard);
+  const std::vector<double> omega = io::parse_grid(given.omega, "--omega");
+  require_table_size({{"scenes", scenes.size()}, {"--omega", omega.size()}});
 
   frac::Progress progress;
   const auto sweeps = [&] {
     const io::ProgressBar bar("simulate", progress, !given.common.quiet);
-    return backlash::describing_function_sweeps(scenes, io::parse_grid(given.omega, "--omega"), options, &progress);
+    return backlash::describing_function_sweeps(scenes, omega, options, &progress);
   }();
   CommandLine command = scene_command(given);
   command.option("--output", std::string(backlash::to_string(options.output)))
@@ -160,16 +166,16 @@ void add_simulate(CLI::App& program, Run& run) {
       ->add_option("--omega", given->omega, "Angular frequencies, rad/s: FROM:TO:COUNT, FROM:TO:COUNTlog or a list")
       ->required()
       ->type_name("GRID");
-  simulation->add_option("--output", given->output, "Position read: x1 (default) or x2")->type_name("x1|x2");
-  simulation->add_option("--model", given->model, "dynamic or static")
+  simulation->add_option("--output", given->output, "Position read (default x1)")
+      ->type_name("MASS")
+      ->check(one_of(spellings(backlash::outputs())));
+  simulation->add_option("--model", given->model, "Motion with impacts, or the closed form without inertia")
       ->capture_default_str()
-      ->check(CLI::IsMember({"dynamic", "static"}))
+      ->check(one_of({"dynamic", "static"}))
       ->type_name("MODEL");
-  simulation
-      ->add_option(
-          "--protocol", given->protocol,
-          "Where the motion starts: sweep-up (default), sweep-down, contact-at-rest, mid-gap-at-rest, two-impact")
-      ->type_name("P");
+  simulation->add_option("--protocol", given->protocol, "Where the motion starts (default sweep-up)")
+      ->type_name("P")
+      ->check(one_of(spellings(backlash::protocols())));
   simulation
       ->add_option("--tolerance", given->tolerance, "Closure of an orbit, relative to the clearance (default 1e-10)")
       ->type_name("T");

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "choice.hpp"
 #include "io/data_error.hpp"
 #include "io/number.hpp"
 #include "io/point_filter.hpp"
@@ -27,9 +28,7 @@ std::string weight_of(const FitRequest& request, const io::TimeSeries& series) {
 }
 
 frac::Hold hold_of(const std::string& text) {
-  if (text.empty() || text == "zero-order") return frac::Hold::zero_order;
-  if (text == "first-order") return frac::Hold::first_order;
-  throw std::invalid_argument("--hold " + io::quoted(text) + ": expected zero-order or first-order");
+  return text == "first-order" ? frac::Hold::first_order : frac::Hold::zero_order;
 }
 
 std::string to_string(frac::Hold hold) {
@@ -70,13 +69,14 @@ std::vector<std::size_t> kept(const io::TimeSeries& series, const std::vector<st
 
 void add_time_options(CLI::App& subcommand, TimeRequest& request) {
   subcommand
-      .add_option("--hold", request.hold,
-                  "Samples over time: how the input runs between them, zero-order (default) or first-order")
-      ->type_name("HOLD");
+      .add_option("--hold", request.hold, "Samples over time: how the input runs between them (default zero-order)")
+      ->type_name("HOLD")
+      ->check(one_of({"zero-order", "first-order"}));
   subcommand
       .add_option("--offset", request.offset,
                   "Samples over time: what the output shows at rest, free (estimated, default) or a number")
-      ->type_name("VALUE");
+      ->type_name("VALUE")
+      ->check(suggest({"free"}));
   subcommand
       .add_option("--input-at-rest", request.input_at_rest,
                   "Samples over time: the input before the first sample, 0 if not given")

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "aligned_table.hpp"
+#include "choice.hpp"
 #include "common_options.hpp"
 #include "exit_code.hpp"
 #include "io/sweep_file.hpp"
@@ -28,8 +29,16 @@ struct TuneArguments {
   bool flat_phase = false;
 };
 
+double angle_option(const char* name, const std::string& text) {
+  const double value = number_option(name, text);
+  constexpr double straight = 180;
+  if (!(value > 0 && value < straight))
+    throw std::invalid_argument(std::string(name) + " " + text + ": expected an angle above 0 and below 180 degrees");
+  return value;
+}
+
 frac::GainBound bound_option(const char* name, const std::string& text) {
-  const auto [omega, gain] = range_option(name, text);
+  const auto [omega, gain] = pair_option(name, text, "W:GAIN");
   return {number_option(name, omega), number_option(name, gain)};
 }
 
@@ -103,7 +112,7 @@ std::string tuning_table(const frac::TuningResult& result, const std::string& pl
     loop.add({"IAE", short_number(result.iae), ""});
     loop.add({"ITAE", short_number(result.itae), ""});
   }
-  return text + loop.text() + "\n" + result.message + "\n";
+  return text + loop.text() + "\n" + paragraph(result.message);
 }
 
 int run_tune(const TuneArguments& given) {
@@ -120,7 +129,7 @@ int run_tune(const TuneArguments& given) {
   take("--crossover", given.crossover,
        [&](const char* name, const std::string& text) { asked.crossover = number_option(name, text); });
   take("--phase-margin", given.phase_margin,
-       [&](const char* name, const std::string& text) { asked.phase_margin = degree * number_option(name, text); });
+       [&](const char* name, const std::string& text) { asked.phase_margin = degree * angle_option(name, text); });
   asked.flat_phase = given.flat_phase;
   if (given.flat_phase) command.flag("--flat-phase");
   take("--max-sensitivity", given.max_sensitivity,
@@ -145,15 +154,16 @@ int run_tune(const TuneArguments& given) {
        [&](const char* name, const std::string& text) { options.horizon = number_option(name, text); });
   options.load_step = given.step == "load";
   command.option("--step", given.step);
-  options.seed = count_option("--seed", given.seed, 0);
+  options.seed = count_option("--seed", given.seed, 0, std::numeric_limits<std::uint64_t>::max());
   command.option("--seed", given.seed);
 
   const auto plant = frac::FractionalTransferFunction::parse(given.plant);
   const frac::TuningResult result = frac::tune(plant, asked, options);
-  out.write(chosen_format(given.common, "json") == "json" ? tuning_json(result, plant.formula(), command.text())
-                                                          : tuning_table(result, plant.formula()));
+  const std::string format = chosen_format(given.common, "json");
+  out.write(format == "json" ? tuning_json(result, plant.formula(), command.text())
+                             : tuning_table(result, plant.formula()));
   if (result.status == frac::TuningStatus::met) {
-    if (result.mu_at_limit) say(given.common, result.message);
+    if (result.mu_at_limit && format != "table") say(given.common, result.message);
     return usable_result;
   }
   say(given.common, result.message);
@@ -176,7 +186,9 @@ void add_tune(CLI::App& program, Run& run) {
   option("--max-complementary-sensitivity", given->max_complementary, "Largest |T| = |L/(1 + L)|", "MT");
   option("--high-frequency", given->noise, "|T| <= GAIN from W on (noise)", "W:GAIN");
   option("--low-frequency", given->disturbance, "|S| <= GAIN up to W (disturbances)", "W:GAIN");
-  option("--structure", given->structure, "pid, pi or pd", "NAME")->capture_default_str();
+  option("--structure", given->structure, "Terms of the controller", "NAME")
+      ->check(one_of(spellings(frac::controller_structures())))
+      ->capture_default_str();
   option("--lambda", given->lambda, "Order of integration, or its range; 0.1:1.9 if not given", "ORDER|LOW:HIGH");
   option("--mu", given->mu,
          "Order of differentiation, or its range; 0.1:1.9 if not given. Never above what leaves the loop falling as "
@@ -185,11 +197,13 @@ void add_tune(CLI::App& program, Run& run) {
          "ORDER|LOW:HIGH");
   option("--derivative-filter", given->filter, "Time constant of the derivative's filter, s", "T")
       ->capture_default_str();
-  option("--criterion", given->criterion, "What is made least: sensitivity (max |S|), iae or itae", "NAME")
+  option("--criterion", given->criterion, "What is made least, max |S| or the integral of |error| or of t |error|",
+         "NAME")
+      ->check(one_of(spellings(frac::tuning_criteria())))
       ->capture_default_str();
   option("--horizon", given->horizon, "Length of the step response of iae and itae, s", "T");
-  option("--step", given->step, "Where that step enters: setpoint or load", "PLACE")
-      ->check(CLI::IsMember({"setpoint", "load"}))
+  option("--step", given->step, "Where that step enters", "PLACE")
+      ->check(one_of({"setpoint", "load"}))
       ->capture_default_str();
   option("--seed", given->seed, "Of the global search", "N")->capture_default_str();
   add_common_options(*tune, given->common, {"json", "table"});

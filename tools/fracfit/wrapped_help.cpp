@@ -4,6 +4,8 @@
 #include <sstream>
 #include <string>
 
+#include "choice.hpp"
+
 namespace fracfit {
 namespace {
 
@@ -11,8 +13,14 @@ constexpr std::size_t page_width = 100;
 
 class WrappedHelp : public CLI::Formatter {
  public:
-  std::string make_option_desc(const CLI::Option* option) const override {
-    return wrapped(CLI::Formatter::make_option_desc(option));
+  std::string make_option_desc(const CLI::Option* option) const override { return wrapped(description_of(*option)); }
+
+  std::string make_option_opts(const CLI::Option* option) const override {
+    std::string text = CLI::Formatter::make_option_opts(option);
+    const std::string full = option->get_type_name();
+    const auto at = text.find(full);
+    if (!full.empty() && at != std::string::npos) text.replace(at, full.size(), type_name_of(*option));
+    return text;
   }
 
   std::string make_subcommand(const CLI::App* subcommand) const override {

@@ -1,5 +1,7 @@
 #include "io/data_error.hpp"
 
+#include <algorithm>
+
 namespace io {
 namespace {
 
@@ -10,19 +12,41 @@ std::string place(const std::string& file, std::size_t line, std::size_t column)
   return text + ": ";
 }
 
+// Bytes of the UTF-8 character that the text begins with; 0 where it is none, or one that steers a terminal.
+std::size_t character_length(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
+  const unsigned char first = byte(0);
+  if (first < 0x80) return first < 0x20 || first == 0x7f ? 0 : 1;
+  const std::size_t length = first >= 0xc2 && first < 0xe0   ? 2
+                             : first >= 0xe0 && first < 0xf0 ? 3
+                             : first >= 0xf0 && first < 0xf5 ? 4
+                                                             : 0;
+  if (length == 0 || text.size() < length) return 0;
+  for (std::size_t i = 1; i < length; ++i) {
+    if ((byte(i) & 0xc0) != 0x80) return 0;
+  }
+  const bool is_control = first == 0xc2 && byte(1) < 0xa0;  // U+0080 to U+009F
+  return is_control ? 0 : length;
+}
+
 }  // namespace
 
 DataError::DataError(const std::string& file, std::size_t line, std::size_t column, const std::string& message)
     : std::runtime_error(place(file, line, column) + message), file_(file), line_(line), column_(column) {}
 
+std::string printable(std::string_view text) {
+  std::string result;
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t length = character_length(text.substr(i));
+    result += length == 0 ? "?" : text.substr(i, length);
+    i += std::max<std::size_t>(length, 1);
+  }
+  return result;
+}
+
 std::string quoted(std::string_view text) {
   constexpr std::size_t longest = 40;
-  std::string result = "'";
-  for (const char c : text.substr(0, longest)) {
-    const auto byte = static_cast<unsigned char>(c);
-    result += byte < 0x20 || byte == 0x7f ? '?' : c;
-  }
-  return result + (text.size() > longest ? "...'" : "'");
+  return "'" + printable(text.substr(0, longest)) + (text.size() > longest ? "...'" : "'");
 }
 
 }  // namespace io

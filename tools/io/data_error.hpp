@@ -23,6 +23,8 @@ class DataError : public std::runtime_error {
   std::size_t column_;
 };
 
+/// The text with a ? for every control character and every byte that is no UTF-8.
+[[nodiscard]] std::string printable(std::string_view text);
 /// The text in quotes for a message: unprintable bytes as '?', cut after 40 characters.
 [[nodiscard]] std::string quoted(std::string_view text);
 

@@ -24,12 +24,6 @@ struct ColumnPlan {
   bool spread_is_weight = false;
 };
 
-std::string column_list(const TextTable& table) {
-  std::string text;
-  for (const auto& field : table.header()) text += (text.empty() ? "" : ", ") + std::string(field.text);
-  return text;
-}
-
 bool holds_values(Quantity quantity) {
   return quantity != Quantity::frequency && quantity != Quantity::other;
 }

@@ -35,4 +35,15 @@ std::optional<double> parse_number(std::string_view text) {
   return std::nullopt;
 }
 
+std::optional<std::uint64_t> parse_count(std::string_view text) {
+  std::uint64_t count = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, count);
+  if (stop == end && error == std::errc{} && !text.empty()) return count;
+  constexpr double first_gap = 9007199254740992;  // 2^53: every whole number up to here is a double
+  const auto value = parse_number(text);
+  if (!value || !(*value >= 0 && *value < first_gap) || std::floor(*value) != *value) return std::nullopt;
+  return static_cast<std::uint64_t>(*value);
+}
+
 }  // namespace io

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -13,5 +14,8 @@ void append_number(std::string& text, double value);
 /// The whole text as a double, independent of the locale; nan and inf are accepted, a number beyond the range of a
 /// double gives an infinity.  Empty when the text is no number.
 [[nodiscard]] std::optional<double> parse_number(std::string_view text);
+
+/// The whole text as a whole number >= 0, in digits (2000) or as a number that is one exactly (2e3) and below 2^53.
+[[nodiscard]] std::optional<std::uint64_t> parse_count(std::string_view text);
 
 }  // namespace io

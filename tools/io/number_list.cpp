@@ -1,7 +1,6 @@
 #include "io/number_list.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -41,15 +40,15 @@ double finite_number(std::string_view text, std::string_view what, const std::st
   return *value;
 }
 
-std::size_t parse_count(std::string_view text, std::string_view what) {
-  std::size_t count = 0;
-  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), count);
-  if (text.empty() || stop != text.data() + text.size() || error == std::errc::invalid_argument)
+std::size_t grid_count(std::string_view text, std::string_view what) {
+  const auto value = parse_number(text);
+  const auto count = io::parse_count(text);
+  if (!value || (!count && *value <= largest_count))
     fail(what, quoted(text) + " (count) must be a whole number, as in 5:35:200 or 5:35:200log");
-  if (error == std::errc::result_out_of_range || count < 2 || count > largest_count)
+  if (!count || *count < 2 || *count > largest_count)
     fail(what, "count " + std::string(text) + " must lie between 2 and " + std::to_string(largest_count) +
                    "; a single value is written alone, as in 5");
-  return count;
+  return *count;
 }
 
 }  // namespace
@@ -74,7 +73,7 @@ std::vector<double> parse_grid(std::string_view text, std::string_view what) {
   if (logarithmic) parts[2].remove_suffix(3);
   const double from = finite_number(parts[0], what, "from");
   const double to = finite_number(parts[1], what, "to");
-  const std::size_t count = parse_count(parts[2], what);
+  const std::size_t count = grid_count(parts[2], what);
   if (!(from < to)) fail(what, "from " + format_number(from) + " must be less than to " + format_number(to));
   if (logarithmic && !(from > 0)) fail(what, "from " + format_number(from) + " must be > 0 on a logarithmic grid");
 

@@ -203,4 +203,14 @@ void TextTable::for_each_row(const std::function<void(const Row&)>& body) const 
   }
 }
 
+std::string column_list(const TextTable& table) {
+  constexpr std::size_t longest = 300;
+  std::string text;
+  for (const auto& field : table.header()) {
+    if (text.size() > longest) return text + ", ...";
+    text += (text.empty() ? "" : ", ") + printable(field.text);
+  }
+  return text;
+}
+
 }  // namespace io

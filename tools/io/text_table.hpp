@@ -69,4 +69,7 @@ class TextTable {
   std::size_t row_estimate_ = 0;
 };
 
+/// The names of its columns for a message, separated by commas; of very many the first.
+[[nodiscard]] std::string column_list(const TextTable& table);
+
 }  // namespace io

@@ -73,11 +73,9 @@ std::optional<std::size_t> column_with(const TextTable& table, Test test) {
 std::size_t required(const TextTable& table, Test test, const std::string& what, const std::string& names) {
   const auto column = column_with(table, test);
   if (column) return *column;
-  std::string list;
-  for (const auto& field : table.header()) list += (list.empty() ? "" : ", ") + std::string(field.text);
   const auto& first = table.header().front();
   throw DataError(table.file(), first.line, first.column,
-                  "no " + what + " among the columns " + list + "; expected " + names);
+                  "no " + what + " among the columns " + column_list(table) + "; expected " + names);
 }
 
 struct Columns {

@@ -3,6 +3,7 @@
 #include <complex>
 #include <cstddef>
 #include <limits>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -41,6 +42,8 @@ enum class Output { x1, x2 };
 [[nodiscard]] Protocol protocol_from_string(std::string_view text);
 [[nodiscard]] Regime regime_from_string(std::string_view text);
 [[nodiscard]] Output output_from_string(std::string_view text);
+[[nodiscard]] std::span<const Protocol> protocols();
+[[nodiscard]] std::span<const Output> outputs();
 
 struct SweepOptions {
   Protocol protocol = Protocol::sweep_up;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,6 +24,7 @@ enum class JumpCriterion {
 [[nodiscard]] std::string_view to_string(JumpCriterion criterion);
 /// @throws std::invalid_argument  naming the allowed spellings.
 [[nodiscard]] JumpCriterion jump_criterion_from_string(std::string_view text);
+[[nodiscard]] std::span<const JumpCriterion> jump_criteria();
 
 /// A jump of the physics: c = omega_jump / sqrt(F/(M2 clearance)) depends on restitution only.
 struct JumpFrequency {

@@ -67,7 +67,7 @@ struct PublishedJumpLaw {
 
 /// The power laws of such a grid.  Where fewer than two clearances have a jump at two forces there is none, and
 /// `message` says so.
-/// @throws std::invalid_argument  as jump_grid, or fewer than 2 forces or 2 clearances.
+/// @throws std::invalid_argument  as jump_grid, or fewer than 2 different forces or clearances.
 [[nodiscard]] JumpLaw fit_jump_law(double mass1, double mass2, const std::vector<double>& force,
                                    const std::vector<double>& clearance, const std::vector<double>& restitution,
                                    JumpCriterion criterion, int threads = 0, frac::Progress* progress = nullptr);

@@ -3,6 +3,7 @@
 #include <array>
 #include <complex>
 #include <cstddef>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -40,6 +41,7 @@ enum class BranchEnd {
 [[nodiscard]] std::string_view to_string(BranchEnd end);
 /// @throws std::invalid_argument  naming the allowed spellings.
 [[nodiscard]] OrbitParameter orbit_parameter_from_string(std::string_view text);
+[[nodiscard]] std::span<const OrbitParameter> orbit_parameters();
 [[nodiscard]] Bifurcation bifurcation_from_string(std::string_view text);
 [[nodiscard]] BranchEnd branch_end_from_string(std::string_view text);
 

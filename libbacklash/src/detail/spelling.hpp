@@ -20,6 +20,14 @@ std::string_view spelling(const std::array<std::pair<Enum, std::string_view>, N>
   return {};
 }
 
+/// The enumerators of such a table, in its order.
+template <typename Enum, std::size_t N>
+constexpr std::array<Enum, N> enumerators(const std::array<std::pair<Enum, std::string_view>, N>& table) {
+  std::array<Enum, N> all{};
+  for (std::size_t i = 0; i < N; ++i) all[i] = table[i].first;
+  return all;
+}
+
 /// @throws std::invalid_argument  naming what is allowed.
 template <typename Enum, std::size_t N>
 Enum from_spelling(const std::array<std::pair<Enum, std::string_view>, N>& table, std::string_view quantity,

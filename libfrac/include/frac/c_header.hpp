@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -15,6 +16,7 @@ enum class Precision { float_type, double_type };
 [[nodiscard]] std::string_view to_string(Precision precision);
 /// @throws std::invalid_argument  unknown name.
 [[nodiscard]] Precision precision(std::string_view name);
+[[nodiscard]] std::span<const Precision> precisions();
 
 /// @throws std::invalid_argument  no C identifier, a keyword, or above 40 characters.
 void check_c_name(const std::string& name);

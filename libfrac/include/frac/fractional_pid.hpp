@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -26,6 +27,7 @@ enum class AntiWindup {
 [[nodiscard]] std::string_view to_string(AntiWindup method);
 /// @throws std::invalid_argument  unknown name; the text lists the known ones.
 [[nodiscard]] AntiWindup anti_windup(std::string_view name);
+[[nodiscard]] std::span<const AntiWindup> anti_windup_methods();
 
 /// A fractional PID for samples every sample_time seconds:
 ///   u = kp (b r - y) + ki s^-lambda (r - y) + kd s^mu F(s) (c r - y),   F = 1/(1 + derivative_filter_time s).

@@ -27,6 +27,7 @@ enum class ResponseMethod {
 [[nodiscard]] std::string_view to_string(ResponseMethod method) noexcept;
 /// @throws std::invalid_argument  naming the known ones.
 [[nodiscard]] ResponseMethod response_method_from_string(std::string_view text);
+[[nodiscard]] std::span<const ResponseMethod> response_methods();
 
 /// Samples of an input at rising instants (s), steps of any length; 0 before the first.
 struct SampledInput {

@@ -2,6 +2,7 @@
 
 #include <complex>
 #include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +21,7 @@ enum class RealisationMethod {
 [[nodiscard]] std::string_view to_string(RealisationMethod method);
 /// @throws std::invalid_argument  unknown name; the text lists the known ones.
 [[nodiscard]] RealisationMethod realisation_method(std::string_view name);
+[[nodiscard]] std::span<const RealisationMethod> realisation_methods();
 
 /// sum_k residues[k]/(s - pole)^(k+1), for a complex pole (above the real axis) together with the conjugate.
 struct Mode {

@@ -16,8 +16,13 @@ std::string_view to_string(Precision precision) {
   return precision == Precision::float_type ? "float" : "double";
 }
 
+std::span<const Precision> precisions() {
+  static constexpr Precision all[] = {Precision::float_type, Precision::double_type};
+  return all;
+}
+
 Precision precision(std::string_view name) {
-  for (const Precision each : {Precision::float_type, Precision::double_type}) {
+  for (const Precision each : precisions()) {
     if (to_string(each) == name) return each;
   }
   throw std::invalid_argument("precision \"" + std::string(name) + "\": expected float or double");

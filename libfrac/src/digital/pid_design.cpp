@@ -190,9 +190,14 @@ std::string_view to_string(AntiWindup method) {
   return "conditional-integration";
 }
 
+std::span<const AntiWindup> anti_windup_methods() {
+  static constexpr AntiWindup all[] = {AntiWindup::none, AntiWindup::back_calculation,
+                                       AntiWindup::conditional_integration};
+  return all;
+}
+
 AntiWindup anti_windup(std::string_view name) {
-  for (const AntiWindup method :
-       {AntiWindup::none, AntiWindup::back_calculation, AntiWindup::conditional_integration}) {
+  for (const AntiWindup method : anti_windup_methods()) {
     if (to_string(method) == name) return method;
   }
   throw std::invalid_argument("anti-windup \"" + std::string(name) +

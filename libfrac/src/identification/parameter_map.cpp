@@ -8,6 +8,7 @@
 #include <string>
 
 #include "detail/dimension_analysis.hpp"
+#include "detail/number_text.hpp"
 
 namespace frac::detail {
 
@@ -37,11 +38,10 @@ void check(const ParameterConstraint& constraint, ParameterRole role, bool posit
   }
   const double lower = constraint.lower.value_or(-infinity), upper = constraint.upper.value_or(infinity);
   if (!(lower < upper)) {
-    reject(constraint.name,
-           "lower limit " + std::to_string(lower) + " must lie below upper limit " + std::to_string(upper));
+    reject(constraint.name, "lower limit " + number_text(lower) + " must lie below upper limit " + number_text(upper));
   }
   if (constraint.start && (*constraint.start < lower || *constraint.start > upper)) {
-    reject(constraint.name, "start " + std::to_string(*constraint.start) + " lies outside its limits");
+    reject(constraint.name, "start " + number_text(*constraint.start) + " lies outside its limits");
   }
   constexpr double widest_order = 20;  // what realisations express, and as much as doubles can tell from a delay
   if (role == ParameterRole::order) {

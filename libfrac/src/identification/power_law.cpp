@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "../detail/number_text.hpp"
 #include "frac/identification/statistics.hpp"
 
 namespace frac {
@@ -15,7 +16,7 @@ void require_positive(std::span<const double> values, const char* name) {
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (!(values[i] > 0) || !std::isfinite(values[i])) {
       throw std::invalid_argument("fit_power_law: " + std::string(name) + "[" + std::to_string(i) +
-                                  "] = " + std::to_string(values[i]) + " must be positive and finite");
+                                  "] = " + detail::number_text(values[i]) + " must be positive and finite");
     }
   }
 }

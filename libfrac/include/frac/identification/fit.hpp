@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -34,6 +35,9 @@ enum class Loss { none, huber, cauchy };
 [[nodiscard]] Component component_from_string(std::string_view text);
 [[nodiscard]] Weight weight_from_string(std::string_view text);
 [[nodiscard]] Loss loss_from_string(std::string_view text);
+[[nodiscard]] std::span<const Component> components();
+[[nodiscard]] std::span<const Weight> weights();
+[[nodiscard]] std::span<const Loss> losses();
 
 /// What is known of one parameter beforehand.  Unset limits take the defaults of its role: a coefficient that stands in
 /// a sum is positive (fitted as its logarithm) unless a lower limit <= 0 is given, an outer gain has any sign (but in a

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -50,6 +51,7 @@ enum class GrowthFamily {
 /// Command-line spellings.  from_string throws std::invalid_argument naming the allowed ones.
 [[nodiscard]] std::string_view to_string(GrowthFamily family);
 [[nodiscard]] GrowthFamily growth_family_from_string(std::string_view text);
+[[nodiscard]] std::span<const GrowthFamily> growth_families();
 
 /// The member of a family with that many terms (at least 1), and the ranges of its parameters.
 [[nodiscard]] NamedModel grown_model(GrowthFamily family, std::size_t terms);

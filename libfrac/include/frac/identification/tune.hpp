@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -45,6 +46,7 @@ enum class TuningCriterion {
 [[nodiscard]] std::string_view to_string(TuningCriterion criterion);
 /// @throws std::invalid_argument  unknown name; the text lists the known ones.
 [[nodiscard]] TuningCriterion tuning_criterion(std::string_view name);
+[[nodiscard]] std::span<const TuningCriterion> tuning_criteria();
 
 /// Terms that the controller has.
 enum class ControllerStructure { pid, pi, pd };
@@ -52,6 +54,7 @@ enum class ControllerStructure { pid, pi, pd };
 [[nodiscard]] std::string_view to_string(ControllerStructure structure);
 /// @throws std::invalid_argument  unknown name; the text lists the known ones.
 [[nodiscard]] ControllerStructure controller_structure(std::string_view name);
+[[nodiscard]] std::span<const ControllerStructure> controller_structures();
 
 struct OrderRange {
   double lower;

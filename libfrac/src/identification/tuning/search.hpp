@@ -1,0 +1,18 @@
+#pragma once
+
+#include "frac/identification/tune.hpp"
+
+namespace frac::detail {
+
+struct FoundController {
+  FractionalPidGains gains;  // NaN where the equations for them have no solution
+  double reference;          // a frequency about which the loop lives, rad/s
+  int evaluations;
+};
+
+/// The controller that keeps the specification and makes the criterion least, or comes nearest to keeping it, on a grid
+/// of frequencies.
+[[nodiscard]] FoundController search_controller(const FractionalTransferFunction& plant, const LoopSpecification& asked,
+                                                const TuningOptions& options);
+
+}  // namespace frac::detail
