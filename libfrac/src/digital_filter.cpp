@@ -8,6 +8,7 @@
 
 #include "detail/number_text.hpp"
 #include "digital/section_kernel.hpp"
+#include "digital/tap_line.hpp"
 
 namespace frac {
 namespace {
@@ -33,6 +34,11 @@ void check(const DigitalFilterDesign& design, int most_whole) {
   if (sections.rates.size() != sections.weights.size() || design.pair_rates.size() != design.pair_weights.size()) {
     refuse("as many rates as weights are needed");
   }
+  if (design.taps.empty()) refuse("no taps; a filter without has the one tap 1");
+  for (std::size_t i = 0; i < design.taps.size(); ++i) {
+    if (!fits(design.taps[i]))
+      refuse("taps[" + std::to_string(i) + "] = " + detail::number_text(design.taps[i]) + " is out of range");
+  }
   if (!fits(sections.direct)) refuse("direct = " + detail::number_text(sections.direct) + " is out of range");
   for (std::size_t i = 0; i < sections.rates.size(); ++i) {
     if (!(sections.rates[i] > 0 && sections.rates[i] < 2)) {
@@ -55,6 +61,7 @@ std::complex<double> DigitalFilterDesign::response(double omega) const {
     value += 0.5 * (pair_weights[i] / (delta + pair_rates[i]) +
                     std::conj(pair_weights[i]) / (delta + std::conj(pair_rates[i])));
   }
+  value *= response_of_taps(taps, delta);
   for (int i = 0; i < differences; ++i) value *= delta / z / sample_time;
   for (int i = 0; i < integrators; ++i) {
     value *= sample_time * ((rule == IntegratorRule::held ? 0.0 : 0.5) + 1.0 / delta);
@@ -63,11 +70,11 @@ std::complex<double> DigitalFilterDesign::response(double omega) const {
 }
 
 DigitalFilterDesign filter_design(const DigitalPower& power) {
-  if (!power.taps.empty()) refuse("method grunwald-letnikov has taps, no sections");
   DigitalFilterDesign design;
   design.sample_time = power.sample_time;
   design.differences = power.differences;
   design.integrators = power.integrators;
+  design.taps = power.taps;
   design.sections = power.parallel;
   return design;
 }
@@ -75,6 +82,11 @@ DigitalFilterDesign filter_design(const DigitalPower& power) {
 template <typename Real>
 DigitalFilter<Real>::DigitalFilter(const DigitalFilterDesign& design) {
   check<Real>(design, static_cast<int>(most_whole));
+  if (design.taps != std::vector<double>{1}) {
+    for (const double tap : design.taps) taps_.push_back(static_cast<Real>(tap));
+    taps_.resize(detail::even_count(taps_.size()), 0);
+    line_.assign(taps_.size() + detail::section_block, 0);
+  }
   const ParallelSections& sections = design.sections;
   sections_ = sections.rates.size();
   output_ = sections.output;
@@ -116,6 +128,29 @@ Real DigitalFilter<Real>::before(Real sample) noexcept {
 }
 
 template <typename Real>
+Real DigitalFilter<Real>::through_taps(Real sample) noexcept {
+  if (taps_.empty()) return sample;
+  const auto kept = static_cast<std::ptrdiff_t>(taps_.size());
+  const Real* const newest = line_.data() + kept - 1;
+  const auto past = [newest](std::size_t k) { return *(newest - k); };
+  const Real result = detail::tapped(taps_.data(), taps_.size(), past, sample);
+  line_[taps_.size()] = sample;
+  std::copy(line_.begin() + 1, line_.begin() + kept + 1, line_.begin());
+  return result;
+}
+
+// Samples beyond `count` are worked on too, and lead nowhere.
+template <typename Real>
+void DigitalFilter<Real>::through_taps(Real* samples, std::size_t count) noexcept {
+  if (taps_.empty()) return;
+  const auto kept = static_cast<std::ptrdiff_t>(taps_.size());
+  std::copy(samples, samples + count, line_.begin() + kept);
+  detail::tapped_block<detail::section_block>(taps_.data(), taps_.size(), line_.data() + kept, samples);
+  const auto used = static_cast<std::ptrdiff_t>(count);
+  std::copy(line_.begin() + used, line_.begin() + used + kept, line_.begin());
+}
+
+template <typename Real>
 Real DigitalFilter<Real>::after(Real sum) noexcept {
   for (std::size_t i = 0; i < integrators_; ++i) {
     const Real output = integral_[i] + now_ * sum;
@@ -130,7 +165,7 @@ Real DigitalFilter<Real>::after(Real sum) noexcept {
 
 template <typename Real>
 Real DigitalFilter<Real>::step(Real sample) noexcept {
-  const Real x = before(sample);
+  const Real x = through_taps(before(sample));
   Real y = direct_ * x;
   if (!rate_.empty()) {
     y += output_ == SectionOutput::state
@@ -159,11 +194,12 @@ void DigitalFilter<Real>::run(std::span<const Real> samples, std::span<Real> out
     return;
   }
   const detail::SectionArrays<Real> bank{rate_.data(), weight_.data(), state_.data(), lost_.data(), rate_.size()};
-  Real x[detail::section_block];
+  Real x[detail::section_block] = {};
   Real y[detail::section_block];
   for (std::size_t from = 0; from < samples.size(); from += detail::section_block) {
     const std::size_t count = std::min(detail::section_block, samples.size() - from);
     for (std::size_t n = 0; n < count; ++n) x[n] = before(samples[from + n]);
+    through_taps(x, count);
     if (output_ == SectionOutput::state) {
       detail::run_states(bank, x, y, count);
     } else {
@@ -175,7 +211,7 @@ void DigitalFilter<Real>::run(std::span<const Real> samples, std::span<Real> out
 
 template <typename Real>
 void DigitalFilter<Real>::reset() noexcept {
-  for (auto* values : {&state_, &lost_, &waiting_}) std::fill(values->begin(), values->end(), Real(0));
+  for (auto* values : {&line_, &state_, &lost_, &waiting_}) std::fill(values->begin(), values->end(), Real(0));
   for (Pair& pair : pairs_) pair.re = pair.im = 0;
   std::fill(std::begin(previous_), std::end(previous_), Real(0));
   std::fill(std::begin(integral_), std::end(integral_), Real(0));

@@ -9,7 +9,7 @@
 
 #include "detail/exact_power.hpp"
 #include "detail/number_text.hpp"
-#include "digital/gain_correction.hpp"
+#include "digital/correction_taps.hpp"
 #include "digital/power_design.hpp"
 #include "digital/section_form.hpp"
 #include "frac/grunwald_letnikov.hpp"
@@ -39,7 +39,7 @@ void check_sample_time(double sample_time, const char* where) {
 
 // s = (1/T) delta/(1 + slope delta)
 double slope_of(Discretisation method) {
-  return method == Discretisation::al_alaoui ? 7.0 / 8 : 0.5;
+  return method == Discretisation::al_alaoui ? 7.0 / 8 : method == Discretisation::direct ? 1 : 0.5;
 }
 
 void check_system(const ZeroPoleGain& system) {
@@ -72,8 +72,8 @@ void check_system(const ZeroPoleGain& system) {
   if (!std::isfinite(system.gain)) refuse("gain = " + detail::number_text(system.gain) + " is not finite");
 }
 
-void check_power(double order, FrequencyBand band, double sample_time, Discretisation method,
-                 std::size_t memory_length) {
+void check_power(double order, FrequencyBand band, double sample_time, Discretisation method, std::size_t memory_length,
+                 double most_amplification) {
   const std::string where = "digital_power (" + std::string(to_string(method)) + ")";
   check_sample_time(sample_time, where.c_str());
   constexpr double most = 8;
@@ -91,22 +91,30 @@ void check_power(double order, FrequencyBand band, double sample_time, Discretis
                                 detail::number_text(is_direct ? nyquist / 2 : nyquist) +
                                 " rad/s at sample time T = " + detail::number_text(sample_time) + " s");
   }
+  if (is_direct && !(most_amplification >= 1.1 && most_amplification <= 1000)) {
+    throw std::invalid_argument(where + ": most_amplification = " + detail::number_text(most_amplification) +
+                                "; allowed is 1.1 to 1000");
+  }
   if (method == Discretisation::grunwald_letnikov && (memory_length < 1 || memory_length > 10'000'000)) {
     throw std::invalid_argument(where + ": memory_length = " + std::to_string(memory_length) +
                                 "; allowed are 1 to 10000000 samples");
   }
 }
 
-// The band in the variable that the rule puts for s.
+// The band in the variable that the rule puts for s.  The backward difference turns s off the imaginary axis, to the
+// side away from the poles, where the sections are no less accurate at the same |s|.
 FrequencyBand warped(FrequencyBand band, double sample_time, Discretisation method) {
   if (method == Discretisation::al_alaoui || method == Discretisation::grunwald_letnikov) return band;
-  const auto stretched = [sample_time](double omega) { return 2 / sample_time * std::tan(omega * sample_time / 2); };
-  return {stretched(band.lower), stretched(band.upper)};
+  const auto size = [&](double omega) {
+    const double x = omega * sample_time / 2;
+    return 2 / sample_time * (method == Discretisation::direct ? std::sin(x) : std::tan(x));
+  };
+  return {size(band.lower), size(band.upper)};
 }
 
-// The tolerance is shared between sections and correction; a corner gains about a factor of two, a pole much more.
-constexpr double prototype_share = 0.65;
-constexpr double correction_share = 0.3;
+// The tolerance is shared between sections and taps; a pole gains a factor of two or three.
+constexpr double prototype_share = 0.6;
+constexpr double correction_share = 0.35;
 
 ApproximationGoal prototype_goal(ApproximationGoal goal, Discretisation method) {
   auto* tolerance = std::get_if<Tolerance>(&goal);
@@ -115,7 +123,8 @@ ApproximationGoal prototype_goal(ApproximationGoal goal, Discretisation method) 
 }
 
 void measure(DigitalPower& result) {
-  constexpr int points = 4000;
+  // Two ripples a section, and the narrow ones of the taps at the upper edge.
+  const int points = 400 + 60 * static_cast<int>(result.parallel.rates.size());
   const double fall = std::log(result.band.upper / result.band.lower);
   ApproximationError& error = result.error;
   const auto ratio = [&](double omega) {
@@ -144,12 +153,18 @@ void measure(DigitalPower& result) {
   }
 }
 
-void conclude(DigitalPower& result, const ApproximationGoal& goal) {
+std::string size_text(const DigitalPower& result) {
+  const std::size_t sections = result.parallel.rates.size();
+  const std::size_t taps = result.taps.size();
+  if (taps == 1) return std::to_string(sections) + (sections == 1 ? " section" : " sections");
+  const std::string own = std::to_string(taps) + " taps";
+  return sections == 0 ? own : std::to_string(sections) + (sections == 1 ? " section and " : " sections and ") + own;
+}
+
+void conclude(DigitalPower& result, const ApproximationGoal& goal, double allowed_amplification) {
   const auto* tolerance = std::get_if<Tolerance>(&goal);
   const std::string reached = short_text(result.error.max_relative);
-  const std::string size = result.method == Discretisation::grunwald_letnikov
-                               ? std::to_string(result.taps.size()) + " taps"
-                               : std::to_string(result.parallel.rates.size()) + " sections";
+  const std::string size = size_text(result);
   if (tolerance == nullptr) {
     result.status = ApproximationStatus::as_asked;
     result.message = "The largest relative error with " + size + " is " + reached + ".";
@@ -160,9 +175,13 @@ void conclude(DigitalPower& result, const ApproximationGoal& goal) {
   } else {
     result.status = ApproximationStatus::not_attainable;
     const std::string share = short_text(result.band.upper * result.sample_time / (2 * pi));
-    result.message = "Tolerance " + short_text(tolerance->value) + " is not attainable by " +
-                     std::string(to_string(result.method)) + " up to " + share +
-                     " of the sampling frequency, best is " + reached + " with " + size + ".";
+    result.message =
+        "Tolerance " + short_text(tolerance->value) + " is not attainable by " + std::string(to_string(result.method)) +
+        " up to " + share + " of the sampling frequency" +
+        (result.method == Discretisation::direct ? " with at most " + short_text(allowed_amplification) +
+                                                       " times the gain of s^" + short_text(result.order) + " beyond"
+                                                 : "") +
+        ", best is " + reached + " with " + size + ".";
   }
 }
 
@@ -205,6 +224,13 @@ Complex ParallelSections::response(Complex delta) const {
   return sum;
 }
 
+Complex response_of_taps(std::span<const double> taps, Complex delta) {
+  const Complex back = 1.0 / (1.0 + delta);
+  Complex sum = 0;
+  for (auto tap = taps.rbegin(); tap != taps.rend(); ++tap) sum = sum * back + *tap;
+  return sum;
+}
+
 Complex delta_at(double omega, double sample_time) {
   const double half = omega * sample_time / 2;
   return 2 * std::sin(half) * Complex(-std::sin(half), std::cos(half));
@@ -223,13 +249,7 @@ DigitalSections discretise(const ZeroPoleGain& system, double sample_time, Discr
 
 Complex DigitalPower::response(double omega) const {
   const Complex delta = delta_at(omega, sample_time);
-  if (!taps.empty()) {
-    const Complex back = 1.0 / (1.0 + delta);
-    Complex sum = 0;
-    for (auto tap = taps.rbegin(); tap != taps.rend(); ++tap) sum = sum * back + *tap;
-    return sum;
-  }
-  Complex value = cascade.gain * correction.response(delta);
+  Complex value = cascade.gain * response_of_taps(taps, delta);
   for (const DeltaSection& section : cascade.sections) value *= 1.0 + section.feed / (delta + section.rate);
   for (int i = 0; i < differences; ++i) value *= delta / (1.0 + delta) / sample_time;
   for (int i = 0; i < integrators; ++i) value *= sample_time * (0.5 + 1.0 / delta);
@@ -238,48 +258,45 @@ Complex DigitalPower::response(double omega) const {
 
 DigitalPower detail::power_in_sections(const SplitOrder& split, FrequencyBand band, ApproximationGoal goal,
                                        double sample_time, Discretisation method, ApproximationMethod approximation,
-                                       double most_gain) {
+                                       const DirectLimits& limits) {
   const double order = split.fractional + split.differences - split.integrators;
-  check_power(order, band, sample_time, method, 1);
+  check_power(order, band, sample_time, method, 1, limits.amplification);
   DigitalPower result{.order = order, .band = band, .sample_time = sample_time, .method = method};
   result.prototype =
       approximate(split.fractional, warped(band, sample_time, method), prototype_goal(goal, method), approximation);
   check_system(result.prototype.system);
   result.differences = split.differences;
   result.integrators = split.integrators;
-  const SectionForm form(result.prototype.system, sample_time, slope_of(method));
-  // What the trapezoidal rule leaves is of the same kind as what the bilinear one does.
-  const double gain_order = split.fractional - split.integrators;
-  GainCorrection correction;
+  ZeroPoleGain system = result.prototype.system;
+  if (method == Discretisation::tustin_prewarped) {
+    // What the trapezoidal rule leaves is of the same kind as what the bilinear one does.
+    const double x = band.upper * sample_time / 2;
+    system.gain *= std::pow(x / std::tan(x), split.fractional - split.integrators);
+  }
+  const SectionForm form(system, sample_time, slope_of(method));
+  result.cascade = form.cascade();
+  result.parallel = form.parallel();
   if (method == Discretisation::direct) {
-    const double edge = band.upper * sample_time / 2;
     const auto* tolerance = std::get_if<Tolerance>(&goal);
     const double allowed = tolerance != nullptr ? tolerance->value * correction_share
-                                                : std::max(0.3 * result.prototype.error.max_relative, 1e-12);
-    std::vector<double> occupied;
-    for (const double pole : result.prototype.system.poles) occupied.push_back(-pole * sample_time / 2);
-    correction = gain_correction({gain_order, split.differences}, edge, allowed, most_gain, occupied);
-  } else if (method == Discretisation::tustin_prewarped) {
-    const double x = band.upper * sample_time / 2;
-    correction.constant = std::pow(x / std::tan(x), gain_order);
+                                                : std::max(0.5 * result.prototype.error.max_relative, 1e-12);
+    result.taps =
+        correction_taps({split, sample_time, &result.parallel, band.upper * sample_time / 2}, allowed, limits).taps;
   }
-  result.cascade = form.cascade();
-  result.correction = sections_of(correction);
-  result.parallel = form.times(correction);
   measure(result);
-  conclude(result, goal);
+  conclude(result, goal, limits.amplification);
   return result;
 }
 
 DigitalPower digital_power(double order, FrequencyBand band, ApproximationGoal goal, double sample_time,
                            Discretisation method, ApproximationMethod approximation, std::size_t memory_length,
-                           double most_gain) {
-  check_power(order, band, sample_time, method, memory_length);
+                           double most_amplification) {
+  check_power(order, band, sample_time, method, memory_length, most_amplification);
   const double whole = std::trunc(order);
   if (method != Discretisation::grunwald_letnikov) {
     const detail::SplitOrder split{order - whole, static_cast<int>(std::max(whole, 0.0)),
                                    static_cast<int>(std::max(-whole, 0.0))};
-    return detail::power_in_sections(split, band, goal, sample_time, method, approximation, most_gain);
+    return detail::power_in_sections(split, band, goal, sample_time, method, approximation, {most_amplification});
   }
   DigitalPower result{.order = order, .band = band, .sample_time = sample_time, .method = method};
   result.prototype = approximate(order - whole, band, goal, approximation);
@@ -287,7 +304,7 @@ DigitalPower digital_power(double order, FrequencyBand band, ApproximationGoal g
   const double scale = std::pow(sample_time, -order);
   for (double& tap : result.taps) tap *= scale;
   measure(result);
-  conclude(result, goal);
+  conclude(result, goal, most_amplification);
   return result;
 }
 

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <tuple>
 
 #include "digital/section_kernel.hpp"
+#include "digital/tap_line.hpp"
 
 namespace frac {
 namespace {
@@ -37,6 +39,7 @@ PidCoefficients<Real>::PidCoefficients(const FractionalPidDesign& design) noexce
   anti_windup = gains.ki != 0 ? config.anti_windup : AntiWindup::none;
   const double gain = time / 2 * design.integral().high_gain;
   const double tracking = design.tracking_time() > 0 ? std::pow(design.tracking_time(), -gains.lambda) : 0;
+  integral_tap = design.integral().tap_count > 0 ? static_cast<Real>(design.integral().taps[0]) : Real(1);
   integral_gain = static_cast<Real>(gain);
   inverse_integral_gain = static_cast<Real>(1 / gain);
   inverse_tracking = static_cast<Real>(tracking);
@@ -48,8 +51,10 @@ void FractionalPid<Real>::Filter::set(const PidOperator& design) noexcept {
   output = design.output;
   direct = static_cast<Real>(design.direct);
   high_gain = static_cast<Real>(design.high_gain);
+  tap_count = design.tap_count;
   sections = design.sections;
   size = design.size;
+  for (std::size_t k = 0; k < PidOperator::tap_capacity; ++k) tap[k] = static_cast<Real>(design.taps[k]);
   for (std::size_t i = 0; i < PidOperator::capacity; ++i) {
     rate[i] = static_cast<Real>(design.rates[i]);
     weight[i] = static_cast<Real>(design.weights[i]);
@@ -57,7 +62,15 @@ void FractionalPid<Real>::Filter::set(const PidOperator& design) noexcept {
 }
 
 template <typename Real>
-Real FractionalPid<Real>::Filter::operator()(Real x) const noexcept {
+Real FractionalPid<Real>::Filter::through_taps(Real input) const noexcept {
+  static_assert(PidOperator::tap_capacity <= std::tuple_size_v<decltype(past)>);
+  if (tap_count == 0) return input;
+  return detail::tapped(
+      tap.data(), tap_count, [this](std::size_t k) { return ago(k); }, input);
+}
+
+template <typename Real>
+Real FractionalPid<Real>::Filter::output_for(Real x) const noexcept {
   if (size == 0) return direct * x;
   const Real sum = output == SectionOutput::state
                        ? detail::state_sum(weight.data(), state.data(), size)
@@ -66,12 +79,16 @@ Real FractionalPid<Real>::Filter::operator()(Real x) const noexcept {
 }
 
 template <typename Real>
-void FractionalPid<Real>::Filter::advance(Real x) noexcept {
+void FractionalPid<Real>::Filter::advance(Real input, Real x) noexcept {
+  newest = (newest + past.size() - 1) % past.size();
+  past[newest] = input;
   if (size != 0) detail::advance_states<Real>({rate.data(), weight.data(), state.data(), lost.data(), size}, x);
 }
 
 template <typename Real>
-void FractionalPid<Real>::Filter::rest_at(Real x) noexcept {
+void FractionalPid<Real>::Filter::rest_at(Real input) noexcept {
+  past.fill(input);
+  const Real x = through_taps(input);
   for (std::size_t i = 0; i < size; ++i) {
     state[i] = x / rate[i];
     lost[i] = 0;
@@ -79,10 +96,17 @@ void FractionalPid<Real>::Filter::rest_at(Real x) noexcept {
 }
 
 // A state times its rate is the input seen through a low-pass filter, a smooth function of the logarithm of the corner
-// frequency: the new filter's are read off between the old one's.  Faster corners see the input x itself; slower ones
+// frequency: the new filter's are read off between the old one's.  Faster corners see the input itself; slower ones
 // what the slowest saw.
 template <typename Real>
-void FractionalPid<Real>::Filter::inherit(const Filter& old, Real x, Real factor, Real time_ratio) noexcept {
+void FractionalPid<Real>::Filter::inherit(const Filter& old, Real input, Real factor, Real time_ratio) noexcept {
+  newest = 0;
+  past.fill(input);
+  // Samples of another sample time are not those between which the new one's lie.
+  if (time_ratio == 1) {
+    for (std::size_t k = 0; k < past.size(); ++k) past[k] = old.ago(k) * factor;
+  }
+  const Real x = through_taps(input);
   std::size_t k = 0;
   for (std::size_t i = 0; i < size; ++i) {
     lost[i] = 0;
@@ -136,9 +160,11 @@ typename FractionalPid<Real>::Parts FractionalPid<Real>::parts(const Inputs& in)
   const Real difference = in.derivative - lag_;
   p.lagged = lag_ + c_.lag_share * difference;
   p.derivative_input = c_.differentiates ? difference * c_.inverse_lag_time : p.lagged;
-  p.derivative = c_.kd * derivative_(p.derivative_input);
+  p.derivative_tapped = derivative_.through_taps(p.derivative_input);
+  p.derivative = c_.kd * derivative_.output_for(p.derivative_tapped);
   p.integral_input = c_.ki * in.error;
-  p.integral_filtered = integral_(p.integral_input);
+  p.integral_tapped = integral_.through_taps(p.integral_input);
+  p.integral_filtered = integral_.output_for(p.integral_tapped);
   p.integral = integrator_ + c_.half_time * p.integral_filtered;
   p.sum = p.proportional + p.integral + p.derivative;
   return p;
@@ -178,6 +204,7 @@ Real FractionalPid<Real>::advance(const Inputs& in) noexcept {
     }
     const Real change = integral_.high_gain * correction;
     p.integral_input += correction;
+    p.integral_tapped += c_.integral_tap * correction;
     p.integral_filtered += change;
     p.integral += c_.half_time * change;
     p.sum += c_.half_time * change;
@@ -188,8 +215,8 @@ Real FractionalPid<Real>::advance(const Inputs& in) noexcept {
   proportional_ = p.proportional;
   integral_part_ = p.integral;
   derivative_part_ = p.derivative;
-  integral_.advance(p.integral_input);
-  derivative_.advance(p.derivative_input);
+  integral_.advance(p.integral_input, p.integral_tapped);
+  derivative_.advance(p.derivative_input, p.derivative_tapped);
   lag_ = std::abs(p.lagged) > detail::negligible_state<Real> ? p.lagged : 0;
   const Real increment = c_.sample_time * p.integral_filtered + integrator_lost_;
   const Real sum = integrator_ + increment;

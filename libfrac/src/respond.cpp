@@ -30,11 +30,8 @@ std::size_t integrators(const FractionalTransferFunction& model) {
 }
 
 struct Design {
-  std::size_t integrators;
-  std::size_t channels;
-  double direct;     // G at infinity
+  double direct;     // from the input straight to the output, where that is read as the input jumps
   std::size_t dead;  // whole samples of dead time
-  double theta;      // instant within the interval that the output is read at, in (0, 1]
   FilterBank bank;
 };
 
@@ -55,7 +52,7 @@ Design design(const FractionalTransferFunction& model, double sample_time, doubl
   }
   const std::size_t m = integrators(model);
   if (m > 8) throw std::invalid_argument("respond: " + std::to_string(m) + " integrators; allowed is up to 8");
-  const double direct =
+  const double at_infinity =
       high_order == 0 ? model.numerator().front().coefficient / model.denominator().front().coefficient : 0;
   const double samples_late = model.delay() / sample_time;
   if (!(samples_late <= 1e9)) {
@@ -76,12 +73,13 @@ Design design(const FractionalTransferFunction& model, double sample_time, doubl
   const detail::LaplaceImage step(detail::scaled(model.numerator(), 1, static_cast<double>(m)),
                                   detail::scaled(model.denominator(), 1, 1));
   if (!step.poles().complete) throw std::domain_error("respond: the poles of the model could not be counted");
-  const std::size_t channels = m + (hold == Hold::first_order ? 2 : 1);
+  const bool is_straight = hold == Hold::first_order;
+  const std::size_t channels = m + (is_straight ? 2 : 1);
   const double read = theta * sample_time;
-  const detail::ExponentialSum sum = detail::exponential_sum(step, read, horizon * sample_time, tolerance, m, channels);
+  detail::ExponentialSum sum = detail::exponential_sum(step, read, horizon * sample_time, tolerance, m, channels);
 
   // The output at the reading instant to (t/T)^i/i! from rest.
-  std::vector<double> now(channels, 0.0);
+  std::vector<double> now(m + 2, 0.0);
   for (std::size_t i = 0; i < channels; ++i) {
     double factor = 1;  // T^-i t^(i-j)/(i-j)!, from j = i down
     for (std::size_t k = 0; k < i; ++k) factor /= sample_time;
@@ -100,114 +98,38 @@ Design design(const FractionalTransferFunction& model, double sample_time, doubl
       now[i] += factor * (term.weight * response).real();
     }
   }
-  return {m, channels, direct, static_cast<std::size_t>(whole), theta, FilterBank(sum.terms, sample_time, theta, now)};
+  // The bank counts integrals in units of the sample time.
+  const double unit = std::pow(sample_time, static_cast<double>(m));
+  for (detail::Exponential& term : sum.terms) term.weight *= unit;
+  for (double& each : now) each *= unit;
+  const double direct = theta == 1 ? at_infinity : 0;
+  if (!is_straight) now[m + 1] = direct;
+  return {direct, static_cast<std::size_t>(whole),
+          FilterBank({std::move(sum.terms), sample_time, theta, m, is_straight, now})};
 }
 
 }  // namespace
 
 struct ResponseFilter::Filter {
-  Filter(const FractionalTransferFunction& model, double sample_time, double tolerance, Hold hold_, double horizon)
-      : hold(hold_),
-        now(design(model, sample_time, tolerance, hold_, horizon)),
-        gamma(FilterBank::together * now.channels * FilterBank::block, 0) {
-    scale = std::pow(sample_time, static_cast<double>(now.integrators));
-    waiting.reserve(now.dead);
-  }
-
-  // The integrals of the input and the input itself over the interval between `latest` and `next`.
-  void fill(double next, double* column, std::size_t stride) const {
-    for (std::size_t i = 0; i < now.integrators; ++i) column[i * stride] = integral[i];
-    column[now.integrators * stride] = latest * scale;
-    if (hold == Hold::first_order) column[(now.integrators + 1) * stride] = (next - latest) * scale;
-  }
-
-  void advance(double next, const double* column, std::size_t stride) {
-    for (std::size_t q = 0; q < now.integrators; ++q) {
-      double increment = lost[q];
-      double factorial = 1;
-      for (std::size_t i = q + 1; i < now.channels; ++i) {
-        increment += column[i * stride] / factorial;
-        factorial *= static_cast<double>(i - q + 1);
-      }
-      // What the sum cannot hold is added next time.
-      const double sum = integral[q] + increment;
-      lost[q] = increment - (sum - integral[q]);
-      integral[q] = sum;
-    }
-    latest = next;
-  }
-
-  // Straight from the input when the output is read where the input jumps.
-  [[nodiscard]] double jump(double next) const {
-    return now.theta == 1 && hold == Hold::zero_order ? now.direct * (next - latest) : 0;
-  }
+  explicit Filter(Design design) : now(std::move(design)) { waiting.reserve(now.dead); }
 
   double take(double sample) noexcept {
-    if (!started) {
-      started = true;
-      latest = sample;
-      return now.theta == 1 ? now.direct * sample : 0;
-    }
-    fill(sample, gamma.data(), 1);
-    const double y = now.bank.step({gamma.data(), now.channels}) + jump(sample);
-    advance(sample, gamma.data(), 1);
-    return y;
-  }
-
-  // What the bank takes of one block, and from `latest` on the next; jumps, where there are any, go to the output.
-  void fill_block(const double* next, double* to, double* jumps) {
-    constexpr std::size_t block = FilterBank::block;
-    if (jumps != nullptr) {
-      jumps[0] = now.direct * (next[0] - latest);
-      for (std::size_t i = 1; i < block; ++i) jumps[i] = now.direct * (next[i] - next[i - 1]);
-    }
-    if (now.integrators > 0) {
-      for (std::size_t i = 0; i < block; ++i) {
-        fill(next[i], to + i, block);
-        advance(next[i], to + i, block);
-      }
-      return;
-    }
-    to[0] = latest;
-    std::copy(next, next + block - 1, to + 1);
-    latest = next[block - 1];
-    if (hold == Hold::first_order) {
-      for (std::size_t i = 0; i < block; ++i) to[block + i] = next[i] - to[i];
-    }
+    if (started) return now.bank.step(sample);
+    started = true;
+    now.bank.start(sample);
+    return now.direct * sample;
   }
 
   void take(std::span<const double> samples, double* output) {
-    constexpr std::size_t block = FilterBank::block;
-    constexpr std::size_t together = FilterBank::together;
-    const bool has_jumps = now.theta == 1 && hold == Hold::zero_order && now.direct != 0;
-    double jumps[together * block];
     std::size_t k = 0;
     if (!started && !samples.empty()) output[k++] = take(samples[0]);
-    while (k + block <= samples.size()) {
-      const std::size_t blocks = k + together * block <= samples.size() ? together : 1;
-      for (std::size_t b = 0; b < blocks; ++b) {
-        fill_block(&samples[k + b * block], &gamma[b * now.channels * block], has_jumps ? jumps + b * block : nullptr);
-      }
-      if (blocks == together) {
-        now.bank.run_blocks(gamma.data(), output + k);
-      } else {
-        now.bank.run_block(gamma.data(), output + k);
-      }
-      if (has_jumps) {
-        for (std::size_t i = 0; i < blocks * block; ++i) output[k + i] += jumps[i];
-      }
-      k += blocks * block;
-    }
+    const std::size_t blocks = (samples.size() - k) / FilterBank::block;
+    now.bank.run(samples.data() + k, blocks, output + k);
+    k += blocks * FilterBank::block;
     for (; k < samples.size(); ++k) output[k] = take(samples[k]);
   }
 
-  Hold hold;
   Design now;
-  std::vector<double> gamma;
-  double scale = 1;
-  double integral[8] = {};  // of the input: the (m - i)-fold one times T^i
-  double lost[8] = {};      // of them, to rounding
-  double latest = 0;
   bool started = false;
   std::vector<double> waiting;  // samples within the dead time, a ring once full
   std::size_t oldest = 0;
@@ -215,7 +137,7 @@ struct ResponseFilter::Filter {
 
 ResponseFilter::ResponseFilter(const FractionalTransferFunction& model, double sample_time, double tolerance, Hold hold,
                                double horizon)
-    : filter_(std::make_unique<Filter>(model, sample_time, tolerance, hold, horizon)) {}
+    : filter_(std::make_unique<Filter>(design(model, sample_time, tolerance, hold, horizon))) {}
 ResponseFilter::~ResponseFilter() = default;
 ResponseFilter::ResponseFilter(const ResponseFilter& other) : filter_(std::make_unique<Filter>(*other.filter_)) {
   filter_->waiting.reserve(filter_->now.dead);
@@ -265,16 +187,13 @@ void ResponseFilter::operator()(std::span<const double> samples, std::span<doubl
 
 void ResponseFilter::reset() noexcept {
   filter_->now.bank.reset();
-  std::fill(std::begin(filter_->integral), std::end(filter_->integral), 0);
-  std::fill(std::begin(filter_->lost), std::end(filter_->lost), 0);
   filter_->started = false;
-  filter_->latest = 0;
   filter_->waiting.clear();
   filter_->oldest = 0;
 }
 
 std::size_t ResponseFilter::states() const noexcept {
-  return filter_->now.bank.states() + filter_->now.integrators;
+  return filter_->now.bank.states();
 }
 
 std::vector<double> respond(const FractionalTransferFunction& model, std::span<const double> samples,

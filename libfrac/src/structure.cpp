@@ -79,7 +79,7 @@ void Structure::evaluate(std::span<const double> parameters, std::span<const dou
                          std::span<std::complex<double>> gradient) const {
   check_length(parameters.size(), names_.size(), "parameter values");
   validate(realisation);
-  for (const double each : omega) detail::check_omega(realisation, each, "Structure");
+  detail::check_omega(realisation, omega, "Structure");
   if (!std::holds_alternative<ExactRealisation>(realisation) && !program_->unrealisable_power().empty()) {
     throw std::invalid_argument("Structure: the power " + program_->unrealisable_power() + " in \"" + formula_ +
                                 "\" is not one of s, so " + to_string(realisation) +

@@ -350,6 +350,26 @@ TEST(SteadyState, UncertaintyOfOrbitsThatSeldomStickHoldsWhatRoundingMakesOfThem
   EXPECT_GT(largest, 1e-13);  // far above the rounding of one period
 }
 
+// Where the sticks are so far apart that a last digit of gamma makes another orbit, the half width of 95 % is that of
+// the difference of two such means; one in twenty may be further apart, one in ten of 200 has a chance below 0.1 %.
+TEST(SteadyState, UncertaintyOfOrbitsLostToRoundingHoldsTheirScatter) {
+  support::Random random(5);
+  constexpr int enough = 200;
+  int means = 0, apart = 0;
+  while (means < enough) {
+    const double restitution = random.uniform(0, 0.7);
+    const double gamma = random.log_uniform(0.05, 0.2);
+    const GapState start = state_at_peak(random.unit(), random.uniform(-1, 1));
+    const SteadyState one = find_steady_state(GapMotion(gamma, restitution), start, 1e-10);
+    const SteadyState two = find_steady_state(GapMotion(std::nextafter(gamma, 1.0), restitution), start, 1e-10);
+    if (one.regime != Regime::averaged || two.regime != Regime::averaged) continue;
+    ++means;
+    EXPECT_LE(one.uncertainty, 4 / pi) << "gamma " << gamma << ", restitution " << restitution;
+    apart += std::abs(one.harmonics.u[0] - two.harmonics.u[0]) > std::hypot(one.uncertainty, two.uncertainty);
+  }
+  EXPECT_LT(apart, enough / 10);
+}
+
 TEST(SteadyState, LongTimeMeanAgreesWithAnotherStartWithinItsUncertainty) {
   // A chaotic response: two starts give two independent means.  Each half width holds 95 % of the time, so five times
   // their sum is never left by normally distributed means (10 standard deviations of a difference).

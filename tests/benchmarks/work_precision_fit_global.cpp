@@ -32,6 +32,7 @@ const std::vector<Problem>& problems() {
       {"lag-delay", "K exp(-L s)/(T s^a + 1)", {2, 0.5, 3, 0.8}, 1e-2, 1e1},
       {"oscillator-delay", "K exp(-L s)/(b2 s^a2 + b1 s^a1 + 1)", {1, 0.3, 0.8, 2.2, 0.5, 0.9}, 1e-2, 1e1},
       {"two-zarc", "R0 + R1/(1 + R1 Q1 s^n1) + R2/(1 + R2 Q2 s^n2)", {0.01, 0.02, 3, 0.8, 0.03, 900, 0.9}, 1e-3, 1e5},
+      {"resonance", "K/(s^a2 + b1 s^a1 + 1)", {1, 2, 0.1, 1}, 1e-2, 1e2},
   };
   return all;
 }

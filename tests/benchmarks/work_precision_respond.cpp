@@ -1,12 +1,12 @@
 // Time responses: error against seconds for every method, with the reference itself as judge.  Prints
 // case,method,setting,error,seconds; error is the largest over the largest value, at 300 samples spread in logarithm,
-// seconds are for the whole response (set-up apart), the median of 7 repeats.  The case "fft" is the unit F(2^20): one
+// seconds are of processor time, for the whole response (set-up apart), the median of 7 repeats.  The case "fft" is the unit F(2^20): one
 // real FFT of that length, by FFTW where the machine has it, else by Eigen's kissfft divided by 4, about what FFTW
 // takes.
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <limits>
 #include <string>
 #include <unsupported/Eigen/FFT>
@@ -31,10 +31,9 @@ template <typename Work>
 double median_seconds(int repeats, const Work& work) {
   std::vector<double> seconds;
   for (int repeat = 0; repeat < repeats; ++repeat) {
-    const auto start = std::chrono::steady_clock::now();
+    const std::clock_t start = std::clock();
     work();
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-    seconds.push_back(elapsed.count());
+    seconds.push_back(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
   }
   std::nth_element(seconds.begin(), seconds.begin() + repeats / 2, seconds.end());
   return seconds[static_cast<std::size_t>(repeats / 2)];

@@ -37,6 +37,9 @@ Complex of_parallel(const DigitalPower& power, double omega) {
     value += static_cast<long double>(power.parallel.weights[i]) *
              (power.parallel.output == frac::SectionOutput::state ? section : (z - 1.0L) * section);
   }
+  C taps = 0;
+  for (std::size_t k = power.taps.size(); k-- > 0;) taps = taps / z + static_cast<long double>(power.taps[k]);
+  value *= taps;
   const auto T = static_cast<long double>(power.sample_time);
   for (int i = 0; i < power.differences; ++i) value *= (1.0L - 1.0L / z) / T;
   for (int i = 0; i < power.integrators; ++i) value *= T / 2 * (z + 1.0L) / (z - 1.0L);
@@ -93,15 +96,34 @@ TEST(Discretise, PrewarpedIsExactAtTheUpperEdge) {
   }
 }
 
+// What the direct design is for: at a quarter of the sampling frequency a tenth of the bilinear rule's error or less,
+// paid with gain beyond that stays within its bound, where the bilinear rule's grows without one.
 TEST(Discretise, DirectDesignRemovesTheGainErrorUpToAQuarterOfTheSamplingFrequency) {
-  for (const double order : {0.1, 0.3, 0.5, 0.7, 0.9, -0.5, -1.5}) {
+  for (const double order : {0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.99, -0.1, -0.3, -0.5, -0.7, -0.9}) {
     const auto to_quarter = digital_power(order, {1, sampling / 4}, Tolerance{1e-3}, time_step);
     const auto tustin = digital_power(order, {1, sampling / 4}, Tolerance{1e-3}, time_step, Discretisation::tustin);
-    EXPECT_LT(to_quarter.error.max_relative, 0.015) << order;
-    EXPECT_LT(to_quarter.error.max_relative, 0.05 * tustin.error.max_relative) << order;
+    EXPECT_LT(to_quarter.error.max_relative, 0.1 * tustin.error.max_relative) << order;
+    EXPECT_LT(to_quarter.most_amplification, 5.25) << order;  // 5 on the points of the design, 5 % more between
     const auto to_tenth = digital_power(order, {1, sampling / 10}, Tolerance{1e-3}, time_step);
     EXPECT_EQ(to_tenth.status, frac::ApproximationStatus::met) << order << " " << to_tenth.message;
   }
+}
+
+TEST(Discretise, AmplificationBoundTradesAccuracyAtTheEdge) {
+  double last = 1;
+  for (const double bound : {1.2, 1.5, 2.0, 4.0}) {
+    const auto power = digital_power(0.7, {1, sampling / 6}, Tolerance{1e-4}, time_step, Discretisation::direct,
+                                     frac::ApproximationMethod::ladder, 1, bound);
+    EXPECT_LT(power.most_amplification, 1.05 * bound);
+    EXPECT_LT(power.error.max_relative, last);
+    last = power.error.max_relative;
+  }
+  support::expect_invalid_argument(
+      [] {
+        (void)digital_power(0.7, {1, 100}, Tolerance{1e-4}, time_step, Discretisation::direct,
+                            frac::ApproximationMethod::ladder, 1, 1.0);
+      },
+      {"most_amplification = 1", "1.1 to 1000"});
 }
 
 TEST(Discretise, StatedErrorHoldsOffTheGridAndFormsAgree) {
@@ -109,12 +131,14 @@ TEST(Discretise, StatedErrorHoldsOffTheGridAndFormsAgree) {
     for (const double order : {0.5, -0.5, 1.3, -1.7}) {
       const auto power = digital_power(order, {1, sampling / 8}, Tolerance{1e-3}, time_step, method);
       double largest = 0;
-      for (int i = 0; i < 3333; ++i) {
-        const double omega = std::pow(sampling / 8, (i + 0.37) / 3333);
+      for (int i = 0; i <= 3333; ++i) {
+        // Off the grid, but for the edge, which is part of the band and where the error is steepest.
+        const double omega = i == 3333 ? sampling / 8 : std::pow(sampling / 8, (i + 0.37) / 3333);
         const Complex value = of_parallel(power, omega);
         largest = std::max(largest, std::abs(value / exact(order, omega) - 1.0));
-        // z - 1 in long double loses 1e-19/1e-3; the corners' terms cancel by a factor of up to some thousand.
-        ASSERT_LT(std::abs(value / power.response(omega) - 1.0), 1e-11);
+        // omega T is rounded to 1e-16 of itself, and z - 1 in long double to 1e-19/1e-3 at the lower end; taps of both
+        // signs sum up to three or four times their result.
+        ASSERT_LT(std::abs(value / power.response(omega) - 1.0), 1e-14);
       }
       EXPECT_NEAR(largest / power.error.max_relative, 1, 0.01) << to_string(method) << " " << order;
     }

@@ -98,39 +98,98 @@ TEST(FractionalPid, DesignFollowsTheExactOperatorsOnTheBand) {
     for (const double mu : {0.1, 0.5, 0.9}) {
       FractionalPidConfig config = usual(lambda, mu);
       config.goal = frac::Tolerance{2e-4};
+      config.derivative_filter_time = 5e-3;
       const FractionalPidDesign design(config);
-      EXPECT_EQ(design.note().find("above the tolerance"), std::string::npos) << design.note();
-      // Said where the derivative gains beyond the band what makes steps ring, read here at half the sampling
-      // frequency.
-      const double amplification = std::abs((design.response(0.999 * pi / config.sample_time) - 2.0) /
-                                            (0.05 * std::pow(pi / config.sample_time, mu)));
-      if (amplification > 2) {
-        EXPECT_NE(design.note().find("rings"), std::string::npos) << lambda << " " << mu << " " << amplification;
-      }
+      EXPECT_EQ(design.note(), "");
       EXPECT_LE(design.integral_error(), 2e-4);
       EXPECT_LE(design.derivative_error(), 2e-4);
-      for (const double omega : {0.1, 1.0, 10.0, 60.0}) {
+      for (const double omega : {0.1, 1.0, 10.0, 60.0, 300.0}) {
         const Complex s(0, omega);
         const Complex integral = 3.0 * std::pow(s, -lambda);
-        const Complex exact = 2.0 + integral + 0.05 * std::pow(s, mu);
-        // Filters within 2e-4; at lambda = 1 there is none, and the trapezoidal rule is x^2/3 off, x = omega T/2.
+        // The lag is by the backward rule, as documented.
+        const Complex lag = 1.0 / (1.0 + 5.0 * (1.0 - std::exp(-s * config.sample_time)));
+        const Complex derivative = 0.05 * std::pow(s, mu) * lag;
+        // Filters within 2e-4; at lambda = 1 there is none, and the trapezoidal rule is x^2/3 off, x = omega T/2, with
+        // 2 x^4/45 to follow.
         const double x = omega * config.sample_time / 2;
-        const double allowed = 2e-4 * (std::abs(exact - 2.0) + 1) + (lambda == 1 ? std::abs(integral) * x * x / 2 : 0);
-        EXPECT_LT(std::abs(design.response(omega) - exact), allowed) << lambda << " " << mu << " " << omega;
+        const double trapezoidal = x * x / 3 + 2 * x * x * x * x / 45;
+        const double allowed = (lambda == 1 ? trapezoidal : 2e-4) * std::abs(integral) + 2e-4 * std::abs(derivative);
+        EXPECT_LT(std::abs(design.response(omega) - (2.0 + integral + derivative)), 1.0001 * allowed + 1e-12)
+            << lambda << " " << mu << " " << omega;
       }
     }
   }
 }
 
+// The answer of the derivative alone to a step of the set-point: how far it rises again after its peak, over the peak.
+double swing_of(const FractionalPidConfig& asked) {
+  FractionalPidConfig config = asked;
+  config.gains.kp = config.gains.ki = 0;
+  FractionalPid<double> pid(config);
+  double sum = 0, peak = 0, least = 0, swing = 0;
+  for (int n = 0; n < 100; ++n) {
+    const double u = pid.step(1, 0);
+    sum += u;
+    const double answer = config.gains.mu < 1 ? u : sum;  // s^mu of a step falls for mu < 1 only
+    if (answer > peak) {
+      peak = least = answer;
+      swing = 0;
+    }
+    least = std::min(least, answer);
+    swing = std::max(swing, answer - least);
+  }
+  return swing / peak;
+}
+
+TEST(FractionalPid, StepOfTheSetPointDoesNotRingUnlessTheNoteSaysSo) {
+  for (const double mu : {0.1, 0.3, 0.5, 0.7, 0.9, 1.2, 1.5, 1.8}) {
+    for (const double upper : {60.0, 300.0, 600.0, 1500.0}) {
+      for (const double filter_time : {0.0, 1e-3, 1e-2}) {
+        FractionalPidConfig config = usual(1, mu);
+        config.band = {0.1, upper};
+        config.derivative_filter_time = filter_time;
+        const FractionalPidDesign design(config);
+        const bool is_said = design.note().find("swings") != std::string::npos;
+        if (!is_said) {
+          EXPECT_LE(swing_of(config), 0.15 + 1e-9) << mu << " " << upper << " " << filter_time;
+        }
+        // A lag of a sample is enough up to a tenth of the sampling frequency, and costs no accuracy at a twentieth.
+        if (filter_time > 0 && upper <= 600) {
+          EXPECT_FALSE(is_said) << design.note();
+        }
+        if (filter_time > 0 && upper <= 300) {
+          EXPECT_EQ(design.note(), "");
+        }
+        // What is asked for and not reached is said.
+        EXPECT_EQ(design.derivative_error() > 1e-3, design.note().find("above the tolerance") != std::string::npos);
+      }
+    }
+  }
+}
+
+TEST(FractionalPid, MoreSwingBuysAccuracyAtTheEdgeOfTheBand) {
+  FractionalPidConfig config = usual(1, 0.9);
+  const FractionalPidDesign calm(config);
+  config.most_swing = 1;
+  const FractionalPidDesign accurate(config);
+  EXPECT_EQ(accurate.note(), "");
+  EXPECT_LE(accurate.derivative_error(), 1e-3);
+  EXPECT_GT(calm.derivative_error(), 1e-3);
+  EXPECT_GT(swing_of(accurate.config()), swing_of(calm.config()));
+}
+
+// (tan x/x)^lambda at x = pi/4 is the bilinear rule's error there; the direct design is to leave a tenth of it.
 TEST(FractionalPid, FractionalIntegralHoldsUpToAQuarterOfTheSamplingFrequency) {
-  FractionalPidConfig config = usual(0.6, 1);
-  config.gains = {.kp = 0, .ki = 1, .kd = 0, .lambda = 0.6, .mu = 1};
-  config.band = {1, pi / (2 * config.sample_time)};
-  const FractionalPidDesign direct(config);
-  EXPECT_LT(direct.error(), 0.01);
-  // The bilinear rule is off by (tan x/x)^-0.6, x = pi/4: 13 %.
-  config.discretisation = Discretisation::tustin;
-  EXPECT_NEAR(FractionalPidDesign(config).error(), 1 - std::pow(4 / pi, -0.6), 0.002);
+  for (const double lambda : {0.2, 0.6, 0.9, 1.3}) {
+    FractionalPidConfig config = usual(lambda, 1);
+    config.gains = {.kp = 0, .ki = 1, .kd = 0, .lambda = lambda, .mu = 1};
+    config.band = {1, pi / (2 * config.sample_time)};
+    const double bilinear = 1 - std::pow(4 / pi, -lambda);
+    EXPECT_LT(FractionalPidDesign(config).error(), 0.1 * bilinear);
+    config.discretisation = Discretisation::tustin;
+    // The sections add their tolerance of 1e-3.
+    EXPECT_NEAR(FractionalPidDesign(config).error(), bilinear, 1e-3);
+  }
 }
 
 TEST(FractionalPid, ErrorVanishesAtRestExactly) {
@@ -477,6 +536,7 @@ TEST(FractionalPid, SaysWhatIsWrongWithAConfiguration) {
   expect_refusal([](auto& c) { c.maximum = nan; }, "limits");
   expect_refusal([](auto& c) { c.tracking_time = -1; }, "tracking_time = -1 s");
   expect_refusal([](auto& c) { c.derivative_filter_time = nan; }, "derivative_filter_time = nan s");
+  expect_refusal([](auto& c) { c.most_swing = -1; }, "most_swing = -1; allowed is 0 to 10");
   expect_refusal([](auto& c) { c.setpoint_weight = infinity; }, "setpoint_weight = inf");
   expect_refusal([](auto& c) { c.goal = frac::Tolerance{2}; }, "tolerance");
   expect_refusal([](auto& c) { c.goal = frac::PoleCount{0}; }, "poles = 0");

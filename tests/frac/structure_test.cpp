@@ -212,7 +212,7 @@ TEST(Structure, GridGivesTheSameAsSingleFrequencies) {
     EXPECT_EQ(structure.response_and_gradient(parameters, omega[i], frac::ExactRealisation{}, row), value[i]);
     EXPECT_EQ(structure.response(parameters, omega[i]), value[i]);
     EXPECT_EQ(plain_value[i], value[i]);
-    for (std::size_t p = 0; p < 6; ++p) EXPECT_EQ(row[p], gradient[i * 6 + p]);
+    for (std::size_t p = 0; p < 6; ++p) EXPECT_EQ(row[p], gradient[p * omega.size() + i]);
   }
 }
 

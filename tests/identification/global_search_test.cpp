@@ -90,7 +90,9 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"K/(1 + (T s)^a)^b", {3, 0.5, 0.8, 0.45}, 1e-2, 1e2},
         Case{"K exp(-L s)/(T s^a + 1)", {2, 0.5, 3, 0.8}, 1e-2, 1e1},
         Case{"K exp(-L s)/(b2 s^a2 + b1 s^a1 + 1)", {1, 0.3, 0.8, 2.2, 0.5, 0.9}, 1e-2, 1e1},
-        Case{"R0 + R1/(1 + R1 Q1 s^n1) + R2/(1 + R2 Q2 s^n2)", {0.01, 0.02, 3, 0.8, 0.03, 900, 0.9}, 1e-3, 1e5}));
+        Case{"R0 + R1/(1 + R1 Q1 s^n1) + R2/(1 + R2 Q2 s^n2)", {0.01, 0.02, 3, 0.8, 0.03, 900, 0.9}, 1e-3, 1e5},
+        // A peak of three or four of the hundred points: what a search among some of the points must not lose.
+        Case{"K/(s^a2 + b1 s^a1 + 1)", {1, 2, 0.1, 1}, 1e-2, 1e2}));
 
 // Measured cell, absolute weight: nearly all starts end on a plateau at large tau, 0.7 % or 39 % above the optimum.
 // 1.40313787e-05 is the least cost known for this file and model.

@@ -60,7 +60,7 @@ TEST(Approximate, JsonHoldsTheContractAndTheStatedErrorIsTrue) {
   }
 }
 
-// Response of the parallel sections as the output states them, in z-form.
+// Response of taps and parallel sections as the output states them, in z-form.
 std::complex<double> sampled_response(const Json& json, double omega) {
   const double step = json["sample_time"];
   const std::complex<double> delta = std::polar(1.0, omega * step) - 1.0;
@@ -69,6 +69,12 @@ std::complex<double> sampled_response(const Json& json, double omega) {
   std::complex<double> value = digital["parallel"]["direct"].get<double>();
   for (const Json& section : digital["parallel"]["sections"])
     value += section["weight"].get<double>() * (of_states ? 1.0 : delta) / (delta + section["rate"].get<double>());
+  std::complex<double> taps = 0, past = 1;
+  for (const Json& tap : digital["taps"]) {
+    taps += tap.get<double>() * past;
+    past /= 1.0 + delta;
+  }
+  value *= taps;
   for (int i = 0; i < digital["differences"].get<int>(); ++i) value *= delta / (1.0 + delta) / step;
   for (int i = 0; i < digital["integrators"].get<int>(); ++i) value *= step * (0.5 + 1.0 / delta);
   return value;

@@ -50,16 +50,15 @@ void add_digital(Json& json, const frac::DigitalPower& digital) {
   Json& more = json["digital"];
   more["discretisation"] = frac::to_string(digital.method);
   more["recursion"] =
-      "H = gain * product of sections (y = x + feed v, v += x - rate v) * correction * differences * integrators, or "
-      "parallel in place of gain, sections and correction; there y = direct x + sum weight v (output: state) or direct "
-      "x "
-      "+ sum weight (x - rate v) (output: change)";
+      "H = taps (y_n = sum taps_k x_(n-k)) * gain * product of sections (y = x + feed v, v += x - rate v) * "
+      "differences "
+      "* integrators, or parallel in place of gain and sections; there y = direct x + sum weight v (output: state) or "
+      "direct x + sum weight (x - rate v) (output: change)";
+  more["taps"] = array_of(digital.taps);
   more["gain"] = number(digital.cascade.gain);
-  more["correction"] = parallel_json(digital.correction);
   more["parallel"] = parallel_json(digital.parallel);
   more["differences"] = digital.differences;
   more["integrators"] = digital.integrators;
-  if (!digital.taps.empty()) more["taps"] = array_of(digital.taps);
   more["status"] = frac::to_string(digital.status);
   more["message"] = digital.message;
   more["max_relative_error"] = number(digital.error.max_relative);
@@ -145,14 +144,11 @@ std::string approximation_csv(const frac::Approximation& result, const frac::Dig
       for (const double value : values) joined += (joined.empty() ? "" : " ") + io::format_number(value);
       entry(key, joined);
     };
-    if (digital->taps.empty()) {
-      entry("parallel_output", digital->parallel.output == frac::SectionOutput::state ? "state" : "change");
-      entry("parallel_direct", io::format_number(digital->parallel.direct));
-      list("parallel_rates", digital->parallel.rates);
-      list("parallel_weights", digital->parallel.weights);
-    } else {
-      list("taps", digital->taps);
-    }
+    list("taps", digital->taps);
+    entry("parallel_output", digital->parallel.output == frac::SectionOutput::state ? "state" : "change");
+    entry("parallel_direct", io::format_number(digital->parallel.direct));
+    list("parallel_rates", digital->parallel.rates);
+    list("parallel_weights", digital->parallel.weights);
   }
   text += "root,re_rad_s,im_rad_s,residue_re,residue_im\n";
   const auto root = [&](const char* kind, std::complex<double> place) {
@@ -217,14 +213,24 @@ std::string approximation_table(const frac::Approximation& result, const frac::D
   if (digital == nullptr) return text;
   text +=
       "\nevery " + short_number(digital->sample_time) + " s, " + std::string(frac::to_string(digital->method)) + "\n\n";
-  if (digital->taps.empty()) {
+  const frac::ParallelSections& parallel = digital->parallel;
+  if (!parallel.rates.empty()) {
     AlignedTable sections({"section", "rate", "weight"});
-    for (std::size_t i = 0; i < digital->parallel.rates.size(); ++i) {
-      sections.add({std::to_string(i + 1), short_number(digital->parallel.rates[i]),
-                    short_number(digital->parallel.weights[i])});
+    for (std::size_t i = 0; i < parallel.rates.size(); ++i) {
+      sections.add({std::to_string(i + 1), short_number(parallel.rates[i]), short_number(parallel.weights[i])});
     }
-    text += sections.text();
+    text += sections.text() + "direct " + short_number(parallel.direct) + ", output " +
+            (parallel.output == frac::SectionOutput::state ? "state" : "change") + "\n";
   }
+  constexpr std::size_t most_shown = 20;
+  if (digital->taps.size() > 1 && digital->taps.size() <= most_shown) {
+    text += "taps";
+    for (const double tap : digital->taps) text += " " + short_number(tap);
+    text += "\n";
+  }
+  text += "largest error " + short_number(digital->error.max_relative) + " relative; from the band to half the " +
+          "sampling frequency at most " + short_number(digital->most_amplification) + " times the gain of s^" +
+          short_number(digital->order) + "\n";
   return text + digital->message + "\n";
 }
 

@@ -24,9 +24,9 @@ struct ControllerArguments {
   std::string model;
   std::string kp, ki, kd, lambda = "1", mu = "1";
   std::string sample_time, band, tolerance, poles;
-  std::string discretisation = "direct";
+  std::string discretisation;
   std::string minimum, maximum, anti_windup = "back-calculation", tracking_time;
-  std::string derivative_filter = "0", setpoint_weight = "1", derivative_setpoint_weight = "1";
+  std::string derivative_filter = "0", setpoint_weight = "1", derivative_setpoint_weight = "1", swing = "0.15";
   std::string horizon = "1e9";
   std::string precision = "double", name;
 };
@@ -51,6 +51,10 @@ double number_or(const std::string& name, const std::string& text, double otherw
 frac::FrequencyBand band_option(const std::string& text) {
   const auto [lower, upper] = range_option("--band", text);
   return {number_option("--band", lower), number_option("--band", upper)};
+}
+
+frac::Discretisation discretisation_option(const ControllerArguments& given) {
+  return given.discretisation.empty() ? frac::Discretisation::direct : frac::discretisation(given.discretisation);
 }
 
 std::optional<frac::ApproximationGoal> goal_option(const ControllerArguments& given) {
@@ -94,7 +98,7 @@ int run_pid(const ControllerArguments& given) {
     throw std::invalid_argument("--band is required for orders other than 1: LOW:HIGH in rad/s");
   if (!given.band.empty()) config.band = band_option(given.band);
   if (const auto goal = goal_option(given)) config.goal = *goal;
-  config.discretisation = frac::discretisation(given.discretisation);
+  config.discretisation = discretisation_option(given);
   constexpr double infinity = std::numeric_limits<double>::infinity();
   config.minimum = number_or("--min", given.minimum, -infinity);
   config.maximum = number_or("--max", given.maximum, infinity);
@@ -103,6 +107,7 @@ int run_pid(const ControllerArguments& given) {
   config.derivative_filter_time = number_option("--derivative-filter", given.derivative_filter);
   config.setpoint_weight = number_option("--setpoint-weight", given.setpoint_weight);
   config.derivative_setpoint_weight = number_option("--derivative-setpoint-weight", given.derivative_setpoint_weight);
+  config.most_swing = number_option("--swing", given.swing);
   const frac::FractionalPidDesign design(config);
 
   const std::string format = format_of(given);
@@ -113,13 +118,13 @@ int run_pid(const ControllerArguments& given) {
   command.option("--lambda", given.lambda).option("--mu", given.mu).option("--sample-time", given.sample_time);
   if (!given.band.empty()) command.option("--band", given.band);
   put_goal(command, given, "1e-3");
-  command.option("--discretisation", given.discretisation);
+  command.option("--discretisation", std::string(frac::to_string(config.discretisation)));
   if (!given.minimum.empty()) command.option("--min", given.minimum);
   if (!given.maximum.empty()) command.option("--max", given.maximum);
   command.option("--anti-windup", given.anti_windup);
   if (!given.tracking_time.empty()) command.option("--tracking-time", given.tracking_time);
   command.option("--derivative-filter", given.derivative_filter).option("--setpoint-weight", given.setpoint_weight);
-  command.option("--derivative-setpoint-weight", given.derivative_setpoint_weight);
+  command.option("--derivative-setpoint-weight", given.derivative_setpoint_weight).option("--swing", given.swing);
   put_format(command, format, header);
   header.comment = controller_comment(design, command.text());
 
@@ -130,38 +135,70 @@ int run_pid(const ControllerArguments& given) {
   return usable_result;
 }
 
-void scale(frac::ParallelSections& sections, double factor) {
-  sections.direct *= factor;
-  for (double& weight : sections.weights) weight *= factor;
-}
-
 struct FilterResult {
   frac::DigitalFilterDesign design;
   double error = std::numeric_limits<double>::quiet_NaN();  // largest relative one on the band
   std::string note;
 };
 
-FilterResult filter_for(const frac::FractionalTransferFunction& model, const ControllerArguments& given,
-                        double sample_time) {
-  const bool is_power = model.numerator().size() == 1 && model.denominator().size() == 1 && model.delay() == 0;
-  if (given.band.empty()) {
-    if (!given.poles.empty()) throw std::invalid_argument("--poles belongs to a power of s on a --band");
-    const double order = model.numerator().front().order - model.denominator().front().order;
-    if (is_power && order > 0) throw std::invalid_argument("--band is required for a power of s: LOW:HIGH in rad/s");
-    return {filter_design(model, sample_time, number_or("--tolerance", given.tolerance, 1e-9),
-                          number_option("--horizon", given.horizon)),
-            NAN, ""};
-  }
-  if (!is_power)
-    throw std::invalid_argument("--band belongs to a PID or to a power of s; other models hold at all frequencies");
+FilterResult power_filter(const frac::FractionalTransferFunction& model, const ControllerArguments& given,
+                          double sample_time) {
   const double order = model.numerator()[0].order - model.denominator()[0].order;
   const frac::DigitalPower power =
       digital_power(order, band_option(given.band), goal_option(given).value_or(frac::Tolerance{1e-3}), sample_time,
-                    frac::discretisation(given.discretisation));
+                    discretisation_option(given));
   FilterResult result{filter_design(power), power.error.max_relative, ""};
-  scale(result.design.sections, model.numerator()[0].coefficient / model.denominator()[0].coefficient);
+  const double factor = model.numerator()[0].coefficient / model.denominator()[0].coefficient;
+  for (double& tap : result.design.taps) tap *= factor;
   if (power.status == frac::ApproximationStatus::not_attainable) result.note = power.message;
   return result;
+}
+
+// One set of poles for the band, unless the filter for all frequencies takes no more states or is the only one.
+FilterResult model_filter(const frac::FractionalTransferFunction& model, const ControllerArguments& given,
+                          double sample_time) {
+  const bool has_band = !given.band.empty();
+  const double tolerance = number_or("--tolerance", given.tolerance, has_band ? 1e-3 : 1e-9);
+  const auto for_all = [&] {
+    return FilterResult{filter_design(model, sample_time, tolerance, number_option("--horizon", given.horizon)), NAN,
+                        ""};
+  };
+  // Held between samples, what grows would answer each step by a jump that depends on the band's upper end.
+  const bool grows = model.numerator().front().order > model.denominator().front().order;
+  if (!has_band || grows) return for_all();
+  const frac::RationalModel system = realise(model, band_option(given.band), tolerance);
+  FilterResult on_band;
+  try {
+    on_band = {filter_design(system, sample_time), system.max_relative_error,
+               system.status == frac::RationalModelStatus::met ? "" : system.message};
+  } catch (const std::invalid_argument& failure) {
+    FilterResult all = for_all();
+    all.note =
+        std::string("A filter for all frequencies is written, because one for the band alone is not possible: ") +
+        failure.what() + ".";
+    return all;
+  }
+  FilterResult all = for_all();
+  return all.design.states() <= on_band.design.states() ? all : on_band;
+}
+
+bool is_power(const frac::FractionalTransferFunction& model) {
+  return model.numerator().size() == 1 && model.denominator().size() == 1 && model.delay() == 0;
+}
+
+FilterResult filter_for(const frac::FractionalTransferFunction& model, const ControllerArguments& given,
+                        double sample_time) {
+  if (is_power(model) && !given.band.empty()) return power_filter(model, given, sample_time);
+  if (!given.discretisation.empty()) {
+    throw std::invalid_argument(
+        "--discretisation belongs to a PID or to a power of s on a --band; other models are made for an input that is "
+        "constant between samples");
+  }
+  if (!given.poles.empty()) throw std::invalid_argument("--poles belongs to a power of s on a --band");
+  const double order = model.numerator().front().order - model.denominator().front().order;
+  if (is_power(model) && order > 0)
+    throw std::invalid_argument("--band is required for a power of s: LOW:HIGH in rad/s");
+  return model_filter(model, given, sample_time);
 }
 
 int run_filter(const ControllerArguments& given) {
@@ -175,9 +212,11 @@ int run_filter(const ControllerArguments& given) {
   frac::CHeaderOptions header = header_options(given, "filter");
   CommandLine command("controller");
   command.option("--model", given.model).option("--sample-time", given.sample_time);
-  if (!given.band.empty()) command.option("--band", given.band).option("--discretisation", given.discretisation);
+  if (!given.band.empty()) command.option("--band", given.band);
+  if (!given.band.empty() && is_power(model))
+    command.option("--discretisation", std::string(frac::to_string(discretisation_option(given))));
   put_goal(command, given, given.band.empty() ? "1e-9" : "1e-3");
-  if (given.band.empty()) command.option("--horizon", given.horizon);
+  command.option("--horizon", given.horizon);
   put_format(command, format, header);
   header.comment = "Filter " + model.formula() + ", every " + given.sample_time + " s, written by fracfit " +
                    std::string(io::version()) + ":\n  " + command.text();
@@ -211,17 +250,21 @@ void add_controller(CLI::App& program, Run& run) {
   option("--kd", given->kd, "Gain of the fractional derivative", "K");
   option("--lambda", given->lambda, "Order of integration, above 0 and below 2", "ORDER");
   option("--mu", given->mu, "Order of differentiation, above 0 and below 2", "ORDER");
-  option("--model", given->model, "A filter instead of a PID: a proper model, or a power of s on a --band", "FORMULA");
+  option("--model", given->model,
+         "A filter instead of a PID: a proper model, with fewer states on a --band; or a power of s on a --band",
+         "FORMULA");
   option("--sample-time", given->sample_time, "Time between samples, s", "T")->required();
   option("--band", given->band, "Band on which the orders hold, rad/s; cut at a quarter of the sampling frequency",
          "LOW:HIGH");
-  option("--tolerance", given->tolerance,
-         "Largest relative error of a power on the band; 1e-3 if not given. For a --model without band: of its step "
-         "response, 1e-9 if not given",
-         "T");
+  option(
+      "--tolerance", given->tolerance,
+      "Largest relative error on the band; 1e-3 if not given. For a --model without band: of its step response, 1e-9 "
+      "if not given",
+      "T");
   option("--poles", given->poles, "Number of poles per power, instead of a tolerance", "N");
-  option("--horizon", given->horizon, "Of a --model without band: samples it is good for; fewer states for fewer", "N");
-  option("--discretisation", given->discretisation, "How powers of s become recursions", "METHOD")
+  option("--horizon", given->horizon,
+         "Of a --model for all frequencies: samples it is good for; fewer states for fewer", "N");
+  option("--discretisation", given->discretisation, "Of a PID or power (default direct)", "METHOD")
       ->check(one_of(section_discretisations()));
   option("--min", given->minimum, "Least output; no limit if not given", "U");
   option("--max", given->maximum, "Largest output; no limit if not given", "U");
@@ -232,6 +275,11 @@ void add_controller(CLI::App& program, Run& run) {
   option("--setpoint-weight", given->setpoint_weight, "Share of the set-point in the proportional part", "B");
   option("--derivative-setpoint-weight", given->derivative_setpoint_weight,
          "Share of the set-point in the derivative; 0: derivative on the measurement", "C");
+  option(
+      "--swing", given->swing,
+      "How far the derivative's answer to a set-point step may rise again after its peak, share of the peak: more is "
+      "more accurate at the upper edge of the band",
+      "SHARE");
   option("--precision", given->precision, "Of C code", "REAL")->check(one_of(spellings(frac::precisions())));
   option("--name", given->name, "Of C code: prefix of its functions; controller or filter if not given", "NAME");
   add_common_options(*controller, given->common, {"json", "c", "table"});
@@ -241,7 +289,8 @@ void add_controller(CLI::App& program, Run& run) {
       "  fracfit controller --kp 2 --ki 3 --kd 0.05 --lambda 0.8 --mu 0.6 --sample-time 1e-3 --band 0.1:300\n"
       "  fracfit controller --kp 2 --ki 3 --lambda 0.8 --sample-time 1e-3 --band 0.1:300 --min -5 --max 5 --out pi.h\n"
       "  fracfit controller --model '1/(0.8 s^2.2 + 0.5 s^0.9 + 1)' --sample-time 0.01 --precision float --out "
-      "plant.h");
+      "plant.h\n"
+      "  fracfit controller --model '1/(0.8 s^2.2 + 0.5 s^0.9 + 1)' --sample-time 0.01 --band 0.01:100 --format table");
   controller->callback(
       [given, &run] { run = [given] { return given->model.empty() ? run_pid(*given) : run_filter(*given); }; });
 }

@@ -14,7 +14,8 @@ const char* output_name(frac::SectionOutput output) {
 }
 
 constexpr const char* recursion =
-    "per section v += x - rate v; y = direct x + sum weight v (output: state) or direct x + sum weight (x - rate v) "
+    "x = sum taps_k input_(n-k); per section v += x - rate v; y = direct x + sum weight v (output: state) or direct x "
+    "+ sum weight (x - rate v) "
     "(output: change), v from before the update";
 
 template <typename Rates>
@@ -26,8 +27,17 @@ Json sections_json(const Rates& rates, const Rates& weights, std::size_t count) 
   return sections;
 }
 
+template <typename Taps>
+Json taps_json(const Taps& taps, std::size_t count) {
+  Json list = Json::array();
+  for (std::size_t k = 0; k < count; ++k) list.push_back(number(taps[k]));
+  if (list.empty()) list.push_back(1);
+  return list;
+}
+
 Json operator_json(const frac::PidOperator& design, double order, double error) {
   return {{"filter_order", number(order)},
+          {"taps", taps_json(design.taps, design.tap_count)},
           {"output", output_name(design.output)},
           {"direct", number(design.direct)},
           {"max_relative_error", number(error)}};
@@ -102,6 +112,8 @@ std::string filter_json(const frac::DigitalFilterDesign& design, const std::stri
   json["recursion"] = recursion;
   json["dead_samples"] = design.dead_samples;
   json["differences"] = design.differences;
+  json["states"] = design.states();
+  json["taps"] = taps_json(design.taps, design.taps.size());
   json["output"] = output_name(design.sections.output);
   json["direct"] = number(design.sections.direct);
   json["sections"] = sections_json(design.sections.rates, design.sections.weights, design.sections.rates.size());
@@ -120,12 +132,13 @@ std::string filter_json(const frac::DigitalFilterDesign& design, const std::stri
 std::string controller_table(const frac::FractionalPidDesign& design) {
   const frac::FractionalPidConfig& config = design.config();
   std::string text = formula(config.gains) + ", every " + short_number(config.sample_time) + " s\n\n";
-  AlignedTable table({"", "filter", "sections", "largest error"});
+  AlignedTable table({"", "filter", "sections", "taps", "largest error"});
   const auto filter = [&](double order) { return order == 0 ? std::string("none") : power_of_s(order); };
   table.add({"integral", filter(config.gains.ki == 0 ? 0 : 1 - config.gains.lambda),
-             std::to_string(design.integral().sections), short_number(design.integral_error())});
+             std::to_string(design.integral().sections), std::to_string(design.integral().tap_count),
+             short_number(design.integral_error())});
   table.add({"derivative", filter(derivative_filter_order(config.gains)), std::to_string(design.derivative().sections),
-             short_number(design.derivative_error())});
+             std::to_string(design.derivative().tap_count), short_number(design.derivative_error())});
   text += table.text() + "\n";
   if (has_band(design)) {
     text += "band " + short_number(config.band.lower) + " .. " + short_number(config.band.upper) + " rad/s, " +
@@ -142,8 +155,9 @@ std::string controller_table(const frac::FractionalPidDesign& design) {
 }
 
 std::string filter_table(const frac::DigitalFilterDesign& design, const std::string& model, double error) {
-  std::string text = model + ", every " + short_number(design.sample_time) + " s\n" +
-                     std::to_string(design.sections.rates.size()) + " sections, " +
+  const std::string taps = design.taps.size() > 1 ? std::to_string(design.taps.size()) + " taps, " : "";
+  std::string text = model + ", every " + short_number(design.sample_time) + " s\n" + std::to_string(design.states()) +
+                     " states: " + taps + std::to_string(design.sections.rates.size()) + " sections, " +
                      std::to_string(design.pair_rates.size()) + " complex pairs, " +
                      std::to_string(design.differences) + " differences, " + std::to_string(design.integrators) +
                      " integrators, " + std::to_string(design.dead_samples) + " samples of dead time\n";

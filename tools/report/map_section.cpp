@@ -82,13 +82,12 @@ Section map_section(const Work& work) {
 
   CellMap cells{omega.front(), omega.back(), restitution.front(), restitution.back(), omega.size(), {}, kinds()};
   std::vector<std::size_t> count(kinds().size());
-  double worst_mean = 0;
+  double narrow_means = 0;
   for (const auto& point : map.points) {
     cells.cells.push_back(kind_of(point));
     ++count[cells.cells.back()];
-    if (point.regime == Regime::averaged && std::abs(point.value) > 0) {
-      worst_mean = std::max(worst_mean, point.uncertainty / std::abs(point.value));
-    }
+    narrow_means +=
+        point.regime == Regime::averaged && point.uncertainty <= options.mean_tolerance * std::abs(point.value);
   }
   Panel panel;
   panel.title = "Steady motion, ω rising";
@@ -120,8 +119,9 @@ Section map_section(const Work& work) {
       "<b>Regimes.</b> Of " + std::to_string(map.points.size()) + " points over restitution and frequency " +
       html_number(100 * (1 - static_cast<double>(count[5]) / static_cast<double>(map.points.size())), 3) +
       " % are closed orbits, exact to rounding; the rest are irregular motions given as means with their 95 % "
-      "interval, at most " +
-      html_number(100 * worst_mean, 2) + " % of |N|.");
+      "interval, whose half width is below " +
+      html_number(100 * options.mean_tolerance, 2) + " % of |N| for " +
+      html_number(100 * narrow_means / static_cast<double>(std::max<std::size_t>(count[5], 1)), 2) + " % of them.");
   return section;
 }
 

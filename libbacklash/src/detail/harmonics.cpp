@@ -130,6 +130,14 @@ void FlightSum::add_tail(const GapState& state, const ChatterTail& tail) noexcep
   for (std::size_t i = 0; i < e.size(); ++i) flights_[i] += tail.area * e[i];
 }
 
+FlightSum& FlightSum::operator+=(const FlightSum& other) noexcept {
+  for (std::size_t i = 0; i < flights_.size(); ++i) {
+    flights_[i] += other.flights_[i];
+    crossings_[i] += other.crossings_[i];
+  }
+  return *this;
+}
+
 Harmonics FlightSum::harmonics(double gamma, double half_periods) const {
   Harmonics result;
   for (std::size_t i = 0; i < harmonic_orders.size(); ++i) {

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "detail/closed_orbit.hpp"
+#include "detail/disturbance.hpp"
+#include "detail/sticking_motion.hpp"
 #include "detail/two_impact_orbit.hpp"
 #include "detail/window_mean.hpp"
 
@@ -49,147 +51,11 @@ double distance_between(const GapState& a, const GapState& b) {
   return std::abs(a.s - b.s) + std::abs(a.velocity - b.velocity) / (1 + b.velocity);
 }
 
-// Work of the force on the relative motion over its losses, both over a time of `half_periods` and per unit of reduced
-// mass: the work is pi gamma |Im U_1| per period, the losses (1 - restitution^2) v^2/2 per impact and those of a
-// chatter that is cut off.
-double energy_defect(const GapMotion& motion, const Harmonics& harmonics, double half_periods, double squared_speeds,
-                     double tail_loss = 0) {
-  const double work = -0.5 * pi * half_periods * motion.gamma() * harmonics.u[0].imag();
-  const double kept = motion.restitution() * motion.restitution();
-  const double loss = 0.5 * (1 - kept) * squared_speeds + tail_loss;
-  return squared_speeds > 0 ? std::abs(work - loss) / (0.5 * squared_speeds) : 0;
-}
-
 // |U_1| changes by at most about the change of the state; a state error grows over one period by the rounding of its
 // impacts and accumulates like a geometric series in the spectral radius.
 double orbit_uncertainty(const ClosedOrbit& orbit, double radius) {
   const double per_period = orbit.residual + 8 * rounding * (1 + orbit.start.velocity) * orbit.impacts;
   return 4 * per_period / std::max(1 - radius, rounding);
-}
-
-// Chatter is cut off where what is neglected of the integral of u is below this.  |Im U| is of the order gamma^(-1/3)
-// or 1.
-double tail_limit(const GapMotion& motion, double tolerance) {
-  return 1e-3 * tolerance * std::min(1.0, std::cbrt(1 / motion.gamma()));
-}
-
-// Growth of a small disturbance of a motion, followed from impact to impact.
-class Disturbance {
- public:
-  // Returns the growth over this flight and impact.
-  double advance(const GapMotion& motion, const GapState& from, const Flight& flight, const GapState& to) noexcept {
-    const double before = std::abs(phase_) + std::abs(velocity_);
-    const Jacobian step = chain({}, motion, from, flight, to);
-    const double phase = step.phase_phase * phase_ + step.phase_velocity * velocity_;
-    velocity_ = step.velocity_phase * phase_ + step.velocity_velocity * velocity_;
-    phase_ = phase;
-    const double size = std::abs(phase_) + std::abs(velocity_);
-    if (!(size > 1e-60 && size < 1e60)) renormalise();
-    return size / before;
-  }
-  [[nodiscard]] double log_growth() noexcept {
-    renormalise();
-    return log_growth_;
-  }
-
- private:
-  void renormalise() noexcept {
-    const double size = std::abs(phase_) + std::abs(velocity_);
-    // A disturbance lost at restitution 0, or grown without bound at a touch of speed 0, begins anew.
-    if (!(size > 0) || !std::isfinite(size)) {
-      phase_ = velocity_ = 1;
-      return;
-    }
-    log_growth_ += std::log(size);
-    phase_ /= size;
-    velocity_ /= size;
-  }
-
-  double phase_ = 1;
-  double velocity_ = 1;
-  double log_growth_ = 0;
-};
-
-// What rounding makes of the mean of a course of impacts: each adds to the error of phase and velocity, which grows
-// with the motion like a small disturbance.
-class RoundingGrowth {
- public:
-  void advance(const GapMotion& motion, const GapState& from, const Flight& flight, const GapState& to) noexcept {
-    error_ = error_ * disturbance_.advance(motion, from, flight, to) + 8 * rounding * (1 + to.velocity);
-    sum_ += error_ * (1 + to.velocity + flight.speed);
-  }
-  // Of |U_1| over that many half periods: by its velocity jump times the error of its phase each impact moves the sum.
-  [[nodiscard]] double error_of_mean(double half_periods) const noexcept { return 2 / (pi * half_periods) * sum_; }
-
- private:
-  Disturbance disturbance_;
-  double error_ = 0;
-  double sum_ = 0;
-};
-
-// The orbit of a mass that sticks and is known to do so again after `release`: everything before a release is
-// forgotten, so the motion from one release to the next is the whole orbit, or half of it when the next one is from the
-// opposite wall.
-SteadyState orbit_from_release(const GapMotion& motion, const GapState& release, double tolerance) {
-  const double limit = tail_limit(motion, tolerance);
-  FlightSum flights;
-  GapState state = release;
-  std::int64_t impacts = 0;
-  bool chatters = false;
-  double neglected = 0;
-  double squared_speeds = 0;
-  double tail_loss = 0;
-  RoundingGrowth rounding_growth;
-  for (;;) {
-    if (!motion.rests(state)) {
-      const Flight flight = motion.next_flight(state);
-      const GapState next = motion.after_impact(state, flight);
-      ++impacts;
-      squared_speeds += flight.speed * flight.speed;
-      flights.add_flight(state, flight);
-      if (flight.crosses) flights.add_crossing(next);
-      rounding_growth.advance(motion, state, flight, next);
-      state = next;
-      const ChatterTail tail = motion.chatter_tail(state);
-      if (!tail.negligible(limit)) continue;
-      if (state.velocity > 0) {
-        chatters = true;
-        flights.add_tail(state, tail);
-        neglected = tail.area_error;
-        tail_loss = tail.loss;
-      }
-    }
-    const GapState next_release = motion.release_after(state);
-    const auto half_periods = static_cast<double>(next_release.half_period - release.half_period);
-    SteadyState steady;
-    const bool mirrored = next_release.wall != release.wall;
-    steady.regime = chatters ? Regime::chatter : Regime::periodic;
-    const std::int64_t halves = next_release.half_period - release.half_period;
-    steady.period = static_cast<int>(mirrored ? halves : halves / 2);
-    steady.impacts_per_period =
-        chatters ? std::numeric_limits<double>::infinity() : 2 * static_cast<double>(impacts) / half_periods;
-    steady.harmonics = flights.harmonics(motion.gamma(), half_periods);
-    steady.spectral_radius = 0;
-    steady.energy_defect = energy_defect(motion, steady.harmonics, half_periods, squared_speeds, tail_loss);
-    steady.lyapunov = -std::numeric_limits<double>::infinity();
-    // A few dozen roundings of phases and of integrals over flights, each below 1.
-    steady.uncertainty = 2 / (pi * half_periods) * neglected + 32 * rounding;
-    // Within one period a stick leaves rounding no time to grow.
-    if (steady.period > 1) steady.uncertainty += rounding_growth.error_of_mean(half_periods);
-    steady.end = state_at_next_peak(motion, release, limit);
-    return steady;
-  }
-}
-
-// An orbit that sticks only once in many periods: what lies between amplifies rounding like any chaotic motion, so that
-// neither its period nor its mean are better known than the batches of its course tell.
-SteadyState mean_of_long_orbit(const SteadyState& orbit, const SteadyState& course) {
-  SteadyState steady = course;
-  steady.harmonics = orbit.harmonics;
-  steady.energy_defect = orbit.energy_defect;
-  steady.uncertainty = std::max(orbit.uncertainty, course.uncertainty);
-  steady.end = orbit.end;
-  return steady;
 }
 
 // True where the motion from `state` approaches the orbit, which it may merely pass near.
@@ -333,6 +199,18 @@ class ReturnDetector {
 
 }  // namespace
 
+double tail_limit(const GapMotion& motion, double tolerance) {
+  return 1e-3 * tolerance * std::min(1.0, std::cbrt(1 / motion.gamma()));
+}
+
+double energy_defect(const GapMotion& motion, const Harmonics& harmonics, double half_periods, double squared_speeds,
+                     double tail_loss) {
+  const double work = -0.5 * pi * half_periods * motion.gamma() * harmonics.u[0].imag();
+  const double kept = motion.restitution() * motion.restitution();
+  const double loss = 0.5 * (1 - kept) * squared_speeds + tail_loss;
+  return squared_speeds > 0 ? std::abs(work - loss) / (0.5 * squared_speeds) : 0;
+}
+
 SteadyState two_impact_steady_state(const TwoImpactOrbit& orbit, double restitution) {
   const TwoImpactStability stability = two_impact_stability(orbit, restitution);
   const GapMotion motion(orbit.gamma, restitution);
@@ -399,9 +277,7 @@ SteadyState find_steady_state(const GapMotion& motion, const GapState& start, do
   for (;;) {
     if (motion.rests(state) || motion.chatter_tail(state).negligible(limit)) {
       if (released) {
-        const SteadyState orbit = orbit_from_release(motion, *released, tolerance);
-        if (orbit.period <= longest_period && orbit.uncertainty < captured) return orbit;
-        return mean_of_long_orbit(orbit, averaged(window.records(), motion));
+        return sticking_motion(motion, *released, tolerance, goal, longest_period, averaged(window.records(), motion));
       }
       const GapState release = motion.release_after(state);
       while (release.half_period >= next_peak) {

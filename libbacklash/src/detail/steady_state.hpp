@@ -26,6 +26,16 @@ struct MeanGoal {
   double zero = 0;      // U_1 at which the describing function vanishes
 };
 
+/// Where chatter may be cut off: what is neglected of the integral of the distance.  |Im U| is of the order
+/// gamma^(-1/3) or 1.
+[[nodiscard]] double tail_limit(const GapMotion& motion, double tolerance);
+
+/// Work of the force on the relative motion over its losses, both over a time of `half_periods` and per unit of reduced
+/// mass: the work is pi gamma |Im U_1| per period, the losses (1 - restitution^2) v^2/2 per impact and those of a
+/// chatter that is cut off.
+[[nodiscard]] double energy_defect(const GapMotion& motion, const Harmonics& harmonics, double half_periods,
+                                   double squared_speeds, double tail_loss = 0);
+
 /// Follows the motion from a state at a peak of the force until its long-run behaviour is decided.
 /// @param tolerance  an orbit is closed when its state repeats within it
 [[nodiscard]] SteadyState find_steady_state(const GapMotion& motion, const GapState& start, double tolerance,

@@ -13,8 +13,7 @@ namespace {
 constexpr double pi = std::numbers::pi;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-// A window with fewer impacts than this is lengthened, at most to window_records times longest_stride periods.
-constexpr std::int64_t enough_impacts = 512;
+// A window with few impacts is lengthened to this many times window_records periods at most.
 constexpr std::int64_t longest_stride = 64;
 
 // Batches that the window is divided into, and 95 % quantiles F(1, batches - 1) and F(2, 2 (batches - 1)) of the
@@ -56,6 +55,22 @@ bool Window::add(const WindowRecord& record) {
   records_.resize(window_records / 2 + 1);
   stride_ *= 2;
   return true;
+}
+
+double half_width_of_mean(std::span<const std::complex<double>> deviations) {
+  const BatchSize& size = *std::ranges::find(batch_sizes, static_cast<int>(deviations.size()), &BatchSize::batches);
+  double squares = 0;               // sum of |deviation|^2
+  std::complex<double> pseudo = 0;  // sum of deviation^2, which tells a line from a plane
+  for (const std::complex<double> deviation : deviations) {
+    squares += std::norm(deviation);
+    pseudo += deviation * deviation;
+  }
+  // The variances along the principal axes are (squares +- |pseudo|)/2: degrees of freedom (sum)^2/(sum of squares)
+  // between 1 and 2 (Satterthwaite 1946).
+  const double ratio = squares > 0 ? std::norm(pseudo) / (squares * squares) : 1;
+  const double degrees = 2 / (1 + std::min(1.0, ratio));
+  const double quantile = size.line_quantile + (degrees - 1) * (size.plane_quantile - size.line_quantile);
+  return std::sqrt(quantile * squares / (size.batches - 1.0) / size.batches);
 }
 
 SteadyState averaged(const std::vector<WindowRecord>& window, const GapMotion& motion) {
@@ -106,23 +121,13 @@ SteadyState averaged(const std::vector<WindowRecord>& window, const GapMotion& m
   for (const BatchSize& size : batch_sizes) {
     const std::int64_t length = periods / size.batches;
     if (length == 0) continue;
-    double squares = 0;               // sum of |deviation|^2
-    std::complex<double> pseudo = 0;  // sum of deviation^2, which tells a line from a plane
+    std::vector<std::complex<double>> deviations;
     for (int i = 0; i < size.batches; ++i) {
       const auto from = static_cast<std::size_t>(i * length);
       const auto to = static_cast<std::size_t>((i + 1) * length);
-      const std::complex<double> deviation =
-          mean_harmonics(window[from], window[to], gamma).u[0] - steady.harmonics.u[0];
-      squares += std::norm(deviation);
-      pseudo += deviation * deviation;
+      deviations.push_back(mean_harmonics(window[from], window[to], gamma).u[0] - steady.harmonics.u[0]);
     }
-    // The variances along the principal axes are (squares +- |pseudo|)/2: degrees of freedom (sum)^2/(sum of squares)
-    // between 1 and 2 (Satterthwaite 1946).
-    const double ratio = squares > 0 ? std::norm(pseudo) / (squares * squares) : 1;
-    const double degrees = 2 / (1 + std::min(1.0, ratio));
-    const double quantile = size.line_quantile + (degrees - 1) * (size.plane_quantile - size.line_quantile);
-    const double half_width = std::sqrt(quantile * squares / (size.batches - 1.0) / size.batches);
-    steady.uncertainty = std::max(steady.uncertainty, half_width);
+    steady.uncertainty = std::max(steady.uncertainty, half_width_of_mean(deviations));
   }
   const double impacts = static_cast<double>(last.strobe.impacts - first.strobe.impacts);
   // Many impacts make the ends part of the scatter that the batches show.

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <complex>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "detail/gap_motion.hpp"
@@ -46,6 +48,12 @@ class Window {
   std::vector<WindowRecord> records_;
   std::int64_t stride_ = 1;
 };
+
+/// A window with fewer impacts than this is lengthened.
+inline constexpr std::int64_t enough_impacts = 512;
+
+/// 95 % half width of a mean from the deviations of its 8 or 16 batches.
+[[nodiscard]] double half_width_of_mean(std::span<const std::complex<double>> deviations);
 
 /// Long-time mean with the 95 % half width of batch means; the wider of two batch sizes, since short batches of a
 /// slowly varying motion are correlated and give too narrow a width.  `end` is left at its default.

@@ -7,6 +7,7 @@
 
 #include "frac/discretise.hpp"
 #include "frac/fractional_transfer_function.hpp"
+#include "frac/state_space.hpp"
 
 namespace frac {
 
@@ -17,7 +18,8 @@ enum class IntegratorRule {
 };
 
 /// A recursion in first-order sections side by side:
-///   y_n = z^-dead_samples (integrator)^integrators [ sections + Re sum pair_weight v ] ((1 - 1/z)/T)^differences x_n,
+///   y_n = z^-dead_samples (integrator)^integrators [ sections + Re sum pair_weight v ] (sum taps_k z^-k)
+///         ((1 - 1/z)/T)^differences x_n,
 /// with v += x - rate v for real sections and pairs alike; a pair stands for a pole and its conjugate.
 struct DigitalFilterDesign {
   double sample_time = 1;  // s
@@ -25,15 +27,18 @@ struct DigitalFilterDesign {
   int differences = 0;
   int integrators = 0;
   IntegratorRule rule = IntegratorRule::trapezoidal;
+  std::vector<double> taps = {1};
   ParallelSections sections;
   std::vector<std::complex<double>> pair_rates;
   std::vector<std::complex<double>> pair_weights;
 
   /// H(e^{j omega T}), omega in rad/s, in (0, pi/T).
   [[nodiscard]] std::complex<double> response(double omega) const;
+  /// First-order states, a pair's two counted; samples kept for taps, dead time and differences are not.
+  [[nodiscard]] std::size_t states() const noexcept { return sections.rates.size() + 2 * pair_rates.size(); }
 };
 
-/// s^order as designed. @throws std::invalid_argument  method grunwald_letnikov, which has no sections.
+/// s^order as designed.
 [[nodiscard]] DigitalFilterDesign filter_design(const DigitalPower& power);
 
 /// Any proper model, exactly but for `tolerance` for an input that is constant between samples, by the sum of
@@ -50,12 +55,18 @@ struct DigitalFilterDesign {
 [[nodiscard]] DigitalFilterDesign filter_design(const FractionalTransferFunction& model, double sample_time,
                                                 double tolerance = 1e-9, double horizon = 1e9);
 
+/// A rational stand-in, exactly for an input that is constant between samples: a state per pole, which is a third to a
+/// fifth of the above, for what holds on the stand-in's band only.
+/// @throws std::invalid_argument  sample_time out of range; a pole not left of the imaginary axis, or multiple; a dead
+///                                time that is no whole number of samples.
+[[nodiscard]] DigitalFilterDesign filter_design(const RationalModel& system, double sample_time);
+
 /// The recursion in work, Real float or double, from rest.  Memory is allocated by the constructor only.
 template <typename Real>
 class DigitalFilter {
  public:
   /// @throws std::invalid_argument  differences or integrators not within 0 .. 7, a rate outside (0, 2), lists of
-  ///                                different lengths, or a coefficient not finite.
+  ///                                different lengths, no tap, or a coefficient not finite.
   explicit DigitalFilter(const DigitalFilterDesign& design);
 
   /// Takes x_n, returns y_n.  Constant time.  A sample that is not finite is not checked for and spoils the state.
@@ -64,7 +75,7 @@ class DigitalFilter {
   /// @throws std::invalid_argument  lengths differ.
   void run(std::span<const Real> samples, std::span<Real> output);
   void reset() noexcept;
-  /// First-order states; a pair counts as two.
+  /// First-order states; a pair counts as two.  Samples kept for taps, dead time and differences do not count.
   [[nodiscard]] std::size_t states() const noexcept { return sections_ + 2 * pairs_.size(); }
 
  private:
@@ -75,7 +86,11 @@ class DigitalFilter {
   };
   Real before(Real sample) noexcept;
   Real after(Real sum) noexcept;
+  Real through_taps(Real sample) noexcept;
+  void through_taps(Real* samples, std::size_t count) noexcept;
 
+  std::vector<Real> taps_;  // empty, or an even number of them
+  std::vector<Real> line_;  // as many past samples, the newest last, and room for a block of new ones
   std::size_t sections_ = 0;
   SectionOutput output_ = SectionOutput::state;
   Real direct_ = 0;

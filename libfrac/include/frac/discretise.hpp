@@ -13,7 +13,8 @@ namespace frac {
 /// How a continuous-time operator becomes a recursion in the samples.  tan x/x stands for the stretching of the
 /// frequency axis by the bilinear rule, x = omega T/2.
 enum class Discretisation {
-  direct,            // designed in z: bilinear, then the gain error made up for up to the band's edge; the default
+  direct,            // designed in z: sections by the backward difference, and some taps ahead of them that make up
+                     // for the rule's gain and phase up to the band's edge; the default
   tustin,            // bilinear rule; of s^a the gain is (tan x/x)^a too large, the phase exact
   tustin_prewarped,  // the same times the factor that makes it exact at the upper edge of the band
   al_alaoui,         // s = 8 (z - 1)/(7 T (z + 1/7)), Al-Alaoui (1993); for comparison
@@ -56,6 +57,9 @@ struct ParallelSections {
   [[nodiscard]] std::complex<double> response(std::complex<double> delta) const;
 };
 
+/// sum taps_k z^-k at z = 1 + delta.
+[[nodiscard]] std::complex<double> response_of_taps(std::span<const double> taps, std::complex<double> delta);
+
 /// z - 1 at z = e^{j omega T}, without cancellation at low frequency.
 [[nodiscard]] std::complex<double> delta_at(double omega, double sample_time);
 
@@ -72,9 +76,9 @@ struct DigitalSections {
                                          Discretisation method = Discretisation::tustin);
 
 /// s^order for samples every sample_time seconds,
-///   H(z) = ((1 - 1/z)/T)^differences (T/2 (z + 1)/(z - 1))^integrators F(z),
+///   H(z) = ((1 - 1/z)/T)^differences (T/2 (z + 1)/(z - 1))^integrators (sum taps_k z^-k) F(z),
 /// the whole part trunc(order) as differences (order > 0; the bilinear rule would put poles on z = -1) or trapezoidal
-/// integrators (order < 0), and F in either form: cascade times `correction`, or parallel.  Stable: all rates of F are
+/// integrators (order < 0), and F in first-order sections in either form, cascade or parallel.  Stable: all rates are
 /// in (0, 2).
 struct DigitalPower {
   double order;
@@ -85,11 +89,10 @@ struct DigitalPower {
   int differences = 0;
   int integrators = 0;
   DeltaCascade cascade = {};
-  ParallelSections correction = {.output = SectionOutput::state, .direct = 1, .rates = {}, .weights = {}};
-  ParallelSections parallel = {};
-  std::vector<double> taps = {};  // method grunwald_letnikov only, which has no sections: y_n = sum taps_k x_(n-k)
-  ApproximationError error = {};  // of H(e^{j omega T})/(j omega)^order on the band
-  double most_amplification = 1;  // largest |H/(j omega)^order| between the upper edge of the band and pi/T
+  ParallelSections parallel = {.output = SectionOutput::state, .direct = 1, .rates = {}, .weights = {}};
+  std::vector<double> taps = {1};  // of direct, and of grunwald_letnikov, which has no sections
+  ApproximationError error = {};   // of H(e^{j omega T})/(j omega)^order on the band
+  double most_amplification = 1;   // largest |H/(j omega)^order| between the upper edge of the band and pi/T
   ApproximationStatus status = ApproximationStatus::as_asked;
   std::string message = {};  // one sentence
 
@@ -97,15 +100,17 @@ struct DigitalPower {
   [[nodiscard]] std::complex<double> response(double omega) const;
 };
 
-/// @param band           upper edge below pi/T; for `direct` at most pi/(2 T), a quarter of the sampling frequency.
-/// @param memory_length  of grunwald_letnikov, 1 to 10^7 samples.
-/// @param most_gain      bound of the correction's own gain, >= 1: what `direct` may amplify beyond the band to be
-///                       accurate up to its edge.
-/// @throws std::invalid_argument  as approximate(); order not within (-8, 8); band or sample time out of range, or too
-/// close to each other: the text gives them and what is allowed.
+/// @param band                upper edge below pi/T; for `direct` at most pi/(2 T), a quarter of the sampling
+/// frequency.
+/// @param memory_length       of grunwald_letnikov, 1 to 10^7 samples.
+/// @param most_amplification  of `direct`, 1.1 to 1000: bound of |H/(j omega)^order| beyond the band, which accuracy up
+///                            to its edge is paid with.  The least that the tolerance takes is used.  Up to about 1.5
+///                            the answer to a step hardly rings from sample to sample.
+/// @throws std::invalid_argument  as approximate(); order not within (-8, 8); an argument out of range; band and sample
+/// time too close to each other: the text gives them and what is allowed.
 [[nodiscard]] DigitalPower digital_power(double order, FrequencyBand band, ApproximationGoal goal, double sample_time,
                                          Discretisation method = Discretisation::direct,
                                          ApproximationMethod approximation = ApproximationMethod::ladder,
-                                         std::size_t memory_length = 1000, double most_gain = 20);
+                                         std::size_t memory_length = 1000, double most_amplification = 5);
 
 }  // namespace frac

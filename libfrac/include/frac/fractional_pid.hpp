@@ -44,17 +44,25 @@ struct FractionalPidConfig {
   double setpoint_weight = 1;                              // b
   double derivative_setpoint_weight = 1;                   // c; 0: derivative on the measurement
   Discretisation discretisation = Discretisation::direct;  // or tustin, tustin_prewarped, al_alaoui
+  /// Of `direct`: how far the derivative's answer to a step of the set-point may rise again after its peak, over the
+  /// peak, lag included (mu > 1: of the answer's running sum).  0 to 10; more is more accurate at the upper edge of the
+  /// band, and rings from sample to sample.  (The rule of Al-Alaoui swings by 1/7 at mu = 1.)
+  double most_swing = 0.15;
 };
 
 /// "" if the configuration can be built, else one sentence that says why not.  Throws nothing.
 [[nodiscard]] std::string validate(const FractionalPidConfig& config);
 
-/// One operator of a controller: y = direct x + sum weight (v or x - rate v), v += x - rate v.
+/// One operator of a controller: of x = sum taps_k input_(n-k), y = direct x + sum weight (v or x - rate v),
+/// v += x - rate v.
 struct PidOperator {
   static constexpr std::size_t capacity = 64;
+  static constexpr std::size_t tap_capacity = 14;
+  std::size_t tap_count = 0;  // even, filled up with a 0; 0: x is the input itself
+  std::array<double, tap_capacity> taps{};
   SectionOutput output = SectionOutput::state;
   double direct = 1;
-  double high_gain = 1;  // dy/dx within one sample
+  double high_gain = 1;  // dy/d(input) within one sample
   std::size_t sections = 0;
   std::size_t size = 0;                  // sections filled up to whole groups of 8 with rate 1 and weight 0
   std::array<double, capacity> rates{};  // rising up to `sections`
@@ -123,6 +131,7 @@ struct PidCoefficients {
   AntiWindup anti_windup = AntiWindup::none;
   Real inverse_tracking = 0;       // tracking_time^-lambda
   Real tracking_share = 1;         // 1/(1 + g tracking_time^-lambda), g = d(integral part)/d(its input) in one sample
+  Real integral_tap = 1;           // d(what the integral's sections take in)/d(its input) in one sample
   Real integral_gain = 0;          // g
   Real inverse_integral_gain = 0;  // 1/g
 };
@@ -183,18 +192,25 @@ class FractionalPid {
     SectionOutput output = SectionOutput::state;
     Real direct = 1;
     Real high_gain = 1;
+    std::size_t tap_count = 0;
     std::size_t sections = 0;
     std::size_t size = 0;
+    std::array<Real, PidOperator::tap_capacity> tap{};
+    std::size_t newest = 0;
+    std::array<Real, 16> past{};  // inputs, a ring; newer ones at lower places
+
+    [[nodiscard]] Real ago(std::size_t k) const noexcept { return past[(newest + k) % past.size()]; }
     alignas(64) std::array<Real, PidOperator::capacity> rate{};
     alignas(64) std::array<Real, PidOperator::capacity> weight{};
     alignas(64) std::array<Real, PidOperator::capacity> state{};
     alignas(64) std::array<Real, PidOperator::capacity> lost{};
 
     void set(const PidOperator& design) noexcept;
-    [[nodiscard]] Real operator()(Real x) const noexcept;
-    void advance(Real x) noexcept;
-    void rest_at(Real x) noexcept;
-    void inherit(const Filter& old, Real x, Real factor, Real time_ratio) noexcept;
+    [[nodiscard]] Real through_taps(Real input) const noexcept;
+    [[nodiscard]] Real output_for(Real x) const noexcept;  // x = through_taps(input)
+    void advance(Real input, Real x) noexcept;
+    void rest_at(Real input) noexcept;
+    void inherit(const Filter& old, Real input, Real factor, Real time_ratio) noexcept;
   };
   struct Inputs {
     Real proportional = 0;
@@ -203,7 +219,8 @@ class FractionalPid {
     Real setpoint = 0;
   };
   struct Parts {
-    Real proportional, derivative, derivative_input, lagged, integral_input, integral_filtered, integral, sum;
+    Real proportional, derivative, derivative_input, derivative_tapped, lagged;
+    Real integral_input, integral_tapped, integral_filtered, integral, sum;
   };
 
   void set(const FractionalPidDesign& design) noexcept;

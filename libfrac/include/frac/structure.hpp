@@ -81,7 +81,7 @@ class Structure {
   std::complex<double> response_and_gradient(std::span<const double> parameters, double omega,
                                              const Realisation& realisation,
                                              std::span<std::complex<double>> gradient) const;
-  /// On a grid: value has one entry per omega, gradient one row per omega of one entry per parameter.
+  /// On a grid: value has one entry per omega, gradient one column per parameter of one entry per omega.
   void response_and_gradient(std::span<const double> parameters, std::span<const double> omega,
                              const Realisation& realisation, std::span<std::complex<double>> value,
                              std::span<std::complex<double>> gradient) const;

@@ -151,49 +151,74 @@ std::string CText::closed(std::string text) const {
 }
 
 std::string CText::section_members(const CSections& sections) const {
-  if (sections.rates.empty()) return "";
-  const std::string size = std::to_string(sections.rates.size());
-  return filled(
-      "  REAL @prefix@_v[@size@];    /* states */\n  REAL @prefix@_lost[@size@]; /* of them, to rounding */\n",
-      {{"prefix", sections.prefix}, {"size", size}});
+  std::string text;
+  if (!sections.taps.empty()) text += "  REAL @prefix@_past[@taps@]; /* inputs, the newest first */\n";
+  if (!sections.rates.empty()) {
+    text += "  REAL @prefix@_v[@size@];    /* states */\n  REAL @prefix@_lost[@size@]; /* of them, to rounding */\n";
+  }
+  return filled(text, {{"prefix", sections.prefix},
+                       {"taps", std::to_string(sections.taps.size())},
+                       {"size", std::to_string(sections.rates.size())}});
+}
+
+std::string CText::section_rest(const CSections& sections, const std::string& input) const {
+  const bool is_zero = input == literal(0);
+  std::string text;
+  if (!sections.taps.empty()) text += "  for (i = 0; i < @taps@; ++i) s->@prefix@_past[i] = @input@;\n";
+  if (!sections.rates.empty()) {
+    text += is_zero ? "  for (i = 0; i < @size@; ++i) s->@prefix@_v[i] = s->@prefix@_lost[i] = @input@;\n"
+                    : "  for (i = 0; i < @size@; ++i) {\n"
+                      "    s->@prefix@_v[i] = NAME_@prefix@_tapped(s, @input@) / NAME_@prefix@_rate[i];\n"
+                      "    s->@prefix@_lost[i] = @zero@;\n  }\n";
+  }
+  return filled(text, {{"prefix", sections.prefix},
+                       {"taps", std::to_string(sections.taps.size())},
+                       {"size", std::to_string(sections.rates.size())},
+                       {"input", input},
+                       {"zero", literal(0)}});
 }
 
 std::string CText::section_functions(const CSections& sections) const {
-  const std::string direct = literal(sections.direct);
-  if (sections.rates.empty()) {
-    return filled(R"(static inline REAL NAME_@prefix@_output(const NAME_state *s, REAL x)
-{
-  (void)s;
-  return @direct@ * x;
-}
-
-)",
-                  {{"prefix", sections.prefix}, {"direct", direct}});
-  }
+  const bool has_sections = !sections.rates.empty();
   const double tiny = is_float_ ? static_cast<double>(negligible_state<float>) : negligible_state<double>;
   const std::string term = sections.output == SectionOutput::state
                                ? "s->@prefix@_v[i + j]"
                                : "(x - NAME_@prefix@_rate[i + j] * s->@prefix@_v[i + j])";
-  std::string text =
-      array(sections.prefix + "_rate", sections.rates) + array(sections.prefix + "_weight", sections.weights);
-  text += filled(R"(
-static inline REAL NAME_@prefix@_output(const NAME_state *s, REAL x)
-{
-  REAL lane[8] = {@zero@, @zero@, @zero@, @zero@, @zero@, @zero@, @zero@, @zero@};
+  std::string arrays;
+  if (!sections.taps.empty()) arrays += array(sections.prefix + "_tap", sections.taps);
+  if (has_sections)
+    arrays += array(sections.prefix + "_rate", sections.rates) + array(sections.prefix + "_weight", sections.weights);
+  std::string text = "static inline REAL NAME_@prefix@_tapped(const NAME_state *s, REAL input)\n{\n";
+  text += sections.taps.empty() ? "  (void)s;\n  return input;\n}\n" : R"(  REAL even = NAME_@prefix@_tap[0] * input;
+  REAL odd = NAME_@prefix@_tap[1] * s->@prefix@_past[0];
+  int k;
+  for (k = 2; k < @taps@; k += 2) {
+    even += NAME_@prefix@_tap[k] * s->@prefix@_past[k - 1];
+    odd += NAME_@prefix@_tap[k + 1] * s->@prefix@_past[k];
+  }
+  return even + odd;
+}
+)";
+  text += "\nstatic inline REAL NAME_@prefix@_output(const NAME_state *s, REAL x)\n{\n";
+  text += !has_sections ? "  (void)s;\n  return @direct@ * x;\n}\n"
+                        : R"(  REAL lane[8] = {@zero@, @zero@, @zero@, @zero@, @zero@, @zero@, @zero@, @zero@};
   int i, j;
   for (i = 0; i < @size@; i += 8) {
     for (j = 0; j < 8; ++j) {
       lane[j] += NAME_@prefix@_weight[i + j] * )" +
-                     term + R"(;
+                              term + R"(;
     }
   }
   return @direct@ * x + (((lane[0] + lane[4]) + (lane[2] + lane[6])) + ((lane[1] + lane[5]) + (lane[3] + lane[7])));
 }
-
-static inline void NAME_@prefix@_advance(NAME_state *s, REAL x)
-{
-  int i;
-  for (i = 0; i < @size@; ++i) {
+)";
+  if (sections.has_state()) {
+    text += "\nstatic inline void NAME_@prefix@_advance(NAME_state *s, REAL input, REAL x)\n{\n  int i;\n";
+    text += sections.taps.empty() ? "  (void)input;\n"
+                                  : R"(  for (i = @taps@ - 1; i > 0; --i) s->@prefix@_past[i] = s->@prefix@_past[i - 1];
+  s->@prefix@_past[0] = input;
+)";
+    text += !has_sections ? "  (void)x;\n}\n" : R"(  for (i = 0; i < @size@; ++i) {
     const REAL v = s->@prefix@_v[i];
     const REAL increment = (x - NAME_@prefix@_rate[i] * v) + s->@prefix@_lost[i];
     const REAL sum = v + increment;
@@ -203,14 +228,15 @@ static inline void NAME_@prefix@_advance(NAME_state *s, REAL x)
     s->@prefix@_lost[i] = matters ? remainder : @zero@;
   }
 }
-
-)",
-                 {{"prefix", sections.prefix},
-                  {"size", std::to_string(sections.rates.size())},
-                  {"direct", direct},
-                  {"zero", literal(0)},
-                  {"tiny", literal(tiny)}});
-  return text;
+)";
+  }
+  return arrays + (arrays.empty() ? "" : "\n") +
+         filled(text + "\n", {{"prefix", sections.prefix},
+                              {"taps", std::to_string(sections.taps.size())},
+                              {"size", std::to_string(sections.rates.size())},
+                              {"direct", literal(sections.direct)},
+                              {"zero", literal(0)},
+                              {"tiny", literal(tiny)}});
 }
 
 }  // namespace detail

@@ -8,13 +8,15 @@
 
 namespace frac::detail {
 
-/// A list of coefficients of first-order sections as the kernels hold it: filled up to whole groups.
+/// Coefficients of one filter as it runs: taps to an even number, first-order sections filled up to whole groups.
 struct CSections {
-  std::string prefix;  // of the arrays, e.g. "integral"
+  std::string prefix;        // of the arrays, e.g. "integral"
+  std::vector<double> taps;  // empty: none
   SectionOutput output;
   double direct;
   std::vector<double> rates;    // whole groups
   std::vector<double> weights;  // whole groups
+  [[nodiscard]] bool has_state() const { return !taps.empty() || !rates.empty(); }
 };
 
 /// Text of C code in one precision with one name.  In templates REAL stands for the type, NAME for the name, and
@@ -35,10 +37,13 @@ class CText {
   /// The text from opening() on with its end, and in the guard a fingerprint of it all: another header of the same
   /// name is then an error where both are included, instead of being skipped.
   [[nodiscard]] std::string closed(std::string text) const;
-  /// Arrays, and functions NAME_<prefix>_output(state, x), NAME_<prefix>_advance(state, x).
+  /// Arrays, and functions x = NAME_<prefix>_tapped(state, input), NAME_<prefix>_output(state, x),
+  /// NAME_<prefix>_advance(state, input, x).
   [[nodiscard]] std::string section_functions(const CSections& sections) const;
   /// Members of the struct for them.
   [[nodiscard]] std::string section_members(const CSections& sections) const;
+  /// Statements that set them to what `input`, a C expression, at all times leaves; with an int i where has_state().
+  [[nodiscard]] std::string section_rest(const CSections& sections, const std::string& input) const;
 
  private:
   std::string name_;

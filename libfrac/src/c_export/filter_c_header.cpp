@@ -4,13 +4,19 @@
 #include <utility>
 
 #include "../digital/section_kernel.hpp"
+#include "../digital/tap_line.hpp"
 #include "c_text.hpp"
 
 namespace frac {
 namespace {
 
-detail::CSections sections_of(const ParallelSections& design) {
-  detail::CSections sections{"section", design.output, design.direct, design.rates, design.weights};
+detail::CSections sections_of(const DigitalFilterDesign& filter) {
+  const ParallelSections& design = filter.sections;
+  detail::CSections sections{"section", {}, design.output, design.direct, design.rates, design.weights};
+  if (filter.taps != std::vector<double>{1}) {
+    sections.taps = filter.taps;
+    sections.taps.resize(detail::even_count(sections.taps.size()), 0);
+  }
   const std::size_t size = detail::whole_groups(design.rates.size());
   sections.rates.resize(size, 1);
   sections.weights.resize(size, 0);
@@ -27,7 +33,7 @@ std::string text_of(const DigitalFilterDesign& design, const CHeaderOptions& opt
                                 " samples; allowed is up to " + std::to_string(most_dead));
   }
   const detail::CText c(options);
-  const detail::CSections sections = sections_of(design.sections);
+  const detail::CSections sections = sections_of(design);
   const std::string pairs = std::to_string(design.pair_rates.size());
   const std::string differences = std::to_string(design.differences);
   const std::string integrators = std::to_string(design.integrators);
@@ -36,15 +42,11 @@ std::string text_of(const DigitalFilterDesign& design, const CHeaderOptions& opt
   const bool has_dead = design.dead_samples > 0;
 
   std::string members = c.section_members(sections);
-  std::string clear;
+  std::string clear = c.section_rest(sections, c.literal(0));
   const auto member = [&](const std::string& name, const std::string& count) {
     members += "  REAL " + name + "[" + count + "];\n";
     clear += "  for (i = 0; i < " + count + "; ++i) s->" + name + "[i] = @zero@;\n";
   };
-  if (!sections.rates.empty()) {
-    const std::string size = std::to_string(sections.rates.size());
-    clear += "  for (i = 0; i < " + size + "; ++i) s->section_v[i] = s->section_lost[i] = @zero@;\n";
-  }
   if (has_pairs) {
     member("pair_re", pairs);
     member("pair_im", pairs);
@@ -92,6 +94,7 @@ static inline REAL NAME_step(NAME_state *s, REAL sample)
 {
   REAL x = sample, y;
 )";
+  if (!sections.taps.empty()) body += "  REAL input;\n";
   const bool loops = has_pairs || design.differences > 0 || design.integrators > 0;
   if (loops) body += "  int i;\n";
   if (has_dead) {
@@ -108,8 +111,10 @@ static inline REAL NAME_step(NAME_state *s, REAL sample)
   }
 )";
   }
+  if (!sections.taps.empty()) body += "  input = x;\n  x = NAME_section_tapped(s, input);\n";
   body += "  y = NAME_section_output(s, x);\n";
-  if (!sections.rates.empty()) body += "  NAME_section_advance(s, x);\n";
+  if (sections.has_state())
+    body += std::string("  NAME_section_advance(s, ") + (sections.taps.empty() ? "x" : "input") + ", x);\n";
   if (has_pairs) {
     body += R"(  for (i = 0; i < @pairs@; ++i) {
     const REAL re = s->pair_re[i] + (x - (NAME_pair_rate_re[i] * s->pair_re[i] - NAME_pair_rate_im[i] * s->pair_im[i]));

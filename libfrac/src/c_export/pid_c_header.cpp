@@ -12,17 +12,13 @@ namespace {
 
 detail::CSections sections_of(const PidOperator& design, const char* prefix) {
   const auto size = static_cast<std::ptrdiff_t>(design.size);
+  const auto taps = static_cast<std::ptrdiff_t>(design.tap_count);
   return {prefix,
+          {design.taps.begin(), design.taps.begin() + taps},
           design.output,
           design.direct,
           {design.rates.begin(), design.rates.begin() + size},
           {design.weights.begin(), design.weights.begin() + size}};
-}
-
-std::string clear_text(const detail::CSections& sections) {
-  if (sections.rates.empty()) return "";
-  return "  for (i = 0; i < " + std::to_string(sections.rates.size()) + "; ++i) s->" + sections.prefix + "_v[i] = s->" +
-         sections.prefix + "_lost[i] = @zero@;\n";
 }
 
 std::string anti_windup_text(AntiWindup method) {
@@ -68,12 +64,14 @@ std::string text_of(const FractionalPidDesign& design, const CHeaderOptions& opt
 )");
   text += c.section_functions(integral) + c.section_functions(derivative);
 
-  const bool has_sections = !integral.rates.empty() || !derivative.rates.empty();
-  std::string body = std::string(R"(/* At rest, all signals 0. */
+  const auto cleared = [&](const detail::CSections& sections) { return c.section_rest(sections, c.literal(0)); };
+  const bool follows_input = derivative.has_state() && !k.differentiates;
+  std::string body =
+      std::string(R"(/* At rest, all signals 0. */
 static inline void NAME_reset(NAME_state *s)
 {
-)") + (has_sections ? "  int i;\n" : "") +
-                     clear_text(integral) + clear_text(derivative) + R"(  s->integrator = s->integrator_lost = @zero@;
+)") + (integral.has_state() || derivative.has_state() ? "  int i;\n" : "") +
+      cleared(integral) + cleared(derivative) + R"(  s->integrator = s->integrator_lost = @zero@;
   s->lag = s->track_output = s->unlimited = @zero@;
   s->output = @rest_output@;
   s->is_tracking = s->saturated = s->bad_input = 0;
@@ -88,33 +86,29 @@ static inline void NAME_init(NAME_state *s)
 /* At rest after signals that had been constant at these values: no kick of the derivative at the start. */
 static inline void NAME_reset_at(NAME_state *s, REAL setpoint, REAL measured)
 {
-)" + (derivative.rates.empty() || k.differentiates ? "" : "  int i;\n") +
-                     R"(  const REAL input = @derivative_setpoint_weight@ * setpoint - measured;
+)" + (follows_input ? "  int i;\n" : "") +
+      R"(  const REAL input = @derivative_setpoint_weight@ * setpoint - measured;
   if (!(input <= @most@ && input >= -@most@)) {
     s->bad_input = 1;
     return;
   }
   NAME_reset(s);
   s->lag = input;
-)" +
-                     (derivative.rates.empty() || k.differentiates
-                          ? ""
-                          : "  for (i = 0; i < " + std::to_string(derivative.rates.size()) +
-                                "; ++i) s->derivative_v[i] = s->lag / NAME_derivative_rate[i];\n") +
-                     R"(}
+)" + (follows_input ? c.section_rest(derivative, "s->lag") : "") +
+      R"(}
 
 /* The next output will be this one: call before every step while another source drives the plant. */
 static inline void NAME_track(NAME_state *s, REAL output)
 {
-)" + (integral.rates.empty() ? "" : "  int i;\n") +
-                     R"(  if (!(output <= @most@ && output >= -@most@)) {
+)" + (integral.has_state() ? "  int i;\n" : "") +
+      R"(  if (!(output <= @most@ && output >= -@most@)) {
     s->bad_input = 1;
     return;
   }
   s->is_tracking = 1;
   s->track_output = output < @minimum@ ? @minimum@ : @maximum@ < output ? @maximum@ : output;
-)" + clear_text(integral) +
-                     R"(}
+)" + cleared(integral) +
+      R"(}
 
 static inline REAL NAME_step(NAME_state *s, REAL setpoint, REAL measured)
 {
@@ -126,10 +120,12 @@ static inline REAL NAME_step(NAME_state *s, REAL setpoint, REAL measured)
   const REAL difference = difference_input - s->lag;
   const REAL lagged = s->lag + @lag_share@ * difference;
   const REAL derivative_input = )" +
-                     (k.differentiates ? "difference * @inverse_lag_time@" : "lagged") + R"(;
-  const REAL derivative = @kd@ * NAME_derivative_output(s, derivative_input);
+      (k.differentiates ? "difference * @inverse_lag_time@" : "lagged") + R"(;
+  const REAL derivative_tapped = NAME_derivative_tapped(s, derivative_input);
+  const REAL derivative = @kd@ * NAME_derivative_output(s, derivative_tapped);
   REAL integral_input = @ki@ * error;
-  REAL integral_filtered = NAME_integral_output(s, integral_input);
+  REAL integral_tapped = NAME_integral_tapped(s, integral_input);
+  REAL integral_filtered = NAME_integral_output(s, integral_tapped);
   REAL sum = proportional + (s->integrator + @half_time@ * integral_filtered) + derivative;
   REAL excess, increment, next;
   if (!(proportional_input <= largest && proportional_input >= -largest && difference_input <= largest &&
@@ -149,16 +145,17 @@ static inline REAL NAME_step(NAME_state *s, REAL setpoint, REAL measured)
   s->saturated = excess > @zero@ || excess < @zero@;
   if (s->saturated) {
 )" + anti_windup_text(k.anti_windup) +
-                     R"(    const REAL change = @high_gain@ * correction;
+      R"(    const REAL change = @high_gain@ * correction;
     integral_input += correction;
+    integral_tapped += @integral_tap@ * correction;
     integral_filtered += change;
     sum += @half_time@ * change;
   }
   s->output = sum > @maximum@ ? @maximum@ : sum < @minimum@ ? @minimum@ : sum;
   s->unlimited = sum;
-)" + (integral.rates.empty() ? "" : "  NAME_integral_advance(s, integral_input);\n") +
-                     (derivative.rates.empty() ? "" : "  NAME_derivative_advance(s, derivative_input);\n") +
-                     R"(  s->lag = lagged > @tiny@ || lagged < -@tiny@ ? lagged : @zero@;
+)" + (integral.has_state() ? "  NAME_integral_advance(s, integral_input, integral_tapped);\n" : "") +
+      (derivative.has_state() ? "  NAME_derivative_advance(s, derivative_input, derivative_tapped);\n" : "") +
+      R"(  s->lag = lagged > @tiny@ || lagged < -@tiny@ ? lagged : @zero@;
   increment = @sample_time@ * integral_filtered + s->integrator_lost;
   next = s->integrator + increment;
   s->integrator_lost = increment - (next - s->integrator);
@@ -185,6 +182,7 @@ static inline REAL NAME_step(NAME_state *s, REAL setpoint, REAL measured)
                           {"maximum", "(" + number(k.maximum) + ")"},
                           {"tracking_share", number(k.tracking_share)},
                           {"inverse_tracking", number(k.inverse_tracking)},
+                          {"integral_tap", number(k.integral_tap)},
                           {"integral_gain", number(k.integral_gain)},
                           {"inverse_integral_gain", number(k.inverse_integral_gain)},
                           {"high_gain", number(static_cast<Real>(design.integral().high_gain))}});

@@ -21,7 +21,8 @@ bool has_integer_orders(const LaplaceImage& image) {
 
 // Terms of one pole; of a cluster, the trapezoidal rule on a circle about it, so small that e^{st} neither outgrows its
 // value at the middle over the time it lasts nor outlasts it.
-void add_pole(const LaplaceImage& image, std::size_t k, bool on_cut, double latest, std::vector<Exponential>& terms) {
+void add_pole(const LaplaceImage& image, std::size_t k, bool on_cut, double latest, Complex share,
+              std::vector<Exponential>& terms) {
   const RootCluster& pole = image.poles().clusters[k];
   const bool alone = pole.is_conjugate || on_cut;
   const Complex log_s = on_cut ? Complex(pole.log_s.real(), pi) : pole.log_s;
@@ -34,7 +35,7 @@ void add_pole(const LaplaceImage& image, std::size_t k, bool on_cut, double late
       rate = rate.real();
       weight = weight.real();
     } else {
-      weight *= 2;
+      weight *= 2.0 * share;
     }
     terms.push_back({rate, weight});
     return;
@@ -108,45 +109,46 @@ ExponentialSum with_tolerance(const LaplaceImage& image, double earliest, double
     for (std::size_t k = 0; k < poles.size(); ++k) {
       const double argument = poles[k].log_s.imag();
       const bool on_cut = std::abs(argument - pi) < 1e-7 + poles[k].spread;
-      if (on_cut || argument < pi) add_pole(image, k, on_cut, latest, terms);
+      if (on_cut || argument < pi) add_pole(image, k, on_cut, latest, 1, terms);
     }
     for (const double log_s0 : log_anchor) rest.push_back(rest_at(image, log_s0, terms));
     set_anchored();
     return sum;
   }
-  // A complex term costs as much as two real ones.
-  const BranchCut cut = best_cut(image, 0.7, 2);
-  int multiplicity = 1;
-  for (std::size_t k = 0; k < poles.size(); ++k) {
-    multiplicity = std::max(multiplicity, poles[k].multiplicity);
-    if (poles[k].log_s.imag() < cut.angle) add_pole(image, k, false, latest, terms);
-  }
-  const std::size_t first_of_cut = terms.size();
-  // At a pole of order m beside the strip the rule errs by (2 pi/step)^(m-1) times what it does at a simple one.
-  double digits = std::log(1 / tolerance) + 3;
-  digits += (multiplicity - 1) * std::log(digits / cut.half_width);
-  const double step = 2 * pi * 0.97 * cut.half_width / digits;
-  const double upper = std::log(digits / (-std::cos(cut.angle) * earliest));
+  const CutRule rule(image, earliest, tolerance);
+  const double step = rule.step();
   const double lowest = std::min(image.lowest_corner(), -std::log(latest));
-  const auto term_at = [&](double log_r) -> Exponential {
-    const Complex zeta(log_r, cut.angle);
+  const auto term_at = [&](int k) -> Exponential {
+    const Complex zeta = rule.node(k);
     const Complex weight = Complex(0, -step / pi) * image.value(zeta, zeta);
-    if (cut.angle == pi) return {-std::exp(log_r), weight};
+    if (rule.angle() == pi) return {-std::exp(zeta.real()), weight};
     return {std::exp(zeta), weight};
   };
+  const auto effect_of = [&](const Exponential& term) {
+    return effect(std::abs(term.weight), std::abs(term.rate), latest, integrations);
+  };
   double largest = 0;
+  std::vector<Exponential> along;
   for (int k = 0; k < 100'000; ++k) {
-    const double log_r = upper - k * step;
-    terms.push_back(term_at(log_r));
-    const double added = effect(std::abs(terms.back().weight), std::exp(log_r), latest, integrations);
-    if (cut.angle == pi) terms.back().weight = terms.back().weight.real();
+    along.push_back(term_at(k));
+    const double added = effect_of(along.back());
+    if (rule.angle() == pi) along.back().weight = along.back().weight.real();
     largest = std::max(largest, added);
-    if (log_r < lowest && added < 0.03 * step * tolerance * largest) break;
+    if (rule.node(k).real() < lowest && added < 0.03 * step * tolerance * largest) break;
   }
+  for (std::size_t k = 0; k < poles.size(); ++k) {
+    const Complex share = rule.share_of(poles[k]);
+    if (share == 0.0) continue;
+    add_pole(image, k, false, latest, share, terms);
+    const bool lies_beyond = poles[k].log_s.imag() > rule.angle();
+    if (lies_beyond && effect_of(terms.back()) < 0.03 * step * tolerance * largest) terms.pop_back();
+  }
+  const std::size_t first_of_cut = terms.size();
+  terms.insert(terms.end(), along.begin(), along.end());
   for (const double log_s0 : log_anchor) rest.push_back(rest_at(image, log_s0, terms));
   const auto anchored = static_cast<int>(anchor.size());
   for (int k = 1; k < 5'000; ++k) {
-    const auto [rate, weight] = term_at(upper + k * step);
+    const auto [rate, weight] = term_at(-k);
     double size = 0;
     for (std::size_t i = 0; i < anchor.size(); ++i) {
       const Complex ratio = anchor[i] / rate;
@@ -159,7 +161,7 @@ ExponentialSum with_tolerance(const LaplaceImage& image, double earliest, double
     if (size < 1e-3 * step * tolerance * largest) break;
   }
   set_anchored();
-  merge_slow(terms, first_of_cut, cut.angle, latest, tolerance);
+  merge_slow(terms, first_of_cut, rule.angle(), latest, tolerance);
   return sum;
 }
 

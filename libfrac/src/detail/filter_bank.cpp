@@ -6,358 +6,329 @@
 
 #include "phi_functions.hpp"
 
-// Copies for processors with wider registers, chosen when the program is loaded.
-#if defined(__x86_64__) && defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define FRACFIT_WIDE_VECTORS __attribute__((target_clones("avx512f", "fma", "default")))
-#else
-#define FRACFIT_WIDE_VECTORS
-#endif
-
 namespace frac::detail {
 namespace {
 
 using Complex = std::complex<double>;
-constexpr std::size_t width = 8;
 constexpr std::size_t block = FilterBank::block;
-// Eight doubles, at any address.
-typedef double Vector __attribute__((vector_size(8 * width), aligned(8), may_alias));
+constexpr std::size_t lane = filter_lane;
+constexpr std::size_t half = lane / 2;  // from a real part to its imaginary part
+constexpr std::size_t most_powers = FilterBank::most_integrations + 2;
 
-Vector& vector_at(double* at) {
-  return *reinterpret_cast<Vector*>(at);
-}
-const Vector& vector_at(const double* at) {
-  return *reinterpret_cast<const Vector*>(at);
-}
-
-// output[0..block) += sum_k factor[k] row(k)[0..block), rows `stride` doubles apart.
-FRACFIT_WIDE_VECTORS void add_rows(const double* factor, std::size_t count, const double* row, std::ptrdiff_t stride,
-                                   double* output) {
-  Vector a = vector_at(output), b = vector_at(output + 8), c = vector_at(output + 16), d = vector_at(output + 24);
-  for (std::size_t k = 0; k < count; ++k, row += stride) {
-    const double x = factor[k];
-    a += x * vector_at(row);
-    b += x * vector_at(row + 8);
-    c += x * vector_at(row + 16);
-    d += x * vector_at(row + 24);
+constexpr std::array<double, most_powers> inverse_factorials() {
+  std::array<double, most_powers> values{};
+  double value = 1;
+  for (std::size_t n = 0; n < most_powers; ++n) {
+    if (n > 0) value /= static_cast<double>(n);
+    values[n] = value;
   }
-  vector_at(output) = a;
-  vector_at(output + 8) = b;
-  vector_at(output + 16) = c;
-  vector_at(output + 24) = d;
+  return values;
 }
+constexpr std::array<double, most_powers> inverse_factorial = inverse_factorials();
 
-// For each of four factors: output[b][0..16) += sum_k factor[b][k] row(k)[0..16).  Sixteen results times four factors
-// stay in registers, and a row is read once for all four.
-FRACFIT_WIDE_VECTORS void add_tile(const double* const* factor, std::size_t count, const double* row,
-                                   std::ptrdiff_t stride, double* const* output) {
-  const double *f0 = factor[0], *f1 = factor[1], *f2 = factor[2], *f3 = factor[3];
-  Vector a0 = vector_at(output[0]), b0 = vector_at(output[0] + 8), a1 = vector_at(output[1]),
-         b1 = vector_at(output[1] + 8), a2 = vector_at(output[2]), b2 = vector_at(output[2] + 8),
-         a3 = vector_at(output[3]), b3 = vector_at(output[3] + 8);
-  for (std::size_t k = 0; k < count; ++k, row += stride) {
-    const Vector a = vector_at(row), b = vector_at(row + 8);
-    a0 += f0[k] * a;
-    b0 += f0[k] * b;
-    a1 += f1[k] * a;
-    b1 += f1[k] * b;
-    a2 += f2[k] * a;
-    b2 += f2[k] * b;
-    a3 += f3[k] * a;
-    b3 += f3[k] * b;
-  }
-  vector_at(output[0]) = a0;
-  vector_at(output[0] + 8) = b0;
-  vector_at(output[1]) = a1;
-  vector_at(output[1] + 8) = b1;
-  vector_at(output[2]) = a2;
-  vector_at(output[2] + 8) = b2;
-  vector_at(output[3]) = a3;
-  vector_at(output[3] + 8) = b3;
-}
-
-// sum[0..size) += sum_l gamma[l] drive[l * size + ..], a few vectors of states at a time.
-FRACFIT_WIDE_VECTORS void add_drive(const double* gamma, const double* drive, std::size_t size, double* sum) {
-  std::size_t s = 0;
-  for (; s + 4 * width <= size; s += 4 * width) {
-    Vector a = vector_at(sum + s), b = vector_at(sum + s + 8), c = vector_at(sum + s + 16), d = vector_at(sum + s + 24);
-    for (std::size_t l = 0; l < block; ++l) {
-      const double x = gamma[l];
-      const double* row = drive + l * size + s;
-      a += x * vector_at(row);
-      b += x * vector_at(row + 8);
-      c += x * vector_at(row + 16);
-      d += x * vector_at(row + 24);
-    }
-    vector_at(sum + s) = a;
-    vector_at(sum + s + 8) = b;
-    vector_at(sum + s + 16) = c;
-    vector_at(sum + s + 24) = d;
-  }
-  for (; s < size; s += width) {
-    Vector a = vector_at(sum + s);
-    for (std::size_t l = 0; l < block; ++l) a += gamma[l] * vector_at(drive + l * size + s);
-    vector_at(sum + s) = a;
-  }
-}
-
-bool is_constant(const double* samples) {
-  return std::all_of(samples, samples + block, [samples](double each) { return each == samples[0]; });
-}
-
-// Below this a state is worth nothing and, denormal, slow.
+// Below this a number is worth nothing and, denormal, slow.
 double flushed(double x) {
   return std::abs(x) < 1e-280 ? 0 : x;
 }
 
-std::size_t filled_up(std::size_t count) {
-  return (count + width - 1) / width * width;
+std::size_t filled_up(std::size_t count, std::size_t to) {
+  return (count + to - 1) / to * to;
 }
+
+// What a unit of each power of the input has done some intervals after the one in which it is the input.
+template <typename Value>
+class ByLag {
+ public:
+  using Powers = std::array<Value, most_powers>;
+
+  ByLag(std::size_t integrations, bool is_straight) : integrations_(integrations), is_straight_(is_straight) {}
+
+  // `own` is what comes without the integrals that each power leaves behind; those do what they do an interval later.
+  void append(const Powers& own) {
+    value_[lags_] = own;
+    if (lags_ > 0) {
+      const Powers& before = value_[lags_ - 1];
+      for (std::size_t q = 0; q <= integrations_ + (is_straight_ ? 1 : 0); ++q) {
+        for (std::size_t i = 0; i < integrations_ && i <= q; ++i) {
+          value_[lags_][q] += inverse_factorial[q - i] * before[i];
+        }
+      }
+    }
+    ++lags_;
+  }
+  [[nodiscard]] const Value& integral(std::size_t q, std::size_t lag) const { return value_[lag][q]; }
+  // The first sample of an interval, without the interval that it ends.
+  [[nodiscard]] Value start(std::size_t lag) const {
+    return value_[lag][integrations_] - value_[lag][integrations_ + 1];
+  }
+  // A sample, by the intervals since the one that it ends.
+  [[nodiscard]] Value sample(std::size_t lag) const {
+    return lag == 0 ? value_[0][integrations_ + 1] : value_[lag][integrations_ + 1] + start(lag - 1);
+  }
+
+ private:
+  std::size_t integrations_;
+  bool is_straight_;
+  std::size_t lags_ = 0;
+  std::array<Powers, block> value_;
+};
 
 }  // namespace
 
-FilterBank::FilterBank(std::vector<Exponential> terms, double sample_time, double theta, const std::vector<double>& now)
-    : channels_(now.size()), now_(now) {
+FilterBank::FilterBank(const FilterDesign& design)
+    : integrations_(design.integrations), is_straight_(design.is_straight), now_(design.now) {
+  std::vector<Exponential> terms = design.terms;
   std::sort(terms.begin(), terms.end(),
             [](const Exponential& a, const Exponential& b) { return a.rate.real() < b.rate.real(); });
   const auto is_real = [](const Exponential& term) { return term.rate.imag() == 0; };
   real_count_ = static_cast<std::size_t>(std::count_if(terms.begin(), terms.end(), is_real));
   complex_count_ = terms.size() - real_count_;
-  real_size_ = filled_up(real_count_);
-  complex_size_ = filled_up(complex_count_);
-  size_ = real_size_ + 2 * complex_size_;
+  real_size_ = filled_up(real_count_, lane);
+  size_ = real_size_ + 2 * filled_up(complex_count_, half);
+  const std::size_t extra = 1 + integrations_;
   state_.assign(size_, 0);
-  // Tiles of sixteen states may reach beyond the last.
-  padded_size_ = size_ + width;
-  states_.assign(together * padded_size_, 0);
-  driven_.assign(together * padded_size_, 0);
-  change_re_.assign(real_size_ + complex_size_, 0);
-  change_im_.assign(complex_size_, 0);
-  block_change_re_ = change_re_;
-  block_change_im_ = change_im_;
+  before_.assign(together * size_, 0);
+  change_.assign(size_, 0);
+  block_change_.assign(size_, 0);
+  cross_.assign(size_, 0);
+  block_cross_.assign(size_, 0);
   output_.assign(size_, 0);
-  drive_.assign(channels_ * size_, 0);
+  drive_.assign((integrations_ + 2) * size_, 0);
   block_output_.assign(size_ * block, 0);
-  block_drive_.assign(channels_ * block * size_ + width, 0);
-  block_drive_sum_.assign(channels_ * size_, 0);
-  kernel_.assign(channels_ * 2 * block, 0);
-  kernel_sum_.assign(channels_ * block, 0);
-  for (std::size_t channel = 0; channel < channels_; ++channel) kernel_[channel * 2 * block + block] = now_[channel];
-
-  std::vector<Complex> phis(channels_);
+  block_drive_.assign(block * size_, 0);
+  extra_drive_.assign(extra * size_, 0);
+  extra_.assign(together * extra, 0);
   std::size_t next_real = 0;
-  std::size_t next_complex = real_size_;
+  std::size_t next_complex = 0;
+  // Response of the output to each power, without the integrals.
+  std::array<std::array<double, most_powers>, block> own{};
+  std::copy(now_.begin(), now_.end(), own[0].begin());
+  std::vector<Complex> phis(integrations_ + 2);
   for (const Exponential& term : terms) {
     const bool real = is_real(term);
-    const std::size_t s = real ? next_real++ : next_complex++;
-    const std::size_t s_im = s + complex_size_;
-    const Complex z = term.rate * sample_time;
-    const Complex factor = std::exp(z);
+    const std::size_t s = real ? next_real++ : real_size_ + next_complex / half * lane + next_complex % half;
+    if (!real) ++next_complex;
+    const auto put_at = [&](double& re, double* im, Complex value) {
+      re = flushed(value.real());
+      if (!real) *im = flushed(value.imag());
+    };
+    const auto put = [&](AlignedVector<double>& list, std::size_t row, Complex value) {
+      double& re = list[row * size_ + s];
+      put_at(re, &re + half, value);
+    };
+    const auto put_in_column = [&](AlignedVector<double>& matrix, std::size_t rows, std::size_t row, Complex value) {
+      double& re = matrix[(s / lane * rows + row) * lane + s % lane];
+      put_at(re, &re + half, value);
+    };
+    const auto put_in_row = [&](AlignedVector<double>& matrix, std::size_t column, Complex value) {
+      double& re = matrix[(column / lane * size_ + s) * lane + column % lane];
+      put_at(re, &re + half * lane, value);
+    };
+    const Complex z = term.rate * design.sample_time;
+    const auto put_change = [&](AlignedVector<double>& change, AlignedVector<double>& cross, Complex value) {
+      change[s] = value.real();
+      if (real) return;
+      change[s + half] = value.real();
+      cross[s] = -value.imag();
+      cross[s + half] = value.imag();
+    };
+    put_change(change_, cross_, expm1(z));
+    put_change(block_change_, block_cross_, expm1(z * static_cast<double>(block)));
     phi(z, phis);
-    const Complex change = expm1(z);
-    const Complex block_change = expm1(z * static_cast<double>(block));
-    change_re_[s] = change.real();
-    block_change_re_[s] = block_change.real();
-    if (!real) {
-      change_im_[s - real_size_] = change.imag();
-      block_change_im_[s - real_size_] = block_change.imag();
-    }
-    Complex output = term.weight * std::exp(theta * z);
-    output_[s] = output.real();
-    if (!real) output_[s_im] = -output.imag();
+    const Complex factor = std::exp(z);
+    const Complex output = std::conj(term.weight * std::exp(design.theta * z));
+    put(output_, 0, output);
+    ByLag<Complex> driven(integrations_, is_straight_);
     Complex power = 1;  // factor^i
     for (std::size_t i = 0; i < block; ++i) {
-      const Complex at = output * power;
-      block_output_[s * block + i] = flushed(at.real());
-      if (!real) block_output_[s_im * block + i] = flushed(-at.imag());
-      for (std::size_t channel = 0; channel < channels_; ++channel) {
-        const Complex drive = z * phis[channel];
-        const Complex later = drive * power;
-        double* row = &block_drive_[(channel * block + block - 1 - i) * size_];
-        row[s] = flushed(later.real());
-        if (!real) row[s_im] = flushed(later.imag());
-        if (i + 1 < block) kernel_[channel * 2 * block + block + 1 + i] += (at * drive).real();
-        if (i == 0) {
-          drive_[channel * size_ + s] = drive.real();
-          if (!real) drive_[channel * size_ + s_im] = drive.imag();
-        }
+      put_in_row(block_output_, i, output * std::conj(power));
+      std::array<Complex, most_powers> later{};
+      for (std::size_t q = 0; q <= integrations_ + (is_straight_ ? 1 : 0); ++q) {
+        later[q] = z * phis[q] * power;
+        if (i == 0) put(drive_, q, later[q]);
+        if (i + 1 < block) own[i + 1][q] += (std::conj(output) * later[q]).real();
       }
+      driven.append(later);
       power = std::abs(power * factor) < 1e-280 ? 0 : power * factor;
     }
-  }
-  // To a constant input from its end values: the instantaneous part less what the states withdraw.
-  steady_gain_ = now_[0];
-  for (std::size_t s = 0; s < real_size_ + complex_size_; ++s) steady_gain_ -= output_[s];
-  for (const double output : output_) largest_ = std::max(largest_, std::abs(output));
-  for (std::size_t channel = 0; channel < channels_; ++channel) {
-    double sum = 0;
-    for (std::size_t i = 0; i < block; ++i) {
-      sum += kernel_[channel * 2 * block + block + i];
-      kernel_sum_[channel * block + i] = sum;
-      for (std::size_t s = 0; s < size_; ++s) {
-        block_drive_sum_[channel * size_ + s] += block_drive_[(channel * block + i) * size_ + s];
-      }
+    for (std::size_t i = 0; i < block; ++i) put_in_column(block_drive_, block, i, driven.sample(block - 1 - i));
+    put_in_column(extra_drive_, extra, 0, driven.start(block - 1));
+    for (std::size_t q = 0; q < integrations_; ++q) {
+      put_in_column(extra_drive_, extra, 1 + q, driven.integral(q, block - 1));
     }
   }
+  ByLag<double> response(integrations_, is_straight_);
+  for (const auto& each : own) response.append(each);
+  kernel_.assign(2 * block, 0);
+  extra_output_.assign(extra * block, 0);
+  for (std::size_t i = 0; i < block; ++i) {
+    kernel_[block + i] = response.sample(i);
+    double* column = &extra_output_[i / lane * extra * lane + i % lane];
+    column[0] = response.start(i);
+    for (std::size_t q = 0; q < integrations_; ++q) column[(1 + q) * lane] = response.integral(q, i);
+  }
+  for (std::size_t p = 0; p < integrations_; ++p) {
+    ByLag<double> gained(integrations_, is_straight_);
+    for (std::size_t i = 0; i < block; ++i) {
+      // What each power adds to this integral by the end of its own interval.
+      std::array<double, most_powers> first{};
+      for (std::size_t q = p + 1; i == 0 && q <= integrations_ + (is_straight_ ? 1 : 0); ++q) {
+        first[q] = inverse_factorial[q - p];
+      }
+      if (i == 0) first[p] = 1;
+      gained.append(first);
+    }
+    gained_from_extra_.push_back(gained.start(block - 1));
+    for (std::size_t q = 0; q < integrations_; ++q) {
+      gained_from_extra_.push_back(gained.integral(q, block - 1) - (q == p ? 1 : 0));
+    }
+    for (std::size_t i = 0; i < block; ++i) gained_from_sample_.push_back(gained.sample(block - 1 - i));
+  }
+  // To a constant input from its end values: the instantaneous part less what the states withdraw.
+  steady_gain_ = now_[integrations_];
+  for (std::size_t s = 0; s < size_; ++s) {
+    if (is_real_part(s)) steady_gain_ -= output_[s];
+    largest_ = std::max(largest_, std::abs(output_[s]));
+  }
+}
+
+bool FilterBank::is_real_part(std::size_t s) const noexcept {
+  return s < real_size_ || s % lane < half;
 }
 
 void FilterBank::reset() noexcept {
   std::fill(state_.begin(), state_.end(), 0);
+  integral_.fill(0);
+  lost_.fill(0);
+  latest_ = 0;
   steady_ = 0;
-  first_real_ = first_complex_ = 0;
+  first_ = 0;
 }
 
-void FilterBank::change(const std::vector<double>& by_re, const std::vector<double>& by_im) noexcept {
-  for (std::size_t s = 0; s < real_size_; ++s) state_[s] = flushed(state_[s] + by_re[s] * state_[s]);
-  for (std::size_t k = 0; k < complex_size_; ++k) {
-    double& re = state_[real_size_ + k];
-    double& im = state_[real_size_ + complex_size_ + k];
-    const double a = by_re[real_size_ + k];
-    const double b = by_im[k];
-    const double next = re + (a * re - b * im);
-    im = flushed(im + (b * re + a * im));
-    re = flushed(next);
-  }
+void FilterBank::add_to_integral(std::size_t q, double gain) noexcept {
+  // What the sum cannot hold is added next time.
+  const double increment = lost_[q] + gain;
+  const double sum = integral_[q] + increment;
+  lost_[q] = increment - (sum - integral_[q]);
+  integral_[q] = sum;
 }
 
-double FilterBank::step(std::span<const double> gamma) noexcept {
+double FilterBank::step(double next) noexcept {
   leave_constant();
+  const std::size_t m = integrations_;
+  std::array<double, most_powers> gamma{};
+  std::copy_n(integral_.begin(), m, gamma.begin());
+  gamma[m] = latest_;
+  gamma[m + 1] = next - latest_;
   double y = 0;
   for (std::size_t s = 0; s < size_; ++s) y += output_[s] * state_[s];
-  change(change_re_, change_im_);
-  for (std::size_t channel = 0; channel < channels_; ++channel) {
-    y += now_[channel] * gamma[channel];
-    for (std::size_t s = 0; s < size_; ++s) state_[s] += drive_[channel * size_ + s] * gamma[channel];
+  for (std::size_t s = 0; s < real_size_; ++s) state_[s] = flushed(state_[s] + change_[s] * state_[s]);
+  for (std::size_t group = real_size_; group < size_; group += lane) {
+    for (std::size_t s = group; s < group + half; ++s) {
+      const double re = state_[s];
+      const double im = state_[s + half];
+      state_[s] = flushed(re + (change_[s] * re + cross_[s] * im));
+      state_[s + half] = flushed(im + (change_[s + half] * im + cross_[s + half] * re));
+    }
   }
+  const std::size_t last = m + (is_straight_ ? 1 : 0);
+  for (std::size_t q = 0; q <= m + 1; ++q) y += now_[q] * gamma[q];
+  for (std::size_t q = 0; q <= last; ++q) {
+    for (std::size_t s = 0; s < size_; ++s) state_[s] += drive_[q * size_ + s] * gamma[q];
+  }
+  for (std::size_t p = 0; p < m; ++p) {
+    double gain = 0;
+    for (std::size_t q = p + 1; q <= last; ++q) gain += inverse_factorial[q - p] * gamma[q];
+    add_to_integral(p, gain);
+  }
+  latest_ = next;
   return y;
+}
+
+void FilterBank::integrate_block(const double* next, double* extra) noexcept {
+  const std::size_t count = 1 + integrations_;
+  extra[0] = latest_;
+  std::copy_n(integral_.begin(), integrations_, extra + 1);
+  for (std::size_t p = 0; p < integrations_; ++p) {
+    double gain = 0;
+    for (std::size_t q = 0; q < count; ++q) gain += gained_from_extra_[p * count + q] * extra[q];
+    for (std::size_t i = 0; i < block; ++i) gain += gained_from_sample_[p * block + i] * next[i];
+    add_to_integral(p, gain);
+  }
+  latest_ = next[block - 1];
+}
+
+FilterArrays FilterBank::arrays() noexcept {
+  return {.first = first_ / lane * lane,
+          .size = size_,
+          .extra = 1 + integrations_,
+          .change = block_change_.data(),
+          .cross = block_cross_.data(),
+          .state_output = block_output_.data(),
+          .drive = block_drive_.data(),
+          .kernel = kernel_.data(),
+          .extra_output = extra_output_.data(),
+          .extra_drive = extra_drive_.data(),
+          .state = state_.data(),
+          .before = before_.data()};
+}
+
+bool FilterBank::settles(const double* next, double before) const noexcept {
+  if (integrations_ > 0 || next[0] != before) return false;
+  std::ptrdiff_t others = 0;
+  for (std::size_t i = 0; i < block; ++i) others += next[i] != before ? 1 : 0;
+  return others == 0;
+}
+
+void FilterBank::run(const double* next, std::size_t blocks, double* output) noexcept {
+  while (blocks > 0) {
+    // As many as are alike.
+    const std::size_t most = std::min(blocks, together);
+    const bool constant = settles(next, latest_);
+    std::size_t count = 1;
+    while (count < most && settles(next + count * block, next[count * block - 1]) == constant) ++count;
+    if (constant) {
+      run_constant(count, output);
+    } else {
+      leave_constant();
+      for (std::size_t b = 0; b < count; ++b) integrate_block(next + b * block, &extra_[b * (1 + integrations_)]);
+      // Output in place of the input would change what is still to be read.
+      std::array<double, together * block> copy;
+      const bool overlaps = output < next + count * block && next < output + count * block;
+      if (overlaps) std::copy_n(next, count * block, copy.begin());
+      const FilterInput input{overlaps ? copy.data() : next, extra_.data()};
+      run_filter(arrays(), &input, 0, count, output);
+    }
+    next += count * block;
+    output += count * block;
+    blocks -= count;
+  }
 }
 
 void FilterBank::leave_constant() noexcept {
   if (steady_ != 0) {
-    for (std::size_t s = 0; s < real_size_ + complex_size_; ++s) state_[s] -= steady_;
+    for (std::size_t s = 0; s < size_; ++s) {
+      if (is_real_part(s)) state_[s] -= steady_;
+    }
   }
   steady_ = 0;
-  first_real_ = first_complex_ = 0;
+  first_ = 0;
 }
 
-void FilterBank::run_constant(double value, double* output) noexcept {
-  if (steady_ != value) {
+void FilterBank::run_constant(std::size_t blocks, double* output) noexcept {
+  if (steady_ != latest_) {
     leave_constant();
-    steady_ = value;
-    for (std::size_t s = 0; s < real_size_ + complex_size_; ++s) state_[s] += steady_;
+    steady_ = latest_;
+    for (std::size_t s = 0; s < size_; ++s) {
+      if (is_real_part(s)) state_[s] += steady_;
+    }
   }
-  std::fill(output, output + block, value * steady_gain_);
-  const auto add = [&](std::size_t from, std::size_t to) {
-    add_rows(state_.data() + from, to - from, block_output_.data() + from * block, block, output);
-  };
-  const std::size_t imaginary = real_size_ + complex_size_;
-  add(first_real_, real_size_);
-  add(real_size_ + first_complex_, imaginary);
-  add(imaginary + first_complex_, size_);
-  for (std::size_t s = first_real_; s < real_size_; ++s) {
-    state_[s] = flushed(state_[s] + block_change_re_[s] * state_[s]);
-  }
-  for (std::size_t k = first_complex_; k < complex_size_; ++k) {
-    double& re = state_[real_size_ + k];
-    double& im = state_[imaginary + k];
-    const double a = block_change_re_[real_size_ + k];
-    const double b = block_change_im_[k];
-    const double next = re + (a * re - b * im);
-    im = flushed(im + (b * re + a * im));
-    re = flushed(next);
-  }
+  run_filter(arrays(), nullptr, latest_ * steady_gain_, blocks, output);
   // 1e-22 of the largest output weight is nothing to any sum of a few hundred.
-  const auto has_decayed = [&](double state, std::size_t s) {
-    return std::abs(state) * std::hypot(output_[s], s < real_size_ ? 0 : output_[s + complex_size_]) <
-           1e-22 * std::abs(value) * largest_;
+  const auto has_decayed = [&](std::size_t s) {
+    return std::abs(state_[s] * output_[s]) < 1e-22 * std::abs(latest_) * largest_;
   };
-  while (first_real_ < real_count_ && has_decayed(state_[first_real_], first_real_)) state_[first_real_++] = 0;
-  while (first_complex_ < complex_count_) {
-    const std::size_t s = real_size_ + first_complex_;
-    if (!has_decayed(std::hypot(state_[s], state_[s + complex_size_]), s)) break;
-    state_[s] = state_[s + complex_size_] = 0;
-    ++first_complex_;
-  }
-}
-
-bool FilterBank::settles(const double* gamma) const noexcept {
-  if (gamma[0] == 0 || !is_constant(gamma)) return false;
-  for (std::size_t channel = 1; channel < channels_; ++channel) {
-    if (gamma[channel * block] != 0 || !is_constant(gamma + channel * block)) return false;
-  }
-  return true;
-}
-
-void FilterBank::run_blocks(const double* gamma, double* output) noexcept {
-  const std::size_t stride = channels_ * block;
-  bool any_settles = false;
-  for (std::size_t b = 0; b < together; ++b) any_settles = any_settles || settles(gamma + b * stride);
-  if (any_settles) {
-    for (std::size_t b = 0; b < together; ++b) run_block(gamma + b * stride, output + b * block);
-    return;
-  }
-  leave_constant();
-  constexpr std::size_t half = block / 2;
-  const double* factor[together];
-  double* result[together];
-  std::fill(driven_.begin(), driven_.end(), 0);
-  std::fill(output, output + together * block, 0);
-  for (std::size_t channel = 0; channel < channels_; ++channel) {
-    for (std::size_t b = 0; b < together; ++b) factor[b] = gamma + b * stride + channel * block;
-    if (std::all_of(factor, factor + together, is_constant)) {
-      for (std::size_t b = 0; b < together; ++b) {
-        const double in = factor[b][0];
-        if (in == 0) continue;
-        for (std::size_t i = 0; i < block; ++i) output[b * block + i] += in * kernel_sum_[channel * block + i];
-        for (std::size_t s = 0; s < size_; ++s) {
-          driven_[b * padded_size_ + s] += in * block_drive_sum_[channel * size_ + s];
-        }
-      }
-      continue;
-    }
-    for (std::size_t s = 0; s < size_; s += half) {
-      for (std::size_t b = 0; b < together; ++b) result[b] = &driven_[b * padded_size_ + s];
-      add_tile(factor, block, &block_drive_[channel * block * size_ + s], static_cast<std::ptrdiff_t>(size_), result);
-    }
-    // Row l of the convolution is the kernel moved right by l: it does not reach the first half after half the rows.
-    const double* kernel = &kernel_[channel * 2 * block + block];
-    for (std::size_t b = 0; b < together; ++b) result[b] = output + b * block;
-    add_tile(factor, half, kernel, -1, result);
-    for (std::size_t b = 0; b < together; ++b) result[b] = output + b * block + half;
-    add_tile(factor, block, kernel + half, -1, result);
-  }
-  for (std::size_t b = 0; b < together; ++b) {
-    std::copy(state_.begin(), state_.end(), &states_[b * padded_size_]);
-    change(block_change_re_, block_change_im_);
-    for (std::size_t s = 0; s < size_; ++s) state_[s] += driven_[b * padded_size_ + s];
-  }
-  for (std::size_t b = 0; b < together; ++b) factor[b] = &states_[b * padded_size_];
-  for (const std::size_t from : {std::size_t{0}, half}) {
-    for (std::size_t b = 0; b < together; ++b) result[b] = output + b * block + from;
-    add_tile(factor, size_, block_output_.data() + from, block, result);
-  }
-}
-
-void FilterBank::run_block(const double* gamma, double* output) noexcept {
-  if (settles(gamma)) {
-    run_constant(gamma[0], output);
-    return;
-  }
-  leave_constant();
-  std::fill(output, output + block, 0);
-  add_rows(state_.data(), size_, block_output_.data(), block, output);
-  change(block_change_re_, block_change_im_);
-  for (std::size_t channel = 0; channel < channels_; ++channel) {
-    const double* in = gamma + channel * block;
-    if (is_constant(in)) {
-      if (in[0] == 0) continue;
-      for (std::size_t i = 0; i < block; ++i) output[i] += in[0] * kernel_sum_[channel * block + i];
-      for (std::size_t s = 0; s < size_; ++s) state_[s] += in[0] * block_drive_sum_[channel * size_ + s];
-    } else {
-      // Row l of the convolution is the kernel moved right by l.
-      add_rows(in, block, &kernel_[channel * 2 * block + block], -1, output);
-      add_drive(in, block_drive_.data() + channel * block * size_, size_, state_.data());
-    }
-  }
+  for (; first_ < real_count_ && has_decayed(first_); ++first_) state_[first_] = 0;
 }
 
 }  // namespace frac::detail

@@ -7,13 +7,7 @@
 #include <numbers>
 
 #include "exact_power.hpp"
-
-// Copies for processors with wider registers, chosen when the program is loaded.
-#if defined(__x86_64__) && defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define FRACFIT_WIDE_VECTORS __attribute__((target_clones("avx512f", "fma", "default")))
-#else
-#define FRACFIT_WIDE_VECTORS
-#endif
+#include "wide_vectors.hpp"
 
 namespace frac::detail {
 namespace {

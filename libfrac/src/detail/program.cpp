@@ -134,13 +134,11 @@ void Program::evaluate(std::span<const double> parameters, std::span<const doubl
     }
     if (!with_gradient) continue;
     backward(count, work);
-    const auto rows = gradient.subspan(start * parameter_count_, count * parameter_count_);
     for (std::size_t slot = 0; slot < real_steps_.size(); ++slot) {
       if (real_steps_[slot].operation != Operation::parameter) continue;
       const auto column = static_cast<std::size_t>(real_steps_[slot].parameter);
-      for (std::size_t i = 0; i < count; ++i) {
-        rows[i * parameter_count_ + column] = work.real_adjoint[slot].get(i);
-      }
+      Complex* const to = gradient.data() + column * omega.size() + start;
+      for (std::size_t i = 0; i < count; ++i) to[i] = work.real_adjoint[slot].get(i);
     }
   }
 }

@@ -22,8 +22,8 @@ class Program {
   /// an exponent that is no whole number.  Empty when there is none.
   [[nodiscard]] const std::string& unrealisable_power() const noexcept { return unrealisable_power_; }
 
-  /// Values at s = j omega and, unless `gradient` is empty, their derivatives, row by row.  Arguments have been
-  /// checked.
+  /// Values at s = j omega and, unless `gradient` is empty, their derivatives, one column per parameter.  Arguments
+  /// have been checked.
   void evaluate(std::span<const double> parameters, std::span<const double> omega, const Realisation& realisation,
                 std::span<std::complex<double>> value, std::span<std::complex<double>> gradient) const;
 

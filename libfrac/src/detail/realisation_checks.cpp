@@ -23,6 +23,13 @@ void check_memory_length(std::size_t memory_length, std::string_view where) {
   }
 }
 
+void check_omega(const Realisation& realisation, std::span<const double> omega, std::string_view where) {
+  const bool sampled = std::holds_alternative<GrunwaldLetnikovRealisation>(realisation);
+  for (const double each : omega) {
+    if (sampled || !(each > 0 && each <= std::numeric_limits<double>::max())) check_omega(realisation, each, where);
+  }
+}
+
 void check_omega(const Realisation& realisation, double omega, std::string_view where) {
   if (!(std::isfinite(omega) && omega > 0)) {
     throw std::invalid_argument(std::string(where) + ": omega = " + number_text(omega) +

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string_view>
 
 #include "frac/realisation.hpp"
@@ -21,5 +22,6 @@ void check_realised_order(double order, std::string_view where);
 
 /// @throws std::invalid_argument  omega not positive and finite, or above the Nyquist frequency of the realisation.
 void check_omega(const Realisation& realisation, double omega, std::string_view where);
+void check_omega(const Realisation& realisation, std::span<const double> omega, std::string_view where);
 
 }  // namespace frac::detail

@@ -7,9 +7,11 @@
 #include <stdexcept>
 
 #include "../detail/number_text.hpp"
+#include "correction_taps.hpp"
 #include "frac/fractional_pid.hpp"
 #include "power_design.hpp"
 #include "section_kernel.hpp"
+#include "tap_line.hpp"
 
 namespace frac {
 namespace {
@@ -17,9 +19,8 @@ namespace {
 constexpr double pi = std::numbers::pi;
 // No coefficient may leave the range of float by far.
 constexpr double largest_coefficient = 1e30;
-// What the corrections may amplify beyond the band: through the derivative, noise there reaches the actuator.
-constexpr double most_integral_gain = 20;
-constexpr double most_derivative_gain = 4;
+// Of the filters beyond the band, over the exact operator.
+constexpr double most_amplification = 5;
 
 [[noreturn]] void refuse(const std::string& why) {
   throw std::invalid_argument("fractional PID: " + why);
@@ -61,6 +62,9 @@ void check(const FractionalPidConfig& config) {
   }
   check_number("tracking_time", config.tracking_time, 0, "0 (chosen) or above, finite", " s");
   check_number("derivative_filter_time", config.derivative_filter_time, 0, "0 or above, finite", " s");
+  if (!(config.most_swing >= 0 && config.most_swing <= 10)) {
+    refuse("most_swing = " + detail::number_text(config.most_swing) + "; allowed is 0 to 10");
+  }
   const double lowest = std::numeric_limits<double>::lowest();
   check_number("setpoint_weight", config.setpoint_weight, lowest, "a finite number", "");
   check_number("derivative_setpoint_weight", config.derivative_setpoint_weight, lowest, "a finite number", "");
@@ -92,8 +96,13 @@ FrequencyBand usable_band(const FractionalPidConfig& config, std::string& note) 
   return {band.lower, highest};
 }
 
-PidOperator operator_of(const ParallelSections& sections) {
+PidOperator operator_of(const DigitalPower& power) {
+  const ParallelSections& sections = power.parallel;
   PidOperator result;
+  if (power.taps.size() > 1) {
+    result.tap_count = detail::even_count(power.taps.size());
+    std::copy(power.taps.begin(), power.taps.end(), result.taps.begin());
+  }
   const std::size_t count = sections.rates.size();
   if (count > PidOperator::capacity) {
     refuse(std::to_string(count) + " sections are needed; allowed are up to " + std::to_string(PidOperator::capacity) +
@@ -113,6 +122,7 @@ PidOperator operator_of(const ParallelSections& sections) {
     result.weights[i] = sections.weights[order[i]];
     if (sections.output == SectionOutput::change) result.high_gain += result.weights[i];
   }
+  result.high_gain *= power.taps[0];
   const auto is_wild = [](double value) { return !(std::abs(value) < largest_coefficient); };
   if (is_wild(result.direct) || std::any_of(result.weights.begin(), result.weights.end(), is_wild)) {
     refuse("a coefficient above 1e30 is needed; scale the signals or the time");
@@ -120,32 +130,41 @@ PidOperator operator_of(const ParallelSections& sections) {
   return result;
 }
 
-// Gain beyond the band, over that of s^order itself, above which the answer to a step swings below zero.
-constexpr double ringing_amplification = 1.5;
+std::string design_note(const DigitalPower& power, const std::string& name, const detail::DirectLimits& limits) {
+  const bool is_limited = power.method == Discretisation::direct && std::isfinite(limits.swing);
+  const double swing = is_limited ? detail::step_swing(power.parallel, power.taps, limits.lag_share) : 0;
+  const bool swings = is_limited && swing > limits.swing;
+  std::string note;
+  if (power.status == ApproximationStatus::not_attainable) {
+    note += "The error of the " + name + " filter is " + short_text(power.error.max_relative) + ", above the tolerance";
+    if (is_limited && !swings) {
+      note += "; less would make its answer to a step swing by more than " + short_text(limits.swing) +
+              " of the peak from sample to sample: allow more swing, a lag before the derivative, or a lower band";
+    }
+    note += ". ";
+  }
+  if (swings) {
+    note += "The answer of the " + name + " to a step swings by " + short_text(swing) +
+            " of its peak from sample to sample; a lag before the derivative or a lower band avoids that. ";
+  }
+  return note;
+}
 
 // The filter for s^order, made so that `integrators` trapezoidal ones behind it are right too.
-PidOperator filter_for(double order, int integrators, double most_gain, const char* name,
+PidOperator filter_for(double order, int integrators, const detail::DirectLimits& limits, const std::string& name,
                        const FractionalPidConfig& config, double& error, std::string& note) {
   if (order == 0) return {};
   const DigitalPower power = [&] {
     try {
       return detail::power_in_sections({order, 0, integrators}, config.band, config.goal, config.sample_time,
-                                       config.discretisation, ApproximationMethod::ladder, most_gain);
+                                       config.discretisation, ApproximationMethod::ladder, limits);
     } catch (const std::invalid_argument& failure) {
-      refuse(std::string(name) + ": " + failure.what());
+      refuse(name + ": " + failure.what());
     }
   }();
   error = power.error.max_relative;
-  if (power.status == ApproximationStatus::not_attainable) {
-    note += "The error of the " + std::string(name) + " filter is " + short_text(error) + ", above the tolerance. ";
-  }
-  if (integrators == 0 && power.most_amplification > ringing_amplification) {
-    note += "Between the band and half the sampling frequency the " + std::string(name) + " gains up to " +
-            short_text(power.most_amplification) +
-            " times as much as s^mu, so that its answer to a step rings from sample to sample; al-alaoui, a derivative "
-            "filter time, a lower band or a derivative set-point weight of 0 avoid that. ";
-  }
-  return operator_of(power.parallel);
+  note += design_note(power, name, limits);
+  return operator_of(power);
 }
 
 // With Ti = (kp/ki)^(1/lambda) the integral settles at the limit itself, whatever the control error is, and begins to
@@ -200,10 +219,12 @@ FractionalPidDesign::FractionalPidDesign(const FractionalPidConfig& config) : co
   const double integral_order = ki != 0 ? 1 - lambda : 0;
   const double derivative_order = kd != 0 ? (mu < 1 ? mu : mu - 1) : 0;
   if (integral_order != 0 || derivative_order != 0) config_.band = usable_band(config, note_);
-  integral_ = filter_for(integral_order, 1, most_integral_gain, "integral", config_, integral_error_, note_);
+  integral_ = filter_for(integral_order, 1, {most_amplification}, "integral", config_, integral_error_, note_);
   // Its first sample of the step response: the limits are obeyed by solving for it.
   if (!(integral_.high_gain > 0)) refuse("no usable filter for s^" + short_text(integral_order) + " on this band");
-  derivative_ = filter_for(derivative_order, 0, most_derivative_gain, "derivative", config_, derivative_error_, note_);
+  const double lag_share = config.sample_time / (config.derivative_filter_time + config.sample_time);
+  derivative_ = filter_for(derivative_order, 0, {most_amplification, config.most_swing, lag_share}, "derivative",
+                           config_, derivative_error_, note_);
   if (ki != 0 && config.anti_windup == AntiWindup::back_calculation) {
     // The correction acts within its sample, so that any tracking time is stable; one below the sample time is in
     // effect the sample time.
@@ -237,7 +258,7 @@ std::complex<double> FractionalPidDesign::response(double omega) const {
     for (std::size_t i = 0; i < design.sections; ++i) {
       sum += design.weights[i] * (design.output == SectionOutput::state ? 1.0 : delta) / (delta + design.rates[i]);
     }
-    return sum;
+    return design.tap_count == 0 ? sum : sum * response_of_taps({design.taps.data(), design.tap_count}, delta);
   };
   const auto& [kp, ki, kd, lambda, mu] = config_.gains;
   const std::complex<double> difference = delta / (1.0 + delta) / time;

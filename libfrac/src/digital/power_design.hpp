@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "frac/discretise.hpp"
 
 namespace frac::detail {
@@ -11,10 +13,17 @@ struct SplitOrder {
   int integrators;
 };
 
+/// Of Discretisation::direct, for what lies beyond the band.
+struct DirectLimits {
+  double amplification;                                    // of |H/(j omega)^order|
+  double swing = std::numeric_limits<double>::infinity();  // see step_swing(); for 0 < order < 1
+  double lag_share = 1;
+};
+
 /// digital_power() for a given way to split the order; not grunwald_letnikov.
 /// @throws std::invalid_argument  as digital_power().
 [[nodiscard]] DigitalPower power_in_sections(const SplitOrder& order, FrequencyBand band, ApproximationGoal goal,
                                              double sample_time, Discretisation method,
-                                             ApproximationMethod approximation, double most_gain);
+                                             ApproximationMethod approximation, const DirectLimits& limits);
 
 }  // namespace frac::detail

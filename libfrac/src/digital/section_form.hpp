@@ -3,22 +3,19 @@
 #include <vector>
 
 #include "frac/discretise.hpp"
-#include "gain_correction.hpp"
 
 namespace frac::detail {
 
 /// gain prod (s + zeros_i)/(s + poles_i) with s = (1/T) delta/(1 + slope delta), delta = z - 1, in first-order
 /// sections: a root at -p lies at delta = -rate, rate = p T/(1 + slope p T).  slope 1/2 is the bilinear rule, 7/8
-/// Al-Alaoui's.
+/// Al-Alaoui's, 1 the backward difference.
 class SectionForm {
  public:
   /// @param system  real roots <= 0, as many zeros as poles, poles negative and distinct.
   SectionForm(const ZeroPoleGain& system, double sample_time, double slope);
 
   [[nodiscard]] DeltaCascade cascade() const;
-  [[nodiscard]] ParallelSections parallel() const { return times(GainCorrection{}); }
-  /// Partial fractions of the product with a correction whose corners are no poles of this.
-  [[nodiscard]] ParallelSections times(const GainCorrection& correction) const;
+  [[nodiscard]] ParallelSections parallel() const;
 
  private:
   using Extended = long double;
@@ -34,8 +31,5 @@ class SectionForm {
   std::vector<Extended> zeros_;  // -zero, by falling size
   std::vector<Extended> poles_;
 };
-
-/// The correction itself in sections.
-[[nodiscard]] ParallelSections sections_of(const GainCorrection& correction);
 
 }  // namespace frac::detail

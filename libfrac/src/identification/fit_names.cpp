@@ -39,6 +39,7 @@ constexpr std::array<std::string_view, 6> weight_names = {"relative",          "
                                                           "smoothed-relative", "log-complex", "repeats"};
 constexpr std::array<std::string_view, 3> loss_names = {"none", "huber", "cauchy"};
 constexpr std::array<std::string_view, 3> termination_names = {"converged", "not-converged", "no-usable-start"};
+constexpr std::array<std::string_view, 2> interval_names = {"curvature", "profile"};
 constexpr std::array<std::string_view, 3> family_names = {"powers", "denominator", "arcs"};
 
 }  // namespace
@@ -54,6 +55,9 @@ std::string_view to_string(Loss loss) {
 }
 std::string_view to_string(FitTermination termination) {
   return name_of(termination, termination_names);
+}
+std::string_view to_string(IntervalKind kind) {
+  return name_of(kind, interval_names);
 }
 std::string_view to_string(GrowthFamily family) {
   return name_of(family, family_names);

@@ -20,12 +20,18 @@ constexpr int rounds = 24;
 constexpr int least_rounds = 4;
 constexpr std::size_t agreement = 4;
 constexpr double enough_confidence = 0.9;
-// A scouting solve is finished only if it came within this factor of the best cost so far.
+// A scout that was stopped early goes on only if it came within the first factor of the best cost so far, and one that
+// came to rest is finished only if within the second: the minimum of all residuals next to that of 40 of them is lower
+// by the share of noise that parameters follow, k/40 or so.
 constexpr double promising = 10;
+constexpr double in_reach = 3;
 // Ends whose costs agree to this are the same minimum, or equally good fits; those beyond `rival` times the best are
 // poor ones.
 constexpr double equally_good = 1e-3;
 constexpr double rival = 1.5;
+// Of mean squares of residuals over all points and over those scouted: noise alone gives 40 points a standard deviation
+// of 1/sqrt(20) = 22 % or less, so this is more than four of them.
+constexpr double missed_feature = 2;
 // A walk is worth its solves along directions where one natural unit (an e-fold) adds less than this many times the
 // cost: beyond, the quadratic picture says that the data pin the parameter down.
 constexpr double hardly_resists = 0.1;
@@ -186,8 +192,9 @@ std::vector<double> controlled_random_search(const Residuals& residuals, const s
 /// The state of one search.
 class Search {
  public:
-  Search(const Residuals& residuals, const std::vector<double>& suggested_orders, std::uint64_t seed)
-      : residuals_(residuals), suggested_orders_(suggested_orders), seed_(seed), generator_(seed) {
+  Search(const Residuals& scouting, const Residuals& residuals, const std::vector<double>& suggested_orders,
+         std::uint64_t seed)
+      : scouting_(scouting), residuals_(residuals), suggested_orders_(suggested_orders), seed_(seed), generator_(seed) {
     result_.best.cost = std::numeric_limits<double>::infinity();
   }
 
@@ -197,20 +204,24 @@ class Search {
       return !std::isnan(residuals_.map().start()[entry.parameter]);
     });
     // These are not drawn like the others, so they say nothing of the number of minima.
-    try_from(linear_starts(residuals_, suggested_orders_, generator_));
+    scout_from(linear_starts(scouting_, suggested_orders_, generator_));
     independent_ = 0;
     for (int round = 0; round < rounds && !exact(); ++round) {
-      try_from(screened_draws(residuals_, suggested_orders_, generator_, start_given && round == 0));
-      if (round + 1 < least_rounds || !settled()) continue;
-      if (!walk_to_lower_cost() && settled()) break;
+      scout_from(screened_draws(scouting_, suggested_orders_, generator_, start_given && round == 0));
+      if (round + 1 < least_rounds) continue;
+      finish_promising();
+      if (settled() && !walk_to_lower_cost() && settled()) break;
     }
-    if (at_best(ends_) == 1 && !exact()) {
+    finish_promising();
+    if (at_best() == 1 && !exact()) {
       const std::size_t independent = independent_;
-      try_from({controlled_random_search(residuals_, result_.best.theta, seed_)});
+      scout_from({controlled_random_search(scouting_, result_.best.theta, seed_)});
+      finish_promising();
       independent_ = independent;
     }
     if (std::isfinite(result_.best.cost)) {
-      result_.starts_at_best = at_best(ends_);
+      result_.starts = scouts_.size();
+      result_.starts_at_best = at_best();
       result_.minima = minima();
       // A cost of zero cannot be beaten.
       result_.confidence = exact() ? 1 : confidence();
@@ -219,21 +230,35 @@ class Search {
   }
 
  private:
+  struct Scout {
+    LocalSolution local;  // on the scouting residuals
+    double end;           // cost of all residuals there, or of the minimum it leads to once finished
+    enum { waiting, finished, dropped } state = waiting;
+  };
+
+  [[nodiscard]] static LocalOptions scouting_options() {
+    LocalOptions options;
+    options.iterations = 40;
+    options.cost_tolerance = 1e-6;
+    return options;
+  }
+
   [[nodiscard]] bool exact() const { return result_.best.cost <= residuals_.rounding_cost(); }
   [[nodiscard]] double confidence() const { return confidence_of_optimum(independent_, minima()); }
-  [[nodiscard]] bool settled() const { return at_best(ends_) >= agreement && confidence() >= enough_confidence; }
+  [[nodiscard]] bool settled() const { return at_best() >= agreement && confidence() >= enough_confidence; }
   [[nodiscard]] bool same(double cost, double least) const {
     return cost <= least * (1 + equally_good) + residuals_.rounding_cost();
   }
 
-  [[nodiscard]] std::size_t at_best(const std::vector<double>& costs) const {
-    return static_cast<std::size_t>(
-        std::count_if(costs.begin(), costs.end(), [&](double cost) { return same(cost, result_.best.cost); }));
+  [[nodiscard]] std::size_t at_best() const {
+    return static_cast<std::size_t>(std::count_if(
+        scouts_.begin(), scouts_.end(), [&](const Scout& scout) { return same(scout.end, result_.best.cost); }));
   }
 
   /// Distinct costs up to `rival` times the best; all ends beyond it count as one.
   [[nodiscard]] std::size_t minima() const {
-    std::vector<double> costs = ends_;
+    std::vector<double> costs;
+    for (const Scout& scout : scouts_) costs.push_back(scout.end);
     std::sort(costs.begin(), costs.end());
     const double floor = residuals_.rounding_cost();
     std::size_t count = 0;
@@ -247,37 +272,68 @@ class Search {
     return count;
   }
 
-  /// A scouting solve that came to rest at a cost found before, and not below the best.
-  [[nodiscard]] bool known(const LocalSolution& scout) const {
-    if (!scout.converged || exact() || scout.cost < result_.best.cost) return false;
-    return std::any_of(ends_.begin(), ends_.end(),
-                       [&](double cost) { return same(scout.cost, cost) && same(cost, scout.cost); });
+  /// Short solves from each start on the scouting residuals.
+  void scout_from(const std::vector<std::vector<double>>& starts) {
+    for (const std::vector<double>& theta : starts) {
+      LocalSolution local = local_solve(scouting_, theta, scouting_options());
+      const double end = residuals_.cost(local.theta);
+      ++independent_;
+      scouts_.push_back({std::move(local), end});
+      if (end <= residuals_.rounding_cost()) finish(scouts_.back());
+    }
   }
 
-  /// Scouts from each start, then finishes those that are in reach of the best.  True if one went below the best.
-  bool try_from(const std::vector<std::vector<double>>& starts) {
-    LocalOptions scouting;
-    scouting.iterations = 40;
-    scouting.cost_tolerance = 1e-6;
-    std::vector<LocalSolution> found;
-    double least = result_.best.cost;
-    for (const std::vector<double>& theta : starts) {
-      found.push_back(local_solve(residuals_, theta, scouting));
-      least = std::min(least, found.back().cost);
+  /// Solves from where a scout stopped on all residuals.
+  void finish(Scout& scout) {
+    LocalSolution local = local_solve(residuals_, scout.local.theta, {});
+    scout.end = local.cost;
+    scout.state = Scout::finished;
+    if (local.cost < result_.best.cost) result_.best = std::move(local);
+  }
+
+  /// Lets a scout that was stopped early come to rest.
+  void pursue(Scout& scout) {
+    LocalOptions patient = scouting_options();
+    patient.iterations = 200;
+    scout.local = local_solve(scouting_, scout.local.theta, patient);
+    scout.end = residuals_.cost(scout.local.theta);
+  }
+
+  /// A finished scout that came to rest at the same cost.
+  [[nodiscard]] const Scout* twin_of(const Scout& scout) const {
+    const auto twin = std::find_if(scouts_.begin(), scouts_.end(), [&](const Scout& other) {
+      return other.state == Scout::finished && scout.local.converged && other.local.converged &&
+             same(scout.local.cost, other.local.cost) && same(other.local.cost, scout.local.cost);
+    });
+    return twin == scouts_.end() ? nullptr : &*twin;
+  }
+
+  /// Finishes the scouts in reach of the best, best first, but for those that came to rest where a finished one did
+  /// before.  True if one went below the best.
+  bool finish_promising() {
+    const double before = result_.best.cost;
+    std::vector<Scout*> waiting;
+    for (Scout& scout : scouts_) {
+      if (scout.state == Scout::waiting && std::isfinite(scout.end)) waiting.push_back(&scout);
     }
-    bool lower = false;
-    for (LocalSolution& local : found) {
-      ++result_.starts;
-      ++independent_;
-      if (local.cost <= promising * least + residuals_.rounding_cost() && !known(local)) {
-        local = local_solve(residuals_, local.theta, {});
+    std::sort(waiting.begin(), waiting.end(), [](const Scout* a, const Scout* b) { return a->end < b->end; });
+    const auto within = [&](const Scout& scout, double times) {
+      const double least = std::min(result_.best.cost, waiting.front()->end);
+      return scout.end <= times * least + residuals_.rounding_cost();
+    };
+    for (Scout* const scout : waiting) {
+      if (exact()) break;
+      if (!scout->local.converged && within(*scout, promising)) pursue(*scout);
+      if (!within(*scout, in_reach)) {
+        scout->state = Scout::dropped;
+      } else if (const Scout* twin = twin_of(*scout)) {
+        scout->end = twin->end;
+        scout->state = Scout::finished;
+      } else {
+        finish(*scout);
       }
-      ends_.push_back(local.cost);
-      if (!(local.cost < result_.best.cost)) continue;
-      lower = lower || !same(result_.best.cost, local.cost);
-      result_.best = std::move(local);
     }
-    return lower;
+    return !same(before, result_.best.cost);
   }
 
   /// Solves from points some e-folds away from the best one along its flat directions, until none leads lower.
@@ -290,7 +346,8 @@ class Search {
         for (const double step : {-4.0, -2.0, -1.0, 1.0, 2.0, 4.0}) add_step(direction, step, starts);
         for (const double step : dips_along(direction)) add_step(direction, step, starts);
       }
-      if (!try_from(starts)) break;
+      scout_from(starts);
+      if (!finish_promising()) break;
       lower = true;
     }
     independent_ = independent;
@@ -299,7 +356,7 @@ class Search {
 
   void add_step(const std::vector<double>& direction, double step, std::vector<std::vector<double>>& starts) const {
     std::vector<double> theta = stepped(direction, step);
-    if (std::isfinite(residuals_.cost(theta))) starts.push_back(std::move(theta));
+    if (std::isfinite(scouting_.cost(theta))) starts.push_back(std::move(theta));
   }
 
   /// Steps within 24 e-folds of the best point at which the cost has a minimum along the line, the lowest few.
@@ -308,7 +365,7 @@ class Search {
     constexpr double spacing = 0.25;
     constexpr std::size_t most = 4;
     std::vector<double> cost;
-    for (int i = -reach; i <= reach; ++i) cost.push_back(residuals_.cost(stepped(direction, i * spacing)));
+    for (int i = -reach; i <= reach; ++i) cost.push_back(scouting_.cost(stepped(direction, i * spacing)));
     std::vector<std::pair<double, double>> dips;
     for (int i = 1 - reach; i < reach; ++i) {
       const auto at = static_cast<std::size_t>(i + reach);
@@ -330,13 +387,14 @@ class Search {
     return theta;
   }
 
+  const Residuals& scouting_;
   const Residuals& residuals_;
   const std::vector<double>& suggested_orders_;
   std::uint64_t seed_;
   std::mt19937_64 generator_;
   GlobalSolution result_;
-  std::vector<double> ends_;     // cost of each solve
-  std::size_t independent_ = 0;  // solves from seeded starts, not from the best of the others
+  std::vector<Scout> scouts_;
+  std::size_t independent_ = 0;  // scouts from seeded starts, not from the best of the others
 };
 
 }  // namespace
@@ -373,9 +431,18 @@ double confidence_of_optimum(std::size_t starts, std::size_t minima) {
   return 1 - static_cast<double>(minima) / static_cast<double>(starts - 1);
 }
 
-GlobalSolution global_search(const Residuals& residuals, const std::vector<double>& suggested_orders,
-                             std::uint64_t seed) {
-  return Search(residuals, suggested_orders, seed).run();
+GlobalSolution global_search(const Residuals& scouting, const Residuals& residuals,
+                             const std::vector<double>& suggested_orders, std::uint64_t seed) {
+  GlobalSolution found = Search(scouting, residuals, suggested_orders, seed).run();
+  if (&scouting == &residuals) return found;
+  const auto mean = [&](const Residuals& of) {
+    return of.cost(found.best.theta) / static_cast<double>(of.count()) + of.rounding_cost();
+  };
+  if (found.starts_at_best > 0 && mean(residuals) <= missed_feature * mean(scouting)) return found;
+  const std::size_t in_vain = found.starts;
+  found = Search(residuals, residuals, suggested_orders, seed).run();
+  found.starts += in_vain;
+  return found;
 }
 
 }  // namespace frac::detail

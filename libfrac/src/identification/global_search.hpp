@@ -25,11 +25,14 @@ struct GlobalSolution {
 [[nodiscard]] double confidence_of_optimum(std::size_t starts, std::size_t minima);
 
 /// Seeded multi-start: each round draws coefficients from the magnitudes and frequencies the data span (their dimension
-/// says how), orders from the suggested ones and from their ranges, keeps the few draws of lowest cost and solves from
-/// each; linear least squares for the coefficients gives two more starts.  It ends when enough solves agree on the best
-/// cost and confidence_of_optimum() is high, after walks from the best minimum along the directions the data hardly
-/// resist have led nowhere lower.  If no two solves ever agree, NLopt's controlled random search tries the whole box.
-[[nodiscard]] GlobalSolution global_search(const Residuals& residuals, const std::vector<double>& suggested_orders,
-                                           std::uint64_t seed);
+/// says how), orders from the suggested ones and from their ranges, keeps the few draws of lowest cost and scouts from
+/// each; linear least squares for the coefficients gives two more starts.  Scouts that come near the best are finished
+/// on all residuals.  It ends when enough of them agree on the best cost and confidence_of_optimum() is high, after
+/// walks from the best minimum along the directions the data hardly resist have led nowhere lower.  If no two ever
+/// agree, NLopt's controlled random search tries the whole box.
+/// @param scouting  residuals of the same kind at fewer points, or `residuals` itself.  Where what it leaves out turns
+///                  out to be fitted worse than what it has, it misses a feature, and the search is made again without.
+[[nodiscard]] GlobalSolution global_search(const Residuals& scouting, const Residuals& residuals,
+                                           const std::vector<double>& suggested_orders, std::uint64_t seed);
 
 }  // namespace frac::detail

@@ -21,8 +21,7 @@ class LaplaceResiduals final : public Residuals {
   [[nodiscard]] std::size_t points() const noexcept override { return log_s_.size(); }
   [[nodiscard]] std::size_t per_point() const noexcept override { return 2; }
   [[nodiscard]] std::size_t eliminated() const noexcept override { return free_offset_ ? 1 : 0; }
-  bool evaluate(std::span<const double> theta, std::size_t first, std::size_t points, double* residual,
-                double* jacobian_row_major) const override;
+  bool evaluate(std::span<const double> theta, double* residual, double* jacobian) const override;
   [[nodiscard]] double best_factor(std::span<const double> theta) const override;
 
   /// Y/U at real s, in place of a frequency response: its slopes suggest orders.

@@ -6,15 +6,18 @@
 #include <ceres/solver.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <memory>
+
+#include "triangular_form.hpp"
 
 namespace frac::detail {
 
 namespace {
 
-/// All residuals and their Jacobian at the theta asked for last: within one step Ceres asks up to three times for the
-/// same, and block by block.
+/// The residuals at the theta asked for last and their Jacobian: within one step Ceres asks up to three times for the
+/// same, and block by block.  The Jacobian comes at once, since most steps are taken.
 class LastEvaluation {
  public:
   explicit LastEvaluation(const Residuals& residuals)
@@ -28,44 +31,81 @@ class LastEvaluation {
   [[nodiscard]] const std::vector<double>& residual() const { return residual_; }
   [[nodiscard]] const std::vector<double>& jacobian() const { return jacobian_; }
 
-  /// False where the model is not finite.
-  bool at(const double* theta, bool with_jacobian) {
-    const bool same = std::equal(theta_.begin(), theta_.end(), theta);
-    if (same && (has_jacobian_ || !with_jacobian)) return finite_;
+  /// Whether theta is another one than the last.
+  bool moves_to(const double* theta) {
+    if (std::equal(theta_.begin(), theta_.end(), theta)) return false;
     std::copy_n(theta, theta_.size(), theta_.begin());
-    has_jacobian_ = with_jacobian;
-    finite_ = residuals_.evaluate(theta_, 0, residuals_.points(), residual_.data(),
-                                  with_jacobian ? jacobian_.data() : nullptr);
-    return finite_;
+    finite_ = residuals_.evaluate(theta_, residual_.data(), jacobian_.data());
+    return true;
   }
+  /// False where the model is not finite.
+  [[nodiscard]] bool finite() const { return finite_; }
 
  private:
   const Residuals& residuals_;
   std::vector<double> theta_, residual_, jacobian_;
-  bool has_jacobian_ = false, finite_ = false;
+  bool finite_ = false;
 };
 
-/// Points [first, first + points) as one Ceres residual block over the whole theta.
-class PointsCost final : public ceres::CostFunction {
+/// All points as one Ceres residual block, reduced to as many rows as there are columns: the same cost, the same
+/// gradient and the same steps, and what Ceres does with them takes a time that does not grow with the points.
+class ReducedCost final : public ceres::CostFunction {
  public:
-  PointsCost(LastEvaluation& evaluation, std::size_t first, std::size_t points)
-      : evaluation_(evaluation), first_(first * evaluation.per_point()), count_(points * evaluation.per_point()) {
-    set_num_residuals(static_cast<int>(count_));
+  explicit ReducedCost(LastEvaluation& evaluation)
+      : evaluation_(evaluation), columns_(evaluation.width() + 1), triangle_(columns_ * columns_) {
+    set_num_residuals(static_cast<int>(columns_));
     mutable_parameter_block_sizes()->push_back(static_cast<int>(evaluation.width()));
   }
 
   bool Evaluate(const double* const* parameters, double* residual, double** jacobians) const override {
-    const bool with_jacobian = jacobians && jacobians[0];
-    if (!evaluation_.at(parameters[0], with_jacobian)) return false;
-    std::copy_n(evaluation_.residual().data() + first_, count_, residual);
-    const std::size_t width = evaluation_.width();
-    if (with_jacobian) std::copy_n(evaluation_.jacobian().data() + first_ * width, count_ * width, jacobians[0]);
+    if (evaluation_.moves_to(parameters[0])) {
+      finite_ = evaluation_.finite();
+      if (finite_) triangular_form(evaluation_.jacobian(), evaluation_.residual(), triangle_);
+      // Squares of finite entries may overflow.
+      finite_ = finite_ && std::all_of(triangle_.begin(), triangle_.end(), [](double x) { return std::isfinite(x); });
+    }
+    if (!finite_) return false;
+    for (std::size_t row = 0; row < columns_; ++row) {
+      const double* const from = triangle_.data() + row * columns_;
+      residual[row] = from[columns_ - 1];
+      if (jacobians && jacobians[0]) std::copy_n(from, columns_ - 1, jacobians[0] + row * (columns_ - 1));
+    }
     return true;
   }
 
  private:
   LastEvaluation& evaluation_;
-  std::size_t first_, count_;
+  std::size_t columns_;
+  mutable std::vector<double> triangle_;
+  mutable bool finite_ = false;
+};
+
+/// One point as a Ceres residual block over the whole theta.
+class PointCost final : public ceres::CostFunction {
+ public:
+  PointCost(LastEvaluation& evaluation, std::size_t point)
+      : evaluation_(evaluation), first_(point * evaluation.per_point()) {
+    set_num_residuals(static_cast<int>(evaluation.per_point()));
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(evaluation.width()));
+  }
+
+  bool Evaluate(const double* const* parameters, double* residual, double** jacobians) const override {
+    evaluation_.moves_to(parameters[0]);
+    if (!evaluation_.finite()) return false;
+    const std::size_t count = evaluation_.per_point(), width = evaluation_.width();
+    std::copy_n(evaluation_.residual().data() + first_, count, residual);
+    if (jacobians && jacobians[0]) {
+      const double* from = evaluation_.jacobian().data() + first_;
+      for (std::size_t k = 0; k < width; ++k, from += evaluation_.residual().size()) {
+        for (std::size_t row = 0; row < count; ++row) jacobians[0][row * width + k] = from[row];
+      }
+    }
+    return true;
+  }
+
+ private:
+  LastEvaluation& evaluation_;
+  std::size_t first_;
 };
 
 std::unique_ptr<ceres::LossFunction> make_loss(Loss loss, double scale) {
@@ -82,24 +122,41 @@ std::unique_ptr<ceres::LossFunction> make_loss(Loss loss, double scale) {
 
 }  // namespace
 
+LocalSolution solution_at(const Residuals& residuals, const std::vector<double>& theta, const LocalOptions& options) {
+  LocalSolution solution{theta, 0, 0, true};
+  solution.cost = solution.objective = residuals.cost(solution.theta);
+  const auto loss = make_loss(options.loss, options.loss_scale);
+  if (!loss || !std::isfinite(solution.cost)) return solution;
+  std::vector<double> residual(residuals.count());
+  residuals.evaluate(solution.theta, residual.data(), nullptr);
+  solution.objective = 0;
+  for (std::size_t i = 0; i < residual.size(); i += residuals.per_point()) {
+    double square = 0, rho[3];
+    for (std::size_t row = i; row < i + residuals.per_point(); ++row) square += residual[row] * residual[row];
+    loss->Evaluate(square, rho);
+    solution.objective += rho[0];
+  }
+  return solution;
+}
+
 LocalSolution local_solve(const Residuals& residuals, const std::vector<double>& start, const LocalOptions& options) {
-  LocalSolution solution{start, 0, false};
   const auto& free = residuals.map().free();
-  if (free.empty()) return {start, residuals.cost(start), true};
+  if (free.empty()) return solution_at(residuals, start, options);
 
   const auto loss = make_loss(options.loss, options.loss_scale);
   ceres::Problem::Options problem_options;
   problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(problem_options);
-  double* theta = solution.theta.data();
+  std::vector<double> end = start;
+  double* theta = end.data();
   LastEvaluation evaluation(residuals);
   if (loss) {
     // A loss acts on a block, so each frequency is a block of its own.
     for (std::size_t i = 0; i < residuals.points(); ++i) {
-      problem.AddResidualBlock(new PointsCost(evaluation, i, 1), loss.get(), theta);
+      problem.AddResidualBlock(new PointCost(evaluation, i), loss.get(), theta);
     }
   } else {
-    problem.AddResidualBlock(new PointsCost(evaluation, 0, residuals.points()), nullptr, theta);
+    problem.AddResidualBlock(new ReducedCost(evaluation), nullptr, theta);
   }
   for (std::size_t k = 0; k < free.size(); ++k) {
     problem.SetParameterLowerBound(theta, static_cast<int>(k), free[k].lower);
@@ -113,10 +170,12 @@ LocalSolution local_solve(const Residuals& residuals, const std::vector<double>&
   solver.gradient_tolerance = 1e-300;  // residuals are scaled, so only relative changes say when to stop
   solver.parameter_tolerance = 1e-14;
   solver.max_num_consecutive_invalid_steps = 20;
+  // A step that a bound cuts short is judged like any other; searching along it costs more than the next step.
+  solver.max_num_line_search_step_size_iterations = 0;
   solver.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
-  solution.cost = residuals.cost(solution.theta);
+  LocalSolution solution = solution_at(residuals, end, options);
   solution.converged = summary.termination_type == ceres::CONVERGENCE;
   return solution;
 }

@@ -1,9 +1,13 @@
 #include "residual_rule.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <stdexcept>
 #include <string>
+
+#include "detail/wide_vectors.hpp"
 
 namespace frac::detail {
 
@@ -246,27 +250,84 @@ bool ResidualRule::residual(std::size_t point, std::complex<double> model, std::
   return std::isfinite(result[0]);
 }
 
-void ResidualRule::derivatives(std::size_t point, std::complex<double> model,
-                               std::span<const std::complex<double>> of_model, double* rows) const {
-  const std::size_t count = of_model.size();
-  // The residuals are parts of factor * model, to first order.
-  std::complex<double> factor = weight[point];
-  if (form == ResidualForm::logarithmic || form == ResidualForm::log_magnitude || form == ResidualForm::phase) {
-    factor /= model;
-  } else if (form == ResidualForm::magnitude) {
-    factor *= std::abs(model) / model;
+namespace {
+
+/// No infinity and no NaN: no exponent of all ones.
+FRACFIT_WIDE_VECTORS bool all_finite(const double* values, std::size_t count) {
+  constexpr std::uint64_t exponent = 0x7ff0000000000000, lowest = 0x0010000000000000;
+  std::uint64_t overflow = 0;
+  for (std::size_t i = 0; i < count; ++i) overflow |= (std::bit_cast<std::uint64_t>(values[i]) & exponent) + lowest;
+  return overflow >> 63 == 0;
+}
+
+FRACFIT_WIDE_VECTORS void weigh_pairs(const double* weight, const double* values, std::size_t count, double* result) {
+  for (std::size_t i = 0; i < count; ++i) {
+    result[2 * i] = weight[i] * values[2 * i];
+    result[2 * i + 1] = weight[i] * values[2 * i + 1];
   }
-  const double real = factor.real(), imaginary = factor.imag();
-  const bool real_first = form != ResidualForm::imaginary && form != ResidualForm::phase;
-  double* imaginary_row = real_first ? rows + count : rows;
-  if (real_first) {
-    for (std::size_t k = 0; k < count; ++k) rows[k] = real * of_model[k].real() - imaginary * of_model[k].imag();
+}
+
+FRACFIT_WIDE_VECTORS void weigh_differences(const double* weight, const double* model, const double* data,
+                                            std::size_t count, double* result) {
+  for (std::size_t i = 0; i < count; ++i) {
+    result[2 * i] = weight[i] * (model[2 * i] - data[2 * i]);
+    result[2 * i + 1] = weight[i] * (model[2 * i + 1] - data[2 * i + 1]);
   }
-  if (!real_first || per_point() == 2) {
-    for (std::size_t k = 0; k < count; ++k) {
-      imaginary_row[k] = real * of_model[k].imag() + imaginary * of_model[k].real();
-    }
+}
+
+// Complex numbers are pairs of reals in memory.
+const double* as_pairs(std::span<const std::complex<double>> values) {
+  return reinterpret_cast<const double*>(values.data());
+}
+
+}  // namespace
+
+bool ResidualRule::residuals(std::span<const std::complex<double>> model, std::span<const std::complex<double>> data,
+                             double* result) const {
+  const std::size_t count = model.size();
+  if (form == ResidualForm::cartesian) {
+    weigh_differences(weight.data(), as_pairs(model), as_pairs(data), count, result);
+    return all_finite(result, 2 * count);
   }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!residual(i, model[i], data[i], result + i * per_point())) return false;
+  }
+  return true;
+}
+
+bool ResidualRule::derivatives(std::span<const std::complex<double>> model,
+                               std::span<const std::complex<double>> of_model, double* result) const {
+  const std::size_t count = model.size();
+  switch (form) {
+    case ResidualForm::imaginary:
+      for (std::size_t i = 0; i < count; ++i) result[i] = weight[i] * of_model[i].imag();
+      break;
+    case ResidualForm::real:
+      for (std::size_t i = 0; i < count; ++i) result[i] = weight[i] * of_model[i].real();
+      break;
+    case ResidualForm::cartesian:
+      weigh_pairs(weight.data(), as_pairs(of_model), count, result);
+      break;
+    case ResidualForm::magnitude:
+      for (std::size_t i = 0; i < count; ++i) {
+        result[i] = weight[i] * (std::abs(model[i]) * (of_model[i] / model[i])).real();
+      }
+      break;
+    case ResidualForm::logarithmic:
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::complex<double> of_logarithm = weight[i] * (of_model[i] / model[i]);
+        result[2 * i] = of_logarithm.real();
+        result[2 * i + 1] = of_logarithm.imag();
+      }
+      break;
+    case ResidualForm::log_magnitude:
+      for (std::size_t i = 0; i < count; ++i) result[i] = weight[i] * (of_model[i] / model[i]).real();
+      break;
+    case ResidualForm::phase:
+      for (std::size_t i = 0; i < count; ++i) result[i] = weight[i] * (of_model[i] / model[i]).imag();
+      break;
+  }
+  return all_finite(result, count * per_point());
 }
 
 std::vector<double> curve_residuals(const FrequencyResponseData& data, const ResidualRule& rule,

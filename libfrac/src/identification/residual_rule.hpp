@@ -33,9 +33,12 @@ struct ResidualRule {
   }
   /// Residual(s) of one point; false where they do not exist.
   bool residual(std::size_t point, std::complex<double> model, std::complex<double> data, double* result) const;
-  /// Their derivatives from those of the model: a row of one entry per derivative for each residual.
-  void derivatives(std::size_t point, std::complex<double> model, std::span<const std::complex<double>> of_model,
-                   double* rows) const;
+  /// Those of all points in order, and their derivatives from those of the model by one variable.  False where one is
+  /// not finite.
+  bool residuals(std::span<const std::complex<double>> model, std::span<const std::complex<double>> data,
+                 double* result) const;
+  bool derivatives(std::span<const std::complex<double>> model, std::span<const std::complex<double>> of_model,
+                   double* result) const;
 };
 
 /// @throws std::invalid_argument  the weight does not go with the component or with the data, as fit.hpp says.

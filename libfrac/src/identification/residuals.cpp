@@ -4,13 +4,27 @@
 #include <cmath>
 #include <limits>
 
+#include "detail/wide_vectors.hpp"
 #include "linear_start.hpp"
 
 namespace frac::detail {
 
+namespace {
+
+FRACFIT_WIDE_VECTORS void add_multiple(double factor, const double* from, std::size_t count, double* sum) {
+  for (std::size_t i = 0; i < count; ++i) sum[i] += factor * from[i];
+}
+
+void add_multiple(double factor, const std::complex<double>* from, std::span<std::complex<double>> sum) {
+  // Complex numbers are pairs of reals in memory.
+  add_multiple(factor, reinterpret_cast<const double*>(from), 2 * sum.size(), reinterpret_cast<double*>(sum.data()));
+}
+
+}  // namespace
+
 bool Residuals::evaluate_all(std::span<const double> theta, std::vector<double>& residual) const {
   residual.resize(count());
-  return evaluate(theta, 0, points(), residual.data(), nullptr);
+  return evaluate(theta, residual.data(), nullptr);
 }
 
 double Residuals::cost(std::span<const double> theta) const {
@@ -29,43 +43,29 @@ FrequencyResiduals::FrequencyResiduals(const FrequencyResponseData& data, const 
       realisation_(realisation),
       rule_(rule),
       value_(data.size()),
-      gradient_(data.size() * map.parameter_count()) {}
+      gradient_(data.size() * map.parameter_count()),
+      by_theta_(data.size()) {}
 
-bool FrequencyResiduals::evaluate(std::span<const double> theta, std::size_t first, std::size_t points,
-                                  double* residual, double* jacobian_row_major) const {
+bool FrequencyResiduals::evaluate(std::span<const double> theta, double* residual, double* jacobian) const {
   const std::vector<double> parameters = map().to_user(theta);
-  const std::span omega(data_.omega().data() + first, points);
-  const std::span value(value_.data(), points);
-  const std::size_t all = map().parameter_count();
-  if (jacobian_row_major) {
-    structure_.response_and_gradient(parameters, omega, realisation_, value, std::span(gradient_.data(), points * all));
+  if (jacobian) {
+    structure_.response_and_gradient(parameters, data_.omega(), realisation_, value_, gradient_);
   } else {
-    structure_.response(parameters, omega, realisation_, value);
+    structure_.response(parameters, data_.omega(), realisation_, value_);
   }
-
-  for (std::size_t i = 0; i < points; ++i) {
-    if (!rule_.residual(first + i, value[i], data_.value()[first + i], residual + i * per_point())) return false;
-  }
-  if (!jacobian_row_major) return true;
+  if (!rule_.residuals(value_, data_.value(), residual)) return false;
+  if (!jacobian) return true;
 
   // d model / d theta from d model / d parameter; most entries of the map's Jacobian are 0.
   const std::vector<ParameterMap::Entry> entries = map().jacobian_entries(parameters);
-  const std::size_t width = map().free().size();
-  std::vector<std::complex<double>> by_theta(width);
-  bool finite = true;
-  for (std::size_t i = 0; i < points; ++i) {
-    std::fill(by_theta.begin(), by_theta.end(), 0.0);
-    const std::complex<double>* by_parameter = gradient_.data() + i * all;
+  for (std::size_t k = 0; k < map().free().size(); ++k) {
+    std::fill(by_theta_.begin(), by_theta_.end(), 0.0);
     for (const ParameterMap::Entry& entry : entries) {
-      by_theta[entry.free] += entry.derivative * by_parameter[entry.parameter];
+      if (entry.free == k) add_multiple(entry.derivative, gradient_.data() + entry.parameter * points(), by_theta_);
     }
-    double* rows = jacobian_row_major + i * per_point() * width;
-    rule_.derivatives(first + i, value[i], by_theta, rows);
-    double sum = 0;
-    for (std::size_t k = 0; k < per_point() * width; ++k) sum += rows[k] - rows[k];
-    finite = finite && sum == 0;
+    if (!rule_.derivatives(value_, by_theta_, jacobian + k * count())) return false;
   }
-  return finite;
+  return true;
 }
 
 double FrequencyResiduals::best_factor(std::span<const double> theta) const {

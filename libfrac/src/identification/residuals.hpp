@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <complex>
 #include <span>
 #include <vector>
@@ -9,8 +8,6 @@
 #include "residual_rule.hpp"
 
 namespace frac::detail {
-
-using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Residuals of a model and their Jacobian by theta, as solvers see them: points in order, each with the same number of
 /// residuals.  Not thread-safe: implementations keep buffers between calls.
@@ -25,10 +22,9 @@ class Residuals {
   [[nodiscard]] std::size_t count() const noexcept { return points() * per_point(); }
   [[nodiscard]] const ParameterMap& map() const noexcept { return map_; }
 
-  /// Residuals of points [first, first + points) at theta, and their Jacobian unless null.  False where the model is
-  /// not finite.
-  virtual bool evaluate(std::span<const double> theta, std::size_t first, std::size_t points, double* residual,
-                        double* jacobian_row_major) const = 0;
+  /// Residuals at theta and, unless null, their Jacobian, one column of count() entries for each entry of theta.  False
+  /// where one of them is not finite.
+  virtual bool evaluate(std::span<const double> theta, double* residual, double* jacobian) const = 0;
 
   /// Sum of squares over all points; infinity where the model is not finite.
   [[nodiscard]] double cost(std::span<const double> theta) const;
@@ -46,6 +42,8 @@ class Residuals {
 
   /// Linear parameters the residuals are projected free of: they cost degrees of freedom too.
   [[nodiscard]] virtual std::size_t eliminated() const noexcept { return 0; }
+  /// Loss under which those are chosen from now on, and the residual at which it turns robust.
+  virtual void set_loss(Loss, double) {}
 
  protected:
   explicit Residuals(const ParameterMap& map) : map_(map) {}
@@ -65,8 +63,7 @@ class FrequencyResiduals final : public Residuals {
 
   [[nodiscard]] std::size_t points() const noexcept override { return data_.size(); }
   [[nodiscard]] std::size_t per_point() const noexcept override { return rule_.per_point(); }
-  bool evaluate(std::span<const double> theta, std::size_t first, std::size_t points, double* residual,
-                double* jacobian_row_major) const override;
+  bool evaluate(std::span<const double> theta, double* residual, double* jacobian) const override;
   [[nodiscard]] double best_factor(std::span<const double> theta) const override;
   /// Only with both parts of the response, and for ratios of sums of powers; see linear_start.hpp.
   [[nodiscard]] std::vector<std::vector<double>> linear_fits(std::span<const double> near) const override;
@@ -78,6 +75,7 @@ class FrequencyResiduals final : public Residuals {
   const ResidualRule& rule_;
   mutable std::vector<std::complex<double>> value_;
   mutable std::vector<std::complex<double>> gradient_;
+  mutable std::vector<std::complex<double>> by_theta_;  // a column
 };
 
 }  // namespace frac::detail

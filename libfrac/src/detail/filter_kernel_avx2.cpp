@@ -1,0 +1,11 @@
+#include "filter_kernel_loops.hpp"
+
+#if defined(__x86_64__)
+namespace frac::detail {
+
+FilterLoop avx2_filter_loop() noexcept {
+  return Loops<32>::run;
+}
+
+}  // namespace frac::detail
+#endif
