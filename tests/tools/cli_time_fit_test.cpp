@@ -115,7 +115,7 @@ TEST(TimeFit, WhatIsWrongIsNamed) {
                                       {"--realisation", "ladder"}}) {
     expect_failure({"fit", good, "--model", "K/(T s + 1)", option, value}, 2, option);
   }
-  expect_failure({"fit", good, "--model", "K/(T s + 1)", "--loss", "hubert"}, 2, "none, huber, cauchy");
+  expect_failure({"fit", good, "--model", "K/(T s + 1)", "--loss", "hubert"}, 2, "none, huber or cauchy");
   expect_failure({"fit", good, "--model", "K/(T s + 1)", "--where", "omega<4"}, 2, "t (s), input or output");
   expect_failure({"fit", good, "--model", "K/(T s + 1)", "--hold", "second"}, 2, "zero-order or first-order");
   expect_failure({"fit", good, "--model", "K/(T s + 1)", "--offset", "some"}, 2, "--offset");

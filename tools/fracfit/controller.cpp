@@ -264,8 +264,7 @@ void add_controller(CLI::App& program, Run& run) {
   option("--poles", given->poles, "Number of poles per power, instead of a tolerance", "N");
   option("--horizon", given->horizon,
          "Of a --model for all frequencies: samples it is good for; fewer states for fewer", "N");
-  option("--discretisation", given->discretisation,
-         "Of a PID or power: how powers of s become recursions (default direct)", "METHOD")
+  option("--discretisation", given->discretisation, "Of a PID or power (default direct)", "METHOD")
       ->check(one_of(section_discretisations()));
   option("--min", given->minimum, "Least output; no limit if not given", "U");
   option("--max", given->maximum, "Largest output; no limit if not given", "U");
