@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <tuple>
 
 #include "frac/identification/model_choice.hpp"
 #include "frac/identification/uncertainty.hpp"
@@ -230,6 +231,44 @@ TEST(TimeFit, WhatCannotBeFittedIsSaid) {
   const FitResult improper = frac::fit(data, Structure("K s"));
   EXPECT_EQ(improper.termination, frac::FitTermination::no_usable_start);
   EXPECT_TRUE(std::isnan(improper.cost));
+}
+
+// The same record in other units: parameters change by the powers of the units their dimensions say.
+TEST(TimeFit, UnitsOfMicrosecondsYearsAndAnySizeAreNoMatter) {
+  const TimeResponseData exact = furnace_step();
+  const Structure structure("K/(a2 s^q2 + a1 s^q1 + 1)");
+  for (const auto& [second, in, out, base] : {std::tuple{1e-6, 1e-18, 1e18, 3e18}, {3e7, 1e18, 1e-18, 0.0}}) {
+    std::vector<double> time = exact.time(), input = exact.input(), output = exact.output();
+    for (double& value : time) value *= second;
+    for (double& value : input) value *= in;
+    for (double& value : output) value = value * out + base;
+    const FitResult result = frac::fit(TimeResponseData(time, input, output), structure);
+    EXPECT_EQ(result.termination, frac::FitTermination::converged);
+    // An offset three times the signal costs a digit.
+    EXPECT_NEAR(estimate(result, "K").value * in / out, 1, 1e-10);
+    EXPECT_NEAR(estimate(result, "q2").value, 2.2, 1e-10);
+    EXPECT_NEAR(estimate(result, "q1").value, 0.9, 1e-10);
+    EXPECT_NEAR(estimate(result, "a2").value / (0.8 * std::pow(second, 2.2)), 1, 1e-8);
+    EXPECT_NEAR(estimate(result, "offset").value / out, base / out, 1e-10);
+  }
+}
+
+// An offset of 1e6 times the signal leaves ten digits of it.
+TEST(TimeFit, AnOffsetMayBeLargeBesideTheSignal) {
+  const TimeResponseData exact = furnace_step();
+  std::vector<double> output = exact.output();
+  for (double& value : output) value += 1e6;
+  const FitResult result = frac::fit(TimeResponseData(exact.time(), exact.input(), output), furnace_structure());
+  expect_values(result, {{"q2", 2.2}, {"q1", 0.9}}, 1e-7);
+  EXPECT_NEAR(estimate(result, "offset").value, 1e6, 1e-8);
+}
+
+TEST(TimeFit, ADeadTimeBeyondTheRecordIsSaid) {
+  TimeFitOptions options;
+  options.constraints = {{"L", 20.0, {}, {}, {}}};
+  const FitResult result = frac::fit(furnace_step(), Structure("K exp(-L s)/(T s + 1)"), options);
+  EXPECT_EQ(result.termination, frac::FitTermination::no_usable_start);
+  EXPECT_NE(result.message.find("dead time of the model is 20 s"), std::string::npos) << result.message;
 }
 
 TEST(TimeFit, AnOutputWithoutResponseIsNotIdentified) {
