@@ -150,7 +150,10 @@ class TimeSearch {
 
   // All samples, and the labels of interchangeable parts in their order.
   void finish() {
-    const TimeResiduals all = problem_.residuals(problem_.data.observed(), finest_simulation);
+    // Errors of the simulation far below the residuals move nothing.
+    const double rms = std::sqrt(result_.best.cost / static_cast<double>(few_.count()));
+    const TimeResiduals all =
+        problem_.residuals(problem_.data.observed(), std::clamp(1e-6 * rms, finest_simulation, coarse));
     const ParameterMap& map = problem_.map;
     const std::vector<double> start = map.to_theta(
         with_labels_in_order(problem_.structure, problem_.options.constraints, map.to_user(result_.best.theta)));
