@@ -5,12 +5,14 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <tuple>
 
 #include "frac/identification/model_choice.hpp"
 #include "frac/identification/uncertainty.hpp"
 #include "support/exact_output.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/random.hpp"
+#include "support/time_cramer_rao.hpp"
 
 namespace {
 
@@ -125,30 +127,40 @@ TEST(TimeFit, IntegratorsUnstableModelsAndFeedthrough) {
                 {{"b", 2}, {"a", 0.5}, {"c", 3}}, 1e-9);
 }
 
-// Each of the five 95 % intervals of 60 independent trials covers the truth 57 times on average; fewer than 49 has the
-// probability 1e-4 (binomial), more than four misses of a fixed seed are thus no accident.
-TEST(TimeFit, IntervalsCoverTheTruth) {
+// The rms error of 400 independent trials is known to 1/sqrt(800) = 3.5 %, and the share of 95 % intervals that hold
+// the truth to sqrt(0.05 0.95/400) = 1.1 %: three times that each way.
+TEST(TimeFit, EstimatesReachTheCramerRaoBoundAndIntervalsCoverTheTruth) {
   const TimeResponseData exact = furnace_step();
+  const std::vector<double> truth{0.8, 2.2, 0.5, 0.9};
+  constexpr double sigma = 0.01;
+  const Eigen::MatrixXd bound =
+      support::time_cramer_rao(furnace_structure(), truth, sigma, exact.time(), exact.input(), Hold::zero_order);
+  TimeFitOptions options;
+  options.global_start = false;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    options.constraints.push_back({furnace_structure().parameter_names()[i], {}, {}, {}, truth[i]});
+  }
   support::Random random(11);
-  const std::vector<std::pair<const char*, double>> truth{
-      {"a2", 0.8}, {"q2", 2.2}, {"a1", 0.5}, {"q1", 0.9}, {"offset", 3}};
-  std::vector<int> covered(truth.size(), 0);
-  constexpr int trials = 60;
+  std::vector<double> squares(truth.size() + 1, 0.0);
+  std::vector<int> covered(truth.size() + 1, 0);
+  constexpr int trials = 400;
   for (int trial = 0; trial < trials; ++trial) {
     std::vector<double> output = exact.output();
-    for (double& value : output) value += 3 + 0.02 * random.normal();
-    TimeFitOptions options;
-    options.global_start = false;
-    options.constraints = {
-        {"a2", {}, {}, {}, 1.0}, {"q2", {}, {}, {}, 2.0}, {"a1", {}, {}, {}, 1.0}, {"q1", {}, {}, {}, 1.0}};
+    for (double& value : output) value += 3 + sigma * random.normal();
     const FitResult result =
         frac::fit(TimeResponseData(exact.time(), exact.input(), output), furnace_structure(), options);
-    for (std::size_t i = 0; i < truth.size(); ++i) {
-      const auto& found = estimate(result, truth[i].first);
-      covered[i] += found.ci95_lower <= truth[i].second && truth[i].second <= found.ci95_upper ? 1 : 0;
+    for (std::size_t i = 0; i < squares.size(); ++i) {
+      const auto& found = result.parameters[i];
+      const double error = found.value - (i < truth.size() ? truth[i] : 3);
+      squares[i] += error * error;
+      covered[i] += std::abs(error) <= found.ci95_upper - found.value ? 1 : 0;
     }
   }
-  for (std::size_t i = 0; i < truth.size(); ++i) EXPECT_GE(covered[i], 49) << truth[i].first;
+  for (std::size_t i = 0; i < squares.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    EXPECT_NEAR(std::sqrt(squares[i] / trials / bound(k, k)), 1, 0.105) << i;
+    EXPECT_NEAR(covered[i] / static_cast<double>(trials), 0.95, 0.033) << i;
+  }
 }
 
 TEST(TimeFit, NoiseDoesNotHideTheOptimumFromTheSearch) {
@@ -219,6 +231,44 @@ TEST(TimeFit, WhatCannotBeFittedIsSaid) {
   const FitResult improper = frac::fit(data, Structure("K s"));
   EXPECT_EQ(improper.termination, frac::FitTermination::no_usable_start);
   EXPECT_TRUE(std::isnan(improper.cost));
+}
+
+// The same record in other units: parameters change by the powers of the units their dimensions say.
+TEST(TimeFit, UnitsOfMicrosecondsYearsAndAnySizeAreNoMatter) {
+  const TimeResponseData exact = furnace_step();
+  const Structure structure("K/(a2 s^q2 + a1 s^q1 + 1)");
+  for (const auto& [second, in, out, base] : {std::tuple{1e-6, 1e-18, 1e18, 3e18}, {3e7, 1e18, 1e-18, 0.0}}) {
+    std::vector<double> time = exact.time(), input = exact.input(), output = exact.output();
+    for (double& value : time) value *= second;
+    for (double& value : input) value *= in;
+    for (double& value : output) value = value * out + base;
+    const FitResult result = frac::fit(TimeResponseData(time, input, output), structure);
+    EXPECT_EQ(result.termination, frac::FitTermination::converged);
+    // An offset three times the signal costs a digit.
+    EXPECT_NEAR(estimate(result, "K").value * in / out, 1, 1e-10);
+    EXPECT_NEAR(estimate(result, "q2").value, 2.2, 1e-10);
+    EXPECT_NEAR(estimate(result, "q1").value, 0.9, 1e-10);
+    EXPECT_NEAR(estimate(result, "a2").value / (0.8 * std::pow(second, 2.2)), 1, 1e-8);
+    EXPECT_NEAR(estimate(result, "offset").value / out, base / out, 1e-10);
+  }
+}
+
+// An offset of 1e6 times the signal leaves ten digits of it.
+TEST(TimeFit, AnOffsetMayBeLargeBesideTheSignal) {
+  const TimeResponseData exact = furnace_step();
+  std::vector<double> output = exact.output();
+  for (double& value : output) value += 1e6;
+  const FitResult result = frac::fit(TimeResponseData(exact.time(), exact.input(), output), furnace_structure());
+  expect_values(result, {{"q2", 2.2}, {"q1", 0.9}}, 1e-7);
+  EXPECT_NEAR(estimate(result, "offset").value, 1e6, 1e-8);
+}
+
+TEST(TimeFit, ADeadTimeBeyondTheRecordIsSaid) {
+  TimeFitOptions options;
+  options.constraints = {{"L", 20.0, {}, {}, {}}};
+  const FitResult result = frac::fit(furnace_step(), Structure("K exp(-L s)/(T s + 1)"), options);
+  EXPECT_EQ(result.termination, frac::FitTermination::no_usable_start);
+  EXPECT_NE(result.message.find("dead time of the model is 20 s"), std::string::npos) << result.message;
 }
 
 TEST(TimeFit, AnOutputWithoutResponseIsNotIdentified) {

@@ -551,4 +551,28 @@ TEST(WriteReport, FindsTheStructureThatMadeTheData) {
   EXPECT_NEAR(*order, 0.7, 1e-5);
 }
 
+// Step response 2 - 2 exp(-t) + 1 of 2/(s + 1), six digits: a lag, and no fractional order.
+TEST(WriteReport, TakesSamplesOverTime) {
+  const SearchPath nothing("");
+  const TemporaryFolder folder;
+  std::string text = "time_s,input,output\n";
+  for (int n = 0; n <= 24; ++n) {
+    text += std::to_string(0.2 * n) + ",1," + std::to_string(1 - 2 * std::expm1(-0.2 * n)) + "\n";
+  }
+  ReportOptions options;
+  options.out = folder.path("out");
+  options.data = {folder.write("step.csv", text)};
+  static_cast<void>(write_report(options));
+  const auto json = nlohmann::json::parse(content_of(folder.path("out/results.json")));
+  EXPECT_EQ(json.at("facts").at("verdict_data-1"), "not-supported");
+  EXPECT_NE(content_of(folder.path("out/figures/data-1.gp")).find("Residuals"), std::string::npos);
+  std::optional<double> offset;
+  const io::TextTable table(folder.path("out/tables/data-1-parameters.csv"));
+  table.for_each_row([&](const io::TextTable::Row& row) {
+    if (row.fields[1] == "K/(T s + 1)" && row.fields[2] == "offset") offset = io::parse_number(row.fields[3]);
+  });
+  ASSERT_TRUE(offset);
+  EXPECT_NEAR(*offset, 1, 1e-5);
+}
+
 }  // namespace

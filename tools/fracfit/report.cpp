@@ -52,8 +52,12 @@ void add_report(CLI::App& program, Run& run) {
   const auto given = std::make_shared<ReportArguments>();
   auto* report =
       program.add_subcommand("report", "Writes the whole study as one page with figures, tables and numbers");
-  auto* data = report->add_option("DATA", given->data, "Measured frequency responses; without any, the paper's scenes")
-                   ->type_name("FILE");
+  auto* data =
+      report
+          ->add_option("DATA", given->data,
+                       "Measured frequency responses, or samples over time (time_s,input,output); without any, "
+                       "the paper's scenes")
+          ->type_name("FILE");
   report->add_option("--scene", given->scene, "Scene as JSON: m1, m2, clearance, restitution, force, omega")
       ->excludes(data)
       ->type_name("FILE");
@@ -63,6 +67,7 @@ void add_report(CLI::App& program, Run& run) {
       "Examples:\n"
       "  fracfit report --out report\n"
       "  fracfit report cell.csv --out cell-report\n"
+      "  fracfit report step.csv --out step-report      # columns time_s,input,output\n"
       "  fracfit report --scene scene.json --out scene-report");
   report->callback([given, &run] { run = [given] { return run_report(*given); }; });
 }

@@ -39,20 +39,6 @@ std::string offset_text(const frac::TimeFitOptions& options) {
   return options.offset ? io::format_number(*options.offset) : "free";
 }
 
-// What keeps any model from being fitted.
-void check(const std::string& file, const io::TimeSeries& series, double at_rest) {
-  constexpr std::size_t fewest = 2;
-  if (series.time.size() < fewest)
-    throw io::DataError(
-        file, 0, 0,
-        (series.time.empty() ? "found no sample" : "found one sample") + std::string("; expected at least two"));
-  if (std::all_of(series.input.begin(), series.input.end(), [&](double value) { return value == at_rest; }))
-    throw io::DataError(file, 0, 0,
-                        "the input is " + io::format_number(at_rest) +
-                            " throughout, as at rest: nothing drives the system; expected an input that differs from "
-                            "its value at rest (--input-at-rest, 0 if not given)");
-}
-
 std::vector<std::size_t> kept(const io::TimeSeries& series, const std::vector<std::string>& where) {
   std::vector<io::SampleFilter> filters;
   for (const auto& text : where) filters.emplace_back(text);
@@ -134,12 +120,11 @@ TimeRecord read_time_record(const FitRequest& request, const TimeRequest& over_t
   for (const auto& note : series.notes) say(common, request.data + ": " + note);
   const std::string weight = weight_of(request, series);
   if (weight == "absolute") series.sigma.clear();
-  check(request.data, series, at_rest);
   std::vector<std::size_t> index = kept(series, request.where);
+  io::Metadata header = std::move(series.metadata);
+  const frac::TimeResponseData data = io::time_response_data(request.data, std::move(series), hold, at_rest);
   if (index.empty()) throw io::DataError(request.data, 0, 0, "no sample satisfies --where");
-  const frac::TimeResponseData data(std::move(series.time), std::move(series.input), std::move(series.output),
-                                    std::move(series.sigma), hold, at_rest);
-  return {data.observed_at(std::move(index)), std::move(series.metadata), weight};
+  return {data.observed_at(std::move(index)), std::move(header), weight};
 }
 
 void append_to(CommandLine& command, const FitRequest& request, const TimeRecord& record,

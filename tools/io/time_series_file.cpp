@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "io/column_name.hpp"
 #include "io/number.hpp"
@@ -165,6 +166,22 @@ TimeSeries read_time_response(const std::string& file) {
 
 TimeSeries read_input_signal(const std::string& file) {
   return read(file, false);
+}
+
+frac::TimeResponseData time_response_data(const std::string& file, TimeSeries series, frac::Hold hold,
+                                          double input_at_rest) {
+  constexpr std::size_t fewest = 2;
+  if (series.time.size() < fewest)
+    throw DataError(
+        file, 0, 0,
+        (series.time.empty() ? "found no sample" : "found one sample") + std::string("; expected at least two"));
+  if (std::all_of(series.input.begin(), series.input.end(), [&](double value) { return value == input_at_rest; }))
+    throw DataError(file, 0, 0,
+                    "the input is " + format_number(input_at_rest) +
+                        " throughout, as at rest: nothing drives the system; expected an input that differs from its "
+                        "value at rest (--input-at-rest of fit and identify, 0 if not given)");
+  return {std::move(series.time), std::move(series.input), std::move(series.output), std::move(series.sigma), hold,
+          input_at_rest};
 }
 
 }  // namespace io

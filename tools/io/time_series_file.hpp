@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "frac/time_response_data.hpp"
 #include "io/text_table.hpp"
 
 namespace io {
@@ -28,5 +29,11 @@ struct TimeSeries {
 [[nodiscard]] TimeSeries read_time_response(const std::string& file);
 /// The same without output and sigma.
 [[nodiscard]] TimeSeries read_input_signal(const std::string& file);
+
+/// The samples of read_time_response() as data of a fit.
+/// @throws DataError  fewer than two samples, or an input that stays at its value at rest.
+[[nodiscard]] frac::TimeResponseData time_response_data(const std::string& file, TimeSeries series,
+                                                        frac::Hold hold = frac::Hold::zero_order,
+                                                        double input_at_rest = 0);
 
 }  // namespace io

@@ -4,9 +4,11 @@
 #include <stdexcept>
 #include <thread>
 #include <utility>
+#include <variant>
 
 #include "io/number.hpp"
 #include "io/sweep_file.hpp"
+#include "io/time_series_file.hpp"
 #include "report/bands.hpp"
 #include "report/html.hpp"
 #include "report/results_json.hpp"
@@ -202,11 +204,24 @@ Provenance provenance_of(const ReportOptions& options, const Scene& scene) {
           inputs_of(options, scene)};
 }
 
+struct TimeRecord {
+  frac::TimeResponseData data;
+  std::vector<std::string> notes;
+};
+using DataFile = std::variant<io::FrequencyResponseFile, TimeRecord>;
+
+DataFile read_data(const std::string& file) {
+  if (!io::holds_time_response(file)) return io::read_frequency_response(file);
+  io::TimeSeries series = io::read_time_response(file);
+  std::vector<std::string> notes = std::move(series.notes);
+  return TimeRecord{io::time_response_data(file, std::move(series)), std::move(notes)};
+}
+
 Page page_of(const ReportOptions& options, const Scene& scene, std::vector<Section> sections,
              const std::string& trouble) {
   Page page;
   if (!options.data.empty()) {
-    page.title = "Fractional-order identification of measured frequency responses";
+    page.title = "Fractional-order identification of measured data";
     page.subtitle = "Structures of fractional and of integer order, fitted to each file and ranked on equal terms.";
   } else {
     page.title = "Describing function of two masses with backlash";
@@ -237,8 +252,8 @@ ReportOutcome write_report(const ReportOptions& options) {
   work.threads = options.threads;
   work.progress = options.progress;
   // Every file is read before the long work, so that a bad one is found at once.
-  std::vector<io::FrequencyResponseFile> files;
-  for (const auto& file : options.data) files.push_back(io::read_frequency_response(file.string()));
+  std::vector<DataFile> files;
+  for (const auto& file : options.data) files.push_back(read_data(file.string()));
   work.scene = options.scene ? read_scene(*options.scene) : paper_scene();
 
   std::vector<Section> sections;
@@ -247,7 +262,11 @@ ReportOutcome write_report(const ReportOptions& options) {
   } else {
     for (std::size_t i = 0; i < files.size(); ++i) {
       const std::string name = options.data[i].filename().string();
-      sections.push_back(stages.run("fits of " + name, [&] { return data_section(work, name, files[i], i + 1); }));
+      sections.push_back(stages.run("fits of " + name, [&] {
+        const auto* record = std::get_if<TimeRecord>(&files[i]);
+        return record ? time_section(work, name, record->data, record->notes, i + 1)
+                      : data_section(work, name, std::get<io::FrequencyResponseFile>(files[i]), i + 1);
+      }));
     }
   }
   const std::string trouble =

@@ -7,6 +7,7 @@
 #include "backlash/describing_function.hpp"
 #include "frac/identification/identify.hpp"
 #include "frac/parallel_for.hpp"
+#include "frac/time_response_data.hpp"
 #include "io/frequency_response_file.hpp"
 #include "report/scene.hpp"
 #include "report/section.hpp"
@@ -60,5 +61,9 @@ struct Bands;  // bands.hpp
 /// @param number  from 1, makes the names of figures and tables
 [[nodiscard]] Section data_section(const Work& work, const std::string& name, const io::FrequencyResponseFile& file,
                                    std::size_t number);
+/// The same for samples of input and output over time.
+/// @param notes  what was assumed of the file, a sentence each
+[[nodiscard]] Section time_section(const Work& work, const std::string& name, const frac::TimeResponseData& data,
+                                   const std::vector<std::string>& notes, std::size_t number);
 
 }  // namespace report

@@ -182,17 +182,19 @@ std::string explained_by_offset(const TimeResponseData& data, std::optional<doub
          " throughout: its offset alone explains it, and a response to the input is not identifiable.";
 }
 
-// Why no parameter may change the output at the instants that count.
-std::string unseen_model(const Structure& structure, const detail::ParameterMap& map, const TimeResponseData& data) {
+// Why no parameter changes the output at the instants that count, if so.
+std::string unseen_model(const Structure& structure, const detail::ParameterMap& map, const TimeResponseData& data,
+                         const detail::Confidence& found, const std::vector<double>& theta) {
+  if (map.free().empty()) return {};
   const double length = data.time()[data.observed().back()] - data.time().front();
-  const auto& roles = structure.parameter_roles();
-  for (std::size_t i = 0; i < roles.size(); ++i) {
-    if (roles[i] != ParameterRole::delay || !map.is_fixed(i) || map.start()[i] < length) continue;
-    return "The dead time " + structure.parameter_names()[i] + " = " + detail::number_text(map.start()[i]) +
-           " s is held at no less than the record is long, " + detail::number_text(length) +
-           " s: nothing of the input reaches the output.";
+  const double delay = detail::reduce(structure.expression(), map.to_user(theta)).delay;
+  if (delay >= length) {
+    return "The dead time of the model is " + detail::number_text(delay) + " s, no less than the record of " +
+           detail::number_text(length) + " s: nothing of the input reaches the output.";
   }
-  return "No parameter of the model changes the output within the record: none is identifiable.";
+  const bool seen =
+      std::any_of(map.free().begin(), map.free().end(), [&](const auto& entry) { return found.seen[entry.parameter]; });
+  return seen ? "" : "No parameter of the model changes the output within the record: none is identifiable.";
 }
 
 std::string ending(const detail::GlobalSolution& solution, bool is_exact) {
@@ -243,10 +245,9 @@ FitResult fit(const TimeResponseData& data, const Structure& structure, const Ti
   }
   const detail::Confidence found = confidence(residuals, best, local);
   result.message = ending(solution, best.cost <= residuals.rounding_cost());
-  const bool unseen = std::none_of(map.free().begin(), map.free().end(),
-                                   [&](const auto& entry) { return found.seen[entry.parameter]; });
-  if (unseen && !map.free().empty()) {
-    describe_failure(result, structure, map, unseen_model(structure, map, data));
+  const std::string unseen = unseen_model(structure, map, data, found, best.theta);
+  if (!unseen.empty()) {
+    describe_failure(result, structure, map, unseen);
     result.seconds = seconds();
     return result;
   }

@@ -22,7 +22,7 @@ constexpr std::size_t very_few_outputs = 120;
 constexpr double equally_good = 1e-3;
 // Solves from about the best: until so many have come back to it, and no more than so many.
 constexpr std::size_t enough_returns = 4;
-constexpr int most_scouts = 32;
+constexpr int most_scouts = 24;
 // A scout is followed if it came within this factor of the best cost.
 constexpr double promising = 1.5;
 
@@ -66,7 +66,11 @@ class TimeSearch {
   void try_from(const std::vector<double>& theta) {
     ++result_.starts;
     if (!std::isfinite(few_.cost(theta))) return;
-    LocalSolution found = local_solve(few_, theta, {});
+    // finish() settles the best; the others only need to be told from it.
+    LocalOptions nearly;
+    nearly.iterations = 80;
+    nearly.cost_tolerance = 1e-9;
+    LocalSolution found = local_solve(few_, theta, nearly);
     ends_.push_back(found.cost);
     // Of equal minima the first counts: the user's start names the parameters.
     if (found.cost + few_.rounding_cost() < result_.best.cost) result_.best = std::move(found);
@@ -130,7 +134,7 @@ class TimeSearch {
 
   void look_about(const TimeResiduals& sparse) {
     LocalOptions scouting;
-    scouting.iterations = 40;
+    scouting.iterations = 20;
     scouting.cost_tolerance = 1e-6;
     std::size_t returns = 0;
     for (int scout = 0; scout < most_scouts && returns < enough_returns && !is_exact(); ++scout) {
@@ -150,7 +154,10 @@ class TimeSearch {
 
   // All samples, and the labels of interchangeable parts in their order.
   void finish() {
-    const TimeResiduals all = problem_.residuals(problem_.data.observed(), finest_simulation);
+    // Errors of the simulation far below the residuals move nothing.
+    const double rms = std::sqrt(result_.best.cost / static_cast<double>(few_.count()));
+    const TimeResiduals all =
+        problem_.residuals(problem_.data.observed(), std::clamp(1e-6 * rms, finest_simulation, coarse));
     const ParameterMap& map = problem_.map;
     const std::vector<double> start = map.to_theta(
         with_labels_in_order(problem_.structure, problem_.options.constraints, map.to_user(result_.best.theta)));
