@@ -20,7 +20,7 @@ struct ApproximateArguments {
   CommonOptions common;
   std::string order, band, tolerance, poles, sample_time;
   std::string method = "ladder";
-  std::string discretisation = "direct", taps = "1000";
+  std::string discretisation = "direct", taps = "1000", amplification = "5";
 };
 
 frac::ApproximationGoal goal_of(const ApproximateArguments& given) {
@@ -45,7 +45,8 @@ int run_approximate(const ApproximateArguments& given) {
   if (!given.sample_time.empty()) {
     digital =
         frac::digital_power(order, band, goal, number_option("--sample-time", given.sample_time),
-                            frac::discretisation(given.discretisation), method, count_option("--taps", given.taps, 1));
+                            frac::discretisation(given.discretisation), method, count_option("--taps", given.taps, 1),
+                            number_option("--amplification", given.amplification));
   }
   CommandLine command("approximate");
   command.option("--order", given.order).option("--band", given.band);
@@ -53,7 +54,8 @@ int run_approximate(const ApproximateArguments& given) {
   command.option("--method", given.method);
   if (digital) {
     command.option("--sample-time", given.sample_time).option("--discretisation", given.discretisation);
-    if (!digital->taps.empty()) command.option("--taps", given.taps);
+    if (digital->method == frac::Discretisation::grunwald_letnikov) command.option("--taps", given.taps);
+    if (digital->method == frac::Discretisation::direct) command.option("--amplification", given.amplification);
   }
   const frac::DigitalPower* sampled = digital ? &*digital : nullptr;
 
@@ -94,6 +96,11 @@ void add_approximate(CLI::App& program, Run& run) {
   for (const auto method : frac::discretisations())
     names += (names.empty() ? "" : ", ") + std::string(frac::to_string(method));
   approximate->add_option("--discretisation", given->discretisation, names)->capture_default_str()->type_name("METHOD");
+  approximate
+      ->add_option("--amplification", given->amplification,
+                   "Of direct: most gain between the band and half the sampling frequency, over that of the power")
+      ->capture_default_str()
+      ->type_name("G");
   approximate->add_option("--taps", given->taps, "Memory of grunwald-letnikov, samples")
       ->capture_default_str()
       ->type_name("N");
