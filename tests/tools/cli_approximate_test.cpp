@@ -60,6 +60,21 @@ TEST(Approximate, JsonHoldsTheContractAndTheStatedErrorIsTrue) {
   }
 }
 
+TEST(Approximate, AmplificationTradesAccuracyAtTheEdge) {
+  const std::vector<std::string> quarter{"--order", "0.5",           "--band", "1:1570",         "--tolerance",
+                                         "1e-3",    "--sample-time", "1e-3",   "--amplification"};
+  double last = 1;
+  for (const char* bound : {"1.5", "3", "6"}) {
+    std::vector<std::string> arguments = quarter;
+    arguments.emplace_back(bound);
+    const auto json = Json::parse(run_fracfit(approximate(arguments)).output);
+    EXPECT_LE(json["digital"]["most_amplification_beyond_band"].get<double>(), 1.05 * std::stod(bound));
+    const double error = json["digital"]["max_relative_error"];
+    EXPECT_LT(error, last);
+    last = error;
+  }
+}
+
 // Response of taps and parallel sections as the output states them, in z-form.
 std::complex<double> sampled_response(const Json& json, double omega) {
   const double step = json["sample_time"];

@@ -21,7 +21,7 @@ struct ApproximateArguments {
   CommonOptions common;
   std::string order, band, tolerance, poles, sample_time;
   std::string method = "ladder";
-  std::string discretisation = "direct", taps = "1000";
+  std::string discretisation = "direct", taps = "1000", amplification = "5";
 };
 
 frac::ApproximationGoal goal_of(const ApproximateArguments& given) {
@@ -46,7 +46,8 @@ int run_approximate(const ApproximateArguments& given) {
   if (!given.sample_time.empty()) {
     digital =
         frac::digital_power(order, band, goal, number_option("--sample-time", given.sample_time),
-                            frac::discretisation(given.discretisation), method, count_option("--taps", given.taps, 1));
+                            frac::discretisation(given.discretisation), method, count_option("--taps", given.taps, 1),
+                            number_option("--amplification", given.amplification));
   }
   CommandLine command("approximate");
   command.option("--order", given.order).option("--band", given.band);
@@ -54,7 +55,8 @@ int run_approximate(const ApproximateArguments& given) {
   command.option("--method", given.method);
   if (digital) {
     command.option("--sample-time", given.sample_time).option("--discretisation", given.discretisation);
-    if (!digital->taps.empty()) command.option("--taps", given.taps);
+    if (digital->method == frac::Discretisation::grunwald_letnikov) command.option("--taps", given.taps);
+    if (digital->method == frac::Discretisation::direct) command.option("--amplification", given.amplification);
   }
   const frac::DigitalPower* sampled = digital ? &*digital : nullptr;
 
@@ -95,6 +97,11 @@ void add_approximate(CLI::App& program, Run& run) {
       ->capture_default_str()
       ->type_name("METHOD")
       ->check(one_of(spellings(frac::discretisations())));
+  approximate
+      ->add_option("--amplification", given->amplification,
+                   "Of direct: most gain between the band and half the sampling frequency, over that of the power")
+      ->capture_default_str()
+      ->type_name("G");
   approximate->add_option("--taps", given->taps, "Memory of grunwald-letnikov, samples")
       ->capture_default_str()
       ->type_name("N");

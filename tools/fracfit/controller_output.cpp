@@ -155,12 +155,21 @@ std::string controller_table(const frac::FractionalPidDesign& design) {
 }
 
 std::string filter_table(const frac::DigitalFilterDesign& design, const std::string& model, double error) {
-  const std::string taps = design.taps.size() > 1 ? std::to_string(design.taps.size()) + " taps, " : "";
-  std::string text = model + ", every " + short_number(design.sample_time) + " s\n" + std::to_string(design.states()) +
-                     " states: " + taps + std::to_string(design.sections.rates.size()) + " sections, " +
-                     std::to_string(design.pair_rates.size()) + " complex pairs, " +
-                     std::to_string(design.differences) + " differences, " + std::to_string(design.integrators) +
-                     " integrators, " + std::to_string(design.dead_samples) + " samples of dead time\n";
+  const auto counted = [](std::size_t count, const std::string& thing) {
+    return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
+  };
+  std::string text = model + ", every " + short_number(design.sample_time) + " s\n" +
+                     counted(design.states(), "state") + ": " + counted(design.sections.rates.size(), "section");
+  const auto add = [&](std::size_t count, const std::string& thing) {
+    if (count > 0) text += ", " + counted(count, thing);
+  };
+  add(design.pair_rates.size(), "complex pair");
+  if (design.taps.size() > 1) add(design.taps.size(), "tap");
+  add(static_cast<std::size_t>(design.differences), "difference");
+  add(static_cast<std::size_t>(design.integrators), "integrator");
+  add(design.dead_samples, "sample");
+  if (design.dead_samples > 0) text += " of dead time";
+  text += "\n";
   if (std::isfinite(error)) text += "largest relative error on the band " + short_number(error) + "\n";
   return text;
 }

@@ -102,13 +102,11 @@ struct DigitalPower {
   [[nodiscard]] std::complex<double> response(double omega) const;
 };
 
-/// @param band                upper edge below pi/T; for `direct` at most pi/(2 T), a quarter of the sampling
-/// frequency.
-/// @param memory_length       of grunwald_letnikov, 1 to 10^7 samples.
-/// @param most_amplification  of `direct`, 1.1 to 1000: bound of the gain beyond the band, which accuracy up to its
-/// edge
-///                            is paid with.  The least that the tolerance takes is used.  Up to about 1.5
-///                            the answer to a step hardly rings from sample to sample.
+/// @param band  upper edge below pi/T; for `direct` at most pi/(2 T), a quarter of the sampling frequency.
+/// @param memory_length  of grunwald_letnikov, 1 to 10^7 samples.
+/// @param most_amplification  of `direct`, 1.1 to 1000: bound of the gain beyond the band, with which accuracy up to
+/// its edge is paid.  The least that the tolerance takes is used.  Up to about 1.5 the answer to a step hardly rings
+/// from sample to sample.
 /// @throws std::invalid_argument  as approximate(); order not within (-8, 8); an argument out of range; band and sample
 /// time too close to each other: the text gives them and what is allowed.
 [[nodiscard]] DigitalPower digital_power(double order, FrequencyBand band, ApproximationGoal goal, double sample_time,

@@ -68,7 +68,8 @@ class MinimaxTaps {
     Eigen::VectorXd wanted = Eigen::VectorXd::Zero(2 * points);
     for (int i = 0; i < band_points; ++i) wanted[2 * i] = 1;
 
-    // Lawson's weights: each point's is multiplied by the error it is left with.
+    // Weights of Lawson (1961), for complex functions Ellacott and Williams (1976): each point's is multiplied by the
+    // error it is left with.
     const Eigen::Index size = rows_.cols();
     Eigen::VectorXd weight = Eigen::VectorXd::Ones(points);
     Eigen::VectorXd best = Eigen::VectorXd::Zero(size);

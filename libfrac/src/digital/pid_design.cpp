@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -101,6 +102,7 @@ PidOperator operator_of(const DigitalPower& power) {
   PidOperator result;
   if (power.taps.size() > 1) {
     result.tap_count = detail::even_count(power.taps.size());
+    assert(result.tap_count <= result.taps.size());
     std::copy(power.taps.begin(), power.taps.end(), result.taps.begin());
   }
   const std::size_t count = sections.rates.size();
