@@ -25,8 +25,9 @@ std::string heading(const FitRun& run) {
                      interval(run.lower, run.upper) + (run.over_time ? " s" : " rad/s");
   if (!run.value_unit.empty()) text += ", values in " + run.value_unit;
   if (run.over_time) {
-    return text + "\nresiduals  of the output, " + option_of(run, "weight") + " weight; input " +
-           option_of(run, "hold") + " hold, offset " + option_of(run, "offset") + "\n";
+    text += "\nresiduals  of the output, " + option_of(run, "weight") + " weight";
+    if (option_of(run, "loss") != "none") text += ", " + option_of(run, "loss") + " loss";
+    return text + "; input " + option_of(run, "hold") + " hold, offset " + option_of(run, "offset") + "\n";
   }
   text += "\nresiduals  " + option_of(run, "component") + ", " + option_of(run, "weight") + " weight";
   if (option_of(run, "loss") != "none") text += ", " + option_of(run, "loss") + " loss";
@@ -41,6 +42,15 @@ std::string state_of(const frac::ParameterEstimate& parameter) {
   return "";
 }
 
+std::string note_on_profiles(const frac::FitResult& result) {
+  std::string names;
+  for (const auto& parameter : result.parameters) {
+    if (parameter.interval == frac::IntervalKind::profile) names += (names.empty() ? "" : ", ") + parameter.name;
+  }
+  if (names.empty()) return {};
+  return "Wide intervals follow the cost itself (profile likelihood), not its curvature: " + names + ".\n";
+}
+
 std::string parameter_table(const frac::FitResult& result) {
   AlignedTable table({"parameter", "value", "standard error", "95 % interval", ""});
   for (const auto& parameter : result.parameters) {
@@ -49,7 +59,7 @@ std::string parameter_table(const frac::FitResult& result) {
                parameter.fixed ? "-" : short_number(parameter.standard_error),
                has_interval ? interval(parameter.ci95_lower, parameter.ci95_upper) : "-", state_of(parameter)});
   }
-  return table.text();
+  return table.text() + note_on_profiles(result);
 }
 
 std::string added_intervals(const frac::FitResult& result, const FitStatistics& statistics) {

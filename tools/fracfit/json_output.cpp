@@ -40,6 +40,7 @@ Json parameter_json(const frac::ParameterEstimate& parameter) {
           {"value", number(parameter.value)},
           {"standard_error", number(parameter.standard_error)},
           {"ci95", {number(parameter.ci95_lower), number(parameter.ci95_upper)}},
+          {"interval", frac::to_string(parameter.interval)},
           {"identified", parameter.identified},
           {"at_bound", parameter.at_bound},
           {"fixed", parameter.fixed}};

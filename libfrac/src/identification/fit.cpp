@@ -9,37 +9,19 @@
 #include <stdexcept>
 
 #include "confidence.hpp"
+#include "curvature_fit.hpp"
+#include "estimates.hpp"
+#include "fit_problem.hpp"
 #include "global_search.hpp"
-#include "information.hpp"
 #include "interchange.hpp"
-#include "local_solve.hpp"
-#include "parameter_map.hpp"
-#include "residuals.hpp"
+#include "profile.hpp"
+#include "robust.hpp"
 
 namespace frac {
 
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-detail::DataScale data_scale(const FrequencyResponseData& data) {
-  double sum = 0, lower = std::numeric_limits<double>::infinity(), upper = 0;
-  std::size_t nonzero = 0;
-  for (const std::complex<double> value : data.value()) {
-    const double magnitude = std::abs(value);
-    if (!(magnitude > 0)) continue;
-    sum += std::log(magnitude);
-    lower = std::min(lower, magnitude);
-    upper = std::max(upper, magnitude);
-    ++nonzero;
-  }
-  // Half a decade beyond the data on either side, so that constant data leave room too.
-  constexpr double margin = 3;
-  const double first = data.omega().front(), last = data.omega().back();
-  if (nonzero == 0) return {1, 1 / margin, margin, std::sqrt(first) * std::sqrt(last), first / margin, last * margin};
-  return {std::exp(sum / static_cast<double>(nonzero)), lower / margin, upper * margin,
-          std::sqrt(first) * std::sqrt(last),           first / margin, last * margin};
-}
 
 void check_coverage(const FrequencyResponseData& data, const Realisation& realisation) {
   validate(realisation);
@@ -63,55 +45,6 @@ void check_coverage(const FrequencyResponseData& data, const Realisation& realis
 /// much as their standard error for r sqrt(n) around 1.
 constexpr double noisy_divisor = 0.05;
 constexpr double plain_misfit = 0.3;
-
-std::vector<double> residuals_at(const detail::Residuals& residuals, const std::vector<double>& theta) {
-  std::vector<double> residual(residuals.count());
-  residuals.evaluate(theta, residual.data(), nullptr);
-  return residual;
-}
-
-/// 1.4826 times the median absolute residual: the standard deviation of the well-behaved part (normal residuals).
-double robust_spread(std::vector<double> residual) {
-  for (double& value : residual) value = std::abs(value);
-  const auto middle = residual.begin() + static_cast<std::ptrdiff_t>(residual.size() / 2);
-  std::nth_element(residual.begin(), middle, residual.end());
-  return 1.4826 * *middle;
-}
-
-/// Residuals below this, in units of the data, are rounding.
-constexpr double rounding = 1e-13;
-
-/// Points with a residual beyond five robust standard deviations: one in two million of normal residuals.
-std::vector<std::size_t> outliers(const std::vector<double>& residual, std::size_t per_point) {
-  std::vector<std::size_t> points;
-  const double limit = std::max(5 * robust_spread(residual), rounding);
-  for (std::size_t i = 0; i < residual.size(); ++i) {
-    const std::size_t point = i / per_point;
-    if (std::abs(residual[i]) > limit && (points.empty() || points.back() != point)) points.push_back(point);
-  }
-  return points;
-}
-
-/// Loss scales that keep 95 % efficiency on normal residuals (Huber 1981; Holland, Welsch 1977).
-double tuning_constant(Loss loss) {
-  return loss == Loss::huber ? 1.345 : 2.385;
-}
-
-/// Refines a least-squares solution under a robust loss whose scale follows the residuals until it settles.
-detail::LocalOptions robust_refinement(const detail::Residuals& residuals, Loss loss, detail::LocalSolution& solution) {
-  detail::LocalOptions options;
-  options.loss = loss;
-  double spread = robust_spread(residuals_at(residuals, solution.theta));
-  for (int pass = 0; pass < 30 && spread > 0; ++pass) {
-    options.loss_scale = tuning_constant(loss) * spread;
-    solution = local_solve(residuals, solution.theta, options);
-    const double next = robust_spread(residuals_at(residuals, solution.theta));
-    const bool settled = std::abs(next - spread) <= 1e-3 * spread;
-    spread = next;
-    if (settled) break;
-  }
-  return options;
-}
 
 [[noreturn]] void refuse_count(std::size_t residuals, std::size_t parameters) {
   throw std::invalid_argument(std::to_string(residuals) + " residuals cannot determine " + std::to_string(parameters) +
@@ -212,56 +145,6 @@ std::string ending(const detail::GlobalSolution& solution) {
   return text + sure;
 }
 
-/// Two like parts of which one is not identified, and whose share in their sum is all that is unknown, are neither:
-/// what one has the other lacks.
-void refuse_inseparable_parts(FitResult& result, const Structure& structure) {
-  constexpr double inseparable = 0.98;  // correlation
-  for (const detail::Interchange& parts : detail::interchanges(structure)) {
-    for (const auto& [a, b] : parts.pairs) {
-      ParameterEstimate &first = result.parameters[a], &second = result.parameters[b];
-      if (first.identified == second.identified || first.fixed || second.fixed) continue;
-      const double correlation = result.covariance[a][b] / (first.standard_error * second.standard_error);
-      if (std::abs(correlation) > inseparable) first.identified = second.identified = false;
-    }
-  }
-}
-
-std::string listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
-  }
-  return text;
-}
-
-/// What limits say about the result: parameters that ended at one, and residuals as many as parameters.
-std::string remarks_on_limits(const FitResult& result, const Structure& structure, const FitOptions& options,
-                              bool degrees_left) {
-  std::vector<std::string> at_bound;
-  bool held_positive = false;
-  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
-    if (!result.parameters[i].at_bound) continue;
-    const std::string& name = result.parameters[i].name;
-    at_bound.push_back(name);
-    const bool limited =
-        std::any_of(options.constraints.begin(), options.constraints.end(),
-                    [&](const ParameterConstraint& each) { return each.name == name && each.lower.has_value(); });
-    held_positive = held_positive || (structure.parameter_roles()[i] == ParameterRole::coefficient &&
-                                      structure.parameter_in_sum()[i] && !limited);
-  }
-  std::string text;
-  if (!at_bound.empty()) {
-    text += " At a bound: " + listed(at_bound) + ".";
-    if (held_positive) {
-      text += " Coefficients in sums are taken as positive unless a lower limit below 0 is given for them.";
-    }
-  }
-  if (!degrees_left) {
-    text += " The residuals are no more than the parameters, so there are no intervals.";
-  }
-  return text;
-}
-
 /// A fit through Oustaloup's ladder can end on a whole order, where the realisation jumps: a corner, not a minimum.
 void refuse_whole_orders(FitResult& result, const Structure& structure, const Realisation& realisation) {
   if (!std::holds_alternative<OustaloupRealisation>(realisation)) return;
@@ -279,14 +162,19 @@ Component other_component(Component component) {
   return component == Component::imaginary ? Component::real : Component::imaginary;
 }
 
-/// fit() with or without a look at the other component for what this one is blind to.
+/// Parts of fit() that some of its callers go without.
+struct Extent {
+  bool recover;   // looks at the other component for what the fitted one is blind to
+  bool profiles;  // follows the cost where intervals are wide
+};
 FitResult fit_component(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
-                        bool recover);
+                        Extent extent);
 
 /// What the fitted component is blind to (a real constant in an imaginary part) is estimated from the other one, the
 /// rest held.
 void recover_unseen(FitResult& result, const detail::Confidence& found, const detail::Residuals& residuals, double cost,
-                    const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
+                    const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
+                    bool profiles) {
   if (options.component != Component::imaginary && options.component != Component::real) return;
   const bool all_seen = std::find(found.seen.begin(), found.seen.end(), false) == found.seen.end();
   const bool none_seen = std::find(found.seen.begin(), found.seen.end(), true) == found.seen.end();
@@ -304,7 +192,7 @@ void recover_unseen(FitResult& result, const detail::Confidence& found, const de
       if (constraint.name == name) rest.constraints.push_back(constraint);
     }
   }
-  const FitResult recovered = fit_component(data, structure, rest, false);
+  const FitResult recovered = fit_component(data, structure, rest, {false, profiles});
   std::vector<double> values;
   for (const ParameterEstimate& estimate : recovered.parameters) values.push_back(estimate.value);
   // The fitted component must not notice: blindness at the minimum alone is not enough.
@@ -316,44 +204,56 @@ void recover_unseen(FitResult& result, const detail::Confidence& found, const de
   }
 }
 
+/// An interval up to this share of the value on either side is left as the curvature gives it: where parameters act
+/// through their logarithms, the next term moves an end by half that share of the half width, and coverage by some
+/// tenths of a per cent.
+constexpr double narrow = 0.1;
+
+/// Wide intervals follow the cost instead of its curvature at the minimum.
+void follow_cost(FitResult& result, const detail::FitProblem& problem, const detail::LocalSolution& solution,
+                 const detail::Confidence& found) {
+  if (problem.options.loss != Loss::none || found.condition > detail::flat_condition || !(found.loss_unit > 0)) return;
+  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+    ParameterEstimate& estimate = result.parameters[i];
+    const double half_width = found.t * estimate.standard_error;
+    if (estimate.fixed || !std::isfinite(half_width) || half_width <= narrow * std::abs(estimate.value)) continue;
+    // An end to half a per cent of the half width, or none within 15 steps.
+    const detail::ProfileEnds ends = profile_ends(problem, solution, {}, found, i, 5e-3, 15);
+    if (ends.below_minimum) continue;
+    estimate.ci95_lower = std::max(ends.lower, ends.lower_limit);
+    estimate.ci95_upper = std::min(ends.upper, ends.upper_limit);
+    estimate.interval = IntervalKind::profile;
+    const double widest = std::max(estimate.value - ends.lower, ends.upper - estimate.value);
+    estimate.identified = estimate.identified && widest <= 0.5 * std::abs(estimate.value);
+  }
+}
+
 FitResult fit_component(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
-                        bool recover) {
+                        Extent extent) {
   const auto begin = std::chrono::steady_clock::now();
   check_coverage(data, options.realisation);
   const std::size_t most_residuals = 2 * data.size();
   const std::size_t least_free =
       structure.parameter_names().size() - std::min(structure.parameter_names().size(), options.constraints.size());
   if (least_free > most_residuals) refuse_count(most_residuals, least_free);
-  const detail::ParameterMap map(structure, options.constraints, data_scale(data),
-                                 options.component == Component::magnitude);
-  const detail::ResidualRule rule = detail::residual_rule(data, options.component, options.weight);
-  const detail::FrequencyResiduals residuals(data, structure, options.realisation, map, rule);
+  detail::FitProblem problem(data, structure, options);
+  const detail::ParameterMap& map = problem.map;
+  const detail::ResidualRule& rule = problem.rule;
+  detail::FrequencyResiduals& residuals = problem.residuals;
   if (residuals.count() < map.free().size()) {
     refuse_count(residuals.count(), map.free().size());
   }
 
   const bool empty = is_empty(data, options.component);
   detail::GlobalSolution solution = empty ? detail::GlobalSolution{} : solve(residuals, rule, data, structure, options);
-  FitResult result{};
-  result.model = structure.formula();
-  result.residuals = residuals.count();
-  result.free_parameters = map.free().size();
-  result.starts = solution.starts;
-  result.starts_at_best = solution.starts_at_best;
-  result.distinct_minima = solution.minima;
-  result.confidence_of_optimum = solution.confidence;
-  const auto& names = structure.parameter_names();
-
+  FitResult result = describe_search(structure, residuals, solution);
+  const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
   if (solution.starts_at_best == 0) {
-    result.cost = result.rms = result.max_residual = result.aicc = result.bic = result.condition = nan;
-    result.termination = FitTermination::no_usable_start;
-    result.message = empty ? "The " + std::string(to_string(options.component)) +
+    describe_failure(result, structure, map,
+                     empty ? "The " + std::string(to_string(options.component)) +
                                  " part of the data is 0 everywhere: there is nothing to fit."
-                           : "The model is not finite on these frequencies anywhere it was tried.";
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      result.parameters.push_back({names[i], nan, nan, nan, nan, map.is_fixed(i), false, false, nan, nan, false});
-    }
-    result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+                           : "The model is not finite on these frequencies anywhere it was tried.");
+    result.seconds = seconds();
     return result;
   }
 
@@ -365,50 +265,20 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   }
   solution.best.theta =
       map.to_theta(detail::with_labels_in_order(structure, options.constraints, map.to_user(solution.best.theta)));
-  if (options.loss != Loss::none) local = robust_refinement(residuals, options.loss, solution.best);
+  if (options.loss != Loss::none) {
+    const auto scale = options.loss_scale ? std::optional(*options.loss_scale / rule.unit) : std::nullopt;
+    local = robust_refinement(residuals, options.loss, scale, solution.best);
+  }
   const detail::Confidence found = confidence(residuals, solution.best, local);
-  const std::vector<double> values = map.to_user(solution.best.theta);
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const double half_width = found.t * found.standard_error[i];
-    ParameterEstimate estimate{};
-    estimate.name = names[i];
-    estimate.value = estimate.centre_value = values[i];
-    estimate.fixed = map.is_fixed(i);
-    estimate.standard_error = estimate.fixed ? 0 : found.standard_error[i];
-    estimate.centre_standard_error = estimate.fixed ? 0 : found.centre_standard_error[i];
-    estimate.ci95_lower = estimate.fixed ? nan : values[i] - half_width;
-    estimate.ci95_upper = estimate.fixed ? nan : values[i] + half_width;
-    estimate.at_bound = found.at_bound[i];
-    estimate.identified = found.identified[i] && !found.at_bound[i];
-    result.parameters.push_back(std::move(estimate));
-  }
-  for (std::size_t k = 0; k < map.free().size(); ++k) {
-    result.parameters[map.free()[k].parameter].centre_value = map.centre_value(k, values);
-  }
-  result.covariance = found.covariance;
-  refuse_inseparable_parts(result, structure);
-  result.centre_omega = map.scale().omega;
   result.message = ending(solution);
-  if (found.condition > detail::flat_condition) {
-    char text[128];
-    std::snprintf(text, sizeof text,
-                  " The scaled Fisher condition is %.1e, beyond %.0e: some parameters only trade off.", found.condition,
-                  detail::flat_condition);
-    result.message += text;
+  describe_estimates(result, structure, residuals, options.constraints, found, solution.best.theta);
+  if (extent.profiles) follow_cost(result, problem, solution.best, found);
+  if (extent.recover) {
+    recover_unseen(result, found, residuals, solution.best.cost, data, structure, options, extent.profiles);
   }
-  result.message += remarks_on_limits(result, structure, options, residuals.count() > map.free().size());
-  if (recover) recover_unseen(result, found, residuals, solution.best.cost, data, structure, options);
   refuse_whole_orders(result, structure, options.realisation);
 
-  std::vector<double> residual = residuals_at(residuals, solution.best.theta);
-  result.outliers = outliers(residual, residuals.per_point());
-  for (double& value : residual) value *= rule.unit;
-  const detail::Information information = detail::information(residual, found.rank, rule.unit);
-  result.cost = information.cost;
-  result.rms = information.rms;
-  result.max_residual = information.max_residual;
-  result.aicc = information.aicc;
-  result.bic = information.bic;
+  describe_residuals(result, residuals, local, found, solution.best.theta, rule.unit);
   if (options.weight == Weight::relative && options.component != Component::magnitude &&
       options.component != Component::phase && result.rms > noisy_divisor && result.rms < plain_misfit) {
     char text[192];
@@ -418,16 +288,20 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
                   result.rms, 200 * result.rms * result.rms);
     result.message += text;
   }
-  result.condition = found.condition;
   result.termination = solution.best.converged ? FitTermination::converged : FitTermination::not_converged;
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  result.seconds = seconds();
   return result;
 }
 
 }  // namespace
 
 FitResult fit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
-  return fit_component(data, structure, options, true);
+  return fit_component(data, structure, options, {true, true});
+}
+
+FitResult detail::curvature_fit(const FrequencyResponseData& data, const Structure& structure,
+                                const FitOptions& options) {
+  return fit_component(data, structure, options, {true, false});
 }
 
 std::vector<std::complex<double>> fitted_response(const FitResult& result, const Realisation& realisation,

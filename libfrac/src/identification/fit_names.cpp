@@ -30,6 +30,7 @@ constexpr std::array<std::string_view, 6> weights = {"relative",          "absol
                                                      "smoothed-relative", "log-complex", "repeats"};
 constexpr std::array<std::string_view, 3> losses = {"none", "huber", "cauchy"};
 constexpr std::array<std::string_view, 3> terminations = {"converged", "not-converged", "no-usable-start"};
+constexpr std::array<std::string_view, 2> interval_kinds = {"curvature", "profile"};
 constexpr std::array<std::string_view, 3> growth_families = {"powers", "denominator", "arcs"};
 
 }  // namespace
@@ -45,6 +46,9 @@ std::string_view to_string(Loss loss) {
 }
 std::string_view to_string(FitTermination termination) {
   return name_of(termination, terminations);
+}
+std::string_view to_string(IntervalKind kind) {
+  return name_of(kind, interval_kinds);
 }
 std::string_view to_string(GrowthFamily family) {
   return name_of(family, growth_families);

@@ -122,16 +122,33 @@ std::unique_ptr<ceres::LossFunction> make_loss(Loss loss, double scale) {
 
 }  // namespace
 
+LocalSolution solution_at(const Residuals& residuals, const std::vector<double>& theta, const LocalOptions& options) {
+  LocalSolution solution{theta, 0, 0, true};
+  solution.cost = solution.objective = residuals.cost(solution.theta);
+  const auto loss = make_loss(options.loss, options.loss_scale);
+  if (!loss || !std::isfinite(solution.cost)) return solution;
+  std::vector<double> residual(residuals.count());
+  residuals.evaluate(solution.theta, residual.data(), nullptr);
+  solution.objective = 0;
+  for (std::size_t i = 0; i < residual.size(); i += residuals.per_point()) {
+    double square = 0, rho[3];
+    for (std::size_t row = i; row < i + residuals.per_point(); ++row) square += residual[row] * residual[row];
+    loss->Evaluate(square, rho);
+    solution.objective += rho[0];
+  }
+  return solution;
+}
+
 LocalSolution local_solve(const Residuals& residuals, const std::vector<double>& start, const LocalOptions& options) {
-  LocalSolution solution{start, 0, false};
   const auto& free = residuals.map().free();
-  if (free.empty()) return {start, residuals.cost(start), true};
+  if (free.empty()) return solution_at(residuals, start, options);
 
   const auto loss = make_loss(options.loss, options.loss_scale);
   ceres::Problem::Options problem_options;
   problem_options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem problem(problem_options);
-  double* theta = solution.theta.data();
+  std::vector<double> end = start;
+  double* theta = end.data();
   LastEvaluation evaluation(residuals);
   if (loss) {
     // A loss acts on a block, so each frequency is a block of its own.
@@ -158,7 +175,7 @@ LocalSolution local_solve(const Residuals& residuals, const std::vector<double>&
   solver.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
-  solution.cost = residuals.cost(solution.theta);
+  LocalSolution solution = solution_at(residuals, end, options);
   solution.converged = summary.termination_type == ceres::CONVERGENCE;
   return solution;
 }

@@ -8,7 +8,8 @@ namespace frac::detail {
 
 struct LocalSolution {
   std::vector<double> theta;
-  double cost = 0;  // plain sum of squares, without the loss
+  double cost = 0;       // plain sum of squares, without the loss
+  double objective = 0;  // the same with the loss; the cost where there is none
   bool converged = false;
 };
 
@@ -18,6 +19,10 @@ struct LocalOptions {
   Loss loss = Loss::none;
   double loss_scale = 1;  // residual at which the loss turns from quadratic to robust
 };
+
+/// The costs at theta, as of a solution that has converged there; infinite where the model is not finite.
+[[nodiscard]] LocalSolution solution_at(const Residuals& residuals, const std::vector<double>& theta,
+                                        const LocalOptions& options);
 
 /// Bounded Levenberg-Marquardt (Ceres) from a start inside the bounds at which the residuals are finite.
 [[nodiscard]] LocalSolution local_solve(const Residuals& residuals, const std::vector<double>& start,

@@ -50,17 +50,24 @@ struct FitOptions {
   Component component = Component::imaginary;
   Weight weight = Weight::relative;
   Loss loss = Loss::none;
+  /// Weighted residual at which the loss turns from quadratic to robust; unset: from the spread of the residuals.
+  std::optional<double> loss_scale;
   Realisation realisation = ExactRealisation{};
   std::vector<ParameterConstraint> constraints;
   std::uint64_t seed = 1;    // of the multi-start; same seed, same result
   bool global_start = true;  // false: one local solve from the given starts; every free parameter then needs one
 };
 
+/// What an interval follows: the curvature of the cost at its minimum, or the cost itself, as profile_interval() does.
+enum class IntervalKind { curvature, profile };
+[[nodiscard]] std::string_view to_string(IntervalKind kind);
+
 struct ParameterEstimate {
   std::string name;
   double value;
-  double standard_error;          // scaled by the residual variance; 0 when fixed, NaN when unseen or at a bound
-  double ci95_lower, ci95_upper;  // Student t; NaN like standard_error
+  double standard_error;  // scaled by the residual variance; 0 when fixed, NaN when unseen or at a bound
+  /// Student t.  NaN like standard_error; a profile that has no end within the limits of the parameter ends at a limit.
+  double ci95_lower, ci95_upper;
   bool fixed;
   bool at_bound;
   bool
@@ -69,6 +76,7 @@ struct ParameterEstimate {
   /// correlated with the orders.
   double centre_value, centre_standard_error;
   bool from_other_component;  // the fitted component is blind to it; estimated from the other one with the rest held
+  IntervalKind interval = IntervalKind::curvature;  // wider ones than 10 % of the value on either side: profile
 };
 
 enum class FitTermination {
@@ -103,6 +111,11 @@ struct FitResult {
   /// Covariance of the estimates, one row per parameter: NaN beside one without standard error, 0 beside a fixed one.
   std::vector<std::vector<double>> covariance;
   double centre_omega;  // geometric middle of the band, rad/s
+  double loss_cost;     // sum of the loss over the points: what was made least, and cost itself without a loss
+  double loss_scale;    // that was used; NaN without a loss
+  /// What loss_cost rises by, on average, for each parameter without meaning: cost/(residuals - parameters) without a
+  /// loss, with one sum psi^2/(residuals - parameters)/mean psi' (Huber 1981, sect. 7.10).
+  double loss_unit;
   double seconds;
 };
 

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "residuals.hpp"
+
+namespace frac::detail {
+
+/// Typical magnitudes of the data and the ranges they span.
+[[nodiscard]] DataScale data_scale(const FrequencyResponseData& data);
+
+/// What a fit of a structure to a frequency response minimises.
+struct FitProblem {
+  /// @throws std::invalid_argument  constraints or a weight that do not go with structure or data, as fit() says.
+  FitProblem(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options);
+  FitProblem(const FitProblem&) = delete;
+  FitProblem& operator=(const FitProblem&) = delete;
+
+  const FrequencyResponseData& data;
+  const Structure& structure;
+  const FitOptions& options;
+  ParameterMap map;
+  ResidualRule rule;
+  FrequencyResiduals residuals;
+};
+
+}  // namespace frac::detail

@@ -1,0 +1,166 @@
+#include "profile.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace frac::detail {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+// A coefficient that may be this many e-folds away from its estimate is not bounded by the data.
+constexpr double open_reach = 60;
+
+/// One parameter along its interval.  Positive coefficients are followed as logarithms, in which intervals are nearly
+/// symmetric.
+class Profile {
+ public:
+  Profile(const FitProblem& problem, const LocalSolution& solution, const LocalOptions& options,
+          const Confidence& confidence, std::size_t parameter)
+      : problem_(problem),
+        options_(options),
+        confidence_(confidence),
+        parameter_(parameter),
+        best_(problem.map.to_user(solution.theta)),
+        best_objective_(solution.objective),
+        held_(problem.options.constraints) {
+    const std::string& name = problem.structure.parameter_names()[parameter];
+    std::erase_if(held_, [&](const ParameterConstraint& constraint) { return constraint.name == name; });
+    held_.push_back({name, 0.0, {}, {}, {}});
+    options_.cost_tolerance = 1e-10;
+    for (const ParameterMap::Free& entry : problem.map.free()) {
+      if (entry.parameter != parameter) continue;
+      logarithmic_ = entry.logarithmic;
+      if (entry.role == ParameterRole::order || entry.role == ParameterRole::delay) {
+        const double unit = entry.role == ParameterRole::delay ? problem.map.scale().omega : 1;
+        lower_ = entry.lower / unit;
+        upper_ = entry.upper / unit;
+      }
+    }
+    for (const ParameterConstraint& constraint : problem.options.constraints) {
+      if (constraint.name != name) continue;
+      lower_ = constraint.lower.value_or(lower_);
+      upper_ = constraint.upper.value_or(upper_);
+    }
+    if (logarithmic_) {
+      lower_ = lower_ > 0 ? std::log(lower_) : -infinity;
+      upper_ = std::log(upper_);
+    }
+  }
+
+  [[nodiscard]] bool below_minimum() const { return below_minimum_; }
+  [[nodiscard]] double lower_limit() const { return user(lower_); }
+  [[nodiscard]] double upper_limit() const { return user(upper_); }
+
+  /// -infinity or infinity where there is none.
+  double end(int side, double tolerance, int steps) {
+    double error = confidence_.standard_error[parameter_];
+    if (!(error > 0)) error = 0.01 * std::abs(best_[parameter_]) + 1e-300;  // at a bound
+    const double centre = logarithmic_ ? std::log(best_[parameter_]) : best_[parameter_];
+    const double step = confidence_.t * (logarithmic_ ? error / best_[parameter_] : error);
+    last_ = best_;
+    const double found =
+        profile_end([this](double coordinate) { return rise_at(coordinate); },
+                    {centre, step, lower_, upper_, logarithmic_}, side, confidence_.t, tolerance, steps);
+    return std::isfinite(found) ? user(found) : found;
+  }
+
+ private:
+  [[nodiscard]] double user(double coordinate) const { return logarithmic_ ? std::exp(coordinate) : coordinate; }
+
+  /// Square root of the rise of the objective above its minimum, in units of that of one standard error.
+  double rise_at(double coordinate) {
+    held_.back().fixed = user(coordinate);
+    const ParameterMap map(problem_.structure, held_, problem_.map.scale(),
+                           problem_.options.component == Component::magnitude);
+    const FrequencyResiduals residuals(problem_.data, problem_.structure, problem_.options.realisation, map,
+                                       problem_.rule);
+    std::vector<double> near = predicted(user(coordinate));
+    std::vector<double> start = map.to_theta(near);
+    if (!std::isfinite(residuals.cost(start))) start = map.to_theta(last_);
+    if (!std::isfinite(residuals.cost(start))) return infinity;
+    const LocalSolution solution = local_solve(residuals, start, options_);
+    if (!std::isfinite(solution.objective)) return infinity;
+    last_ = map.to_user(solution.theta);
+    below_minimum_ = below_minimum_ || solution.objective < best_objective_ * (1 - 1e-6);
+    return std::sqrt(std::max(0.0, solution.objective - best_objective_) / confidence_.loss_unit);
+  }
+
+  /// The other parameters moved along with the held one as their covariance says, positive ones as logarithms.
+  [[nodiscard]] std::vector<double> predicted(double value) const {
+    std::vector<double> result = last_;
+    const double variance = confidence_.covariance[parameter_][parameter_];
+    const double change =
+        logarithmic_ ? last_[parameter_] * std::log(value / last_[parameter_]) : value - last_[parameter_];
+    for (const ParameterMap::Free& entry : problem_.map.free()) {
+      const std::size_t i = entry.parameter;
+      const double covariance = confidence_.covariance[i][parameter_];
+      if (i == parameter_ || !std::isfinite(covariance)) continue;
+      // In relative terms of the estimates, in which the covariance holds along the curve best.
+      const double slope = covariance / variance * (logarithmic_ ? best_[parameter_] / last_[parameter_] : 1);
+      if (entry.logarithmic) {
+        result[i] *= std::exp(std::clamp(slope * change / best_[i], -3.0, 3.0));
+      } else {
+        result[i] += slope * change;
+      }
+    }
+    result[parameter_] = value;
+    return result;
+  }
+
+  const FitProblem& problem_;
+  LocalOptions options_;
+  const Confidence& confidence_;
+  std::size_t parameter_;
+  std::vector<double> best_;
+  double best_objective_;
+  std::vector<ParameterConstraint> held_;
+  std::vector<double> last_;  // parameters at the point solved last
+  bool logarithmic_ = false;
+  double lower_ = -infinity, upper_ = infinity;  // of the coordinate
+  bool below_minimum_ = false;
+};
+
+}  // namespace
+
+double profile_end(const std::function<double(double)>& rise, const ProfileLine& line, int side, double wanted,
+                   double tolerance, int steps) {
+  const double limit = side < 0 ? line.lower : line.upper;
+  double inside = line.centre, inside_rise = 0, outside = side * infinity, outside_rise = infinity;
+  double at = line.centre + side * line.step;
+  for (int step = 0; step < steps; ++step) {
+    if (side * at >= side * limit) at = limit;
+    const double here = rise(at);
+    if (here < wanted * (1 - tolerance)) {
+      if (at == limit) return side * infinity;
+      inside = at;
+      inside_rise = here;
+    } else {
+      outside = at;
+      outside_rise = here;
+    }
+    if (std::isfinite(here) && std::abs(here - wanted) <= tolerance * wanted) return at;
+    if (std::isinf(outside)) {
+      const double factor = here > 0 ? std::clamp(1.1 * wanted / here, 1.2, 3.0) : 3.0;
+      at = line.centre + factor * (at - line.centre);
+      if (line.logarithmic && std::abs(at - line.centre) > open_reach) return side * infinity;
+      continue;
+    }
+    if (std::abs(outside - inside) <= tolerance * std::abs(inside - line.centre)) return inside;
+    // The secant through both, kept off their neighbourhood: a valley left on the way makes the rise jump.
+    const double share = std::isfinite(outside_rise) ? (wanted - inside_rise) / (outside_rise - inside_rise) : 0.5;
+    at = inside + std::clamp(share, 0.05, 0.95) * (outside - inside);
+  }
+  return outside;
+}
+
+ProfileEnds profile_ends(const FitProblem& problem, const LocalSolution& solution, const LocalOptions& options,
+                         const Confidence& confidence, std::size_t parameter, double tolerance, int steps) {
+  Profile profile(problem, solution, options, confidence, parameter);
+  const double lower = profile.end(-1, tolerance, steps);
+  const double upper = profile.end(1, tolerance, steps);
+  return {lower, upper, profile.lower_limit(), profile.upper_limit(), profile.below_minimum()};
+}
+
+}  // namespace frac::detail
