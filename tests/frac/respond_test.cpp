@@ -108,6 +108,17 @@ TEST(Respond, PolesAboutTheCutNeedNoMoreStates) {
   }
 }
 
+// Residues of 200 that cancel, before, beside and on the cut.
+TEST(Respond, PolesCloseTogetherKeepTenDigits) {
+  for (const char* text : {"1/((s^1.3 + 1)(s^1.3 + 1.004))", "1/((s^0.99 + 1)(s^0.99 + 1.004))",
+                           "1/((s + 1)(s + 1.01)(s^0.5 + 1))", "1/((s^1.005 + 1)(s^0.99 + 1))"}) {
+    const auto model = FractionalTransferFunction::parse(text);
+    const std::vector<double> samples(20'000, 1.0);
+    EXPECT_LE(relative_error(frac::respond(model, samples, 1e-3, 1e-10), ReferenceResponse(model), 1e-3), 1e-10)
+        << text;
+  }
+}
+
 TEST(Respond, RampResponsesOfTheFirstOrderHoldAreExact) {
   for (const auto& [name, model] : systems()) {
     const ReferenceResponse reference(model, {ResponseInput::Kind::ramp});

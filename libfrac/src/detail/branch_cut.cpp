@@ -11,14 +11,18 @@ namespace {
 
 using Complex = std::complex<double>;
 constexpr double pi = std::numbers::pi;
+// Residues of poles d apart in ln s are as large as 1/d and known to rounding/d^2.
+constexpr double crowd = 0.1;
 
 }  // namespace
 
 BranchCut best_cut(const LaplaceImage& image, double enough, double advantage, Avoided avoided) {
+  const std::vector<RootCluster>& poles = image.poles().clusters;
   const auto half_width = [&](double angle) {
     double width = std::min(angle - pi / 2, 1.5 * pi - angle);
-    for (const RootCluster& pole : image.poles().clusters) {
-      if (avoided == Avoided::multiple && pole.multiplicity == 1) continue;
+    for (std::size_t k = 0; k < poles.size(); ++k) {
+      const RootCluster& pole = poles[k];
+      if (avoided == Avoided::crowded && pole.multiplicity == 1 && image.clearance(k) > crowd) continue;
       width = std::min(width, std::abs(angle - pole.log_s.imag()) - pole.spread);
     }
     return width;
@@ -35,7 +39,7 @@ BranchCut best_cut(const LaplaceImage& image, double enough, double advantage, A
 
 // A complex term costs as much as two real ones.
 CutRule::CutRule(const LaplaceImage& image, double earliest, double tolerance)
-    : cut_(best_cut(image, 0.7, 2, Avoided::multiple)) {
+    : cut_(best_cut(image, 0.7, 2, Avoided::crowded)) {
   const std::vector<RootCluster>& poles = image.poles().clusters;
   int multiplicity = 1;
   for (const RootCluster& pole : poles) multiplicity = std::max(multiplicity, pole.multiplicity);

@@ -14,15 +14,15 @@ struct BranchCut {
   double half_width;
 };
 
-/// Poles that the strip must not hold.
-enum class Avoided { all, multiple };
+/// Poles that the strip must not hold: all, or those of several orders and those close to each other.
+enum class Avoided { all, crowded };
 
 /// The negative axis, where nothing oscillates, unless its strip is narrower than `enough` and another ray's wider by
 /// the factor `advantage`.
 [[nodiscard]] BranchCut best_cut(const LaplaceImage& image, double enough, double advantage,
                                  Avoided avoided = Avoided::all);
 
-/// The trapezoidal rule in ln s along a cut for lags of at least `earliest`.  Simple poles may lie in its strip, even on
+/// The trapezoidal rule in ln s along a cut for lags of at least `earliest`.  Single poles may lie in its strip, even on
 /// the cut: by the residues of 1/(e^w - 1) at the nodes and at the pole, w = 2 pi i (ln s - node)/step, what the rule
 /// makes of one is short of the truth by the share 1/(1 - e^{-w}) of its residue, all of it for a pole well before the
 /// cut, next to nothing for one well beyond.

@@ -95,22 +95,28 @@ struct QuadratureNode {
   Complex factor;  // weight over H
 };
 
-// On a circle about each pole between the cuts, so small that e^{st} neither outgrows its value at the middle over the
-// time it lasts nor outlasts it: with radius a quarter of the way to whatever is next, n points leave 4^-n.
-void add_circles(const LaplaceImage& image, double cut_angle, double latest, double tolerance,
+// On a circle about each pole that contributes besides the rule, so small that e^{st} neither outgrows its value at the
+// middle over the time it lasts nor outlasts it: with radius a quarter of the way to whatever is next, n points leave
+// 4^-n.
+void add_circles(const LaplaceImage& image, const CutRule& rule, double latest, double tolerance,
                  std::vector<QuadratureNode>& nodes) {
   const int fewest = 2 * static_cast<int>(std::ceil(0.5 * std::log(1 / tolerance) / std::log(4.0)) + 2);
   for (std::size_t k = 0; k < image.poles().clusters.size(); ++k) {
     const RootCluster& pole = image.poles().clusters[k];
-    if (pole.log_s.imag() > cut_angle) continue;
+    const Complex middle_share = rule.share_of(pole);
+    if (std::abs(middle_share) < 1e-3 * tolerance) continue;
+    const bool shares = middle_share != 1.0;
     // Powers of t come with several roots.
     const int points = fewest + 6 * (pole.multiplicity - 1);
     const double lasting = std::max(1.5 / (std::exp(pole.log_s.real()) * latest), -0.25 * std::cos(pole.log_s.imag()));
-    const double room = 0.25 * std::min({image.clearance(k), 1.0, 1.5 * pi - pole.log_s.imag()});
+    // The share of the rule is analytic up to its nodes.
+    const double room = 0.25 * std::min({image.clearance(k), 1.0, 1.5 * pi - pole.log_s.imag(),
+                                         shares ? rule.distance(pole.log_s) : 1.0});
     const double radius = std::max(std::min(room, lasting), 4 * pole.spread);
     for (int i = 0; i < (pole.is_conjugate ? points / 2 : points); ++i) {
       const Complex offset = std::polar(radius, 2 * pi * (i + 0.5) / points);
-      nodes.push_back({pole.log_s + offset, 2.0 / points * offset});
+      const Complex share = shares ? rule.share(pole.log_s + offset) : 1.0;
+      nodes.push_back({pole.log_s + offset, 2.0 / points * share * offset});
     }
   }
 }
@@ -123,6 +129,8 @@ struct EventResponse::Plan {
   Eigen::Index real_count = 0;
   Eigen::Index complex_count = 0;
   std::vector<Complex> rate;  // real ones first
+  // Those that decay within the horizon take the input itself, the others its m-fold integral.
+  std::vector<bool> is_direct;
   Eigen::MatrixXd weight;
   Eigen::MatrixXd constant;  // a row per derivative of the m-fold integral of the input, from the 0th
   Eigen::VectorXd motion;    // weights of the states in the output's rate of change; empty where it is not wanted
@@ -210,17 +218,10 @@ bool EventResponse::evaluate(const RatioOfPowerSums& ratio, double tolerance, Re
   const LaplaceImage image(scaled(numerator, 1, m), denominator);
   if (!image.poles().complete) return false;
 
-  // Twice as many complex nodes as real ones would be needed.
-  const BranchCut cut = best_cut(image, 0.7, 2);
+  const CutRule rule(image, shortest_lag(ratio.delay), tolerance);
   std::vector<QuadratureNode> nodes;
-  add_circles(image, cut.angle, latest, tolerance, nodes);
-  // At a pole of order m beside the strip the rule errs by (2 pi/step)^(m-1) times what it does at a simple one.
-  int multiplicity = 1;
-  for (const RootCluster& pole : image.poles().clusters) multiplicity = std::max(multiplicity, pole.multiplicity);
-  double digits = std::log(1 / tolerance) + 3;
-  digits += (multiplicity - 1) * std::log(digits / cut.half_width);
-  const double step = 2 * pi * 0.97 * cut.half_width / digits;
-  const double upper = std::log(digits / (-std::cos(cut.angle) * shortest_lag(ratio.delay)));
+  add_circles(image, rule, latest, tolerance, nodes);
+  const double step = rule.step();
   const double lowest = image.lowest_noticed(latest, tolerance);
   const Complex cut_factor(0, -step / pi);
 
@@ -235,18 +236,24 @@ bool EventResponse::evaluate(const RatioOfPowerSums& ratio, double tolerance, Re
   }
   double largest = 0;
   for (int k = 0; k < 100'000; ++k) {
-    const double log_r = upper - k * step;
-    nodes.push_back({{log_r, cut.angle}, cut_factor});
+    nodes.push_back({rule.node(k), cut_factor});
     sensitive.evaluate(nodes.back().zeta, row);
     weights.push_back(cut_factor * row);
+    const double log_r = nodes.back().zeta.real();
     const double own = effect(std::abs(weights.back()[0]), std::exp(log_r), latest, plan.integrators);
     largest = std::max(largest, own);
     if (!std::isfinite(own)) return false;
     if (log_r < lowest && own < 0.03 * step * tolerance * largest) break;
   }
 
-  // y has one more s below than H, which the image stands for.
-  const std::size_t anchored = high_order + m >= 1 ? static_cast<std::size_t>(std::floor(high_order + m)) + 1 : 1;
+  // Integrated again and again, fast terms would outgrow the response and cancel: see ExponentialSum.
+  std::vector<bool> is_direct(nodes.size(), false);
+  for (std::size_t k = 0; plan.integrators > 0 && k < nodes.size(); ++k) {
+    const Complex r = rate_of(nodes[k].zeta);
+    is_direct[k] = std::abs(r) * latest > 2;
+    if (is_direct[k]) weights[k] /= std::pow(r, static_cast<int>(plan.integrators));
+  }
+  const std::size_t anchored = plan.integrators + 1;
   const std::vector<double> log_anchor = log_anchors(image, latest, anchored);
   std::vector<double> anchor;
   Eigen::MatrixXd rest(static_cast<Eigen::Index>(anchored), columns);  // of H at the anchors
@@ -259,13 +266,14 @@ bool EventResponse::evaluate(const RatioOfPowerSums& ratio, double tolerance, Re
     size = std::max(size, std::abs(row[0]));
     for (std::size_t k = 0; k < nodes.size(); ++k) {
       const Complex r = rate_of(nodes[k].zeta);
-      left -= (weights[k] * (r / (anchor[i] - r))).real().matrix();
+      const double raised = is_direct[k] ? std::pow(anchor[i], m) : 1;
+      left -= raised * (weights[k] * (r / (anchor[i] - r))).real().matrix();
     }
   }
   // Nodes too fast for the shortest lag have decayed wherever the output is read: constants are left of them.
   plan.constant.setZero(static_cast<Eigen::Index>(plan.channels), columns);
   for (int k = 1; k < 5'000; ++k) {
-    const Complex zeta(upper + k * step, cut.angle);
+    const Complex zeta = rule.node(-k);
     const Complex r = rate_of(zeta);
     sensitive.evaluate(zeta, row);
     row *= cut_factor;
@@ -305,6 +313,7 @@ bool EventResponse::evaluate(const RatioOfPowerSums& ratio, double tolerance, Re
     const std::size_t k = order[static_cast<std::size_t>(i)];
     const Complex r = rate_of(nodes[k].zeta);
     plan.rate.push_back(r);
+    plan.is_direct.push_back(is_direct[k]);
     plan.weight.row(i) = weights[k].real().matrix();
     if (i >= plan.real_count) plan.weight.row(i + plan.complex_count) = -weights[k].imag().matrix();
     if (plan.delay_slope.empty()) continue;
@@ -333,19 +342,22 @@ void EventResponse::run(const Plan& plan, Result& result) const {
   const Eigen::Index complexes = plan.complex_count;
   const Eigen::Index size = reals + 2 * complexes;
   const auto channels = static_cast<Eigen::Index>(plan.channels);
+  const auto level = static_cast<Eigen::Index>(plan.integrators);
 
   std::vector<Complex> phis(plan.channels);
   const auto prepared = [&](double length) {
-    Gap gap{length, Eigen::ArrayXd(reals + complexes), Eigen::ArrayXd(complexes), Eigen::ArrayXXd(size, channels)};
+    Gap gap{length, Eigen::ArrayXd(reals + complexes), Eigen::ArrayXd(complexes),
+            Eigen::ArrayXXd::Zero(size, channels)};
     for (Eigen::Index k = 0; k < reals + complexes; ++k) {
       const Complex z = plan.rate[static_cast<std::size_t>(k)] * length;
       const Complex change = k < reals ? Complex(std::expm1(z.real())) : expm1(z);
       gap.change_re[k] = change.real();
       if (k >= reals) gap.change_im[k - reals] = change.imag();
       if (channels > 1) phi(z, phis);
+      const Eigen::Index first = plan.is_direct[static_cast<std::size_t>(k)] ? level : 0;
       double power = 1;
-      for (Eigen::Index i = 0; i < channels; ++i, power *= length) {
-        const Complex drive = i == 0 ? change : power * z * phis[static_cast<std::size_t>(i)];
+      for (Eigen::Index i = first; i < channels; ++i, power *= length) {
+        const Complex drive = i == first ? change : power * z * phis[static_cast<std::size_t>(i - first)];
         gap.drive(k, i) = drive.real();
         if (k >= reals) gap.drive(k + complexes, i) = drive.imag();
       }
@@ -399,7 +411,6 @@ void EventResponse::run(const Plan& plan, Result& result) const {
       }
     }
   };
-  const auto level = static_cast<Eigen::Index>(plan.integrators);
   const auto apply = [&](const Knot& knot) {
     input[level] += knot.jump;
     if (level + 1 < channels) input[level + 1] += knot.slope;
@@ -428,9 +439,11 @@ void EventResponse::run(const Plan& plan, Result& result) const {
     gradient.noalias() += v * plan.constant.rightCols(columns - 1);
     gradient.noalias() += jump * plan.direct_by;
     if (plan.delay_slope.empty()) return;
-    // d/dt of each state is rate (state + input).
+    // d/dt of each state is rate (state + what it takes).
     Eigen::VectorXd motion = x * plan.motion;
-    motion += plan.motion.head(reals + complexes).sum() * v.col(0);
+    for (Eigen::Index k = 0; k < reals + complexes; ++k) {
+      motion += plan.motion[k] * v.col(plan.is_direct[static_cast<std::size_t>(k)] ? level : 0);
+    }
     for (Eigen::Index j = 0; j + 1 < channels; ++j) motion += plan.constant(j, 0) * v.col(j + 1);
     for (Eigen::Index p = 0; p + 1 < columns; ++p) {
       gradient.col(p) -= plan.delay_slope[static_cast<std::size_t>(p)] * motion;

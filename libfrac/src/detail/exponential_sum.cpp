@@ -19,6 +19,37 @@ bool has_integer_orders(const LaplaceImage& image) {
          std::all_of(image.denominator().begin(), image.denominator().end(), is_integer);
 }
 
+// sum c e^{q zeta - scale} and its derivative.
+struct LongSum {
+  std::complex<long double> value, slope;
+};
+LongSum long_sum(const std::vector<PowerTerm>& terms, std::complex<long double> zeta, long double scale) {
+  LongSum sum{0, 0};
+  for (const PowerTerm& term : terms) {
+    const long double order = term.order;
+    const std::complex<long double> part = static_cast<long double>(term.coefficient) * std::exp(order * zeta - scale);
+    sum.value += part;
+    sum.slope += order * part;
+  }
+  return sum;
+}
+
+// A single pole.  With another at distance d the rounding of both makes weights as large as 1/d err by 1/d^2 roundings:
+// in long double 1/d may be a thousand.
+Exponential single_pole(const LaplaceImage& image, std::size_t k) {
+  const double scale = scaled_sum(image.denominator(), image.poles().clusters[k].log_s).scale;
+  std::complex<long double> zeta = image.poles().clusters[k].log_s;
+  for (int i = 0; i < 3; ++i) {
+    const LongSum bottom = long_sum(image.denominator(), zeta, scale);
+    const std::complex<long double> change = bottom.value / bottom.slope;
+    if (!(std::abs(change) < 0.1L * image.clearance(k))) break;
+    zeta -= change;
+  }
+  const LongSum top = long_sum(image.numerator(), zeta, scale);
+  const LongSum bottom = long_sum(image.denominator(), zeta, scale);
+  return {Complex(std::exp(zeta)), Complex(top.value / bottom.slope * std::exp(zeta))};
+}
+
 // Terms of one pole; of a cluster, the trapezoidal rule on a circle about it, so small that e^{st} neither outgrows its
 // value at the middle over the time it lasts nor outlasts it.
 void add_pole(const LaplaceImage& image, std::size_t k, bool on_cut, double latest, Complex share,
@@ -27,17 +58,14 @@ void add_pole(const LaplaceImage& image, std::size_t k, bool on_cut, double late
   const bool alone = pole.is_conjugate || on_cut;
   const Complex log_s = on_cut ? Complex(pole.log_s.real(), pi) : pole.log_s;
   if (pole.multiplicity == 1) {
-    const ScaledSum top = scaled_sum(image.numerator(), log_s);
-    const ScaledSum bottom = scaled_sum(image.denominator(), log_s);
-    Complex weight = top.value / bottom.slope * std::exp(top.scale - bottom.scale + log_s);
-    Complex rate = std::exp(log_s);
+    Exponential term = single_pole(image, k);
     if (alone) {
-      rate = rate.real();
-      weight = weight.real();
+      term.rate = term.rate.real();
+      term.weight = term.weight.real();
     } else {
-      weight *= 2.0 * share;
+      term.weight *= 2.0 * share;
     }
-    terms.push_back({rate, weight});
+    terms.push_back(term);
     return;
   }
   constexpr int points = 48;
