@@ -85,7 +85,7 @@ DigitalFilter<Real>::DigitalFilter(const DigitalFilterDesign& design) {
   if (design.taps != std::vector<double>{1}) {
     for (const double tap : design.taps) taps_.push_back(static_cast<Real>(tap));
     taps_.resize(detail::even_count(taps_.size()), 0);
-    past_.assign(taps_.size(), 0);
+    line_.assign(taps_.size() + detail::section_block, 0);
   }
   const ParallelSections& sections = design.sections;
   sections_ = sections.rates.size();
@@ -130,9 +130,24 @@ Real DigitalFilter<Real>::before(Real sample) noexcept {
 template <typename Real>
 Real DigitalFilter<Real>::through_taps(Real sample) noexcept {
   if (taps_.empty()) return sample;
-  const Real result = detail::tapped(taps_.data(), taps_.size(), past_.data(), sample);
-  detail::shift_in(past_.data(), past_.size(), sample);
+  const auto kept = static_cast<std::ptrdiff_t>(taps_.size());
+  const Real* const newest = line_.data() + kept - 1;
+  const auto past = [newest](std::size_t k) { return *(newest - k); };
+  const Real result = detail::tapped(taps_.data(), taps_.size(), past, sample);
+  line_[taps_.size()] = sample;
+  std::copy(line_.begin() + 1, line_.begin() + kept + 1, line_.begin());
   return result;
+}
+
+// Samples beyond `count` are worked on too, and lead nowhere.
+template <typename Real>
+void DigitalFilter<Real>::through_taps(Real* samples, std::size_t count) noexcept {
+  if (taps_.empty()) return;
+  const auto kept = static_cast<std::ptrdiff_t>(taps_.size());
+  std::copy(samples, samples + count, line_.begin() + kept);
+  detail::tapped_block<detail::section_block>(taps_.data(), taps_.size(), line_.data() + kept, samples);
+  const auto used = static_cast<std::ptrdiff_t>(count);
+  std::copy(line_.begin() + used, line_.begin() + used + kept, line_.begin());
 }
 
 template <typename Real>
@@ -179,11 +194,12 @@ void DigitalFilter<Real>::run(std::span<const Real> samples, std::span<Real> out
     return;
   }
   const detail::SectionArrays<Real> bank{rate_.data(), weight_.data(), state_.data(), lost_.data(), rate_.size()};
-  Real x[detail::section_block];
+  Real x[detail::section_block] = {};
   Real y[detail::section_block];
   for (std::size_t from = 0; from < samples.size(); from += detail::section_block) {
     const std::size_t count = std::min(detail::section_block, samples.size() - from);
-    for (std::size_t n = 0; n < count; ++n) x[n] = through_taps(before(samples[from + n]));
+    for (std::size_t n = 0; n < count; ++n) x[n] = before(samples[from + n]);
+    through_taps(x, count);
     if (output_ == SectionOutput::state) {
       detail::run_states(bank, x, y, count);
     } else {
@@ -195,7 +211,7 @@ void DigitalFilter<Real>::run(std::span<const Real> samples, std::span<Real> out
 
 template <typename Real>
 void DigitalFilter<Real>::reset() noexcept {
-  for (auto* values : {&past_, &state_, &lost_, &waiting_}) std::fill(values->begin(), values->end(), Real(0));
+  for (auto* values : {&line_, &state_, &lost_, &waiting_}) std::fill(values->begin(), values->end(), Real(0));
   for (Pair& pair : pairs_) pair.re = pair.im = 0;
   std::fill(std::begin(previous_), std::end(previous_), Real(0));
   std::fill(std::begin(integral_), std::end(integral_), Real(0));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <tuple>
 
 #include "digital/section_kernel.hpp"
 #include "digital/tap_line.hpp"
@@ -62,7 +63,10 @@ void FractionalPid<Real>::Filter::set(const PidOperator& design) noexcept {
 
 template <typename Real>
 Real FractionalPid<Real>::Filter::through_taps(Real input) const noexcept {
-  return tap_count == 0 ? input : detail::tapped(tap.data(), tap_count, past.data(), input);
+  static_assert(PidOperator::tap_capacity <= std::tuple_size_v<decltype(past)>);
+  if (tap_count == 0) return input;
+  return detail::tapped(
+      tap.data(), tap_count, [this](std::size_t k) { return ago(k); }, input);
 }
 
 template <typename Real>
@@ -76,7 +80,8 @@ Real FractionalPid<Real>::Filter::output_for(Real x) const noexcept {
 
 template <typename Real>
 void FractionalPid<Real>::Filter::advance(Real input, Real x) noexcept {
-  if (tap_count != 0) detail::shift_in(past.data(), tap_count, input);
+  newest = (newest + past.size() - 1) % past.size();
+  past[newest] = input;
   if (size != 0) detail::advance_states<Real>({rate.data(), weight.data(), state.data(), lost.data(), size}, x);
 }
 
@@ -95,11 +100,11 @@ void FractionalPid<Real>::Filter::rest_at(Real input) noexcept {
 // what the slowest saw.
 template <typename Real>
 void FractionalPid<Real>::Filter::inherit(const Filter& old, Real input, Real factor, Real time_ratio) noexcept {
+  newest = 0;
   past.fill(input);
   // Samples of another sample time are not those between which the new one's lie.
-  if (old.tap_count != 0 && time_ratio == 1) {
-    for (std::size_t k = 0; k < old.tap_count; ++k) past[k] = old.past[k] * factor;
-    for (std::size_t k = old.tap_count; k < past.size(); ++k) past[k] = past[k - 1];
+  if (time_ratio == 1) {
+    for (std::size_t k = 0; k < past.size(); ++k) past[k] = old.ago(k) * factor;
   }
   const Real x = through_taps(input);
   std::size_t k = 0;

@@ -1,6 +1,7 @@
 #include "frac/mittag_leffler.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -9,6 +10,7 @@
 #include <string>
 
 #include "detail/mittag_leffler_contour.hpp"
+#include "detail/mittag_leffler_long.hpp"
 #include "detail/number_text.hpp"
 #include "detail/reciprocal_gamma.hpp"
 
@@ -39,19 +41,25 @@ void check_argument(Complex z, const std::string& name, const char* function) {
   }
 }
 
-// Orders rarely change from one call to the next, and the nodes cost more than a value.
+// Orders rarely change from one call to the next, and the nodes cost more than a value; two orders take turns where
+// beta is a pole of Gamma.
+const MittagLefflerContour& contour(double alpha, double beta, double offset) {
+  thread_local std::array<std::optional<MittagLefflerContour>, 4> latest;
+  thread_local std::size_t oldest = 0;
+  for (const std::optional<MittagLefflerContour>& each : latest) {
+    if (each && each->is(alpha, beta, offset)) return *each;
+  }
+  oldest = (oldest + 1) % latest.size();
+  return latest[oldest].emplace(alpha, beta, offset);
+}
+
 const MittagLefflerContour& contour(double alpha, double beta) {
-  thread_local std::optional<MittagLefflerContour> latest;
-  if (!latest || !latest->is(alpha, beta)) latest.emplace(alpha, beta, 0.5);
-  return *latest;
+  return contour(alpha, beta, 0.5);
 }
 
 const MittagLefflerContour& contour(double alpha, double beta, const MittagLefflerContour::Poles& poles) {
   const MittagLefflerContour& usual = contour(alpha, beta);
-  if (!usual.has_pole_at_node(poles)) return usual;
-  thread_local std::optional<MittagLefflerContour> shifted;
-  if (!shifted || !shifted->is(alpha, beta)) shifted.emplace(alpha, beta, 0.0);
-  return *shifted;
+  return usual.has_pole_at_node(poles) ? contour(alpha, beta, 0) : usual;
 }
 
 // An infinity whose sign was lost by inf - inf; no other NaN can arise from finite arguments.
@@ -65,7 +73,10 @@ ValueAndDerivative series(double alpha, double beta, Complex z) {
   Complex slope = 0;
   Complex power = 1;  // z^(k-1)
   for (int k = 1; k < 1000; ++k) {
-    const double coefficient = detail::reciprocal_gamma(alpha * k + beta);
+    // Far below zero the rounding of the sum would outweigh that of the value.
+    const double coefficient =
+        beta < -1 ? static_cast<double>(detail::reciprocal_gamma(static_cast<long double>(alpha) * k + beta))
+                  : detail::reciprocal_gamma(alpha * k + beta);
     const Complex slope_term = power * (k * coefficient);
     power *= z;
     const Complex term = power * coefficient;
@@ -184,45 +195,11 @@ bool has_fixed_rational(double alpha, double beta, double z) {
   return alpha < 1 && z < -0.01 && z >= -far_radius && beta >= lowest_beta_of_contour && !is_pole_of_gamma(beta);
 }
 
-// E_{alpha,beta}(z) = sum_{j<k} z^j/Gamma(beta + alpha j) + z^k E_{alpha,beta + alpha k}(z), with k the first that
-// makes beta + alpha k at least 1. Empty where the contour loses less: its weights reach Gamma(1 + alpha - beta), the
-// terms here z^k and more.
-template <typename Evaluate>
-std::optional<ValueAndDerivative> raised_value(double alpha, double beta, Complex z, const Evaluate& evaluate) {
-  using Long = std::complex<long double>;
-  const double steps = std::ceil((1 - beta) / alpha);
-  if (!(steps <= 1000)) return std::nullopt;
-  const auto k = static_cast<int>(steps);
-  const Long factor(z.real(), z.imag());
-  Long sum = 0;
-  Long slope = 0;
-  Long power = 1;     // z^j; in long double the rounding of many factors stays below that of one double
-  Long previous = 0;  // z^(j-1)
-  long double magnitude = 0;
-  for (int j = 0; j < k; ++j) {
-    const long double coefficient = detail::reciprocal_gamma(std::fma(j, alpha, beta));
-    sum += coefficient * power;
-    slope += coefficient * static_cast<long double>(j) * previous;
-    magnitude += std::abs(coefficient) * std::abs(power);
-    previous = power;
-    power *= factor;
-  }
-  const ValueAndDerivative rest = evaluate(alpha, std::fma(k, alpha, beta), z);
-  const Long rest_value(rest.value.real(), rest.value.imag());
-  const Long rest_slope(rest.derivative.real(), rest.derivative.imag());
-  sum += power * rest_value;
-  slope += static_cast<long double>(k) * previous * rest_value + power * rest_slope;
-  // In units of the rounding unit: the rest is known to a few of 1 + |rest|, the weights of the contour add up to
-  // e^2.6 times the largest.
-  const double absolute = alpha == 1 && std::fma(k, alpha, beta) == 1 ? 0 : 4;  // of the rest; none of e^z
-  const long double error = 2 * magnitude + std::abs(power) * (2 * std::abs(rest_value) + absolute);
-  const long double error_of_contour =
-      16 * std::exp(std::lgamma(static_cast<long double>(1 + alpha - beta))) / std::max(1.0L, std::abs(factor)) +
-      2 * std::abs(sum);
-  if (!(error <= error_of_contour)) return std::nullopt;
-  const auto rounded = [](Long x) { return Complex(static_cast<double>(x.real()), static_cast<double>(x.imag())); };
-  if (z.imag() == 0) return ValueAndDerivative{rounded(sum).real(), rounded(slope).real()};
-  return ValueAndDerivative{rounded(sum), rounded(slope)};
+ValueAndDerivative long_value(double alpha, double beta, Complex z) {
+  thread_local std::optional<detail::LongMittagLeffler> latest;
+  if (!latest || !latest->is(alpha, beta)) latest.emplace(alpha, beta);
+  const auto [value, derivative] = (*latest)(z);
+  return {value, derivative};
 }
 
 Complex value(double alpha, double beta, Complex z) {
@@ -235,15 +212,9 @@ Complex value(double alpha, double beta, Complex z) {
         .value;
   }
   if (const auto exact = elementary(alpha, beta, z)) return *exact;
+  if (beta < lowest_beta_of_contour) return long_value(alpha, beta, z).value;
   if (series_serves(alpha, z)) return series(alpha, beta, z).value;
   if (std::abs(z) > far_radius) return far_out(alpha, beta, z).value;
-  if (beta < lowest_beta_of_contour) {
-    const auto raised = raised_value(alpha, beta, z, [](double a, double b, Complex x) {
-      return ValueAndDerivative{value(a, b, x), 0};
-    });
-    if (raised) return raised->value;
-    if (alpha < 1 && z.imag() == 0 && z.real() < 0) return negative_value(contour(alpha, beta), z.real());
-  }
   // 1/Gamma(beta) = 0 leaves a function that vanishes with z, which the rule would only meet to absolute accuracy.
   if (is_pole_of_gamma(beta) && std::abs(z) < 1) return z * value(alpha, beta + alpha, z);
   const auto poles = MittagLefflerContour::poles(alpha, z);
@@ -251,6 +222,8 @@ Complex value(double alpha, double beta, Complex z) {
 }
 
 ValueAndDerivative value_and_derivative(double alpha, double beta, Complex z) {
+  if (z == 0.0) return series(alpha, beta, z);
+  if (alpha <= 2 && beta < lowest_beta_of_contour) return long_value(alpha, beta, z);
   if (series_serves(alpha, z)) return series(alpha, beta, z);
   if (alpha == 1 && beta == 1) {
     const Complex exponential = value(1, 1, z);
@@ -258,9 +231,6 @@ ValueAndDerivative value_and_derivative(double alpha, double beta, Complex z) {
   }
   if (alpha > 2) return over_roots(alpha, beta, z, value_and_derivative);
   if (std::abs(z) > far_radius) return far_out(alpha, beta, z);
-  if (beta < lowest_beta_of_contour) {
-    if (const auto raised = raised_value(alpha, beta, z, value_and_derivative)) return *raised;
-  }
   const auto poles = MittagLefflerContour::poles(alpha, z);
   return contour(alpha, beta, poles).value_and_derivative(z, poles);
 }

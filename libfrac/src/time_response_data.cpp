@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -61,6 +62,21 @@ TimeResponseData::TimeResponseData(std::vector<double> time, std::vector<double>
     refuse("the input is " + detail::number_text(input_at_rest_) +
            " throughout, as at rest; nothing drives the system");
   }
+  observed_.resize(count);
+  std::iota(observed_.begin(), observed_.end(), std::size_t{0});
+}
+
+TimeResponseData TimeResponseData::observed_at(std::vector<std::size_t> index) const {
+  if (index.empty()) refuse("no output is left");
+  for (std::size_t i = 0; i < index.size(); ++i) {
+    if (index[i] >= size() || (i > 0 && index[i] <= index[i - 1])) {
+      refuse("observed[" + std::to_string(i) + "] = " + std::to_string(index[i]) +
+             "; allowed are rising indices below " + std::to_string(size()));
+    }
+  }
+  TimeResponseData result = *this;
+  result.observed_ = std::move(index);
+  return result;
 }
 
 }  // namespace frac

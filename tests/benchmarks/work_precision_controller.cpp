@@ -2,7 +2,8 @@
 // case,method,setting,error,seconds.
 //  - power: largest relative error on the band, seconds for one design (median of 5)
 //  - filter: largest difference from quadruple precision over 10^6 samples of noise relative to the largest output,
-//    seconds per sample and section
+//    seconds per sample and section; the last of 10^8 samples of a constant through an integral against the closed form
+//  - kernel: seconds per sample and section of each instruction set this processor has
 //  - step: median and 99.9th percentile of single calls of FractionalPid::step over 10^6 calls; the error column is
 //  empty
 #include <algorithm>
@@ -14,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "digital/section_kernel_loops.hpp"
 #include "frac/digital_filter.hpp"
 #include "frac/fractional_pid.hpp"
 #include "support/filter_in_quadruple.hpp"
@@ -57,9 +59,9 @@ void powers() {
           power = design();
           seconds.push_back(processor_seconds() - start);
         }
-        const std::size_t size = power.taps.empty() ? power.parallel.rates.size() : power.taps.size();
-        std::printf("s^%g to %g fs,%s,%zu %s,%.2e,%.2e\n", order, share, std::string(to_string(method)).c_str(), size,
-                    power.taps.empty() ? "sections" : "taps", power.error.max_relative, median(seconds));
+        std::printf("s^%g to %g fs,%s,%zu sections %zu taps gain beyond %.2g,%.2e,%.2e\n", order, share,
+                    std::string(to_string(method)).c_str(), power.parallel.rates.size(), power.taps.size(),
+                    power.most_amplification, power.error.max_relative, median(seconds));
       }
     }
   }
@@ -104,6 +106,97 @@ void filters(std::size_t samples) {
       std::fflush(stdout);
     }
   }
+}
+
+void direct_designs(std::size_t samples) {
+  support::Random random(1);
+  std::vector<double> input;
+  for (std::size_t n = 0; n < samples; ++n) input.push_back(random.normal());
+  std::vector<double> output(samples);
+  const double sample_time = 1e-3;
+  for (const double order : {0.1, 0.5, 0.9, -0.5}) {
+    for (const double share : {0.05, 0.25}) {
+      const double upper = share * 2 * M_PI / sample_time;
+      const auto power = frac::digital_power(order, {upper / 1e10, upper}, frac::PoleCount{30}, sample_time);
+      const auto design = filter_design(power);
+      frac::DigitalFilter<double> filter(design);
+      std::vector<double> seconds;
+      for (int repeat = 0; repeat < 5; ++repeat) {
+        filter.reset();
+        const double start = processor_seconds();
+        filter.run(input, output);
+        seconds.push_back(processor_seconds() - start);
+      }
+      const double sections = static_cast<double>(design.sections.rates.size());
+      std::printf("s^%g to %g fs fs/wb = %.0e,direct,30 poles %zu taps %zu samples,%.2e,%.2e\n", order, share,
+                  1e10 / share, design.taps.size(), samples,
+                  support::worst_difference(support::design_in_quadruple(design, input), output),
+                  median(seconds) / static_cast<double>(samples) / sections);
+      std::fflush(stdout);
+    }
+  }
+}
+
+template <typename Real>
+void kernel(const char* name, const char* method, const frac::detail::SectionKernels<Real>& kernels) {
+  constexpr std::size_t sizes[] = {16, 32};
+  constexpr int blocks = 20'000;
+  for (const std::size_t size : sizes) {
+    std::vector<Real> rate(size), weight(size, 1), state(size), lost(size);
+    for (std::size_t i = 0; i < size; ++i) rate[i] = static_cast<Real>(std::pow(10.0, -0.2 * static_cast<double>(i)));
+    const frac::detail::SectionArrays<Real> bank{rate.data(), weight.data(), state.data(), lost.data(), size};
+    Real x[frac::detail::section_block], y[frac::detail::section_block];
+    support::Random random(3);
+    for (Real& value : x) value = static_cast<Real>(random.normal());
+    std::vector<double> seconds;
+    for (int repeat = 0; repeat < 7; ++repeat) {
+      const double start = processor_seconds();
+      for (int block = 0; block < blocks; ++block) kernels.run_changes(bank, x, y, frac::detail::section_block);
+      seconds.push_back(processor_seconds() - start);
+    }
+    const double each = static_cast<double>(blocks) * frac::detail::section_block * static_cast<double>(size);
+    std::printf("sections in %s,%s,%zu sections,,%.2e\n", name, method, size, median(seconds) / each);
+  }
+}
+
+template <typename Real>
+void kernels(const char* name) {
+  kernel(name, "SSE2", frac::detail::section_kernels<Real, 16>);
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx2")) kernel(name, "AVX2", frac::detail::avx2_section_kernels<Real>());
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl")) {
+    kernel(name, "AVX-512", frac::detail::avx512_section_kernels<Real>());
+  }
+#endif
+}
+
+// A constant through integrals for very long: the last sample against its closed form.
+void long_streams(std::size_t samples) {
+  constexpr std::size_t part = 10'000;
+  const double sample_time = 1e-3;
+  const double count = static_cast<double>(samples);
+  {
+    const auto model = frac::FractionalTransferFunction::parse("1/s^1.5");
+    const auto design = filter_design(model, sample_time, 1e-12, count);
+    frac::DigitalFilter<double> filter(design);
+    const std::vector<double> ones(part, 1.0);
+    std::vector<double> output(part);
+    const double start = processor_seconds();
+    for (std::size_t n = 0; n < samples; n += part) filter.run(ones, output);
+    const double seconds = processor_seconds() - start;
+    const double exact = std::pow((count - 1) * sample_time, 1.5) / std::tgamma(2.5);
+    std::printf("stream of %.0e samples,DigitalFilter of 1/s^1.5,%zu states,%.2e,%.2e\n", count, filter.states(),
+                std::abs(output.back() / exact - 1), seconds);
+  }
+  frac::FractionalPidConfig config;
+  config.gains = {.kp = 0, .ki = 1, .kd = 0, .lambda = 1, .mu = 1};
+  config.sample_time = sample_time;
+  frac::FractionalPid<double> pid(config);
+  const double start = processor_seconds();
+  for (std::size_t n = 0; n < samples; ++n) (void)pid.step(0.1, 0);
+  const double exact = (count - 0.5) * 0.1 * sample_time;
+  std::printf("stream of %.0e samples,FractionalPid lambda = 1,,%.2e,%.2e\n", count, std::abs(pid.output() / exact - 1),
+              processor_seconds() - start);
 }
 
 // Zeros after a pulse, where states die out, against noise.
@@ -179,6 +272,10 @@ int main(int argc, char** argv) {
   std::printf("# %s, GCC %s, medians of repeats\ncase,method,setting,error,seconds\n", FRACFIT_BUILD_TYPE, __VERSION__);
   if (!smoke) powers();
   filters(smoke ? 2000 : 1'000'000);
+  direct_designs(smoke ? 2000 : 1'000'000);
+  long_streams(smoke ? 20'000 : 100'000'000);
+  kernels<double>("double");
+  kernels<float>("float");
   silence(smoke ? 2000 : 1'000'000);
   steps<double>("double", smoke ? 2000 : 1'000'000);
   steps<float>("float", smoke ? 2000 : 1'000'000);

@@ -505,6 +505,22 @@ TEST(ApproximateCharef, HasThePublishedRatios) {
 
 // --- contract -------------------------------------------------------------------------------------------------------
 
+// More poles than a narrow band needs are still placed so that nothing is lost.
+TEST(Approximate, PolesToSpareDoNoHarmNextToWholeOrders) {
+  for (const double order : {1e-6, 1 - 1e-6}) {
+    for (const double decades : {0.1, 0.5}) {
+      const frac::FrequencyBand band{std::pow(10, -decades / 2), std::pow(10, decades / 2)};
+      double last = 1;
+      for (int poles = 1; poles <= 14; ++poles) {
+        const double error = frac::approximate(order, band, frac::PoleCount{poles}).error.max_relative;
+        // What is left at the end is the rounding of a gain and two roots per pole to double.
+        EXPECT_LE(error, std::max(0.5 * last, (2 * poles + 1) * 1.2e-16)) << order << " " << decades << " " << poles;
+        last = error;
+      }
+    }
+  }
+}
+
 TEST(Approximate, NamesRoundTrip) {
   for (const ApproximationMethod method : frac::approximation_methods()) {
     EXPECT_EQ(frac::approximation_method(to_string(method)), method);

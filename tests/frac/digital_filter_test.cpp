@@ -77,19 +77,7 @@ TEST(DigitalFilter, DirectDesignsKeepFullPrecisionToo) {
         const double upper = share * 2 * 3.14159 / 1e-3;
         const auto design =
             filter_design(frac::digital_power(order, {upper / ratio, upper}, frac::PoleCount{30}, 1e-3));
-        const auto& sections = design.sections;
-        std::vector<Quad> exact, v(sections.rates.size(), 0);
-        for (std::size_t n = 0; n < samples.size(); ++n) {
-          Quad x = 0;
-          for (std::size_t k = 0; k < design.taps.size() && k <= n; ++k) x += Quad(design.taps[k]) * samples[n - k];
-          Quad sum = Quad(sections.direct) * x;
-          for (std::size_t i = 0; i < v.size(); ++i) {
-            const Quad change = x - Quad(sections.rates[i]) * v[i];
-            sum += Quad(sections.weights[i]) * (sections.output == frac::SectionOutput::state ? v[i] : change);
-            v[i] += change;
-          }
-          exact.push_back(sum);
-        }
+        const std::vector<Quad> exact = support::design_in_quadruple(design, samples);
         EXPECT_LT(worst_difference(exact, filtered(design, samples)), 5e-15) << order << " " << share << " " << ratio;
       }
     }
@@ -189,6 +177,56 @@ TEST(DigitalFilter, ShortMemoryRunsAsTheSumOfItsWeights) {
   }
 }
 
+// t^1.5/Gamma(2.5) after 10^7 samples of a constant: fifty states and an integrator, none of which may drift.
+TEST(DigitalFilter, DoesNotDriftOverTenMillionSamples) {
+  constexpr std::size_t part = 10'000;
+  DigitalFilter<double> filter(filter_design(FractionalTransferFunction::parse("1/s^1.5"), 1e-3, 1e-12, 1e7));
+  const std::vector<double> ones(part, 1.0);
+  std::vector<double> output(part);
+  for (int i = 1; i <= 1000; ++i) {
+    filter.run(ones, output);
+    // Output n holds the n samples before it.
+    const double time = (static_cast<double>(i) * part - 1) * 1e-3;
+    // 1e-12 of the largest value over the horizon, which grows as t^1.5.
+    const double exact = std::pow(time, 1.5) / std::tgamma(2.5);
+    ASSERT_NEAR(output.back(), exact, 1e-12 * std::pow(1e4, 1.5) / std::tgamma(2.5) + 1e-13 * exact) << i;
+  }
+}
+
+// Of a rational model the stand-in is the model itself, so that both designs are its hold equivalent.
+TEST(DigitalFilter, StandInOfARationalModelIsTheSameFilter) {
+  for (const char* formula : {"2/(0.5 s + 1)", "(s + 3)/(s^2 + 0.2 s + 1)", "exp(-0.3 s)/((s + 1)*(s + 5))"}) {
+    const auto model = FractionalTransferFunction::parse(formula);
+    const auto by_exponentials = filter_design(model, 0.1, 1e-12);
+    const auto by_poles = filter_design(frac::realise(model, {1e-2, 10}, 1e-10), 0.1);
+    for (const double omega : {0.01, 1.0, 20.0}) {
+      EXPECT_LT(std::abs(by_poles.response(omega) / by_exponentials.response(omega) - 1.0), 1e-9) << formula;
+    }
+  }
+}
+
+// A smooth input that lies on the band: the stand-in errs by its tolerance there, twice that allows for the ends.
+TEST(DigitalFilter, StandInOnABandTakesAThirdOfTheStates) {
+  const auto model = FractionalTransferFunction::parse("1/(0.8 s^2.2 + 0.5 s^0.9 + 1)");
+  const double tolerance = 1e-4;
+  const auto all = filter_design(model, 0.01, tolerance);
+  const auto on_band = filter_design(frac::realise(model, {1e-2, 1e2}, tolerance), 0.01);
+  EXPECT_LT(3 * on_band.states(), all.states());
+  std::vector<double> samples(20'000);
+  for (std::size_t n = 0; n < samples.size(); ++n) {
+    const double t = 0.01 * static_cast<double>(n);
+    samples[n] = 1 - std::exp(-t) + 0.5 * std::sin(3 * t) * std::exp(-0.05 * t);
+  }
+  const auto expected = frac::respond(model, samples, 0.01, 1e-10);
+  const auto output = filtered(on_band, samples);
+  double worst = 0, scale = 0;
+  for (std::size_t n = 0; n < samples.size(); ++n) {
+    worst = std::max(worst, std::abs(expected[n] - output[n]));
+    scale = std::max(scale, std::abs(expected[n]));
+  }
+  EXPECT_LT(worst, 2 * tolerance * scale);
+}
+
 TEST(DigitalFilter, SaysWhatItCannotDo) {
   const auto model = [](const char* formula) { return FractionalTransferFunction::parse(formula); };
   support::expect_invalid_argument([&] { (void)filter_design(model("s^0.5 + 1"), 0.1); }, {"grows as s^0.5", "proper"});
@@ -197,6 +235,12 @@ TEST(DigitalFilter, SaysWhatItCannotDo) {
   support::expect_invalid_argument([&] { (void)filter_design(model("1/(s + 1)"), 0); }, {"sample_time = 0 s"});
   support::expect_invalid_argument([&] { (void)filter_design(model("1/(s + 1)"), 0.1, 0); }, {"tolerance = 0"});
   support::expect_invalid_argument([&] { (void)filter_design(model("1/(s + 1)"), 0.1, 1e-9, 0); }, {"horizon = 0"});
+  const auto on_band = [&](const char* formula) {
+    return filter_design(frac::realise(model(formula), {0.01, 10}, 1e-3), 0.1);
+  };
+  support::expect_invalid_argument([&] { (void)on_band("1/(s^2 + s)"); }, {"pole at", "left of the imaginary axis"});
+  support::expect_invalid_argument([&] { (void)on_band("1/(s^2 + 2 s + 1)"); }, {"multiple pole at -", "simple poles"});
+  support::expect_invalid_argument([&] { (void)on_band("exp(-0.25 s)/(s + 1)"); }, {"2.5 samples", "whole number"});
   frac::DigitalFilterDesign design;
   design.sections = {.output = frac::SectionOutput::state, .direct = 0, .rates = {2}, .weights = {1}};
   support::expect_invalid_argument([&] { DigitalFilter<double> filter(design); }, {"rates[0] = 2"});

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -240,6 +241,27 @@ TEST(FractionalDerivative, DoesNotDrift) {
     EXPECT_NEAR(output.back() / frac::grunwald_letnikov_weight(-0.5, last), 1, 1e-12);
     integral_of(step, output);
     EXPECT_NEAR(output.back() / frac::grunwald_letnikov_weight(-1.5, last), 1, 1e-12);
+  }
+}
+
+// A ramp f_n = n + 1 of 10^8 samples, all exact: each difference is 1, so that the sum is that of w_k of order q - 1 up
+// to k = n, which is w_n of order q - 2.  Every sample counts alike, for ever.
+TEST(FractionalDerivative, StaysExactOverAHundredMillionSamples) {
+  constexpr std::size_t part = 4096;
+  constexpr std::size_t samples = 100'000'000;
+  FractionalDerivative<double> derivative_of(0.5, 1, 1e-12, static_cast<double>(samples));
+  std::vector<double> ramp(part), output(part);
+  std::size_t seen = 0, judged = 1 << 16;
+  while (seen < samples) {
+    const std::size_t count = std::min(part, samples - seen);
+    for (std::size_t i = 0; i < count; ++i) ramp[i] = static_cast<double>(seen + i + 1);
+    derivative_of(std::span(ramp).first(count), std::span(output).first(count));
+    seen += count;
+    if (seen >= judged || seen == samples) {
+      judged *= 2;
+      const double exact = frac::grunwald_letnikov_weight(-1.5, seen - 1);
+      EXPECT_NEAR(output[count - 1] / exact, 1, 1e-12) << seen;
+    }
   }
 }
 

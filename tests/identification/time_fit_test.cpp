@@ -4,7 +4,10 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 
+#include "frac/identification/model_choice.hpp"
+#include "frac/identification/uncertainty.hpp"
 #include "support/exact_output.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/random.hpp"
@@ -218,6 +221,136 @@ TEST(TimeFit, WhatCannotBeFittedIsSaid) {
   EXPECT_TRUE(std::isnan(improper.cost));
 }
 
+TEST(TimeFit, AnOutputWithoutResponseIsNotIdentified) {
+  TimeResponseData data = furnace_step();
+  const TimeResponseData still(data.time(), data.input(), std::vector<double>(data.size(), 5.0));
+  for (const std::optional<double> offset : {std::optional<double>{}, std::optional<double>{5.0}}) {
+    TimeFitOptions options;
+    options.offset = offset;
+    const FitResult result = frac::fit(still, furnace_structure(), options);
+    EXPECT_EQ(result.termination, frac::FitTermination::no_usable_start);
+    EXPECT_NE(result.message.find("The output is 5 throughout"), std::string::npos) << result.message;
+    for (const auto& each : result.parameters) EXPECT_FALSE(each.identified);
+  }
+  support::Random random(1);
+  std::vector<double> output;
+  for (std::size_t i = 0; i < data.size(); ++i) output.push_back(5 + random.normal());
+  const FitResult noise = frac::fit(TimeResponseData(data.time(), data.input(), output), Structure("K/(T s + 1)"));
+  EXPECT_NE(noise.message.find("Without any response"), std::string::npos) << noise.message;
+  EXPECT_FALSE(estimate(noise, "K").identified);
+  EXPECT_FALSE(estimate(noise, "T").identified);
+  EXPECT_TRUE(estimate(noise, "offset").identified);
+}
+
+// The model reacts to the input throughout, while outputs that do not count may be anything.
+TEST(TimeFit, OutputsLeftOutDoNotMatter) {
+  const TimeResponseData exact = furnace_step();
+  std::vector<double> output = exact.output();
+  std::vector<std::size_t> index;
+  for (std::size_t i = 0; i < output.size(); ++i) {
+    if (exact.time()[i] > 1 && exact.time()[i] < 9 && i % 3 != 0) {
+      index.push_back(i);
+    } else {
+      output[i] = 1e3;
+    }
+  }
+  const TimeResponseData data = TimeResponseData(exact.time(), exact.input(), output).observed_at(index);
+  const FitResult result = frac::fit(data, furnace_structure());
+  EXPECT_EQ(result.residuals, index.size());
+  // Without start and end the condition is a hundred times that of all samples.
+  expect_values(result, {{"a2", 0.8}, {"q2", 2.2}, {"a1", 0.5}, {"q1", 0.9}, {"offset", 0}}, 100 * to_rounding);
+  const std::vector<double> model = frac::fitted_output(result, data);
+  for (std::size_t i = 0; i < model.size(); ++i) EXPECT_NEAR(model[i], exact.output()[i], 1e-9);
+}
+
+// One sample in twenty is off by 100 standard deviations of the noise.  What is left is that of least squares on clean
+// data to 5 % (efficiency of the losses) and a little: five standard errors are exceeded once in a million.
+TEST(TimeFit, RobustLossesDoNotFollowOutliers) {
+  const TimeResponseData exact = furnace_step();
+  support::Random random(3);
+  std::vector<double> output = exact.output();
+  std::vector<std::size_t> spoiled;
+  for (std::size_t i = 0; i < output.size(); ++i) {
+    output[i] += 0.01 * random.normal();
+    if (i % 20 != 7) continue;
+    output[i] += 1;
+    spoiled.push_back(i);
+  }
+  const TimeResponseData data(exact.time(), exact.input(), output);
+  TimeFitOptions options;
+  for (const frac::Loss loss : {frac::Loss::huber, frac::Loss::cauchy}) {
+    options.loss = loss;
+    const FitResult result = frac::fit(data, furnace_structure(), options);
+    EXPECT_EQ(result.outliers, spoiled);
+    for (const auto& [name, value] : {std::pair{"a2", 0.8}, {"q2", 2.2}, {"a1", 0.5}, {"q1", 0.9}, {"offset", 0.0}}) {
+      EXPECT_NEAR(estimate(result, name).value, value, 5 * estimate(result, name).standard_error) << name;
+      EXPECT_LT(estimate(result, name).standard_error, 0.02) << name;
+    }
+    EXPECT_LT(result.loss_cost, result.cost);
+  }
+}
+
+// With K and offset free alone the cost is a parabola, and the profile its curvature's interval.
+TEST(TimeFit, ProfileOfALinearModelIsTheIntervalOfItsCurvature) {
+  support::Random random(5);
+  const std::vector<double> time = even_times(4, 60);
+  std::vector<double> output;
+  for (const double t : time) output.push_back(2 - 3 * std::expm1(-t) + 0.1 * random.normal());
+  const TimeResponseData data(time, std::vector<double>(time.size(), 1.0), output);
+  TimeFitOptions options;
+  options.constraints = {{"T", 1.0, {}, {}, {}}};
+  const FitResult result = frac::fit(data, Structure("K/(T s + 1)"), options);
+  for (const char* name : {"K", "offset"}) {
+    const frac::ProfileInterval profile = frac::profile_interval(data, options, result, name);
+    // The bracket of the profile is closed to 1e-6.
+    EXPECT_NEAR(profile.lower, estimate(result, name).ci95_lower, 1e-5) << name;
+    EXPECT_NEAR(profile.upper, estimate(result, name).ci95_upper, 1e-5) << name;
+  }
+  // Half of 400 refits' standard deviation is known to 1/sqrt(2 400) = 3.5 %, that of the 60 residuals themselves to
+  // 1/sqrt(120) = 9 %, which both share.
+  const auto intervals = frac::bootstrap(data, options, result, 400, 2);
+  EXPECT_NEAR(intervals[0].standard_error, estimate(result, "K").standard_error,
+              0.15 * estimate(result, "K").standard_error);
+  EXPECT_EQ(intervals[1].standard_error, 0);
+  EXPECT_NEAR(intervals[2].standard_error, estimate(result, "offset").standard_error,
+              0.15 * estimate(result, "offset").standard_error);
+  EXPECT_EQ(frac::bootstrap(data, options, result, 400, 1)[0].lower, intervals[0].lower);
+}
+
+TEST(TimeFit, FractionalOrdersAreSupportedWhereTheyAre) {
+  const std::vector<double> time = even_times(15, 151);
+  const std::vector<double> step(time.size(), 1.0);
+  const std::vector<frac::NamedModel> models{frac::find_model("lag"), frac::find_model("lag-delay"),
+                                             frac::find_model("oscillator"), frac::find_model("fractional-lag"),
+                                             frac::find_model("cole-davidson")};
+  const auto identified = [&](const char* model) {
+    support::Random random(8);
+    std::vector<double> output =
+        support::exact_output(FractionalTransferFunction::parse(model), time, step, Hold::zero_order);
+    for (double& value : output) value += 0.01 * random.normal();
+    return frac::identify(TimeResponseData(time, step, output), models, TimeFitOptions{});
+  };
+  const auto fractional = identified("2/(1.5 s^0.6 + 1)");
+  EXPECT_EQ(fractional.verdict, frac::Verdict::fractional_supported) << fractional.verdict_sentence;
+  EXPECT_EQ(fractional.ranking[fractional.chosen].name, "fractional-lag");
+  ASSERT_EQ(fractional.skipped.size(), 1u);
+  EXPECT_NE(fractional.skipped[0].find("cole-davidson"), std::string::npos);
+  const auto integer = identified("2/(1.5 s + 1)");
+  EXPECT_EQ(integer.verdict, frac::Verdict::fractional_not_supported) << integer.verdict_sentence;
+  EXPECT_EQ(integer.ranking[integer.chosen].name, "lag");
+}
+
+TEST(TimeFit, AStructureGrowsWhileTheDataPay) {
+  const TimeResponseData exact = furnace_step();
+  support::Random random(2);
+  std::vector<double> output = exact.output();
+  for (double& value : output) value += 0.01 * random.normal();
+  const auto growth =
+      frac::grow(TimeResponseData(exact.time(), exact.input(), output), frac::GrowthFamily::denominator, {}, 3);
+  EXPECT_EQ(growth.chosen, 1u);
+  EXPECT_NEAR(estimate(growth.fits[1], "a2").value, 2.2, 0.05);
+}
+
 TEST(TimeResponseData, RefusesWhatIsNoRecord) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::vector<double> t{0, 1, 2}, u{1, 1, 1}, y{0, 1, 2};
@@ -228,4 +361,7 @@ TEST(TimeResponseData, RefusesWhatIsNoRecord) {
   expect_invalid_argument([&] { TimeResponseData(t, {1, nan, 1}, y); }, {"input[1] = nan"});
   expect_invalid_argument([&] { TimeResponseData(t, u, y, {1, 0, 1}); }, {"sigma[1] = 0"});
   expect_invalid_argument([&] { TimeResponseData(t, {2, 2, 2}, y, {}, Hold::zero_order, 2); }, {"nothing drives"});
+  expect_invalid_argument([&] { (void)TimeResponseData(t, u, y).observed_at({}); }, {"no output is left"});
+  expect_invalid_argument([&] { (void)TimeResponseData(t, u, y).observed_at({1, 1}); }, {"observed[1] = 1"});
+  expect_invalid_argument([&] { (void)TimeResponseData(t, u, y).observed_at({3}); }, {"observed[0] = 3"});
 }

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "frac/digital_filter.hpp"
 #include "frac/zero_pole_gain.hpp"
 
 namespace support {
@@ -31,6 +32,30 @@ inline std::vector<Quad> filter_in_quadruple(const frac::ZeroPoleGain& system, d
   }
   for (Quad& value : signal) value *= Quad(system.gain);
   return signal;
+}
+
+/// Taps and sections of a design as stored, without its differences, integrators and pairs, in quadruple precision.
+inline std::vector<Quad> design_in_quadruple(const frac::DigitalFilterDesign& design,
+                                             const std::vector<double>& samples) {
+  const auto& sections = design.sections;
+  const bool of_states = sections.output == frac::SectionOutput::state;
+  const std::vector<Quad> taps(design.taps.begin(), design.taps.end());
+  const std::vector<Quad> rates(sections.rates.begin(), sections.rates.end());
+  const std::vector<Quad> weights(sections.weights.begin(), sections.weights.end());
+  std::vector<Quad> result, state(rates.size(), 0);
+  result.reserve(samples.size());
+  for (std::size_t n = 0; n < samples.size(); ++n) {
+    Quad x = 0;
+    for (std::size_t k = 0; k < taps.size() && k <= n; ++k) x += taps[k] * samples[n - k];
+    Quad sum = Quad(sections.direct) * x;
+    for (std::size_t i = 0; i < state.size(); ++i) {
+      const Quad change = x - rates[i] * state[i];
+      sum += weights[i] * (of_states ? state[i] : change);
+      state[i] += change;
+    }
+    result.push_back(sum);
+  }
+  return result;
 }
 
 /// Largest difference relative to the largest value.

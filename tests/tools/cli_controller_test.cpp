@@ -149,6 +149,21 @@ TEST(Controller, ModelsBecomeFilters) {
   EXPECT_NE(c.output.find("static inline double filter_step(filter_state *s, double sample)"), std::string::npos);
 }
 
+TEST(Controller, BandOfAModelSavesStates) {
+  const std::vector<std::string> furnace{
+      "controller", "--model", "1/(0.8 s^2.2 + 0.5 s^0.9 + 1)", "--sample-time", "0.01", "--tolerance", "1e-4"};
+  const Json all = json_of(furnace);
+  const Json on_band = json_of(with(furnace, {"--band", "0.01:100"}));
+  EXPECT_LT(3 * on_band["states"].get<int>(), all["states"].get<int>());
+  EXPECT_LE(on_band["max_relative_error"].get<double>(), 1e-4);
+  // An integrator leaves no filter for a band alone; the other one is written and the reason said.
+  const auto integrating =
+      run_fracfit({"controller", "--model", "1/(s^1.5 + s)", "--sample-time", "0.01", "--band", "0.01:100"});
+  EXPECT_EQ(integrating.code, 0) << integrating.error;
+  EXPECT_NE(integrating.error.find("A filter for all frequencies is written"), std::string::npos) << integrating.error;
+  EXPECT_EQ(Json::parse(integrating.output)["integrators"], 1);
+}
+
 TEST(Controller, TableIsForPeopleAndNotesAreSaid) {
   const auto table = run_fracfit(with(pid, {"--format", "table"}));
   EXPECT_EQ(table.code, 0) << table.error;
@@ -191,7 +206,12 @@ TEST(Controller, WrongUsageIsNamed) {
                  "begins where sample time 1 s ends");
   expect_refusal({"controller", "--model", "s^0.5", "--sample-time", "1"}, "--band is required for a power");
   expect_refusal({"controller", "--model", "s + 1", "--sample-time", "1"}, "proper");
-  expect_refusal({"controller", "--model", "1/(s + 1)", "--sample-time", "1", "--band", "1:2"}, "--band belongs");
+  expect_refusal({"controller", "--model", "s^0.5 + 1", "--sample-time", "1", "--band", "0.01:1"}, "grows as s^0.5");
+  expect_refusal(
+      {"controller", "--model", "1/(s^0.5 + 1)", "--sample-time", "1", "--band", "1:2", "--discretisation", "tustin"},
+      "--discretisation belongs to a PID or to a power of s");
+  expect_refusal({"controller", "--model", "1/(s^0.5 + 1)^0.3", "--sample-time", "1"},
+                 "\"1/(s^0.5 + 1)^0.3\" is no ratio of sums of powers of s");
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "run_program.hpp"
+#include "support/random.hpp"
 
 namespace {
 
@@ -95,9 +96,9 @@ TEST(TimeFit, HelpNamesWhatDoesNotApply) {
   const auto help = run_fracfit({"fit", "--help"}).output;
   const auto from = help.find("Samples over time take");
   ASSERT_NE(from, std::string::npos) << help;
-  const auto sentence = help.substr(from, help.find("--bootstrap.", from) - from + 12);
-  for (const char* option : {"--weight", "--component", "--loss", "--realisation", "--band", "--poles", "--sample-time",
-                             "--memory", "--where", "--grow", "--profile", "--bootstrap"})
+  const auto sentence = help.substr(from, help.find("--memory.", from) - from + 9);
+  for (const char* option :
+       {"--weight", "--component", "--realisation", "--band", "--poles", "--sample-time", "--memory", "--where"})
     EXPECT_NE(sentence.find(option), std::string::npos) << option;
 }
 
@@ -106,13 +107,16 @@ TEST(TimeFit, WhatIsWrongIsNamed) {
   const std::string good = folder.write("good.csv", "time_s,input,output\n0,1,0\n1,1,1\n2,1,1.5\n3,1,1.7\n");
   for (const auto& [option, value] : {std::pair{"--component", "both"},
                                       {"--where", "omega<4"},
-                                      {"--loss", "huber"},
                                       {"--weight", "relative"},
                                       {"--weight", "log-complex"},
-                                      {"--bootstrap", "50"},
+                                      {"--bootstrap", "5"},
+                                      {"--fix", "offset=a"},
+                                      {"--bound", "offset=0:1"},
                                       {"--realisation", "ladder"}}) {
     expect_failure({"fit", good, "--model", "K/(T s + 1)", option, value}, 2, option);
   }
+  expect_failure({"fit", good, "--model", "K/(T s + 1)", "--loss", "hubert"}, 2, "none, huber, cauchy");
+  expect_failure({"fit", good, "--model", "K/(T s + 1)", "--where", "omega<4"}, 2, "t (s), input or output");
   expect_failure({"fit", good, "--model", "K/(T s + 1)", "--hold", "second"}, 2, "zero-order or first-order");
   expect_failure({"fit", good, "--model", "K/(T s + 1)", "--offset", "some"}, 2, "--offset");
   expect_failure({"fit", good, "--model", "K/(T s + 1)", "--weight", "given"}, 3, "no column sigma");
@@ -125,7 +129,75 @@ TEST(TimeFit, WhatIsWrongIsNamed) {
   expect_failure({"fit", file("time_s,x,output\n0,1,0\n"), "--model", "K/(s + 1)"}, 3, "no input");
   expect_failure({"fit", file("time_days,u,y\n0,1,0\n"), "--model", "K/(s + 1)"}, 3, "'days'; expected s, ms");
   expect_failure({"fit", file("t,u,y,sigma\n0,1,0,0\n"), "--model", "K/(s + 1)"}, 3, "must be > 0");
-  expect_failure({"fit", file("t,u,y\n0,0,0\n1,0,1\n"), "--model", "K/(s + 1)"}, 2, "nothing drives");
+  expect_failure({"fit", file("t,u,y\n0,0,0\n1,0,1\n"), "--model", "K/(s + 1)"}, 3, "nothing drives");
+  expect_failure({"fit", file("t,u,y\n0,1,0\n"), "--model", "K/(s + 1)"}, 3, "one sample; expected at least two");
+  expect_failure({"fit", good, "--model", "K/(T s + 1)", "--where", "t>7"}, 3, "no sample satisfies");
+  expect_failure({"identify", good, "--force", "40"}, 2, "--force");
   const auto frequency = folder.write("curve.csv", "omega_rad_s,re,im\n1,1,-1\n2,1,-1\n3,1,-1\n");
   expect_failure({"fit", frequency, "--model", "K/(T s + 1)", "--hold", "zero-order"}, 2, "--hold");
+}
+
+// An output that does not move: exit code 1 with a sentence.  So for one that its offset explains alone, and for a dead
+// time beyond the record.
+TEST(TimeFit, WhatCannotBeIdentifiedIsSaid) {
+  const TemporaryFolder folder;
+  std::string constant = "time_s,input,output\n", moving = constant;
+  for (int n = 0; n < 50; ++n) {
+    constant += std::to_string(n) + ",1,5\n";
+    moving += std::to_string(n) + ",1," + std::to_string(-std::expm1(-0.1 * n)) + "\n";
+  }
+  const auto still = run_fracfit({"fit", folder.write("still.csv", constant), "--model", "K/(T s + 1)"});
+  EXPECT_EQ(still.code, 1);
+  EXPECT_NE(still.error.find("The output is 5 throughout"), std::string::npos) << still.error;
+  EXPECT_TRUE(Json::parse(still.output)["parameters"][0]["value"].is_null());
+  const auto late =
+      run_fracfit({"fit", folder.write("moving.csv", moving), "--model", "K exp(-L s)/(T s + 1)", "--fix", "L=60"});
+  EXPECT_EQ(late.code, 1);
+  EXPECT_NE(late.error.find("L = 60 s"), std::string::npos) << late.error;
+}
+
+TEST(TimeFit, WhatFitsOverFrequencyOfferIsThereOverTime) {
+  const TemporaryFolder folder;
+  support::Random random(7);
+  std::string text = "time_s,input,output\n";
+  for (int n = 0; n <= 150; ++n) {
+    const double t = 0.04 * n;
+    const double noise = n % 25 == 7 ? 2 : 0.01 * random.normal();
+    text += std::to_string(t) + ",2," + std::to_string(1 + 6 * -std::expm1(-t) + noise) + "\n";
+  }
+  const std::string file = folder.write("lag.csv", text);
+  const auto fit = run_fracfit({"fit", file, "--model", "K/(T s + 1)", "--loss", "cauchy", "--profile", "--bootstrap",
+                                "40", "--fix", "offset=1", "--where", "t<5.5"});
+  ASSERT_EQ(fit.code, 0) << fit.error;
+  const Json json = Json::parse(fit.output);
+  EXPECT_EQ(json["data"]["points"], 138);
+  EXPECT_EQ(json["options"]["loss"], "cauchy");
+  EXPECT_EQ(json["options"]["where"], "t<5.5");
+  ASSERT_EQ(json["outliers"].size(), 6u);
+  EXPECT_EQ(json["outliers"][1]["time_s"], 1.28);
+  ASSERT_EQ(json["parameters"].size(), 2u);
+  for (const auto& parameter : json["parameters"]) {
+    // Several times the standard error of about 2e-3.
+    EXPECT_NEAR(parameter["value"].get<double>(), parameter["name"] == "K" ? 3 : 1, 0.01);
+    for (const char* interval : {"profile_ci95", "bootstrap_ci95"}) {
+      EXPECT_LT(parameter[interval][0], parameter["value"]) << interval;
+      EXPECT_GT(parameter[interval][1], parameter["value"]) << interval;
+    }
+  }
+  // The command in the output makes the same output.
+  EXPECT_NE(json["command"].get<std::string>().find("--loss cauchy --hold zero-order --offset 1 --input-at-rest 0 "
+                                                    "--where 't<5.5' --seed 1"),
+            std::string::npos)
+      << json["command"];
+  const auto grown = run_fracfit({"fit", file, "--grow", "denominator", "--loss", "huber"});
+  ASSERT_EQ(grown.code, 0) << grown.error;
+  EXPECT_EQ(Json::parse(grown.output)["growth"]["chosen"], 0);
+  const auto ranked = run_fracfit(
+      {"identify", file, "--models", "lag,fractional-lag,cole-davidson", "--loss", "huber", "--folds", "4"});
+  ASSERT_EQ(ranked.code, 0) << ranked.error;
+  const Json ranking = Json::parse(ranked.output);
+  EXPECT_EQ(ranking["chosen"], "lag");
+  EXPECT_EQ(ranking["verdict"], "not-supported");
+  EXPECT_EQ(ranking["ranking"].size(), 2u);  // K/(1 + T s)^b is no ratio of sums of powers
+  EXPECT_GT(ranking["ranking"][0]["prediction_rms"], 0);
 }

@@ -34,3 +34,11 @@ TEST(PointFilter, AnythingElseIsRefused) {
        {"", "im", "<0", "im<", "im<abc", "im<nan", "im=0", "im<>0", "phase<1", "im<0<1", "0<im", "im<0 and re>0"})
     EXPECT_THROW(io::PointFilter{text}, std::invalid_argument) << text;
 }
+
+TEST(SampleFilter, ComparesEachQuantity) {
+  EXPECT_TRUE(io::SampleFilter("t < 40")(39, 0, 0));
+  EXPECT_FALSE(io::SampleFilter("input!=2")(0, 2, 0));
+  EXPECT_TRUE(io::SampleFilter("output>=-1")(0, 0, -1));
+  for (const char* text : {"omega<4", "t", "time<4", "t<x"})
+    EXPECT_THROW(io::SampleFilter{text}, std::invalid_argument) << text;
+}

@@ -22,7 +22,7 @@ struct ControllerArguments {
   std::string model;
   std::string kp, ki, kd, lambda = "1", mu = "1";
   std::string sample_time, band, tolerance, poles;
-  std::string discretisation = "direct";
+  std::string discretisation;
   std::string minimum, maximum, anti_windup = "back-calculation", tracking_time;
   std::string derivative_filter = "0", setpoint_weight = "1", derivative_setpoint_weight = "1", swing = "0.15";
   std::string horizon = "1e9";
@@ -49,6 +49,10 @@ double number_or(const std::string& name, const std::string& text, double otherw
 frac::FrequencyBand band_option(const std::string& text) {
   const auto [lower, upper] = range_option("--band", text);
   return {number_option("--band", lower), number_option("--band", upper)};
+}
+
+frac::Discretisation discretisation_option(const ControllerArguments& given) {
+  return given.discretisation.empty() ? frac::Discretisation::direct : frac::discretisation(given.discretisation);
 }
 
 std::optional<frac::ApproximationGoal> goal_option(const ControllerArguments& given) {
@@ -91,7 +95,7 @@ int run_pid(const ControllerArguments& given) {
     throw std::invalid_argument("--band is required for orders other than 1: LOW:HIGH in rad/s");
   if (!given.band.empty()) config.band = band_option(given.band);
   if (const auto goal = goal_option(given)) config.goal = *goal;
-  config.discretisation = frac::discretisation(given.discretisation);
+  config.discretisation = discretisation_option(given);
   constexpr double infinity = std::numeric_limits<double>::infinity();
   config.minimum = number_or("--min", given.minimum, -infinity);
   config.maximum = number_or("--max", given.maximum, infinity);
@@ -111,7 +115,7 @@ int run_pid(const ControllerArguments& given) {
   command.option("--lambda", given.lambda).option("--mu", given.mu).option("--sample-time", given.sample_time);
   if (!given.band.empty()) command.option("--band", given.band);
   put_goal(command, given, "1e-3");
-  command.option("--discretisation", given.discretisation);
+  command.option("--discretisation", std::string(frac::to_string(config.discretisation)));
   if (!given.minimum.empty()) command.option("--min", given.minimum);
   if (!given.maximum.empty()) command.option("--max", given.maximum);
   command.option("--anti-windup", given.anti_windup);
@@ -134,28 +138,64 @@ struct FilterResult {
   std::string note;
 };
 
-FilterResult filter_for(const frac::FractionalTransferFunction& model, const ControllerArguments& given,
-                        double sample_time) {
-  const bool is_power = model.numerator().size() == 1 && model.denominator().size() == 1 && model.delay() == 0;
-  if (given.band.empty()) {
-    if (!given.poles.empty()) throw std::invalid_argument("--poles belongs to a power of s on a --band");
-    const double order = model.numerator().front().order - model.denominator().front().order;
-    if (is_power && order > 0) throw std::invalid_argument("--band is required for a power of s: LOW:HIGH in rad/s");
-    return {filter_design(model, sample_time, number_or("--tolerance", given.tolerance, 1e-9),
-                          number_option("--horizon", given.horizon)),
-            NAN, ""};
-  }
-  if (!is_power)
-    throw std::invalid_argument("--band belongs to a PID or to a power of s; other models hold at all frequencies");
+FilterResult power_filter(const frac::FractionalTransferFunction& model, const ControllerArguments& given,
+                          double sample_time) {
   const double order = model.numerator()[0].order - model.denominator()[0].order;
   const frac::DigitalPower power =
       digital_power(order, band_option(given.band), goal_option(given).value_or(frac::Tolerance{1e-3}), sample_time,
-                    frac::discretisation(given.discretisation));
+                    discretisation_option(given));
   FilterResult result{filter_design(power), power.error.max_relative, ""};
   const double factor = model.numerator()[0].coefficient / model.denominator()[0].coefficient;
   for (double& tap : result.design.taps) tap *= factor;
   if (power.status == frac::ApproximationStatus::not_attainable) result.note = power.message;
   return result;
+}
+
+// One set of poles for the band, unless the filter for all frequencies takes no more states or is the only one.
+FilterResult model_filter(const frac::FractionalTransferFunction& model, const ControllerArguments& given,
+                          double sample_time) {
+  const bool has_band = !given.band.empty();
+  const double tolerance = number_or("--tolerance", given.tolerance, has_band ? 1e-3 : 1e-9);
+  const auto for_all = [&] {
+    return FilterResult{filter_design(model, sample_time, tolerance, number_option("--horizon", given.horizon)), NAN,
+                        ""};
+  };
+  // Held between samples, what grows would answer each step by a jump that depends on the band's upper end.
+  const bool grows = model.numerator().front().order > model.denominator().front().order;
+  if (!has_band || grows) return for_all();
+  const frac::RationalModel system = realise(model, band_option(given.band), tolerance);
+  FilterResult on_band;
+  try {
+    on_band = {filter_design(system, sample_time), system.max_relative_error,
+               system.status == frac::RationalModelStatus::met ? "" : system.message};
+  } catch (const std::invalid_argument& failure) {
+    FilterResult all = for_all();
+    all.note =
+        std::string("A filter for all frequencies is written, because one for the band alone is not possible: ") +
+        failure.what() + ".";
+    return all;
+  }
+  FilterResult all = for_all();
+  return all.design.states() <= on_band.design.states() ? all : on_band;
+}
+
+bool is_power(const frac::FractionalTransferFunction& model) {
+  return model.numerator().size() == 1 && model.denominator().size() == 1 && model.delay() == 0;
+}
+
+FilterResult filter_for(const frac::FractionalTransferFunction& model, const ControllerArguments& given,
+                        double sample_time) {
+  if (is_power(model) && !given.band.empty()) return power_filter(model, given, sample_time);
+  if (!given.discretisation.empty()) {
+    throw std::invalid_argument(
+        "--discretisation belongs to a PID or to a power of s on a --band; other models are made for an input that is "
+        "constant between samples");
+  }
+  if (!given.poles.empty()) throw std::invalid_argument("--poles belongs to a power of s on a --band");
+  const double order = model.numerator().front().order - model.denominator().front().order;
+  if (is_power(model) && order > 0)
+    throw std::invalid_argument("--band is required for a power of s: LOW:HIGH in rad/s");
+  return model_filter(model, given, sample_time);
 }
 
 int run_filter(const ControllerArguments& given) {
@@ -169,9 +209,11 @@ int run_filter(const ControllerArguments& given) {
   frac::CHeaderOptions header = header_options(given, "filter");
   CommandLine command("controller");
   command.option("--model", given.model).option("--sample-time", given.sample_time);
-  if (!given.band.empty()) command.option("--band", given.band).option("--discretisation", given.discretisation);
+  if (!given.band.empty()) command.option("--band", given.band);
+  if (!given.band.empty() && is_power(model))
+    command.option("--discretisation", std::string(frac::to_string(discretisation_option(given))));
   put_goal(command, given, given.band.empty() ? "1e-9" : "1e-3");
-  if (given.band.empty()) command.option("--horizon", given.horizon);
+  command.option("--horizon", given.horizon);
   put_format(command, format, header);
   header.comment = "Filter " + model.formula() + ", every " + given.sample_time + " s, written by fracfit " +
                    std::string(io::version()) + ":\n  " + command.text();
@@ -198,17 +240,22 @@ void add_controller(CLI::App& program, Run& run) {
   option("--kd", given->kd, "Gain of the fractional derivative", "K");
   option("--lambda", given->lambda, "Order of integration, above 0 and below 2", "ORDER");
   option("--mu", given->mu, "Order of differentiation, above 0 and below 2", "ORDER");
-  option("--model", given->model, "A filter instead of a PID: a proper model, or a power of s on a --band", "FORMULA");
+  option("--model", given->model,
+         "A filter instead of a PID: a proper model, with fewer states on a --band; or a power of s on a --band",
+         "FORMULA");
   option("--sample-time", given->sample_time, "Time between samples, s", "T")->required();
   option("--band", given->band, "Band on which the orders hold, rad/s; cut at a quarter of the sampling frequency",
          "LOW:HIGH");
-  option("--tolerance", given->tolerance,
-         "Largest relative error of a power on the band; 1e-3 if not given. For a --model without band: of its step "
-         "response, 1e-9 if not given",
-         "T");
+  option(
+      "--tolerance", given->tolerance,
+      "Largest relative error on the band; 1e-3 if not given. For a --model without band: of its step response, 1e-9 "
+      "if not given",
+      "T");
   option("--poles", given->poles, "Number of poles per power, instead of a tolerance", "N");
-  option("--horizon", given->horizon, "Of a --model without band: samples it is good for; fewer states for fewer", "N");
-  option("--discretisation", given->discretisation, "direct, tustin, tustin-prewarped or al-alaoui", "METHOD");
+  option("--horizon", given->horizon,
+         "Of a --model for all frequencies: samples it is good for; fewer states for fewer", "N");
+  option("--discretisation", given->discretisation,
+         "Of a PID or power: direct (if not given), tustin, tustin-prewarped or al-alaoui", "METHOD");
   option("--min", given->minimum, "Least output; no limit if not given", "U");
   option("--max", given->maximum, "Largest output; no limit if not given", "U");
   option("--anti-windup", given->anti_windup, "none, back-calculation or conditional-integration", "METHOD");
@@ -231,7 +278,8 @@ void add_controller(CLI::App& program, Run& run) {
       "  fracfit controller --kp 2 --ki 3 --kd 0.05 --lambda 0.8 --mu 0.6 --sample-time 1e-3 --band 0.1:300\n"
       "  fracfit controller --kp 2 --ki 3 --lambda 0.8 --sample-time 1e-3 --band 0.1:300 --min -5 --max 5 --out pi.h\n"
       "  fracfit controller --model '1/(0.8 s^2.2 + 0.5 s^0.9 + 1)' --sample-time 0.01 --precision float --out "
-      "plant.h");
+      "plant.h\n"
+      "  fracfit controller --model '1/(0.8 s^2.2 + 0.5 s^0.9 + 1)' --sample-time 0.01 --band 0.01:100 --format table");
   controller->callback(
       [given, &run] { run = [given] { return given->model.empty() ? run_pid(*given) : run_filter(*given); }; });
 }

@@ -112,6 +112,7 @@ std::string filter_json(const frac::DigitalFilterDesign& design, const std::stri
   json["recursion"] = recursion;
   json["dead_samples"] = design.dead_samples;
   json["differences"] = design.differences;
+  json["states"] = design.states();
   json["taps"] = taps_json(design.taps, design.taps.size());
   json["output"] = output_name(design.sections.output);
   json["direct"] = number(design.sections.direct);
@@ -154,8 +155,9 @@ std::string controller_table(const frac::FractionalPidDesign& design) {
 }
 
 std::string filter_table(const frac::DigitalFilterDesign& design, const std::string& model, double error) {
-  std::string text = model + ", every " + short_number(design.sample_time) + " s\n" +
-                     std::to_string(design.sections.rates.size()) + " sections, " +
+  const std::string taps = design.taps.size() > 1 ? std::to_string(design.taps.size()) + " taps, " : "";
+  std::string text = model + ", every " + short_number(design.sample_time) + " s\n" + std::to_string(design.states()) +
+                     " states: " + taps + std::to_string(design.sections.rates.size()) + " sections, " +
                      std::to_string(design.pair_rates.size()) + " complex pairs, " +
                      std::to_string(design.differences) + " differences, " + std::to_string(design.integrators) +
                      " integrators, " + std::to_string(design.dead_samples) + " samples of dead time\n";

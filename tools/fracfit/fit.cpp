@@ -12,7 +12,7 @@
 #include "json_output.hpp"
 #include "model_choice.hpp"
 #include "subcommand.hpp"
-#include "time_fit.hpp"
+#include "time_request.hpp"
 
 namespace fracfit {
 namespace {
@@ -22,30 +22,10 @@ struct FitArguments {
   FitRequest request;
   std::optional<std::string> model, grow;  // one of them
   ParameterOptions parameters;
-  TimeFitRequest over_time;
+  TimeRequest over_time;
   bool profile = false;
   std::string bootstrap;
 };
-
-void check_over_time(const FitArguments& given) {
-  const auto refuse = [](bool asked, const char* option) {
-    if (asked)
-      throw std::invalid_argument(std::string(option) +
-                                  " has no meaning with samples over time, only with a frequency response");
-  };
-  refuse(given.grow.has_value(), "--grow");
-  refuse(given.profile, "--profile");
-  refuse(!given.bootstrap.empty(), "--bootstrap");
-}
-
-void check_over_frequency(const FitArguments& given) {
-  for (const auto& [name, text] :
-       {std::pair{"--hold", &given.over_time.hold}, std::pair{"--offset", &given.over_time.offset},
-        std::pair{"--input-at-rest", &given.over_time.input_at_rest}})
-    if (!text->empty())
-      throw std::invalid_argument(std::string(name) +
-                                  " has no meaning with a frequency response, only with samples over time");
-}
 
 void check(const FitArguments& given) {
   if (given.model.has_value() == given.grow.has_value())
@@ -59,12 +39,8 @@ void check(const FitArguments& given) {
                                   " has no meaning with --grow, whose parameters differ from structure to structure");
 }
 
-std::string command_of(const FitArguments& given, const frac::FitOptions& options) {
-  CommandLine command("fit");
-  command.argument(given.request.data);
-  if (!given.grow) command.option("--model", *given.model);
-  if (given.grow) command.option("--grow", *given.grow);
-  append_to(command, given.request, options);
+// Adds what was asked of the fit itself to a command line with data, model and residuals.
+std::string completed(CommandLine command, const FitArguments& given) {
   for (const auto& text : given.parameters.bound) command.option("--bound", text);
   for (const auto& text : given.parameters.fix) command.option("--fix", text);
   for (const auto& text : given.parameters.start) command.option("--start", text);
@@ -73,13 +49,22 @@ std::string command_of(const FitArguments& given, const frac::FitOptions& option
   return command.text();
 }
 
+CommandLine command_start(const FitArguments& given) {
+  CommandLine command("fit");
+  command.argument(given.request.data);
+  if (!given.grow) command.option("--model", *given.model);
+  if (given.grow) command.option("--grow", *given.grow);
+  return command;
+}
+
 struct Fitted {
   frac::FitResult result;
   std::optional<frac::Growth> growth;
 };
 
 // Leaves in `options` the constraints the fit was made with.
-Fitted fitted(const FitArguments& given, const frac::FrequencyResponseData& data, frac::FitOptions& options) {
+template <class Data, class Options>
+Fitted fitted(const FitArguments& given, const Data& data, Options& options) {
   if (!given.grow) {
     const auto model = chosen_model(*given.model);
     return {frac::fit(data, frac::Structure(model.formula), options), std::nullopt};
@@ -91,31 +76,15 @@ Fitted fitted(const FitArguments& given, const frac::FrequencyResponseData& data
   return {std::move(result), std::move(growth)};
 }
 
-int run_fit(const FitArguments& given) {
-  check(given);
-  const io::OutputFile out(given.common.out);
-  auto options = fit_options(given.request);
-  if (!given.grow) {
-    const auto model = chosen_model(*given.model);
-    const frac::Structure parsed(model.formula);
-    options.constraints = constraints_of(model, given.parameters);
-  } else {
-    static_cast<void>(frac::growth_family_from_string(*given.grow));
-  }
+template <class Data, class Options>
+int fit_and_write(const FitArguments& given, const io::OutputFile& out, const Data& data, Options options,
+                  const FitRun& run) {
   constexpr std::size_t fewest_samples = 20;
   const StatisticsRequest request{
       given.profile, given.bootstrap.empty() ? 0 : count_option("--bootstrap", given.bootstrap, fewest_samples)};
-  if (io::holds_time_response(given.request.data)) {
-    check_over_time(given);
-    return run_time_fit(out, given.common, given.request, given.over_time, *given.model, given.parameters);
-  }
-  check_over_frequency(given);
-  const auto file = read_data(given.request, given.common);
-  const auto [result, growth] = fitted(given, file.data, options);
-  auto statistics = fit_statistics(file.data, options, result, request, given.common.threads);
+  const auto [result, growth] = fitted(given, data, options);
+  auto statistics = fit_statistics(data, options, result, request, given.common.threads);
   statistics.growth = growth;
-
-  const FitRun run = fit_run(given.request, options, file, command_of(given, options));
   const std::string format = chosen_format(given.common, "json");
   out.write(format == "json"  ? fit_json(run, result, statistics)
             : format == "csv" ? fit_csv(run, result, statistics)
@@ -123,6 +92,39 @@ int run_fit(const FitArguments& given) {
   if (result.termination == frac::FitTermination::converged) return usable_result;
   say(given.common, "no usable result: " + result.message);
   return no_usable_result;
+}
+
+// Parsed before the data are read.
+std::vector<frac::ParameterConstraint> given_constraints(const FitArguments& given) {
+  if (given.grow) {
+    static_cast<void>(frac::growth_family_from_string(*given.grow));
+    return {};
+  }
+  const auto model = chosen_model(*given.model);
+  const frac::Structure parsed(model.formula);
+  return constraints_of(model, given.parameters);
+}
+
+int run_fit(const FitArguments& given) {
+  check(given);
+  const io::OutputFile out(given.common.out);
+  if (io::holds_time_response(given.request.data)) {
+    refuse_frequency_options(given.request);
+    const auto options = time_fit_options(given.request, given.over_time, given_constraints(given));
+    const auto record = read_time_record(given.request, given.over_time, given.common);
+    auto command = command_start(given);
+    append_to(command, given.request, record, options);
+    return fit_and_write(given, out, record.data, options,
+                         time_fit_run(given.request, record, options, completed(command, given)));
+  }
+  refuse_time_options(given.over_time);
+  auto options = fit_options(given.request);
+  options.constraints = given_constraints(given);
+  const auto file = read_data(given.request, given.common);
+  auto command = command_start(given);
+  append_to(command, given.request, options);
+  return fit_and_write(given, out, file.data, options,
+                       fit_run(given.request, options, file, completed(command, given)));
 }
 
 }  // namespace
@@ -145,12 +147,12 @@ void add_fit(CLI::App& program, Run& run) {
   fit->add_flag("--profile", given->profile, "Add profile-likelihood intervals, which follow the cost itself");
   fit->add_option("--bootstrap", given->bootstrap, "Add intervals from N refits to resampled residuals, N >= 20")
       ->type_name("N");
-  add_time_fit_options(*fit, given->over_time);
+  add_time_options(*fit, given->over_time);
   add_common_options(*fit, given->common, {"json", "csv", "table"});
   fit->footer(
-      "Samples over time take --weight given (the default where the file has a column sigma) or absolute, and\n"
-      "none of --component, --loss, --realisation, --band, --poles, --sample-time, --memory, --where, --grow,\n"
-      "--profile and --bootstrap.\n"
+      "Samples over time take --weight given (the default where the file has a column sigma) or absolute, --where\n"
+      "with t (s), input or output (the input drives the model throughout), and none of --component, --realisation,\n"
+      "--band, --poles, --sample-time and --memory.\n"
       "Presets:\n" +
       preset_list() +
       "Examples:\n"

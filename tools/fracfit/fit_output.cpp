@@ -25,8 +25,9 @@ std::string heading(const FitRun& run) {
                      interval(run.lower, run.upper) + (run.over_time ? " s" : " rad/s");
   if (!run.value_unit.empty()) text += ", values in " + run.value_unit;
   if (run.over_time) {
-    return text + "\nresiduals  of the output, " + option_of(run, "weight") + " weight; input " +
-           option_of(run, "hold") + " hold, offset " + option_of(run, "offset") + "\n";
+    text += "\nresiduals  of the output, " + option_of(run, "weight") + " weight";
+    if (option_of(run, "loss") != "none") text += ", " + option_of(run, "loss") + " loss";
+    return text + "; input " + option_of(run, "hold") + " hold, offset " + option_of(run, "offset") + "\n";
   }
   text += "\nresiduals  " + option_of(run, "component") + ", " + option_of(run, "weight") + " weight";
   if (option_of(run, "loss") != "none") text += ", " + option_of(run, "loss") + " loss";

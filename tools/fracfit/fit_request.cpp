@@ -82,10 +82,9 @@ io::Metadata realisation_entries(const frac::Realisation& realisation) {
 
 void add_fit_options(CLI::App& subcommand, FitRequest& request) {
   subcommand
-      .add_option(
-          "DATA", request.data,
-          "CSV or TSV with a header naming columns and units: a frequency response or, for fit, samples over time "
-          "(time_s,input,output); - for standard input")
+      .add_option("DATA", request.data,
+                  "CSV or TSV with a header naming columns and units: a frequency response, or samples over time "
+                  "(time_s,input,output); - for standard input")
       ->required()
       ->type_name("FILE");
   add_residual_options(subcommand, request);
@@ -118,9 +117,11 @@ void add_residual_options(CLI::App& subcommand, FitRequest& request) {
   subcommand.add_option("--sample-time", request.sample_time, "Sample time of the Gruenwald-Letnikov realisation, s")
       ->type_name("T");
   subcommand.add_option("--memory", request.memory, "Samples it keeps, 0 for all (default)")->type_name("N");
-  add_repeatable(subcommand, "--where", request.where,
-                 "Use only points that satisfy a comparison of re, im, magnitude, omega or f with a number; repeatable",
-                 "TEST");
+  add_repeatable(
+      subcommand, "--where", request.where,
+      "Use only points that satisfy a comparison of re, im, magnitude, omega or f (over time: t, input or output) "
+      "with a number; repeatable",
+      "TEST");
   subcommand.add_option("--seed", request.seed, "Seed of the random starts; same seed, same result")
       ->capture_default_str()
       ->type_name("N");

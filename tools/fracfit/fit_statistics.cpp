@@ -27,13 +27,19 @@ bool has_profile(const frac::ParameterEstimate& parameter, const frac::FitResult
          result.residuals > result.free_parameters;
 }
 
-}  // namespace
+const std::vector<double>& axis(const frac::FrequencyResponseData& data) {
+  return data.omega();
+}
+const std::vector<double>& axis(const frac::TimeResponseData& data) {
+  return data.time();
+}
 
-FitStatistics fit_statistics(const frac::FrequencyResponseData& data, const frac::FitOptions& options,
-                             const frac::FitResult& result, const StatisticsRequest& request, int threads) {
+template <class Data, class Options>
+FitStatistics statistics_of(const Data& data, const Options& options, const frac::FitResult& result,
+                            const StatisticsRequest& request, int threads) {
   FitStatistics statistics;
   statistics.correlation = correlation_of(result.covariance);
-  for (const std::size_t index : result.outliers) statistics.outlier_at.push_back(data.omega()[index]);
+  for (const std::size_t index : result.outliers) statistics.outlier_at.push_back(axis(data)[index]);
   if (result.termination == frac::FitTermination::no_usable_start) {
     statistics.whiteness = {nan, nan};
     return statistics;
@@ -52,15 +58,16 @@ FitStatistics fit_statistics(const frac::FrequencyResponseData& data, const frac
   return statistics;
 }
 
+}  // namespace
+
+FitStatistics fit_statistics(const frac::FrequencyResponseData& data, const frac::FitOptions& options,
+                             const frac::FitResult& result, const StatisticsRequest& request, int threads) {
+  return statistics_of(data, options, result, request, threads);
+}
+
 FitStatistics fit_statistics(const frac::TimeResponseData& data, const frac::TimeFitOptions& options,
-                             const frac::FitResult& result) {
-  FitStatistics statistics;
-  statistics.correlation = correlation_of(result.covariance);
-  for (const std::size_t index : result.outliers) statistics.outlier_at.push_back(data.time()[index]);
-  statistics.whiteness = result.termination == frac::FitTermination::no_usable_start
-                             ? frac::ResidualWhiteness{nan, nan}
-                             : frac::residual_whiteness(data, options, result);
-  return statistics;
+                             const frac::FitResult& result, const StatisticsRequest& request, int threads) {
+  return statistics_of(data, options, result, request, threads);
 }
 
 }  // namespace fracfit

@@ -34,9 +34,8 @@ struct FitStatistics {
 [[nodiscard]] FitStatistics fit_statistics(const frac::FrequencyResponseData& data, const frac::FitOptions& options,
                                            const frac::FitResult& result, const StatisticsRequest& request,
                                            int threads);
-
-/// Of a fit over time: correlation, outliers and whiteness.
 [[nodiscard]] FitStatistics fit_statistics(const frac::TimeResponseData& data, const frac::TimeFitOptions& options,
-                                           const frac::FitResult& result);
+                                           const frac::FitResult& result, const StatisticsRequest& request,
+                                           int threads);
 
 }  // namespace fracfit

@@ -14,9 +14,11 @@
 #include "frac/identification/model_choice.hpp"
 #include "frac/parallel_for.hpp"
 #include "io/number.hpp"
+#include "io/time_series_file.hpp"
 #include "json_output.hpp"
 #include "model_choice.hpp"
 #include "subcommand.hpp"
+#include "time_request.hpp"
 
 namespace fracfit {
 namespace {
@@ -24,13 +26,15 @@ namespace {
 struct IdentifyArguments {
   CommonOptions common;
   FitRequest request;
+  TimeRequest over_time;
   std::string models;
   std::string force, clearance, mass1, mass2;
   std::string folds;
 };
 
 // rms of cross-validation for each candidate; that of a fixed curve, which nothing was fitted to, is its own.
-std::vector<double> prediction_rms(const frac::FrequencyResponseData& data, const frac::FitOptions& options,
+template <class Data, class Options>
+std::vector<double> prediction_rms(const Data& data, const Options& options,
                                    const std::vector<frac::NamedModel>& models,
                                    const frac::IdentificationResult& result, std::size_t folds,
                                    const CommonOptions& common) {
@@ -99,20 +103,67 @@ frac::FixedCurve static_curve(const StaticScene& scene, const std::vector<double
                                                number_option("--force", scene.force), omega)};
 }
 
+template <class Data, class Options>
+int write_ranking(const IdentifyArguments& given, const io::OutputFile& out, const Data& data, const Options& options,
+                  const std::vector<frac::NamedModel>& models, const frac::IdentificationResult& result,
+                  std::size_t folds, const FitRun& run) {
+  const auto predictions =
+      folds > 0 ? prediction_rms(data, options, models, result, folds, given.common) : std::vector<double>{};
+  const std::string format = chosen_format(given.common, "json");
+  out.write(format == "json"  ? identification_json(run, result, predictions)
+            : format == "csv" ? identification_csv(run, result, predictions)
+                              : identification_table(run, result, predictions));
+  if (result.ranking.at(result.chosen).fit.termination == frac::FitTermination::converged) return usable_result;
+  say(given.common, "no usable result: " + result.ranking.at(result.chosen).fit.message);
+  return no_usable_result;
+}
+
+void check_folds(const IdentifyArguments& given, std::size_t folds, std::size_t points) {
+  if (folds > points)
+    throw std::invalid_argument("--folds " + given.folds + ": more than the " + std::to_string(points) + " points of " +
+                                given.request.data);
+}
+
+CommandLine command_start(const IdentifyArguments& given) {
+  CommandLine command("identify");
+  command.argument(given.request.data);
+  if (!given.models.empty()) command.option("--models", given.models);
+  return command;
+}
+
+int identify_over_time(const IdentifyArguments& given, const io::OutputFile& out) {
+  refuse_frequency_options(given.request);
+  for (const auto& [name, text] : {std::pair{"--force", &given.force}, std::pair{"--clearance", &given.clearance},
+                                   std::pair{"--m1", &given.mass1}, std::pair{"--m2", &given.mass2}})
+    if (!text->empty())
+      throw std::invalid_argument(std::string(name) +
+                                  " has no meaning with samples over time: static backlash is a candidate for "
+                                  "describing functions, which tell one harmonic at each frequency");
+  const auto models = chosen_models(given.models);
+  const auto options = time_fit_options(given.request, given.over_time, {});
+  const std::size_t folds = given.folds.empty() ? 0 : count_option("--folds", given.folds, 2);
+  const auto record = read_time_record(given.request, given.over_time, given.common);
+  check_folds(given, folds, record.data.observed().size());
+  auto command = command_start(given);
+  append_to(command, given.request, record, options);
+  if (folds > 0) command.option("--folds", given.folds);
+  const auto result = frac::identify(record.data, models, options, given.common.threads);
+  return write_ranking(given, out, record.data, options, models, result, folds,
+                       time_fit_run(given.request, record, options, command.text()));
+}
+
 int run_identify(const IdentifyArguments& given) {
   const io::OutputFile out(given.common.out);
+  if (io::holds_time_response(given.request.data)) return identify_over_time(given, out);
+  refuse_time_options(given.over_time);
   const auto options = fit_options(given.request);
   const auto models = chosen_models(given.models);
   const std::size_t folds = given.folds.empty() ? 0 : count_option("--folds", given.folds, 2);
   const auto file = read_data(given.request, given.common);
-  if (folds > file.data.size())
-    throw std::invalid_argument("--folds " + given.folds + ": more than the " + std::to_string(file.data.size()) +
-                                " points of " + given.request.data);
+  check_folds(given, folds, file.data.size());
   const auto scene = static_scene(given, file.metadata);
   std::vector<frac::FixedCurve> curves;
-  CommandLine command("identify");
-  command.argument(given.request.data);
-  if (!given.models.empty()) command.option("--models", given.models);
+  auto command = command_start(given);
   append_to(command, given.request, options);
   if (scene) {
     curves.push_back(static_curve(*scene, file.data.omega()));
@@ -123,17 +174,8 @@ int run_identify(const IdentifyArguments& given) {
   }
   if (folds > 0) command.option("--folds", given.folds);
   const auto result = frac::identify(file.data, models, curves, options, given.common.threads);
-
-  const auto predictions =
-      folds > 0 ? prediction_rms(file.data, options, models, result, folds, given.common) : std::vector<double>{};
-  const FitRun run = fit_run(given.request, options, file, command.text());
-  const std::string format = chosen_format(given.common, "json");
-  out.write(format == "json"  ? identification_json(run, result, predictions)
-            : format == "csv" ? identification_csv(run, result, predictions)
-                              : identification_table(run, result, predictions));
-  if (result.ranking.at(result.chosen).fit.termination == frac::FitTermination::converged) return usable_result;
-  say(given.common, "no usable result: " + result.ranking.at(result.chosen).fit.message);
-  return no_usable_result;
+  return write_ranking(given, out, file.data, options, models, result, folds,
+                       fit_run(given.request, options, file, command.text()));
 }
 
 }  // namespace
@@ -141,7 +183,9 @@ int run_identify(const IdentifyArguments& given) {
 void add_identify(CLI::App& program, Run& run) {
   const auto given = std::make_shared<IdentifyArguments>();
   auto* identification = program.add_subcommand(
-      "identify", "Ranks fractional, integer-order and static-backlash structures on a frequency response");
+      "identify",
+      "Ranks fractional, integer-order and static-backlash structures on a frequency response, or the first two on "
+      "samples of input and output over time");
   add_fit_options(*identification, given->request);
   identification
       ->add_option("--models", given->models, "Presets or formulas separated by commas (default: all presets)")
@@ -152,14 +196,17 @@ void add_identify(CLI::App& program, Run& run) {
   identification->add_option("--m1", given->mass1, "Its mass 1, kg (default 1)")->type_name("M1");
   identification->add_option("--m2", given->mass2, "Its mass 2, kg (default 1)")->type_name("M2");
   identification
-      ->add_option(
-          "--folds", given->folds,
-          "Cross-validate each candidate: predict each of K blocks of neighbouring frequencies from the others")
+      ->add_option("--folds", given->folds,
+                   "Cross-validate each candidate: predict each of K blocks of neighbouring points from the others")
       ->type_name("K");
+  add_time_options(*identification, given->over_time);
   add_common_options(*identification, given->common, {"json", "csv", "table"});
   identification->footer(
+      "Samples over time take and refuse the same options as in fit, and none of --clearance, --force, --m1 and "
+      "--m2.\n"
       "Examples:\n"
       "  fracfit identify curve.csv\n"
+      "  fracfit identify step.csv --models 'lag,lag-delay,oscillator,fractional-lag,fractional-lag-delay'\n"
       "  fracfit identify cell.csv --component both --models 'zarc,two-zarc,r-rc,two-rc' --out ranking.json\n"
       "  fracfit identify curve.csv --where 'omega>17' --clearance 0.3 --force 40 --format table");
   identification->callback([given, &run] { run = [given] { return run_identify(*given); }; });

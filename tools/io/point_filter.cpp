@@ -1,5 +1,6 @@
 #include "io/point_filter.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -21,60 +22,39 @@ std::string without_blanks(std::string_view text) {
 
 }  // namespace
 
-PointFilter::PointFilter(std::string_view text) : text_(without_blanks(text)) {
+Condition::Condition(std::string_view text, std::initializer_list<std::string_view> quantities,
+                     const std::string& allowed)
+    : text_(without_blanks(text)) {
   const auto begin = text_.find_first_of("<>=!");
   const auto end = begin == std::string::npos ? begin : text_.find_first_not_of("<>=!", begin);
   const auto fail = [&](const std::string& found) {
-    throw std::invalid_argument(
-        "--where " + quoted(text) + ": " + found +
-        "; expected a comparison of re, im, magnitude, omega (rad/s) or f (Hz) with a number, such as im<0");
+    throw std::invalid_argument("--where " + quoted(text_) + ": " + found + "; expected a comparison of " + allowed);
   };
   if (begin == std::string::npos) fail("no comparison found");
   if (end == std::string::npos) fail("no number after the comparison");
   const std::string_view whole = text_;
-  const std::string_view quantity = whole.substr(0, begin);
+  const std::string_view name = whole.substr(0, begin);
   const std::string_view comparison = whole.substr(begin, end - begin);
 
-  constexpr std::array<std::pair<std::string_view, Quantity>, 5> quantities{{{"re", Quantity::re},
-                                                                             {"im", Quantity::im},
-                                                                             {"magnitude", Quantity::magnitude},
-                                                                             {"omega", Quantity::omega},
-                                                                             {"f", Quantity::frequency}}};
+  const auto* const quantity = std::find(quantities.begin(), quantities.end(), name);
+  if (quantity == quantities.end()) fail("unknown quantity " + quoted(name));
+  quantity_ = static_cast<std::size_t>(quantity - quantities.begin());
   constexpr std::array<std::pair<std::string_view, Comparison>, 6> comparisons{{{"<", Comparison::less},
                                                                                 {"<=", Comparison::less_equal},
                                                                                 {">", Comparison::greater},
                                                                                 {">=", Comparison::greater_equal},
                                                                                 {"==", Comparison::equal},
                                                                                 {"!=", Comparison::not_equal}}};
-  const auto lookup = [&](const auto& table, std::string_view name, std::string_view what) {
-    for (const auto& [spelling, meaning] : table)
-      if (spelling == name) return meaning;
-    fail("unknown " + std::string(what) + " " + quoted(name));
-    return table.front().second;
-  };
-  quantity_ = lookup(quantities, quantity, "quantity");
-  comparison_ = lookup(comparisons, comparison, "comparison");
+  const auto* const meant =
+      std::find_if(comparisons.begin(), comparisons.end(), [&](const auto& each) { return each.first == comparison; });
+  if (meant == comparisons.end()) fail("unknown comparison " + quoted(comparison));
+  comparison_ = meant->second;
   const auto bound = parse_number(whole.substr(end));
   if (!bound || std::isnan(*bound)) fail(quoted(whole.substr(end)) + " is no number");
   bound_ = *bound;
 }
 
-bool PointFilter::operator()(double omega, std::complex<double> value) const {
-  const auto operand = [&] {
-    switch (quantity_) {
-      case Quantity::re:
-        return value.real();
-      case Quantity::im:
-        return value.imag();
-      case Quantity::magnitude:
-        return std::abs(value);
-      case Quantity::omega:
-        break;
-      case Quantity::frequency:
-        return omega / (2 * std::numbers::pi);
-    }
-    return omega;
-  }();
+bool Condition::holds(double operand) const {
   switch (comparison_) {
     case Comparison::less:
       return operand < bound_;
@@ -90,6 +70,24 @@ bool PointFilter::operator()(double omega, std::complex<double> value) const {
       return operand != bound_;
   }
   return false;
+}
+
+PointFilter::PointFilter(std::string_view text)
+    : condition_(text, {"re", "im", "magnitude", "omega", "f"},
+                 "re, im, magnitude, omega (rad/s) or f (Hz) with a number, such as im<0") {}
+
+bool PointFilter::operator()(double omega, std::complex<double> value) const {
+  const std::array<double, 5> quantities{value.real(), value.imag(), std::abs(value), omega,
+                                         omega / (2 * std::numbers::pi)};
+  return condition_.holds(quantities[condition_.quantity()]);
+}
+
+SampleFilter::SampleFilter(std::string_view text)
+    : condition_(text, {"t", "input", "output"}, "t (s), input or output with a number, such as t<40") {}
+
+bool SampleFilter::operator()(double time, double input, double output) const {
+  const std::array<double, 3> quantities{time, input, output};
+  return condition_.holds(quantities[condition_.quantity()]);
 }
 
 }  // namespace io

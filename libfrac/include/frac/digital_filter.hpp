@@ -7,6 +7,7 @@
 
 #include "frac/discretise.hpp"
 #include "frac/fractional_transfer_function.hpp"
+#include "frac/state_space.hpp"
 
 namespace frac {
 
@@ -33,6 +34,8 @@ struct DigitalFilterDesign {
 
   /// H(e^{j omega T}), omega in rad/s, in (0, pi/T).
   [[nodiscard]] std::complex<double> response(double omega) const;
+  /// First-order states, a pair's two counted; samples kept for taps, dead time and differences are not.
+  [[nodiscard]] std::size_t states() const noexcept { return sections.rates.size() + 2 * pair_rates.size(); }
 };
 
 /// s^order as designed.
@@ -51,6 +54,12 @@ struct DigitalFilterDesign {
 /// @throws std::domain_error      the poles could not be counted.
 [[nodiscard]] DigitalFilterDesign filter_design(const FractionalTransferFunction& model, double sample_time,
                                                 double tolerance = 1e-9, double horizon = 1e9);
+
+/// A rational stand-in, exactly for an input that is constant between samples: a state per pole, which is a third to a
+/// fifth of the above, for what holds on the stand-in's band only.
+/// @throws std::invalid_argument  sample_time out of range; a pole not left of the imaginary axis, or multiple; a dead
+///                                time that is no whole number of samples.
+[[nodiscard]] DigitalFilterDesign filter_design(const RationalModel& system, double sample_time);
 
 /// The recursion in work, Real float or double, from rest.  Memory is allocated by the constructor only.
 template <typename Real>
@@ -78,8 +87,10 @@ class DigitalFilter {
   Real before(Real sample) noexcept;
   Real after(Real sum) noexcept;
   Real through_taps(Real sample) noexcept;
+  void through_taps(Real* samples, std::size_t count) noexcept;
 
-  std::vector<Real> taps_, past_;  // empty, or even numbers of them
+  std::vector<Real> taps_;  // empty, or an even number of them
+  std::vector<Real> line_;  // as many past samples, the newest last, and room for a block of new ones
   std::size_t sections_ = 0;
   SectionOutput output_ = SectionOutput::state;
   Real direct_ = 0;

@@ -194,7 +194,10 @@ class FractionalPid {
     std::size_t sections = 0;
     std::size_t size = 0;
     std::array<Real, PidOperator::tap_capacity> tap{};
-    std::array<Real, PidOperator::tap_capacity> past{};  // inputs, the newest first
+    std::size_t newest = 0;
+    std::array<Real, 16> past{};  // inputs, a ring; newer ones at lower places
+
+    [[nodiscard]] Real ago(std::size_t k) const noexcept { return past[(newest + k) % past.size()]; }
     alignas(64) std::array<Real, PidOperator::capacity> rate{};
     alignas(64) std::array<Real, PidOperator::capacity> weight{};
     alignas(64) std::array<Real, PidOperator::capacity> state{};

@@ -26,10 +26,17 @@ class TimeResponseData {
   [[nodiscard]] double input_at_rest() const noexcept { return input_at_rest_; }
   [[nodiscard]] std::size_t size() const noexcept { return time_.size(); }
 
+  /// The same record, of which these outputs alone count; the input drives the system throughout.
+  /// @throws std::invalid_argument  no index, or indices that do not rise or lie beyond the record.
+  [[nodiscard]] TimeResponseData observed_at(std::vector<std::size_t> index) const;
+  /// Indices of the outputs that count: all, unless observed_at() said otherwise.
+  [[nodiscard]] const std::vector<std::size_t>& observed() const noexcept { return observed_; }
+
  private:
   std::vector<double> time_, input_, output_, sigma_;
   Hold hold_;
   double input_at_rest_;
+  std::vector<std::size_t> observed_;
 };
 
 }  // namespace frac

@@ -17,7 +17,9 @@ class MittagLefflerContour {
   /// @param offset  0 or 1/2, of the nodes in steps.
   MittagLefflerContour(double alpha, double beta, double offset);
 
-  [[nodiscard]] bool is(double alpha, double beta) const noexcept { return alpha == alpha_ && beta == beta_; }
+  [[nodiscard]] bool is(double alpha, double beta, double offset) const noexcept {
+    return alpha == alpha_ && beta == beta_ && offset == offset_;
+  }
 
   /// The roots of s^alpha = z on the principal sheet, where w = sqrt(s) has a positive real part.
   struct Poles {
@@ -40,7 +42,7 @@ class MittagLefflerContour {
   [[nodiscard]] std::complex<double> value(std::complex<double> z, const Poles& poles) const;
   [[nodiscard]] ValueAndDerivative value_and_derivative(std::complex<double> z, const Poles& poles) const;
 
-  /// Each -1e60 < z < 0, and alpha < 1, so that no pole is met: accurate in relative terms.
+  /// Each -1e30 < z < 0, and alpha < 1, so that no pole is met: accurate in relative terms.
   void negative_values(std::span<const double> z, double* value) const;
 
  private:
@@ -71,7 +73,8 @@ class MittagLefflerContour {
   double leading_;  // 1/Gamma(beta - alpha), that of -1/z far out
   // Pairs of conjugate nodes: the rule is sum a/(v - z) + conj(a)/(conj(v) - z), v = w^(2 alpha).
   Column a_re_, a_im_, v_re_, v_im_;
-  Column av_re_, av_im_;  // a v, for E_{alpha,beta-alpha}
+  // At real z: a v instead of a gives E_{alpha,beta-alpha}, and products of imaginary parts stay the same.
+  Column av_re_, v_im_square_, a_cross_, av_cross_;
 };
 
 }  // namespace frac::detail

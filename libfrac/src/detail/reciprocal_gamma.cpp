@@ -15,4 +15,9 @@ double reciprocal_gamma(double x) {
   return 1 / std::tgamma(x);
 }
 
+long double reciprocal_gamma(long double x) {
+  if (x <= 0 && x == std::floor(x)) return 0;
+  return x > 1700 ? 0 : 1 / std::tgamma(x);
+}
+
 }  // namespace frac::detail

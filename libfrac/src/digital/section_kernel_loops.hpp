@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cstdint>
+#include <limits>
+#include <type_traits>
+
 #include "section_kernel.hpp"
 
 // The loops over sections, for registers of `bytes` bytes.  Each file that includes this is compiled for one
@@ -27,6 +31,13 @@ template <typename Real, std::size_t width>
 struct Register {
   // At any address.
   typedef Real type __attribute__((vector_size(sizeof(Real) * width), aligned(sizeof(Real)), may_alias));
+  using Bits = std::conditional_t<sizeof(Real) == 8, std::int64_t, std::int32_t>;
+  typedef Bits bits __attribute__((vector_size(sizeof(Real) * width)));
+
+  static type magnitude(type value) { return reinterpret_cast<type>(reinterpret_cast<bits>(value) & ~sign()); }
+
+ private:
+  static bits sign() { return bits{} + std::numeric_limits<Bits>::min(); }
 };
 
 // A group of sections in as many registers as it takes.
@@ -34,7 +45,8 @@ template <typename Real, std::size_t bytes>
 struct Group {
   static constexpr std::size_t width = bytes / sizeof(Real) < section_group ? bytes / sizeof(Real) : section_group;
   static constexpr std::size_t count = section_group / width;
-  using Vector = typename Register<Real, width>::type;
+  using Lanes = Register<Real, width>;
+  using Vector = typename Lanes::type;
   Vector part[count];
 
   void load(const Real* at) {
@@ -82,12 +94,10 @@ struct Sections {
       const Vector increment = (x - rate.part[k] * v) + lost.part[k];
       const Vector sum = v + increment;
       const Vector remainder = increment - (sum - v);
-      // Each choice is a comparison and a blend; their logical or would leave the vector registers.
       const Vector none{};
-      const Vector negative = sum < -tiny ? sum : none;
-      const Vector negative_lost = sum < -tiny ? remainder : none;
-      state.part[k] = sum > tiny ? sum : negative;
-      lost.part[k] = sum > tiny ? remainder : negative_lost;
+      const Vector magnitude = Group<Real, bytes>::Lanes::magnitude(sum);
+      state.part[k] = magnitude > tiny ? sum : none;
+      lost.part[k] = magnitude > tiny ? remainder : none;
     }
   }
 };
@@ -147,7 +157,7 @@ void run_of(const SectionArrays<Real>& bank, const Real* x, Real* y, std::size_t
   Group<Real, bytes> sums[section_block];
   for (std::size_t n = 0; n < count; ++n) sums[n].clear();
   // As many as the registers hold.
-  constexpr std::size_t most = bytes == 64 ? 4 : bytes == 32 ? 2 : 1;
+  constexpr std::size_t most = bytes == 64 ? 4 : bytes == 32 ? 4 : 2;
   std::size_t s = 0;
   for (; s + most * section_group <= bank.size; s += most * section_group) {
     run_groups<most, of_changes>(bank, s, x, sums, count);

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "frac/identification/statistics.hpp"
+#include "robust.hpp"
 #include "triangular_form.hpp"
 
 namespace frac::detail {
@@ -18,37 +19,20 @@ constexpr double flat_share = 0.1;
 // A column this much smaller than the largest is rounding: the residuals do not see the parameter.
 constexpr double unseen_column = 1e-10;
 
-/// Variance of one unit-weight residual, and half the curvature of the objective by it.
+/// Variance of one unit-weight residual, for a robust loss Huber's (1981, sect. 7.6) estimate sum psi^2/(n - k)/
+/// mean(psi')^2, and the same with the first power of mean(psi').
 struct Spread {
-  double variance, slope;
+  double variance, loss_unit;
 };
-
-/// For a robust loss Huber's (1981, sect. 7.6) estimate sum psi^2/(n - k) / mean(psi')^2.
-Spread residual_spread(const std::vector<double>& residual, double degrees_of_freedom, const LocalOptions& options) {
+Spread spread_of(const std::vector<double>& residual, double degrees_of_freedom, const LocalOptions& options) {
   double sum = 0, slope = 0;
   for (const double r : residual) {
-    const double x = r / options.loss_scale;
-    switch (options.loss) {
-      case Loss::none:
-        sum += r * r;
-        slope += 1;
-        break;
-      case Loss::huber: {
-        const double psi = std::clamp(r, -options.loss_scale, options.loss_scale);
-        sum += psi * psi;
-        slope += std::abs(x) <= 1 ? 1 : 0;
-        break;
-      }
-      case Loss::cauchy: {
-        const double psi = r / (1 + x * x);
-        sum += psi * psi;
-        slope += (1 - x * x) / ((1 + x * x) * (1 + x * x));
-        break;
-      }
-    }
+    const LossAt loss = loss_at(options.loss, r / options.loss_scale);
+    sum += loss.psi * loss.psi * options.loss_scale * options.loss_scale;
+    slope += loss.slope;
   }
   slope /= static_cast<double>(residual.size());
-  return {sum / degrees_of_freedom / (slope * slope), slope};
+  return {sum / degrees_of_freedom / (slope * slope), sum / degrees_of_freedom / slope};
 }
 
 /// A square matrix with the singular values and the right singular vectors of the Jacobian at theta; none where the
@@ -59,6 +43,7 @@ std::optional<Eigen::MatrixXd> reduced_jacobian(const Residuals& residuals, cons
   residual.resize(residuals.count());
   std::vector<double> jacobian(residual.size() * width), triangle((width + 1) * (width + 1));
   if (!residuals.evaluate(theta, residual.data(), jacobian.data())) return std::nullopt;
+  if (width == 0) return Eigen::MatrixXd(0, 0);
   triangular_form(jacobian, residual, triangle);
   Eigen::MatrixXd reduced(width, width);
   for (std::size_t row = 0; row < width; ++row) {
@@ -85,18 +70,32 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
                     0,
                     1,
                     nan,
+                    nan,
                     nan};
   for (std::size_t i = 0; i < parameters; ++i) {
     if (!residuals.map().is_fixed(i)) continue;
     for (std::size_t j = 0; j < parameters; ++j) result.covariance[i][j] = result.covariance[j][i] = 0;
   }
-  if (free.empty()) return result;
 
   std::vector<double> residual;
   const std::optional<Eigen::MatrixXd> jacobian = reduced_jacobian(residuals, solution.theta, residual);
   if (!jacobian) {
     std::fill(result.identified.begin(), result.identified.end(), false);
     result.condition = std::numeric_limits<double>::infinity();
+    return result;
+  }
+
+  const auto measure_spread = [&] {
+    const double degrees =
+        static_cast<double>(residual.size()) - static_cast<double>(result.rank + residuals.eliminated());
+    result.t = student_t_95(degrees);
+    if (!(degrees > 0)) return;
+    const Spread spread = spread_of(residual, degrees, options);
+    result.deviation = std::sqrt(spread.variance);
+    result.loss_unit = spread.loss_unit;
+  };
+  if (free.empty()) {
+    measure_spread();
     return result;
   }
 
@@ -118,7 +117,10 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
       inner.push_back(k);
     }
   }
-  if (inner.empty()) return result;
+  if (inner.empty()) {
+    measure_spread();
+    return result;
+  }
 
   const auto width = static_cast<Eigen::Index>(inner.size());
   Eigen::MatrixXd scaled(columns, width);
@@ -132,13 +134,8 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
   result.condition = (sigma[0] / smallest) * (sigma[0] / smallest);
   for (Eigen::Index k = 0; k < width; ++k) result.rank += sigma[k] > unseen_column * sigma[0] ? 1 : 0;
 
-  const double degrees_of_freedom =
-      static_cast<double>(residual.size()) - static_cast<double>(result.rank + residuals.eliminated());
-  result.t = student_t_95(degrees_of_freedom);
-  const Spread noise =
-      degrees_of_freedom > 0 ? residual_spread(residual, degrees_of_freedom, options) : Spread{nan, nan};
-  const double deviation = std::sqrt(noise.variance);
-  result.rise = noise.slope * noise.variance;
+  measure_spread();
+  const double deviation = result.deviation;
 
   const std::vector<double> values = residuals.map().to_user(solution.theta);
   const Eigen::MatrixXd to_user = residuals.map().jacobian(values);

@@ -21,7 +21,8 @@ struct Confidence {
   std::size_t rank;              // of the scaled Jacobian: parameters the residuals can tell apart
   double condition;              // of the scaled Fisher matrix
   double t;                      // half width of a 95 % interval in standard errors
-  double rise;                   // of the objective for a step of one standard error; NaN where there is none
+  double deviation;              // standard deviation of a residual, NaN without a degree of freedom
+  double loss_unit;  // see FitResult, in units of the residuals: rise of the objective for one standard error
 };
 
 [[nodiscard]] Confidence confidence(const Residuals& residuals, const LocalSolution& solution,

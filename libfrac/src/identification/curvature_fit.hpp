@@ -1,11 +1,17 @@
 #pragma once
 
 #include "frac/identification/fit.hpp"
+#include "frac/identification/time_fit.hpp"
 
 namespace frac::detail {
 
 /// fit() with intervals from the curvature alone, for refits of which nobody sees the intervals.
 [[nodiscard]] FitResult curvature_fit(const FrequencyResponseData& data, const Structure& structure,
                                       const FitOptions& options);
+/// Over time intervals are from the curvature always.
+[[nodiscard]] inline FitResult curvature_fit(const TimeResponseData& data, const Structure& structure,
+                                             const TimeFitOptions& options) {
+  return fit(data, structure, options);
+}
 
 }  // namespace frac::detail

@@ -11,12 +11,12 @@
 #include "autocorrelation.hpp"
 #include "confidence.hpp"
 #include "curvature_fit.hpp"
+#include "estimates.hpp"
 #include "fit_problem.hpp"
 #include "global_search.hpp"
-#include "information.hpp"
 #include "interchange.hpp"
 #include "profile.hpp"
-#include "robust_loss.hpp"
+#include "robust.hpp"
 
 namespace frac {
 
@@ -47,26 +47,6 @@ void check_coverage(const FrequencyResponseData& data, const Realisation& realis
 /// fitted: as much as the standard error of a gain for r sqrt(n) around 1.
 constexpr double noisy_divisor = 0.05;
 constexpr double plain_misfit = 0.3;  // correlation of neighbouring residuals
-
-std::vector<double> residuals_at(const detail::Residuals& residuals, const std::vector<double>& theta) {
-  std::vector<double> residual(residuals.count());
-  residuals.evaluate(theta, residual.data(), nullptr);
-  return residual;
-}
-
-/// Residuals below this, in units of the data, are rounding.
-constexpr double rounding = 1e-13;
-
-/// Points with a residual beyond five robust standard deviations: one in two million of normal residuals.
-std::vector<std::size_t> outliers(const std::vector<double>& residual, std::size_t per_point) {
-  std::vector<std::size_t> points;
-  const double limit = std::max(5 * detail::robust_spread(residual), rounding);
-  for (std::size_t i = 0; i < residual.size(); ++i) {
-    const std::size_t point = i / per_point;
-    if (std::abs(residual[i]) > limit && (points.empty() || points.back() != point)) points.push_back(point);
-  }
-  return points;
-}
 
 [[noreturn]] void refuse_count(std::size_t residuals, std::size_t parameters) {
   throw std::invalid_argument(std::to_string(residuals) + " residuals cannot determine " + std::to_string(parameters) +
@@ -167,56 +147,6 @@ std::string ending(const detail::GlobalSolution& solution) {
   return text + sure;
 }
 
-/// Two like parts of which one is not identified, and whose share in their sum is all that is unknown, are neither:
-/// what one has the other lacks.
-void refuse_inseparable_parts(FitResult& result, const Structure& structure) {
-  constexpr double inseparable = 0.98;  // correlation
-  for (const detail::Interchange& parts : detail::interchanges(structure)) {
-    for (const auto& [a, b] : parts.pairs) {
-      ParameterEstimate &first = result.parameters[a], &second = result.parameters[b];
-      if (first.identified == second.identified || first.fixed || second.fixed) continue;
-      const double correlation = result.covariance[a][b] / (first.standard_error * second.standard_error);
-      if (std::abs(correlation) > inseparable) first.identified = second.identified = false;
-    }
-  }
-}
-
-std::string listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
-  }
-  return text;
-}
-
-/// What limits say about the result: parameters that ended at one, and residuals as many as parameters.
-std::string remarks_on_limits(const FitResult& result, const Structure& structure, const FitOptions& options,
-                              bool degrees_left) {
-  std::vector<std::string> at_bound;
-  bool held_positive = false;
-  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
-    if (!result.parameters[i].at_bound) continue;
-    const std::string& name = result.parameters[i].name;
-    at_bound.push_back(name);
-    const bool limited =
-        std::any_of(options.constraints.begin(), options.constraints.end(),
-                    [&](const ParameterConstraint& each) { return each.name == name && each.lower.has_value(); });
-    held_positive = held_positive || (structure.parameter_roles()[i] == ParameterRole::coefficient &&
-                                      structure.parameter_in_sum()[i] && !limited);
-  }
-  std::string text;
-  if (!at_bound.empty()) {
-    text += " At a bound: " + listed(at_bound) + ".";
-    if (held_positive) {
-      text += " Coefficients in sums are taken as positive unless a lower limit below 0 is given for them.";
-    }
-  }
-  if (!degrees_left) {
-    text += " The residuals are no more than the parameters, so there are no intervals.";
-  }
-  return text;
-}
-
 /// A fit through Oustaloup's ladder can end on a whole order, where the realisation jumps: a corner, not a minimum.
 void refuse_whole_orders(FitResult& result, const Structure& structure, const Realisation& realisation) {
   if (!std::holds_alternative<OustaloupRealisation>(realisation)) return;
@@ -284,7 +214,7 @@ constexpr double narrow = 0.1;
 /// Wide intervals follow the cost instead of its curvature at the minimum.
 void follow_cost(FitResult& result, const detail::FitProblem& problem, const detail::LocalSolution& solution,
                  const detail::Confidence& found) {
-  if (problem.options.loss != Loss::none || found.condition > detail::flat_condition || !(found.rise > 0)) return;
+  if (problem.options.loss != Loss::none || found.condition > detail::flat_condition || !(found.loss_unit > 0)) return;
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
     ParameterEstimate& estimate = result.parameters[i];
     const double half_width = found.t * estimate.standard_error;
@@ -296,8 +226,24 @@ void follow_cost(FitResult& result, const detail::FitProblem& problem, const det
     estimate.ci95_upper = std::min(ends.upper, ends.upper_limit);
     estimate.interval = IntervalKind::profile;
     const double widest = std::max(estimate.value - ends.lower, ends.upper - estimate.value);
-    estimate.identified = found.identified[i] && widest <= 0.5 * std::abs(estimate.value);
+    estimate.identified = estimate.identified && widest <= 0.5 * std::abs(estimate.value);
   }
+}
+
+void remark_on_noisy_divisor(FitResult& result, const detail::FitProblem& problem, std::span<const double> theta) {
+  const FitOptions& options = problem.options;
+  if (options.component == Component::magnitude || options.component == Component::phase) return;
+  const std::vector<double> residual = residuals_at(problem.residuals, theta);
+  const double deviation = options.loss == Loss::none ? result.rms : detail::robust_spread(residual);
+  const double correlation = detail::autocorrelation(residual, problem.residuals.per_point(), 1);
+  if (!(deviation > noisy_divisor) || std::abs(correlation) > plain_misfit) return;
+  result.gain_factor = 1 + 2 * deviation * deviation;
+  char text[256];
+  std::snprintf(text, sizeof text,
+                " Residuals of %.2g are noise that the divisor |data| has too, which lowers the fitted response by "
+                "%.1f %%: multiply it by %.4f, or take weight smoothed-relative, which has no such bias.",
+                deviation, 100 * (1 - 1 / result.gain_factor), result.gain_factor);
+  result.message += text;
 }
 
 FitResult fit_component(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
@@ -308,36 +254,24 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   const std::size_t least_free =
       structure.parameter_names().size() - std::min(structure.parameter_names().size(), options.constraints.size());
   if (least_free > most_residuals) refuse_count(most_residuals, least_free);
-  const detail::FitProblem problem(data, structure, options);
+  detail::FitProblem problem(data, structure, options);
   const detail::ParameterMap& map = problem.map;
   const detail::ResidualRule& rule = problem.rule;
-  const detail::FrequencyResiduals& residuals = problem.residuals;
+  detail::FrequencyResiduals& residuals = problem.residuals;
   if (residuals.count() < map.free().size()) {
     refuse_count(residuals.count(), map.free().size());
   }
 
   const bool empty = is_empty(data, options.component);
   detail::GlobalSolution solution = empty ? detail::GlobalSolution{} : solve(residuals, rule, data, structure, options);
-  FitResult result{};
-  result.model = structure.formula();
-  result.residuals = residuals.count();
-  result.free_parameters = map.free().size();
-  result.starts = solution.starts;
-  result.starts_at_best = solution.starts_at_best;
-  result.distinct_minima = solution.minima;
-  result.confidence_of_optimum = solution.confidence;
-  const auto& names = structure.parameter_names();
-
+  FitResult result = describe_search(structure, residuals, solution);
+  const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
   if (solution.starts_at_best == 0) {
-    result.cost = result.rms = result.max_residual = result.aicc = result.bic = result.condition = nan;
-    result.termination = FitTermination::no_usable_start;
-    result.message = empty ? "The " + std::string(to_string(options.component)) +
+    describe_failure(result, structure, map,
+                     empty ? "The " + std::string(to_string(options.component)) +
                                  " part of the data is 0 everywhere: there is nothing to fit."
-                           : "The model is not finite on these frequencies anywhere it was tried.";
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      result.parameters.push_back({names[i], nan, nan, nan, nan, map.is_fixed(i), false, false, nan, nan, false});
-    }
-    result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+                           : "The model is not finite on these frequencies anywhere it was tried.");
+    result.seconds = seconds();
     return result;
   }
 
@@ -349,68 +283,23 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   }
   solution.best.theta =
       map.to_theta(detail::with_labels_in_order(structure, options.constraints, map.to_user(solution.best.theta)));
-  if (options.loss != Loss::none) local = robust_refinement(residuals, options.loss, solution.best);
+  if (options.loss != Loss::none) {
+    const auto scale = options.loss_scale ? std::optional(*options.loss_scale / rule.unit) : std::nullopt;
+    local = robust_refinement(residuals, options.loss, scale, solution.best);
+  }
   const detail::Confidence found = confidence(residuals, solution.best, local);
-  const std::vector<double> values = map.to_user(solution.best.theta);
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const double half_width = found.t * found.standard_error[i];
-    ParameterEstimate estimate{};
-    estimate.name = names[i];
-    estimate.value = estimate.centre_value = values[i];
-    estimate.fixed = map.is_fixed(i);
-    estimate.standard_error = estimate.fixed ? 0 : found.standard_error[i];
-    estimate.centre_standard_error = estimate.fixed ? 0 : found.centre_standard_error[i];
-    estimate.ci95_lower = estimate.fixed ? nan : values[i] - half_width;
-    estimate.ci95_upper = estimate.fixed ? nan : values[i] + half_width;
-    estimate.at_bound = found.at_bound[i];
-    estimate.identified = found.identified[i] && !found.at_bound[i];
-    result.parameters.push_back(std::move(estimate));
-  }
-  for (std::size_t k = 0; k < map.free().size(); ++k) {
-    result.parameters[map.free()[k].parameter].centre_value = map.centre_value(k, values);
-  }
-  if (extent.profiles) follow_cost(result, problem, solution.best, found);
-  result.covariance = found.covariance;
-  refuse_inseparable_parts(result, structure);
-  result.centre_omega = map.scale().omega;
   result.message = ending(solution);
-  if (found.condition > detail::flat_condition) {
-    char text[128];
-    std::snprintf(text, sizeof text,
-                  " The scaled Fisher condition is %.1e, beyond %.0e: some parameters only trade off.", found.condition,
-                  detail::flat_condition);
-    result.message += text;
-  }
-  result.message += remarks_on_limits(result, structure, options, residuals.count() > map.free().size());
+  describe_estimates(result, structure, residuals, options.constraints, found, solution.best.theta);
+  if (extent.profiles) follow_cost(result, problem, solution.best, found);
   if (extent.recover) {
     recover_unseen(result, found, residuals, solution.best.cost, data, structure, options, extent.profiles);
   }
   refuse_whole_orders(result, structure, options.realisation);
 
-  std::vector<double> residual = residuals_at(residuals, solution.best.theta);
-  result.outliers = outliers(residual, residuals.per_point());
-  for (double& value : residual) value *= rule.unit;
-  const detail::Information information = detail::information(residual, found.rank, rule.unit);
-  result.cost = information.cost;
-  result.rms = information.rms;
-  result.max_residual = information.max_residual;
-  result.aicc = information.aicc;
-  result.bic = information.bic;
-  if (options.weight == Weight::relative && options.component != Component::magnitude &&
-      options.component != Component::phase && result.rms > noisy_divisor &&
-      std::abs(detail::autocorrelation(residual, residuals.per_point(), 1)) < plain_misfit) {
-    const double deviation = options.loss == Loss::none ? result.rms : detail::robust_spread(residual);
-    result.gain_factor = 1 + 2 * deviation * deviation;
-    char text[256];
-    std::snprintf(text, sizeof text,
-                  " Residuals of %.2g are noise that the divisor |data| has too, which lowers the fitted response by "
-                  "%.1f %%: multiply it by %.4f, or take weight smoothed-relative, which has no such bias.",
-                  deviation, 100 * (1 - 1 / result.gain_factor), result.gain_factor);
-    result.message += text;
-  }
-  result.condition = found.condition;
+  describe_residuals(result, residuals, local, found, solution.best.theta, rule.unit);
+  if (options.weight == Weight::relative) remark_on_noisy_divisor(result, problem, solution.best.theta);
   result.termination = solution.best.converged ? FitTermination::converged : FitTermination::not_converged;
-  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  result.seconds = seconds();
   return result;
 }
 

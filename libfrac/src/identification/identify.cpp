@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "autocorrelation.hpp"
+#include "fit_data.hpp"
 #include "frac/parallel_for.hpp"
 #include "information.hpp"
 #include "residual_rule.hpp"
@@ -25,12 +26,18 @@ struct Outcome {
   std::string reason;
 };
 
-FitResult curve_fit(const FrequencyResponseData& data, const FixedCurve& curve, const detail::ResidualRule& rule) {
+/// A candidate nothing is fitted to, with its weighted residuals.
+struct ComparedCurve {
+  RankedFit ranked;
+  std::vector<double> residual;
+};
+
+ComparedCurve compared(const FrequencyResponseData& data, const FixedCurve& curve, const detail::ResidualRule& rule) {
   if (curve.value.size() != data.size()) {
     throw std::invalid_argument("curve '" + curve.name + "' has " + std::to_string(curve.value.size()) +
                                 " values for " + std::to_string(data.size()) + " frequencies");
   }
-  const std::vector<double> residual = detail::curve_residuals(data, rule, curve.value);
+  std::vector<double> residual = detail::curve_residuals(data, rule, curve.value);
   const detail::Information information = detail::information(residual, curve.fitted_parameters, rule.unit);
   FitResult result{};
   result.model = curve.name;
@@ -44,23 +51,12 @@ FitResult curve_fit(const FrequencyResponseData& data, const FixedCurve& curve, 
   result.free_parameters = curve.fitted_parameters;
   result.residuals = residual.size();
   result.condition = 1;
-  return result;
+  return {{curve.name, ModelClass::fixed_curve, std::move(result), 0, 0}, std::move(residual)};
 }
 
 /// (1 - r)/(1 + r) of the residuals, at most 1: the share of the points that carry news.
-double independent_share(const FrequencyResponseData& data, const RankedFit& best,
-                         const std::vector<FixedCurve>& curves, const Realisation& realisation,
-                         const detail::ResidualRule& rule) {
-  std::vector<std::complex<double>> model;
-  if (best.model_class == ModelClass::fixed_curve) {
-    for (const FixedCurve& curve : curves) {
-      if (curve.name == best.name) model = curve.value;
-    }
-  } else {
-    model = fitted_response(best.fit, realisation, data.omega());
-  }
-  const std::vector<double> residual = detail::curve_residuals(data, rule, model);
-  const double correlation = std::clamp(detail::autocorrelation(residual, rule.per_point(), 1), 0.0, 0.999);
+double independent_share(const std::vector<double>& residual, std::size_t per_point) {
+  const double correlation = std::clamp(detail::autocorrelation(residual, per_point, 1), 0.0, 0.999);
   return (1 - correlation) / (1 + correlation);
 }
 
@@ -112,8 +108,8 @@ std::string number(double value) {
   return text;
 }
 
-void judge(IdentificationResult& result, const FrequencyResponseData& data, const std::vector<FixedCurve>& curves,
-           const Realisation& realisation, const detail::ResidualRule& rule) {
+/// @param share  independent_share() of the residuals of the best
+void judge(IdentificationResult& result, double share) {
   const RankedFit* fractional = best_of(result.ranking, true);
   const RankedFit* other = best_of(result.ranking, false);
   result.verdict = Verdict::undecided;
@@ -123,7 +119,6 @@ void judge(IdentificationResult& result, const FrequencyResponseData& data, cons
                                          : "No fractional-order candidate could be ranked, so nothing is compared.";
     return;
   }
-  const double share = independent_share(data, result.ranking.front(), curves, realisation, rule);
   result.evidence = share * (other->fit.aicc - fractional->fit.aicc);
   const std::string rivals = "'" + fractional->name + "' (rms " + number(fractional->fit.rms) + ") against '" +
                              other->name + "' (rms " + number(other->fit.rms) + "), evidence " +
@@ -151,29 +146,13 @@ void judge(IdentificationResult& result, const FrequencyResponseData& data, cons
                                                                   : ", which is too little.");
 }
 
-}  // namespace
-
-std::string_view to_string(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::fractional_supported:
-      return "supported";
-    case Verdict::fractional_not_supported:
-      return "not-supported";
-    case Verdict::undecided:
-      return "undecided";
-  }
-  return "unknown";
-}
-
-IdentificationResult identify(const FrequencyResponseData& data, const std::vector<NamedModel>& models,
-                              const std::vector<FixedCurve>& curves, const FitOptions& options, int threads) {
+template <class Data, class Options>
+IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& models,
+                            const std::vector<ComparedCurve>& curves, const Options& options, int threads) {
   if (models.empty() && curves.empty()) throw std::invalid_argument("identify needs at least one candidate");
-  // Refuses weights that do not go with the data once, before every candidate would be skipped for it.
-  const detail::ResidualRule rule = detail::residual_rule(data, options.component, options.weight);
-
   std::vector<Outcome> outcomes(models.size());
   parallel_for(models.size(), threads, [&](std::size_t i) {
-    FitOptions of_model = options;
+    Options of_model = options;
     of_model.constraints.insert(of_model.constraints.end(), models[i].constraints.begin(), models[i].constraints.end());
     try {
       outcomes[i].fit = fit(data, Structure(models[i].formula), of_model);
@@ -192,9 +171,7 @@ IdentificationResult identify(const FrequencyResponseData& data, const std::vect
       result.ranking.push_back({models[i].name, models[i].model_class, std::move(*outcomes[i].fit), 0, 0});
     }
   }
-  for (const FixedCurve& curve : curves) {
-    result.ranking.push_back({curve.name, ModelClass::fixed_curve, curve_fit(data, curve, rule), 0, 0});
-  }
+  for (const ComparedCurve& curve : curves) result.ranking.push_back(curve.ranked);
   if (result.ranking.empty()) {
     throw NoCandidateFits("no candidate could be fitted; the first: " + result.skipped.front());
   }
@@ -210,8 +187,42 @@ IdentificationResult identify(const FrequencyResponseData& data, const std::vect
   }
   for (RankedFit& ranked : result.ranking) ranked.akaike_weight /= total;
   result.chosen = chosen_of(result.ranking);
-  judge(result, data, curves, options.realisation, rule);
+  const RankedFit& front = result.ranking.front();
+  const auto curve = std::find_if(curves.begin(), curves.end(), [&](const ComparedCurve& each) {
+    return front.model_class == ModelClass::fixed_curve && each.ranked.name == front.name;
+  });
+  const std::vector<double> residual =
+      curve != curves.end() ? curve->residual : detail::weighted_residuals(data, options, front.fit);
+  judge(result, independent_share(residual, detail::residuals_per_point(data, options)));
   return result;
+}
+
+}  // namespace
+
+std::string_view to_string(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::fractional_supported:
+      return "supported";
+    case Verdict::fractional_not_supported:
+      return "not-supported";
+    case Verdict::undecided:
+      return "undecided";
+  }
+  return "unknown";
+}
+
+IdentificationResult identify(const FrequencyResponseData& data, const std::vector<NamedModel>& models,
+                              const std::vector<FixedCurve>& curves, const FitOptions& options, int threads) {
+  // Refuses weights that do not go with the data once, before every candidate would be skipped for it.
+  const detail::ResidualRule rule = detail::residual_rule(data, options.component, options.weight);
+  std::vector<ComparedCurve> residuals;
+  for (const FixedCurve& curve : curves) residuals.push_back(compared(data, curve, rule));
+  return ranked(data, models, residuals, options, threads);
+}
+
+IdentificationResult identify(const TimeResponseData& data, const std::vector<NamedModel>& models,
+                              const TimeFitOptions& options, int threads) {
+  return ranked(data, models, {}, options, threads);
 }
 
 }  // namespace frac

@@ -27,16 +27,34 @@ LineWeights line_weights(Complex z) {
   return {mean - last, last};
 }
 
+// Samples with what goes on between them, time counted from the first sample of the record.
+struct Samples {
+  std::vector<double> since, value, variance;
+  bool steps = false;  // holds its value up to the next; otherwise straight lines
+};
+
+Samples input_of(const TimeResponseData& data) {
+  Samples input;
+  input.steps = data.hold() == Hold::zero_order;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    input.since.push_back(data.time()[i] - data.time().front());
+    input.value.push_back(data.input()[i] - data.input_at_rest());
+    input.variance.push_back(0);
+  }
+  return input;
+}
+
 // Standard deviation of the noise from second differences, which leave little of a smooth output.
-double noise_level(const TimeResponseData& data) {
+double noise_level(const Samples& output) {
   std::vector<double> difference;
-  for (std::size_t i = 2; i < data.size(); ++i) {
-    const double before = data.time()[i - 1] - data.time()[i - 2];
-    const double after = data.time()[i] - data.time()[i - 1];
+  for (std::size_t i = 2; i < output.since.size(); ++i) {
+    const double before = output.since[i - 1] - output.since[i - 2];
+    const double after = output.since[i] - output.since[i - 1];
     const double share = before / (before + after);
-    const double line = data.output()[i - 2] * (1 - share) + data.output()[i] * share;
+    // At the instant between, so much of the line is the later end.
+    const double line = output.value[i - 2] * (1 - share) + output.value[i] * share;
     const double variance = 1 + share * share + (1 - share) * (1 - share);
-    difference.push_back(std::abs(data.output()[i - 1] - line) / std::sqrt(variance));
+    difference.push_back(std::abs(output.value[i - 1] - line) / std::sqrt(variance));
   }
   if (difference.empty()) return 0;
   const auto middle = difference.begin() + static_cast<std::ptrdiff_t>(difference.size() / 2);
@@ -44,15 +62,61 @@ double noise_level(const TimeResponseData& data) {
   return 1.4826 * *middle;
 }
 
+// Outputs that count, the first of them also for what was before it.
+Samples output_of(const TimeResponseData& data, double base) {
+  Samples output;
+  for (const std::size_t i : data.observed()) {
+    output.since.push_back(data.time()[i] - data.time().front());
+    output.value.push_back(data.output()[i] - base);
+    if (!data.sigma().empty()) output.variance.push_back(data.sigma()[i] * data.sigma()[i]);
+  }
+  if (data.sigma().empty()) output.variance.assign(output.since.size(), std::pow(noise_level(output), 2));
+  if (output.since.front() > 0) {
+    output.since.insert(output.since.begin(), 0);
+    output.value.insert(output.value.begin(), output.value.front());
+    output.variance.insert(output.variance.begin(), output.variance.front());
+  }
+  return output;
+}
+
+// Integral of the samples times e^-st, as far as that counts.
+struct Transform {
+  Complex value = 0;
+  double variance = 0;
+};
+Transform transform(const Samples& samples, Complex s) {
+  Transform result;
+  double last_step = -1;
+  LineWeights weights{};
+  Complex decay = 0, now = 1;
+  for (std::size_t i = 0; i + 1 < samples.since.size(); ++i) {
+    if (s.real() * samples.since[i] > 40) break;
+    const double step = samples.since[i + 1] - samples.since[i];
+    // Times of even steps differ by rounding.
+    if (!(std::abs(step - last_step) <= 1e-9 * step)) {
+      last_step = step;
+      weights = line_weights(s * step);
+      decay = std::exp(-s * step);
+      now = std::exp(-s * samples.since[i]);
+    }
+    const Complex factor = step * now;
+    const double first = samples.value[i];
+    const double last = samples.steps ? first : samples.value[i + 1];
+    result.value += factor * (first * weights.first + last * weights.last);
+    result.variance += std::norm(factor) * samples.variance[i];
+    now *= decay;
+  }
+  return result;
+}
+
 }  // namespace
 
 LaplaceResiduals::LaplaceResiduals(const TimeResponseData& data, const Structure& structure, const ParameterMap& map,
                                    std::optional<double> offset, double decay)
     : Residuals(map), structure_(structure), free_offset_(!offset) {
-  const std::vector<double>& time = data.time();
-  length_ = time.back() - time.front();
-  const double reach = time[std::min<std::size_t>(4, data.size() - 1)] - time.front();
-  const double noise = data.sigma().empty() ? noise_level(data) : 0;
+  const Samples input_samples = input_of(data), output_samples = output_of(data, offset.value_or(0));
+  length_ = output_samples.since.back();
+  const double reach = output_samples.since[std::min<std::size_t>(4, output_samples.since.size() - 1)];
   for (const double angle : {0.0, 0.8, 1.2}) {
     constexpr int radii = 20;
     const double lowest = decay / (length_ * std::cos(angle));
@@ -60,23 +124,8 @@ LaplaceResiduals::LaplaceResiduals(const TimeResponseData& data, const Structure
     for (int k = 0; k < radii; ++k) {
       const Complex log_s(std::log(lowest) + std::log(highest / lowest) * k / (radii - 1), angle);
       const Complex s = std::exp(log_s);
-      Complex input = 0;
-      Complex output = 0;
-      double variance = 0;
-      for (std::size_t i = 0; i + 1 < data.size(); ++i) {
-        const double since = time[i] - time.front();
-        if (s.real() * since > 40) break;
-        const double step = time[i + 1] - time[i];
-        const LineWeights weights = line_weights(s * step);
-        const Complex factor = step * std::exp(-s * since);
-        const double u0 = data.input()[i] - data.input_at_rest();
-        const double u1 = data.hold() == Hold::zero_order ? u0 : data.input()[i + 1] - data.input_at_rest();
-        const double base = offset.value_or(0);
-        input += factor * (u0 * weights.first + u1 * weights.last);
-        output += factor * ((data.output()[i] - base) * weights.first + (data.output()[i + 1] - base) * weights.last);
-        const double sigma = data.sigma().empty() ? noise : data.sigma()[i];
-        variance += std::norm(factor) * sigma * sigma;
-      }
+      const Complex input = transform(input_samples, s).value;
+      const auto [output, variance] = transform(output_samples, s);
       // Straight lines between samples leave errors of about a percent, and so does the cut end of the record.
       const double model_error = 0.01 + std::exp(-s.real() * length_);
       const double spread = std::sqrt(variance + model_error * model_error * std::norm(output));

@@ -11,7 +11,7 @@
 
 #include "autocorrelation.hpp"
 #include "curvature_fit.hpp"
-#include "residual_rule.hpp"
+#include "fit_data.hpp"
 
 namespace frac {
 
@@ -20,30 +20,93 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-std::vector<double> residuals_of(const FrequencyResponseData& data, const FitOptions& options,
-                                 const FitResult& result) {
-  const detail::ResidualRule rule = detail::residual_rule(data, options.component, options.weight);
-  return detail::curve_residuals(data, rule, fitted_response(result, options.realisation, data.omega()));
+// rms of the weighted residuals a fit to the other points leaves at each block.
+template <class Data, class Options>
+double rms_of_predictions(const Data& data, const Structure& structure, const Options& options, std::size_t folds) {
+  const std::size_t points = detail::points(data);
+  if (folds < 2 || folds > points) {
+    throw std::invalid_argument("cross_validation: " + std::to_string(folds) +
+                                " folds; allowed are 2 to the number of points, " + std::to_string(points));
+  }
+  const std::size_t per_point = detail::residuals_per_point(data, options);
+  double square = 0;
+  for (std::size_t fold = 0; fold < folds; ++fold) {
+    const std::size_t first = fold * points / folds, last = (fold + 1) * points / folds;
+    const FitResult result = detail::curvature_fit(detail::part_of(data, first, last, false), structure, options);
+    if (result.termination == FitTermination::no_usable_start) return infinity;
+    const std::vector<double> residual = detail::weighted_residuals(data, options, result);
+    for (std::size_t i = first * per_point; i < last * per_point; ++i) square += residual[i] * residual[i];
+  }
+  if (!std::isfinite(square)) return infinity;
+  return std::sqrt(square / static_cast<double>(points * per_point));
 }
 
-FrequencyResponseData part_of(const FrequencyResponseData& data, std::size_t first, std::size_t last, bool inside) {
-  std::vector<double> omega, sigma;
-  std::vector<std::complex<double>> value;
-  for (std::size_t i = 0; i < data.size(); ++i) {
-    if ((i >= first && i < last) != inside) continue;
-    omega.push_back(data.omega()[i]);
-    value.push_back(data.value()[i]);
-    if (!data.sigma().empty()) sigma.push_back(data.sigma()[i]);
+/// What speaks against a structure with one term more; empty where nothing does.
+/// @param gain  by which it lowers AICc, in the measure of identify()
+std::string reason_against(const FitResult& simple, const FitResult& full, double gain) {
+  char text[160];
+  if (full.termination != FitTermination::converged) return "With another term the solver did not settle.";
+  if (!(gain > 2)) {
+    std::snprintf(text, sizeof text, "Another term does not pay: it lowers AICc by %.2g, and 2 is asked.", gain);
+    return text;
   }
-  return {omega, value, sigma};
+  const double chance = f_test(simple, full).p_value;
+  if (!(chance < 0.01)) {
+    std::snprintf(text, sizeof text, "Another term may be noise: so large an improvement has a chance of %.2g.",
+                  chance);
+    return text;
+  }
+  std::string unknown;
+  for (const ParameterEstimate& estimate : full.parameters) {
+    if (!estimate.identified) unknown += (unknown.empty() ? "" : ", ") + estimate.name;
+  }
+  if (unknown.empty()) return {};
+  std::snprintf(text, sizeof text,
+                "Another term lowers AICc by %.3g, but the data do not tell its part from the others: ", gain);
+  return text + unknown + " would not be identified.";
+}
+
+template <class Data, class Options>
+Growth grown(const Data& data, GrowthFamily family, const Options& options, std::size_t most_terms) {
+  const std::string enough = "The structure has as many terms as were allowed.";
+  Growth growth{{}, 0, enough};
+  const std::size_t residuals = detail::points(data) * detail::residuals_per_point(data, options);
+  for (std::size_t terms = 1; terms <= most_terms; ++terms) {
+    const NamedModel model = grown_model(family, terms);
+    const Structure structure(model.formula);
+    if (terms > 1 && structure.parameter_names().size() >= residuals) {
+      growth.reason = "Another term would have as many parameters as there are residuals.";
+      break;
+    }
+    Options of_model = options;
+    of_model.constraints.insert(of_model.constraints.end(), model.constraints.begin(), model.constraints.end());
+    growth.fits.push_back(fit(data, structure, of_model));
+    if (terms == 1) continue;
+    const FitResult& simple = growth.fits[growth.chosen];
+    const FitResult& full = growth.fits.back();
+    const double correlation = full.termination == FitTermination::converged
+                                   ? std::max(0.0, residual_whiteness(data, options, full).lag_one_correlation)
+                                   : 0;
+    const double gain = (simple.aicc - full.aicc) * (1 - correlation) / (1 + correlation);
+    growth.reason = reason_against(simple, full, gain);
+    if (!growth.reason.empty()) break;
+    growth.reason = enough;
+    growth.chosen = growth.fits.size() - 1;
+  }
+  return growth;
 }
 
 }  // namespace
 
 ResidualWhiteness residual_whiteness(const FrequencyResponseData& data, const FitOptions& options,
                                      const FitResult& result) {
-  return detail::whiteness(residuals_of(data, options, result),
-                           detail::residual_rule(data, options.component, options.weight).per_point());
+  return detail::whiteness(detail::weighted_residuals(data, options, result),
+                           detail::residuals_per_point(data, options));
+}
+
+ResidualWhiteness residual_whiteness(const TimeResponseData& data, const TimeFitOptions& options,
+                                     const FitResult& result) {
+  return detail::whiteness(detail::weighted_residuals(data, options, result), 1);
 }
 
 FTest f_test(const FitResult& simple, const FitResult& full) {
@@ -64,24 +127,12 @@ FTest f_test(const FitResult& simple, const FitResult& full) {
 
 double cross_validation(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
                         std::size_t folds) {
-  if (folds < 2 || folds > data.size()) {
-    throw std::invalid_argument("cross_validation: " + std::to_string(folds) +
-                                " folds; allowed are 2 to the number of points, " + std::to_string(data.size()));
-  }
-  const detail::ResidualRule rule = detail::residual_rule(data, options.component, options.weight);
-  double square = 0;
-  for (std::size_t fold = 0; fold < folds; ++fold) {
-    const std::size_t first = fold * data.size() / folds, last = (fold + 1) * data.size() / folds;
-    const FitResult result = detail::curvature_fit(part_of(data, first, last, false), structure, options);
-    if (result.termination == FitTermination::no_usable_start) return infinity;
-    const std::vector<std::complex<double>> model = fitted_response(result, options.realisation, data.omega());
-    for (std::size_t i = first; i < last; ++i) {
-      double residual[2] = {0, 0};
-      if (!rule.residual(i, model[i], data.value()[i], residual)) return infinity;
-      square += residual[0] * residual[0] + residual[1] * residual[1];
-    }
-  }
-  return rule.unit * std::sqrt(square / static_cast<double>(data.size() * rule.per_point()));
+  return rms_of_predictions(data, structure, options, folds);
+}
+
+double cross_validation(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& options,
+                        std::size_t folds) {
+  return rms_of_predictions(data, structure, options, folds);
 }
 
 NamedModel grown_model(GrowthFamily family, std::size_t terms) {
@@ -110,59 +161,12 @@ NamedModel grown_model(GrowthFamily family, std::size_t terms) {
   return model;
 }
 
-namespace {
-
-/// What speaks against a structure with one term more; empty where nothing does.
-/// @param gain  by which it lowers AICc, in the measure of identify()
-std::string reason_against(const FitResult& simple, const FitResult& full, double gain) {
-  char text[160];
-  if (full.termination != FitTermination::converged) return "With another term the solver did not settle.";
-  if (!(gain > 2)) {
-    std::snprintf(text, sizeof text, "Another term does not pay: it lowers AICc by %.2g, and 2 is asked.", gain);
-    return text;
-  }
-  const double chance = f_test(simple, full).p_value;
-  if (!(chance < 0.01)) {
-    std::snprintf(text, sizeof text, "Another term may be noise: so large an improvement has a chance of %.2g.",
-                  chance);
-    return text;
-  }
-  std::string unknown;
-  for (const ParameterEstimate& estimate : full.parameters) {
-    if (!estimate.identified) unknown += (unknown.empty() ? "" : ", ") + estimate.name;
-  }
-  if (unknown.empty()) return {};
-  std::snprintf(text, sizeof text,
-                "Another term lowers AICc by %.3g, but the data do not tell its part from the others: ", gain);
-  return text + unknown + " would not be identified.";
+Growth grow(const FrequencyResponseData& data, GrowthFamily family, const FitOptions& options, std::size_t most_terms) {
+  return grown(data, family, options, most_terms);
 }
 
-}  // namespace
-
-Growth grow(const FrequencyResponseData& data, GrowthFamily family, const FitOptions& options, std::size_t most_terms) {
-  Growth growth{{}, 0, "The structure has as many terms as were allowed."};
-  for (std::size_t terms = 1; terms <= most_terms; ++terms) {
-    const NamedModel model = grown_model(family, terms);
-    const Structure structure(model.formula);
-    if (terms > 1 &&
-        structure.parameter_names().size() >= data.size() * (options.component == Component::both ? 2 : 1)) {
-      growth.reason = "Another term would have as many parameters as there are residuals.";
-      break;
-    }
-    FitOptions of_model = options;
-    of_model.constraints.insert(of_model.constraints.end(), model.constraints.begin(), model.constraints.end());
-    growth.fits.push_back(fit(data, structure, of_model));
-    if (terms == 1) continue;
-    const FitResult& simple = growth.fits[growth.chosen];
-    const FitResult& full = growth.fits.back();
-    const double correlation = std::max(0.0, residual_whiteness(data, options, full).lag_one_correlation);
-    const double gain = (simple.aicc - full.aicc) * (1 - correlation) / (1 + correlation);
-    growth.reason = reason_against(simple, full, gain);
-    if (!growth.reason.empty()) break;
-    growth.chosen = growth.fits.size() - 1;
-    growth.reason = "The structure has as many terms as were allowed.";
-  }
-  return growth;
+Growth grow(const TimeResponseData& data, GrowthFamily family, const TimeFitOptions& options, std::size_t most_terms) {
+  return grown(data, family, options, most_terms);
 }
 
 ResidualWhiteness detail::whiteness(std::span<const double> residual, std::size_t stride) {

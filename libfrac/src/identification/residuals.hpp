@@ -42,6 +42,8 @@ class Residuals {
 
   /// Linear parameters the residuals are projected free of: they cost degrees of freedom too.
   [[nodiscard]] virtual std::size_t eliminated() const noexcept { return 0; }
+  /// Loss under which those are chosen from now on, and the residual at which it turns robust.
+  virtual void set_loss(Loss, double) {}
 
  protected:
   explicit Residuals(const ParameterMap& map) : map_(map) {}

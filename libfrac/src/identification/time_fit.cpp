@@ -9,12 +9,15 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "autocorrelation.hpp"
+#include "../detail/number_text.hpp"
 #include "confidence.hpp"
+#include "estimates.hpp"
+#include "fit_data.hpp"
+#include "frac/identification/model_choice.hpp"
 #include "global_search.hpp"
-#include "information.hpp"
 #include "interchange.hpp"
 #include "laplace_residuals.hpp"
+#include "robust.hpp"
 #include "time_residuals.hpp"
 
 namespace frac {
@@ -24,28 +27,40 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 // Simulations of the searches, far below any noise, and of the final solve, at rounding.
 constexpr double coarse = 1e-8;
 constexpr double fine = 1e-13;
-constexpr const char* offset_name = "offset";
+// Costs that agree to this are the same minimum or equally good fits: far less than noise in the data makes of it.
+constexpr double equally_good = 1e-3;
+using detail::offset_name;
 
 double length_of(const TimeResponseData& data) {
   return data.time().back() - data.time().front();
 }
 
-double root_mean_square(std::vector<double> values, double base) {
+double root_mean_square(const std::vector<double>& values, double base) {
   double sum = 0;
   for (const double value : values) sum += (value - base) * (value - base);
   return std::sqrt(sum / static_cast<double>(values.size()));
 }
 
+std::vector<double> observed_output(const TimeResponseData& data) {
+  std::vector<double> output;
+  for (const std::size_t i : data.observed()) output.push_back(data.output()[i]);
+  return output;
+}
+
 // Gains about what the spread of the output is to the input, frequencies from a third of the record's inverse to three
 // times the sampling rate.
 detail::DataScale data_scale(const TimeResponseData& data, std::optional<double> offset) {
-  const double mean =
-      std::accumulate(data.output().begin(), data.output().end(), 0.0) / static_cast<double>(data.size());
-  const double spread = root_mean_square(data.output(), offset.value_or(mean));
+  const std::vector<double> output = observed_output(data);
+  const double mean = std::accumulate(output.begin(), output.end(), 0.0) / static_cast<double>(output.size());
+  const double spread = root_mean_square(output, offset.value_or(mean));
   const double gain = spread > 0 ? spread / root_mean_square(data.input(), data.input_at_rest()) : 1;
   constexpr double margin = 3;
   const double slow = 1 / length_of(data);
-  const double fast = 1 / (data.time()[1] - data.time()[0]);
+  double shortest_step = length_of(data);
+  for (std::size_t i = 1; i < data.size(); ++i) {
+    shortest_step = std::min(shortest_step, data.time()[i] - data.time()[i - 1]);
+  }
+  const double fast = 1 / shortest_step;
   return {gain, gain / 30, gain * 30, std::sqrt(slow * fast), slow / margin, fast * margin};
 }
 
@@ -86,17 +101,18 @@ void check(const TimeResponseData& data, const Structure& structure, const TimeF
   }
   static_cast<void>(detail::reduce(structure.expression(), values, detail::Sensitivity::all));
   const std::size_t free = map.free().size() + (options.offset ? 0 : 1);
-  if (data.size() < free) {
-    throw std::invalid_argument(std::to_string(data.size()) + " samples cannot determine " + std::to_string(free) +
-                                " free parameters" + (options.offset ? "" : ", the offset among them"));
+  if (data.observed().size() < free) {
+    throw std::invalid_argument(std::to_string(data.observed().size()) + " samples cannot determine " +
+                                std::to_string(free) + " free parameters" +
+                                (options.offset ? "" : ", the offset among them"));
   }
 }
 
-std::vector<std::size_t> every_nth(std::size_t count, std::size_t enough) {
-  const std::size_t stride = (count + enough - 1) / enough;
+std::vector<std::size_t> every_nth(const std::vector<std::size_t>& all, std::size_t enough) {
+  const std::size_t stride = (all.size() + enough - 1) / enough;
   std::vector<std::size_t> index;
-  for (std::size_t i = 0; i < count; i += stride) index.push_back(i);
-  if (index.back() + 1 != count) index.push_back(count - 1);
+  for (std::size_t i = 0; i < all.size(); i += stride) index.push_back(all[i]);
+  if (index.back() != all.back()) index.push_back(all.back());
   return index;
 }
 
@@ -109,14 +125,14 @@ bool is_complete(const std::vector<double>& start, const detail::ParameterMap& m
 double unit_of(const TimeResponseData& data, std::optional<double> offset) {
   double weights = 0, mean = 0;
   const auto weight = [&](std::size_t i) { return data.sigma().empty() ? 1 : 1 / data.sigma()[i]; };
-  for (std::size_t i = 0; i < data.size(); ++i) {
+  for (const std::size_t i : data.observed()) {
     weights += weight(i) * weight(i);
     mean += weight(i) * weight(i) * data.output()[i];
   }
   mean = offset.value_or(mean / weights);
   double sum = 0;
-  for (std::size_t i = 0; i < data.size(); ++i) sum += std::pow(weight(i) * (data.output()[i] - mean), 2);
-  const double unit = std::sqrt(sum / static_cast<double>(data.size()));
+  for (const std::size_t i : data.observed()) sum += std::pow(weight(i) * (data.output()[i] - mean), 2);
+  const double unit = std::sqrt(sum / static_cast<double>(data.observed().size()));
   return unit > 0 ? unit : 1;
 }
 
@@ -131,21 +147,21 @@ class TimeSearch {
 
   detail::GlobalSolution run() {
     constexpr std::size_t enough = 500;
-    const detail::TimeResiduals few = residuals(every_nth(data_.size(), enough), coarse);
+    const detail::TimeResiduals few = residuals(every_nth(data_.observed(), enough), coarse);
     if (is_complete(map_.start(), map_)) try_from(few, map_.to_theta(map_.start()));
     if (options_.global_start && !map_.free().empty() && !is_exact(few)) {
       search_transforms(few);
       if (at_best() < 2 && !is_exact(few)) {
         // The transform misled, or the two best differ: search among simulations, of few points.
         constexpr std::size_t very_few = 120;
-        const detail::TimeResiduals sparse = residuals(every_nth(data_.size(), very_few), 1e-5);
+        const detail::TimeResiduals sparse = residuals(every_nth(data_.observed(), very_few), 1e-5);
         const detail::GlobalSolution found = detail::global_search(sparse, sparse, {}, options_.seed);
         if (found.starts_at_best > 0) try_from(few, found.best.theta);
         result_.starts += found.starts;
       }
     }
     if (!std::isfinite(result_.best.cost)) return {};
-    const detail::TimeResiduals all = residuals(every_nth(data_.size(), data_.size()), fine);
+    const detail::TimeResiduals all = residuals(data_.observed(), fine);
     result_.starts_at_best = at_best();
     result_.best.theta =
         map_.to_theta(detail::with_labels_in_order(structure_, options_.constraints, map_.to_user(result_.best.theta)));
@@ -176,8 +192,9 @@ class TimeSearch {
   [[nodiscard]] bool is_exact(const detail::Residuals& few) const { return result_.best.cost <= few.rounding_cost(); }
 
   [[nodiscard]] std::size_t at_best() const {
-    return static_cast<std::size_t>(std::count_if(
-        ends_.begin(), ends_.end(), [&](double cost) { return cost <= result_.best.cost * (1 + 1e-6) + floor_; }));
+    return static_cast<std::size_t>(std::count_if(ends_.begin(), ends_.end(), [&](double cost) {
+      return cost <= result_.best.cost * (1 + equally_good) + floor_;
+    }));
   }
 
   // What weighs the end of the record more sees slow modes better and is cut off more: their minima differ, and those
@@ -204,32 +221,18 @@ class TimeSearch {
   double floor_ = 0;
 };
 
-std::vector<std::size_t> outliers(std::vector<double> residual) {
-  std::vector<double> size = residual;
-  for (double& each : size) each = std::abs(each);
-  const auto middle = size.begin() + static_cast<std::ptrdiff_t>(size.size() / 2);
-  std::nth_element(size.begin(), middle, size.end());
-  // Five robust standard deviations: one in two million of normal residuals.
-  const double limit = 5 * 1.4826 * *middle;
-  std::vector<std::size_t> found;
-  for (std::size_t i = 0; i < residual.size(); ++i) {
-    if (std::abs(residual[i]) > limit) found.push_back(i);
-  }
-  return found;
-}
-
 // The offset as one more parameter: the mean of what the model leaves, with the spread of that mean and, through the
 // model, that of the parameters.
 void append_offset(FitResult& result, const detail::TimeResiduals& residuals, const std::vector<double>& theta,
-                   const TimeResponseData& data, double deviation, double t) {
+                   const TimeResponseData& data, const detail::Confidence& found, double unit) {
   const auto [value, mean_gradient] = residuals.offset(theta);
   double information = 0;
-  for (std::size_t i = 0; i < data.size(); ++i) {
+  for (const std::size_t i : data.observed()) {
     information += data.sigma().empty() ? 1 : 1 / (data.sigma()[i] * data.sigma()[i]);
   }
   const std::size_t count = result.covariance.size();
   std::vector<double> covariance(count + 1, 0.0);
-  double variance = deviation * deviation / information;
+  double variance = std::pow(found.deviation * unit, 2) / information;
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t j = 0; j < count; ++j) {
       const double both = result.covariance[i][j];
@@ -243,9 +246,59 @@ void append_offset(FitResult& result, const detail::TimeResiduals& residuals, co
   for (std::size_t i = 0; i < count; ++i) result.covariance[i].push_back(covariance[i]);
   result.covariance.push_back(covariance);
   const double error = std::sqrt(variance);
-  // An offset of nothing is identified as well: there is no relative width to judge.
-  result.parameters.push_back(
-      {offset_name, value, error, value - t * error, value + t * error, false, false, true, value, error, false});
+  // An offset of nothing is known as well as any: what counts is its interval beside what the output does.
+  const std::vector<double> output = observed_output(data);
+  const auto [least, largest] = std::minmax_element(output.begin(), output.end());
+  const bool narrow = !(2 * found.t * error > *largest - *least);
+  const bool alone = std::find(found.seen.begin(), found.seen.end(), false) == found.seen.end();
+  result.parameters.push_back({offset_name, value, error, value - found.t * error, value + found.t * error, false,
+                               false, narrow && alone, value, error, false});
+}
+
+// Where no response to the input can be told from noise, no parameter of one can.
+void refuse_unseen_response(FitResult& result, const detail::TimeResiduals& residuals,
+                            const detail::LocalOptions& local, std::size_t rank, double unit) {
+  const std::size_t eliminated = residuals.eliminated();
+  if (rank == 0 || result.residuals <= rank + eliminated) return;
+  const std::vector<double> silent = residuals.without_response();
+  FitResult with = result, without = result;
+  with.cost = result.loss_cost;
+  with.free_parameters = rank + eliminated;
+  without.cost = detail::loss_cost(silent, 1, local) * unit * unit;
+  without.free_parameters = eliminated;
+  const FTest test = f_test(without, with);
+  if (test.p_value < 0.01) return;
+  for (ParameterEstimate& estimate : result.parameters) {
+    if (estimate.name != offset_name && !estimate.fixed) estimate.identified = false;
+  }
+  char text[160];
+  std::snprintf(text, sizeof text,
+                " Without any response to the input the output is explained as well (F test, p = %.2g): nothing of the "
+                "model is identified.",
+                test.p_value);
+  result.message += text;
+}
+
+// Why there is nothing to fit, if so.
+std::string explained_by_offset(const TimeResponseData& data, std::optional<double> offset) {
+  const std::vector<double> output = observed_output(data);
+  const double rest = offset.value_or(output.front());
+  if (std::any_of(output.begin(), output.end(), [&](double value) { return value != rest; })) return {};
+  return "The output is " + detail::number_text(rest) +
+         " throughout: its offset alone explains it, and a response to the input is not identifiable.";
+}
+
+// Why no parameter may change the output at the instants that count.
+std::string unseen_model(const Structure& structure, const detail::ParameterMap& map, const TimeResponseData& data) {
+  const double length = data.time()[data.observed().back()] - data.time().front();
+  const auto& roles = structure.parameter_roles();
+  for (std::size_t i = 0; i < roles.size(); ++i) {
+    if (roles[i] != ParameterRole::delay || !map.is_fixed(i) || map.start()[i] < length) continue;
+    return "The dead time " + structure.parameter_names()[i] + " = " + detail::number_text(map.start()[i]) +
+           " s is held at no less than the record is long, " + detail::number_text(length) +
+           " s: nothing of the input reaches the output.";
+  }
+  return "No parameter of the model changes the output within the record: none is identifiable.";
 }
 
 std::string ending(const detail::GlobalSolution& solution, bool is_exact) {
@@ -273,72 +326,42 @@ FitResult fit(const TimeResponseData& data, const Structure& structure, const Ti
   }
   const double unit = unit_of(data, options.offset);
   TimeSearch search(data, structure, map, options, unit);
-  const detail::GlobalSolution solution = search.run();
-  const auto& names = structure.parameter_names();
-
-  FitResult result{};
-  result.model = structure.formula();
-  result.residuals = data.size();
-  result.free_parameters = map.free().size() + (options.offset ? 0 : 1);
-  result.starts = solution.starts;
-  result.starts_at_best = solution.starts_at_best;
+  const std::string silence = explained_by_offset(data, options.offset);
+  const detail::GlobalSolution found_solution = silence.empty() ? search.run() : detail::GlobalSolution{};
+  detail::LocalSolution best = found_solution.best;
+  detail::TimeResiduals residuals = search.residuals(data.observed(), fine);
+  FitResult result = describe_search(structure, residuals, found_solution);
   result.distinct_minima = 1;
   result.confidence_of_optimum = nan;
-  result.centre_omega = map.scale().omega;
   const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
-  if (solution.starts_at_best == 0) {
-    result.cost = result.rms = result.max_residual = result.aicc = result.bic = result.condition = nan;
-    result.termination = FitTermination::no_usable_start;
-    result.message = "The model has no finite response to this input anywhere it was tried.";
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      result.parameters.push_back({names[i], nan, nan, nan, nan, map.is_fixed(i), false, false, nan, nan, false});
-    }
+  if (found_solution.starts_at_best == 0) {
+    describe_failure(
+        result, structure, map,
+        silence.empty() ? "The model has no finite response to this input anywhere it was tried." : silence);
     result.seconds = seconds();
     return result;
   }
 
-  const detail::TimeResiduals residuals = search.residuals(every_nth(data.size(), data.size()), fine);
-  const detail::Confidence found = confidence(residuals, solution.best, {});
-  const std::vector<double> values = map.to_user(solution.best.theta);
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const bool fixed = map.is_fixed(i);
-    const double half_width = found.t * found.standard_error[i];
-    result.parameters.push_back({names[i], values[i], fixed ? 0 : found.standard_error[i],
-                                 fixed ? nan : values[i] - half_width, fixed ? nan : values[i] + half_width, fixed,
-                                 found.at_bound[i], found.identified[i] && !found.at_bound[i], values[i],
-                                 fixed ? 0 : found.centre_standard_error[i], false});
+  detail::LocalOptions local;
+  if (options.loss != Loss::none) {
+    const auto scale = options.loss_scale ? std::optional(*options.loss_scale / unit) : std::nullopt;
+    local = robust_refinement(residuals, options.loss, scale, best);
   }
-  for (std::size_t k = 0; k < map.free().size(); ++k) {
-    result.parameters[map.free()[k].parameter].centre_value = map.centre_value(k, values);
+  const detail::Confidence found = confidence(residuals, best, local);
+  result.message = ending(found_solution, best.cost <= residuals.rounding_cost());
+  const bool unseen = std::none_of(map.free().begin(), map.free().end(),
+                                   [&](const auto& entry) { return found.seen[entry.parameter]; });
+  if (unseen && !map.free().empty()) {
+    describe_failure(result, structure, map, unseen_model(structure, map, data));
+    result.seconds = seconds();
+    return result;
   }
-  result.covariance = found.covariance;
-
-  std::vector<double> residual(data.size());
-  residuals.evaluate(solution.best.theta, residual.data(), nullptr);
-  for (double& each : residual) each *= unit;
-  const std::size_t rank = found.rank + residuals.eliminated();
-  const detail::Information information = detail::information(residual, rank, unit);
-  result.cost = information.cost;
-  result.rms = information.rms;
-  result.max_residual = information.max_residual;
-  result.aicc = information.aicc;
-  result.bic = information.bic;
-  result.condition = found.condition;
-  result.outliers = outliers(std::move(residual));
-  if (!options.offset) {
-    const double degrees_of_freedom = static_cast<double>(data.size()) - static_cast<double>(rank);
-    const double deviation = degrees_of_freedom > 0 ? std::sqrt(result.cost / degrees_of_freedom) : nan;
-    append_offset(result, residuals, solution.best.theta, data, deviation, found.t);
-  }
-  result.termination = solution.best.converged ? FitTermination::converged : FitTermination::not_converged;
-  result.message = ending(solution, solution.best.cost <= residuals.rounding_cost());
-  if (found.condition > detail::flat_condition) {
-    char text[128];
-    std::snprintf(text, sizeof text,
-                  " The scaled Fisher condition is %.1e, beyond %.0e: some parameters only trade off.", found.condition,
-                  detail::flat_condition);
-    result.message += text;
-  }
+  describe_estimates(result, structure, residuals, options.constraints, found, best.theta);
+  describe_residuals(result, residuals, local, found, best.theta, unit);
+  for (std::size_t& point : result.outliers) point = data.observed()[point];
+  if (!options.offset) append_offset(result, residuals, best.theta, data, found, unit);
+  refuse_unseen_response(result, residuals, local, found.rank, unit);
+  result.termination = best.converged ? FitTermination::converged : FitTermination::not_converged;
   result.seconds = seconds();
   return result;
 }
@@ -356,20 +379,13 @@ std::vector<double> fitted_output(const FitResult& result, const TimeResponseDat
     }
   }
   std::vector<double> output(data.size(), nan);
-  const auto events = detail::event_response(data, every_nth(data.size(), data.size()));
+  std::vector<std::size_t> all(data.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  const auto events = detail::event_response(data, all);
   detail::EventResponse::Result model;
   if (!events.evaluate(detail::reduce(structure.expression(), parameters), fine, model)) return output;
   for (std::size_t i = 0; i < output.size(); ++i) output[i] = model.value[static_cast<Eigen::Index>(i)] + offset;
   return output;
-}
-
-ResidualWhiteness residual_whiteness(const TimeResponseData& data, const TimeFitOptions& options,
-                                     const FitResult& result) {
-  std::vector<double> residual = fitted_output(result, data, options);
-  for (std::size_t i = 0; i < residual.size(); ++i) {
-    residual[i] = (data.output()[i] - residual[i]) / (data.sigma().empty() ? 1 : data.sigma()[i]);
-  }
-  return detail::whiteness(residual, 1);
 }
 
 }  // namespace frac

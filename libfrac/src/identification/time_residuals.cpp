@@ -1,8 +1,11 @@
 #include "time_residuals.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
+
+#include "robust.hpp"
 
 namespace frac::detail {
 
@@ -46,29 +49,59 @@ TimeResiduals::TimeResiduals(const TimeResponseData& data, const Structure& stru
 }
 
 bool TimeResiduals::simulate(std::span<const double> theta) const {
-  if (std::equal(theta.begin(), theta.end(), theta_.begin(), theta_.end())) return true;
-  theta_.clear();
+  if (theta_ && std::equal(theta.begin(), theta.end(), theta_->begin(), theta_->end())) return true;
+  theta_.reset();
   const std::optional<RatioOfPowerSums> ratio = ratio_at(structure_, map().to_user(theta));
   if (!ratio || !events_.evaluate(*ratio, tolerance_, model_)) return false;
-  theta_.assign(theta.begin(), theta.end());
+  theta_.emplace(theta.begin(), theta.end());
   return true;
 }
 
 bool TimeResiduals::evaluate(std::span<const double> theta, double* residual, double* jacobian) const {
   if (!simulate(theta)) return false;
   Eigen::VectorXd rest = model_.value - output_;
-  rest.array() += fixed_offset_ ? *fixed_offset_ : -average_.dot(rest);
+  rest.array() += fixed_offset_ ? *fixed_offset_ : -location(rest);
   rest.array() *= weight_.array();
   Eigen::Map<Eigen::VectorXd>(residual, rest.size()) = rest;
   if (!jacobian) return true;
   Eigen::Map<Eigen::MatrixXd> by_theta(jacobian, rest.size(), static_cast<Eigen::Index>(map().free().size()));
   by_theta = model_.gradient.lazyProduct(map().jacobian(map().to_user(theta)));
   if (!fixed_offset_) {
+    // Under a robust loss the offset moves a little otherwise, but the loss does not mind: it is least there, so that
+    // its gradient is that of these rows.
     const Eigen::RowVectorXd mean = average_.transpose() * by_theta;
     by_theta.rowwise() -= mean;
   }
   by_theta.array().colwise() *= weight_.array();
   return by_theta.allFinite();
+}
+
+void TimeResiduals::set_loss(Loss loss, double scale) {
+  loss_ = loss;
+  loss_scale_ = scale;
+}
+
+double TimeResiduals::location(const Eigen::VectorXd& values) const {
+  if (loss_ == Loss::none) return average_.dot(values);
+  std::vector<double> sorted(values.begin(), values.end());
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  double centre = *middle;
+  const double negligible = 1e-15 * loss_scale_ / weight_.maxCoeff();
+  // Reweighted means: each is nearer than the last, by the share of outliers at least.
+  for (int pass = 0; pass < 200; ++pass) {
+    double sum = 0, weights = 0;
+    for (Eigen::Index i = 0; i < values.size(); ++i) {
+      const double x = (values[i] - centre) * weight_[i] / loss_scale_;
+      const double weight = average_[i] * (x != 0 ? loss_at(loss_, x).psi / x : 1);
+      sum += weight * (values[i] - centre);
+      weights += weight;
+    }
+    const double step = sum / weights;
+    centre += step;
+    if (!(std::abs(step) > negligible + 1e-15 * std::abs(centre))) break;
+  }
+  return centre;
 }
 
 double TimeResiduals::best_factor(std::span<const double> theta) const {
@@ -92,7 +125,13 @@ double TimeResiduals::rounding_cost() const noexcept {
 
 TimeResiduals::Offset TimeResiduals::offset(std::span<const double> theta) const {
   if (fixed_offset_ || !simulate(theta)) return {fixed_offset_.value_or(0), {}};
-  return {average_.dot(output_ - model_.value), model_.gradient.transpose() * average_};
+  return {location(output_ - model_.value), model_.gradient.transpose() * average_};
+}
+
+std::vector<double> TimeResiduals::without_response() const {
+  const double offset = fixed_offset_ ? *fixed_offset_ : location(output_);
+  const Eigen::VectorXd rest = (offset - output_.array()) * weight_.array();
+  return {rest.begin(), rest.end()};
 }
 
 }  // namespace frac::detail

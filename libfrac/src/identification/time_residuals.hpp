@@ -17,7 +17,7 @@ namespace frac::detail {
 [[nodiscard]] std::optional<RatioOfPowerSums> ratio_at(const Structure& structure, std::span<const double> parameters);
 
 /// Residuals (model + offset - output)/sigma in units of `unit`.  A free offset is projected out: at every theta it is
-/// the weighted mean of what the model leaves.
+/// the value that makes the loss least, the weighted mean of what the model leaves for least squares.
 class TimeResiduals final : public Residuals {
  public:
   /// @param index      outputs used
@@ -30,6 +30,7 @@ class TimeResiduals final : public Residuals {
   [[nodiscard]] std::size_t per_point() const noexcept override { return 1; }
   [[nodiscard]] std::size_t eliminated() const noexcept override { return fixed_offset_ ? 0 : 1; }
   bool evaluate(std::span<const double> theta, double* residual, double* jacobian) const override;
+  void set_loss(Loss loss, double scale) override;
   [[nodiscard]] double best_factor(std::span<const double> theta) const override;
   /// Simulation errors, correlated from point to point, decide where rounding would not yet.
   [[nodiscard]] double rounding_cost() const noexcept override;
@@ -40,21 +41,27 @@ class TimeResiduals final : public Residuals {
     Eigen::VectorXd mean_gradient;
   };
   [[nodiscard]] Offset offset(std::span<const double> theta) const;
+  /// Residuals of a model whose output is the offset.
+  [[nodiscard]] std::vector<double> without_response() const;
 
  private:
   bool simulate(std::span<const double> theta) const;
+  /// Of values with the weights of the residuals, what is to be subtracted to make the loss least.
+  [[nodiscard]] double location(const Eigen::VectorXd& values) const;
 
   const TimeResponseData& data_;
   const Structure& structure_;
   std::optional<double> fixed_offset_;
   std::vector<std::size_t> index_;
   double tolerance_;
+  Loss loss_ = Loss::none;
+  double loss_scale_ = 1;
   EventResponse events_;
   Eigen::VectorXd weight_;   // of the residuals
   Eigen::VectorXd average_;  // weights of the mean that the offset is, sum 1
   Eigen::VectorXd output_;
   mutable EventResponse::Result model_;
-  mutable std::vector<double> theta_;  // that model_ belongs to
+  mutable std::optional<std::vector<double>> theta_;  // that model_ belongs to
 };
 
 }  // namespace frac::detail

@@ -50,6 +50,8 @@ struct FitOptions {
   Component component = Component::imaginary;
   Weight weight = Weight::relative;
   Loss loss = Loss::none;
+  /// Weighted residual at which the loss turns from quadratic to robust; unset: from the spread of the residuals.
+  std::optional<double> loss_scale;
   Realisation realisation = ExactRealisation{};
   std::vector<ParameterConstraint> constraints;
   std::uint64_t seed = 1;    // of the multi-start; same seed, same result
@@ -109,6 +111,11 @@ struct FitResult {
   /// Covariance of the estimates, one row per parameter: NaN beside one without standard error, 0 beside a fixed one.
   std::vector<std::vector<double>> covariance;
   double centre_omega;  // geometric middle of the band, rad/s
+  double loss_cost;     // sum of the loss over the points: what was made least, and cost itself without a loss
+  double loss_scale;    // that was used; NaN without a loss
+  /// What loss_cost rises by, on average, for each parameter without meaning: cost/(residuals - parameters) without a
+  /// loss, with one sum psi^2/(residuals - parameters)/mean psi' (Huber 1981, sect. 7.10).
+  double loss_unit;
   double seconds;
   /// By which the fitted response is to be multiplied to undo the bias that noise in the divisor |data| causes under
   /// relative weight, 1 + 2 r^2 with r the spread of the residuals; 1 where that is below 0.05 or neighbours are alike.

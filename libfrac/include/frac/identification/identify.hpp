@@ -7,6 +7,7 @@
 
 #include "frac/identification/fit.hpp"
 #include "frac/identification/model_library.hpp"
+#include "frac/identification/time_fit.hpp"
 
 namespace frac {
 
@@ -32,9 +33,10 @@ enum class Verdict { fractional_supported, fractional_not_supported, undecided }
 /// simplest (fewest free parameters) with an AICc within 2 of the best.
 ///
 /// The verdict compares the best fractional candidate with the best of the others.  Where the best fit leaves residuals
-/// that follow each other along the frequency axis (the model, not noise, is what is left), the points count for less:
-/// differences of AICc are multiplied by (1 - r)/(1 + r), r the lag-1 autocorrelation.  Supported: evidence above 10
-/// and an order whose interval excludes every whole number; not supported: evidence below 2; undecided between.
+/// that follow each other along the axis of frequency or time (the model, not noise, is what is left), the points count
+/// for less: differences of AICc are multiplied by (1 - r)/(1 + r), r the lag-1 autocorrelation.  Supported: evidence
+/// above 10 and an order whose interval excludes every whole number; not supported: evidence below 2; undecided
+/// between.
 struct IdentificationResult {
   std::vector<RankedFit> ranking;
   std::vector<std::string> skipped;  // candidates that could not be fitted, with the reason
@@ -57,5 +59,9 @@ class NoCandidateFits : public std::runtime_error {
 [[nodiscard]] IdentificationResult identify(const FrequencyResponseData& data, const std::vector<NamedModel>& models,
                                             const std::vector<FixedCurve>& curves, const FitOptions& options,
                                             int threads = 0);
+/// The same on samples of input and output.  A candidate that is no ratio of sums of powers is skipped, and so is one
+/// without a finite response to the input, such as a differentiator under a step.
+[[nodiscard]] IdentificationResult identify(const TimeResponseData& data, const std::vector<NamedModel>& models,
+                                            const TimeFitOptions& options, int threads = 0);
 
 }  // namespace frac

@@ -6,10 +6,11 @@
 #include <vector>
 
 #include "frac/identification/identify.hpp"
+#include "frac/identification/time_fit.hpp"
 
 namespace frac {
 
-/// Whether residuals look like noise along the frequency axis.
+/// Whether residuals look like noise along the axis of frequency or time.
 struct ResidualWhiteness {
   double lag_one_correlation;  // 0: unrelated neighbours; towards 1: the model misses a shape
   double p_value;  // of the Ljung-Box statistic over min(10, n/5) lags: small means not white; NaN below 10 points
@@ -17,6 +18,10 @@ struct ResidualWhiteness {
 
 /// Of the weighted residuals of a fit, both parts together (Ljung, Box 1978).
 [[nodiscard]] ResidualWhiteness residual_whiteness(const FrequencyResponseData& data, const FitOptions& options,
+                                                   const FitResult& result);
+
+/// Of those of a fit over time, at the instants that count.
+[[nodiscard]] ResidualWhiteness residual_whiteness(const TimeResponseData& data, const TimeFitOptions& options,
                                                    const FitResult& result);
 
 /// F test of a structure against one it contains: p is the chance of so large an improvement if the simple one is true.
@@ -32,6 +37,9 @@ struct FTest {
 /// @throws std::invalid_argument  folds < 2, or a fold would leave fewer residuals than free parameters.
 [[nodiscard]] double cross_validation(const FrequencyResponseData& data, const Structure& structure,
                                       const FitOptions& options, std::size_t folds);
+/// The same over blocks of neighbouring outputs; the input drives the system throughout.
+[[nodiscard]] double cross_validation(const TimeResponseData& data, const Structure& structure,
+                                      const TimeFitOptions& options, std::size_t folds);
 
 /// A family of structures in which each member contains the one before.
 enum class GrowthFamily {
@@ -57,6 +65,8 @@ struct Growth {
 /// of identify(), the F test must reject the smaller one at 1 %, and every parameter of the larger one must be
 /// identified.
 [[nodiscard]] Growth grow(const FrequencyResponseData& data, GrowthFamily family, const FitOptions& options,
+                          std::size_t most_terms = 4);
+[[nodiscard]] Growth grow(const TimeResponseData& data, GrowthFamily family, const TimeFitOptions& options,
                           std::size_t most_terms = 4);
 
 }  // namespace frac

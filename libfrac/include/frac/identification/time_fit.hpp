@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "frac/identification/fit.hpp"
-#include "frac/identification/model_choice.hpp"
 #include "frac/time_response_data.hpp"
 
 namespace frac {
@@ -14,7 +13,9 @@ struct TimeFitOptions {
   std::vector<ParameterConstraint> constraints;
   /// What the output shows at rest: unset, it is estimated and stands last among the parameters, named "offset".
   std::optional<double> offset;
-  std::uint64_t seed = 1;    // of the multi-start; same seed, same result
+  Loss loss = Loss::none;
+  std::optional<double> loss_scale;  // as in FitOptions
+  std::uint64_t seed = 1;            // of the multi-start; same seed, same result
   bool global_start = true;  // false: one local solve from the given starts; every free parameter then needs one
 };
 
@@ -23,6 +24,8 @@ struct TimeFitOptions {
 /// exactly for the input as held, so that nothing is biased by the sampling; start values come from a fit to the
 /// Laplace transforms of input and output over the record.  Data of more than 500 samples are first fitted at every
 /// n-th output, the input always in full.
+/// An output that its offset explains alone cannot be fitted (no_usable_start); one that it explains as well, in the
+/// F test at 1 %, leaves every parameter of the model not identified.
 /// Frequencies in the result (centre_omega, ranges of coefficients) are those the record resolves.
 /// @throws std::invalid_argument  as fit(); a structure that is no ratio of sums of powers or has a parameter "offset".
 [[nodiscard]] FitResult fit(const TimeResponseData& data, const Structure& structure,
@@ -31,9 +34,5 @@ struct TimeFitOptions {
 /// Output of the fitted model at the instants of the data, offset included.
 [[nodiscard]] std::vector<double> fitted_output(const FitResult& result, const TimeResponseData& data,
                                                 const TimeFitOptions& options = {});
-
-/// Of the residuals (output - model)/sigma in the order of time.
-[[nodiscard]] ResidualWhiteness residual_whiteness(const TimeResponseData& data, const TimeFitOptions& options,
-                                                   const FitResult& result);
 
 }  // namespace frac

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "frac/identification/fit.hpp"
+#include "frac/identification/time_fit.hpp"
 
 namespace frac {
 
@@ -14,10 +15,13 @@ struct ProfileInterval {
 };
 
 /// 95 % interval of one parameter: where the least cost with the parameter held there exceeds the minimum by the factor
-/// 1 + t^2/(n - k) (Venzon, Moolgavkar 1988; t of Student with n - k degrees of freedom).
+/// 1 + t^2/(n - k) (Venzon, Moolgavkar 1988; t of Student with n - k degrees of freedom).  With a robust loss, whose
+/// scale stays that of the result: where the loss exceeds its minimum by t^2 FitResult::loss_unit.
 /// @param result  of fit() on the same data with the same options
 /// @throws std::invalid_argument  an unknown, fixed or unseen parameter, or no degree of freedom left.
 [[nodiscard]] ProfileInterval profile_interval(const FrequencyResponseData& data, const FitOptions& options,
+                                               const FitResult& result, std::string_view parameter);
+[[nodiscard]] ProfileInterval profile_interval(const TimeResponseData& data, const TimeFitOptions& options,
                                                const FitResult& result, std::string_view parameter);
 
 /// Percentiles of refits to resampled residuals.
@@ -27,12 +31,17 @@ struct BootstrapInterval {
 };
 
 /// Residual bootstrap (Efron, Tibshirani 1993, sect. 9.4): the complex residuals, relative to the model (relative,
-/// smoothed, log-complex weight and repeats), to sigma (given) or as they are (absolute), are centred (Freedman 1981),
+/// smoothed, log-complex weight and repeats), to sigma (given) or as they are (absolute), are centred (Freedman 1981;
+/// not under a robust loss),
 /// drawn with replacement, added to the fitted curve and fitted again from the result.  In a fit of one part only that
 /// part is resampled.  The same seed gives the same intervals for any number of threads.
 /// @return one interval per parameter
 /// @throws std::invalid_argument  fewer than 20 samples.
 [[nodiscard]] std::vector<BootstrapInterval> bootstrap(const FrequencyResponseData& data, const FitOptions& options,
+                                                       const FitResult& result, std::size_t samples, int threads = 0);
+/// The same over time, with the residuals relative to sigma, or as they are without one.  White ones are assumed: where
+/// neighbours go together the intervals are too narrow, as those from the curvature are.
+[[nodiscard]] std::vector<BootstrapInterval> bootstrap(const TimeResponseData& data, const TimeFitOptions& options,
                                                        const FitResult& result, std::size_t samples, int threads = 0);
 
 /// Standard deviation of the fitted curve, from the covariance of the parameters (those without a standard error held).

@@ -1,0 +1,69 @@
+#include "fit_data.hpp"
+
+#include <algorithm>
+
+#include "residual_rule.hpp"
+
+namespace frac::detail {
+namespace {
+
+void hold(std::vector<ParameterConstraint>& constraints, std::string_view parameter, double value) {
+  std::erase_if(constraints, [&](const ParameterConstraint& constraint) { return constraint.name == parameter; });
+  constraints.push_back({std::string(parameter), value, {}, {}, {}});
+}
+
+}  // namespace
+
+std::vector<double> weighted_residuals(const FrequencyResponseData& data, const FitOptions& options,
+                                       const FitResult& result) {
+  return curve_residuals(data, residual_rule(data, options.component, options.weight),
+                         fitted_response(result, options.realisation, data.omega()));
+}
+
+std::vector<double> weighted_residuals(const TimeResponseData& data, const TimeFitOptions& options,
+                                       const FitResult& result) {
+  const std::vector<double> model = fitted_output(result, data, options);
+  std::vector<double> residual;
+  for (const std::size_t i : data.observed()) {
+    residual.push_back((model[i] - data.output()[i]) / (data.sigma().empty() ? 1 : data.sigma()[i]));
+  }
+  return residual;
+}
+
+std::size_t residuals_per_point(const FrequencyResponseData& data, const FitOptions& options) {
+  return residual_rule(data, options.component, options.weight).per_point();
+}
+
+FrequencyResponseData part_of(const FrequencyResponseData& data, std::size_t first, std::size_t last, bool inside) {
+  std::vector<double> omega, sigma;
+  std::vector<std::complex<double>> value;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    if ((i >= first && i < last) != inside) continue;
+    omega.push_back(data.omega()[i]);
+    value.push_back(data.value()[i]);
+    if (!data.sigma().empty()) sigma.push_back(data.sigma()[i]);
+  }
+  return {omega, value, sigma};
+}
+
+TimeResponseData part_of(const TimeResponseData& data, std::size_t first, std::size_t last, bool inside) {
+  std::vector<std::size_t> index;
+  for (std::size_t i = 0; i < data.observed().size(); ++i) {
+    if ((i >= first && i < last) == inside) index.push_back(data.observed()[i]);
+  }
+  return data.observed_at(std::move(index));
+}
+
+void hold(FitOptions& options, std::string_view parameter, double value) {
+  hold(options.constraints, parameter, value);
+}
+
+void hold(TimeFitOptions& options, std::string_view parameter, double value) {
+  if (parameter == offset_name) {
+    options.offset = value;
+  } else {
+    hold(options.constraints, parameter, value);
+  }
+}
+
+}  // namespace frac::detail

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "frac/identification/fit.hpp"
+#include "frac/identification/time_fit.hpp"
+
+// What profiles, bootstraps, rankings and cross-validation need to know of data and options, alike for both kinds.
+namespace frac::detail {
+
+/// Name of the output at rest among the parameters of a fit over time.
+inline constexpr const char* offset_name = "offset";
+
+/// Weighted residuals (model - data) of a result, points in order, each with as many as residuals_per_point().
+[[nodiscard]] std::vector<double> weighted_residuals(const FrequencyResponseData& data, const FitOptions& options,
+                                                     const FitResult& result);
+[[nodiscard]] std::vector<double> weighted_residuals(const TimeResponseData& data, const TimeFitOptions& options,
+                                                     const FitResult& result);
+[[nodiscard]] std::size_t residuals_per_point(const FrequencyResponseData& data, const FitOptions& options);
+[[nodiscard]] inline std::size_t residuals_per_point(const TimeResponseData&, const TimeFitOptions&) {
+  return 1;
+}
+
+[[nodiscard]] inline std::size_t points(const FrequencyResponseData& data) {
+  return data.size();
+}
+[[nodiscard]] inline std::size_t points(const TimeResponseData& data) {
+  return data.observed().size();
+}
+
+/// The points [first, last), or all others.
+[[nodiscard]] FrequencyResponseData part_of(const FrequencyResponseData& data, std::size_t first, std::size_t last,
+                                            bool inside);
+[[nodiscard]] TimeResponseData part_of(const TimeResponseData& data, std::size_t first, std::size_t last, bool inside);
+
+/// The same fit with one parameter held.
+void hold(FitOptions& options, std::string_view parameter, double value);
+void hold(TimeFitOptions& options, std::string_view parameter, double value);
+
+}  // namespace frac::detail

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "local_solve.hpp"
+
+namespace frac::detail {
+
+/// A loss at a residual of `x` times its scale, in units of that scale: twice rho (x^2 without a loss), its half
+/// derivative psi, and the derivative of psi.
+struct LossAt {
+  double cost, psi, slope;
+};
+[[nodiscard]] LossAt loss_at(Loss loss, double x);
+
+/// Sum of the loss over points of `per_point` residuals each, the sum of squares without a loss: what local_solve()
+/// makes least.
+[[nodiscard]] double loss_cost(std::span<const double> residual, std::size_t per_point, const LocalOptions& options);
+
+/// 1.4826 times the median absolute residual: the standard deviation of the well-behaved part (normal residuals).
+[[nodiscard]] double robust_spread(std::span<const double> residual);
+
+/// Points with a residual beyond five robust standard deviations: one in two million of normal residuals.
+/// @param residual  in units of the data: what is below 1e-13 is rounding
+[[nodiscard]] std::vector<std::size_t> outliers(std::span<const double> residual, std::size_t per_point);
+
+/// Refines a least-squares solution under a robust loss.
+/// @param scale  of the loss; unset: it follows the residuals until it settles
+/// @return the loss with its scale, which `residuals` is left with
+[[nodiscard]] LocalOptions robust_refinement(Residuals& residuals, Loss loss, std::optional<double> scale,
+                                             LocalSolution& solution);
+
+[[nodiscard]] std::vector<double> residuals_at(const Residuals& residuals, std::span<const double> theta);
+
+}  // namespace frac::detail
