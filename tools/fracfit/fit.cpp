@@ -147,7 +147,8 @@ void add_fit(CLI::App& program, Run& run) {
   add_repeatable(*fit, "--bound", given->parameters.bound, "Limit a parameter; one side may be left out; repeatable",
                  "NAME=LOW:HIGH");
   add_repeatable(*fit, "--start", given->parameters.start, "Start a parameter at a value; repeatable", "NAME=VALUE");
-  fit->add_flag("--profile", given->profile, "Add profile-likelihood intervals, which follow the cost itself");
+  fit->add_flag("--profile", given->profile,
+                "Add profile-likelihood intervals of every parameter: they follow the cost itself");
   fit->add_option("--bootstrap", given->bootstrap, "Add intervals from N refits to resampled residuals, N >= 20")
       ->type_name("N");
   add_time_options(*fit, given->over_time);

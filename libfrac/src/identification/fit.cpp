@@ -230,13 +230,13 @@ void follow_cost(FitResult& result, const detail::FitProblem& problem, const det
   }
 }
 
-/// Says by which factor noise in the divisor |data| lowers the response, where residuals are noise.
-/// @param residual  relative ones
-void correct_for_noisy_divisor(FitResult& result, const FitOptions& options, const std::vector<double>& residual,
-                               std::size_t per_point) {
+void remark_on_noisy_divisor(FitResult& result, const detail::FitProblem& problem, std::span<const double> theta) {
+  const FitOptions& options = problem.options;
   if (options.component == Component::magnitude || options.component == Component::phase) return;
-  if (!(result.rms > noisy_divisor && std::abs(detail::autocorrelation(residual, per_point, 1)) < plain_misfit)) return;
+  const std::vector<double> residual = residuals_at(problem.residuals, theta);
   const double deviation = options.loss == Loss::none ? result.rms : detail::robust_spread(residual);
+  const double correlation = detail::autocorrelation(residual, problem.residuals.per_point(), 1);
+  if (!(deviation > noisy_divisor) || std::abs(correlation) > plain_misfit) return;
   result.gain_factor = 1 + 2 * deviation * deviation;
   char text[256];
   std::snprintf(text, sizeof text,
@@ -297,9 +297,7 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   refuse_whole_orders(result, structure, options.realisation);
 
   describe_residuals(result, residuals, local, found, solution.best.theta, rule.unit);
-  if (options.weight == Weight::relative) {
-    correct_for_noisy_divisor(result, options, residuals_at(residuals, solution.best.theta), residuals.per_point());
-  }
+  if (options.weight == Weight::relative) remark_on_noisy_divisor(result, problem, solution.best.theta);
   result.termination = solution.best.converged ? FitTermination::converged : FitTermination::not_converged;
   result.seconds = seconds();
   return result;

@@ -68,7 +68,8 @@ std::string reason_against(const FitResult& simple, const FitResult& full, doubl
 
 template <class Data, class Options>
 Growth grown(const Data& data, GrowthFamily family, const Options& options, std::size_t most_terms) {
-  Growth growth{{}, 0, "The structure has as many terms as were allowed."};
+  const std::string enough = "The structure has as many terms as were allowed.";
+  Growth growth{{}, 0, enough};
   const std::size_t residuals = detail::points(data) * detail::residuals_per_point(data, options);
   for (std::size_t terms = 1; terms <= most_terms; ++terms) {
     const NamedModel model = grown_model(family, terms);
@@ -83,12 +84,13 @@ Growth grown(const Data& data, GrowthFamily family, const Options& options, std:
     if (terms == 1) continue;
     const FitResult& simple = growth.fits[growth.chosen];
     const FitResult& full = growth.fits.back();
-    const double correlation = std::max(0.0, residual_whiteness(data, options, full).lag_one_correlation);
+    const double correlation = full.termination == FitTermination::converged
+                                   ? std::max(0.0, residual_whiteness(data, options, full).lag_one_correlation)
+                                   : 0;
     const double gain = (simple.aicc - full.aicc) * (1 - correlation) / (1 + correlation);
-    if (const std::string against = reason_against(simple, full, gain); !against.empty()) {
-      growth.reason = against;
-      break;
-    }
+    growth.reason = reason_against(simple, full, gain);
+    if (!growth.reason.empty()) break;
+    growth.reason = enough;
     growth.chosen = growth.fits.size() - 1;
   }
   return growth;

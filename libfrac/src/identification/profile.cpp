@@ -60,58 +60,55 @@ class Profile {
     const double centre = logarithmic_ ? std::log(best_[parameter_]) : best_[parameter_];
     const double step = confidence_.t * (logarithmic_ ? error / best_[parameter_] : error);
     inside_ = best_;
-    const auto rise = [&](double coordinate) {
-      std::vector<double> there = inside_;
-      const double here = rise_at(coordinate, there);
-      if (here < confidence_.t) inside_ = std::move(there);
-      return here;
-    };
     const double found =
-        profile_end(rise, {centre, step, lower_, upper_, logarithmic_}, side, confidence_.t, tolerance, steps);
+        profile_end([this](double coordinate) { return rise_at(coordinate); },
+                    {centre, step, lower_, upper_, logarithmic_}, side, confidence_.t, tolerance, steps);
     return std::isfinite(found) ? user(found) : found;
   }
 
  private:
   [[nodiscard]] double user(double coordinate) const { return logarithmic_ ? std::exp(coordinate) : coordinate; }
 
-  /// Square root of the rise of the objective above its minimum, in units of that of one standard error, from the
-  /// parameters of a point nearby; these become those of the point.
-  double rise_at(double coordinate, std::vector<double>& parameters) {
+  /// Square root of the rise of the objective above its minimum, in units of that of one standard error.
+  double rise_at(double coordinate) {
     held_.back().fixed = user(coordinate);
     const ParameterMap map(problem_.structure, held_, problem_.map.scale(),
                            problem_.options.component == Component::magnitude);
     const FrequencyResiduals residuals(problem_.data, problem_.structure, problem_.options.realisation, map,
                                        problem_.rule);
-    std::vector<double> start = map.to_theta(predicted(parameters, user(coordinate)));
-    const std::vector<double> unmoved = map.to_theta(parameters);
+    // From the farthest point inside: one outside may lie in another valley.
+    std::vector<double> start = map.to_theta(predicted(user(coordinate)));
+    const std::vector<double> unmoved = map.to_theta(inside_);
     if (!(residuals.cost(start) < residuals.cost(unmoved))) start = unmoved;
     if (!std::isfinite(residuals.cost(start))) return infinity;
     const LocalSolution solution = local_solve(residuals, start, options_);
     if (!std::isfinite(solution.objective)) return infinity;
-    parameters = map.to_user(solution.theta);
     below_minimum_ = below_minimum_ || solution.objective < best_objective_ * (1 - 1e-6);
-    return std::sqrt(std::max(0.0, solution.objective - best_objective_) / confidence_.loss_unit);
+    const double rise = std::sqrt(std::max(0.0, solution.objective - best_objective_) / confidence_.loss_unit);
+    if (rise < confidence_.t) inside_ = map.to_user(solution.theta);
+    return rise;
   }
 
   /// The other parameters moved along with the held one as their covariance says, positive ones as logarithms: in
   /// relative terms of the estimates, in which the covariance holds farthest.
-  [[nodiscard]] std::vector<double> predicted(std::vector<double> parameters, double value) const {
+  [[nodiscard]] std::vector<double> predicted(double value) const {
+    std::vector<double> result = inside_;
     const double variance = confidence_.covariance[parameter_][parameter_];
     const double change =
-        logarithmic_ ? best_[parameter_] * std::log(value / parameters[parameter_]) : value - parameters[parameter_];
+        logarithmic_ ? best_[parameter_] * std::log(value / inside_[parameter_]) : value - inside_[parameter_];
     for (const ParameterMap::Free& entry : problem_.map.free()) {
       const std::size_t i = entry.parameter;
       const double covariance = confidence_.covariance[i][parameter_];
       if (i == parameter_ || !std::isfinite(covariance)) continue;
       const double shift = covariance / variance * change;
       if (entry.logarithmic) {
-        parameters[i] *= std::exp(std::clamp(shift / best_[i], -3.0, 3.0));
+        result[i] *= std::exp(std::clamp(shift / best_[i], -3.0, 3.0));
       } else {
-        parameters[i] += shift;
+        result[i] += shift;
       }
     }
-    parameters[parameter_] = value;
-    return parameters;
+    result[parameter_] = value;
+    return result;
   }
 
   const FitProblem& problem_;
@@ -121,7 +118,7 @@ class Profile {
   std::vector<double> best_;
   double best_objective_;
   std::vector<ParameterConstraint> held_;
-  std::vector<double> inside_;  // parameters at the point inside that is farthest out
+  std::vector<double> inside_;  // parameters at the farthest point within the interval
   bool logarithmic_ = false;
   double lower_ = -infinity, upper_ = infinity;  // of the coordinate
   bool below_minimum_ = false;

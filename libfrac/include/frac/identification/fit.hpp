@@ -80,7 +80,8 @@ struct ParameterEstimate {
   /// correlated with the orders.
   double centre_value, centre_standard_error;
   bool from_other_component;  // the fitted component is blind to it; estimated from the other one with the rest held
-  IntervalKind interval = IntervalKind::curvature;  // wider ones than 10 % of the value on either side: profile
+  /// profile where the interval is wider than 10 % of the value on a side, the fit has no loss and no flat direction.
+  IntervalKind interval = IntervalKind::curvature;
 };
 
 enum class FitTermination {
