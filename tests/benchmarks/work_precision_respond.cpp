@@ -1,8 +1,8 @@
 // Time responses: error against seconds for every method, with the reference itself as judge.  Prints
 // case,method,setting,error,seconds; error is the largest over the largest value, at 300 samples spread in logarithm,
-// seconds are of processor time, for the whole response (set-up apart), the median of 7 repeats.  The case "fft" is the unit F(2^20): one
-// real FFT of that length, by FFTW where the machine has it, else by Eigen's kissfft divided by 4, about what FFTW
-// takes.
+// seconds are of processor time, for the whole response (set-up apart), the median of 7 repeats.  The case "fft" is the
+// unit F(2^20): one real FFT of that length, by FFTW where the machine has it, else by Eigen's kissfft divided by 4,
+// about what FFTW takes.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

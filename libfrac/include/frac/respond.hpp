@@ -16,12 +16,13 @@ enum class Hold {
 };
 
 /// Response of a fractional transfer function to any input given by samples, from rest at the first, as a filter with a
-/// fixed number of states.  With G(s) s^m bounded by 1/|s| at the origin (m = 0 without integrators),
+/// fixed number of states.  With G(s) s^m bounded by 1/|s| at the origin (m = 0 without integrators; more where the
+/// horizon ends before the response has risen, whose parts would cancel),
 ///   G(s) s^m / s = sum over poles and nodes of weight/(s - rate) + constants:
-/// the residues of the poles and the integral along the branch cut by the trapezoidal rule in ln|s|.  Each term answers
-/// a piecewise polynomial exactly, so that only the approximation of G itself errs, by `tolerance` of the largest value
-/// of the step response over the horizon, down to the rounding of terms that cancel where the horizon ends long before
-/// the response has risen.  Sub-sample dead time is exact too.
+/// the residues of the poles and the integral along the branch cut by the trapezoidal rule in ln|s|, which sees a known
+/// share of a pole beside the cut.  Each term answers a piecewise polynomial exactly, so that only the approximation of
+/// G itself errs, by `tolerance` of the largest value of the step response over the horizon.  Sub-sample dead time is
+/// exact too.
 /// Not for improper G (step response infinite at its start).  One object serves one signal; copies are independent.
 class ResponseFilter {
  public:

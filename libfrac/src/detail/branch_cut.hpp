@@ -22,10 +22,10 @@ enum class Avoided { all, crowded };
 [[nodiscard]] BranchCut best_cut(const LaplaceImage& image, double enough, double advantage,
                                  Avoided avoided = Avoided::all);
 
-/// The trapezoidal rule in ln s along a cut for lags of at least `earliest`.  Single poles may lie in its strip, even on
-/// the cut: by the residues of 1/(e^w - 1) at the nodes and at the pole, w = 2 pi i (ln s - node)/step, what the rule
-/// makes of one is short of the truth by the share 1/(1 - e^{-w}) of its residue, all of it for a pole well before the
-/// cut, next to nothing for one well beyond.
+/// The trapezoidal rule in ln s along a cut for lags of at least `earliest`.  Single poles may lie in its strip, even
+/// on the cut: by the residues of 1/(e^w - 1) at the nodes and at the pole, w = 2 pi i (ln s - node)/step, what the
+/// rule makes of one is short of the truth by the share 1/(1 - e^{-w}) of its residue, all of it for a pole well before
+/// the cut, next to nothing for one well beyond.
 class CutRule {
  public:
   /// @param tolerance  what the rule errs by, relative to its largest parts

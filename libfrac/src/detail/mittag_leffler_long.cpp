@@ -82,8 +82,8 @@ const std::vector<LongMittagLeffler::Node>& LongMittagLeffler::nodes(int power, 
     const Real argument = std::atan2(y, line);
     const Real weight = (y == 0 ? 0.5L : 1.0L) * step / pi;
     list.push_back({std::polar(weight * std::exp((line - y) * (line + y) + exponent * log_modulus),
-                                 2 * line * y + exponent * argument),
-                      std::polar(std::exp(2 * Real(alpha_) * log_modulus), 2 * Real(alpha_) * argument)});
+                               2 * line * y + exponent * argument),
+                    std::polar(std::exp(2 * Real(alpha_) * log_modulus), 2 * Real(alpha_) * argument)});
   }
 }
 
