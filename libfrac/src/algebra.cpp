@@ -165,7 +165,8 @@ FractionalTransferFunction feedback(const FractionalTransferFunction& forward,
   const double delay = forward.delay() + backward.delay();
   if (delay > 0) {
     throw std::invalid_argument("feedback: the loop has a dead time of " + detail::number_text(delay) +
-                                " s, so that the closed loop is no ratio of sums of powers");
+                                " s, so that the closed loop is no ratio of sums of powers; the stability analysis of "
+                                "the loop itself says whether it is stable when closed");
   }
   const Terms loop_top = detail::product(forward.numerator(), backward.numerator());
   const Terms loop_bottom = detail::product(forward.denominator(), backward.denominator());

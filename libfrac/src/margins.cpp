@@ -120,6 +120,13 @@ struct PhaseCrossovers {
   double followed_until = infinity;  // ln omega up to which none is left out
 };
 
+// On an undamped pole the phase turns without being -180 degrees anywhere: only there the gain falls by half within a
+// few roundings of the frequency.
+bool is_pole(const FrequencyAxis& axis, double u) {
+  const double near = 64 * epsilon * (1 + std::abs(u));
+  return axis.log_gain(u) - std::max(axis.log_gain(u - near), axis.log_gain(u + near)) > std::log(2.0);
+}
+
 // All of them while turns are left, then those next to the ends of each interval of `points`, on which |L| is monotone.
 PhaseCrossovers phase_crossovers(const FrequencyAxis& axis, const std::vector<double>& points, double delay) {
   PhaseCrossovers result;
@@ -153,6 +160,7 @@ PhaseCrossovers phase_crossovers(const FrequencyAxis& axis, const std::vector<do
     for (int k = 1; k <= quarters_from_end && found.empty(); ++k) found = piece(pieces - k);
     add(found);
   }
+  std::erase_if(result.log_omega, [&](double u) { return is_pole(axis, u); });
   std::sort(result.log_omega.begin(), result.log_omega.end());
   return result;
 }

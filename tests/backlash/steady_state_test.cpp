@@ -5,7 +5,6 @@
 #include <array>
 #include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/quadrature/gauss.hpp>
-#include <chrono>
 #include <cmath>
 #include <complex>
 #include <limits>
@@ -407,8 +406,8 @@ TEST(SteadyState, EnergyBalanceHoldsInEveryRegime) {
   }
 }
 
-TEST(SteadyState, HardCasesEndInTime) {
-  const auto begin = std::chrono::steady_clock::now();
+// 252 points of at most 4e5 impacts each; a hang would meet the time limit of the test runner.
+TEST(SteadyState, HardCasesEnd) {
   for (const double restitution : {0.0, 1e-12, 0.9, 0.99, 0.999, 1 - 1e-12, 1.0}) {
     for (const double gamma : {1e-9, 0.25, 0.5, 1 / pi, 1.0, 10.0, 1e3, 1e5, 1e9}) {
       for (const GapState& start : {mid_gap(), state_at_peak(0, 0), state_at_peak(1, 0), state_at_peak(0, 1e-12)}) {
@@ -420,9 +419,6 @@ TEST(SteadyState, HardCasesEndInTime) {
       }
     }
   }
-  // 252 points of at most 4e5 impacts each, most of them far fewer.  A hang would take for ever; half a minute is no
-  // hang anywhere.
-  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(), 30);
 }
 
 TEST(SteadyState, TooShortAMeanSaysSo) {

@@ -383,6 +383,19 @@ TEST(Stability, ANegativeLimitAtTheOriginIsAPhaseCrossover) {
 }
 
 // s + 2 - K (s + 1)/2: the root -(2 - K/2)/(1 - K/2) passes through infinity at K = 2 and through 0 at 4.
+// The phase of (0.549 - 1.962 jw)/(0.372 - 2.988 w^2) lies in (-90, 0) degrees below the pole and in (90, 180) above.
+TEST(Stability, AnUndampedPoleIsNoPhaseCrossover) {
+  const frac::Margins found = frac::margins(model("(0.549 - 1.962 s)/(2.988 s^2 + 0.372)"));
+  EXPECT_TRUE(found.gain.empty());
+  EXPECT_EQ(found.gain_margin, infinity);
+  EXPECT_EQ(found.gain_reduction, 0);
+  // With a damping ratio of 1e-6 the phase passes -180 degrees next to the pole of 2/(s^2 + 2e-6 s + 1)/(s + 1): where
+  // its imaginary part 2e-6 w + w (1 - w^2) is 0, w^2 = 1 + 2e-6.
+  const frac::Margins damped = frac::margins(model("2/((s^2 + 2e-6 s + 1) (s + 1))"));
+  ASSERT_EQ(damped.gain.size(), 1u);
+  EXPECT_NEAR(damped.gain[0].omega, std::sqrt(1 + 2e-6), 1e-12);
+}
+
 TEST(Stability, ANegativeLimitAtInfinityIsAPhaseCrossover) {
   const auto transfer = model("-0.5 (s + 1)/(s + 2)");
   const frac::Margins found = frac::margins(transfer);

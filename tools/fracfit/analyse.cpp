@@ -185,8 +185,10 @@ void add_analyse(CLI::App& program, Run& run) {
       ->required()
       ->type_name("FORMULA");
   analysis
-      ->add_option("--feedback", given->feedback,
-                   "Analyse the closed loop model/(1 + model FORMULA) in place of the model; no dead time")
+      ->add_option(
+          "--feedback", given->feedback,
+          "Analyse the closed loop model/(1 + model FORMULA) in place of the model; with dead time, give the loop as "
+          "the model: its analysis says whether it is stable when closed")
       ->type_name("FORMULA");
   analysis
       ->add_option("--pictures", given->pictures,
