@@ -13,8 +13,8 @@ namespace frac {
 /// |E|, the zeros of E apart.  Infinite on overflow alone, never NaN.
 /// Evaluation: inverse Laplace transform along a vertical line in w, s = w^2, where the trapezoidal rule converges
 /// geometrically and each pole s^alpha = z is taken out in closed form, so that no z is near a boundary between
-/// formulas (Trefethen, Weideman 2014, section 5; Garrappa 2015 for the poles); for beta < -1 in long double, some twenty
-/// times slower.
+/// formulas (Trefethen, Weideman 2014, section 5; Garrappa 2015 for the poles); for beta < -1 in long double, some
+/// twenty times slower.
 /// @throws std::invalid_argument  alpha not in (0, 100], |beta| > 50, or an argument not finite.
 [[nodiscard]] double mittag_leffler(double alpha, double beta, double z);
 [[nodiscard]] std::complex<double> mittag_leffler(double alpha, double beta, std::complex<double> z);

@@ -46,10 +46,10 @@ struct TimeResponse {
   bool meets_tolerance;  // error_estimate <= tolerance times the largest output
 };
 
-/// Response from rest at rising instants, by the cheapest method that meets the tolerance or by the one asked for; by the
-/// more accurate one where none meets it, the reference being tried where it takes no more than some twenty seconds.
-/// Dead time, integrators, improper models (reference only) and instants of any spacing are welcome; grunwald_letnikov,
-/// bdf2 and ladder want instants 0, T, 2 T, ..., the last two those of the samples.
+/// Response from rest at rising instants, by the cheapest method that meets the tolerance or by the one asked for; by
+/// the more accurate one where none meets it, the reference being tried where it takes no more than some twenty
+/// seconds. Dead time, integrators, improper models (reference only) and instants of any spacing are welcome;
+/// grunwald_letnikov, bdf2 and ladder want instants 0, T, 2 T, ..., the last two those of the samples.
 /// @param time       s, rising; from 0 for a named input, from the first sample for a sampled one
 /// @param tolerance  of the largest output, 1e-15 to 0.1; 1e-13 and above for all but the reference
 /// @throws std::invalid_argument  as ReferenceResponse and ResponseFilter; bad instants or samples, named by their
