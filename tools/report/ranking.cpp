@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "report/figure.hpp"
+#include "report/html.hpp"
 
 namespace report {
 
@@ -111,6 +112,20 @@ Table parameter_table(const std::string& name, const std::string& caption, const
     }
   }
   return table;
+}
+
+void add_verdict(Section& section, const std::string& file, const frac::IdentificationResult& result) {
+  const std::string& id = section.id;
+  std::string verdict = "<p><b>Verdict.</b> " + escape_html(result.verdict_sentence);
+  for (const std::string& skipped : result.skipped)
+    verdict += " Left out: " + escape_html(skipped) + (skipped.ends_with('.') ? "" : ".");
+  section.blocks.emplace_back(Html{verdict + "</p>"});
+  section.blocks.emplace_back(ranking_table(id + "-ranking", "Structures ranked by AICc.", result));
+  section.blocks.emplace_back(parameter_table(id + "-parameters", "All parameters of the ranked structures:", result));
+  section.facts.emplace_back("file_" + id, file);
+  section.facts.emplace_back("verdict_" + id, std::string(frac::to_string(result.verdict)));
+  section.facts.emplace_back("evidence_aicc_" + id, result.evidence);
+  section.findings.push_back("<b>" + section.title + "</b>: " + escape_html(result.verdict_sentence));
 }
 
 const frac::RankedFit* best_of(const frac::IdentificationResult& result, frac::ModelClass model_class) {

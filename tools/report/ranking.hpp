@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "frac/identification/identify.hpp"
+#include "report/section.hpp"
 #include "report/table.hpp"
 
 namespace report {
@@ -28,6 +29,9 @@ namespace report {
 /// One row per parameter, all digits in CSV.
 [[nodiscard]] Table parameter_table(const std::string& name, const std::string& caption,
                                     const frac::IdentificationResult& result);
+
+/// Verdict, ranking and parameters of a measured file, with the facts and the finding they come to.
+void add_verdict(Section& section, const std::string& file, const frac::IdentificationResult& result);
 
 /// Best ranked of a class, or null.
 [[nodiscard]] const frac::RankedFit* best_of(const frac::IdentificationResult& result, frac::ModelClass model_class);

@@ -138,15 +138,7 @@ Section time_section(const Work& work, const std::string& name, const frac::Time
   }
   const frac::IdentificationResult& result = *found;
   section.blocks.emplace_back(time_figure(id, data, result));
-  std::string verdict = "<p><b>Verdict.</b> " + escape_html(result.verdict_sentence);
-  for (const std::string& skipped : result.skipped) verdict += " Left out: " + escape_html(skipped);
-  section.blocks.emplace_back(Html{verdict + "</p>"});
-  section.blocks.emplace_back(ranking_table(id + "-ranking", "Structures ranked by AICc.", result));
-  section.blocks.emplace_back(parameter_table(id + "-parameters", "All parameters of the ranked structures:", result));
-  section.facts.emplace_back("file_" + id, name);
-  section.facts.emplace_back("verdict_" + id, std::string(frac::to_string(result.verdict)));
-  section.facts.emplace_back("evidence_aicc_" + id, result.evidence);
-  section.findings.push_back("<b>" + section.title + "</b>: " + escape_html(result.verdict_sentence));
+  add_verdict(section, name, result);
   return section;
 }
 
