@@ -200,10 +200,15 @@ TEST(Controller, WrongUsageIsNamed) {
     expect_refusal({"controller", "--model", "1/(s^2 - s + 1)", "--sample-time", "0.01", "--format", format},
                    "the model is unstable, with poles at 0.5 +- 0.866");
   }
-  expect_refusal(with(pid, {"--model", "1/s"}), "not both");
+  expect_refusal(with(pid, {"--model", "1/s"}), "--kp is for a PID; the filter of a --model has none");
   expect_refusal({"controller", "--kp", "1", "--lambda", "2", "--sample-time", "1"}, "lambda = 2");
   expect_refusal({"controller", "--ki", "1", "--lambda", "0.5", "--sample-time", "1", "--band", "5:9"},
                  "begins where sample time 1 s ends");
+  for (const std::string option : {"--min", "--lambda", "--anti-windup", "--swing"})
+    expect_refusal({"controller", "--model", "1/(s + 1)", "--sample-time", "1", option,
+                    option == "--anti-windup" ? "none" : "0.5"},
+                   option + " is for a PID");
+  expect_refusal(with(pid, {"--horizon", "1e5"}), "--horizon is for --model");
   expect_refusal({"controller", "--model", "s^0.5", "--sample-time", "1"}, "--band is required for a power");
   expect_refusal({"controller", "--model", "s + 1", "--sample-time", "1"}, "proper");
   expect_refusal({"controller", "--model", "s^0.5 + 1", "--sample-time", "1", "--band", "0.01:1"}, "grows as s^0.5");

@@ -203,8 +203,6 @@ FilterResult filter_for(const frac::FractionalTransferFunction& model, const Con
 
 int run_filter(const ControllerArguments& given) {
   const io::OutputFile out(given.common.out);
-  if (!(given.kp.empty() && given.ki.empty() && given.kd.empty()))
-    throw std::invalid_argument("expected either --model or gains of a PID, not both");
   const auto model = frac::FractionalTransferFunction::parse(given.model);
   const FilterResult result = filter_for(model, given, number_option("--sample-time", given.sample_time));
 
@@ -232,6 +230,29 @@ std::vector<std::string> section_discretisations() {
   std::vector<std::string> words = spellings(frac::discretisations());
   std::erase(words, std::string(frac::to_string(frac::Discretisation::grunwald_letnikov)));
   return words;
+}
+
+// Options of one kind of controller that the other would not heed.
+const std::vector<std::string> pid_options{"--kp",
+                                           "--ki",
+                                           "--kd",
+                                           "--lambda",
+                                           "--mu",
+                                           "--min",
+                                           "--max",
+                                           "--anti-windup",
+                                           "--tracking-time",
+                                           "--derivative-filter",
+                                           "--setpoint-weight",
+                                           "--derivative-setpoint-weight",
+                                           "--swing"};
+const std::vector<std::string> filter_options{"--horizon"};
+
+std::string first_given(const CLI::App& subcommand, const std::vector<std::string>& names) {
+  for (const std::string& name : names) {
+    if (subcommand.count(name) > 0) return name;
+  }
+  return {};
 }
 
 }  // namespace
@@ -291,8 +312,15 @@ void add_controller(CLI::App& program, Run& run) {
       "  fracfit controller --model '1/(0.8 s^2.2 + 0.5 s^0.9 + 1)' --sample-time 0.01 --precision float --out "
       "plant.h\n"
       "  fracfit controller --model '1/(0.8 s^2.2 + 0.5 s^0.9 + 1)' --sample-time 0.01 --band 0.01:100 --format table");
-  controller->callback(
-      [given, &run] { run = [given] { return given->model.empty() ? run_pid(*given) : run_filter(*given); }; });
+  controller->callback([given, controller, &run] {
+    const std::string stray = first_given(*controller, given->model.empty() ? filter_options : pid_options);
+    run = [given, stray] {
+      if (!stray.empty())
+        throw std::invalid_argument(stray + (given->model.empty() ? " is for --model; a PID takes none"
+                                                                  : " is for a PID; the filter of a --model has none"));
+      return given->model.empty() ? run_pid(*given) : run_filter(*given);
+    };
+  });
 }
 
 }  // namespace fracfit
