@@ -72,7 +72,8 @@ const ParameterEstimate* decided_order(const FitResult& fit, double share) {
   const Structure structure(fit.model);
   const ParameterEstimate* decided = nullptr;
   double farthest = 1;
-  for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
+  // The offset of a fit over time comes after the structure's own.
+  for (std::size_t i = 0; i < structure.parameter_names().size(); ++i) {
     const ParameterEstimate& estimate = fit.parameters[i];
     if (structure.parameter_roles()[i] != ParameterRole::order || estimate.at_bound) continue;
     if (!estimate.fixed && !std::isfinite(estimate.standard_error)) continue;
