@@ -67,11 +67,28 @@ void powers() {
   }
 }
 
+std::vector<double> noise(std::size_t samples) {
+  support::Random random(1);
+  std::vector<double> values;
+  for (std::size_t n = 0; n < samples; ++n) values.push_back(random.normal());
+  return values;
+}
+
+// Median of five runs from rest.
+double seconds_of(frac::DigitalFilter<double>& filter, const std::vector<double>& input, std::vector<double>& output) {
+  std::vector<double> seconds;
+  for (int repeat = 0; repeat < 5; ++repeat) {
+    filter.reset();
+    const double start = processor_seconds();
+    filter.run(input, output);
+    seconds.push_back(processor_seconds() - start);
+  }
+  return median(seconds);
+}
+
 void filters(std::size_t samples) {
   const double sample_time = 1e-3;
-  support::Random random(1);
-  std::vector<double> input;
-  for (std::size_t n = 0; n < samples; ++n) input.push_back(random.normal());
+  const std::vector<double> input = noise(samples);
   std::vector<double> output(samples);
   for (const double ratio : {1e4, 1e10}) {
     for (const int poles : {15, 30}) {
@@ -80,16 +97,10 @@ void filters(std::size_t samples) {
       design.sample_time = sample_time;
       design.sections = frac::discretise(system, sample_time).parallel;
       frac::DigitalFilter<double> filter(design);
-      std::vector<double> seconds;
-      for (int repeat = 0; repeat < 5; ++repeat) {
-        filter.reset();
-        const double start = processor_seconds();
-        filter.run(input, output);
-        seconds.push_back(processor_seconds() - start);
-      }
+      const double seconds = seconds_of(filter, input, output);
       const std::vector<Quad> exact = support::filter_in_quadruple(system, sample_time, input);
       std::printf("s^0.5 fs/wb = %.0e,parallel sections,%d poles %zu samples,%.2e,%.2e\n", ratio, poles, samples,
-                  support::worst_difference(exact, output), median(seconds) / static_cast<double>(samples) / poles);
+                  support::worst_difference(exact, output), seconds / static_cast<double>(samples) / poles);
       std::vector<double> signal = input;
       for (const auto& section : frac::discretise(system, sample_time).cascade.sections) {
         double v = 0;
@@ -109,9 +120,7 @@ void filters(std::size_t samples) {
 }
 
 void direct_designs(std::size_t samples) {
-  support::Random random(1);
-  std::vector<double> input;
-  for (std::size_t n = 0; n < samples; ++n) input.push_back(random.normal());
+  const std::vector<double> input = noise(samples);
   std::vector<double> output(samples);
   const double sample_time = 1e-3;
   for (const double order : {0.1, 0.5, 0.9, -0.5}) {
@@ -120,18 +129,12 @@ void direct_designs(std::size_t samples) {
       const auto power = frac::digital_power(order, {upper / 1e10, upper}, frac::PoleCount{30}, sample_time);
       const auto design = filter_design(power);
       frac::DigitalFilter<double> filter(design);
-      std::vector<double> seconds;
-      for (int repeat = 0; repeat < 5; ++repeat) {
-        filter.reset();
-        const double start = processor_seconds();
-        filter.run(input, output);
-        seconds.push_back(processor_seconds() - start);
-      }
+      const double seconds = seconds_of(filter, input, output);
       const double sections = static_cast<double>(design.sections.rates.size());
       std::printf("s^%g to %g fs fs/wb = %.0e,direct,30 poles %zu taps %zu samples,%.2e,%.2e\n", order, share,
                   1e10 / share, design.taps.size(), samples,
                   support::worst_difference(support::design_in_quadruple(design, input), output),
-                  median(seconds) / static_cast<double>(samples) / sections);
+                  seconds / static_cast<double>(samples) / sections);
       std::fflush(stdout);
     }
   }
