@@ -1,4 +1,4 @@
-#include "detail/gap_motion.hpp"
+#include "motion/gap_motion.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,9 +8,9 @@
 
 #include "backlash/describing_function.hpp"
 #include "backlash/impact_simulation.hpp"
-#include "detail/gap_motion.hpp"
-#include "detail/steady_state.hpp"
-#include "detail/two_impact_orbit.hpp"
+#include "motion/gap_motion.hpp"
+#include "steady_state/steady_state.hpp"
+#include "steady_state/two_impact_orbit.hpp"
 #include "support/random.hpp"
 
 namespace {

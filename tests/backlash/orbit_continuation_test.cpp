@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "backlash/jump_frequency.hpp"
-#include "detail/gap_motion.hpp"
-#include "detail/orbit_branch.hpp"
-#include "detail/two_impact_orbit.hpp"
+#include "continuation/orbit_branch.hpp"
+#include "motion/gap_motion.hpp"
+#include "steady_state/two_impact_orbit.hpp"
 #include "support/expect_invalid_argument.hpp"
 
 namespace {

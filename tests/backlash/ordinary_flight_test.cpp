@@ -1,4 +1,4 @@
-#include "detail/ordinary_flight.hpp"
+#include "motion/ordinary_flight.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <optional>
 #include <vector>
 
-#include "detail/harmonics.hpp"
-#include "detail/two_impact_orbit.hpp"
+#include "motion/harmonics.hpp"
+#include "steady_state/two_impact_orbit.hpp"
 #include "support/count_allocations.hpp"
 #include "support/random.hpp"
 

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-#include "detail/steady_state.hpp"
+#include "steady_state/steady_state.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/random.hpp"
 #include "support/relative_error.hpp"

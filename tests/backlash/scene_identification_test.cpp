@@ -1,4 +1,4 @@
-#include "backlash/scene_identification.hpp"
+#include "backlash/identification/scene_identification.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,10 +7,10 @@
 #include <limits>
 #include <vector>
 
+#include "backlash/identification/scene_comparison.hpp"
 #include "backlash/jump_frequency.hpp"
-#include "backlash/scene_comparison.hpp"
-#include "detail/scene_response.hpp"
-#include "detail/two_impact_orbit.hpp"
+#include "identification/scene_response.hpp"
+#include "steady_state/two_impact_orbit.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/random.hpp"
 #include "support/relative_error.hpp"

@@ -1,4 +1,4 @@
-#include "detail/steady_state.hpp"
+#include "steady_state/steady_state.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,8 +14,8 @@
 
 #include "backlash/chatter_reference.hpp"
 #include "backlash/extended_motion.hpp"
-#include "detail/closed_orbit.hpp"
-#include "detail/two_impact_orbit.hpp"
+#include "steady_state/closed_orbit.hpp"
+#include "steady_state/two_impact_orbit.hpp"
 #include "support/random.hpp"
 #include "support/reference_table.hpp"
 #include "support/relative_error.hpp"

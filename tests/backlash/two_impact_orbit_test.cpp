@@ -1,12 +1,12 @@
-#include "detail/two_impact_orbit.hpp"
+#include "steady_state/two_impact_orbit.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "detail/closed_orbit.hpp"
-#include "detail/symmetric_orbits.hpp"
+#include "steady_state/closed_orbit.hpp"
+#include "steady_state/symmetric_orbits.hpp"
 #include "support/random.hpp"
 
 namespace {

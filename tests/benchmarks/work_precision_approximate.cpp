@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "frac/approximate.hpp"
+#include "frac/approximation/approximate.hpp"
 
 namespace {
 

@@ -16,8 +16,8 @@
 #include <vector>
 
 #include "digital/section_kernel_loops.hpp"
-#include "frac/digital_filter.hpp"
-#include "frac/fractional_pid.hpp"
+#include "frac/digital/digital_filter.hpp"
+#include "frac/digital/fractional_pid.hpp"
 #include "support/filter_in_quadruple.hpp"
 #include "support/random.hpp"
 

@@ -17,15 +17,15 @@
 #include <vector>
 
 #include "backlash/describing_function.hpp"
-#include "backlash/jump_law.hpp"
+#include "backlash/identification/jump_law.hpp"
 #include "backlash/regime_map.hpp"
 #include "backlash/static_backlash.hpp"
-#include "detail/gap_motion.hpp"
-#include "detail/harmonics.hpp"
-#include "detail/steady_state.hpp"
-#include "detail/symmetric_orbits.hpp"
+#include "motion/gap_motion.hpp"
+#include "motion/harmonics.hpp"
 #include "report/fixed_step_jump.hpp"
 #include "report/fixed_step_reference.hpp"
+#include "steady_state/steady_state.hpp"
+#include "steady_state/symmetric_orbits.hpp"
 #include "support/reference_table.hpp"
 #include "support/relative_error.hpp"
 

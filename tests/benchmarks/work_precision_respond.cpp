@@ -16,9 +16,9 @@
 #include <fftw3.h>
 #endif
 
-#include "frac/reference_response.hpp"
-#include "frac/respond.hpp"
-#include "frac/response_methods.hpp"
+#include "frac/time_response/reference_response.hpp"
+#include "frac/time_response/respond.hpp"
+#include "frac/time_response/response_methods.hpp"
 #include "support/random.hpp"
 #include "support/step_systems.hpp"
 

@@ -1,4 +1,4 @@
-#include "frac/algebra.hpp"
+#include "frac/model/algebra.hpp"
 
 #include <gtest/gtest.h>
 

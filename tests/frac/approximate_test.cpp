@@ -1,4 +1,4 @@
-#include "frac/approximate.hpp"
+#include "frac/approximation/approximate.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "frac/oustaloup.hpp"
+#include "frac/approximation/oustaloup.hpp"
 #include "frac/realisation.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/random.hpp"

@@ -1,4 +1,4 @@
-#include "frac/c_header.hpp"
+#include "frac/digital/c_header.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>

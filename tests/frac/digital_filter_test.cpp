@@ -1,4 +1,4 @@
-#include "frac/digital_filter.hpp"
+#include "frac/digital/digital_filter.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "frac/respond.hpp"
+#include "frac/time_response/respond.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/filter_in_quadruple.hpp"
 #include "support/random.hpp"

@@ -1,4 +1,4 @@
-#include "detail/dimension_analysis.hpp"
+#include "formula/dimension_analysis.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "frac/discretise.hpp"
+#include "frac/digital/discretise.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "detail/event_response.hpp"
+#include "time_response/event_response.hpp"
 
 #include <gtest/gtest.h>
 

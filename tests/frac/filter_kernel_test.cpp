@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "detail/filter_kernel_loops.hpp"
 #include "support/random.hpp"
+#include "time_response/filter_kernel_loops.hpp"
 
 namespace {
 

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "frac/digital_filter.hpp"
-#include "frac/fractional_pid.hpp"
+#include "frac/digital/digital_filter.hpp"
+#include "frac/digital/fractional_pid.hpp"
 #include "support/count_allocations.hpp"
 
 namespace {

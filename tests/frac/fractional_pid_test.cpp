@@ -1,4 +1,4 @@
-#include "frac/fractional_pid.hpp"
+#include "frac/digital/fractional_pid.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <numbers>
 #include <vector>
 
-#include "frac/fractional_transfer_function.hpp"
-#include "frac/reference_response.hpp"
+#include "frac/model/fractional_transfer_function.hpp"
+#include "frac/time_response/reference_response.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/random.hpp"
 

@@ -3,8 +3,8 @@
 #include <optional>
 #include <string>
 
-#include "frac/c_header.hpp"
-#include "frac/fractional_pid.hpp"
+#include "frac/digital/c_header.hpp"
+#include "frac/digital/fractional_pid.hpp"
 
 int main() {
   frac::FractionalPidConfig config;

@@ -1,4 +1,4 @@
-#include "frac/fractional_transfer_function.hpp"
+#include "frac/model/fractional_transfer_function.hpp"
 
 #include <gtest/gtest.h>
 

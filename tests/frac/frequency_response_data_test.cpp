@@ -1,4 +1,4 @@
-#include "frac/frequency_response_data.hpp"
+#include "frac/model/frequency_response_data.hpp"
 
 #include <gtest/gtest.h>
 

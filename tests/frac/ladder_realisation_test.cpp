@@ -4,7 +4,7 @@
 #include <complex>
 #include <numbers>
 
-#include "frac/approximate.hpp"
+#include "frac/approximation/approximate.hpp"
 #include "frac/realisation.hpp"
 #include "frac/structure.hpp"
 #include "support/expect_invalid_argument.hpp"

@@ -1,4 +1,4 @@
-#include "frac/oustaloup.hpp"
+#include "frac/approximation/oustaloup.hpp"
 
 #include <gtest/gtest.h>
 

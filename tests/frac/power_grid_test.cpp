@@ -1,4 +1,4 @@
-#include "detail/power_grid.hpp"
+#include "realisation/power_grid.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "detail/exact_power.hpp"
+#include "special/exact_power.hpp"
 
 namespace {
 

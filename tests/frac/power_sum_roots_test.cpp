@@ -1,11 +1,11 @@
-#include "detail/power_sum_roots.hpp"
+#include "poles/power_sum_roots.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "detail/power_sum.hpp"
+#include "formula/power_sum.hpp"
 #include "support/random.hpp"
 #include "support/step_systems.hpp"
 

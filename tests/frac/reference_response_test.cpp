@@ -1,4 +1,4 @@
-#include "frac/reference_response.hpp"
+#include "frac/time_response/reference_response.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
-#include "frac/respond.hpp"
+#include "frac/time_response/respond.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "frac/reference_response.hpp"
+#include "frac/time_response/reference_response.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/observed_order.hpp"
 #include "support/random.hpp"

@@ -1,4 +1,4 @@
-#include "frac/response_methods.hpp"
+#include "frac/time_response/response_methods.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <string>
 
-#include "frac/algebra.hpp"
+#include "frac/model/algebra.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/random.hpp"
 #include "support/relative_error.hpp"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "frac/fractional_transfer_function.hpp"
+#include "frac/model/fractional_transfer_function.hpp"
 #include "frac/structure.hpp"
 #include "support/random.hpp"
 

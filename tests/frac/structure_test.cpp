@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "frac/fractional_transfer_function.hpp"
+#include "frac/model/fractional_transfer_function.hpp"
 #include "frac/parallel_for.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/relative_error.hpp"

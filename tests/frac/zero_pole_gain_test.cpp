@@ -1,4 +1,4 @@
-#include "frac/zero_pole_gain.hpp"
+#include "frac/approximation/zero_pole_gain.hpp"
 
 #include <gtest/gtest.h>
 

@@ -12,8 +12,8 @@
 #include <type_traits>
 #include <vector>
 
-#include "approximation/ladder_table.hpp"
 #include "frac/structure.hpp"
+#include "realisation/ladder_table.hpp"
 
 namespace {
 

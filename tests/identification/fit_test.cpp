@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "frac/fractional_transfer_function.hpp"
+#include "frac/approximation/oustaloup.hpp"
 #include "frac/grunwald_letnikov.hpp"
-#include "frac/oustaloup.hpp"
+#include "frac/model/fractional_transfer_function.hpp"
 #include "support/relative_error.hpp"
 
 namespace {

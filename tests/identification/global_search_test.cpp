@@ -1,5 +1,5 @@
 // The search for the global optimum: how often it is found, and what is said about it.
-#include "identification/global_search.hpp"
+#include "identification/search/global_search.hpp"
 
 #include <gtest/gtest.h>
 

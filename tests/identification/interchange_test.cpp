@@ -1,4 +1,4 @@
-#include "identification/interchange.hpp"
+#include "identification/search/interchange.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "identification/linear_start.hpp"
+#include "identification/residuals/linear_start.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "frac/fractional_transfer_function.hpp"
+#include "frac/model/fractional_transfer_function.hpp"
 #include "support/noisy_response.hpp"
 
 namespace {

@@ -1,4 +1,4 @@
-#include "identification/residuals.hpp"
+#include "identification/residuals/residuals.hpp"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "identification/parameter_map.hpp"
+#include "identification/residuals/parameter_map.hpp"
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "identification/triangular_form.hpp"
+#include "identification/search/triangular_form.hpp"
 
 #include <gtest/gtest.h>
 

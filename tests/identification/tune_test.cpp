@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "frac/respond.hpp"
+#include "frac/time_response/respond.hpp"
 #include "support/expect_invalid_argument.hpp"
 
 namespace {

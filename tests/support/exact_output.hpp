@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "frac/reference_response.hpp"
-#include "frac/respond.hpp"
+#include "frac/time_response/reference_response.hpp"
+#include "frac/time_response/respond.hpp"
 
 namespace support {
 

@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "frac/digital_filter.hpp"
-#include "frac/zero_pole_gain.hpp"
+#include "frac/approximation/zero_pole_gain.hpp"
+#include "frac/digital/digital_filter.hpp"
 
 namespace support {
 

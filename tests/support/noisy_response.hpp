@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "frac/frequency_response_data.hpp"
+#include "frac/model/frequency_response_data.hpp"
 #include "frac/structure.hpp"
 
 namespace support {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "frac/fractional_transfer_function.hpp"
+#include "frac/model/fractional_transfer_function.hpp"
 
 namespace support {
 

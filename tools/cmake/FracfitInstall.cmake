@@ -8,14 +8,13 @@ install(TARGETS fracfit_frac fracfit_backlash EXPORT fracfit-core COMPONENT core
 install(DIRECTORY libfrac/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT core
         PATTERN "identification" EXCLUDE)
 install(DIRECTORY libbacklash/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT core
-        REGEX "/(jump_law|scene_comparison|scene_identification)\\.hpp$" EXCLUDE)
+        PATTERN "identification" EXCLUDE)
 install(EXPORT fracfit-core NAMESPACE fracfit:: DESTINATION ${package_dir} COMPONENT core)
 if(FRAC_BUILD_FITTING)
   install(TARGETS fracfit_identification fracfit_backlash_identification EXPORT fracfit-fitting COMPONENT fitting
           ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
   install(DIRECTORY libfrac/include/frac/identification DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/frac COMPONENT fitting)
-  install(DIRECTORY libbacklash/include/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT fitting
-          FILES_MATCHING REGEX "/(jump_law|scene_comparison|scene_identification)\\.hpp$")
+  install(DIRECTORY libbacklash/include/backlash/identification DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/backlash COMPONENT fitting)
   install(EXPORT fracfit-fitting NAMESPACE fracfit:: DESTINATION ${package_dir} COMPONENT fitting)
 endif()
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/fracfitConfig.cmake.in ${PROJECT_BINARY_DIR}/fracfitConfig.cmake

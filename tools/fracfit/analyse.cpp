@@ -9,7 +9,7 @@
 #include "aligned_table.hpp"
 #include "common_options.hpp"
 #include "exit_code.hpp"
-#include "frac/algebra.hpp"
+#include "frac/model/algebra.hpp"
 #include "frac/stability.hpp"
 #include "io/sweep_file.hpp"
 #include "json_number.hpp"

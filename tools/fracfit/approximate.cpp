@@ -1,4 +1,4 @@
-#include "frac/approximate.hpp"
+#include "frac/approximation/approximate.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -11,7 +11,7 @@
 #include "choice.hpp"
 #include "common_options.hpp"
 #include "exit_code.hpp"
-#include "frac/discretise.hpp"
+#include "frac/digital/discretise.hpp"
 #include "subcommand.hpp"
 
 namespace fracfit {

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "frac/approximate.hpp"
-#include "frac/discretise.hpp"
+#include "frac/approximation/approximate.hpp"
+#include "frac/digital/discretise.hpp"
 
 namespace fracfit {
 

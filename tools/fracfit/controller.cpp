@@ -10,9 +10,9 @@
 #include "common_options.hpp"
 #include "controller_output.hpp"
 #include "exit_code.hpp"
-#include "frac/c_header.hpp"
-#include "frac/digital_filter.hpp"
-#include "frac/fractional_pid.hpp"
+#include "frac/digital/c_header.hpp"
+#include "frac/digital/digital_filter.hpp"
+#include "frac/digital/fractional_pid.hpp"
 #include "io/sweep_file.hpp"
 #include "subcommand.hpp"
 

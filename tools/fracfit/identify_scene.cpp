@@ -6,7 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "backlash/scene_identification.hpp"
+#include "backlash/identification/scene_identification.hpp"
 #include "choice.hpp"
 #include "common_options.hpp"
 #include "exit_code.hpp"

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "backlash/scene_comparison.hpp"
-#include "backlash/scene_identification.hpp"
+#include "backlash/identification/scene_comparison.hpp"
+#include "backlash/identification/scene_identification.hpp"
 #include "io/text_table.hpp"
 
 namespace fracfit {

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "backlash/describing_function.hpp"
-#include "backlash/jump_law.hpp"
+#include "backlash/identification/jump_law.hpp"
 #include "fit_output.hpp"
 #include "fit_statistics.hpp"
 #include "frac/identification/identify.hpp"

@@ -1,4 +1,4 @@
-#include "backlash/jump_law.hpp"
+#include "backlash/identification/jump_law.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <string>
 
-#include "backlash/jump_law.hpp"
+#include "backlash/identification/jump_law.hpp"
 
 namespace fracfit {
 

@@ -10,7 +10,7 @@
 #include "choice.hpp"
 #include "common_options.hpp"
 #include "exit_code.hpp"
-#include "frac/response_methods.hpp"
+#include "frac/time_response/response_methods.hpp"
 #include "io/data_error.hpp"
 #include "io/number.hpp"
 #include "io/number_list.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "frac/frequency_response_data.hpp"
+#include "frac/model/frequency_response_data.hpp"
 #include "io/point_filter.hpp"
 #include "io/text_table.hpp"
 

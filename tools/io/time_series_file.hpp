@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "frac/time_response_data.hpp"
+#include "frac/model/time_response_data.hpp"
 #include "io/text_table.hpp"
 
 namespace io {

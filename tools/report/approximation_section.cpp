@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "frac/approximate.hpp"
-#include "frac/digital_filter.hpp"
+#include "frac/approximation/approximate.hpp"
+#include "frac/digital/digital_filter.hpp"
 #include "report/html.hpp"
 #include "report/sections.hpp"
 

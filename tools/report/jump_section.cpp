@@ -5,8 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include "backlash/identification/jump_law.hpp"
 #include "backlash/jump_frequency.hpp"
-#include "backlash/jump_law.hpp"
 #include "io/number.hpp"
 #include "report/fixed_step_jump.hpp"
 #include "report/grid.hpp"

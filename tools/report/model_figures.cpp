@@ -8,8 +8,8 @@
 #include <optional>
 #include <utility>
 
-#include "frac/response_methods.hpp"
 #include "frac/stability.hpp"
+#include "frac/time_response/response_methods.hpp"
 #include "report/grid.hpp"
 #include "report/html.hpp"
 

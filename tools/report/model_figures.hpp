@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "frac/fractional_transfer_function.hpp"
+#include "frac/model/fractional_transfer_function.hpp"
 #include "report/figure.hpp"
 
 namespace report {

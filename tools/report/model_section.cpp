@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "frac/identification/time_fit.hpp"
-#include "frac/reference_response.hpp"
-#include "frac/response_methods.hpp"
+#include "frac/time_response/reference_response.hpp"
+#include "frac/time_response/response_methods.hpp"
 #include "io/number.hpp"
 #include "report/html.hpp"
 #include "report/model_figures.hpp"

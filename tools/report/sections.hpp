@@ -6,8 +6,8 @@
 
 #include "backlash/describing_function.hpp"
 #include "frac/identification/identify.hpp"
+#include "frac/model/time_response_data.hpp"
 #include "frac/parallel_for.hpp"
-#include "frac/time_response_data.hpp"
 #include "io/frequency_response_file.hpp"
 #include "report/scene.hpp"
 #include "report/section.hpp"

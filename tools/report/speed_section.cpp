@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "backlash/jump_frequency.hpp"
+#include "frac/approximation/oustaloup.hpp"
 #include "frac/grunwald_letnikov.hpp"
-#include "frac/oustaloup.hpp"
 #include "report/fixed_step_reference.hpp"
 #include "report/grid.hpp"
 #include "report/html.hpp"

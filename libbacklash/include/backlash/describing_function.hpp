@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "backlash/two_mass_system.hpp"
-#include "frac/frequency_response_data.hpp"
+#include "frac/model/frequency_response_data.hpp"
 #include "frac/parallel_for.hpp"
 
 namespace backlash {

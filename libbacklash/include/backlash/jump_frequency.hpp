@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "backlash/describing_function.hpp"
-#include "frac/frequency_response_data.hpp"
+#include "frac/model/frequency_response_data.hpp"
 
 namespace backlash {
 

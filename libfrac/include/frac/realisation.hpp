@@ -6,7 +6,7 @@
 #include <string>
 #include <variant>
 
-#include "frac/zero_pole_gain.hpp"
+#include "frac/approximation/zero_pole_gain.hpp"
 
 namespace frac {
 

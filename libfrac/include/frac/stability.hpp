@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "frac/fractional_transfer_function.hpp"
+#include "frac/model/fractional_transfer_function.hpp"
 
 namespace frac {
 

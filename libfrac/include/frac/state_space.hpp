@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "frac/fractional_transfer_function.hpp"
-#include "frac/zero_pole_gain.hpp"
+#include "frac/approximation/zero_pole_gain.hpp"
+#include "frac/model/fractional_transfer_function.hpp"
 
 namespace frac {
 

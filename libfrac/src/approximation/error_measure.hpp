@@ -1,6 +1,6 @@
 #pragma once
 
-#include "frac/approximate.hpp"
+#include "frac/approximation/approximate.hpp"
 
 namespace frac::detail {
 

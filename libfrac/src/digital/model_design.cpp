@@ -5,12 +5,12 @@
 #include <stdexcept>
 #include <string>
 
-#include "../detail/exponential_sum.hpp"
-#include "../detail/laplace_image.hpp"
-#include "../detail/number_text.hpp"
-#include "../detail/phi_functions.hpp"
-#include "../detail/power_sum.hpp"
-#include "frac/digital_filter.hpp"
+#include "base/number_text.hpp"
+#include "formula/power_sum.hpp"
+#include "frac/digital/digital_filter.hpp"
+#include "poles/laplace_image.hpp"
+#include "special/phi_functions.hpp"
+#include "time_response/exponential_sum.hpp"
 
 namespace frac {
 namespace {

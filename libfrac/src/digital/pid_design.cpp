@@ -7,9 +7,9 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "../detail/number_text.hpp"
+#include "base/number_text.hpp"
 #include "correction_taps.hpp"
-#include "frac/fractional_pid.hpp"
+#include "frac/digital/fractional_pid.hpp"
 #include "power_design.hpp"
 #include "section_kernel.hpp"
 #include "tap_line.hpp"

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "frac/discretise.hpp"
+#include "frac/digital/discretise.hpp"
 
 namespace frac::detail {
 

@@ -2,9 +2,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "../detail/number_text.hpp"
-#include "../detail/phi_functions.hpp"
-#include "frac/digital_filter.hpp"
+#include "base/number_text.hpp"
+#include "frac/digital/digital_filter.hpp"
+#include "special/phi_functions.hpp"
 
 namespace frac {
 namespace {

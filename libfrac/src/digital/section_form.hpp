@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "frac/discretise.hpp"
+#include "frac/digital/discretise.hpp"
 
 namespace frac::detail {
 

@@ -8,15 +8,15 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "autocorrelation.hpp"
-#include "confidence.hpp"
-#include "curvature_fit.hpp"
-#include "estimates.hpp"
-#include "fit_problem.hpp"
-#include "global_search.hpp"
-#include "interchange.hpp"
-#include "profile.hpp"
-#include "robust.hpp"
+#include "identification/residuals/fit_problem.hpp"
+#include "identification/search/global_search.hpp"
+#include "identification/search/interchange.hpp"
+#include "identification/search/robust.hpp"
+#include "identification/statistics/autocorrelation.hpp"
+#include "identification/statistics/confidence.hpp"
+#include "identification/statistics/curvature_fit.hpp"
+#include "identification/statistics/estimates.hpp"
+#include "identification/statistics/profile.hpp"
 
 namespace frac {
 

@@ -7,11 +7,11 @@
 #include <optional>
 #include <stdexcept>
 
-#include "autocorrelation.hpp"
-#include "fit_data.hpp"
 #include "frac/parallel_for.hpp"
-#include "information.hpp"
-#include "residual_rule.hpp"
+#include "identification/data/fit_data.hpp"
+#include "identification/data/residual_rule.hpp"
+#include "identification/statistics/autocorrelation.hpp"
+#include "identification/statistics/information.hpp"
 
 namespace frac {
 

@@ -9,9 +9,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "autocorrelation.hpp"
-#include "curvature_fit.hpp"
-#include "fit_data.hpp"
+#include "identification/data/fit_data.hpp"
+#include "identification/statistics/autocorrelation.hpp"
+#include "identification/statistics/curvature_fit.hpp"
 
 namespace frac {
 

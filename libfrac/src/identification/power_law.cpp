@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "../detail/number_text.hpp"
+#include "base/number_text.hpp"
 #include "frac/identification/statistics.hpp"
 
 namespace frac {

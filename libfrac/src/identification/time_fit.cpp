@@ -9,13 +9,13 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "../detail/number_text.hpp"
-#include "confidence.hpp"
-#include "estimates.hpp"
-#include "fit_data.hpp"
+#include "base/number_text.hpp"
 #include "frac/identification/model_choice.hpp"
-#include "robust.hpp"
-#include "time_search.hpp"
+#include "identification/data/fit_data.hpp"
+#include "identification/search/robust.hpp"
+#include "identification/search/time_search.hpp"
+#include "identification/statistics/confidence.hpp"
+#include "identification/statistics/estimates.hpp"
 
 namespace frac {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <limits>
 
-#include "../approximation/log_pole_problem.hpp"
+#include "approximation/log_pole_problem.hpp"
 #include "model_on_band.hpp"
 
 namespace frac::detail {

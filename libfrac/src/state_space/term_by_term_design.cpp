@@ -4,7 +4,7 @@
 #include <limits>
 #include <numbers>
 
-#include "frac/approximate.hpp"
+#include "frac/approximation/approximate.hpp"
 #include "model_on_band.hpp"
 
 namespace frac::detail {

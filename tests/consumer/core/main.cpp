@@ -2,7 +2,7 @@
 // millisecond.
 #include <backlash/two_mass_plant.hpp>
 #include <cstdio>
-#include <frac/fractional_pid.hpp>
+#include <frac/digital/fractional_pid.hpp>
 
 int main() {
   frac::FractionalPidConfig config;

@@ -1,6 +1,6 @@
 // A fractional lag fitted to the imaginary part of its own response.
-#include <frac/fractional_transfer_function.hpp>
 #include <frac/identification/fit.hpp>
+#include <frac/model/fractional_transfer_function.hpp>
 #include <iostream>
 
 int main() {

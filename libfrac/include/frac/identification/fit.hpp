@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "frac/frequency_response_data.hpp"
+#include "frac/model/frequency_response_data.hpp"
 #include "frac/realisation.hpp"
 #include "frac/structure.hpp"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "frac/identification/fit.hpp"
-#include "frac/time_response_data.hpp"
+#include "frac/model/time_response_data.hpp"
 
 namespace frac {
 

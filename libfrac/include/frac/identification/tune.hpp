@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "frac/fractional_pid_gains.hpp"
-#include "frac/fractional_transfer_function.hpp"
+#include "frac/digital/fractional_pid_gains.hpp"
+#include "frac/model/fractional_transfer_function.hpp"
 #include "frac/stability.hpp"
 
 namespace frac {

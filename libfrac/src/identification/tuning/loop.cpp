@@ -7,7 +7,7 @@
 #include <optional>
 #include <stdexcept>
 
-#include "../../detail/number_text.hpp"
+#include "base/number_text.hpp"
 #include "frac/fractional_derivative.hpp"
 
 namespace frac::detail {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "frac/identification/tune.hpp"
-#include "frac/respond.hpp"
+#include "frac/time_response/respond.hpp"
 
 namespace frac::detail {
 

@@ -7,8 +7,8 @@
 #include <numbers>
 #include <string>
 
-#include "../../detail/number_text.hpp"
-#include "../../detail/power_sum.hpp"
+#include "base/number_text.hpp"
+#include "formula/power_sum.hpp"
 #include "loop.hpp"
 
 namespace frac::detail {

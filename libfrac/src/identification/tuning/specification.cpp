@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "../../detail/number_text.hpp"
+#include "base/number_text.hpp"
 
 namespace frac::detail {
 namespace {

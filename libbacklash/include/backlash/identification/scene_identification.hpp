@@ -1,0 +1,118 @@
+#pragma once
+
+#include <array>
+#include <complex>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "backlash/describing_function.hpp"
+#include "frac/identification/fit.hpp"
+#include "frac/model/frequency_response_data.hpp"
+
+namespace backlash {
+
+/// One measured curve N(F, omega) in m/N and the amplitude of the force it was taken at.
+struct MeasuredDescribingFunction {
+  frac::FrequencyResponseData data;
+  double force_amplitude;  // N, > 0
+};
+
+struct SceneIdentificationOptions {
+  Output output = Output::x1;                         // whose motion was measured
+  frac::Component component = frac::Component::both;  // both, real or imaginary
+  /// relative: noise in proportion to |N|, that of the model for both parts, of the data for one; given: the sigma of
+  /// the data; absolute: equal noise.
+  frac::Weight weight = frac::Weight::relative;
+  /// Of mass1, mass2 (kg), clearance (m) and restitution.  Default limits: a factor 1e6 about what the data suggest for
+  /// masses and clearance, [0, 1] for restitution.
+  std::vector<frac::ParameterConstraint> constraints;
+  int threads = 0;  // 0: one per core; the result does not depend on it
+};
+
+/// An estimate of a parameter of the scene, or of a combination of them.
+struct SceneEstimate {
+  std::string name;
+  std::string unit;
+  double value;
+  double standard_error;          // scaled by the residual variance; 0 when fixed; NaN at a bound, or when no
+                                  // value is better than another
+  double ci95_lower, ci95_upper;  // Student t; NaN like standard_error
+  bool fixed;
+  bool at_bound;
+  bool identified;  // false: the data leave it free, or the half width of the interval exceeds half of the value (of
+                    // the range [0, 1] for restitution)
+};
+
+enum class PointStatus {
+  used,
+  off_branch,  // more than six robust standard deviations from every steady motion of the fitted scene: another
+               // motion than predicted (near a jump), or an outlier
+  irregular,   // the fitted scene has neither two impacts per period nor a motion that sticks: more impacts,
+               // subharmonics or chaos, which depend on how the frequency was reached; or x1 without impacts, which
+               // stands still
+};
+[[nodiscard]] std::string_view to_string(PointStatus status);
+
+/// What became of one point of the data.
+struct ScenePoint {
+  std::size_t curve;  // index of the curve
+  std::size_t index;  // in that curve
+  double omega;       // rad/s
+  PointStatus status;
+  Regime regime;                  // of the steady motion it is compared with
+  std::complex<double> model;     // m/N at the estimate; NaN when irregular
+  std::complex<double> residual;  // (model - data) over its standard deviation (sigma, |N| or 1 m/N); NaN likewise
+};
+
+struct SceneIdentification {
+  std::array<SceneEstimate, 4> parameters;    // mass1, mass2, clearance, restitution
+  std::array<SceneEstimate, 3> combinations;  // mass1 + mass2, mass2 clearance, mass1/mass2
+  /// One sentence per direction in the space of the parameters that the data leave free.
+  std::vector<std::string> free_directions;
+  std::vector<ScenePoint> points;
+  std::size_t points_used;
+  std::size_t residuals;        // count
+  std::size_t free_parameters;  // count of what the data determine: fixed ones and free directions do not count
+  double cost;                  // sum of squared residuals of the points used
+  double rms;                   // sqrt(cost/residuals)
+  double max_residual;          // largest part of a residual used, in magnitude
+  double condition;             // of the scaled Fisher matrix; above 1e6 a direction counts as free
+  std::array<std::array<double, 4>, 4> covariance;  // NaN beside a parameter without standard error, 0 beside fixed
+  frac::FitTermination termination;
+  std::string message;         // one sentence
+  std::size_t starts;          // local solves made
+  std::size_t starts_at_best;  // of which ended at the same estimate
+  double seconds;
+
+  /// The scene at the estimate. @throws std::invalid_argument  no usable start: there is none.
+  [[nodiscard]] TwoMassSystem system() const;
+};
+
+/// Estimates masses, clearance and restitution from describing functions at one or several force amplitudes, the two
+/// masses themselves being the model.
+///
+/// In dimensionless terms the motion depends on F/(mass2 clearance omega^2) and restitution alone.  So x1 determines
+/// mass1 + mass2, mass2 clearance and restitution: one of the masses or the clearance must be fixed for the others to
+/// have values.  x2 determines all four, its imaginary part alone mass1/(mass2 (mass1 + mass2)), mass2 clearance and
+/// restitution.  The imaginary part of x1 at low frequency, where the masses chatter, is the power law
+///   K(restitution) (mass2 clearance/F)^(4/3) omega^(2/3)/(mass1 + mass2)
+/// and determines that product only.  What the data at hand leave free is found from their Fisher matrix and reported.
+///
+/// Each point is compared with the steady motion of the scene that lies nearest: the orbit of two impacts per period
+/// (closed form, with exact derivatives, at first also followed past its loss of stability, so that a jump in the data
+/// does not trap the search), motion that sticks every period after chatter, or none at all (x2).  Between the first
+/// two, where the motion is chaotic or depends on its history, points are left out, as are points far from every
+/// motion; which ones is decided anew at each estimate and listed.
+///
+/// The search begins on a grid over mass2 clearance and restitution, with the masses from linear least squares, and
+/// where the discontinuities of the data place the jump; the best places are solved by Levenberg and Marquardt's method
+/// in ln mass1, ln mass2, ln clearance and restitution.
+/// @throws std::invalid_argument  no curve; a force amplitude not positive; component magnitude or phase; weight
+///     smoothed-relative, log-complex or repeats, or given without sigma; a constraint of an unknown name, out of range
+///     or contradictory; fewer residuals than free parameters; all data zero.
+[[nodiscard]] SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>& curves,
+                                                 const SceneIdentificationOptions& options = {});
+
+}  // namespace backlash

@@ -1,0 +1,411 @@
+#include "backlash/identification/scene_identification.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+
+#include "backlash/jump_frequency.hpp"
+#include "base/check.hpp"
+#include "frac/parallel_for.hpp"
+#include "scene_solver.hpp"
+#include "scene_start.hpp"
+#include "scene_uncertainty.hpp"
+#include "steady_state/two_impact_orbit.hpp"
+
+namespace backlash {
+namespace {
+
+using detail::SceneVector;
+using Complex = std::complex<double>;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr std::array<std::string_view, 4> parameter_names = {"mass1", "mass2", "clearance", "restitution"};
+
+constexpr std::size_t starts_solved = 8;
+constexpr std::size_t starts_at_once = 2;
+// Before the table of irregular motion is made, to see whether all the data can be explained without.
+constexpr std::size_t starts_of_first_look = 4;
+// Of the places looked at, those with at most so many times the robust cost of the best are pursued, or with a cost per
+// point that small.
+constexpr double worth_settling = 3;
+constexpr double negligible_cost = 0.1;
+// Robust cost per point below which nothing is left to explain: noise of 2 %.
+constexpr double complete_cost = 0.6;
+// Estimates that agree to this are one.
+constexpr double same_estimate = 1e-4;
+// Factor by which masses and clearance may differ from what the data suggest.
+const double default_range = std::log(1e6);
+// gamma where the motion of the low-frequency side ends: between 0.463 and 0.533 for restitution 0.2 to 0.8.
+constexpr double jump_gamma = 0.5;
+constexpr std::size_t jumps_per_curve = 3;
+
+void check(const std::vector<MeasuredDescribingFunction>& curves, const SceneIdentificationOptions& options) {
+  if (curves.empty()) throw std::invalid_argument("curves is empty; at least one describing function is needed");
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    const std::string curve = "curve " + std::to_string(i);
+    detail::require_positive(curve + ": force_amplitude", "N", curves[i].force_amplitude);
+    if (options.weight == frac::Weight::given && curves[i].data.sigma().empty()) {
+      throw std::invalid_argument(curve + ": weight is given, but the data have no sigma");
+    }
+  }
+  using frac::Component;
+  using frac::Weight;
+  if (options.component != Component::both && options.component != Component::real &&
+      options.component != Component::imaginary) {
+    throw std::invalid_argument("component is " + std::string(frac::to_string(options.component)) +
+                                "; it must be both, real or imaginary");
+  }
+  if (options.weight != Weight::relative && options.weight != Weight::given && options.weight != Weight::absolute) {
+    throw std::invalid_argument("weight is " + std::string(frac::to_string(options.weight)) +
+                                "; it must be relative, given or absolute");
+  }
+}
+
+detail::SceneData scene_data(const std::vector<MeasuredDescribingFunction>& curves,
+                             const SceneIdentificationOptions& options) {
+  detail::SceneData data{{}, {}, options.output, options.component, options.weight, 0, 0};
+  std::vector<double> sizes;
+  for (std::size_t curve = 0; curve < curves.size(); ++curve) {
+    data.curve_begin.push_back(data.points.size());
+    const frac::FrequencyResponseData& response = curves[curve].data;
+    for (std::size_t i = 0; i < response.size(); ++i) {
+      const double sigma = response.sigma().empty() ? nan : response.sigma()[i];
+      data.points.push_back({curve, i, curves[curve].force_amplitude, response.omega()[i], response.value()[i], sigma});
+      const double size = std::abs(response.value()[i]);
+      if (size > 0) sizes.push_back(size);
+    }
+  }
+  data.curve_begin.push_back(data.points.size());
+  if (sizes.empty()) throw std::invalid_argument("all data are zero; nothing moves, so nothing can be identified");
+  data.typical = detail::median_of(sizes);
+  std::vector<double> misfits;
+  for (const detail::MeasuredPoint& point : data.points) {
+    const double deviation = data.deviation(point, point.value);
+    if (deviation > 0) misfits.push_back(std::abs(point.value) / deviation);
+  }
+  data.typical_misfit = detail::median_of(misfits);
+  return data;
+}
+
+struct KnownScene {
+  detail::SceneBounds bounds;
+  detail::FixedScene fixed;
+  detail::FixedScene start;
+};
+
+std::string allowed_range(std::size_t k) {
+  return k == 3 ? "in [0, 1]" : "positive and finite";
+}
+
+// A value the user gives for a parameter, as a coordinate of the search.
+double coordinate(std::size_t k, const char* what, double value) {
+  const bool allowed = k == 3 ? value >= 0 && value <= 1 : value > 0 && std::isfinite(value);
+  if (!allowed) {
+    throw std::invalid_argument(std::string(parameter_names[k]) + ": " + what + " is " + detail::text(value) +
+                                "; it must be " + allowed_range(k));
+  }
+  return k == 3 ? value : std::log(value);
+}
+
+KnownScene known_scene(const detail::SceneData& data, const std::vector<frac::ParameterConstraint>& constraints) {
+  std::vector<double> masses, amplitudes;
+  for (const detail::MeasuredPoint& point : data.points) {
+    const double size = std::abs(point.value);
+    if (!(size > 0)) continue;
+    masses.push_back(-std::log(size) - 2 * std::log(point.omega));
+    amplitudes.push_back(std::log(point.force) + std::log(size));
+  }
+  const double mass = detail::median_of(masses);
+  const double amplitude = detail::median_of(amplitudes);
+  KnownScene known{};
+  known.bounds.lower = {mass - default_range, mass - default_range, amplitude - default_range, 0};
+  known.bounds.upper = {mass + default_range, mass + default_range, amplitude + default_range, 1};
+  std::array<bool, 4> seen{};
+  for (const frac::ParameterConstraint& constraint : constraints) {
+    const auto name = std::find(parameter_names.begin(), parameter_names.end(), constraint.name);
+    if (name == parameter_names.end()) {
+      throw std::invalid_argument("constraint of '" + constraint.name +
+                                  "': the scene has mass1, mass2, clearance and restitution only");
+    }
+    const auto k = static_cast<std::size_t>(name - parameter_names.begin());
+    if (seen[k]) throw std::invalid_argument(constraint.name + " is constrained twice");
+    seen[k] = true;
+    if (constraint.fixed) {
+      if (constraint.lower || constraint.upper || constraint.start) {
+        throw std::invalid_argument(constraint.name + " is fixed; limits or a start beside that have no meaning");
+      }
+      known.fixed[k] = *constraint.fixed;
+      known.bounds.lower[k] = known.bounds.upper[k] = coordinate(k, "the fixed value", *constraint.fixed);
+      continue;
+    }
+    if (constraint.lower) {
+      known.bounds.lower[k] = coordinate(k, "the lower limit", *constraint.lower);
+      if (!constraint.upper) known.bounds.upper[k] = std::max(known.bounds.upper[k], known.bounds.lower[k] + 1);
+    }
+    if (constraint.upper) {
+      known.bounds.upper[k] = coordinate(k, "the upper limit", *constraint.upper);
+      if (!constraint.lower) known.bounds.lower[k] = std::min(known.bounds.lower[k], known.bounds.upper[k] - 1);
+    }
+    if (k == 3) {
+      known.bounds.lower[k] = std::max(known.bounds.lower[k], 0.0);
+      known.bounds.upper[k] = std::min(known.bounds.upper[k], 1.0);
+    }
+    if (!known.bounds.is_free(k)) {
+      throw std::invalid_argument(constraint.name + ": the lower limit " +
+                                  (constraint.lower ? detail::text(*constraint.lower) : std::string("by default")) +
+                                  " is not below the upper limit " +
+                                  (constraint.upper ? detail::text(*constraint.upper) : std::string("by default")));
+    }
+    if (constraint.start) {
+      const double start = coordinate(k, "the start", *constraint.start);
+      if (start < known.bounds.lower[k] || start > known.bounds.upper[k]) {
+        throw std::invalid_argument(constraint.name + ": the start " + detail::text(*constraint.start) +
+                                    " lies outside the limits");
+      }
+      known.start[k] = start;
+    }
+  }
+  return known;
+}
+
+std::size_t free_count(const detail::SceneBounds& bounds) {
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < 4; ++k) count += bounds.is_free(k) ? 1 : 0;
+  return count;
+}
+
+// mass2 clearance = F/(gamma omega_J^2) with the jump of the data at omega_J.
+std::vector<double> products_from_jumps(const std::vector<MeasuredDescribingFunction>& curves) {
+  std::vector<double> products;
+  for (const MeasuredDescribingFunction& curve : curves) {
+    std::vector<double> omega = curve.data.omega();
+    omega.erase(std::unique(omega.begin(), omega.end()), omega.end());
+    if (omega.size() < 5) continue;
+    const std::vector<Discontinuity> jumps = find_discontinuities(curve.data);
+    for (std::size_t i = 0; i < std::min(jumps.size(), jumps_per_curve); ++i) {
+      products.push_back(curve.force_amplitude / (jump_gamma * jumps[i].omega * jumps[i].omega));
+    }
+  }
+  return products;
+}
+
+bool same_scene(const detail::LocalScene& one, const detail::LocalScene& other) {
+  return std::abs(one.theta[1] + one.theta[2] - other.theta[1] - other.theta[2]) < same_estimate &&
+         std::abs(one.theta[3] - other.theta[3]) < same_estimate;
+}
+
+bool better(const detail::LocalScene& one, const detail::LocalScene& other) {
+  return one.robust_cost < other.robust_cost;
+}
+
+// Every point lies on its motion, within what counts as tolerable.
+bool complete(const detail::LocalScene& local) {
+  return std::all_of(local.choices.begin(), local.choices.end(),
+                     [](const detail::PointChoice& choice) { return choice.used; }) &&
+         local.robust_cost < complete_cost * static_cast<double>(local.choices.size());
+}
+
+struct Search {
+  detail::LocalScene best;
+  std::size_t starts;
+  std::size_t starts_at_best;
+};
+
+Search search(const detail::SceneData& data, const KnownScene& known, const std::vector<double>& jumps,
+              bool rate_irregular, int threads) {
+  std::vector<SceneVector> starts = detail::scene_starts(data, known.bounds, known.fixed, jumps, rate_irregular,
+                                                         rate_irregular ? starts_solved : starts_of_first_look);
+  const bool has_start =
+      std::any_of(known.start.begin(), known.start.end(), [](const auto& s) { return s.has_value(); });
+  if (has_start) {
+    SceneVector given = starts.empty() ? known.bounds.lower : starts.front();
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (starts.empty() && known.bounds.is_free(k)) given[k] = 0.5 * (known.bounds.lower[k] + known.bounds.upper[k]);
+      if (known.start[k]) given[k] = *known.start[k];
+    }
+    starts.insert(starts.begin(), given);
+  }
+  // In batches, so that places after one that explains all the data cost nothing.
+  std::vector<detail::LocalScene> solved;
+  std::size_t tried = 0;
+  while (tried < starts.size() && std::none_of(solved.begin(), solved.end(), complete)) {
+    const std::size_t batch = std::min(starts.size() - tried, starts_at_once);
+    std::vector<detail::LocalScene> glances(batch);
+    frac::parallel_for(batch, threads, [&](std::size_t i) {
+      glances[i] = detail::solve_scene(data, known.bounds, starts[tried + i], detail::Effort::glance, rate_irregular);
+    });
+    tried += batch;
+    for (detail::LocalScene& glance : glances) {
+      if (glance.usable) solved.push_back(std::move(glance));
+    }
+  }
+  const bool explained = std::any_of(solved.begin(), solved.end(), complete);
+  if (solved.empty() || (!rate_irregular && !explained)) return {{}, tried, 0};
+  const double least = std::min_element(solved.begin(), solved.end(), better)->robust_cost;
+  std::erase_if(solved, [&](const detail::LocalScene& local) {
+    return local.robust_cost > worth_settling * least + static_cast<double>(data.points.size()) * negligible_cost;
+  });
+  frac::parallel_for(solved.size(), threads, [&](std::size_t i) {
+    solved[i] = detail::solve_scene(data, known.bounds, solved[i].theta, detail::Effort::settle, rate_irregular);
+  });
+  std::erase_if(solved, [](const detail::LocalScene& local) { return !local.usable; });
+  if (solved.empty()) return {{}, tried, 0};
+  std::stable_sort(solved.begin(), solved.end(), better);
+
+  const auto agreeing = static_cast<std::size_t>(std::count_if(
+      solved.begin(), solved.end(), [&](const auto& local) { return same_scene(local, solved.front()); }));
+  return {solved.front(), tried, agreeing};
+}
+
+PointStatus status_of(const detail::PointChoice& choice) {
+  if (choice.used) return PointStatus::used;
+  return choice.kind == detail::PointChoice::Kind::none ? PointStatus::irregular : PointStatus::off_branch;
+}
+
+Regime regime_of(const detail::PointChoice& choice, double gamma, double restitution) {
+  switch (choice.kind) {
+    case detail::PointChoice::Kind::two_impact:
+      return gamma <= detail::symmetry_breaking_gamma(restitution) ? Regime::symmetric : Regime::periodic;
+    case detail::PointChoice::Kind::sticking:
+      return restitution > 0 ? Regime::chatter : Regime::periodic;
+    case detail::PointChoice::Kind::free:
+      return Regime::free;
+    case detail::PointChoice::Kind::none:
+      break;
+  }
+  return Regime::averaged;
+}
+
+void report_points(const detail::SceneData& data, const detail::LocalScene& local, SceneIdentification& result) {
+  for (std::size_t i = 0; i < data.points.size(); ++i) {
+    const detail::MeasuredPoint& point = data.points[i];
+    const detail::PointChoice& choice = local.choices[i];
+    ScenePoint reported{point.curve,
+                        point.index,
+                        point.omega,
+                        status_of(choice),
+                        regime_of(choice, detail::gamma_at(local.theta, point), local.theta[3]),
+                        Complex(nan, nan),
+                        Complex(nan, nan)};
+    if (reported.status != PointStatus::irregular) {
+      reported.model = choice.model;
+      reported.residual = (choice.model - point.value) / data.deviation(point, choice.model);
+    }
+    if (reported.status == PointStatus::used) {
+      ++result.points_used;
+      for (const double part : data.parts(reported.residual)) {
+        result.max_residual = std::max(result.max_residual, std::abs(part));
+      }
+    }
+    result.points.push_back(reported);
+  }
+}
+
+std::string list_text(const std::vector<std::string>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    text += (i == 0 ? "" : i + 1 < words.size() ? ", " : " and ") + words[i];
+  }
+  return text;
+}
+
+std::string short_text(double value) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.3g", value);
+  return buffer;
+}
+
+std::string message_of(const SceneIdentification& result) {
+  std::vector<std::string> determined, open, at_bound;
+  for (const SceneEstimate& parameter : result.parameters) {
+    if (parameter.fixed) continue;
+    (parameter.at_bound ? at_bound : parameter.identified ? determined : open).push_back(parameter.name);
+  }
+  std::string text = std::to_string(result.points_used) + " of " + std::to_string(result.points.size()) +
+                     " points, rms " + short_text(result.rms) + ", ";
+  if (determined.empty() && open.empty() && at_bound.empty()) return text + "compared with the given scene.";
+  text += determined.empty() ? "determine none of the free parameters" : "determine " + list_text(determined);
+  if (!at_bound.empty()) text += "; " + list_text(at_bound) + " at a limit";
+  if (!open.empty()) text += "; " + list_text(open) + " not identified";
+  if (result.termination != frac::FitTermination::converged) text += "; the search had not settled when it was ended";
+  return text + ".";
+}
+
+}  // namespace
+
+std::string_view to_string(PointStatus status) {
+  switch (status) {
+    case PointStatus::used:
+      return "used";
+    case PointStatus::off_branch:
+      return "off-branch";
+    case PointStatus::irregular:
+      return "irregular";
+  }
+  return "unknown";
+}
+
+TwoMassSystem SceneIdentification::system() const {
+  return {parameters[0].value, parameters[1].value, parameters[2].value, parameters[3].value};
+}
+
+SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>& curves,
+                                   const SceneIdentificationOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  check(curves, options);
+  const detail::SceneData data = scene_data(curves, options);
+  const KnownScene known = known_scene(data, options.constraints);
+  const std::size_t residuals = data.points.size() * data.residuals_per_point();
+  if (residuals < free_count(known.bounds)) {
+    throw std::invalid_argument("the data form " + std::to_string(residuals) + " residuals, fewer than the " +
+                                std::to_string(free_count(known.bounds)) + " free parameters");
+  }
+  const std::vector<double> jumps = products_from_jumps(curves);
+  Search found = search(data, known, jumps, false, options.threads);
+  if (!found.best.usable || !complete(found.best)) found = search(data, known, jumps, true, options.threads);
+
+  SceneIdentification result{};
+  result.starts = found.starts;
+  result.starts_at_best = found.starts_at_best;
+  if (!found.best.usable) {
+    result.termination = frac::FitTermination::no_usable_start;
+    result.message = "No scene within the limits has steady motions at as many points as there are free parameters.";
+    result.cost = result.rms = result.max_residual = result.condition = nan;
+    for (std::size_t k = 0; k < 4; ++k) {
+      result.parameters[k] = {std::string(parameter_names[k]), "",    nan,  nan, nan, nan,
+                              known.fixed[k].has_value(),      false, false};
+      result.covariance[k].fill(nan);
+    }
+    for (SceneEstimate& combination : result.combinations)
+      combination = {"", "", nan, nan, nan, nan, false, false, false};
+  } else {
+    const detail::NormalEquations equations = detail::normal_equations(data, found.best.theta, found.best.choices);
+    const detail::SceneUncertainty uncertainty = detail::scene_uncertainty(equations, known.bounds, found.best.theta);
+    result.parameters = uncertainty.parameters;
+    result.combinations = uncertainty.combinations;
+    result.free_directions = uncertainty.free_directions;
+    result.covariance = uncertainty.covariance;
+    result.condition = uncertainty.condition;
+    result.free_parameters = uncertainty.rank;
+    for (std::size_t k = 0; k < 4; ++k) {
+      // Not by way of the logarithm.
+      if (known.fixed[k]) {
+        result.parameters[k].value = *known.fixed[k];
+        result.parameters[k].ci95_lower = result.parameters[k].ci95_upper = *known.fixed[k];
+      }
+    }
+    report_points(data, found.best, result);
+    result.cost = equations.cost;
+    result.residuals = equations.residuals;
+    result.rms = std::sqrt(equations.cost / static_cast<double>(equations.residuals));
+    result.termination = found.best.converged ? frac::FitTermination::converged : frac::FitTermination::not_converged;
+    result.message = message_of(result);
+  }
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return result;
+}
+
+}  // namespace backlash

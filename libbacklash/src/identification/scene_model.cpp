@@ -1,0 +1,96 @@
+#include "scene_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace backlash::detail {
+namespace {
+
+using Complex = std::complex<double>;
+
+// Misfit that counts as tolerable while places are compared: in shares of |N|, or in sigma.
+constexpr double tolerable_share = 0.03;
+constexpr double tolerable_sigmas = 3;
+
+}  // namespace
+
+std::array<double, 2> SceneData::parts(Complex z) const {
+  switch (component) {
+    case frac::Component::real:
+      return {z.real(), 0};
+    case frac::Component::imaginary:
+      return {z.imag(), 0};
+    default:
+      return {z.real(), z.imag()};
+  }
+}
+
+double SceneData::size(Complex z) const {
+  const auto [first, second] = parts(z);
+  return std::hypot(first, second);
+}
+
+double SceneData::deviation(const MeasuredPoint& point, Complex model) const {
+  switch (weight) {
+    case frac::Weight::given:
+      return point.sigma;
+    case frac::Weight::relative:
+      // The part not fitted is free to grow: it must not make the other one weigh less.
+      return std::abs(component == frac::Component::both ? model : point.value);
+    default:
+      return 1;
+  }
+}
+
+double SceneData::robust_cost(const MeasuredPoint& point, std::optional<Complex> model) const {
+  const double misfit = size((model ? *model : Complex(0)) - point.value);
+  double tolerable = tolerable_share * typical;
+  if (weight == frac::Weight::given) tolerable = tolerable_sigmas * point.sigma;
+  if (weight == frac::Weight::relative) {
+    const bool whole = component == frac::Component::both && model;
+    tolerable = tolerable_share * std::max(std::abs(point.value), whole ? std::abs(*model) : 0.0);
+  }
+  // Where only part of N is fitted, a point without motion is as bad as one missed by the whole of N.
+  const double share = misfit / tolerable;
+  if (model) return tolerable > 0 ? std::log1p(share * share) : 0;
+  const double whole = std::abs(point.value) / tolerable;
+  return tolerable > 0 ? std::log1p(whole * whole) : 0;
+}
+
+OutputCoefficients output_coefficients(const SceneVector& theta, Output output) {
+  const double mass1 = std::exp(theta[0]);
+  const double mass2 = std::exp(theta[1]);
+  const double total = mass1 + mass2;
+  if (output == Output::x1) return {0, -1 / total, {0, 0}, {mass1 / total / total, mass2 / total / total}};
+  const double moving = mass1 / mass2 / total;
+  return {-1 / mass2, moving, {0, 1 / mass2}, {moving * mass2 / total, -moving * (1 + mass2 / total)}};
+}
+
+double gamma_at(const SceneVector& theta, const MeasuredPoint& point) {
+  return std::exp(std::log(point.force) - theta[1] - theta[2] - 2 * std::log(point.omega));
+}
+
+Complex point_value(const OutputCoefficients& coefficients, const MeasuredPoint& point, Complex h) {
+  return (coefficients.rigid + coefficients.moving * h) / (point.omega * point.omega);
+}
+
+PointGradient point_gradient(const OutputCoefficients& coefficients, const MeasuredPoint& point,
+                             const GapResponse& response) {
+  const double scale = 1 / (point.omega * point.omega);
+  const Complex by_log_gamma = scale * coefficients.moving * response.by_log_gamma;
+  const auto by_mass = [&](std::size_t i) {
+    return scale * (coefficients.rigid_by_log_mass[i] + coefficients.moving_by_log_mass[i] * response.h);
+  };
+  return {
+      point_value(coefficients, point, response.h),
+      {by_mass(0), by_mass(1) - by_log_gamma, -by_log_gamma, scale * coefficients.moving * response.by_restitution}};
+}
+
+double median_of(std::vector<double>& values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace backlash::detail

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <complex>
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "backlash/identification/scene_identification.hpp"
+#include "scene_response.hpp"
+
+namespace backlash::detail {
+
+/// ln mass1, ln mass2, ln clearance, restitution.
+using SceneVector = std::array<double, 4>;
+
+struct MeasuredPoint {
+  std::size_t curve, index;
+  double force, omega;
+  std::complex<double> value;
+  double sigma;  // NaN when unknown
+};
+
+/// All points of all curves, in the order of the curves and of rising omega, and how residuals are formed of them.
+struct SceneData {
+  std::vector<MeasuredPoint> points;
+  std::vector<std::size_t> curve_begin;  // and the end of the last curve
+  Output output;
+  frac::Component component;
+  frac::Weight weight;
+  double typical;         // median |value|
+  double typical_misfit;  // median of |value| over its deviation
+
+  [[nodiscard]] std::size_t residuals_per_point() const { return component == frac::Component::both ? 2 : 1; }
+  /// The parts of a complex number that form residuals; the second one is 0 when there is only one.
+  [[nodiscard]] std::array<double, 2> parts(std::complex<double> z) const;
+  /// Modulus of the fitted parts.
+  [[nodiscard]] double size(std::complex<double> z) const;
+  /// Standard deviation, up to a common factor, of a point at which the model has this value.
+  [[nodiscard]] double deviation(const MeasuredPoint& point, std::complex<double> model) const;
+  /// ln(1 + (misfit/(tolerable misfit))^2): rates places that fit only part of the data. `model` empty: no steady
+  /// motion.
+  [[nodiscard]] double robust_cost(const MeasuredPoint& point, std::optional<std::complex<double>> model) const;
+};
+
+/// N = (rigid + moving h)/omega^2.
+struct OutputCoefficients {
+  double rigid, moving;
+  std::array<double, 2> rigid_by_log_mass, moving_by_log_mass;
+};
+[[nodiscard]] OutputCoefficients output_coefficients(const SceneVector& theta, Output output);
+
+[[nodiscard]] double gamma_at(const SceneVector& theta, const MeasuredPoint& point);
+
+struct PointGradient {
+  std::complex<double> value;
+  std::array<std::complex<double>, 4> gradient;
+};
+[[nodiscard]] PointGradient point_gradient(const OutputCoefficients& coefficients, const MeasuredPoint& point,
+                                           const GapResponse& response);
+[[nodiscard]] std::complex<double> point_value(const OutputCoefficients& coefficients, const MeasuredPoint& point,
+                                               std::complex<double> h);
+
+/// Median; reorders the values. 0 when there are none.
+[[nodiscard]] double median_of(std::vector<double>& values);
+
+}  // namespace backlash::detail

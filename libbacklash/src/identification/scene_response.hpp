@@ -1,0 +1,32 @@
+#pragma once
+
+#include <complex>
+#include <optional>
+
+#include "backlash/describing_function.hpp"
+#include "motion/gap_motion.hpp"
+
+namespace backlash::detail {
+
+/// h = 1 + U/gamma of a steady relative motion, U the phasor of u = y/clearance, with its derivatives.
+struct GapResponse {
+  std::complex<double> h;
+  std::complex<double> by_log_gamma;
+  std::complex<double> by_restitution;
+};
+
+/// The orbit of two impacts per period, symmetric up to symmetry_breaking_gamma and asymmetric above, whether stable or
+/// not, in closed form.  Empty below the saddle-node, or where no member of the asymmetric family has this gamma.
+/// @param restitution  in [0, 1]
+[[nodiscard]] std::optional<GapResponse> two_impact_response(double gamma, double restitution);
+
+/// h of the motion that sticks every period after release from contact, mostly after chatter: it has forgotten its
+/// past, so there is only one.  Empty where the motion from contact at rest becomes another one.
+[[nodiscard]] std::optional<std::complex<double>> sticking_h(double gamma, double restitution);
+/// With derivatives by differences; empty also where a neighbour they need does not stick.
+[[nodiscard]] std::optional<GapResponse> sticking_response(double gamma, double restitution);
+
+/// Contact at rest, the force at its peak: leads to the chattering motion where there is one.
+[[nodiscard]] GapState contact_at_rest_state();
+
+}  // namespace backlash::detail

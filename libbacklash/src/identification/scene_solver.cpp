@@ -1,0 +1,360 @@
+#include "scene_solver.hpp"
+
+#include <Eigen/Core>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "scene_start.hpp"
+#include "steady_state/two_impact_orbit.hpp"
+
+namespace backlash::detail {
+namespace {
+
+using Complex = std::complex<double>;
+using Matrix4 = Eigen::Matrix<double, 4, 4>;
+using Vector4 = Eigen::Matrix<double, 4, 1>;
+
+constexpr int most_rounds = 20;
+constexpr int most_iterations = 40;
+constexpr int rounds_of_a_glance = 2;
+constexpr int iterations_of_a_glance = 6;
+// Robust standard deviations beyond which a point does not lie on its motion; normally distributed noise leaves a point
+// in 10^8 beyond, so the choice does not narrow the intervals.
+constexpr double far_away = 6;
+// What the motions themselves are known to, as a share of their deviation: below it no point counts as far away.
+constexpr double model_accuracy = 1e-7;
+// A round that moves the estimate by less than this, in standard errors, is the last.
+constexpr double settled_step = 1e-4;
+// The two-impact orbit is followed this far beyond its loss of stability in the first rounds, whose estimates may place
+// the loss beside that of the data; not to the end, since a period that has just doubled lies near to it.
+constexpr double beyond_loss = 1.1;
+constexpr int rounds_beyond_loss = 3;
+// Median of the modulus of two, and of one, standard normal variables.
+constexpr double median_of_two = 1.1774100225154747;
+constexpr double median_of_one = 0.67448975019608171;
+
+double two_impact_end(double restitution) {
+  // At restitution 0 the orbit of two impacts, each followed by a rest, goes on; without rests it ends at 1/pi.
+  return restitution > 0 ? two_impact_loss(restitution).gamma : std::numbers::inv_pi;
+}
+
+struct Evaluation {
+  double cost = 0;
+  std::vector<std::size_t> ended;  // points whose motion does not exist there
+};
+
+class Solver {
+ public:
+  Solver(const SceneData& data, const SceneBounds& bounds, bool rate_irregular)
+      : data_(data), bounds_(bounds), rate_irregular_(rate_irregular), choices_(data.points.size()) {}
+
+  LocalScene run(const SceneVector& start, Effort effort) {
+    LocalScene result;
+    theta_ = start;
+    iterations_ = effort == Effort::glance ? iterations_of_a_glance : most_iterations;
+    const int rounds = effort == Effort::glance ? rounds_of_a_glance : most_rounds;
+    for (int round = 0; round < rounds; ++round) {
+      const std::vector<PointChoice> before = choices_;
+      choose(round);
+      if (count_used() * data_.residuals_per_point() < free_count()) break;
+      result.usable = true;
+      if (round > rounds_beyond_loss && settled(before) && moved_ < settled_step) {
+        result.converged = least_squares_converged_;
+        break;
+      }
+      least_squares();
+    }
+    choose(rounds);
+    result.usable = count_used() * data_.residuals_per_point() >= std::max<std::size_t>(1, free_count());
+    result.theta = theta_;
+    for (std::size_t i = 0; i < choices_.size(); ++i) {
+      const bool known = choices_[i].kind != PointChoice::Kind::none;
+      result.robust_cost +=
+          data_.robust_cost(data_.points[i], known ? std::optional<Complex>(choices_[i].model) : mean_of_irregular(i));
+    }
+    result.choices = std::move(choices_);
+    return result;
+  }
+
+ private:
+  [[nodiscard]] std::size_t free_count() const {
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < 4; ++k) count += bounds_.is_free(k) ? 1 : 0;
+    return count;
+  }
+  [[nodiscard]] std::size_t count_used() const {
+    return static_cast<std::size_t>(
+        std::count_if(choices_.begin(), choices_.end(), [](const PointChoice& choice) { return choice.used; }));
+  }
+  [[nodiscard]] bool settled(const std::vector<PointChoice>& before) const {
+    for (std::size_t i = 0; i < choices_.size(); ++i) {
+      if (choices_[i].used != before[i].used) return false;
+      if (choices_[i].used && choices_[i].kind != before[i].kind) return false;
+    }
+    return true;
+  }
+
+  // What N is about where the scene is irregular.
+  [[nodiscard]] std::optional<Complex> mean_of_irregular(std::size_t i) const {
+    if (!rate_irregular_) return std::nullopt;
+    const auto h = irregular_h(gamma_at(theta_, data_.points[i]), theta_[3]);
+    if (!h) return std::nullopt;
+    return point_value(output_coefficients(theta_, data_.output), data_.points[i], *h);
+  }
+
+  // Takes the candidate when it lies nearer to the data than what is there.
+  void offer(std::size_t i, const OutputCoefficients& coefficients, PointChoice::Kind kind, Complex h) {
+    const MeasuredPoint& point = data_.points[i];
+    const Complex model = point_value(coefficients, point, h);
+    const double deviation = data_.deviation(point, model);
+    if (!(deviation > 0)) return;
+    const double misfit = data_.size(model - point.value) / deviation;
+    PointChoice& choice = choices_[i];
+    if (choice.kind != PointChoice::Kind::none && choice.misfit <= misfit) return;
+    choice.kind = kind;
+    choice.model = model;
+    choice.misfit = misfit;
+  }
+
+  void offer_motions(std::size_t i, const OutputCoefficients& coefficients, double limit, double onset) {
+    const MeasuredPoint& point = data_.points[i];
+    const double gamma = gamma_at(theta_, point);
+    const double restitution = theta_[3];
+    choices_[i] = {};
+    if (gamma <= limit) {
+      if (const auto response = two_impact_response(gamma, restitution)) {
+        offer(i, coefficients, PointChoice::Kind::two_impact, response->h);
+      }
+    }
+    // Without impacts x1 stands still, and the imaginary part of x2 is 0.
+    if (data_.output == Output::x2 && data_.component != frac::Component::imaginary && gamma <= limit) {
+      offer(i, coefficients, PointChoice::Kind::free, 0.0);
+    }
+    if (gamma >= onset) {
+      if (const auto h = sticking_h(gamma, restitution)) offer(i, coefficients, PointChoice::Kind::sticking, *h);
+    }
+  }
+
+  // Misfit up to which a point counts as lying on its motion.
+  [[nodiscard]] double near_limit() const {
+    std::vector<double> misfits;
+    for (const PointChoice& choice : choices_) {
+      if (choice.kind != PointChoice::Kind::none) misfits.push_back(choice.misfit);
+    }
+    const double unit = data_.residuals_per_point() == 2 ? median_of_two : median_of_one;
+    return far_away * std::max(median_of(misfits) / unit, model_accuracy * data_.typical_misfit);
+  }
+
+  void choose(int round) {
+    const OutputCoefficients coefficients = output_coefficients(theta_, data_.output);
+    const double limit = two_impact_end(theta_[3]) * (round < rounds_beyond_loss ? beyond_loss : 1);
+    const double onset = chatter_onset(theta_[3]);
+    for (std::size_t i = 0; i < choices_.size(); ++i) offer_motions(i, coefficients, limit, onset);
+    const double near = near_limit();
+    for (PointChoice& choice : choices_) {
+      choice.used = choice.kind != PointChoice::Kind::none && choice.misfit <= near;
+    }
+  }
+
+  [[nodiscard]] std::vector<double> deviations() const {
+    std::vector<double> result(choices_.size());
+    for (std::size_t i = 0; i < choices_.size(); ++i) {
+      result[i] = data_.deviation(data_.points[i], choices_[i].model);
+    }
+    return result;
+  }
+
+  [[nodiscard]] std::optional<Complex> h_at(std::size_t i, const SceneVector& theta) const {
+    const double gamma = gamma_at(theta, data_.points[i]);
+    switch (choices_[i].kind) {
+      case PointChoice::Kind::two_impact: {
+        const auto response = two_impact_response(gamma, theta[3]);
+        return response ? std::optional<Complex>(response->h) : std::nullopt;
+      }
+      case PointChoice::Kind::sticking:
+        // Chaotic motion takes a long mean to be told from motion that sticks: not tried where it is expected.
+        if (gamma < chatter_onset(theta[3])) return std::nullopt;
+        return sticking_h(gamma, theta[3]);
+      default:
+        return Complex(0);
+    }
+  }
+
+  [[nodiscard]] Evaluation evaluate(const SceneVector& theta, const std::vector<double>& deviation, bool all) const {
+    Evaluation result;
+    const OutputCoefficients coefficients = output_coefficients(theta, data_.output);
+    for (std::size_t i = 0; i < choices_.size(); ++i) {
+      if (!choices_[i].used) continue;
+      const auto h = h_at(i, theta);
+      if (!h) {
+        result.ended.push_back(i);
+        if (!all) return result;
+        continue;
+      }
+      const MeasuredPoint& point = data_.points[i];
+      const double misfit = data_.size(point_value(coefficients, point, *h) - point.value) / deviation[i];
+      result.cost += misfit * misfit;
+    }
+    return result;
+  }
+
+  void drop(const std::vector<std::size_t>& points) {
+    for (const std::size_t i : points) choices_[i].used = false;
+  }
+
+  void least_squares();
+
+  const SceneData& data_;
+  const SceneBounds& bounds_;
+  bool rate_irregular_;
+  std::vector<PointChoice> choices_;
+  SceneVector theta_{};
+  int iterations_ = most_iterations;
+  double moved_ = 0;
+  bool least_squares_converged_ = false;
+};
+
+std::optional<GapResponse> response_of(const SceneData& data, const SceneVector& theta, std::size_t i,
+                                       const PointChoice& choice) {
+  const double gamma = gamma_at(theta, data.points[i]);
+  switch (choice.kind) {
+    case PointChoice::Kind::two_impact:
+      return two_impact_response(gamma, theta[3]);
+    case PointChoice::Kind::sticking:
+      return sticking_response(gamma, theta[3]);
+    case PointChoice::Kind::free:
+      return GapResponse{};
+    case PointChoice::Kind::none:
+      break;
+  }
+  return std::nullopt;
+}
+
+NormalEquations products(const SceneData& data, const SceneVector& theta, const std::vector<PointChoice>& choices,
+                         const std::vector<double>* deviation) {
+  NormalEquations result;
+  const OutputCoefficients coefficients = output_coefficients(theta, data.output);
+  const std::size_t per_point = data.residuals_per_point();
+  for (std::size_t i = 0; i < choices.size(); ++i) {
+    if (!choices[i].used) continue;
+    const auto response = response_of(data, theta, i, choices[i]);
+    if (!response) continue;
+    const MeasuredPoint& point = data.points[i];
+    const PointGradient model = point_gradient(coefficients, point, *response);
+    const double scale = 1 / (deviation != nullptr ? (*deviation)[i] : data.deviation(point, model.value));
+    const auto residual = data.parts((model.value - point.value) * scale);
+    std::array<std::array<double, 2>, 4> row{};
+    for (std::size_t k = 0; k < 4; ++k) row[k] = data.parts(model.gradient[k] * scale);
+    for (std::size_t part = 0; part < per_point; ++part) {
+      result.cost += residual[part] * residual[part];
+      ++result.residuals;
+      for (std::size_t k = 0; k < 4; ++k) {
+        result.gradient[k] += row[k][part] * residual[part];
+        for (std::size_t l = 0; l < 4; ++l) result.matrix[k][l] += row[k][part] * row[l][part];
+      }
+    }
+  }
+  return result;
+}
+
+// Levenberg and Marquardt's method in a box: parameters at a bound that the gradient presses against it stay there.
+void Solver::least_squares() {
+  const SceneVector start = theta_;
+  const std::vector<double> deviation = deviations();
+  double damping = 1e-4;
+  int rejected = 0;
+  least_squares_converged_ = false;
+  Evaluation current = evaluate(theta_, deviation, true);
+  drop(current.ended);
+  for (int iteration = 0; iteration < iterations_ && !least_squares_converged_;) {
+    const NormalEquations equations = products(data_, theta_, choices_, &deviation);
+    std::array<bool, 4> inner{};
+    double largest = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const bool pressed = (theta_[k] <= bounds_.lower[k] && equations.gradient[k] > 0) ||
+                           (theta_[k] >= bounds_.upper[k] && equations.gradient[k] < 0);
+      inner[k] = bounds_.is_free(k) && !pressed;
+      if (inner[k]) largest = std::max(largest, equations.matrix[k][k]);
+    }
+    if (!(largest > 0)) {
+      least_squares_converged_ = true;
+      break;
+    }
+    for (;; ++iteration) {
+      if (iteration >= iterations_) break;
+      Matrix4 matrix = Matrix4::Identity();
+      Vector4 gradient = Vector4::Zero();
+      for (std::size_t k = 0; k < 4; ++k) {
+        if (!inner[k]) continue;
+        const auto row = static_cast<Eigen::Index>(k);
+        gradient[row] = equations.gradient[k];
+        for (std::size_t l = 0; l < 4; ++l) {
+          if (inner[l]) matrix(row, static_cast<Eigen::Index>(l)) = equations.matrix[k][l];
+        }
+        matrix(row, row) += damping * std::max(equations.matrix[k][k], 1e-12 * largest);
+      }
+      const Vector4 step = -matrix.colPivHouseholderQr().solve(gradient);
+      SceneVector trial = theta_;
+      double change = 0;
+      for (std::size_t k = 0; k < 4; ++k) {
+        trial[k] = std::clamp(theta_[k] + step[static_cast<Eigen::Index>(k)], bounds_.lower[k], bounds_.upper[k]);
+        change = std::max(change, std::abs(trial[k] - theta_[k]));
+      }
+      if (!(change > 1e-13)) {
+        least_squares_converged_ = true;
+        break;
+      }
+      const Evaluation next = evaluate(trial, deviation, false);
+      if (next.ended.empty() && next.cost <= current.cost) {
+        // Rounding of the cost hides steps this small.
+        least_squares_converged_ = change < 1e-11 || current.cost - next.cost <= 1e-6 * current.cost;
+        theta_ = trial;
+        current = next;
+        damping = std::max(damping * 0.1, 1e-15);
+        rejected = 0;
+        ++iteration;
+        break;
+      }
+      damping = std::max(damping * 8, 1e-10);
+      // Shorter steps in vain: a motion ends right here, or the differences in cost are rounding.
+      if (++rejected > 12) {
+        rejected = 0;
+        damping = 1e-4;
+        if (next.ended.empty()) {
+          least_squares_converged_ = true;
+        } else {
+          drop(evaluate(trial, deviation, true).ended);
+          current = evaluate(theta_, deviation, true);
+        }
+        ++iteration;
+        break;
+      }
+    }
+  }
+  // Length of the way in units of the standard errors, rounding aside.
+  const NormalEquations end = products(data_, theta_, choices_, &deviation);
+  double square = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    for (std::size_t l = 0; l < 4; ++l) square += (theta_[k] - start[k]) * end.matrix[k][l] * (theta_[l] - start[l]);
+  }
+  const double count = static_cast<double>(std::max<std::size_t>(1, end.residuals));
+  const double accuracy = 1e-9 * data_.typical_misfit;
+  moved_ = std::sqrt(std::max(square, 0.0) / (end.cost / count + accuracy * accuracy));
+}
+
+}  // namespace
+
+NormalEquations normal_equations(const SceneData& data, const SceneVector& theta,
+                                 const std::vector<PointChoice>& choices) {
+  return products(data, theta, choices, nullptr);
+}
+
+LocalScene solve_scene(const SceneData& data, const SceneBounds& bounds, const SceneVector& start, Effort effort,
+                       bool rate_irregular) {
+  return Solver(data, bounds, rate_irregular).run(start, effort);
+}
+
+}  // namespace backlash::detail

@@ -1,0 +1,246 @@
+#include "scene_uncertainty.hpp"
+
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "frac/identification/statistics.hpp"
+
+namespace backlash::detail {
+namespace {
+
+using Matrix4 = Eigen::Matrix<double, 4, 4>;
+using Vector4 = Eigen::Matrix<double, 4, 1>;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+// Condition of the scaled Fisher matrix from which on a direction counts as free.
+constexpr double free_condition = 1e6;
+// Share of a quantity's gradient along a free direction from which on the quantity is free with it.
+constexpr double free_share = 0.01;
+// The residuals do not see a parameter whose column is this much shorter than the longest.
+constexpr double unseen_column = 1e-10;
+
+constexpr std::array<const char*, 4> names = {"mass1", "mass2", "clearance", "restitution"};
+constexpr std::array<const char*, 4> units = {"kg", "kg", "m", "1"};
+
+struct FisherMatrix {
+  std::array<bool, 4> inner{};     // free, and not at a bound
+  std::array<double, 4> column{};  // lengths
+  Vector4 eigenvalues = Vector4::Zero();
+  Matrix4 eigenvectors = Matrix4::Zero();  // of the scaled matrix
+  std::array<bool, 4> is_free{};           // directions
+  std::size_t determined = 0;
+  double condition = 1;
+};
+
+FisherMatrix fisher_matrix(const NormalEquations& equations, const std::array<bool, 4>& inner) {
+  FisherMatrix result;
+  result.inner = inner;
+  double longest = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (!inner[k]) continue;
+    result.column[k] = std::sqrt(equations.matrix[k][k]);
+    longest = std::max(longest, result.column[k]);
+  }
+  Matrix4 scaled = Matrix4::Zero();
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (!inner[k]) continue;
+    if (!(result.column[k] > unseen_column * longest)) result.column[k] = 0;
+    for (std::size_t l = 0; l < 4; ++l) {
+      if (!inner[l] || !(result.column[k] > 0) || !(result.column[l] > 0)) continue;
+      scaled(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(l)) =
+          equations.matrix[k][l] / (result.column[k] * result.column[l]);
+    }
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix4> solver(scaled);
+  result.eigenvalues = solver.eigenvalues();
+  result.eigenvectors = solver.eigenvectors();
+  const double largest = result.eigenvalues[3];
+  for (Eigen::Index direction = 0; direction < 4; ++direction) {
+    // Fixed parameters and those at a bound are directions of their own with eigenvalue 0, as are unseen ones.
+    double along_inner = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      const double component = result.eigenvectors(static_cast<Eigen::Index>(k), direction);
+      if (inner[k]) along_inner += component * component;
+    }
+    if (along_inner < 0.5) continue;
+    const double value = result.eigenvalues[direction];
+    const bool flat = !(value * free_condition > largest);
+    result.is_free[static_cast<std::size_t>(direction)] = flat;
+    if (!flat) ++result.determined;
+    result.condition = std::max(result.condition, largest / std::max(value, largest * 1e-16));
+  }
+  return result;
+}
+
+// A quantity with the gradient c in theta: variance c' F^-1 c over the determined directions, NaN when it changes along
+// a free one.
+double covariance_of(const FisherMatrix& fisher, const Vector4& one, const Vector4& other) {
+  double sum = 0;
+  const auto scaled = [&](const Vector4& gradient) {
+    Vector4 result = Vector4::Zero();
+    for (std::size_t k = 0; k < 4; ++k) {
+      const auto row = static_cast<Eigen::Index>(k);
+      if (fisher.inner[k] && fisher.column[k] > 0) result[row] = gradient[row] / fisher.column[k];
+    }
+    return result;
+  };
+  const Vector4 first = scaled(one);
+  const Vector4 second = scaled(other);
+  for (Eigen::Index direction = 0; direction < 4; ++direction) {
+    const double along_first = fisher.eigenvectors.col(direction).dot(first);
+    const double along_second = fisher.eigenvectors.col(direction).dot(second);
+    if (fisher.is_free[static_cast<std::size_t>(direction)]) {
+      if (std::abs(along_first) > free_share * first.norm() || std::abs(along_second) > free_share * second.norm()) {
+        return nan;
+      }
+    } else if (along_first != 0 && along_second != 0 && fisher.eigenvalues[direction] > 0) {
+      sum += along_first * along_second / fisher.eigenvalues[direction];
+    }
+  }
+  return sum;
+}
+
+bool unseen(const FisherMatrix& fisher, const Vector4& gradient) {
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (fisher.inner[k] && fisher.column[k] == 0 && gradient[static_cast<Eigen::Index>(k)] != 0) return true;
+  }
+  return false;
+}
+
+std::string short_text(double value) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.3g", value);
+  return buffer;
+}
+
+std::string direction_text(const FisherMatrix& fisher, Eigen::Index direction) {
+  Vector4 change = Vector4::Zero();
+  for (std::size_t k = 0; k < 4; ++k) {
+    const auto row = static_cast<Eigen::Index>(k);
+    if (!fisher.inner[k]) continue;
+    const double component = fisher.eigenvectors(row, direction);
+    if (fisher.column[k] > 0) {
+      change[row] = component / fisher.column[k];
+    } else if (std::abs(component) > 0.5) {
+      // Unseen: the direction is the parameter itself.
+      change.setZero();
+      change[row] = 1;
+      break;
+    }
+  }
+  Eigen::Index leading = 0;
+  const double largest = change.cwiseAbs().maxCoeff(&leading);
+  change /= change[leading] < 0 ? -largest : largest;
+  constexpr std::array<const char*, 4> coordinates = {"ln mass1", "ln mass2", "ln clearance", "restitution"};
+  std::string which, rates;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const double rate = change[static_cast<Eigen::Index>(k)];
+    if (std::abs(rate) < free_share) continue;
+    which += (which.empty() ? "" : " : ") + std::string(coordinates[k]);
+    rates += (rates.empty() ? "" : " : ") + short_text(rate);
+  }
+  if (which.find(':') == std::string::npos) return "The data leave " + which + " free.";
+  return "The data leave the scene free to move along " + which + " = " + rates + ".";
+}
+
+SceneEstimate estimate(const FisherMatrix& fisher, const Vector4& gradient, double value, double variance, double t) {
+  SceneEstimate result{};
+  result.value = value;
+  const double error = unseen(fisher, gradient) ? nan : std::sqrt(variance * covariance_of(fisher, gradient, gradient));
+  result.standard_error = error;
+  result.ci95_lower = value - t * error;
+  result.ci95_upper = value + t * error;
+  return result;
+}
+
+}  // namespace
+
+SceneUncertainty scene_uncertainty(const NormalEquations& equations, const SceneBounds& bounds,
+                                   const SceneVector& theta) {
+  SceneUncertainty result{};
+  std::array<bool, 4> inner{}, at_bound{};
+  std::size_t bound_count = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const double margin = 1e-9 * std::min(1.0, bounds.upper[k] - bounds.lower[k]);
+    at_bound[k] = bounds.is_free(k) && (theta[k] <= bounds.lower[k] + margin || theta[k] >= bounds.upper[k] - margin);
+    inner[k] = bounds.is_free(k) && !at_bound[k];
+    bound_count += at_bound[k] ? 1 : 0;
+  }
+  const FisherMatrix fisher = fisher_matrix(equations, inner);
+  result.condition = fisher.condition;
+  result.rank = fisher.determined + bound_count;
+  const double degrees = static_cast<double>(equations.residuals) - static_cast<double>(result.rank);
+  const double variance = degrees > 0 ? equations.cost / degrees : nan;
+  const double t = frac::student_t_95(degrees);
+
+  const std::array<double, 4> value = {std::exp(theta[0]), std::exp(theta[1]), std::exp(theta[2]), theta[3]};
+  std::array<Vector4, 4> gradient;
+  for (std::size_t k = 0; k < 4; ++k) {
+    gradient[k] = Vector4::Zero();
+    gradient[k][static_cast<Eigen::Index>(k)] = k == 3 ? 1 : value[k];
+    SceneEstimate& parameter = result.parameters[k];
+    parameter = estimate(fisher, gradient[k], value[k], variance, t);
+    parameter.name = names[k];
+    parameter.unit = units[k];
+    parameter.fixed = !bounds.is_free(k);
+    parameter.at_bound = at_bound[k];
+    if (parameter.fixed) {
+      parameter.standard_error = 0;
+      parameter.ci95_lower = parameter.ci95_upper = value[k];
+    } else if (parameter.at_bound) {
+      parameter.standard_error = parameter.ci95_lower = parameter.ci95_upper = nan;
+    }
+    const double half_width = parameter.ci95_upper - value[k];
+    parameter.identified = parameter.fixed || parameter.at_bound || half_width <= 0.5 * (k == 3 ? 1.0 : value[k]);
+  }
+  for (std::size_t k = 0; k < 4; ++k) {
+    for (std::size_t l = 0; l < 4; ++l) {
+      const bool either_fixed = result.parameters[k].fixed || result.parameters[l].fixed;
+      const bool either_open =
+          std::isnan(result.parameters[k].standard_error) || std::isnan(result.parameters[l].standard_error);
+      result.covariance[k][l] = either_fixed  ? 0
+                                : either_open ? nan
+                                              : variance * covariance_of(fisher, gradient[k], gradient[l]);
+    }
+  }
+
+  const double product = value[1] * value[2];
+  const double ratio = value[0] / value[1];
+  const std::array<Vector4, 3> combined = {Vector4(value[0], value[1], 0, 0), Vector4(0, product, product, 0),
+                                           Vector4(ratio, -ratio, 0, 0)};
+  const std::array<double, 3> combined_value = {value[0] + value[1], product, ratio};
+  constexpr std::array<const char*, 3> combined_names = {"mass1 + mass2", "mass2 clearance", "mass1/mass2"};
+  constexpr std::array<const char*, 3> combined_units = {"kg", "kg m", "1"};
+  for (std::size_t c = 0; c < 3; ++c) {
+    SceneEstimate& combination = result.combinations[c];
+    combination = estimate(fisher, combined[c], combined_value[c], variance, t);
+    combination.name = combined_names[c];
+    combination.unit = combined_units[c];
+    combination.fixed = true;
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (combined[c][static_cast<Eigen::Index>(k)] == 0) continue;
+      combination.fixed = combination.fixed && !bounds.is_free(k);
+      combination.at_bound = combination.at_bound || at_bound[k];
+    }
+    if (combination.fixed) {
+      combination.standard_error = 0;
+      combination.ci95_lower = combination.ci95_upper = combination.value;
+    } else if (combination.at_bound) {
+      combination.standard_error = combination.ci95_lower = combination.ci95_upper = nan;
+    }
+    combination.identified = combination.fixed || combination.at_bound ||
+                             combination.ci95_upper - combination.value <= 0.5 * combination.value;
+  }
+  for (Eigen::Index direction = 0; direction < 4; ++direction) {
+    if (fisher.is_free[static_cast<std::size_t>(direction)]) {
+      result.free_directions.push_back(direction_text(fisher, direction));
+    }
+  }
+  return result;
+}
+
+}  // namespace backlash::detail

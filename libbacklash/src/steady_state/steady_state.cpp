@@ -1,0 +1,316 @@
+#include "steady_state.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include "closed_orbit.hpp"
+#include "disturbance.hpp"
+#include "sticking_motion.hpp"
+#include "two_impact_orbit.hpp"
+#include "window_mean.hpp"
+
+namespace backlash::detail {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr double rounding = std::numeric_limits<double>::epsilon();
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+// Longest period of a closed orbit, in force periods; what closes later is averaged.
+constexpr int longest_period = 64;
+// Force periods left to the transient.
+constexpr int transient_periods = 256;
+// A mean with a goal (MeanGoal) begins after fewer periods, once the impacts have taken the energy of the start
+// energy_memory times over, and is judged when its window holds 32, 64, 128, ... periods.  It ends early only where a
+// small disturbance has grown by e^certain_growth: slow transients and undamped motions, whose batches may all agree on
+// what is not yet the mean, are followed to the end.
+constexpr int quick_transient_periods = 64;
+constexpr double energy_memory = 10;
+constexpr std::size_t first_judged = 32;
+constexpr std::int64_t least_judged_impacts = 256;
+constexpr double certain_growth = 18;
+// Impacts after which transient and window end early: bounds the work per point at any restitution.
+constexpr std::int64_t transient_impacts = 100'000;
+constexpr std::int64_t window_impacts = 300'000;
+// Returns are looked for every few periods.  A state that has come back within very_near_return starts the search for a
+// closed orbit; so does, after 8, 16, 32, ... periods, one within near_return, for the sake of slowly attracting
+// orbits.
+constexpr std::int64_t return_interval = 8;
+constexpr double near_return = 1e-3;
+constexpr double very_near_return = 1e-6;
+// A state this near to a stable closed orbit is on its way to it.
+constexpr double captured = 1e-6;
+constexpr int capture_rounds = 50;
+
+double distance_between(const GapState& a, const GapState& b) {
+  return std::abs(a.s - b.s) + std::abs(a.velocity - b.velocity) / (1 + b.velocity);
+}
+
+// |U_1| changes by at most about the change of the state; a state error grows over one period by the rounding of its
+// impacts and accumulates like a geometric series in the spectral radius.
+double orbit_uncertainty(const ClosedOrbit& orbit, double radius) {
+  const double per_period = orbit.residual + 8 * rounding * (1 + orbit.start.velocity) * orbit.impacts;
+  return 4 * per_period / std::max(1 - radius, rounding);
+}
+
+// True where the motion from `state` approaches the orbit, which it may merely pass near.
+bool is_captured(const GapMotion& motion, const ClosedOrbit& orbit, GapState state, double radius, double tolerance) {
+  const double first = distance_between(state, orbit.start);
+  if (radius >= 1 - 1e-12) return first <= tolerance;
+  for (int round = 0; round < capture_rounds; ++round) {
+    const double distance = distance_between(state, orbit.start);
+    if (distance <= captured || distance < 0.3 * first) return true;
+    if (distance > 5 * first) return false;
+    const std::int64_t expected = state.half_period + orbit.half_periods;
+    for (int i = 0; i < orbit.impacts; ++i) {
+      if (motion.rests(state)) return false;
+      const Flight flight = motion.next_flight(state);
+      if (!flight.hits) return false;
+      state = motion.after_impact(state, flight);
+    }
+    if (state.wall != orbit.start.wall || std::abs(state.half_period - expected) > 1) return false;
+  }
+  return distance_between(state, orbit.start) < first;
+}
+
+// The shortest orbit that this one repeats.
+ClosedOrbit without_repeats(const GapMotion& motion, const ClosedOrbit& orbit, double tolerance) {
+  const std::int64_t period = orbit.half_periods / 2;
+  for (std::int64_t shorter = 1; shorter < period; ++shorter) {
+    if (period % shorter != 0) continue;
+    const std::int64_t repeats = period / shorter;
+    if (orbit.impacts % repeats != 0) continue;
+    const std::optional<ClosedOrbit> once =
+        close_orbit(motion, orbit.start, static_cast<int>(orbit.impacts / repeats), 2 * shorter, tolerance);
+    if (once && distance_between(once->start, orbit.start) < captured) return *once;
+  }
+  return orbit;
+}
+
+double orbit_energy_defect(const GapMotion& motion, const ClosedOrbit& orbit, const Harmonics& harmonics) {
+  double squared_speeds = 0;
+  GapState state = orbit.start;
+  for (int i = 0; i < orbit.impacts; ++i) {
+    const Flight flight = motion.next_flight(state);
+    squared_speeds += flight.speed * flight.speed;
+    state = motion.after_impact(state, flight);
+  }
+  return energy_defect(motion, harmonics, static_cast<double>(orbit.half_periods), squared_speeds);
+}
+
+std::optional<SteadyState> closed_orbit_near(const GapMotion& motion, const GapState& state, int impacts, int period,
+                                             double tolerance) {
+  std::optional<ClosedOrbit> orbit = close_orbit(motion, state, impacts, 2 * period, tolerance);
+  if (!orbit) return std::nullopt;
+  orbit = without_repeats(motion, *orbit, tolerance);
+  const double trace = orbit->jacobian.trace();
+  // Exact value of the determinant; the product of the factors loses it where the motion is strongly contracting.
+  const double determinant = std::pow(motion.restitution(), 2.0 * orbit->impacts);
+  const double radius = spectral_radius(trace, determinant);
+  if (!(radius <= 1) || !is_captured(motion, *orbit, state, radius, tolerance)) return std::nullopt;
+
+  if (orbit->impacts == 2 && orbit->half_periods == 2 &&
+      motion.gamma() <= symmetry_breaking_gamma(motion.restitution())) {
+    const std::optional<TwoImpactOrbit> symmetric = symmetric_two_impact_orbit(motion.gamma(), motion.restitution());
+    if (symmetric && std::abs(orbit->start.velocity - symmetric->start.velocity) < 1e-4 &&
+        std::abs(orbit->start.s - symmetric->start.s) < 1e-4) {
+      return two_impact_steady_state(*symmetric, motion.restitution());
+    }
+  }
+  SteadyState steady;
+  steady.regime = Regime::periodic;
+  steady.period = static_cast<int>(orbit->half_periods / 2);
+  steady.impacts_per_period = static_cast<double>(orbit->impacts) / steady.period;
+  steady.harmonics = orbit_harmonics(motion, *orbit);
+  steady.uncertainty = orbit_uncertainty(*orbit, radius);
+  steady.spectral_radius = radius;
+  steady.energy_defect = orbit_energy_defect(motion, *orbit, steady.harmonics);
+  steady.lyapunov = std::log(radius) / steady.period;
+  steady.end = state_at_next_peak(motion, orbit->start, 0);
+  return steady;
+}
+
+SteadyState free_motion(double gamma, const GapState& end) {
+  SteadyState steady;
+  steady.regime = Regime::free;
+  steady.period = 1;
+  steady.impacts_per_period = 0;
+  steady.harmonics.u[0] = -gamma;
+  steady.uncertainty = 0;
+  steady.spectral_radius = nan;
+  steady.energy_defect = 0;
+  steady.lyapunov = nan;
+  steady.end = end;
+  return steady;
+}
+
+// Finds the shortest period after which the state at the peaks of the force has come back near to itself, and leaves a
+// period alone for a while after it led nowhere.
+class ReturnDetector {
+ public:
+  explicit ReturnDetector(double gamma) : velocity_scale_(1 / (1 + std::sqrt(gamma))) { wait_.fill(return_interval); }
+
+  struct Return {
+    int period;
+    int impacts;
+  };
+  std::optional<Return> add(std::int64_t count, const Strobe& strobe) {
+    std::optional<Return> found;
+    if (count % return_interval == 0) {
+      const bool is_power_of_two = (count & (count - 1)) == 0;
+      found = shortest_return(count, strobe, is_power_of_two ? near_return : very_near_return);
+    }
+    ring_[slot(count)] = strobe;
+    return found;
+  }
+  void reject(std::int64_t count, int period) {
+    const auto i = static_cast<std::size_t>(period);
+    wait_until_[i] = count + wait_[i];
+    wait_[i] *= 2;
+  }
+
+ private:
+  static std::size_t slot(std::int64_t count) { return static_cast<std::size_t>(count % longest_period); }
+
+  std::optional<Return> shortest_return(std::int64_t count, const Strobe& strobe, double limit) const {
+    for (int period = 1; period <= longest_period && period < count; ++period) {
+      const Strobe& earlier = ring_[slot(count - period)];
+      const double distance = std::abs(strobe.position - earlier.position) +
+                              std::abs(strobe.position_rate - earlier.position_rate) * velocity_scale_;
+      if (distance > limit) continue;
+      const std::int64_t impacts = strobe.impacts - earlier.impacts;
+      if (impacts > 0 && count >= wait_until_[static_cast<std::size_t>(period)]) {
+        return Return{period, static_cast<int>(impacts)};
+      }
+    }
+    return std::nullopt;
+  }
+
+  double velocity_scale_;
+  std::array<Strobe, longest_period> ring_{};
+  std::array<std::int64_t, longest_period + 1> wait_until_{};
+  std::array<std::int64_t, longest_period + 1> wait_{};
+};
+
+}  // namespace
+
+double tail_limit(const GapMotion& motion, double tolerance) {
+  return 1e-3 * tolerance * std::min(1.0, std::cbrt(1 / motion.gamma()));
+}
+
+double energy_defect(const GapMotion& motion, const Harmonics& harmonics, double half_periods, double squared_speeds,
+                     double tail_loss) {
+  const double work = -0.5 * pi * half_periods * motion.gamma() * harmonics.u[0].imag();
+  const double kept = motion.restitution() * motion.restitution();
+  const double loss = 0.5 * (1 - kept) * squared_speeds + tail_loss;
+  return squared_speeds > 0 ? std::abs(work - loss) / (0.5 * squared_speeds) : 0;
+}
+
+SteadyState two_impact_steady_state(const TwoImpactOrbit& orbit, double restitution) {
+  const TwoImpactStability stability = two_impact_stability(orbit, restitution);
+  const GapMotion motion(orbit.gamma, restitution);
+  SteadyState steady;
+  steady.regime = orbit.symmetric() ? Regime::symmetric : Regime::periodic;
+  steady.period = 1;
+  steady.impacts_per_period = 2;
+  steady.harmonics = two_impact_harmonics(orbit, restitution);
+  steady.uncertainty = 16 * rounding * (1 + orbit.gamma);
+  steady.spectral_radius = spectral_radius(stability.trace, stability.determinant);
+  steady.energy_defect = energy_defect(motion, steady.harmonics, 2, 2 * orbit.speed * orbit.speed);
+  steady.lyapunov = std::log(steady.spectral_radius);
+  steady.end = state_at_next_peak(motion, orbit.start, 0);
+  return steady;
+}
+
+SteadyState find_steady_state(const GapMotion& motion, const GapState& start, double tolerance, const MeanGoal& goal) {
+  const double limit = tail_limit(motion, tolerance);
+  ReturnDetector returns(motion.gamma());
+  std::optional<ReturnDetector::Return> candidate;
+  std::optional<GapState> released;
+  Window window;
+  JumpSum jumps;
+  Disturbance disturbance;
+  GapState state = start;
+  GapState last_peak = start;
+  std::int64_t next_peak = start.half_period + 2;
+  std::int64_t periods = 0;
+  std::int64_t impacts = 0;
+
+  const double lost = 1 - motion.restitution() * motion.restitution();
+  const bool quick = goal.relative > 0 && lost > 0;
+  const auto in_transient = [&] {
+    if (periods >= transient_periods || impacts >= transient_impacts) return false;
+    return !(quick && periods >= quick_transient_periods && static_cast<double>(impacts) * lost >= energy_memory);
+  };
+  const auto finish = [&] {
+    SteadyState steady = averaged(window.records(), motion);
+    steady.end = last_peak;
+    return steady;
+  };
+  const auto meets_goal = [&] {
+    const std::vector<WindowRecord>& records = window.records();
+    const std::size_t length = records.size() - 1;
+    if (!quick || length < first_judged || (length & (length - 1)) != 0) return false;
+    if (records.back().strobe.impacts - records.front().strobe.impacts < least_judged_impacts) return false;
+    if (records.back().log_growth - records.front().log_growth < certain_growth) return false;
+    const SteadyState mean = averaged(records, motion);
+    return mean.uncertainty <= goal.relative * std::abs(mean.harmonics.u[0] - goal.zero);
+  };
+  // False when the window is complete.
+  const auto pass_peak = [&](int wall, const DistanceAndVelocity& at) {
+    periods += window.stride();
+    last_peak = motion.peak_state(wall, at);
+    // The impacts counted so far are those before; a contact at the peak itself is still to come.
+    const Strobe strobe{last_peak.position(), wall == 0 ? at.velocity : -at.velocity, impacts};
+    if (window.stride() == 1 && !candidate) candidate = returns.add(periods, strobe);
+    const bool transient = !released && window.empty() && in_transient();
+    const bool more = transient || (window.add({strobe, periods, jumps, disturbance.log_growth()}) && !meets_goal());
+    next_peak += 2 * window.stride();
+    return more;
+  };
+
+  for (;;) {
+    if (motion.rests(state) || motion.chatter_tail(state).negligible(limit)) {
+      if (released) {
+        return sticking_motion(motion, *released, tolerance, goal, longest_period, averaged(window.records(), motion));
+      }
+      const GapState release = motion.release_after(state);
+      while (release.half_period >= next_peak) {
+        if (!pass_peak(state.wall, {0, 0})) return finish();
+      }
+      // Velocity jumps do not describe a rest.
+      window.clear();
+      candidate.reset();
+      released = release;
+      state = release;
+    }
+    const Flight flight = motion.next_flight(state);
+    if (!flight.hits) return free_motion(motion.gamma(), last_peak);
+    const GapState next = motion.after_impact(state, flight);
+    while (next.half_period >= next_peak) {
+      if (!pass_peak(state.wall, motion.along(state, flight, radians_to_half_period(state, next_peak))))
+        return finish();
+    }
+    jumps.add(next, flight.speed);
+    if (!window.empty()) disturbance.advance(motion, state, flight, next);
+    ++impacts;
+    state = next;
+    if (impacts >= transient_impacts + window_impacts) return finish();
+    if (candidate) {
+      const ReturnDetector::Return found = *candidate;
+      candidate.reset();
+      if (std::optional<SteadyState> steady =
+              closed_orbit_near(motion, state, found.impacts, found.period, tolerance)) {
+        return *steady;
+      }
+      returns.reject(periods, found.period);
+    }
+  }
+}
+
+}  // namespace backlash::detail

@@ -1,0 +1,101 @@
+#pragma once
+
+#include <complex>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "frac/approximation/zero_pole_gain.hpp"
+
+namespace frac {
+
+/// How the fractional part s^a, -1 < a < 1, of a power of s is made rational.  a < 0 is the reciprocal of -a.
+enum class ApproximationMethod {
+  ladder,             // least largest error over all real poles and zeros placed symmetrically on the band; the default
+  oustaloup,          // Oustaloup, Levron, Mathieu, Nanot (2000); on its own band the edge error never vanishes
+  oustaloup_widened,  // the same on a band wider by the margin that makes the error on the asked band smallest
+  refined_oustaloup,  // Xue, Zhao, Chen (2006), b = 10, d = 9, with mid-band gain exactly 1; levels off at 2.7 .. 12 %
+  matsuda,            // Matsuda, Fujii (1993): interpolates x^a at 2N+1 real points spread evenly in logarithm
+  carlson,  // Carlson, Halijak (1964): Halley's iteration for roots s^(1/q); products of them for a = m/q, q <= 10
+  cfe,      // continued fraction of s^a at mid-band, its [N/N] Pade approximant
+  charef,   // Charef, Sun, Tsao, Onaral (1992): corners at equal steps of the asymptotes
+};
+
+/// Names as on the command line: ladder, oustaloup, oustaloup-widened, refined-oustaloup, matsuda, carlson, cfe,
+/// charef.
+[[nodiscard]] std::string_view to_string(ApproximationMethod method);
+/// @throws std::invalid_argument  unknown name; the text lists the known ones.
+[[nodiscard]] ApproximationMethod approximation_method(std::string_view name);
+[[nodiscard]] std::span<const ApproximationMethod> approximation_methods();
+
+/// Number of poles, and as many zeros, that stand for s^a.
+struct PoleCount {
+  int poles;
+};
+
+/// Largest |H(j omega)/(j omega)^order - 1| allowed on the band, 0 < value < 1.
+struct Tolerance {
+  double value;
+};
+
+/// A number of poles, or the smallest number that keeps a tolerance.
+using ApproximationGoal = std::variant<PoleCount, Tolerance>;
+
+enum class ApproximationStatus {
+  as_asked,        // poles were given
+  met,             // the tolerance is kept, and the method's design with a pole less does not keep it
+  not_attainable,  // the tolerance is not kept; the result is the best found
+};
+
+/// met, as-asked, not-attainable.
+[[nodiscard]] std::string_view to_string(ApproximationStatus status);
+
+/// Deviation of H(j omega)/(j omega)^order from 1 on the band, in extended precision from the zeros, poles and gain as
+/// they are stored, on a grid ten times denser than that of the design and refined at the largest value.
+struct ApproximationError {
+  double max_relative = 0;      // |H/(j omega)^order - 1|
+  double omega_at_maximum = 0;  // rad/s, where that is reached
+  double max_decibels = 0;      // |20 log10 |H/(j omega)^order||
+  double max_degrees = 0;       // |arg(H/(j omega)^order)|
+  int grid_points = 0;
+};
+
+/// H(s)/s^integer_order = direct + sum residue/(s - pole) over the poles and, for a conjugate pair, over both members.
+struct ParallelForm {
+  double direct = 0;
+  std::vector<double> residues;                     // one per real pole, in the order of ZeroPoleGain::poles
+  std::vector<std::complex<double>> pair_residues;  // of the pole in ZeroPoleGain::pole_pairs; its conjugate's follows
+};
+
+/// A rational stand-in for s^order and what to state about it.
+struct Approximation {
+  double order;
+  FrequencyBand band;
+  ApproximationMethod method;
+  /// What else defines the method's design, e.g. margin_decades.
+  std::vector<std::pair<std::string, double>> parameters;
+  ZeroPoleGain system;
+  ParallelForm parallel;
+  int poles;  // of the fractional part
+  ApproximationError error;
+  /// Poles that the attainable limit e(N) = 2 sin(pi |a|) exp(-pi^2 N/(ln(upper/lower) + 4 ln 2)) asks for at the
+  /// tolerance or, where poles were given, at the error reached.  A figure for bands of two decades and more.
+  int limit_poles;
+  ApproximationStatus status;
+  std::string message;  // one sentence
+};
+
+/// Rational approximation of s^order on a band.  The whole part trunc(order) is exact (system.integer_order) and a
+/// whole order takes no poles.  All methods but carlson give real negative zeros and poles.
+/// Design work is done on the band scaled to have its geometric mean at 1 rad/s.
+/// @throws std::invalid_argument  order not finite or |order| > 20; band not 0 < lower < upper < infinity or not
+/// between 0.01 and 24 decades wide; poles not within 1 .. 200 (matsuda: 60), or a number the method cannot give
+/// (refined-oustaloup: below 3; carlson: the text lists what there is); tolerance not within (0, 1); carlson: |a| is
+/// not m/q.
+[[nodiscard]] Approximation approximate(double order, FrequencyBand band, ApproximationGoal goal,
+                                        ApproximationMethod method = ApproximationMethod::ladder);
+
+}  // namespace frac

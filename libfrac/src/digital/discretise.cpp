@@ -1,0 +1,340 @@
+#include "frac/digital/discretise.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+#include <stdexcept>
+#include <utility>
+
+#include "base/number_text.hpp"
+#include "correction_taps.hpp"
+#include "frac/grunwald_letnikov.hpp"
+#include "power_design.hpp"
+#include "section_form.hpp"
+#include "special/exact_power.hpp"
+
+namespace frac {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double pi = std::numbers::pi;
+
+constexpr Discretisation all_methods[] = {Discretisation::direct, Discretisation::tustin,
+                                          Discretisation::tustin_prewarped, Discretisation::al_alaoui,
+                                          Discretisation::grunwald_letnikov};
+
+std::string short_text(double value) {
+  std::array<char, 32> buffer;
+  std::snprintf(buffer.data(), buffer.size(), "%.3g", value);
+  return buffer.data();
+}
+
+void check_sample_time(double sample_time, const char* where) {
+  if (!(sample_time > 0 && std::isfinite(sample_time))) {
+    throw std::invalid_argument(std::string(where) + ": sample_time = " + detail::number_text(sample_time) +
+                                " s; allowed is above 0, finite");
+  }
+}
+
+// s = (1/T) delta/(1 + slope delta)
+double slope_of(Discretisation method) {
+  return method == Discretisation::al_alaoui ? 7.0 / 8 : method == Discretisation::direct ? 1 : 0.5;
+}
+
+void check_system(const ZeroPoleGain& system) {
+  const auto refuse = [](const std::string& why) { throw std::invalid_argument("discretise: " + why); };
+  if (!system.zero_pairs.empty() || !system.pole_pairs.empty()) {
+    refuse("the system has complex zeros or poles; first-order sections need real ones");
+  }
+  if (system.zeros.size() != system.poles.size()) {
+    refuse(std::to_string(system.zeros.size()) + " zeros and " + std::to_string(system.poles.size()) +
+           " poles; needed are as many zeros as poles");
+  }
+  if (system.integer_order != 0) {
+    refuse("integer_order = " + std::to_string(system.integer_order) + "; needed is 0, see digital_power()");
+  }
+  const auto check_roots = [&](const char* name, const std::vector<double>& roots, bool zero_allowed) {
+    for (std::size_t i = 0; i < roots.size(); ++i) {
+      if (!(roots[i] < 0 || (zero_allowed && roots[i] == 0)) || !std::isfinite(roots[i])) {
+        refuse(std::string(name) + "[" + std::to_string(i) + "] = " + detail::number_text(roots[i]) +
+               " rad/s; needed is a negative, finite number");
+      }
+    }
+  };
+  check_roots("zeros", system.zeros, true);
+  check_roots("poles", system.poles, false);
+  std::vector<double> sorted = system.poles;
+  std::sort(sorted.begin(), sorted.end());
+  const auto twin = std::adjacent_find(sorted.begin(), sorted.end());
+  if (twin != sorted.end())
+    refuse("pole " + detail::number_text(*twin) + " rad/s occurs twice; needed are simple poles");
+  if (!std::isfinite(system.gain)) refuse("gain = " + detail::number_text(system.gain) + " is not finite");
+}
+
+void check_power(double order, FrequencyBand band, double sample_time, Discretisation method, std::size_t memory_length,
+                 double most_amplification) {
+  const std::string where = "digital_power (" + std::string(to_string(method)) + ")";
+  check_sample_time(sample_time, where.c_str());
+  constexpr double most = 8;
+  if (!(std::abs(order) < most)) {
+    throw std::invalid_argument(where + ": order = " + detail::number_text(order) +
+                                "; allowed is -8 to 8, ends excluded");
+  }
+  const double nyquist = pi / sample_time;
+  const bool is_direct = method == Discretisation::direct;
+  const double highest = is_direct ? nyquist / 2 * (1 + 1e-12) : nyquist * (1 - 1e-9);
+  if (!(band.lower > 0 && band.lower < band.upper && band.upper <= highest)) {
+    throw std::invalid_argument(where + ": band = " + detail::number_text(band.lower) + " to " +
+                                detail::number_text(band.upper) + " rad/s; needed is 0 < lower < upper " +
+                                (is_direct ? "<= pi/(2 T) = " : "< pi/T = ") +
+                                detail::number_text(is_direct ? nyquist / 2 : nyquist) +
+                                " rad/s at sample time T = " + detail::number_text(sample_time) + " s");
+  }
+  if (is_direct && !(most_amplification >= 1.1 && most_amplification <= 1000)) {
+    throw std::invalid_argument(where + ": most_amplification = " + detail::number_text(most_amplification) +
+                                "; allowed is 1.1 to 1000");
+  }
+  if (method == Discretisation::grunwald_letnikov && (memory_length < 1 || memory_length > 10'000'000)) {
+    throw std::invalid_argument(where + ": memory_length = " + std::to_string(memory_length) +
+                                "; allowed are 1 to 10000000 samples");
+  }
+}
+
+// The band in the variable that the rule puts for s.  The backward difference turns s off the imaginary axis by x, away
+// from the poles, where the sections are no less accurate within the band, but for its ends: these lie as far out.
+FrequencyBand warped(FrequencyBand band, double sample_time, Discretisation method) {
+  if (method == Discretisation::al_alaoui || method == Discretisation::grunwald_letnikov) return band;
+  const double low = band.lower * sample_time / 2, high = band.upper * sample_time / 2;
+  const double scale = 2 / sample_time;
+  if (method != Discretisation::direct) return {scale * std::tan(low), scale * std::tan(high)};
+  return {scale * std::sin(low) * std::exp(-low), scale * std::sin(high) * std::exp(high)};
+}
+
+// The tolerance is shared between sections and taps; a pole gains a factor of two or three.
+constexpr double prototype_share = 0.6;
+constexpr double correction_share = 0.35;
+
+ApproximationGoal prototype_goal(ApproximationGoal goal, Discretisation method) {
+  auto* tolerance = std::get_if<Tolerance>(&goal);
+  if (tolerance != nullptr && method == Discretisation::direct) tolerance->value *= prototype_share;
+  return goal;
+}
+
+void measure(DigitalPower& result) {
+  // Two ripples a section, and the narrow ones of the taps at the upper edge.
+  const int points = 400 + 60 * static_cast<int>(result.parallel.rates.size());
+  const double fall = std::log(result.band.upper / result.band.lower);
+  ApproximationError& error = result.error;
+  const auto ratio = [&](double omega) {
+    return result.response(omega) / (detail::real_power(omega, result.order) * detail::quarter_turns(result.order));
+  };
+  error = {};
+  error.grid_points = points + 1;
+  for (int i = 0; i <= points; ++i) {
+    const double omega =
+        i == points ? result.band.upper : result.band.lower * std::exp(fall * static_cast<double>(i) / points);
+    const Complex value = ratio(omega);
+    const double relative = std::abs(value - 1.0);
+    if (relative > error.max_relative) {
+      error.max_relative = relative;
+      error.omega_at_maximum = omega;
+    }
+    error.max_decibels = std::max(error.max_decibels, std::abs(20 * std::log10(std::abs(value))));
+    error.max_degrees = std::max(error.max_degrees, std::abs(std::arg(value)) * 180 / pi);
+  }
+  constexpr int beyond = 200;
+  const double nyquist = pi / result.sample_time;
+  result.most_amplification = 0;
+  for (int i = 0; i < beyond; ++i) {
+    const double omega = result.band.upper + (nyquist - result.band.upper) * i / beyond;
+    const double from_edge = std::pow(omega / result.band.upper, std::min(result.order, 0.0));
+    result.most_amplification = std::max(result.most_amplification, from_edge * std::abs(ratio(omega)));
+  }
+}
+
+std::string size_text(const DigitalPower& result) {
+  const std::size_t sections = result.parallel.rates.size();
+  const std::size_t taps = result.taps.size();
+  if (taps == 1) return std::to_string(sections) + (sections == 1 ? " section" : " sections");
+  const std::string own = std::to_string(taps) + " taps";
+  return sections == 0 ? own : std::to_string(sections) + (sections == 1 ? " section and " : " sections and ") + own;
+}
+
+void conclude(DigitalPower& result, const ApproximationGoal& goal, double allowed_amplification) {
+  const auto* tolerance = std::get_if<Tolerance>(&goal);
+  const std::string reached = short_text(result.error.max_relative);
+  const std::string size = size_text(result);
+  if (tolerance == nullptr) {
+    result.status = ApproximationStatus::as_asked;
+    result.message = "The largest relative error with " + size + " is " + reached + ".";
+  } else if (result.error.max_relative <= tolerance->value) {
+    result.status = ApproximationStatus::met;
+    result.message = "Tolerance " + short_text(tolerance->value) + " is met with " + size +
+                     ", largest relative error " + reached + ".";
+  } else {
+    result.status = ApproximationStatus::not_attainable;
+    const std::string share = short_text(result.band.upper * result.sample_time / (2 * pi));
+    result.message = "Tolerance " + short_text(tolerance->value) + " is not attainable by " +
+                     std::string(to_string(result.method)) + " up to " + share + " of the sampling frequency" +
+                     (result.method == Discretisation::direct
+                          ? " with at most " + short_text(allowed_amplification) + " times the gain of s^" +
+                                short_text(result.order) + (result.order < 0 ? " at its edge beyond" : " beyond")
+                          : "") +
+                     ", best is " + reached + " with " + size + ".";
+  }
+}
+
+struct Attempt {
+  DigitalPower power;
+  bool taps_are_good = true;  // within their share of the tolerance
+};
+
+Attempt attempt(const detail::SplitOrder& split, FrequencyBand band, ApproximationGoal goal, double sample_time,
+                Discretisation method, ApproximationMethod approximation, const detail::DirectLimits& limits) {
+  const double order = split.fractional + split.differences - split.integrators;
+  DigitalPower result{.order = order, .band = band, .sample_time = sample_time, .method = method};
+  result.prototype =
+      approximate(split.fractional, warped(band, sample_time, method), prototype_goal(goal, method), approximation);
+  check_system(result.prototype.system);
+  result.differences = split.differences;
+  result.integrators = split.integrators;
+  ZeroPoleGain system = result.prototype.system;
+  if (method == Discretisation::tustin_prewarped) {
+    // What the trapezoidal rule leaves is of the same kind as what the bilinear one does.
+    const double x = band.upper * sample_time / 2;
+    system.gain *= std::pow(x / std::tan(x), split.fractional - split.integrators);
+  }
+  const detail::SectionForm form(system, sample_time, slope_of(method));
+  result.cascade = form.cascade();
+  result.parallel = form.parallel();
+  bool taps_are_good = true;
+  if (method == Discretisation::direct) {
+    const auto* tolerance = std::get_if<Tolerance>(&goal);
+    const double allowed = tolerance != nullptr ? tolerance->value * correction_share
+                                                : std::max(0.5 * result.prototype.error.max_relative, 1e-12);
+    const double edge = band.upper * sample_time / 2;
+    detail::CorrectionTaps correction =
+        detail::correction_taps({split, sample_time, &result.parallel, edge}, allowed, limits);
+    taps_are_good = correction.error <= allowed;
+    result.taps = std::move(correction.taps);
+  }
+  measure(result);
+  return {std::move(result), taps_are_good};
+}
+
+}  // namespace
+
+std::string_view to_string(Discretisation method) {
+  switch (method) {
+    case Discretisation::direct:
+      return "direct";
+    case Discretisation::tustin:
+      return "tustin";
+    case Discretisation::tustin_prewarped:
+      return "tustin-prewarped";
+    case Discretisation::al_alaoui:
+      return "al-alaoui";
+    case Discretisation::grunwald_letnikov:
+      break;
+  }
+  return "grunwald-letnikov";
+}
+
+Discretisation discretisation(std::string_view name) {
+  std::string known;
+  for (const Discretisation method : all_methods) {
+    if (to_string(method) == name) return method;
+    known += (known.empty() ? "" : ", ") + std::string(to_string(method));
+  }
+  throw std::invalid_argument("discretisation \"" + std::string(name) + "\": expected one of " + known);
+}
+
+std::span<const Discretisation> discretisations() {
+  return all_methods;
+}
+
+Complex ParallelSections::response(Complex delta) const {
+  Complex sum = direct;
+  for (std::size_t i = 0; i < rates.size(); ++i) {
+    sum += weights[i] * (output == SectionOutput::state ? 1.0 : delta) / (delta + rates[i]);
+  }
+  return sum;
+}
+
+Complex response_of_taps(std::span<const double> taps, Complex delta) {
+  const Complex back = 1.0 / (1.0 + delta);
+  Complex sum = 0;
+  for (auto tap = taps.rbegin(); tap != taps.rend(); ++tap) sum = sum * back + *tap;
+  return sum;
+}
+
+Complex delta_at(double omega, double sample_time) {
+  const double half = omega * sample_time / 2;
+  return 2 * std::sin(half) * Complex(-std::sin(half), std::cos(half));
+}
+
+DigitalSections discretise(const ZeroPoleGain& system, double sample_time, Discretisation method) {
+  check_sample_time(sample_time, "discretise");
+  if (method != Discretisation::tustin && method != Discretisation::al_alaoui) {
+    throw std::invalid_argument("discretise: method " + std::string(to_string(method)) +
+                                " is for powers of s; a rational function takes tustin or al-alaoui");
+  }
+  check_system(system);
+  const detail::SectionForm form(system, sample_time, slope_of(method));
+  return {form.cascade(), form.parallel()};
+}
+
+Complex DigitalPower::response(double omega) const {
+  const Complex delta = delta_at(omega, sample_time);
+  Complex value = cascade.gain * response_of_taps(taps, delta);
+  for (const DeltaSection& section : cascade.sections) value *= 1.0 + section.feed / (delta + section.rate);
+  for (int i = 0; i < differences; ++i) value *= delta / (1.0 + delta) / sample_time;
+  for (int i = 0; i < integrators; ++i) value *= sample_time * (0.5 + 1.0 / delta);
+  return value;
+}
+
+DigitalPower detail::power_in_sections(const SplitOrder& split, FrequencyBand band, ApproximationGoal goal,
+                                       double sample_time, Discretisation method, ApproximationMethod approximation,
+                                       const DirectLimits& limits) {
+  const double order = split.fractional + split.differences - split.integrators;
+  check_power(order, band, sample_time, method, 1, limits.amplification);
+  const auto* tolerance = std::get_if<Tolerance>(&goal);
+  Attempt best = attempt(split, band, goal, sample_time, method, approximation, limits);
+  // What the ends of the band leave over.
+  double share = 1;
+  for (int again = 0; again < 3 && method == Discretisation::direct && tolerance != nullptr; ++again) {
+    const double excess = best.power.error.max_relative / tolerance->value;
+    if (excess <= 1 || !best.taps_are_good) break;
+    share *= 0.8 / excess;
+    Attempt next =
+        attempt(split, band, Tolerance{share * tolerance->value}, sample_time, method, approximation, limits);
+    if (!(next.power.error.max_relative < best.power.error.max_relative)) break;
+    best = std::move(next);
+  }
+  conclude(best.power, goal, limits.amplification);
+  return std::move(best.power);
+}
+
+DigitalPower digital_power(double order, FrequencyBand band, ApproximationGoal goal, double sample_time,
+                           Discretisation method, ApproximationMethod approximation, std::size_t memory_length,
+                           double most_amplification) {
+  check_power(order, band, sample_time, method, memory_length, most_amplification);
+  const double whole = std::trunc(order);
+  if (method != Discretisation::grunwald_letnikov) {
+    const detail::SplitOrder split{order - whole, static_cast<int>(std::max(whole, 0.0)),
+                                   static_cast<int>(std::max(-whole, 0.0))};
+    return detail::power_in_sections(split, band, goal, sample_time, method, approximation, {most_amplification});
+  }
+  DigitalPower result{.order = order, .band = band, .sample_time = sample_time, .method = method};
+  result.prototype = approximate(order - whole, band, goal, approximation);
+  result.taps = grunwald_letnikov_weights(order, memory_length);
+  const double scale = std::pow(sample_time, -order);
+  for (double& tap : result.taps) tap *= scale;
+  measure(result);
+  conclude(result, goal, most_amplification);
+  return result;
+}
+
+}  // namespace frac

@@ -1,0 +1,195 @@
+#include "program.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+#include <tuple>
+#include <utility>
+
+#include "program_workspace.hpp"
+#include "special/complex_functions.hpp"
+
+namespace frac::detail {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double largest_whole_exponent = 1000;
+
+}  // namespace
+
+Program::Program(const Expression& expression) : parameter_count_(expression.parameter_names.size()) {
+  std::vector<int> slot;
+  slot.reserve(expression.nodes.size());
+  for (const Node& node : expression.nodes) {
+    slot.push_back(static_cast<int>(node.has_s ? complex_steps_.size() : real_steps_.size()));
+    if (node.has_s) {
+      add_complex_step(expression, node, slot);
+    } else {
+      add_real_step(node, slot, expression.nodes);
+    }
+  }
+}
+
+void Program::add_real_step(const Node& node, const std::vector<int>& slot, const std::vector<Node>& nodes) {
+  const auto slot_of = [&](int index) { return index < 0 ? -1 : slot[static_cast<std::size_t>(index)]; };
+  const auto active = [&](int index) { return index >= 0 && nodes[static_cast<std::size_t>(index)].has_parameter; };
+  real_steps_.push_back({node.operation, slot_of(node.left), slot_of(node.right), node.number, node.parameter,
+                         node.has_parameter, active(node.left), active(node.right)});
+}
+
+void Program::add_complex_step(const Expression& expression, const Node& node, const std::vector<int>& slot) {
+  const auto at = [&](int index) -> const Node& { return expression.nodes[static_cast<std::size_t>(index)]; };
+  const auto slot_of = [&](int index) { return index < 0 ? -1 : slot[static_cast<std::size_t>(index)]; };
+  const auto active = [&](int index) { return index >= 0 && at(index).has_parameter; };
+  ComplexStep step{
+      Code::laplace, slot_of(node.left), slot_of(node.right), active(node.left), active(node.right), -1, 0};
+  const auto choose = [&](Code both, Code complex_real, Code real_complex) {
+    if (at(node.left).has_s && at(node.right).has_s) {
+      step.code = both;
+    } else {
+      step.code = at(node.left).has_s ? complex_real : real_complex;
+    }
+  };
+  const auto complex_operand_first = [&] {
+    if (at(node.left).has_s) return;
+    std::swap(step.left, step.right);
+    std::swap(step.left_active, step.right_active);
+  };
+  switch (node.operation) {
+    case Operation::laplace:
+      step.power = static_cast<int>(power_count_++);
+      break;
+    case Operation::exact_laplace:
+      step.code = Code::exact_laplace;
+      break;
+    case Operation::add:
+      choose(Code::add_cc, Code::add_cr, Code::add_cr);
+      complex_operand_first();
+      break;
+    case Operation::subtract:
+      choose(Code::subtract_cc, Code::subtract_cr, Code::subtract_rc);
+      break;
+    case Operation::multiply:
+      choose(Code::multiply_cc, Code::multiply_cr, Code::multiply_cr);
+      complex_operand_first();
+      break;
+    case Operation::divide:
+      choose(Code::divide_cc, Code::divide_cr, Code::divide_rc);
+      break;
+    case Operation::negate:
+      step.code = Code::negate;
+      break;
+    case Operation::power_of_s:
+      step.code = Code::power_of_s;
+      step.power = static_cast<int>(power_count_++);
+      break;
+    case Operation::power: {
+      const auto exponent = literal_value(expression.nodes, node.right);
+      if (exponent && *exponent == std::nearbyint(*exponent) && std::abs(*exponent) <= largest_whole_exponent) {
+        step.code = Code::whole_power;
+        step.whole = static_cast<int>(*exponent);
+      } else {
+        step.code = Code::general_power;
+        if (unrealisable_power_.empty()) unrealisable_power_ = expression.text_of(node);
+      }
+      break;
+    }
+    case Operation::exp:
+      step.code = Code::exp;
+      break;
+    case Operation::sqrt:
+      step.code = Code::sqrt;
+      if (unrealisable_power_.empty()) unrealisable_power_ = expression.text_of(node);
+      break;
+    case Operation::tanh:
+      step.code = Code::tanh;
+      break;
+    case Operation::coth:
+      step.code = Code::coth;
+      break;
+    case Operation::number:
+    case Operation::parameter:
+      assert(false);
+      break;
+  }
+  complex_steps_.push_back(step);
+}
+
+void Program::evaluate(std::span<const double> parameters, std::span<const double> omega,
+                       const Realisation& realisation, std::span<Complex> value, std::span<Complex> gradient) const {
+  // Kept per thread, so that a call allocates nothing once the vectors have grown to the formula.
+  thread_local Workspace work;
+  const bool with_gradient = !gradient.empty();
+  prepare(parameters, realisation, with_gradient, work);
+  if (power_count_ > 0) work.grid.prepare(omega);
+  for (std::size_t start = 0; start < omega.size(); start += block_size) {
+    const std::size_t count = std::min(block_size, omega.size() - start);
+    forward(omega.subspan(start, count), start, with_gradient, work);
+    for (std::size_t i = 0; i < count; ++i) {
+      value[start + i] =
+          complex_steps_.empty() ? Complex(work.real.back()) : work.value[complex_steps_.size() - 1].get(i);
+    }
+    if (!with_gradient) continue;
+    backward(count, work);
+    for (std::size_t slot = 0; slot < real_steps_.size(); ++slot) {
+      if (real_steps_[slot].operation != Operation::parameter) continue;
+      const auto column = static_cast<std::size_t>(real_steps_[slot].parameter);
+      Complex* const to = gradient.data() + column * omega.size() + start;
+      for (std::size_t i = 0; i < count; ++i) to[i] = work.real_adjoint[slot].get(i);
+    }
+  }
+}
+
+void Program::prepare(std::span<const double> parameters, const Realisation& realisation, bool with_gradient,
+                      Workspace& work) const {
+  const std::size_t reals = real_steps_.size();
+  const std::size_t complexes = complex_steps_.size();
+  const auto at_least = [](auto& vector, std::size_t size) {
+    if (vector.size() < size) vector.resize(size);
+  };
+  work.real.resize(reals);
+  at_least(work.value, complexes);
+  at_least(work.powers, power_count_);
+  if (with_gradient) {
+    work.real_by_left.resize(reals);
+    work.real_by_right.resize(reals);
+    at_least(work.adjoint, complexes);
+    at_least(work.by_left, complexes);
+    at_least(work.by_right, complexes);
+    at_least(work.real_adjoint, reals);
+  }
+
+  const auto operand = [&](int slot) { return slot < 0 ? 0.0 : work.real[static_cast<std::size_t>(slot)]; };
+  for (std::size_t i = 0; i < reals; ++i) {
+    const RealStep& step = real_steps_[i];
+    const double left = operand(step.left);
+    const double right = operand(step.right);
+    double& value = work.real[i];
+    if (step.operation == Operation::number) {
+      value = step.number;
+    } else if (step.operation == Operation::parameter) {
+      value = parameters[static_cast<std::size_t>(step.parameter)];
+    } else {
+      value = real_operation(step.operation, left, right);
+    }
+    if (with_gradient && step.active) {
+      std::tie(work.real_by_left[i], work.real_by_right[i]) =
+          real_derivatives(step.operation, left, right, value, step.right_active);
+    }
+  }
+  for (const ComplexStep& step : complex_steps_) {
+    if (step.power < 0) continue;
+    ScaledPower& power = work.powers[static_cast<std::size_t>(step.power)];
+    if (step.code == Code::laplace) {
+      power.of_s.prepare(realisation, 1);
+    } else {
+      power.of_s.prepare(realisation, operand(step.right));
+      power.prepare_scale(operand(step.left), operand(step.right));
+    }
+  }
+}
+
+}  // namespace frac::detail

@@ -1,0 +1,342 @@
+#include "reduction.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "base/number_text.hpp"
+
+namespace frac::detail {
+namespace {
+
+constexpr double largest_expanded_power = 100;
+// Orders that differ by rounding alone, as 0.1 + 0.2 and 0.3 do, are one order.
+constexpr double order_tolerance = 1e-13;
+constexpr std::size_t most_terms = 10'000;
+
+using Slope = std::vector<double>;  // by each parameter; empty where none is wanted
+
+// A number free of s.
+struct Real {
+  double value;
+  Slope slope;
+};
+
+Slope combined(double a, const Slope& x, double b, const Slope& y) {
+  Slope result(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) result[i] = a * x[i] + b * y[i];
+  return result;
+}
+
+void multiply(Slope& slope, double factor) {
+  for (double& each : slope) each *= factor;
+}
+
+bool is_zero(const Slope& slope) {
+  return std::all_of(slope.begin(), slope.end(), [](double each) { return each == 0; });
+}
+
+bool is_zero(const SensitiveSum& sum) {
+  return std::all_of(sum.begin(), sum.end(), [](const SensitiveTerm& term) { return term.coefficient == 0; });
+}
+
+SensitiveSum collected(SensitiveSum terms) {
+  std::stable_sort(terms.begin(), terms.end(),
+                   [](const SensitiveTerm& a, const SensitiveTerm& b) { return a.order > b.order; });
+  SensitiveSum result;
+  for (SensitiveTerm& term : terms) {
+    if (!result.empty() &&
+        result.back().order - term.order <= order_tolerance * std::max(1.0, std::abs(result.back().order))) {
+      SensitiveTerm& same = result.back();
+      same.coefficient += term.coefficient;
+      same.by_coefficient = combined(1, same.by_coefficient, 1, term.by_coefficient);
+      same.by_order = combined(1, same.by_order, 1, term.by_order);
+    } else {
+      result.push_back(std::move(term));
+    }
+  }
+  std::erase_if(result, [](const SensitiveTerm& term) {
+    return term.coefficient == 0 && is_zero(term.by_coefficient) && is_zero(term.by_order);
+  });
+  return result;
+}
+
+SensitiveSum product(const SensitiveSum& a, const SensitiveSum& b) {
+  if (a.size() * b.size() > most_terms) {
+    throw std::invalid_argument("expanding it makes more than " + std::to_string(most_terms) + " terms");
+  }
+  SensitiveSum terms;
+  terms.reserve(a.size() * b.size());
+  for (const SensitiveTerm& x : a) {
+    for (const SensitiveTerm& y : b) {
+      terms.push_back({x.coefficient * y.coefficient, x.order + y.order,
+                       combined(y.coefficient, x.by_coefficient, x.coefficient, y.by_coefficient),
+                       combined(y.coefficient, x.by_order, x.coefficient, y.by_order)});
+    }
+  }
+  return collected(std::move(terms));
+}
+
+// Times s^order.
+SensitiveSum shifted(SensitiveSum terms, double order, const Slope& order_slope) {
+  for (SensitiveTerm& term : terms) {
+    term.order += order;
+    term.by_order = combined(1, term.by_order, term.coefficient, order_slope);
+  }
+  return terms;
+}
+
+RatioOfPowerSums constant(Real value) {
+  const Slope none(value.slope.size(), 0.0);
+  RatioOfPowerSums result{{}, {{1, 0, none, none}}, 0, none};
+  if (value.value != 0 || !is_zero(value.slope)) {
+    result.numerator.push_back({value.value, 0, std::move(value.slope), none});
+  }
+  return result;
+}
+
+RatioOfPowerSums monomial(Real coefficient, double order, const Slope& order_slope) {
+  RatioOfPowerSums result = constant(std::move(coefficient));
+  result.numerator = shifted(std::move(result.numerator), order, order_slope);
+  return result;
+}
+
+// A denominator of one term keeps the coefficient 1, so that a sum over s^m needs no cross multiplication.
+RatioOfPowerSums normalised(RatioOfPowerSums ratio) {
+  if (ratio.denominator.size() == 1) {
+    SensitiveTerm& bottom = ratio.denominator[0];
+    const double divisor = bottom.coefficient;
+    multiply(bottom.by_coefficient, 1 / divisor);
+    multiply(bottom.by_order, 1 / divisor);
+    for (SensitiveTerm& term : ratio.numerator) {
+      term.coefficient /= divisor;
+      term.by_coefficient = combined(1 / divisor, term.by_coefficient, -term.coefficient, bottom.by_coefficient);
+      multiply(term.by_order, 1 / divisor);
+    }
+    bottom.coefficient = 1;
+    std::fill(bottom.by_coefficient.begin(), bottom.by_coefficient.end(), 0.0);
+  }
+  return ratio;
+}
+
+SensitiveSum concatenated(SensitiveSum a, const SensitiveSum& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return collected(std::move(a));
+}
+
+// Takes out the power of s that numerator and denominator share after a cross multiplication.
+void cancel_common_power(RatioOfPowerSums& ratio) {
+  if (ratio.numerator.empty()) return;
+  const double common = std::min(ratio.numerator.back().order, ratio.denominator.back().order);
+  if (common <= 0) return;
+  const Slope none(ratio.delay_slope.size(), 0.0);
+  ratio.numerator = shifted(std::move(ratio.numerator), -common, none);
+  ratio.denominator = shifted(std::move(ratio.denominator), -common, none);
+}
+
+RatioOfPowerSums sum(const RatioOfPowerSums& a, const RatioOfPowerSums& b) {
+  if (a.numerator.empty()) return b;
+  if (b.numerator.empty()) return a;
+  if (a.delay != b.delay) {
+    throw std::invalid_argument("its terms have different delays, " + number_text(a.delay) + " s and " +
+                                number_text(b.delay) + " s");
+  }
+  if (a.denominator == b.denominator) {
+    return {concatenated(a.numerator, b.numerator), a.denominator, a.delay, a.delay_slope};
+  }
+  if (a.denominator.size() == 1 && b.denominator.size() == 1) {
+    const SensitiveTerm& higher =
+        a.denominator[0].order >= b.denominator[0].order ? a.denominator[0] : b.denominator[0];
+    const auto raised = [&](const RatioOfPowerSums& ratio) {
+      const SensitiveTerm& own = ratio.denominator[0];
+      return shifted(ratio.numerator, higher.order - own.order, combined(1, higher.by_order, -1, own.by_order));
+    };
+    return {concatenated(raised(a), raised(b)), {higher}, a.delay, a.delay_slope};
+  }
+  RatioOfPowerSums result{concatenated(product(a.numerator, b.denominator), product(b.numerator, a.denominator)),
+                          product(a.denominator, b.denominator), a.delay, a.delay_slope};
+  cancel_common_power(result);
+  return result;
+}
+
+RatioOfPowerSums multiplied(const RatioOfPowerSums& a, const RatioOfPowerSums& b) {
+  return normalised({product(a.numerator, b.numerator), product(a.denominator, b.denominator), a.delay + b.delay,
+                     combined(1, a.delay_slope, 1, b.delay_slope)});
+}
+
+RatioOfPowerSums inverse(const RatioOfPowerSums& ratio) {
+  if (is_zero(ratio.numerator)) throw std::invalid_argument("it is a division by zero");
+  return normalised(
+      {ratio.denominator, ratio.numerator, -ratio.delay, combined(-1, ratio.delay_slope, 0, ratio.delay_slope)});
+}
+
+RatioOfPowerSums negated(RatioOfPowerSums ratio) {
+  for (SensitiveTerm& term : ratio.numerator) {
+    term.coefficient = -term.coefficient;
+    multiply(term.by_coefficient, -1);
+    multiply(term.by_order, -1);
+  }
+  return ratio;
+}
+
+// c^q
+Real real_power(const Real& base, const Real& order) {
+  const double value = std::pow(base.value, order.value);
+  const bool order_moves = !is_zero(order.slope);
+  const auto [by_base, by_order] = real_derivatives(Operation::power, base.value, order.value, value, order_moves);
+  return {value, combined(by_base, base.slope, order_moves ? by_order : 0, order.slope)};
+}
+
+// (c s)^q
+RatioOfPowerSums power_of_s(const Real& coefficient, const Real& order) {
+  Real factor = real_power(coefficient, order);
+  if (coefficient.value < 0 && order.value != std::nearbyint(order.value)) {
+    throw std::invalid_argument("it is a fractional power of a negative multiple of s");
+  }
+  if (!std::isfinite(factor.value)) throw std::invalid_argument("its coefficient is not finite");
+  return monomial(std::move(factor), order.value, order.slope);
+}
+
+RatioOfPowerSums power(const RatioOfPowerSums& base, const Real& order) {
+  const bool is_one_power = base.numerator.size() == 1 && base.denominator.size() == 1 && base.delay == 0;
+  const bool order_moves = !is_zero(order.slope);
+  if (order.value == std::nearbyint(order.value) && std::abs(order.value) <= largest_expanded_power &&
+      !(is_one_power && order_moves)) {
+    if (order_moves) throw std::invalid_argument("its order is a parameter and its base a sum");
+    const RatioOfPowerSums factor = order.value < 0 ? inverse(base) : base;
+    RatioOfPowerSums result = constant({1, Slope(order.slope.size(), 0.0)});
+    for (int i = 0; i < std::abs(static_cast<int>(order.value)); ++i) result = multiplied(result, factor);
+    return result;
+  }
+  if (!is_one_power) throw std::invalid_argument("it is a power of a sum");
+  const SensitiveTerm& top = base.numerator[0];
+  const double base_order = top.order - base.denominator[0].order;
+  // (c s^p)^q = c^q s^(p q) for principal values only while the angle p pi/2 stays below pi.
+  if (!(top.coefficient > 0 && std::abs(base_order) < 2)) {
+    throw std::invalid_argument("its base is no positive multiple of a power of s below 2");
+  }
+  Real factor = real_power({top.coefficient, top.by_coefficient}, order);
+  if (!(std::isfinite(factor.value) && factor.value > 0)) throw std::invalid_argument("its coefficient is not finite");
+  const Slope base_order_slope = combined(1 / top.coefficient, top.by_order, -1, base.denominator[0].by_order);
+  return monomial(std::move(factor), base_order * order.value,
+                  combined(order.value, base_order_slope, base_order, order.slope));
+}
+
+// exp(constant - delay s)
+RatioOfPowerSums exponential(const RatioOfPowerSums& argument) {
+  const char* const reason = "its argument is no multiple of s plus a constant";
+  if (argument.delay != 0 || argument.denominator.size() != 1 || argument.denominator[0].order != 0) {
+    throw std::invalid_argument(reason);
+  }
+  RatioOfPowerSums result = constant({1, Slope(argument.delay_slope.size(), 0.0)});
+  for (const SensitiveTerm& term : argument.numerator) {
+    if (!is_zero(term.by_order)) throw std::invalid_argument(reason);
+    if (term.order == 1) {
+      result.delay = -term.coefficient;
+      result.delay_slope = combined(-1, term.by_coefficient, 0, term.by_coefficient);
+    } else if (term.order == 0) {
+      SensitiveTerm& factor = result.numerator[0];
+      factor.coefficient = std::exp(term.coefficient);
+      factor.by_coefficient = combined(factor.coefficient, term.by_coefficient, 0, term.by_coefficient);
+    } else {
+      throw std::invalid_argument(reason);
+    }
+  }
+  return result;
+}
+
+RatioOfPowerSums apply(const Node& node, const std::vector<RatioOfPowerSums>& reduced,
+                       const std::vector<Real>& real_values, std::size_t sensitive_count) {
+  const auto left = [&]() -> const RatioOfPowerSums& { return reduced[static_cast<std::size_t>(node.left)]; };
+  const auto right = [&]() -> const RatioOfPowerSums& { return reduced[static_cast<std::size_t>(node.right)]; };
+  const auto real = [&](int index) -> const Real& { return real_values[static_cast<std::size_t>(index)]; };
+  const Slope none(sensitive_count, 0.0);
+  switch (node.operation) {
+    case Operation::laplace:
+    case Operation::exact_laplace:
+      return monomial({1, none}, 1, none);
+    case Operation::add:
+      return sum(left(), right());
+    case Operation::subtract:
+      return sum(left(), negated(right()));
+    case Operation::multiply:
+      return multiplied(left(), right());
+    case Operation::divide:
+      return multiplied(left(), inverse(right()));
+    case Operation::negate:
+      return negated(left());
+    case Operation::power:
+      return power(left(), real(node.right));
+    case Operation::power_of_s:
+      return power_of_s(real(node.left), real(node.right));
+    case Operation::sqrt:
+      return power(left(), {0.5, none});
+    case Operation::exp:
+      return exponential(left());
+    case Operation::tanh:
+    case Operation::coth:
+      throw std::invalid_argument("it is a function of s");
+    case Operation::number:
+    case Operation::parameter:
+      break;
+  }
+  throw std::logic_error("reduce: a number or parameter that holds s");
+}
+
+// Nodes free of s, with their derivatives by the first `sensitive_count` parameters.
+std::vector<Real> real_nodes(const Expression& expression, std::span<const double> parameters,
+                             std::size_t sensitive_count) {
+  std::vector<double> values;
+  evaluate_real_nodes(expression, parameters.data(), values);
+  std::vector<Real> result;
+  result.reserve(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const Node& node = expression.nodes[i];
+    Real real{values[i], Slope(sensitive_count, 0.0)};
+    if (!node.has_s && node.has_parameter && sensitive_count > 0) {
+      if (node.operation == Operation::parameter) {
+        real.slope[static_cast<std::size_t>(node.parameter)] = 1;
+      } else {
+        const Real& left = result[static_cast<std::size_t>(node.left)];
+        const Real& right = node.right < 0 ? left : result[static_cast<std::size_t>(node.right)];
+        const bool right_moves = node.right >= 0 && !is_zero(right.slope);
+        const auto [by_left, by_right] =
+            real_derivatives(node.operation, left.value, right.value, real.value, right_moves);
+        real.slope = combined(by_left, left.slope, right_moves ? by_right : 0, right.slope);
+      }
+    }
+    result.push_back(std::move(real));
+  }
+  return result;
+}
+
+}  // namespace
+
+RatioOfPowerSums reduce(const Expression& expression, std::span<const double> parameters, Sensitivity sensitivity) {
+  const std::size_t sensitive_count = sensitivity == Sensitivity::all ? parameters.size() : 0;
+  const std::vector<Real> real_values = real_nodes(expression, parameters, sensitive_count);
+  std::vector<RatioOfPowerSums> reduced;
+  reduced.reserve(expression.nodes.size());
+  for (std::size_t i = 0; i < expression.nodes.size(); ++i) {
+    const Node& node = expression.nodes[i];
+    try {
+      if (!node.has_s && !std::isfinite(real_values[i].value)) throw std::invalid_argument("its value is not finite");
+      reduced.push_back(node.has_s ? apply(node, reduced, real_values, sensitive_count) : constant(real_values[i]));
+    } catch (const std::invalid_argument& reason) {
+      throw std::invalid_argument("\"" + expression.formula + "\" is no ratio of sums of powers of s, because of \"" +
+                                  std::string(expression.text_of(node)) + "\": " + reason.what());
+    }
+  }
+  return std::move(reduced.back());
+}
+
+std::vector<PowerTerm> plain_terms(const SensitiveSum& sum) {
+  std::vector<PowerTerm> terms;
+  for (const SensitiveTerm& term : sum) {
+    if (term.coefficient != 0) terms.push_back({term.coefficient, term.order});
+  }
+  return terms;
+}
+
+}  // namespace frac::detail

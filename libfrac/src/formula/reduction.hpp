@@ -1,0 +1,43 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "expression.hpp"
+#include "frac/model/fractional_transfer_function.hpp"
+
+namespace frac::detail {
+
+/// A term c s^q with its derivative by each parameter, (by_coefficient + by_order ln s) s^q: by_coefficient = dc,
+/// by_order = c dq.  Both lists are empty where no derivatives are wanted.
+struct SensitiveTerm {
+  double coefficient;
+  double order;
+  std::vector<double> by_coefficient;
+  std::vector<double> by_order;
+  bool operator==(const SensitiveTerm&) const = default;
+};
+/// Terms by falling order.  A coefficient may be 0 while its derivative is not.
+using SensitiveSum = std::vector<SensitiveTerm>;
+
+/// e^{-delay s} numerator/denominator.
+struct RatioOfPowerSums {
+  SensitiveSum numerator;  // empty: zero
+  SensitiveSum denominator;
+  double delay = 0;
+  std::vector<double> delay_slope;
+};
+
+/// Whether the derivatives by all parameters are wanted too.
+enum class Sensitivity { none, all };
+
+/// The expression at given parameter values as a ratio of sums of powers.
+/// @throws std::invalid_argument  it is none, or, with derivatives, a parameter is the power of a sum; the text says
+///                                which part.
+[[nodiscard]] RatioOfPowerSums reduce(const Expression& expression, std::span<const double> parameters,
+                                      Sensitivity sensitivity = Sensitivity::none);
+
+/// The terms alone, those with coefficient 0 left out.
+[[nodiscard]] std::vector<PowerTerm> plain_terms(const SensitiveSum& sum);
+
+}  // namespace frac::detail

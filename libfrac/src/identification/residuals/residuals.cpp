@@ -1,0 +1,129 @@
+#include "residuals.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/wide_vectors.hpp"
+#include "linear_start.hpp"
+
+namespace frac::detail {
+
+namespace {
+
+FRACFIT_WIDE_VECTORS void add_multiple(double factor, const double* from, std::size_t count, double* sum) {
+  for (std::size_t i = 0; i < count; ++i) sum[i] += factor * from[i];
+}
+
+void add_multiple(double factor, const std::complex<double>* from, std::span<std::complex<double>> sum) {
+  // Complex numbers are pairs of reals in memory.
+  add_multiple(factor, reinterpret_cast<const double*>(from), 2 * sum.size(), reinterpret_cast<double*>(sum.data()));
+}
+
+}  // namespace
+
+bool Residuals::evaluate_all(std::span<const double> theta, std::vector<double>& residual) const {
+  residual.resize(count());
+  return evaluate(theta, residual.data(), nullptr);
+}
+
+double Residuals::cost(std::span<const double> theta) const {
+  if (!evaluate_all(theta, scratch_)) return std::numeric_limits<double>::infinity();
+  double sum = 0;
+  for (const double residual : scratch_) sum += residual * residual;
+  return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
+}
+
+FrequencyResiduals::FrequencyResiduals(const FrequencyResponseData& data, const Structure& structure,
+                                       const Realisation& realisation, const ParameterMap& map,
+                                       const ResidualRule& rule)
+    : Residuals(map),
+      data_(data),
+      structure_(structure),
+      realisation_(realisation),
+      rule_(rule),
+      value_(data.size()),
+      gradient_(data.size() * map.parameter_count()),
+      by_theta_(data.size()) {}
+
+bool FrequencyResiduals::evaluate(std::span<const double> theta, double* residual, double* jacobian) const {
+  const std::vector<double> parameters = map().to_user(theta);
+  if (jacobian) {
+    structure_.response_and_gradient(parameters, data_.omega(), realisation_, value_, gradient_);
+  } else {
+    structure_.response(parameters, data_.omega(), realisation_, value_);
+  }
+  if (!rule_.residuals(value_, data_.value(), residual)) return false;
+  if (!jacobian) return true;
+
+  // d model / d theta from d model / d parameter; most entries of the map's Jacobian are 0.
+  const std::vector<ParameterMap::Entry> entries = map().jacobian_entries(parameters);
+  for (std::size_t k = 0; k < map().free().size(); ++k) {
+    std::fill(by_theta_.begin(), by_theta_.end(), 0.0);
+    for (const ParameterMap::Entry& entry : entries) {
+      if (entry.free == k) add_multiple(entry.derivative, gradient_.data() + entry.parameter * points(), by_theta_);
+    }
+    if (!rule_.derivatives(value_, by_theta_, jacobian + k * count())) return false;
+  }
+  return true;
+}
+
+double FrequencyResiduals::best_factor(std::span<const double> theta) const {
+  std::vector<double> all;
+  if (rule_.form == ResidualForm::phase || !evaluate_all(theta, all)) return 1;
+  const bool logarithmic = rule_.form == ResidualForm::logarithmic || rule_.form == ResidualForm::log_magnitude;
+  double product = 0, power = 0, sum = 0;
+  for (std::size_t i = 0; i < points(); ++i) {
+    const std::complex<double> datum = data_.value()[i];
+    const double* residual = all.data() + i * per_point();
+    sum += residual[0];
+    const auto add = [&](double rest, double target) {
+      product += (rest + target) * target;
+      power += (rest + target) * (rest + target);
+    };
+    const double w = rule_.weight[i];
+    switch (rule_.form) {
+      case ResidualForm::imaginary:
+        add(residual[0], w * datum.imag());
+        break;
+      case ResidualForm::real:
+        add(residual[0], w * datum.real());
+        break;
+      case ResidualForm::cartesian:
+        add(residual[0], w * datum.real());
+        add(residual[1], w * datum.imag());
+        break;
+      default:
+        add(residual[0], w * std::abs(datum));
+    }
+  }
+  const double factor = logarithmic ? std::exp(-sum / static_cast<double>(points())) : product / power;
+  return factor > 0 && std::isfinite(factor) ? factor : 1;
+}
+
+std::vector<std::vector<double>> Residuals::linear_fits(std::span<const double>) const {
+  return {};
+}
+
+std::vector<std::vector<double>> FrequencyResiduals::linear_fits(std::span<const double> near) const {
+  if (per_point() != 2) return {};
+  const auto form = coefficient_form(structure_, near);
+  if (!form) return {};
+  std::vector<std::size_t> wanted;
+  for (const ParameterMap::Free& entry : map().free()) {
+    if (entry.role == ParameterRole::coefficient) wanted.push_back(entry.parameter);
+  }
+  std::vector<double> weight = rule_.weight;
+  if (rule_.form == ResidualForm::logarithmic) {
+    for (std::size_t i = 0; i < weight.size(); ++i) weight[i] = 1 / std::abs(data_.value()[i]);
+  }
+  std::vector<std::vector<double>> found;
+  for (const auto weights : {LinearWeights::levy, LinearWeights::vinagre, LinearWeights::sanathanan_koerner}) {
+    const auto fit = linear_fit(*form, data_.omega(), data_.value(), weight, weights);
+    auto parameters = fit ? parameters_from(*form, *fit, near, wanted) : std::nullopt;
+    if (parameters) found.push_back(std::move(*parameters));
+  }
+  return found;
+}
+
+}  // namespace frac::detail

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <complex>
+#include <span>
+#include <vector>
+
+#include "identification/data/residual_rule.hpp"
+#include "parameter_map.hpp"
+
+namespace frac::detail {
+
+/// Residuals of a model and their Jacobian by theta, as solvers see them: points in order, each with the same number of
+/// residuals.  Not thread-safe: implementations keep buffers between calls.
+class Residuals {
+ public:
+  virtual ~Residuals() = default;
+  Residuals(const Residuals&) = delete;
+  Residuals& operator=(const Residuals&) = delete;
+
+  [[nodiscard]] virtual std::size_t points() const noexcept = 0;
+  [[nodiscard]] virtual std::size_t per_point() const noexcept = 0;
+  [[nodiscard]] std::size_t count() const noexcept { return points() * per_point(); }
+  [[nodiscard]] const ParameterMap& map() const noexcept { return map_; }
+
+  /// Residuals at theta and, unless null, their Jacobian, one column of count() entries for each entry of theta.  False
+  /// where one of them is not finite.
+  virtual bool evaluate(std::span<const double> theta, double* residual, double* jacobian) const = 0;
+
+  /// Sum of squares over all points; infinity where the model is not finite.
+  [[nodiscard]] double cost(std::span<const double> theta) const;
+
+  /// Costs below this are rounding: all of them are zero.
+  [[nodiscard]] virtual double rounding_cost() const noexcept { return static_cast<double>(count()) * 1e-28; }
+
+  /// Factor by which the whole model is to be multiplied to come nearest the data; 1 where there is no positive one or
+  /// where the residuals are blind to it (phase).
+  [[nodiscard]] virtual double best_factor(std::span<const double> theta) const = 0;
+
+  /// Parameters whose coefficients come from linear least squares at the orders and delays of `near`, one per weighting
+  /// that gives an answer.  None where the residuals are not linear in coefficients.
+  [[nodiscard]] virtual std::vector<std::vector<double>> linear_fits(std::span<const double> near) const;
+
+  /// Linear parameters the residuals are projected free of: they cost degrees of freedom too.
+  [[nodiscard]] virtual std::size_t eliminated() const noexcept { return 0; }
+  /// Loss under which those are chosen from now on, and the residual at which it turns robust.
+  virtual void set_loss(Loss, double) {}
+
+ protected:
+  explicit Residuals(const ParameterMap& map) : map_(map) {}
+  /// Residuals of all points at theta; false where the model is not finite.
+  bool evaluate_all(std::span<const double> theta, std::vector<double>& residual) const;
+
+ private:
+  const ParameterMap& map_;
+  mutable std::vector<double> scratch_;
+};
+
+/// Those of a structure to a frequency response, in units of the rule.
+class FrequencyResiduals final : public Residuals {
+ public:
+  FrequencyResiduals(const FrequencyResponseData& data, const Structure& structure, const Realisation& realisation,
+                     const ParameterMap& map, const ResidualRule& rule);
+
+  [[nodiscard]] std::size_t points() const noexcept override { return data_.size(); }
+  [[nodiscard]] std::size_t per_point() const noexcept override { return rule_.per_point(); }
+  bool evaluate(std::span<const double> theta, double* residual, double* jacobian) const override;
+  [[nodiscard]] double best_factor(std::span<const double> theta) const override;
+  /// Only with both parts of the response, and for ratios of sums of powers; see linear_start.hpp.
+  [[nodiscard]] std::vector<std::vector<double>> linear_fits(std::span<const double> near) const override;
+
+ private:
+  const FrequencyResponseData& data_;
+  const Structure& structure_;
+  const Realisation& realisation_;
+  const ResidualRule& rule_;
+  mutable std::vector<std::complex<double>> value_;
+  mutable std::vector<std::complex<double>> gradient_;
+  mutable std::vector<std::complex<double>> by_theta_;  // a column
+};
+
+}  // namespace frac::detail

@@ -1,0 +1,448 @@
+#include "global_search.hpp"
+
+#include <nlopt.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <random>
+
+#include "identification/statistics/confidence.hpp"
+
+namespace frac::detail {
+
+namespace {
+
+constexpr int starts_per_round = 5;
+constexpr int draws_per_start = 12;
+constexpr int rounds = 24;
+constexpr int least_rounds = 4;
+constexpr std::size_t agreement = 4;
+constexpr double enough_confidence = 0.9;
+// A scout that was stopped early goes on only if it came within the first factor of the best cost so far, and one that
+// came to rest is finished only if within the second: the minimum of all residuals next to that of 40 of them is lower
+// by the share of noise that parameters follow, k/40 or so.
+constexpr double promising = 10;
+constexpr double in_reach = 3;
+// Ends whose costs agree to this are the same minimum, or equally good fits; those beyond `rival` times the best are
+// poor ones.
+constexpr double equally_good = 1e-3;
+constexpr double rival = 1.5;
+// Of mean squares of residuals over all points and over those scouted: noise alone gives 40 points a standard deviation
+// of 1/sqrt(20) = 22 % or less, so this is more than four of them.
+constexpr double missed_feature = 2;
+// A walk is worth its solves along directions where one natural unit (an e-fold) adds less than this many times the
+// cost: beyond, the quadratic picture says that the data pin the parameter down.
+constexpr double hardly_resists = 0.1;
+
+/// Uniform in [0, 1) from the generator's top 53 bits: the same on every platform, unlike
+/// std::uniform_real_distribution.
+double uniform(std::mt19937_64& generator) {
+  return static_cast<double>(generator() >> 11) * 0x1p-53;
+}
+
+double between(std::mt19937_64& generator, double lower, double upper) {
+  return lower + (upper - lower) * uniform(generator);
+}
+
+std::vector<double> draw(const ParameterMap& map, const std::vector<double>& suggested_orders,
+                         std::mt19937_64& generator) {
+  const DataScale& scale = map.scale();
+  const auto& free = map.free();
+  std::vector<double> theta(free.size());
+  std::vector<double> parameters(map.parameter_count(), 0.0);
+  for (std::size_t i = 0; i < parameters.size(); ++i) {
+    if (map.is_fixed(i)) parameters[i] = map.start()[i];
+  }
+  for (std::size_t k = 0; k < free.size(); ++k) {
+    if (free[k].role != ParameterRole::order) continue;
+    // Orders beyond 2.5 are rare; the solver may still go there.
+    const double lower = std::max(free[k].lower, -2.5), upper = std::min(free[k].upper, 2.5);
+    const bool suggest = !suggested_orders.empty() && uniform(generator) < 0.5;
+    const double suggestion = suggest ? suggested_orders[static_cast<std::size_t>(
+                                            uniform(generator) * static_cast<double>(suggested_orders.size()))]
+                                      : 0;
+    theta[k] =
+        suggest && suggestion >= free[k].lower && suggestion <= free[k].upper
+            ? suggestion
+            : (lower < upper ? between(generator, lower, upper) : between(generator, free[k].lower, free[k].upper));
+    parameters[free[k].parameter] = theta[k];
+  }
+  for (std::size_t k = 0; k < free.size(); ++k) {
+    if (free[k].role == ParameterRole::order) continue;
+    const double log_value = between(generator, std::log(scale.value_lower), std::log(scale.value_upper));
+    const double log_omega = between(generator, std::log(scale.omega_lower), std::log(scale.omega_upper));
+    const double magnitude = free[k].value_exponent * (log_value - std::log(scale.value)) +
+                             map.frequency_exponent(k, parameters) * (log_omega - std::log(scale.omega));
+    if (free[k].logarithmic) {
+      theta[k] = magnitude;
+    } else {
+      theta[k] = std::exp(magnitude);
+      if (free[k].either_sign && uniform(generator) < 0.5) theta[k] = -theta[k];
+    }
+    if (theta[k] < free[k].lower || theta[k] > free[k].upper) {
+      theta[k] = free[k].bounded_by_user ? between(generator, free[k].lower, free[k].upper)
+                                         : std::clamp(theta[k], free[k].lower, free[k].upper);
+    }
+  }
+  return theta;
+}
+
+/// The draw with the whole model multiplied by the factor that brings it nearest the data: by homogeneity, each
+/// parameter times the factor to the power of its dimension.
+void match_magnitude(const Residuals& residuals, std::vector<double>& theta) {
+  const double log_factor = std::log(residuals.best_factor(theta));
+  if (log_factor == 0) return;
+  const auto& free = residuals.map().free();
+  for (std::size_t k = 0; k < free.size(); ++k) {
+    const double shift = free[k].value_exponent * log_factor;
+    theta[k] = free[k].logarithmic ? theta[k] + shift : theta[k] * std::exp(shift);
+    theta[k] = std::clamp(theta[k], free[k].lower, free[k].upper);
+  }
+}
+
+/// The draw with the start values the user gave in their places.
+void take_given_starts(const ParameterMap& map, std::vector<double>& theta) {
+  std::vector<double> parameters = map.to_user(theta);
+  for (const ParameterMap::Free& entry : map.free()) {
+    const double given = map.start()[entry.parameter];
+    if (!std::isnan(given)) parameters[entry.parameter] = given;
+  }
+  theta = map.to_theta(parameters);
+}
+
+/// The starts of a round, each the best of a few draws: screening all draws together would send every solve into the
+/// one basin that looks best from afar.
+std::vector<std::vector<double>> screened_draws(const Residuals& residuals, const std::vector<double>& suggested_orders,
+                                                std::mt19937_64& generator, bool from_given_starts) {
+  std::vector<std::vector<double>> starts;
+  for (int start = 0; start < starts_per_round; ++start) {
+    std::vector<double> best;
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < draws_per_start; ++i) {
+      std::vector<double> theta = draw(residuals.map(), suggested_orders, generator);
+      if (from_given_starts) {
+        take_given_starts(residuals.map(), theta);
+      } else {
+        match_magnitude(residuals, theta);
+      }
+      const double cost = residuals.cost(theta);
+      if (!(cost < least)) continue;
+      least = cost;
+      best = std::move(theta);
+    }
+    if (!best.empty()) starts.push_back(std::move(best));
+  }
+  return starts;
+}
+
+/// Starts by linear least squares for the coefficients, at orders and delays drawn like those of the others: the best
+/// few of several draws.
+std::vector<std::vector<double>> linear_starts(const Residuals& residuals, const std::vector<double>& suggested_orders,
+                                               std::mt19937_64& generator) {
+  constexpr int draws = 6;
+  constexpr std::size_t kept = 2;
+  const ParameterMap& map = residuals.map();
+  const bool only_coefficients = std::all_of(map.free().begin(), map.free().end(), [](const ParameterMap::Free& entry) {
+    return entry.role == ParameterRole::coefficient;
+  });
+  std::vector<std::pair<double, std::vector<double>>> found;
+  for (int i = 0; i < (only_coefficients ? 1 : draws); ++i) {
+    for (const auto& parameters : residuals.linear_fits(map.to_user(draw(map, suggested_orders, generator)))) {
+      std::vector<double> theta = map.to_theta(parameters);
+      const double cost = residuals.cost(theta);
+      if (std::isfinite(cost)) found.emplace_back(cost, std::move(theta));
+    }
+  }
+  std::sort(found.begin(), found.end());
+  if (found.size() > kept) found.resize(kept);
+  std::vector<std::vector<double>> starts;
+  for (auto& [cost, theta] : found) starts.push_back(std::move(theta));
+  return starts;
+}
+
+/// Best point of NLopt's CRS2 over a box six natural units (e-folds) around the data, for models no start agrees on.
+std::vector<double> controlled_random_search(const Residuals& residuals, const std::vector<double>& start,
+                                             std::uint64_t seed) {
+  const auto& free = residuals.map().free();
+  std::vector<double> lower, upper, inside = start;
+  for (std::size_t k = 0; k < free.size(); ++k) {
+    const double reach = free[k].role == ParameterRole::order ? 4 : 12;
+    lower.push_back(std::max(free[k].lower, start[k] - reach));
+    upper.push_back(std::min(free[k].upper, start[k] + reach));
+  }
+  nlopt_srand(static_cast<unsigned long>(seed));
+  const std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)> search(
+      nlopt_create(NLOPT_GN_CRS2_LM, static_cast<unsigned>(free.size())), &nlopt_destroy);
+  nlopt_set_lower_bounds(search.get(), lower.data());
+  nlopt_set_upper_bounds(search.get(), upper.data());
+  nlopt_set_maxeval(search.get(), static_cast<int>(1000 * free.size()));
+  const auto objective = [](unsigned count, const double* theta, double*, void* context) {
+    const double cost = static_cast<const Residuals*>(context)->cost({theta, count});
+    return std::isfinite(cost) ? std::log(cost + std::numeric_limits<double>::min()) : 1e6;
+  };
+  nlopt_set_min_objective(search.get(), objective, const_cast<Residuals*>(&residuals));
+  double value = 0;
+  // Whatever ends the search, `inside` is the best point it saw; the polish that follows judges it.
+  nlopt_optimize(search.get(), inside.data(), &value);
+  return inside;
+}
+
+/// The state of one search.
+class Search {
+ public:
+  Search(const Residuals& scouting, const Residuals& residuals, const std::vector<double>& suggested_orders,
+         std::uint64_t seed)
+      : scouting_(scouting), residuals_(residuals), suggested_orders_(suggested_orders), seed_(seed), generator_(seed) {
+    result_.best.cost = std::numeric_limits<double>::infinity();
+  }
+
+  GlobalSolution run() {
+    const auto& free = residuals_.map().free();
+    const bool start_given = std::any_of(free.begin(), free.end(), [&](const ParameterMap::Free& entry) {
+      return !std::isnan(residuals_.map().start()[entry.parameter]);
+    });
+    // These are not drawn like the others, so they say nothing of the number of minima.
+    scout_from(linear_starts(scouting_, suggested_orders_, generator_));
+    independent_ = 0;
+    for (int round = 0; round < rounds && !exact(); ++round) {
+      scout_from(screened_draws(scouting_, suggested_orders_, generator_, start_given && round == 0));
+      if (round + 1 < least_rounds) continue;
+      finish_promising();
+      if (settled() && !walk_to_lower_cost() && settled()) break;
+    }
+    finish_promising();
+    if (at_best() == 1 && !exact()) {
+      const std::size_t independent = independent_;
+      scout_from({controlled_random_search(scouting_, result_.best.theta, seed_)});
+      finish_promising();
+      independent_ = independent;
+    }
+    if (std::isfinite(result_.best.cost)) {
+      result_.starts = scouts_.size();
+      result_.starts_at_best = at_best();
+      result_.minima = minima();
+      // A cost of zero cannot be beaten.
+      result_.confidence = exact() ? 1 : confidence();
+    }
+    return result_;
+  }
+
+ private:
+  struct Scout {
+    LocalSolution local;  // on the scouting residuals
+    double end;           // cost of all residuals there, or of the minimum it leads to once finished
+    enum { waiting, finished, dropped } state = waiting;
+  };
+
+  [[nodiscard]] static LocalOptions scouting_options() {
+    LocalOptions options;
+    options.iterations = 40;
+    options.cost_tolerance = 1e-6;
+    return options;
+  }
+
+  [[nodiscard]] bool exact() const { return result_.best.cost <= residuals_.rounding_cost(); }
+  [[nodiscard]] double confidence() const { return confidence_of_optimum(independent_, minima()); }
+  [[nodiscard]] bool settled() const { return at_best() >= agreement && confidence() >= enough_confidence; }
+  [[nodiscard]] bool same(double cost, double least) const {
+    return cost <= least * (1 + equally_good) + residuals_.rounding_cost();
+  }
+
+  [[nodiscard]] std::size_t at_best() const {
+    return static_cast<std::size_t>(std::count_if(
+        scouts_.begin(), scouts_.end(), [&](const Scout& scout) { return same(scout.end, result_.best.cost); }));
+  }
+
+  /// Distinct costs up to `rival` times the best; all ends beyond it count as one.
+  [[nodiscard]] std::size_t minima() const {
+    std::vector<double> costs;
+    for (const Scout& scout : scouts_) costs.push_back(scout.end);
+    std::sort(costs.begin(), costs.end());
+    const double floor = residuals_.rounding_cost();
+    std::size_t count = 0;
+    double least = -1;  // of the minimum counted last
+    for (const double cost : costs) {
+      if (least >= 0 && same(cost, least)) continue;
+      ++count;
+      least = cost;
+      if (cost > rival * result_.best.cost + floor) break;
+    }
+    return count;
+  }
+
+  /// Short solves from each start on the scouting residuals.
+  void scout_from(const std::vector<std::vector<double>>& starts) {
+    for (const std::vector<double>& theta : starts) {
+      LocalSolution local = local_solve(scouting_, theta, scouting_options());
+      const double end = residuals_.cost(local.theta);
+      ++independent_;
+      scouts_.push_back({std::move(local), end});
+      if (end <= residuals_.rounding_cost()) finish(scouts_.back());
+    }
+  }
+
+  /// Solves from where a scout stopped on all residuals.
+  void finish(Scout& scout) {
+    LocalSolution local = local_solve(residuals_, scout.local.theta, {});
+    scout.end = local.cost;
+    scout.state = Scout::finished;
+    if (local.cost < result_.best.cost) result_.best = std::move(local);
+  }
+
+  /// Lets a scout that was stopped early come to rest.
+  void pursue(Scout& scout) {
+    LocalOptions patient = scouting_options();
+    patient.iterations = 200;
+    scout.local = local_solve(scouting_, scout.local.theta, patient);
+    scout.end = residuals_.cost(scout.local.theta);
+  }
+
+  /// A finished scout that came to rest at the same cost.
+  [[nodiscard]] const Scout* twin_of(const Scout& scout) const {
+    const auto twin = std::find_if(scouts_.begin(), scouts_.end(), [&](const Scout& other) {
+      return other.state == Scout::finished && scout.local.converged && other.local.converged &&
+             same(scout.local.cost, other.local.cost) && same(other.local.cost, scout.local.cost);
+    });
+    return twin == scouts_.end() ? nullptr : &*twin;
+  }
+
+  /// Finishes the scouts in reach of the best, best first, but for those that came to rest where a finished one did
+  /// before.  True if one went below the best.
+  bool finish_promising() {
+    const double before = result_.best.cost;
+    std::vector<Scout*> waiting;
+    for (Scout& scout : scouts_) {
+      if (scout.state == Scout::waiting && std::isfinite(scout.end)) waiting.push_back(&scout);
+    }
+    std::sort(waiting.begin(), waiting.end(), [](const Scout* a, const Scout* b) { return a->end < b->end; });
+    const auto within = [&](const Scout& scout, double times) {
+      const double least = std::min(result_.best.cost, waiting.front()->end);
+      return scout.end <= times * least + residuals_.rounding_cost();
+    };
+    for (Scout* const scout : waiting) {
+      if (exact()) break;
+      if (!scout->local.converged && within(*scout, promising)) pursue(*scout);
+      if (!within(*scout, in_reach)) {
+        scout->state = Scout::dropped;
+      } else if (const Scout* twin = twin_of(*scout)) {
+        scout->end = twin->end;
+        scout->state = Scout::finished;
+      } else {
+        finish(*scout);
+      }
+    }
+    return !same(before, result_.best.cost);
+  }
+
+  /// Solves from points some e-folds away from the best one along its flat directions, until none leads lower.
+  bool walk_to_lower_cost() {
+    const std::size_t independent = independent_;
+    bool lower = false;
+    for (int walk = 0; walk < 4 && !exact(); ++walk) {
+      std::vector<std::vector<double>> starts;
+      for (const std::vector<double>& direction : flat_directions(residuals_, result_.best, hardly_resists)) {
+        for (const double step : {-4.0, -2.0, -1.0, 1.0, 2.0, 4.0}) add_step(direction, step, starts);
+        for (const double step : dips_along(direction)) add_step(direction, step, starts);
+      }
+      scout_from(starts);
+      if (!finish_promising()) break;
+      lower = true;
+    }
+    independent_ = independent;
+    return lower;
+  }
+
+  void add_step(const std::vector<double>& direction, double step, std::vector<std::vector<double>>& starts) const {
+    std::vector<double> theta = stepped(direction, step);
+    if (std::isfinite(scouting_.cost(theta))) starts.push_back(std::move(theta));
+  }
+
+  /// Steps within 24 e-folds of the best point at which the cost has a minimum along the line, the lowest few.
+  [[nodiscard]] std::vector<double> dips_along(const std::vector<double>& direction) const {
+    constexpr int reach = 96;
+    constexpr double spacing = 0.25;
+    constexpr std::size_t most = 4;
+    std::vector<double> cost;
+    for (int i = -reach; i <= reach; ++i) cost.push_back(scouting_.cost(stepped(direction, i * spacing)));
+    std::vector<std::pair<double, double>> dips;
+    for (int i = 1 - reach; i < reach; ++i) {
+      const auto at = static_cast<std::size_t>(i + reach);
+      if (i != 0 && cost[at] < cost[at - 1] && cost[at] < cost[at + 1]) dips.emplace_back(cost[at], i * spacing);
+    }
+    std::sort(dips.begin(), dips.end());
+    if (dips.size() > most) dips.resize(most);
+    std::vector<double> steps;
+    for (const auto& [height, step] : dips) steps.push_back(step);
+    return steps;
+  }
+
+  [[nodiscard]] std::vector<double> stepped(const std::vector<double>& direction, double step) const {
+    const auto& free = residuals_.map().free();
+    std::vector<double> theta = result_.best.theta;
+    for (std::size_t k = 0; k < theta.size(); ++k) {
+      theta[k] = std::clamp(theta[k] + step * direction[k], free[k].lower, free[k].upper);
+    }
+    return theta;
+  }
+
+  const Residuals& scouting_;
+  const Residuals& residuals_;
+  const std::vector<double>& suggested_orders_;
+  std::uint64_t seed_;
+  std::mt19937_64 generator_;
+  GlobalSolution result_;
+  std::vector<Scout> scouts_;
+  std::size_t independent_ = 0;  // scouts from seeded starts, not from the best of the others
+};
+
+}  // namespace
+
+std::vector<double> suggested_orders(const FrequencyResponseData& data) {
+  const std::size_t n = data.size();
+  const std::size_t window = std::max<std::size_t>(2, n / 8);
+  if (n < 3) return {};
+  const auto slope = [&](std::size_t first, auto part) {
+    const std::size_t last = std::min(n - 1, first + window);
+    const double rise = std::log(part(data.value()[last]) / part(data.value()[first]));
+    return rise / std::log(data.omega()[last] / data.omega()[first]);
+  };
+  std::vector<double> orders;
+  const auto add = [&](double order) {
+    if (!std::isfinite(order)) return;
+    for (const double share : {1.0, 0.75, 0.5, 0.25}) {
+      orders.push_back(std::abs(order) * share);
+      if (order < 0) orders.push_back(order * share);
+    }
+  };
+  const auto magnitude = [](std::complex<double> value) { return std::abs(value); };
+  const auto imaginary = [](std::complex<double> value) { return std::abs(value.imag()); };
+  const std::size_t end = n - 1 > window ? n - 1 - window : 0;
+  for (const std::size_t first : {std::size_t{0}, end}) {
+    add(slope(first, magnitude));
+    add(slope(first, imaginary));
+  }
+  return orders;
+}
+
+double confidence_of_optimum(std::size_t starts, std::size_t minima) {
+  if (starts < minima + 2) return 0;
+  return 1 - static_cast<double>(minima) / static_cast<double>(starts - 1);
+}
+
+GlobalSolution global_search(const Residuals& scouting, const Residuals& residuals,
+                             const std::vector<double>& suggested_orders, std::uint64_t seed) {
+  GlobalSolution found = Search(scouting, residuals, suggested_orders, seed).run();
+  if (&scouting == &residuals) return found;
+  const auto mean = [&](const Residuals& of) {
+    return of.cost(found.best.theta) / static_cast<double>(of.count()) + of.rounding_cost();
+  };
+  if (found.starts_at_best > 0 && mean(residuals) <= missed_feature * mean(scouting)) return found;
+  const std::size_t in_vain = found.starts;
+  found = Search(residuals, residuals, suggested_orders, seed).run();
+  found.starts += in_vain;
+  return found;
+}
+
+}  // namespace frac::detail

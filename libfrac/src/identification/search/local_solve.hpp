@@ -1,0 +1,31 @@
+#pragma once
+
+#include <vector>
+
+#include "identification/residuals/residuals.hpp"
+
+namespace frac::detail {
+
+struct LocalSolution {
+  std::vector<double> theta;
+  double cost = 0;       // plain sum of squares, without the loss
+  double objective = 0;  // the same with the loss; the cost where there is none
+  bool converged = false;
+};
+
+struct LocalOptions {
+  int iterations = 200;
+  double cost_tolerance = 1e-14;  // relative change of the cost at which to stop
+  Loss loss = Loss::none;
+  double loss_scale = 1;  // residual at which the loss turns from quadratic to robust
+};
+
+/// The costs at theta, as of a solution that has converged there; infinite where the model is not finite.
+[[nodiscard]] LocalSolution solution_at(const Residuals& residuals, const std::vector<double>& theta,
+                                        const LocalOptions& options);
+
+/// Bounded Levenberg-Marquardt (Ceres) from a start inside the bounds at which the residuals are finite.
+[[nodiscard]] LocalSolution local_solve(const Residuals& residuals, const std::vector<double>& start,
+                                        const LocalOptions& options);
+
+}  // namespace frac::detail

@@ -1,0 +1,189 @@
+#include "time_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <random>
+
+#include "identification/residuals/laplace_residuals.hpp"
+#include "interchange.hpp"
+
+namespace frac::detail {
+namespace {
+
+// Simulations of the search, far below any noise, and of its scouts.
+constexpr double coarse = 1e-8;
+constexpr double coarsest = 1e-5;
+// Outputs that are enough for them.
+constexpr std::size_t few_outputs = 500;
+constexpr std::size_t very_few_outputs = 120;
+// Costs that agree to this are the same minimum or equally good fits: far less than noise in the data makes of it.
+constexpr double equally_good = 1e-3;
+// Solves from about the best: until so many have come back to it, and no more than so many.
+constexpr std::size_t enough_returns = 4;
+constexpr int most_scouts = 24;
+// A scout is followed if it came within this factor of the best cost.
+constexpr double promising = 1.5;
+
+std::vector<std::size_t> every_nth(const std::vector<std::size_t>& all, std::size_t enough) {
+  const std::size_t stride = (all.size() + enough - 1) / enough;
+  std::vector<std::size_t> index;
+  for (std::size_t i = 0; i < all.size(); i += stride) index.push_back(all[i]);
+  if (index.back() != all.back()) index.push_back(all.back());
+  return index;
+}
+
+class TimeSearch {
+ public:
+  explicit TimeSearch(const TimeProblem& problem)
+      : problem_(problem),
+        few_(problem.residuals(every_nth(problem.data.observed(), few_outputs), coarse)),
+        generator_(problem.options.seed) {
+    result_.best.cost = std::numeric_limits<double>::infinity();
+  }
+
+  GlobalSolution run() {
+    const ParameterMap& map = problem_.map;
+    if (is_complete(map.start(), map)) try_from(map.to_theta(map.start()));
+    if (problem_.options.global_start && !map.free().empty() && !is_exact()) {
+      search_transforms();
+      const TimeResiduals sparse = problem_.residuals(every_nth(problem_.data.observed(), very_few_outputs), coarsest);
+      if (!std::isfinite(result_.best.cost)) {
+        const GlobalSolution found = global_search(sparse, sparse, {}, problem_.options.seed);
+        if (found.starts_at_best > 0) try_from(found.best.theta);
+        result_.starts += found.starts;
+      }
+      if (std::isfinite(result_.best.cost)) look_about(sparse);
+    }
+    if (!std::isfinite(result_.best.cost)) return {};
+    result_.starts_at_best = at_best();
+    finish();
+    return result_;
+  }
+
+ private:
+  void try_from(const std::vector<double>& theta) {
+    ++result_.starts;
+    if (!std::isfinite(few_.cost(theta))) return;
+    // finish() settles the best; the others only need to be told from it.
+    LocalOptions nearly;
+    nearly.iterations = 80;
+    nearly.cost_tolerance = 1e-9;
+    LocalSolution found = local_solve(few_, theta, nearly);
+    ends_.push_back(found.cost);
+    // Of equal minima the first counts: the user's start names the parameters.
+    if (found.cost + few_.rounding_cost() < result_.best.cost) result_.best = std::move(found);
+  }
+
+  [[nodiscard]] bool is_exact() const { return result_.best.cost <= few_.rounding_cost(); }
+
+  [[nodiscard]] bool as_good_as_best(double cost) const {
+    return cost <= result_.best.cost * (1 + equally_good) + few_.rounding_cost();
+  }
+  [[nodiscard]] std::size_t at_best() const {
+    return static_cast<std::size_t>(
+        std::count_if(ends_.begin(), ends_.end(), [&](double cost) { return as_good_as_best(cost); }));
+  }
+
+  // What weighs the end of the record more sees slow modes better and is cut off more: their minima differ, and those
+  // that agree in time agree for a reason.
+  void search_transforms() {
+    for (const double decay : {8.0, 4.0, 2.0}) {
+      const LaplaceResiduals transformed(problem_.data, problem_.structure, problem_.map, problem_.options.offset,
+                                         decay);
+      if (transformed.points() < problem_.map.free().size()) continue;
+      const GlobalSolution found =
+          global_search(transformed, transformed, suggested_orders(transformed.quotient()), problem_.options.seed);
+      result_.starts += found.starts;
+      if (found.starts_at_best > 0) try_from(found.best.theta);
+      if (is_exact() || at_best() > 1) return;
+    }
+  }
+
+  [[nodiscard]] double uniform() { return static_cast<double>(generator_() >> 11) * 0x1p-53; }
+  [[nodiscard]] double normal() {
+    return std::sqrt(-2 * std::log(1 - uniform())) * std::cos(2 * std::numbers::pi * uniform());
+  }
+
+  // About the best one: `reach` factors e in coefficients, thirds in orders.  Dead times have minima between any two
+  // samples, so they move by some samples or by a tenth of the record.
+  [[nodiscard]] std::vector<double> drawn_about_best(double reach) {
+    const std::vector<double>& time = problem_.data.time();
+    const double length = time.back() - time.front();
+    const double sampling = length / static_cast<double>(time.size() - 1);
+    std::vector<double> theta = result_.best.theta;
+    const auto& free = problem_.map.free();
+    for (std::size_t k = 0; k < theta.size(); ++k) {
+      const double step = reach * normal();
+      switch (free[k].role) {
+        case ParameterRole::coefficient:
+          theta[k] = free[k].logarithmic ? theta[k] + step : theta[k] * (1 + step);
+          break;
+        case ParameterRole::order:
+          theta[k] += step / 3;
+          break;
+        case ParameterRole::delay:
+          theta[k] += step * (uniform() < 0.5 ? 2 * sampling : 0.1 * length) * problem_.map.scale().omega;
+          break;
+      }
+      theta[k] = std::clamp(theta[k], free[k].lower, free[k].upper);
+    }
+    return theta;
+  }
+
+  void look_about(const TimeResiduals& sparse) {
+    LocalOptions scouting;
+    scouting.iterations = 20;
+    scouting.cost_tolerance = 1e-6;
+    std::size_t returns = 0;
+    for (int scout = 0; scout < most_scouts && returns < enough_returns && !is_exact(); ++scout) {
+      const std::vector<double> theta = drawn_about_best(scout % 2 == 0 ? 0.5 : 2);
+      if (!std::isfinite(sparse.cost(theta))) continue;
+      const LocalSolution found = local_solve(sparse, theta, scouting);
+      if (!(found.cost <= promising * sparse.cost(result_.best.theta) + sparse.rounding_cost())) {
+        ++result_.starts;
+        continue;
+      }
+      const double before = result_.best.cost;
+      try_from(found.theta);
+      if (result_.best.cost < before * (1 - equally_good)) returns = 0;
+      if (!ends_.empty() && as_good_as_best(ends_.back())) ++returns;
+    }
+  }
+
+  // All samples, and the labels of interchangeable parts in their order.
+  void finish() {
+    // Errors of the simulation far below the residuals move nothing.
+    const double rms = std::sqrt(result_.best.cost / static_cast<double>(few_.count()));
+    const TimeResiduals all =
+        problem_.residuals(problem_.data.observed(), std::clamp(1e-6 * rms, finest_simulation, coarse));
+    const ParameterMap& map = problem_.map;
+    const std::vector<double> start = map.to_theta(
+        with_labels_in_order(problem_.structure, problem_.options.constraints, map.to_user(result_.best.theta)));
+    result_.best = local_solve(all, start, {});
+    if (result_.best.converged) return;
+    LocalOptions patient;
+    patient.iterations = 1000;
+    result_.best = local_solve(all, result_.best.theta, patient);
+  }
+
+  const TimeProblem& problem_;
+  TimeResiduals few_;
+  std::mt19937_64 generator_;
+  GlobalSolution result_;
+  std::vector<double> ends_;  // cost of each solve among few_
+};
+
+}  // namespace
+
+bool is_complete(const std::vector<double>& start, const ParameterMap& map) {
+  return std::none_of(map.free().begin(), map.free().end(),
+                      [&](const auto& entry) { return std::isnan(start[entry.parameter]); });
+}
+
+GlobalSolution time_search(const TimeProblem& problem) {
+  return TimeSearch(problem).run();
+}
+
+}  // namespace frac::detail

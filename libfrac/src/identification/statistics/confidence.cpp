@@ -1,0 +1,195 @@
+#include "confidence.hpp"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "frac/identification/statistics.hpp"
+#include "identification/search/robust.hpp"
+#include "identification/search/triangular_form.hpp"
+
+namespace frac::detail {
+
+namespace {
+
+// Share of a parameter in a flat direction (a unit vector) from which on it counts as part of it.
+constexpr double flat_share = 0.1;
+// A column this much smaller than the largest is rounding: the residuals do not see the parameter.
+constexpr double unseen_column = 1e-10;
+
+/// Variance of one unit-weight residual, for a robust loss Huber's (1981, sect. 7.6) estimate sum psi^2/(n - k)/
+/// mean(psi')^2, and the same with the first power of mean(psi').
+struct Spread {
+  double variance, loss_unit;
+};
+Spread spread_of(const std::vector<double>& residual, double degrees_of_freedom, const LocalOptions& options) {
+  double sum = 0, slope = 0;
+  for (const double r : residual) {
+    const LossAt loss = loss_at(options.loss, r / options.loss_scale);
+    sum += loss.psi * loss.psi * options.loss_scale * options.loss_scale;
+    slope += loss.slope;
+  }
+  slope /= static_cast<double>(residual.size());
+  return {sum / degrees_of_freedom / (slope * slope), sum / degrees_of_freedom / slope};
+}
+
+/// A square matrix with the singular values and the right singular vectors of the Jacobian at theta; none where the
+/// model is not finite there.
+std::optional<Eigen::MatrixXd> reduced_jacobian(const Residuals& residuals, const std::vector<double>& theta,
+                                                std::vector<double>& residual) {
+  const std::size_t width = theta.size();
+  residual.resize(residuals.count());
+  std::vector<double> jacobian(residual.size() * width), triangle((width + 1) * (width + 1));
+  if (!residuals.evaluate(theta, residual.data(), jacobian.data())) return std::nullopt;
+  if (width == 0) return Eigen::MatrixXd(0, 0);
+  triangular_form(jacobian, residual, triangle);
+  Eigen::MatrixXd reduced(width, width);
+  for (std::size_t row = 0; row < width; ++row) {
+    for (std::size_t k = 0; k < width; ++k) {
+      reduced(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(k)) = triangle[row * (width + 1) + k];
+    }
+  }
+  return reduced;
+}
+
+}  // namespace
+
+Confidence confidence(const Residuals& residuals, const LocalSolution& solution, const LocalOptions& options) {
+  const auto& free = residuals.map().free();
+  const std::size_t parameters = residuals.map().parameter_count();
+  const auto columns = static_cast<Eigen::Index>(free.size());
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  Confidence result{std::vector<double>(parameters, nan),
+                    std::vector<double>(parameters, nan),
+                    std::vector<std::vector<double>>(parameters, std::vector<double>(parameters, nan)),
+                    std::vector<bool>(parameters, false),
+                    std::vector<bool>(parameters, true),
+                    std::vector<bool>(parameters, true),
+                    0,
+                    1,
+                    nan,
+                    nan,
+                    nan};
+  for (std::size_t i = 0; i < parameters; ++i) {
+    if (!residuals.map().is_fixed(i)) continue;
+    for (std::size_t j = 0; j < parameters; ++j) result.covariance[i][j] = result.covariance[j][i] = 0;
+  }
+
+  std::vector<double> residual;
+  const std::optional<Eigen::MatrixXd> jacobian = reduced_jacobian(residuals, solution.theta, residual);
+  if (!jacobian) {
+    std::fill(result.identified.begin(), result.identified.end(), false);
+    result.condition = std::numeric_limits<double>::infinity();
+    return result;
+  }
+
+  const auto measure_spread = [&] {
+    const double degrees =
+        static_cast<double>(residual.size()) - static_cast<double>(result.rank + residuals.eliminated());
+    result.t = student_t_95(degrees);
+    if (!(degrees > 0)) return;
+    const Spread spread = spread_of(residual, degrees, options);
+    result.deviation = std::sqrt(spread.variance);
+    result.loss_unit = spread.loss_unit;
+  };
+  if (free.empty()) {
+    measure_spread();
+    return result;
+  }
+
+  const Eigen::VectorXd norm = jacobian->colwise().norm();
+  std::vector<Eigen::Index> inner;  // seen and not at a bound
+  for (Eigen::Index k = 0; k < columns; ++k) {
+    const auto index = static_cast<std::size_t>(k);
+    const double margin = 1e-6 * std::min(1.0, free[index].upper - free[index].lower);
+    const double theta = solution.theta[index];
+    const std::size_t parameter = free[index].parameter;
+    result.at_bound[parameter] = theta - free[index].lower <= margin || free[index].upper - theta <= margin;
+    // A logarithm at its bound has a vanishing column too, but because the data have driven it there.
+    result.seen[parameter] = result.at_bound[parameter] || norm[k] > unseen_column * norm.maxCoeff();
+    if (!result.seen[parameter]) {
+      result.identified[parameter] = false;
+    } else if (result.at_bound[parameter]) {
+      ++result.rank;
+    } else {
+      inner.push_back(k);
+    }
+  }
+  if (inner.empty()) {
+    measure_spread();
+    return result;
+  }
+
+  const auto width = static_cast<Eigen::Index>(inner.size());
+  Eigen::MatrixXd scaled(columns, width);
+  for (Eigen::Index k = 0; k < width; ++k) {
+    const Eigen::Index column = inner[static_cast<std::size_t>(k)];
+    scaled.col(k) = jacobian->col(column) / norm[column];
+  }
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeThinV);
+  const Eigen::VectorXd& sigma = svd.singularValues();
+  const double smallest = std::max(sigma[width - 1], std::numeric_limits<double>::epsilon() * sigma[0]);
+  result.condition = (sigma[0] / smallest) * (sigma[0] / smallest);
+  for (Eigen::Index k = 0; k < width; ++k) result.rank += sigma[k] > unseen_column * sigma[0] ? 1 : 0;
+
+  measure_spread();
+  const double deviation = result.deviation;
+
+  const std::vector<double> values = residuals.map().to_user(solution.theta);
+  const Eigen::MatrixXd to_user = residuals.map().jacobian(values);
+  // Rows: parameters; columns: singular directions of unit residual change.
+  Eigen::MatrixXd inner_to_user(to_user.rows(), width);
+  for (Eigen::Index k = 0; k < width; ++k) {
+    const Eigen::Index column = inner[static_cast<std::size_t>(k)];
+    inner_to_user.col(k) = to_user.col(column) / norm[column];
+  }
+  const Eigen::VectorXd inverse_sigma =
+      sigma.cwiseMax(std::numeric_limits<double>::epsilon() * sigma[0]).cwiseInverse();
+  const Eigen::MatrixXd spread = inner_to_user * svd.matrixV() * inverse_sigma.asDiagonal();
+
+  for (Eigen::Index k = 0; k < width; ++k) {
+    const std::size_t parameter = free[static_cast<std::size_t>(inner[static_cast<std::size_t>(k)])].parameter;
+    const double error = deviation * spread.row(static_cast<Eigen::Index>(parameter)).norm();
+    bool in_flat_direction = false;
+    for (Eigen::Index direction = 0; direction < width; ++direction) {
+      const bool flat = sigma[direction] * sigma[direction] * flat_condition < sigma[0] * sigma[0];
+      in_flat_direction = in_flat_direction || (flat && std::abs(svd.matrixV()(k, direction)) > flat_share);
+    }
+    const bool wide = !(result.t * error <= 0.5 * std::abs(values[parameter])) && !std::isnan(error);
+    result.identified[parameter] = !in_flat_direction && !wide;
+    result.standard_error[parameter] = error;
+    // theta is the parameter at the middle of the band, as a logarithm or in its natural unit.
+    const double theta_error = deviation * (svd.matrixV().row(k) * inverse_sigma.asDiagonal()).norm() /
+                               norm[inner[static_cast<std::size_t>(k)]];
+    result.centre_standard_error[parameter] =
+        theta_error *
+        residuals.map().centre_value_by_theta(static_cast<std::size_t>(inner[static_cast<std::size_t>(k)]), values);
+    for (Eigen::Index other = 0; other < width; ++other) {
+      const std::size_t j = free[static_cast<std::size_t>(inner[static_cast<std::size_t>(other)])].parameter;
+      result.covariance[parameter][j] =
+          deviation * deviation *
+          spread.row(static_cast<Eigen::Index>(parameter)).dot(spread.row(static_cast<Eigen::Index>(j)));
+    }
+  }
+  return result;
+}
+
+std::vector<std::vector<double>> flat_directions(const Residuals& residuals, const LocalSolution& solution,
+                                                 double times) {
+  std::vector<double> residual;
+  const std::optional<Eigen::MatrixXd> jacobian = reduced_jacobian(residuals, solution.theta, residual);
+  if (!jacobian) return {};
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(*jacobian, Eigen::ComputeThinV);
+  std::vector<std::vector<double>> directions;
+  for (Eigen::Index k = jacobian->cols(); k-- > 0;) {
+    const Eigen::VectorXd direction = svd.matrixV().col(k) / svd.matrixV().col(k).lpNorm<Eigen::Infinity>();
+    const double rise = svd.singularValues()[k] * direction.norm();
+    if (!(rise * rise <= times * solution.cost)) continue;
+    directions.emplace_back(direction.begin(), direction.end());
+  }
+  return directions;
+}
+
+}  // namespace frac::detail

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <vector>
+
+#include "identification/search/local_solve.hpp"
+
+namespace frac::detail {
+
+/// Beyond this condition of the scaled Fisher matrix the estimates along a flat direction are noise, whatever the
+/// residuals.
+inline constexpr double flat_condition = 1e6;
+
+/// What the curvature at a minimum says about each parameter of the user.
+struct Confidence {
+  std::vector<double> standard_error;         // NaN: fixed, at a bound, or not seen
+  std::vector<double> centre_standard_error;  // of the parameter with frequency in units of the middle of the band
+  std::vector<std::vector<double>> covariance;
+  std::vector<bool> at_bound;
+  std::vector<bool> seen;        // the residuals depend on it
+  std::vector<bool> identified;  // seen, interval within 50 %, not part of a flat direction
+  std::size_t rank;              // of the scaled Jacobian: parameters the residuals can tell apart
+  double condition;              // of the scaled Fisher matrix
+  double t;                      // half width of a 95 % interval in standard errors
+  double deviation;              // standard deviation of a residual, NaN without a degree of freedom
+  double loss_unit;  // see FitResult, in units of the residuals: rise of the objective for one standard error
+};
+
+[[nodiscard]] Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
+                                    const LocalOptions& options);
+
+/// Directions of theta, their largest entry 1, along which a step of 1 adds less than `times` the cost, as the
+/// curvature at the solution says.
+[[nodiscard]] std::vector<std::vector<double>> flat_directions(const Residuals& residuals,
+                                                               const LocalSolution& solution, double times);
+
+}  // namespace frac::detail

@@ -1,0 +1,145 @@
+#include "estimates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "identification/search/interchange.hpp"
+#include "identification/search/robust.hpp"
+#include "information.hpp"
+
+namespace frac::detail {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+/// Two like parts of which one is not identified, and whose share in their sum is all that is unknown, are neither:
+/// what one has the other lacks.
+void refuse_inseparable_parts(FitResult& result, const Structure& structure) {
+  constexpr double inseparable = 0.98;  // correlation
+  for (const Interchange& parts : interchanges(structure)) {
+    for (const auto& [a, b] : parts.pairs) {
+      ParameterEstimate &first = result.parameters[a], &second = result.parameters[b];
+      if (first.identified == second.identified || first.fixed || second.fixed) continue;
+      const double correlation = result.covariance[a][b] / (first.standard_error * second.standard_error);
+      if (std::abs(correlation) > inseparable) first.identified = second.identified = false;
+    }
+  }
+}
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
+  }
+  return text;
+}
+
+/// What limits say about the result: parameters that ended at one, and residuals as many as parameters.
+std::string remarks_on_limits(const FitResult& result, const Structure& structure,
+                              std::span<const ParameterConstraint> constraints, bool degrees_left) {
+  std::vector<std::string> at_bound;
+  bool held_positive = false;
+  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+    if (!result.parameters[i].at_bound) continue;
+    const std::string& name = result.parameters[i].name;
+    at_bound.push_back(name);
+    const bool limited = std::any_of(constraints.begin(), constraints.end(), [&](const ParameterConstraint& each) {
+      return each.name == name && each.lower.has_value();
+    });
+    held_positive = held_positive || (structure.parameter_roles()[i] == ParameterRole::coefficient &&
+                                      structure.parameter_in_sum()[i] && !limited);
+  }
+  std::string text;
+  if (!at_bound.empty()) {
+    text += " At a bound: " + listed(at_bound) + ".";
+    if (held_positive) {
+      text += " Coefficients in sums are taken as positive unless a lower limit below 0 is given for them.";
+    }
+  }
+  if (!degrees_left) {
+    text += " The residuals are no more than the parameters, so there are no intervals.";
+  }
+  return text;
+}
+
+}  // namespace
+
+FitResult describe_search(const Structure& structure, const Residuals& residuals, const GlobalSolution& solution) {
+  FitResult result{};
+  result.model = structure.formula();
+  result.residuals = residuals.count();
+  result.free_parameters = residuals.map().free().size() + residuals.eliminated();
+  result.starts = solution.starts;
+  result.starts_at_best = solution.starts_at_best;
+  result.distinct_minima = solution.minima;
+  result.confidence_of_optimum = solution.confidence;
+  result.centre_omega = residuals.map().scale().omega;
+  return result;
+}
+
+void describe_failure(FitResult& result, const Structure& structure, const ParameterMap& map, std::string message) {
+  result.cost = result.rms = result.max_residual = result.aicc = result.bic = result.condition = nan;
+  result.loss_cost = result.loss_scale = result.loss_unit = nan;
+  result.termination = FitTermination::no_usable_start;
+  result.message = std::move(message);
+  for (std::size_t i = 0; i < map.parameter_count(); ++i) {
+    result.parameters.push_back(
+        {structure.parameter_names()[i], nan, nan, nan, nan, map.is_fixed(i), false, false, nan, nan, false});
+  }
+}
+
+void describe_estimates(FitResult& result, const Structure& structure, const Residuals& residuals,
+                        std::span<const ParameterConstraint> constraints, const Confidence& found,
+                        std::span<const double> theta) {
+  const ParameterMap& map = residuals.map();
+  const std::vector<double> values = map.to_user(theta);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double half_width = found.t * found.standard_error[i];
+    ParameterEstimate estimate{};
+    estimate.name = structure.parameter_names()[i];
+    estimate.value = estimate.centre_value = values[i];
+    estimate.fixed = map.is_fixed(i);
+    estimate.standard_error = estimate.fixed ? 0 : found.standard_error[i];
+    estimate.centre_standard_error = estimate.fixed ? 0 : found.centre_standard_error[i];
+    estimate.ci95_lower = estimate.fixed ? nan : values[i] - half_width;
+    estimate.ci95_upper = estimate.fixed ? nan : values[i] + half_width;
+    estimate.at_bound = found.at_bound[i];
+    estimate.identified = found.identified[i] && !found.at_bound[i];
+    result.parameters.push_back(std::move(estimate));
+  }
+  for (std::size_t k = 0; k < map.free().size(); ++k) {
+    result.parameters[map.free()[k].parameter].centre_value = map.centre_value(k, values);
+  }
+  result.covariance = found.covariance;
+  refuse_inseparable_parts(result, structure);
+  result.condition = found.condition;
+  if (found.condition > flat_condition) {
+    char text[128];
+    std::snprintf(text, sizeof text,
+                  " The scaled Fisher condition is %.1e, beyond %.0e: some parameters only trade off.", found.condition,
+                  flat_condition);
+    result.message += text;
+  }
+  result.message +=
+      remarks_on_limits(result, structure, constraints, residuals.count() > map.free().size() + residuals.eliminated());
+}
+
+void describe_residuals(FitResult& result, const Residuals& residuals, const LocalOptions& options,
+                        const Confidence& found, std::span<const double> theta, double unit) {
+  std::vector<double> residual = residuals_at(residuals, theta);
+  result.outliers = outliers(residual, residuals.per_point());
+  result.loss_cost = loss_cost(residual, residuals.per_point(), options) * unit * unit;
+  result.loss_scale = options.loss == Loss::none ? nan : options.loss_scale * unit;
+  result.loss_unit = found.loss_unit * unit * unit;
+  for (double& value : residual) value *= unit;
+  const Information information = detail::information(residual, found.rank + residuals.eliminated(), unit);
+  result.cost = information.cost;
+  result.rms = information.rms;
+  result.max_residual = information.max_residual;
+  result.aicc = information.aicc;
+  result.bic = information.bic;
+}
+
+}  // namespace frac::detail

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <span>
+#include <string>
+
+#include "confidence.hpp"
+#include "frac/identification/fit.hpp"
+#include "frac/structure.hpp"
+#include "identification/search/global_search.hpp"
+
+namespace frac::detail {
+
+/// What fits of every kind of data say alike of what they found.
+
+/// A result that knows how it was searched for, and nothing else yet.
+[[nodiscard]] FitResult describe_search(const Structure& structure, const Residuals& residuals,
+                                        const GlobalSolution& solution);
+
+/// Makes it one of a search that found nothing, and why.
+void describe_failure(FitResult& result, const Structure& structure, const ParameterMap& map, std::string message);
+
+/// Fills in estimates, covariance and condition, and adds to the message what the data or the limits leave open.
+void describe_estimates(FitResult& result, const Structure& structure, const Residuals& residuals,
+                        std::span<const ParameterConstraint> constraints, const Confidence& found,
+                        std::span<const double> theta);
+
+/// Fills in cost, rms, criteria, outliers and loss.
+/// @param unit  of the residuals: the size of the weighted data
+void describe_residuals(FitResult& result, const Residuals& residuals, const LocalOptions& options,
+                        const Confidence& found, std::span<const double> theta, double unit);
+
+}  // namespace frac::detail

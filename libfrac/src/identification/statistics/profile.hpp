@@ -1,0 +1,38 @@
+#pragma once
+
+#include <functional>
+
+#include "confidence.hpp"
+#include "identification/residuals/fit_problem.hpp"
+
+namespace frac::detail {
+
+/// How a profile is followed along a coordinate: the parameter, or its logarithm.
+struct ProfileLine {
+  double centre;        // where the cost is least
+  double step;          // distance at which an end is first looked for, > 0
+  double lower, upper;  // limits
+  bool logarithmic;     // a coefficient many e-folds away is not bounded by the data
+};
+
+/// Where `rise`, the square root of the rise of the cost in units of that for one standard error, reaches `wanted` on
+/// one side of the centre: by secant steps, since it is linear where the model is.
+/// @param tolerance  of an end, relative to its distance from the centre
+/// @param steps      at most; an end not bracketed by then counts as open
+/// @return -infinity or infinity where there is none
+[[nodiscard]] double profile_end(const std::function<double(double)>& rise, const ProfileLine& line, int side,
+                                 double wanted, double tolerance, int steps);
+
+/// Where the least cost with one parameter held reaches what a 95 % interval allows.
+struct ProfileEnds {
+  double lower, upper;              // -infinity, infinity where the limits come first
+  double lower_limit, upper_limit;  // of the parameter
+  bool below_minimum;               // a lower cost than that of the solution was met: it is no minimum
+};
+
+/// The 95 % interval of a free parameter; tolerance and steps as of profile_end().
+[[nodiscard]] ProfileEnds profile_ends(const FitProblem& problem, const LocalSolution& solution,
+                                       const LocalOptions& options, const Confidence& confidence, std::size_t parameter,
+                                       double tolerance, int steps);
+
+}  // namespace frac::detail

@@ -1,0 +1,285 @@
+#include "frac/identification/uncertainty.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <stdexcept>
+#include <string>
+
+#include "curvature_fit.hpp"
+#include "frac/identification/statistics.hpp"
+#include "frac/parallel_for.hpp"
+#include "identification/data/fit_data.hpp"
+#include "profile.hpp"
+
+namespace frac {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Options of a refit that starts where another fit ended.
+template <class Options>
+Options warm(const Options& options, const Structure& structure, const std::vector<ParameterEstimate>& from) {
+  Options result = options;
+  result.global_start = false;
+  for (std::size_t i = 0; i < structure.parameter_names().size(); ++i) {
+    const ParameterEstimate& estimate = from[i];
+    if (estimate.fixed) continue;
+    const auto known =
+        std::find_if(result.constraints.begin(), result.constraints.end(),
+                     [&](const ParameterConstraint& constraint) { return constraint.name == estimate.name; });
+    if (known == result.constraints.end()) {
+      result.constraints.push_back({estimate.name, {}, {}, {}, estimate.value});
+    } else {
+      known->start = std::clamp(estimate.value, known->lower.value_or(-infinity), known->upper.value_or(infinity));
+    }
+  }
+  return result;
+}
+
+const ParameterEstimate& estimate_of(const FitResult& result, std::string_view name) {
+  const auto found = std::find_if(result.parameters.begin(), result.parameters.end(),
+                                  [&](const ParameterEstimate& each) { return each.name == name; });
+  if (found == result.parameters.end()) {
+    throw std::invalid_argument("unknown parameter '" + std::string(name) + "'");
+  }
+  return *found;
+}
+
+/// Of a fit at one's hands. @throws std::invalid_argument  as profile_interval().
+const ParameterEstimate& profiled(const FitResult& result, std::string_view parameter) {
+  const ParameterEstimate& estimate = estimate_of(result, parameter);
+  if (estimate.fixed)
+    throw std::invalid_argument("parameter '" + std::string(parameter) + "' is fixed, it has no interval");
+  if (estimate.from_other_component || !(std::isfinite(estimate.value))) {
+    throw std::invalid_argument("parameter '" + std::string(parameter) + "' is not seen by the fitted component");
+  }
+  if (result.residuals <= result.free_parameters)
+    throw std::invalid_argument("a profile needs more residuals than free parameters");
+  return estimate;
+}
+
+// To this share of an interval, within so many refits.
+constexpr double profile_tolerance = 1e-6;
+constexpr int profile_steps = 60;
+
+/// Data made of the fitted curve and residuals drawn from those left, for the bootstrap.
+class FrequencyResampling {
+ public:
+  FrequencyResampling(const FrequencyResponseData& data, const FitOptions& options, const FitResult& result,
+                      double inflation)
+      : data_(data),
+        component_(options.component),
+        model_(fitted_response(result, options.realisation, data.omega())),
+        unit_(data.size(), 1.0),
+        residual_(data.size()) {
+    const bool only_one_part = component_ == Component::imaginary || component_ == Component::real;
+    const std::size_t count = data.size();
+    std::complex<double> mean = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      // In units of the noise: relative to the model and turned with it, or in the unit of sigma or of the data.
+      if (options.weight == Weight::given) {
+        unit_[i] = data.sigma()[i];
+      } else if (options.weight != Weight::absolute) {
+        unit_[i] = only_one_part ? std::abs(data.value()[i]) : model_[i];
+      }
+      residual_[i] = inflation * (data.value()[i] - model_[i]) / unit_[i];
+      mean += residual_[i] / static_cast<double>(count);
+    }
+    if (options.loss != Loss::none) return;  // outliers move the mean, and the fit cares for neither
+    for (std::complex<double>& each : residual_) each -= mean;
+  }
+
+  [[nodiscard]] FrequencyResponseData draw(std::mt19937_64& generator) const {
+    std::vector<std::complex<double>> value(data_.size());
+    for (std::size_t i = 0; i < value.size(); ++i) {
+      value[i] = model_[i] + unit_[i] * residual_[generator() % value.size()];
+      // The part that was not fitted follows no model and stays as it is.
+      if (component_ == Component::imaginary) value[i].real(data_.value()[i].real());
+      if (component_ == Component::real) value[i].imag(data_.value()[i].imag());
+    }
+    return {data_.omega(), std::move(value), data_.sigma()};
+  }
+
+ private:
+  const FrequencyResponseData& data_;
+  Component component_;
+  std::vector<std::complex<double>> model_, unit_, residual_;
+};
+
+class TimeResampling {
+ public:
+  TimeResampling(const TimeResponseData& data, const TimeFitOptions& options, const FitResult& result, double inflation)
+      : data_(data),
+        model_(fitted_output(result, data, options)),
+        residual_(detail::weighted_residuals(data, options, result)) {
+    double mean = 0;
+    if (options.loss == Loss::none) {
+      for (const double each : residual_) mean += each / static_cast<double>(residual_.size());
+    }
+    for (double& each : residual_) each = -inflation * (each - mean);
+  }
+
+  [[nodiscard]] TimeResponseData draw(std::mt19937_64& generator) const {
+    std::vector<double> output = model_;
+    for (const std::size_t i : data_.observed()) {
+      output[i] += (data_.sigma().empty() ? 1 : data_.sigma()[i]) * residual_[generator() % residual_.size()];
+    }
+    return TimeResponseData(data_.time(), data_.input(), std::move(output), data_.sigma(), data_.hold(),
+                            data_.input_at_rest())
+        .observed_at(data_.observed());
+  }
+
+ private:
+  const TimeResponseData& data_;
+  std::vector<double> model_, residual_;
+};
+
+double inflation(const FitResult& result) {
+  // Residuals are smaller than the noise, because parameters have followed it.
+  const double degrees = static_cast<double>(result.residuals) - static_cast<double>(result.free_parameters);
+  return degrees > 0 ? std::sqrt(static_cast<double>(result.residuals) / degrees) : 1;
+}
+
+BootstrapInterval percentiles(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const auto samples = static_cast<double>(values.size());
+  double mean = 0, square = 0;
+  // From the first: values that are all alike spread by nothing.
+  for (const double value : values) mean += (value - values.front()) / samples;
+  mean += values.front();
+  for (const double value : values) square += (value - mean) * (value - mean);
+  const auto percentile = [&](double share) {
+    const double place = share * (samples - 1);
+    const auto below = static_cast<std::size_t>(place);
+    const double part = place - static_cast<double>(below);
+    return values[below] + (below + 1 < values.size() ? part * (values[below + 1] - values[below]) : 0);
+  };
+  return {percentile(0.025), percentile(0.975), std::sqrt(square / (samples - 1))};
+}
+
+template <class Resampling, class Options>
+std::vector<BootstrapInterval> bootstrap_of(const Resampling& resampling, const Options& options,
+                                            const FitResult& result, std::size_t samples, int threads) {
+  if (samples < 20) {
+    throw std::invalid_argument("a bootstrap of " + std::to_string(samples) +
+                                " samples has no percentiles; use at least 20");
+  }
+  const Structure structure(result.model);
+  const Options refit = warm(options, structure, result.parameters);
+  std::vector<std::vector<double>> values(result.parameters.size(), std::vector<double>(samples));
+  parallel_for(samples, threads, [&](std::size_t sample) {
+    std::seed_seq seed{options.seed, static_cast<std::uint64_t>(sample)};
+    std::mt19937_64 generator(seed);
+    const FitResult again = detail::curvature_fit(resampling.draw(generator), structure, refit);
+    for (std::size_t k = 0; k < values.size(); ++k) values[k][sample] = again.parameters[k].value;
+  });
+  std::vector<BootstrapInterval> intervals;
+  for (std::vector<double>& each : values) intervals.push_back(percentiles(std::move(each)));
+  return intervals;
+}
+
+}  // namespace
+
+ProfileInterval profile_interval(const FrequencyResponseData& data, const FitOptions& options, const FitResult& result,
+                                 std::string_view parameter) {
+  profiled(result, parameter);
+  const Structure structure(result.model);
+  detail::FitProblem problem(data, structure, options);
+  detail::LocalOptions local;
+  if (std::isfinite(result.loss_scale)) {
+    local.loss = options.loss;
+    local.loss_scale = result.loss_scale / problem.rule.unit;
+  }
+  std::vector<double> values;
+  for (const ParameterEstimate& each : result.parameters) values.push_back(each.value);
+  const detail::LocalSolution solution = detail::solution_at(problem.residuals, problem.map.to_theta(values), local);
+  const detail::Confidence found = confidence(problem.residuals, solution, local);
+  const detail::ProfileEnds ends = profile_ends(problem, solution, local, found, structure.parameter_index(parameter),
+                                                profile_tolerance, profile_steps);
+  return {ends.lower, ends.upper, ends.below_minimum};
+}
+
+ProfileInterval profile_interval(const TimeResponseData& data, const TimeFitOptions& options, const FitResult& result,
+                                 std::string_view parameter) {
+  const ParameterEstimate& estimate = profiled(result, parameter);
+  const Structure structure(result.model);
+  TimeFitOptions held = options;
+  if (std::isfinite(result.loss_scale)) held.loss_scale = result.loss_scale;
+  detail::ProfileLine line{estimate.value, 0, -infinity, infinity, false};
+  for (const ParameterConstraint& constraint : options.constraints) {
+    if (constraint.name != parameter) continue;
+    line.lower = constraint.lower.value_or(line.lower);
+    line.upper = constraint.upper.value_or(line.upper);
+  }
+  if (parameter != detail::offset_name) {
+    const ParameterRole role = structure.parameter_roles()[structure.parameter_index(parameter)];
+    line.logarithmic = role == ParameterRole::coefficient && line.lower == -infinity && estimate.value > 0;
+  }
+  const double t = student_t_95(static_cast<double>(result.residuals - result.free_parameters));
+  const double error = estimate.standard_error > 0 ? estimate.standard_error : 0.01 * std::abs(estimate.value) + 1e-300;
+  line.step = t * (line.logarithmic ? error / estimate.value : error);
+  if (line.logarithmic) {
+    line.centre = std::log(estimate.value);
+    line.upper = std::log(line.upper);
+  }
+  ProfileInterval interval{-infinity, infinity, false};
+  for (const int side : {-1, 1}) {
+    FitResult last = result;
+    const auto rise = [&](double coordinate) {
+      TimeFitOptions refit_options = warm(held, structure, last.parameters);
+      detail::hold(refit_options, parameter, line.logarithmic ? std::exp(coordinate) : coordinate);
+      const FitResult refit = fit(data, structure, refit_options);
+      if (!std::isfinite(refit.loss_cost)) return infinity;
+      if (refit.loss_cost <= result.loss_cost + t * t * result.loss_unit) last = refit;
+      interval.better_minimum_found = interval.better_minimum_found || refit.loss_cost < result.loss_cost * (1 - 1e-6);
+      return std::sqrt(std::max(0.0, refit.loss_cost - result.loss_cost) / result.loss_unit);
+    };
+    const double end = detail::profile_end(rise, line, side, t, profile_tolerance, profile_steps);
+    (side < 0 ? interval.lower : interval.upper) = line.logarithmic && std::isfinite(end) ? std::exp(end) : end;
+  }
+  return interval;
+}
+
+std::vector<BootstrapInterval> bootstrap(const FrequencyResponseData& data, const FitOptions& options,
+                                         const FitResult& result, std::size_t samples, int threads) {
+  return bootstrap_of(FrequencyResampling(data, options, result, inflation(result)), options, result, samples, threads);
+}
+
+std::vector<BootstrapInterval> bootstrap(const TimeResponseData& data, const TimeFitOptions& options,
+                                         const FitResult& result, std::size_t samples, int threads) {
+  return bootstrap_of(TimeResampling(data, options, result, inflation(result)), options, result, samples, threads);
+}
+
+std::vector<ResponseDeviation> response_deviation(const FitResult& result, const Realisation& realisation,
+                                                  const std::vector<double>& omega) {
+  const Structure structure(result.model);
+  const std::size_t count = result.parameters.size();
+  std::vector<double> parameters;
+  for (const ParameterEstimate& estimate : result.parameters) parameters.push_back(estimate.value);
+  std::vector<ResponseDeviation> deviations;
+  std::vector<std::complex<double>> gradient(count);
+  for (const double each : omega) {
+    const std::complex<double> value = structure.response_and_gradient(parameters, each, realisation, gradient);
+    double real = 0, imaginary = 0, log_magnitude = 0, phase = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t j = 0; j < count; ++j) {
+        const double covariance = result.covariance[i][j];
+        if (std::isnan(covariance)) continue;
+        real += gradient[i].real() * covariance * gradient[j].real();
+        imaginary += gradient[i].imag() * covariance * gradient[j].imag();
+        // d ln G = dG/G: its parts are those of ln|G| and of the phase.
+        const std::complex<double> left = gradient[i] / value, right = gradient[j] / value;
+        log_magnitude += left.real() * covariance * right.real();
+        phase += left.imag() * covariance * right.imag();
+      }
+    }
+    const auto root = [](double variance) { return std::sqrt(std::max(variance, 0.0)); };
+    deviations.push_back({root(real), root(imaginary), root(log_magnitude), root(phase)});
+  }
+  return deviations;
+}
+
+}  // namespace frac

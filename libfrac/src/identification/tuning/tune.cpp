@@ -1,0 +1,126 @@
+#include "frac/identification/tune.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "base/number_text.hpp"
+#include "loop_description.hpp"
+#include "search.hpp"
+#include "specification.hpp"
+
+namespace frac {
+namespace {
+
+// Of mu from its limit: what the search leaves.
+constexpr double at_limit = 1e-3;
+
+}  // namespace
+
+FractionalTransferFunction controller_transfer_function(const FractionalPidGains& gains,
+                                                        double derivative_filter_time) {
+  const double time = derivative_filter_time;
+  if (!(time >= 0 && std::isfinite(time))) {
+    throw std::invalid_argument("controller_transfer_function: derivative_filter_time = " + detail::number_text(time) +
+                                " s; allowed is 0 or more, finite");
+  }
+  std::vector<PowerTerm> numerator{{gains.kp, 0}, {gains.ki, -gains.lambda}, {gains.kd, gains.mu}};
+  if (time == 0) return {numerator, {{1, 0}}};
+  numerator.push_back({gains.kp * time, 1});
+  numerator.push_back({gains.ki * time, 1 - gains.lambda});
+  return {numerator, {{time, 1}, {1, 0}}};
+}
+
+std::string_view to_string(TuningCriterion criterion) {
+  switch (criterion) {
+    case TuningCriterion::sensitivity:
+      return "sensitivity";
+    case TuningCriterion::iae:
+      return "iae";
+    case TuningCriterion::itae:
+      break;
+  }
+  return "itae";
+}
+
+std::span<const TuningCriterion> tuning_criteria() {
+  static constexpr TuningCriterion all[] = {TuningCriterion::sensitivity, TuningCriterion::iae, TuningCriterion::itae};
+  return all;
+}
+
+TuningCriterion tuning_criterion(std::string_view name) {
+  for (const auto criterion : tuning_criteria()) {
+    if (to_string(criterion) == name) return criterion;
+  }
+  throw std::invalid_argument("tuning criterion \"" + std::string(name) + "\": expected one of sensitivity, iae, itae");
+}
+
+std::string_view to_string(ControllerStructure structure) {
+  switch (structure) {
+    case ControllerStructure::pid:
+      return "pid";
+    case ControllerStructure::pi:
+      return "pi";
+    case ControllerStructure::pd:
+      break;
+  }
+  return "pd";
+}
+
+std::span<const ControllerStructure> controller_structures() {
+  static constexpr ControllerStructure all[] = {ControllerStructure::pid, ControllerStructure::pi,
+                                                ControllerStructure::pd};
+  return all;
+}
+
+ControllerStructure controller_structure(std::string_view name) {
+  for (const auto structure : controller_structures()) {
+    if (to_string(structure) == name) return structure;
+  }
+  throw std::invalid_argument("controller structure \"" + std::string(name) + "\": expected one of pid, pi, pd");
+}
+
+std::string_view to_string(TuningStatus status) {
+  return status == TuningStatus::met ? "met" : "not-met";
+}
+
+TuningResult tune(const FractionalTransferFunction& plant, const LoopSpecification& specification,
+                  const TuningOptions& options) {
+  detail::require_valid(plant, specification, options);
+  const detail::FoundController found = detail::search_controller(plant, specification, options);
+  TuningResult result;
+  result.gains = found.gains;
+  result.derivative_filter_time = options.derivative_filter_time;
+  result.evaluations = found.evaluations;
+  result.mu_limit = detail::highest_mu(plant, options);
+  result.mu_at_limit = options.structure != ControllerStructure::pi && result.mu_limit < options.mu.upper &&
+                       result.gains.kd != 0 && result.gains.mu > result.mu_limit - at_limit;
+  const FractionalPidGains& gains = result.gains;
+  if (!(std::isfinite(gains.kp) && std::isfinite(gains.ki) && std::isfinite(gains.kd))) {
+    result.message = "The equations for the gains have no solution.";
+    return result;
+  }
+  detail::describe_loop(plant, specification, options, found.reference, result);
+  std::string failed;
+  for (const ReachedSpecification& line : result.specification) {
+    if (!line.met) failed += (failed.empty() ? "" : "; ") + line.name;
+  }
+  if (std::min({gains.kp, gains.ki, gains.kd}) < 0)
+    failed += (failed.empty() ? "" : "; ") + std::string("gains not negative");
+  if (result.closed_loop != Stability::stable) {
+    result.message = "No stable loop with this specification was found; the closed loop is " +
+                     std::string(to_string(result.closed_loop)) + ".";
+  } else if (!failed.empty()) {
+    result.message = "No controller was found that keeps everything; not kept: " + failed + ".";
+  } else {
+    result.status = TuningStatus::met;
+    result.message = "The closed loop is stable and keeps the specification.";
+  }
+  if (result.mu_at_limit) {
+    result.message += " mu stands at its limit, " + detail::number_text(result.mu_limit) +
+                      ": above it the loop would fall more slowly than s^-0.2 at high frequency.";
+  }
+  return result;
+}
+
+}  // namespace frac

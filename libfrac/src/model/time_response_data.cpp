@@ -1,0 +1,82 @@
+#include "frac/model/time_response_data.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "base/number_text.hpp"
+
+namespace frac {
+namespace {
+
+[[noreturn]] void refuse(const std::string& reason) {
+  throw std::invalid_argument("TimeResponseData: " + reason);
+}
+
+std::string entry(const char* quantity, std::size_t index, double value) {
+  return std::string(quantity) + "[" + std::to_string(index) + "] = " + detail::number_text(value);
+}
+
+void check_finite(const char* quantity, const std::vector<double>& values) {
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!std::isfinite(values[i])) refuse(entry(quantity, i, values[i]) + " is not finite");
+  }
+}
+
+}  // namespace
+
+TimeResponseData::TimeResponseData(std::vector<double> time, std::vector<double> input, std::vector<double> output,
+                                   std::vector<double> sigma, Hold hold, double input_at_rest)
+    : time_(std::move(time)),
+      input_(std::move(input)),
+      output_(std::move(output)),
+      sigma_(std::move(sigma)),
+      hold_(hold),
+      input_at_rest_(input_at_rest) {
+  const std::size_t count = time_.size();
+  if (input_.size() != count || output_.size() != count || (!sigma_.empty() && sigma_.size() != count)) {
+    refuse("lengths differ: " + std::to_string(count) + " times, " + std::to_string(input_.size()) + " inputs, " +
+           std::to_string(output_.size()) + " outputs, " + std::to_string(sigma_.size()) + " standard deviations");
+  }
+  if (count < 2) refuse(std::to_string(count) + " samples; at least two are needed");
+  check_finite("time", time_);
+  check_finite("input", input_);
+  check_finite("output", output_);
+  check_finite("sigma", sigma_);
+  for (std::size_t i = 1; i < count; ++i) {
+    if (!(time_[i] > time_[i - 1])) {
+      refuse(entry("time", i, time_[i]) + " s does not lie after " + detail::number_text(time_[i - 1]) + " s");
+    }
+  }
+  for (std::size_t i = 0; i < sigma_.size(); ++i) {
+    if (!(sigma_[i] > 0)) refuse(entry("sigma", i, sigma_[i]) + " is not positive");
+  }
+  if (!std::isfinite(input_at_rest_)) {
+    refuse("input_at_rest = " + detail::number_text(input_at_rest_) + " is not finite");
+  }
+  // What the last sample does is not seen under a zero-order hold but in the sample itself.
+  if (std::all_of(input_.begin(), input_.end(), [this](double value) { return value == input_at_rest_; })) {
+    refuse("the input is " + detail::number_text(input_at_rest_) +
+           " throughout, as at rest; nothing drives the system");
+  }
+  observed_.resize(count);
+  std::iota(observed_.begin(), observed_.end(), std::size_t{0});
+}
+
+TimeResponseData TimeResponseData::observed_at(std::vector<std::size_t> index) const {
+  if (index.empty()) refuse("no output is left");
+  for (std::size_t i = 0; i < index.size(); ++i) {
+    if (index[i] >= size() || (i > 0 && index[i] <= index[i - 1])) {
+      refuse("observed[" + std::to_string(i) + "] = " + std::to_string(index[i]) +
+             "; allowed are rising indices below " + std::to_string(size()));
+    }
+  }
+  TimeResponseData result = *this;
+  result.observed_ = std::move(index);
+  return result;
+}
+
+}  // namespace frac

@@ -1,0 +1,120 @@
+#include "laplace_image.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "formula/power_sum.hpp"
+
+namespace frac::detail {
+namespace {
+
+using Complex = std::complex<double>;
+
+const PowerTerm& dominant(const std::vector<PowerTerm>& terms, double log_radius) {
+  const auto size = [&](const PowerTerm& term) {
+    return std::log(std::abs(term.coefficient)) + term.order * log_radius;
+  };
+  return *std::max_element(terms.begin(), terms.end(),
+                           [&](const PowerTerm& a, const PowerTerm& b) { return size(a) < size(b); });
+}
+
+double log_size(const PowerTerm& term, double log_radius) {
+  return std::log(std::abs(term.coefficient)) + term.order * log_radius;
+}
+
+// Visits ln|s| where two terms of a sum are equally large.
+template <typename Visit>
+void for_each_corner(const std::vector<PowerTerm>& terms, const Visit& visit) {
+  for (const PowerTerm& a : terms) {
+    for (const PowerTerm& b : terms) {
+      if (a.order <= b.order) continue;
+      visit(std::log(std::abs(b.coefficient / a.coefficient)) / (a.order - b.order));
+    }
+  }
+}
+
+}  // namespace
+
+double dominant_slope(const std::vector<PowerTerm>& numerator, const std::vector<PowerTerm>& denominator,
+                      double log_radius) {
+  return dominant(numerator, log_radius).order - dominant(denominator, log_radius).order;
+}
+
+LaplaceImage::LaplaceImage(std::vector<PowerTerm> numerator, std::vector<PowerTerm> denominator)
+    : numerator_(std::move(numerator)),
+      denominator_(std::move(denominator)),
+      poles_(power_sum_roots(denominator_, 1.5 * std::numbers::pi)) {
+  const std::vector<RootCluster>& clusters = poles_.clusters;
+  for (const RootCluster& pole : clusters) {
+    double clearance = std::numeric_limits<double>::infinity();
+    for (const RootCluster& other : clusters) {
+      if (&other != &pole) {
+        clearance = std::min(clearance, std::abs(pole.log_s - other.log_s) - other.spread);
+      }
+      if (&other != &pole || !pole.is_conjugate) {
+        clearance = std::min(clearance, std::abs(pole.log_s - std::conj(other.log_s)) - other.spread);
+      }
+    }
+    clearance_.push_back(clearance);
+  }
+  lowest_corner_ = std::numeric_limits<double>::infinity();
+  highest_corner_ = -lowest_corner_;
+  for (const std::vector<PowerTerm>* terms : {&numerator_, &denominator_}) {
+    for_each_corner(*terms, [&](double corner) {
+      lowest_corner_ = std::min(lowest_corner_, corner);
+      highest_corner_ = std::max(highest_corner_, corner);
+    });
+  }
+  if (lowest_corner_ > highest_corner_) lowest_corner_ = highest_corner_ = 0;
+}
+
+Complex LaplaceImage::value(Complex zeta, Complex exponent) const {
+  const ScaledSum top = scaled_sum(numerator_, zeta);
+  const ScaledSum bottom = scaled_sum(denominator_, zeta);
+  return top.value / bottom.value * std::exp(exponent + top.scale - bottom.scale);
+}
+
+double LaplaceImage::log_magnitude(double log_radius) const {
+  return log_size(dominant(numerator_, log_radius), log_radius) -
+         log_size(dominant(denominator_, log_radius), log_radius);
+}
+
+double LaplaceImage::slope(double log_radius) const {
+  return dominant_slope(numerator_, denominator_, log_radius);
+}
+
+double LaplaceImage::lowest_noticed(double latest, double tolerance) const {
+  // Nodes at s add about Y s latest to a response up to `latest` where s latest < 1; in logarithms that is piecewise
+  // straight, so it is largest at a corner.  A margin for what poles nearby add.
+  const double own = -std::log(latest);
+  const double least = log_magnitude(own) + std::log(1e-3 * tolerance);
+  double lowest = own;
+  for (const std::vector<PowerTerm>* terms : {&numerator_, &denominator_}) {
+    for_each_corner(*terms, [&](double corner) {
+      if (corner < lowest && log_magnitude(corner) + corner - own > least) lowest = corner;
+    });
+  }
+  return lowest;
+}
+
+LaplaceImage::OriginExpansion LaplaceImage::origin_expansion(double limit) const {
+  OriginExpansion result{{}, numerator_};
+  const PowerTerm lowest = denominator_.back();
+  while (!result.remainder.empty() && result.terms.size() < 200) {
+    const PowerTerm leading = result.remainder.back();
+    const PowerTerm term{leading.coefficient / lowest.coefficient, leading.order - lowest.order};
+    if (term.order > limit) break;
+    result.terms.push_back(term);
+    std::vector<PowerTerm> next(result.remainder.begin(), result.remainder.end() - 1);
+    for (std::size_t i = 0; i + 1 < denominator_.size(); ++i) {
+      next.push_back({-term.coefficient * denominator_[i].coefficient, term.order + denominator_[i].order});
+    }
+    result.remainder = collected(std::move(next));
+  }
+  return result;
+}
+
+}  // namespace frac::detail

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <complex>
+#include <vector>
+
+#include "frac/model/fractional_transfer_function.hpp"
+
+namespace frac::detail {
+
+/// sum c e^{q zeta}, that is sum c s^q at zeta = ln s, and its derivative with respect to zeta, both divided by e^scale
+/// so that they neither overflow nor vanish.  With zeta = ln|s| + i arg s every sheet has its own arguments.
+struct ScaledSum {
+  std::complex<double> value;
+  std::complex<double> slope;
+  double scale;
+  double magnitude;  // sum of the moduli of the terms of value
+};
+[[nodiscard]] ScaledSum scaled_sum(const std::vector<PowerTerm>& terms, std::complex<double> zeta);
+
+/// Taylor coefficients f^(j)/j! of a sum about zeta, over e^scale, for j = 0 to count - 1, and bounds of their errors
+/// in units of the rounding unit.
+struct TaylorStart {
+  std::vector<std::complex<double>> coefficient;
+  std::vector<double> rounding;
+};
+[[nodiscard]] TaylorStart taylor_start(const std::vector<PowerTerm>& terms, std::complex<double> zeta, int count);
+
+/// scaled_sum(terms, zeta + offset) e^(scale there - scale at zeta) without the first `order` terms of its expansion in
+/// offset: where they vanish but for rounding, the rest is known to relative accuracy however small the offset is.
+struct DeflatedSum {
+  std::complex<double> value;
+  double magnitude;  // sum of the moduli of its parts
+};
+[[nodiscard]] DeflatedSum deflated_sum(const std::vector<PowerTerm>& terms, std::complex<double> zeta,
+                                       std::complex<double> offset, int order);
+
+/// Roots of a sum of powers that lie together, closer than 1e-3 in ln s, or one root.
+struct RootCluster {
+  std::complex<double> log_s;  // a root, or the middle of several
+  int multiplicity;
+  double spread;      // largest distance of a member from log_s, in ln s; 0 where they coincide to rounding
+  bool is_conjugate;  // its own complex conjugate: real, or a pair about the positive real axis
+  /// The members coincide by the coefficients as they stand, shown without rounding: a root of several orders of a
+  /// polynomial on the imaginary axis.
+  bool is_exact = false;
+  /// Each less log_s; empty for one root and where they coincide to rounding.
+  std::vector<std::complex<double>> members = {};
+};
+
+struct PowerSumRoots {
+  std::vector<RootCluster> clusters;
+  /// Every root the argument principle counts was found; if not, `clusters` may lack some.
+  bool complete = true;
+};
+
+/// Roots with 0 <= arg s <= largest_argument (rad, may exceed pi: further sheets), by rising argument; those below the
+/// real axis are the conjugates.  Counted by the argument principle on rectangles of the ln s plane, halved until each
+/// holds one root or one cluster, and polished by Newton's method.
+[[nodiscard]] PowerSumRoots power_sum_roots(const std::vector<PowerTerm>& sum, double largest_argument);
+
+}  // namespace frac::detail

@@ -1,0 +1,290 @@
+#include "frac/stability.hpp"
+
+#include <algorithm>
+#include <boost/math/quadrature/gauss_kronrod.hpp>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+
+#include "base/number_text.hpp"
+#include "formula/power_sum.hpp"
+#include "frac/model/algebra.hpp"
+#include "frequency_axis.hpp"
+#include "laplace_image.hpp"
+#include "winding_number.hpp"
+
+namespace frac {
+namespace {
+
+using Complex = std::complex<double>;
+using detail::LaplaceImage;
+using detail::RootCluster;
+using detail::ScaledSum;
+constexpr double pi = std::numbers::pi;
+constexpr double infinity = std::numeric_limits<double>::infinity();
+// Margin of arg s about pi/2 within which rounding of the coefficients decides.
+constexpr double axis_width = 1e-9;
+// Radians that dead time may turn along the contour of a closed loop: each takes a few evaluations.
+constexpr double largest_turning = 1e6;
+
+double order_at_origin(const FractionalTransferFunction& model) {
+  return model.numerator().back().order - model.denominator().back().order;
+}
+
+double order_at_infinity(const FractionalTransferFunction& model) {
+  return model.numerator().front().order - model.denominator().front().order;
+}
+
+bool is_cancelled(const std::vector<PowerTerm>& numerator, const RootCluster& root) {
+  const ScaledSum top = detail::scaled_sum(numerator, root.log_s);
+  return std::abs(top.value) < 1e-9 * top.magnitude;
+}
+
+LaplaceImage image(const FractionalTransferFunction& model) {
+  return {model.numerator(), model.denominator()};
+}
+
+// Where a condition that holds towards `low`, if anywhere, ceases to; `low` where it holds nowhere.
+template <typename Condition>
+double boundary(const Condition& holds, double low, double high) {
+  return holds(low) ? detail::bisected([&](double u) { return holds(u) ? 1.0 : -1.0; }, low, high) : low;
+}
+
+}  // namespace
+
+std::string_view to_string(Stability stability) noexcept {
+  switch (stability) {
+    case Stability::stable:
+      return "stable";
+    case Stability::marginal:
+      return "marginal";
+    case Stability::unstable:
+      return "unstable";
+    case Stability::integrating:
+      return "integrating";
+    case Stability::differentiating:
+      return "differentiating";
+    case Stability::undetermined:
+      break;
+  }
+  return "undetermined";
+}
+
+StabilityAnalysis analyse_stability(const FractionalTransferFunction& model) {
+  StabilityAnalysis result{};
+  const detail::PowerSumRoots roots = detail::power_sum_roots(model.denominator(), pi);
+  bool unstable = false;
+  bool marginal = false;
+  for (const RootCluster& root : roots.clusters) {
+    const Complex s = std::exp(root.log_s);
+    const bool real = root.is_conjugate || root.log_s.imag() > pi - 1e-12;
+    const bool cancelled = is_cancelled(model.numerator(), root);
+    result.poles.push_back({real ? Complex(s.real()) : s, root.multiplicity, cancelled});
+    if (cancelled) continue;
+    marginal = marginal || std::abs(root.log_s.imag() - pi / 2) <= axis_width + root.spread;
+    unstable = unstable || root.log_s.imag() < pi / 2 - axis_width - root.spread;
+  }
+  // Finer ones have more sheets than anyone would look at.
+  const auto common = commensurate_order(model);
+  if (common && common->value() >= 1e-3) result.commensurate_order = common->value();
+  if (result.commensurate_order) {
+    const double q = *result.commensurate_order;
+    std::vector<PowerTerm> polynomial = model.denominator();
+    for (PowerTerm& term : polynomial) term.order = std::round((term.order - model.denominator().back().order) / q);
+    for (const RootCluster& root : detail::power_sum_roots(polynomial, pi).clusters) {
+      const double argument = root.log_s.imag();
+      const Complex lambda = std::exp(root.log_s);
+      result.sheet_roots.push_back({root.is_conjugate || argument > pi - 1e-12 ? Complex(lambda.real()) : lambda,
+                                    root.multiplicity, argument <= q * pi * (1 + 1e-12), argument > q * pi / 2});
+    }
+  }
+  if (!roots.complete) {
+    result.stability = Stability::undetermined;
+  } else if (unstable) {
+    result.stability = Stability::unstable;
+  } else if (order_at_infinity(model) > 0) {
+    result.stability = Stability::differentiating;
+  } else if (order_at_origin(model) < 0) {
+    result.stability = Stability::integrating;
+  } else {
+    result.stability = marginal ? Stability::marginal : Stability::stable;
+  }
+  return result;
+}
+
+ClosedLoopStability analyse_closed_loop(const FractionalTransferFunction& loop) {
+  const double order_rounding = 1e-13 * std::max(1.0, std::abs(loop.denominator().front().order));
+  const double order_difference = order_at_infinity(loop);
+  const double high_order = std::abs(order_difference) <= order_rounding ? 0 : order_difference;
+  const double high_gain = std::abs(loop.numerator().front().coefficient / loop.denominator().front().coefficient);
+  // Nearer to 1 the leading terms may cancel to rounding.
+  constexpr double most_high_gain = 1 - 16 * std::numeric_limits<double>::epsilon();
+  if (high_order > 0 || (high_order == 0 && high_gain >= most_high_gain)) {
+    throw std::invalid_argument("analyse_closed_loop: |L| tends to " +
+                                (high_order > 0 ? std::string("infinity") : detail::number_text(high_gain)) +
+                                " at high frequency; allowed is below 1");
+  }
+  const double delay = loop.delay();
+  // Orders from 0: multiplying by a power of s changes no root right of the axis.
+  const double lowest = std::min(loop.numerator().back().order, loop.denominator().back().order);
+  const std::vector<PowerTerm> top = detail::scaled(loop.numerator(), 1, -lowest);
+  const std::vector<PowerTerm> bottom = detail::scaled(loop.denominator(), 1, -lowest);
+  const std::vector<PowerTerm> low_frequency_sum = detail::merged(top, bottom);
+  const bool pole_at_origin = low_frequency_sum.back().order > 1e-12;
+  // Without dead time, free of cancellation and of the pole at the origin.
+  const std::vector<PowerTerm> polynomial = detail::scaled(low_frequency_sum, 1, -low_frequency_sum.back().order);
+  const auto characteristic = [&](Complex zeta) {
+    if (delay == 0) {
+      const ScaledSum sum = detail::scaled_sum(polynomial, zeta);
+      return detail::ValueAndSlope{sum.value, sum.slope};
+    }
+    const ScaledSum n = detail::scaled_sum(top, zeta);
+    const ScaledSum d = detail::scaled_sum(bottom, zeta);
+    const Complex turn = delay * std::exp(zeta);
+    const double scale = std::max(n.scale, d.scale);
+    const Complex late = std::exp(-turn + (n.scale - scale));
+    const double own = std::exp(d.scale - scale);
+    return detail::ValueAndSlope{d.value * own + n.value * late, d.slope * own + (n.slope - turn * n.value) * late};
+  };
+  std::vector<PowerTerm> all = polynomial;
+  if (delay > 0) {
+    all = top;
+    all.insert(all.end(), bottom.begin(), bottom.end());
+  }
+  double lowest_corner = 0;
+  double highest_corner = 0;
+  for (const PowerTerm& a : all) {
+    for (const PowerTerm& b : all) {
+      if (a.order - b.order < 1e-13) continue;
+      const double corner = std::log(std::abs(b.coefficient / a.coefficient)) / (a.order - b.order);
+      lowest_corner = std::min(lowest_corner, corner);
+      highest_corner = std::max(highest_corner, corner);
+    }
+  }
+  if (delay > 0) {
+    lowest_corner = std::min(lowest_corner, -std::log(delay));
+    // The lowest terms may nearly cancel: what is left of them meets the other terms far below those' own corners.
+    std::vector<PowerTerm> others = all;
+    for (const PowerTerm& term : top) others.push_back({delay * term.coefficient, term.order + 1});
+    for (const PowerTerm& term : others) {
+      if (pole_at_origin || term.order < 1e-13) continue;
+      const double corner = std::log(std::abs(low_frequency_sum.back().coefficient / term.coefficient)) / term.order;
+      lowest_corner = std::min(lowest_corner, corner);
+    }
+  }
+  double smallest_step = 1;
+  for (std::size_t i = 0; i + 1 < all.size(); ++i) {
+    for (std::size_t j = i + 1; j < all.size(); ++j) {
+      const double gap = std::abs(all[i].order - all[j].order);
+      if (gap > 1e-13) smallest_step = std::min(smallest_step, gap);
+    }
+  }
+  // In the right half-plane e^{-delay s} is at most 1: no root where the terms say |L| < 1 for every phase of theirs.
+  // The contour is taken no further, because dead time makes it turn as often as there are radians.
+  const auto may_have_root = [&](double u) {
+    const auto size = [&](const PowerTerm& term) {
+      return std::abs(term.coefficient) * std::exp((term.order - bottom.front().order) * u);
+    };
+    double least = size(bottom.front());
+    for (std::size_t i = 1; i < bottom.size(); ++i) {
+      // Within a right angle of the highest term in the whole half-plane: takes nothing from it.
+      const bool helps =
+          bottom[i].coefficient * bottom.front().coefficient > 0 && bottom.front().order - bottom[i].order <= 1;
+      if (!helps) least -= size(bottom[i]);
+    }
+    double most = 0;
+    for (const PowerTerm& term : top) most += size(term);
+    return !(most < (high_order == 0 ? (1 + high_gain) / 2 : 0.5) * least);
+  };
+  double last = highest_corner + 3 / smallest_step;
+  if (!may_have_root(last)) last = boundary(may_have_root, lowest_corner, last) + 0.1;
+  if (delay * std::exp(last) > largest_turning) return {Stability::undetermined, 0};
+  // Below `first` the lowest terms together outweigh the others twice, and the dead time is nothing; where they cancel,
+  // the next do by far.
+  const auto outweighed = [&](double u) {
+    double lowest_terms = 0;
+    double others = 0;
+    for (const PowerTerm& term : all) {
+      const double size = std::abs(term.coefficient) * std::exp(term.order * u);
+      if (term.order < 1e-13) {
+        lowest_terms += term.coefficient;
+      } else {
+        others += size;
+      }
+    }
+    for (const PowerTerm& term : top) others += delay * std::abs(term.coefficient) * std::exp((term.order + 1) * u);
+    return 2 * others < std::abs(lowest_terms);
+  };
+  const double least_first = lowest_corner - 8 / smallest_step;
+  const double first = outweighed(last) ? last : boundary(outweighed, least_first, last) - 0.1;
+  const double right = pi / 2 - axis_width;
+  const double count =
+      detail::winding_number(characteristic, {{first, -right}, {last, -right}, {last, right}, {first, right}});
+  if (!std::isfinite(count)) return {Stability::marginal, 0};
+  const int unstable = static_cast<int>(std::lround(count));
+  if (std::abs(count - unstable) > 0.01 || unstable < 0) return {Stability::undetermined, 0};
+  if (unstable > 0) return {Stability::unstable, unstable};
+  const double left = pi / 2 + axis_width;
+  const double with_axis =
+      detail::winding_number(characteristic, {{first, -left}, {last, -left}, {last, left}, {first, left}});
+  return {!pole_at_origin && std::abs(with_axis) < 0.01 ? Stability::stable : Stability::marginal, 0};
+}
+
+PeakGain h_infinity_norm(const FractionalTransferFunction& model) {
+  if (analyse_stability(model).stability != Stability::stable)
+    return {infinity, std::numeric_limits<double>::quiet_NaN()};
+  const LaplaceImage y = image(model);
+  const detail::FrequencyAxis axis(y, 0);
+  const auto limit = [](double order, const PowerTerm& top, const PowerTerm& bottom) {
+    return order == 0 ? std::abs(top.coefficient / bottom.coefficient) : 0.0;
+  };
+  PeakGain best{limit(order_at_origin(model), model.numerator().back(), model.denominator().back()), 0};
+  const double high = limit(order_at_infinity(model), model.numerator().front(), model.denominator().front());
+  if (high > best.gain) best = {high, infinity};
+  const std::vector<double> points = axis.breakpoints(std::min(y.lowest_corner(), 0.0) - 12, y.highest_corner() + 12);
+  const auto slope = [&](double u) { return axis.log_slope(u).real(); };
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    if (!(slope(points[i]) > 0 && slope(points[i + 1]) <= 0)) continue;
+    const double u = detail::bisected(slope, points[i], points[i + 1]);
+    const double gain = std::exp(axis.log_gain(u));
+    if (gain > best.gain) best = {gain, std::exp(u)};
+  }
+  return best;
+}
+
+double h2_norm(const FractionalTransferFunction& model) {
+  const double origin = 2 * order_at_origin(model) + 1;
+  const double far = 2 * order_at_infinity(model) + 1;
+  const Stability stability = analyse_stability(model).stability;
+  const bool has_stable_poles = stability == Stability::stable || stability == Stability::integrating;
+  if (!has_stable_poles || origin <= 0 || far >= 0) return infinity;
+  const LaplaceImage y = image(model);
+  const detail::FrequencyAxis axis(y, 0);
+  // |G|^2 omega falls as omega^origin and omega^far outwards: 1e-17 of it is left beyond the ends.
+  const double first = y.lowest_corner() - 3 - 40 / origin;
+  const double last = y.highest_corner() + 3 - 40 / far;
+  std::vector<double> ends{first, last};
+  for (const RootCluster& pole : y.poles().clusters) {
+    // About a resonance panels grow with the distance from it.
+    const double width = std::max(1e-12, std::abs(pole.log_s.imag() - pi / 2));
+    ends.push_back(pole.log_s.real());
+    for (double offset = width; offset < 2; offset *= 3) {
+      ends.push_back(pole.log_s.real() - offset);
+      ends.push_back(pole.log_s.real() + offset);
+    }
+  }
+  std::sort(ends.begin(), ends.end());
+  std::erase_if(ends, [&](double u) { return u < first || u > last; });
+  double sum = 0;
+  for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
+    if (ends[i + 1] - ends[i] < 1e-14) continue;
+    sum += boost::math::quadrature::gauss_kronrod<double, 31>::integrate(
+        [&](double u) { return std::exp(2 * axis.log_gain(u) + u); }, ends[i], ends[i + 1], 12, 1e-14);
+  }
+  return std::sqrt(sum / pi);
+}
+
+}  // namespace frac

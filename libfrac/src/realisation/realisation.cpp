@@ -1,0 +1,91 @@
+#include "frac/realisation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "base/number_text.hpp"
+#include "ladder_table.hpp"
+#include "prepared_power.hpp"
+#include "realisation_checks.hpp"
+
+namespace frac {
+namespace {
+
+constexpr int most_poles = 1000;
+
+void validate_as(const ExactRealisation&) {}
+
+void validate_as(const OustaloupRealisation& realisation) {
+  const FrequencyBand band = realisation.band;
+  if (!(band.lower > 0 && band.lower < band.upper && std::isfinite(band.upper))) {
+    throw std::invalid_argument("oustaloup: band = " + detail::number_text(band.lower) + " to " +
+                                detail::number_text(band.upper) + " rad/s; needed is 0 < lower < upper < infinity");
+  }
+  if (realisation.poles < 1 || realisation.poles > most_poles) {
+    throw std::invalid_argument("oustaloup: poles = " + std::to_string(realisation.poles) + "; allowed are 1 to " +
+                                std::to_string(most_poles));
+  }
+}
+
+void validate_as(const GrunwaldLetnikovRealisation& realisation) {
+  if (!(std::isfinite(realisation.sample_time) && realisation.sample_time > 0)) {
+    throw std::invalid_argument("grunwald-letnikov: sample_time = " + detail::number_text(realisation.sample_time) +
+                                " s is not positive and finite");
+  }
+  detail::check_memory_length(realisation.memory_length, "grunwald-letnikov");
+}
+
+// Its constructor has checked it.
+void validate_as(const LadderRealisation&) {}
+
+}  // namespace
+
+LadderRealisation::LadderRealisation(FrequencyBand band, int poles) : band_(band), poles_(poles) {
+  constexpr double fewest_decades = 0.5;
+  constexpr double most_decades = 24;
+  // Beyond it the poles are no longer determined well enough to be interpolated in the order.
+  constexpr double least_error = 1e-8;
+  const bool ordered = band.lower > 0 && band.lower < band.upper && std::isfinite(band.upper);
+  const double width = ordered ? std::log(band.upper) - std::log(band.lower) : 0;
+  // The slack admits a width that was computed.
+  if (width < fewest_decades * std::numbers::ln10 * (1 - 1e-9) ||
+      width > most_decades * std::numbers::ln10 * (1 + 1e-9)) {
+    throw std::invalid_argument("ladder: band = " + detail::number_text(band.lower) + " to " +
+                                detail::number_text(band.upper) +
+                                " rad/s; needed is 0 < lower < upper < infinity, 0.5 to 24 decades apart");
+  }
+  // The limit of approximate.hpp at order 1/2.
+  const int most = static_cast<int>(
+      std::ceil((width + 4 * std::numbers::ln2) / (std::numbers::pi * std::numbers::pi) * std::log(2 / least_error)));
+  if (poles < 1 || poles > most) {
+    throw std::invalid_argument("ladder: poles = " + std::to_string(poles) + "; allowed on this band are 1 to " +
+                                std::to_string(most));
+  }
+  table_ = std::make_shared<const detail::LadderTable>(width / 2, poles);
+}
+
+void validate(const Realisation& realisation) {
+  std::visit([](const auto& choice) { validate_as(choice); }, realisation);
+}
+
+std::string to_string(const Realisation& realisation) {
+  if (std::holds_alternative<OustaloupRealisation>(realisation)) return "oustaloup";
+  if (std::holds_alternative<GrunwaldLetnikovRealisation>(realisation)) return "grunwald-letnikov";
+  if (std::holds_alternative<LadderRealisation>(realisation)) return "ladder";
+  return "exact";
+}
+
+PowerResponse power_response(const Realisation& realisation, double order, double omega) {
+  validate(realisation);
+  detail::check_omega(realisation, omega, "power_response");
+  if (!std::isfinite(order)) {
+    throw std::invalid_argument("power_response: order = " + detail::number_text(order) + " is not finite");
+  }
+  detail::PreparedPower power;
+  power.prepare(realisation, order);
+  return power.response(omega, std::log(omega));
+}
+
+}  // namespace frac

@@ -1,0 +1,83 @@
+#include "branch_cut.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "special/phi_functions.hpp"
+
+namespace frac::detail {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double pi = std::numbers::pi;
+// Residues of poles d apart in ln s are as large as 1/d and known to rounding/d^2.
+constexpr double crowd = 0.1;
+
+}  // namespace
+
+BranchCut best_cut(const LaplaceImage& image, double enough, double advantage, Avoided avoided) {
+  const std::vector<RootCluster>& poles = image.poles().clusters;
+  const auto half_width = [&](double angle) {
+    double width = std::min(angle - pi / 2, 1.5 * pi - angle);
+    for (std::size_t k = 0; k < poles.size(); ++k) {
+      const RootCluster& pole = poles[k];
+      if (avoided == Avoided::crowded && pole.multiplicity == 1 && image.clearance(k) > crowd) continue;
+      width = std::min(width, std::abs(angle - pole.log_s.imag()) - pole.spread);
+    }
+    return width;
+  };
+  const BranchCut plain{pi, half_width(pi)};
+  if (plain.half_width > enough) return plain;
+  BranchCut best = plain;
+  for (int i = 1; i < 400; ++i) {
+    const double angle = pi / 2 + pi * i / 400;
+    if (half_width(angle) > std::max(advantage * plain.half_width, best.half_width)) best = {angle, half_width(angle)};
+  }
+  return best;
+}
+
+// A complex term costs as much as two real ones.
+CutRule::CutRule(const LaplaceImage& image, double earliest, double tolerance)
+    : cut_(best_cut(image, 0.7, 2, Avoided::crowded)) {
+  const std::vector<RootCluster>& poles = image.poles().clusters;
+  int multiplicity = 1;
+  for (const RootCluster& pole : poles) multiplicity = std::max(multiplicity, pole.multiplicity);
+  // At a pole of order m beside the strip the rule errs by (2 pi/step)^(m-1) times what it does at a simple one.
+  double digits = std::log(1 / tolerance) + 3;
+  digits += (multiplicity - 1) * std::log(digits / cut_.half_width);
+  step_ = 2 * pi * 0.97 * cut_.half_width / digits;
+  const double fastest = std::log(digits / (-std::cos(cut_.angle) * earliest));
+  // As far from the poles as can be: next to one the node and the share would grow and cancel.
+  constexpr int shifts = 16;
+  double farthest = -1;
+  double best = fastest;
+  for (int i = 0; i < shifts; ++i) {
+    upper_ = fastest + step_ * i / shifts;
+    double nearest = step_;
+    for (const RootCluster& pole : poles) nearest = std::min(nearest, distance(pole.log_s));
+    if (nearest > farthest) {
+      farthest = nearest;
+      best = upper_;
+    }
+  }
+  upper_ = best;
+}
+
+Complex CutRule::share(Complex log_s) const {
+  const Complex w = Complex(0, 2 * pi) * (log_s - node(0)) / step_;
+  return w.real() > 0 ? -1.0 / expm1(-w) : std::exp(w) / expm1(w);
+}
+
+Complex CutRule::share_of(const RootCluster& pole) const {
+  const double beyond = pole.log_s.imag() - cut_.angle;
+  if (pole.multiplicity > 1 || std::abs(beyond) > cut_.half_width + step_) return beyond < 0 ? 1 : 0;
+  return share(pole.log_s);
+}
+
+double CutRule::distance(Complex log_s) const {
+  const Complex steps = (log_s - node(0)) / step_;
+  return step_ * std::abs(steps - std::round(steps.real()));
+}
+
+}  // namespace frac::detail

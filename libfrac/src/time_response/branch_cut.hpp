@@ -1,0 +1,52 @@
+#pragma once
+
+#include <complex>
+
+#include "poles/laplace_image.hpp"
+
+namespace frac::detail {
+
+/// A ray arg s = angle in (pi/2, 3 pi/2) to which the branch cut is turned, and the half width of the strip of ln s
+/// about it that holds no pole and no growth of e^{st}: the trapezoidal rule in ln|s| with step h errs by e^{-2 pi
+/// width/h}.
+struct BranchCut {
+  double angle;
+  double half_width;
+};
+
+/// Poles that the strip must not hold: all, or those of several orders and those close to each other.
+enum class Avoided { all, crowded };
+
+/// The negative axis, where nothing oscillates, unless its strip is narrower than `enough` and another ray's wider by
+/// the factor `advantage`.
+[[nodiscard]] BranchCut best_cut(const LaplaceImage& image, double enough, double advantage,
+                                 Avoided avoided = Avoided::all);
+
+/// The trapezoidal rule in ln s along a cut for lags of at least `earliest`.  Single poles may lie in its strip, even
+/// on the cut: by the residues of 1/(e^w - 1) at the nodes and at the pole, w = 2 pi i (ln s - node)/step, what the
+/// rule makes of one is short of the truth by the share 1/(1 - e^{-w}) of its residue, all of it for a pole well before
+/// the cut, next to nothing for one well beyond.
+class CutRule {
+ public:
+  /// @param tolerance  what the rule errs by, relative to its largest parts
+  CutRule(const LaplaceImage& image, double earliest, double tolerance);
+
+  [[nodiscard]] double angle() const noexcept { return cut_.angle; }
+  [[nodiscard]] double step() const noexcept { return step_; }
+  /// ln s of node k by falling |s|; from k = 0 on those that have not decayed at the earliest lag.
+  [[nodiscard]] std::complex<double> node(int k) const { return {upper_ - k * step_, cut_.angle}; }
+  /// Share of its residue that a pole contributes besides the rule; within a circle about it that holds no node the
+  /// share is analytic.
+  [[nodiscard]] std::complex<double> share(std::complex<double> log_s) const;
+  /// The same at the middle of cluster k: exactly 1 or 0 where the rule does not see it.
+  [[nodiscard]] std::complex<double> share_of(const RootCluster& pole) const;
+  /// From the nearest node, in ln s.
+  [[nodiscard]] double distance(std::complex<double> log_s) const;
+
+ private:
+  BranchCut cut_;
+  double step_;
+  double upper_;
+};
+
+}  // namespace frac::detail

@@ -1,0 +1,152 @@
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <map>
+
+#include "frac/approximation/approximate.hpp"
+#include "frac/time_response/response_methods.hpp"
+#include "special/phi_functions.hpp"
+#include "time_response/sample_checks.hpp"
+
+namespace frac {
+namespace {
+
+using Complex = std::complex<double>;
+
+// x' = A x + b u, y = c x + d u.
+struct StateSpace {
+  Eigen::MatrixXd a;
+  Eigen::VectorXd b;
+  Eigen::RowVectorXd c;
+  double d = 0;
+};
+
+// s^-order applied to w: y = c x + d w, its states a part of the whole.
+struct Output {
+  Eigen::RowVectorXd c;
+  double d;
+};
+
+// With w = s^n y (n the highest order of the denominator, y of the denominator alone), every other term is s^-(n - q)
+// of w: modes of the ladder for the fractional part, then integrators.
+StateSpace realised(const FractionalTransferFunction& model, FrequencyBand band, double tolerance) {
+  const double highest = model.denominator().front().order;
+  std::map<double, Approximation> ladders;  // by fractional part of the lag
+  std::map<double, Eigen::Index> first_state;
+  Eigen::Index size = 0;
+  const auto whole_part = [](double lag) { return static_cast<Eigen::Index>(std::floor(lag)); };
+  const auto modes_of = [&](double fraction) -> const Approximation* {
+    if (fraction == 0) return nullptr;
+    auto known = ladders.find(fraction);
+    if (known == ladders.end()) {
+      known = ladders.emplace(fraction, approximate(-fraction, band, Tolerance{tolerance})).first;
+    }
+    return &known->second;
+  };
+  const auto add = [&](double lag) {
+    if (lag == 0 || !first_state.try_emplace(lag, size).second) return;
+    const Approximation* modes = modes_of(lag - std::floor(lag));
+    size += whole_part(lag) + (modes ? static_cast<Eigen::Index>(modes->parallel.residues.size()) : 0);
+  };
+  for (const auto* terms : {&model.denominator(), &model.numerator()}) {
+    for (const PowerTerm& term : *terms) add(highest - term.order);
+  }
+
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(size, size);
+  Eigen::VectorXd b = Eigen::VectorXd::Zero(size);
+  const auto output_of = [&](double lag) {
+    Output output{Eigen::RowVectorXd::Zero(size), 1};
+    if (lag == 0) return output;
+    Eigen::Index state = first_state.at(lag);
+    if (const Approximation* modes = modes_of(lag - std::floor(lag))) {
+      output.d = modes->parallel.direct;
+      for (std::size_t j = 0; j < modes->parallel.residues.size(); ++j, ++state) {
+        a(state, state) = modes->system.poles[j];
+        b[state] = 1;
+        output.c[state] = modes->parallel.residues[j];
+      }
+    }
+    for (Eigen::Index i = 0; i < whole_part(lag); ++i, ++state) {
+      a.row(state) = output.c;
+      b[state] = output.d;
+      output = {Eigen::RowVectorXd::Zero(size), 0};
+      output.c[state] = 1;
+    }
+    return output;
+  };
+  // w = u/d0 - sum d_i/d0 s^-(n - q_i) w.
+  const double leading = model.denominator().front().coefficient;
+  Eigen::RowVectorXd fed_back = Eigen::RowVectorXd::Zero(size);
+  double loop = 1;
+  for (std::size_t i = 1; i < model.denominator().size(); ++i) {
+    const PowerTerm& term = model.denominator()[i];
+    const Output output = output_of(highest - term.order);
+    fed_back += term.coefficient / leading * output.c;
+    loop += term.coefficient / leading * output.d;
+  }
+  StateSpace system{{}, {}, Eigen::RowVectorXd::Zero(size), 0};
+  double through = 0;  // from w to y
+  for (const PowerTerm& term : model.numerator()) {
+    const Output output = output_of(highest - term.order);
+    system.c += term.coefficient * output.c;
+    through += term.coefficient * output.d;
+  }
+  const Eigen::RowVectorXd w_of_x = -fed_back / loop;
+  const double w_of_u = 1 / (leading * loop);
+  system.a = a + b * w_of_x;
+  system.b = b * w_of_u;
+  system.c += through * w_of_x;
+  system.d = through * w_of_u;
+  return system;
+}
+
+}  // namespace
+
+std::vector<double> respond_ladder(const FractionalTransferFunction& model, std::span<const double> samples,
+                                   double sample_time, double tolerance, Hold hold) {
+  detail::check_samples(samples, "respond_ladder");
+  detail::check_sample_time(sample_time, "respond_ladder");
+  detail::check_proper(model, "respond_ladder");
+  if (!(tolerance >= 1e-8 && tolerance <= 0.1)) {
+    throw std::invalid_argument("respond_ladder: tolerance = " + detail::number_text(tolerance) +
+                                "; allowed is 1e-8 to 0.1");
+  }
+  constexpr double wider = 100;
+  const double length = sample_time * static_cast<double>(samples.size());
+  const StateSpace system = realised(model, {1 / (wider * length), wider / sample_time}, tolerance);
+  std::vector<double> output(samples.size());
+  if (system.b.size() == 0) {
+    for (std::size_t n = 0; n < samples.size(); ++n) output[n] = system.d * samples[n];
+    detail::delay_samples(output, model.delay(), sample_time);
+    return output;
+  }
+
+  // Modes: y = Re sum weight x + d u, x' = rate x + u.
+  const Eigen::EigenSolver<Eigen::MatrixXd> modes(system.a);
+  const Eigen::VectorXcd driven = modes.eigenvectors().fullPivLu().solve(system.b.cast<Complex>());
+  const Eigen::ArrayXcd weight = (system.c.cast<Complex>() * modes.eigenvectors()).transpose().array() * driven.array();
+  const Eigen::Index size = weight.size();
+  Eigen::ArrayXcd factor(size), held(size), rising(size);
+  for (Eigen::Index k = 0; k < size; ++k) {
+    const Complex z = modes.eigenvalues()[k] * sample_time;
+    Complex phis[2];
+    detail::phi(z, phis);
+    factor[k] = std::exp(z);
+    held[k] = sample_time * phis[0];
+    rising[k] = sample_time * phis[1];
+  }
+  Eigen::ArrayXcd state = Eigen::ArrayXcd::Zero(size);
+  for (std::size_t n = 0; n < samples.size(); ++n) {
+    if (n > 0) {
+      state = factor * state + held * samples[n - 1];
+      if (hold == Hold::first_order) state += rising * (samples[n] - samples[n - 1]);
+    }
+    output[n] = (weight * state).real().sum() + system.d * samples[n];
+  }
+  detail::delay_samples(output, model.delay(), sample_time);
+  return output;
+}
+
+}  // namespace frac

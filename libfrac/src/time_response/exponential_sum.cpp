@@ -1,0 +1,322 @@
+#include "exponential_sum.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "branch_cut.hpp"
+#include "special/phi_functions.hpp"
+
+namespace frac::detail {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double pi = std::numbers::pi;
+
+bool has_integer_orders(const LaplaceImage& image) {
+  const auto is_integer = [](const PowerTerm& term) { return term.order == std::round(term.order); };
+  return std::all_of(image.numerator().begin(), image.numerator().end(), is_integer) &&
+         std::all_of(image.denominator().begin(), image.denominator().end(), is_integer);
+}
+
+// sum c e^{q zeta - scale} and its derivative.
+struct LongSum {
+  std::complex<long double> value, slope;
+};
+LongSum long_sum(const std::vector<PowerTerm>& terms, std::complex<long double> zeta, long double scale) {
+  LongSum sum{0, 0};
+  for (const PowerTerm& term : terms) {
+    const long double order = term.order;
+    const std::complex<long double> part = static_cast<long double>(term.coefficient) * std::exp(order * zeta - scale);
+    sum.value += part;
+    sum.slope += order * part;
+  }
+  return sum;
+}
+
+// A single pole.  With another at distance d the rounding of both makes weights as large as 1/d err by 1/d^2 roundings:
+// in long double 1/d may be a thousand.
+Exponential single_pole(const LaplaceImage& image, std::size_t k) {
+  const double scale = scaled_sum(image.denominator(), image.poles().clusters[k].log_s).scale;
+  std::complex<long double> zeta = image.poles().clusters[k].log_s;
+  for (int i = 0; i < 3; ++i) {
+    const LongSum bottom = long_sum(image.denominator(), zeta, scale);
+    const std::complex<long double> change = bottom.value / bottom.slope;
+    if (!(std::abs(change) < 0.1L * image.clearance(k))) break;
+    zeta -= change;
+  }
+  const LongSum top = long_sum(image.numerator(), zeta, scale);
+  const LongSum bottom = long_sum(image.denominator(), zeta, scale);
+  return {Complex(std::exp(zeta)), Complex(top.value / bottom.slope * std::exp(zeta))};
+}
+
+// Terms of one pole; of a cluster, the trapezoidal rule on a circle about it, so small that e^{st} neither outgrows its
+// value at the middle over the time it lasts nor outlasts it.
+void add_pole(const LaplaceImage& image, std::size_t k, bool on_cut, double latest, Complex share,
+              std::vector<Exponential>& terms) {
+  const RootCluster& pole = image.poles().clusters[k];
+  const bool alone = pole.is_conjugate || on_cut;
+  const Complex log_s = on_cut ? Complex(pole.log_s.real(), pi) : pole.log_s;
+  if (pole.multiplicity == 1) {
+    Exponential term = single_pole(image, k);
+    if (alone) {
+      term.rate = term.rate.real();
+      term.weight = term.weight.real();
+    } else {
+      term.weight *= 2.0 * share;
+    }
+    terms.push_back(term);
+    return;
+  }
+  constexpr int points = 48;
+  const double modulus = std::exp(log_s.real());
+  const double lasting = std::max(3 / (modulus * latest), -0.5 * std::cos(log_s.imag()));
+  const double radius = std::max({std::min({0.5 * image.clearance(k), 0.3, lasting}), 4 * pole.spread});
+  for (int i = 0; i < (alone ? points / 2 : points); ++i) {
+    const Complex offset = std::polar(radius, 2 * pi * (i + 0.5) / points);
+    const Complex zeta = log_s + offset;
+    terms.push_back({std::exp(zeta), 2.0 / points * image.value(zeta, zeta) * offset});
+  }
+}
+
+// Those that have not decayed at the end of the horizon are slow.
+bool is_slow(const Exponential& term, double latest) {
+  return std::abs(term.rate) <= 2 / latest;
+}
+
+// Exponentials that have not decayed at the end of the horizon, replaced by fewer at Chebyshev points of their common
+// ray: (e^{rt} - 1)/r is interpolated in r, with an error below 2 t (|r| t/4)^n/n! for |r| t up to 2; divided by r it
+// bears weights that grow towards the origin.
+void merge_slow(std::vector<Exponential>& terms, std::size_t first, double angle, double latest, double tolerance) {
+  const double end = 2 / latest;
+  const auto slow = std::stable_partition(terms.begin() + static_cast<std::ptrdiff_t>(first), terms.end(),
+                                          [&](const Exponential& term) { return !is_slow(term, latest); });
+  std::size_t count = 4;
+  for (double error = 2 / 24.0 / 16; error > 0.01 * tolerance && count < 30; ++count) {
+    error *= 0.5 / static_cast<double>(count + 1);
+  }
+  if (static_cast<std::size_t>(terms.end() - slow) <= count) return;
+  std::vector<double> point(count), weight(count);
+  for (std::size_t j = 0; j < count; ++j) {
+    const double theta = pi * (static_cast<double>(j) + 0.5) / static_cast<double>(count);
+    point[j] = end / 2 * (1 + std::cos(theta));
+    weight[j] = (j % 2 == 0 ? 1 : -1) * std::sin(theta);
+  }
+  std::vector<Complex> merged(count, 0);
+  std::vector<double> share(count);
+  for (auto term = slow; term != terms.end(); ++term) {
+    const double r = std::abs(term->rate);
+    double sum = 0;
+    for (std::size_t j = 0; j < count; ++j) {
+      share[j] = weight[j] / (r == point[j] ? 1e-300 : r - point[j]);
+      sum += share[j];
+    }
+    for (std::size_t j = 0; j < count; ++j) merged[j] += term->weight * (r / point[j] * (share[j] / sum));
+  }
+  terms.erase(slow, terms.end());
+  const Complex direction = angle == pi ? Complex(-1) : std::polar(1.0, angle);
+  for (std::size_t j = 0; j < count; ++j) terms.push_back({point[j] * direction, merged[j]});
+}
+
+// What the sum is wanted for.
+struct Purpose {
+  double earliest, latest, tolerance;
+  std::size_t integrations, constants;
+  FastTerms fast;
+};
+
+void make_direct(std::vector<Exponential>& terms, const Purpose& purpose) {
+  for (Exponential& term : terms) {
+    if (is_slow(term, purpose.latest)) continue;
+    term.is_direct = true;
+    term.weight /= std::pow(term.rate, static_cast<int>(purpose.integrations));
+  }
+}
+
+// Y s at s0 less what the terms make of it.
+double rest_at(const LaplaceImage& image, double log_s0, const std::vector<Exponential>& terms,
+               std::size_t integrations) {
+  const double s0 = std::exp(log_s0);
+  const double raised = std::pow(s0, static_cast<double>(integrations));
+  double rest = image.value(log_s0, log_s0).real();
+  for (const Exponential& term : terms) {
+    rest -= (term.is_direct ? raised : 1) * (term.weight * (term.rate / (s0 - term.rate))).real();
+  }
+  return rest;
+}
+
+// The m-fold integral over latest^m at latest * share.
+double integral_at(const ExponentialSum& sum, const Purpose& purpose, double share) {
+  const std::size_t m = purpose.integrations;
+  const double t = purpose.latest * share;
+  double value = 0;
+  double power = 1;  // t^(m-i)/(m-i)! over latest^m, from i = m down
+  for (std::size_t k = 0; k < m; ++k) power /= purpose.latest;
+  for (std::size_t i = m + 1; i-- > 0;) {
+    if (i < sum.constants.size()) value += sum.constants[i] * power;
+    power *= t / static_cast<double>(m - i + 1);
+  }
+  std::vector<Complex> phis(m + 1);
+  const double scale = std::pow(purpose.latest, -static_cast<double>(m));
+  for (const Exponential& term : sum.terms) {
+    const Complex z = term.rate * t;
+    if (term.is_direct || m == 0) {
+      value += (term.is_direct ? scale : 1) * (term.weight * expm1(z)).real();
+    } else {
+      phi(z, phis);
+      value += std::pow(share, static_cast<double>(m)) * (term.weight * (z * phis[m])).real();
+    }
+  }
+  return value;
+}
+
+ExponentialSum with_tolerance(const LaplaceImage& image, const Purpose& purpose) {
+  const auto [earliest, latest, tolerance, integrations, constants, fast] = purpose;
+  const bool is_direct = fast == FastTerms::direct && integrations > 0;
+  ExponentialSum sum{{}, std::vector<double>(constants, 0.0), 0};
+  std::vector<Exponential>& terms = sum.terms;
+  const std::vector<RootCluster>& poles = image.poles().clusters;
+  const std::vector<double> log_anchor =
+      log_anchors(image, latest, is_direct ? integrations + 1 : anchored_count(image));
+  std::vector<double> anchor, rest;
+  for (const double log_s0 : log_anchor) anchor.push_back(std::exp(log_s0));
+  const auto set_anchored = [&] {
+    const std::vector<double> coefficient = interpolating_polynomial(anchor, rest);
+    std::copy_n(coefficient.begin(), std::min(coefficient.size(), constants), sum.constants.begin());
+  };
+  if (has_integer_orders(image)) {
+    for (std::size_t k = 0; k < poles.size(); ++k) {
+      const double argument = poles[k].log_s.imag();
+      const bool on_cut = std::abs(argument - pi) < 1e-7 + poles[k].spread;
+      if (on_cut || argument < pi) add_pole(image, k, on_cut, latest, 1, terms);
+    }
+    if (is_direct) make_direct(terms, purpose);
+    for (const double log_s0 : log_anchor) rest.push_back(rest_at(image, log_s0, terms, integrations));
+    set_anchored();
+    return sum;
+  }
+  const CutRule rule(image, earliest, tolerance);
+  const double step = rule.step();
+  const double lowest = std::min(image.lowest_corner(), -std::log(latest));
+  const auto term_at = [&](int k) -> Exponential {
+    const Complex zeta = rule.node(k);
+    const Complex weight = Complex(0, -step / pi) * image.value(zeta, zeta);
+    if (rule.angle() == pi) return {-std::exp(zeta.real()), weight};
+    return {std::exp(zeta), weight};
+  };
+  const auto effect_of = [&](const Exponential& term) {
+    return effect(std::abs(term.weight), std::abs(term.rate), latest, integrations);
+  };
+  double largest = 0;
+  std::vector<Exponential> along;
+  for (int k = 0; k < 100'000; ++k) {
+    along.push_back(term_at(k));
+    const double added = effect_of(along.back());
+    if (rule.angle() == pi) along.back().weight = along.back().weight.real();
+    largest = std::max(largest, added);
+    if (rule.node(k).real() < lowest && added < 0.03 * step * tolerance * largest) break;
+  }
+  for (std::size_t k = 0; k < poles.size(); ++k) {
+    const Complex share = rule.share_of(poles[k]);
+    if (share == 0.0) continue;
+    add_pole(image, k, false, latest, share, terms);
+    const bool lies_beyond = poles[k].log_s.imag() > rule.angle();
+    if (lies_beyond && effect_of(terms.back()) < 0.03 * step * tolerance * largest) terms.pop_back();
+  }
+  const std::size_t first_of_cut = terms.size();
+  terms.insert(terms.end(), along.begin(), along.end());
+  if (is_direct) make_direct(terms, purpose);
+  for (const double log_s0 : log_anchor) rest.push_back(rest_at(image, log_s0, terms, integrations));
+  const auto anchored = static_cast<int>(anchor.size());
+  for (int k = 1; k < 5'000; ++k) {
+    const Exponential node = term_at(-k);
+    double size = 0;
+    for (std::size_t i = 0; i < anchor.size(); ++i) {
+      const Complex ratio = anchor[i] / node.rate;
+      const Complex left = node.weight * std::pow(ratio, anchored) / (1.0 - ratio);
+      rest[i] += left.real();
+      size = std::max(size, std::abs(left));
+    }
+    Complex left = node.weight / std::pow(node.rate, anchored);
+    for (std::size_t j = anchor.size(); j < constants; ++j, left /= node.rate) sum.constants[j] -= left.real();
+    if (size < 1e-3 * step * tolerance * largest) break;
+  }
+  set_anchored();
+  merge_slow(terms, first_of_cut, rule.angle(), latest, tolerance);
+  return sum;
+}
+
+}  // namespace
+
+std::size_t anchored_count(const LaplaceImage& image) {
+  const double growth = image.numerator().front().order - image.denominator().front().order + 1;
+  return growth >= 1 ? static_cast<std::size_t>(std::floor(growth)) + 1 : 1;
+}
+
+std::vector<double> log_anchors(const LaplaceImage& image, double latest, std::size_t count) {
+  struct Candidate {
+    double log_s, distance;
+  };
+  std::vector<Candidate> candidates;
+  for (std::size_t i = 0; i < 2 * count + 4; ++i) {
+    // 0, 0.8, -0.8, 1.6, ...
+    const double offset = 0.8 * static_cast<double>((i + 1) / 2) * (i % 2 == 1 ? 1 : -1);
+    const double log_s = offset - std::log(latest);
+    double distance = 1;
+    for (const RootCluster& pole : image.poles().clusters) {
+      distance = std::min(distance, std::abs(pole.log_s - log_s) - pole.spread);
+    }
+    candidates.push_back({log_s, distance});
+  }
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.distance > b.distance; });
+  std::vector<double> result;
+  for (std::size_t i = 0; i < count; ++i) result.push_back(candidates[i].log_s);
+  return result;
+}
+
+std::vector<double> interpolating_polynomial(const std::vector<double>& x, std::vector<double> y) {
+  // Newton's divided differences, then Horner's scheme on the coefficients.
+  const std::size_t count = x.size();
+  for (std::size_t order = 1; order < count; ++order) {
+    for (std::size_t i = count; i-- > order;) y[i] = (y[i] - y[i - 1]) / (x[i] - x[i - order]);
+  }
+  std::vector<double> coefficient(count, 0.0);
+  for (std::size_t i = count; i-- > 0;) {
+    for (std::size_t k = count; k-- > 1;) coefficient[k] = coefficient[k - 1] - x[i] * coefficient[k];
+    coefficient[0] = y[i] - x[i] * coefficient[0];
+  }
+  return coefficient;
+}
+
+double effect(double weight, double rate, double latest, std::size_t integrations) {
+  const double x = rate * latest;
+  return x < 1 ? weight * x : weight * std::pow(x, -static_cast<double>(integrations));
+}
+
+ExponentialSum exponential_sum(const LaplaceImage& image, double earliest, double latest, double tolerance,
+                               std::size_t integrations, std::size_t constants, FastTerms fast) {
+  Purpose purpose{earliest, latest, tolerance, integrations, constants, fast};
+  ExponentialSum sum = with_tolerance(image, purpose);
+  const double unit = std::pow(latest, -static_cast<double>(integrations));
+  double largest = 0;
+  for (const Exponential& term : sum.terms) {
+    const double weight = std::abs(term.weight);
+    largest =
+        std::max(largest, term.is_direct ? weight * unit : effect(weight, std::abs(term.rate), latest, integrations));
+  }
+  for (const double share : {1.0, 1 / 3.0, 1 / 20.0}) {
+    const double value = integral_at(sum, purpose, share);
+    if (std::isfinite(value)) sum.size = std::max(sum.size, std::abs(value));
+  }
+  // Beyond 1e-16 the rounding of the parts decides.
+  purpose.tolerance = std::max(1e-16, tolerance * sum.size / largest);
+  if (purpose.tolerance < 0.5 * tolerance) {
+    const double size = sum.size;
+    sum = with_tolerance(image, purpose);
+    sum.size = size;
+  }
+  return sum;
+}
+
+}  // namespace frac::detail

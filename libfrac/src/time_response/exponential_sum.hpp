@@ -1,0 +1,53 @@
+#pragma once
+
+#include <complex>
+#include <vector>
+
+#include "poles/laplace_image.hpp"
+
+namespace frac::detail {
+
+/// Re sum weight e^{rate t}.
+struct Exponential {
+  std::complex<double> rate;
+  std::complex<double> weight;
+  bool is_direct = false;  // see ExponentialSum
+};
+
+/// With y the original of `image`, for lags of at least `earliest` its j-fold integral is
+///   sum_(i<=j) constants_i t^(j-i)/(j-i)! + Re sum weight rate^-j (e^{rate t} - 1 - ... - (rate t)^j/j!):
+/// the constants beyond the first are what nodes too fast for `earliest` have left.  Where the m-fold integral is all
+/// that counts, terms that decay within the horizon may be direct: their weight is then that of the m-fold integral,
+///   Re sum weight (e^{rate t} - 1),
+/// and what they would have left of its polynomials, much more than the response, is among the first m constants.
+struct ExponentialSum {
+  std::vector<Exponential> terms;
+  std::vector<double> constants;
+  double size = 0;  // largest |y| of some instants of the horizon, of its m-fold integral over latest^m
+};
+
+enum class FastTerms { integrated, direct };
+
+/// On earliest <= t <= latest, within `tolerance` of the largest |y| there; where parts of the sum are larger and
+/// cancel they are made as much more accurate, down to rounding.  The image is s^q, q > -2, at the origin.
+/// @param integrations  m, if what counts is the m-fold integral of y, in which fast terms weigh less
+/// @param constants     how many are wanted, one at least
+/// @param fast          of fast terms, in the m-fold integral
+[[nodiscard]] ExponentialSum exponential_sum(const LaplaceImage& image, double earliest, double latest,
+                                             double tolerance, std::size_t integrations, std::size_t constants,
+                                             FastTerms fast = FastTerms::integrated);
+
+/// Size of what a term contributes to the m-fold integral by the end of the horizon, over latest^m.
+[[nodiscard]] double effect(double weight, double rate, double latest, std::size_t integrations);
+
+/// Number of the constants above that diverge as sums over fast nodes, one at least: Y s grows as s^q, q >= 1 with
+/// integrations split off, and its polynomial part has no node.  They are read from the image instead.
+[[nodiscard]] std::size_t anchored_count(const LaplaceImage& image);
+
+/// Where they are read: ln s at `count` points of the positive axis at the scale of the horizon, away from poles.
+[[nodiscard]] std::vector<double> log_anchors(const LaplaceImage& image, double latest, std::size_t count);
+
+/// Coefficients by rising power of the polynomial through the points.
+[[nodiscard]] std::vector<double> interpolating_polynomial(const std::vector<double>& x, std::vector<double> y);
+
+}  // namespace frac::detail

@@ -1,0 +1,180 @@
+#include "inverse_laplace.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "special/reciprocal_gamma.hpp"
+
+namespace frac::detail {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double pi = std::numbers::pi;
+constexpr double eps = std::numeric_limits<double>::epsilon();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// e^-40 is a fiftieth of the rounding unit.
+constexpr double accuracy = 40;
+
+// e^{st} at ln s = zeta + offset.  The distance to the middle is formed without it, so that the phase of the middle,
+// known to the rounding of s t, is common to a cluster.
+Complex exponential(Complex zeta, Complex offset, double t) {
+  // On the imaginary axis e^{st} neither grows nor decays, which the rounding of pi/2 would hide.
+  const Complex middle = zeta.imag() == pi / 2 ? Complex(0, std::exp(zeta.real()) * t) : std::exp(zeta) * t;
+  if (middle.real() < -700) return 0;
+  if (offset == 0.0) return std::exp(middle);
+  const double half_sine = std::sin(offset.imag() / 2);
+  const Complex relative(std::expm1(offset.real()) * std::cos(offset.imag()) - 2 * half_sine * half_sine,
+                         std::exp(offset.real()) * std::sin(offset.imag()));
+  return std::exp(middle) * std::exp(middle * relative);
+}
+
+}  // namespace
+
+// Up to s^-1/2, so that the integral along the cut converges quickly at the origin.
+InverseLaplace::InverseLaplace(LaplaceImage image)
+    : y(std::move(image)), cut(best_cut(y, 0.5, 1.3)), early(y.origin_expansion(-0.5)), late(y.origin_expansion(1.5)) {}
+
+// y(t) = sum c t^(-q-1)/Gamma(-q) over the origin's terms + residues between the cuts
+//        + (1/pi) Im int_0^inf R(s) e^{st} ds along arg s = angle,
+// the integral by the trapezoidal rule in ln|s|.
+InverseLaplace::Estimate InverseLaplace::by_cut(double t) const {
+  const double log_t = std::log(t);
+  const auto& [origin, remainder] = log_t + y.lowest_corner() > 2 ? late : early;
+  double sum = 0;
+  double rounding = 0;
+  for (const PowerTerm& term : origin) {
+    const double part = term.coefficient * reciprocal_gamma(-term.order) * std::exp((-term.order - 1) * log_t);
+    sum += part;
+    rounding += std::abs(part) * (2 + std::abs((term.order + 1) * log_t));
+  }
+  for (std::size_t k = 0; k < y.poles().clusters.size(); ++k) {
+    const RootCluster& pole = y.poles().clusters[k];
+    if (pole.log_s.imag() > cut.angle) continue;
+    const double rate = 1 + std::exp(pole.log_s.real() + log_t);
+    const LaplaceImage::Sum part = y.residue(
+        k, [&](Complex zeta, Complex offset) { return exponential(zeta, offset, t); }, rate);
+    sum += part.value;
+    rounding += part.rounding;
+  }
+  if (!remainder.empty()) {
+    const double step = 2 * pi * 0.95 * cut.half_width / accuracy;
+    const double decay = -std::cos(cut.angle);
+    const double corner = std::min(y.lowest_corner(), -log_t) - 3;
+    double integral = 0;
+    double magnitude = 0;
+    const double first = std::log(60 / decay) - log_t;
+    for (int k = 0; k < 1'000'000; ++k) {
+      const Complex zeta(first - k * step, cut.angle);
+      const ScaledSum top = scaled_sum(remainder, zeta);
+      const ScaledSum bottom = scaled_sum(y.denominator(), zeta);
+      const Complex part =
+          top.value / bottom.value * std::exp(std::exp(zeta + log_t) + zeta + (top.scale - bottom.scale));
+      integral += part.imag();
+      magnitude +=
+          std::abs(part) * (2 + std::exp(zeta.real() + log_t)) * (1 + 0.1 * top.magnitude / std::abs(top.value));
+      if (zeta.real() < corner && std::abs(part) < 1e-19 * magnitude) break;
+    }
+    sum += integral * step / pi;
+    rounding += magnitude * step / pi;
+  }
+  return {sum, 3 * eps * rounding};
+}
+
+// s = w^2/t on Re w = c, as for the Mittag-Leffler function.  The three errors of the rule are bounded with the terms
+// of Y that dominate at each |s| and held e^-40 below the integrand at its saddle.
+InverseLaplace::Estimate InverseLaplace::by_parabola(double t) const {
+  const double log_t = std::log(t);
+  const auto log_size = [&](double w) { return y.log_magnitude(2 * std::log(w) - log_t) + std::log(w); };
+  const double p = -(2 * y.slope(-log_t) + 1);
+  const double saddle = std::sqrt(std::max(p, 1.0) / 2);
+  const double line = std::max(1.6, saddle + (p > 2 ? 1 : 0));
+  const double scale = log_size(saddle) + (p > 2 ? saddle * saddle : 0);
+  double step = 2 * pi * line / accuracy;
+  double inner = 0;  // radius where the shifted line stops short of the origin
+  for (int attempt = 0; attempt < 400; ++attempt, step *= 0.97) {
+    const double rate = 2 * pi / step;
+    double left = infinity;
+    for (double w = line * 1e-3; w < line; w *= 1.2) {
+      const double bound = log_size(w) - rate * (line - w);
+      if (bound < left) {
+        left = bound;
+        inner = w;
+      }
+    }
+    const double right_end = std::max(pi / step, line);
+    const double right = right_end * right_end + log_size(right_end) - rate * (right_end - line);
+    if (std::max(left, right) < scale - accuracy + 2) break;
+  }
+
+  struct Pole {
+    std::size_t index;
+    Complex w;
+  };
+  std::vector<Pole> poles;
+  for (std::size_t k = 0; k < y.poles().clusters.size(); ++k) {
+    const RootCluster& pole = y.poles().clusters[k];
+    if (pole.log_s.imag() - pole.spread >= pi) continue;
+    const Complex w = std::exp((pole.log_s + log_t) / 2.0);
+    if (std::abs(w) > inner) poles.push_back({k, w});
+  }
+  const auto nearest = [&](double offset) {
+    double distance = infinity;
+    for (const Pole& pole : poles) {
+      const Complex at = (pole.w - line) / step - Complex(0, offset);
+      distance = std::min(distance, std::abs(at - Complex(0, std::round(at.imag()))));
+    }
+    return distance;
+  };
+  const double offset = nearest(0.5) > 0.25 || nearest(0.5) >= nearest(0) ? 0.5 : 0;
+
+  double sum = 0;
+  double rounding = 0;
+  for (int k = 0; k < 2000; ++k) {
+    const Complex w(line, (k + offset) * step);
+    const Complex log_w = std::log(w);
+    const double tail = (w * w).real() + log_size(std::abs(w));
+    if (w.imag() > line && tail < scale - accuracy) break;
+    const double weight = (k == 0 && offset == 0 ? 0.5 : 1) * 2 * step / pi;
+    const Complex part = weight * y.value(2.0 * log_w - log_t, w * w + log_w - log_t);
+    sum += part.real();
+    rounding += std::abs(part) * (4 + 2 * std::abs(w));
+  }
+  const double rate = 2 * pi / step;
+  for (const Pole& pole : poles) {
+    const double growth = std::norm(pole.w);
+    const LaplaceImage::Sum part = y.residue(
+        pole.index,
+        [&](Complex zeta, Complex from_middle) {
+          const Complex w = std::exp((zeta + from_middle + log_t) / 2.0);
+          const Complex exponent = Complex(0, 2 * pi * offset) - rate * (w - line);
+          if (exponent.real() > 300) return Complex(0);
+          return exponential(zeta, from_middle, t) / (1.0 - (exponent.real() < -accuracy ? 0.0 : std::exp(exponent)));
+        },
+        1 + growth + (pole.w.real() - line < accuracy / rate ? 2 * rate * std::abs(pole.w) : 0));
+    sum += part.value;
+    rounding += part.rounding;
+  }
+  return {sum, 3 * eps * rounding};
+}
+
+InverseLaplace::Value InverseLaplace::operator()(double t) const {
+  const Estimate by_residues = by_cut(t);
+  const Estimate by_line = by_parabola(t);
+  const bool has_residues = std::isfinite(by_residues.value);
+  const bool has_line = std::isfinite(by_line.value);
+  if (!has_residues && !has_line) return {by_residues.value > 0 ? infinity : -infinity, infinity, false};
+  const Estimate& better =
+      !has_line || (has_residues && by_residues.rounding < by_line.rounding) ? by_residues : by_line;
+  const double difference = has_residues && has_line ? std::abs(by_residues.value - by_line.value) : infinity;
+  if (!(difference <= 2 * (by_residues.rounding + by_line.rounding)) || !y.poles().complete) {
+    return {better.value, std::max(difference, better.rounding), false};
+  }
+  return {better.value, better.rounding, true};
+}
+
+}  // namespace frac::detail
