@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "backlash/describing_function.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "backlash/jump_frequency.hpp"
 
 #include <gtest/gtest.h>

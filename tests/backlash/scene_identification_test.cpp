@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "backlash/identification/scene_identification.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "steady_state/two_impact_orbit.hpp"
 
 #include <gtest/gtest.h>

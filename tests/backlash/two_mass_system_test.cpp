@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "backlash/two_mass_system.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Design of rational approximations of s^a: largest relative error on the band and time of a design, by method and
 // number of poles.  Prints case,method,setting,error,seconds; seconds are processor time, the median of 5 repeats.
 // Rows "response value": the largest error of the response in double arithmetic on a grid of the band and the time per

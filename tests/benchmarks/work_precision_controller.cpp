@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Digital realisations of powers of s and the fractional PID: error and time.  Prints
 // case,method,setting,error,seconds.
 //  - power: largest relative error on the band, seconds for one design (median of 5)

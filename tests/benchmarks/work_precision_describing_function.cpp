@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Describing function of two masses with backlash: cost of an impact and of a point in closed form, in libm sincos of
 // the same run; fixed steps, impacts followed, orbit solver and closed form against quadruple precision; the jump law
 // that a fixed step bends; the figures of the paper; a regime map over points and threads.  Prints

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Cost of identification: one local solve, the same problem built with Ceres' automatic derivatives, and the global
 // search.  Prints case,method,setting,error,seconds; error is the largest relative error of a parameter, which without
 // noise is that of the solver alone.

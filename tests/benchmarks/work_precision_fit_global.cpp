@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // How often fit() finds the global optimum without start values: each seed draws its own noise and its own starts, and
 // the cost must come within 1.001 of the best known, the better of this fit and a local one from the true parameters.
 // Prints case,method,setting,error,seconds; error is the share of seeds that missed, seconds the median of a fit.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Noise trials: the spread of the estimates against the Cramer-Rao bound, the coverage of the 95 % intervals, and the
 // same with gross outliers under a robust loss.  Prints case,method,setting,error,seconds: error is the rms error of a
 // parameter divided by its bound, seconds the mean of a fit; the setting ends with the share of intervals that hold the

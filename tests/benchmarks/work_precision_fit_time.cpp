@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Fits over time.  Prints case,method,setting,error,seconds:
 //   exact    error is the largest of the parameters of exact samples, seconds the fit, from an integer-order start
 //   noise    rms error of a parameter in units of its Cramer-Rao bound, with the share of 95 % intervals that hold the

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Gruenwald-Letnikov derivative of many samples: error against seconds for the sum of exponentials, FFT convolution,
 // short memory and the direct sum.  Prints case,method,setting,error,seconds; error is the largest relative to the
 // exact sum in extended precision at 200 samples spread in logarithm, NaN where only time is of interest; seconds are

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Mittag-Leffler function: time per value beside libm's erfc (batch, z < 0) and std::exp of a complex number (scalar).
 // Prints case,method,setting,error,seconds; error is the largest against data/reference/mittag_leffler.csv at that
 // alpha in units of (1 + |E|) max(1, |z E'/E|), seconds of processor time are per value, the median of 15

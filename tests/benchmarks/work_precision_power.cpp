@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // s^a realised: error against poles (Oustaloup) or memory (Gruenwald-Letnikov), and the time of one response value.
 // Prints case,method,setting,error,seconds; error is the largest |H(jw)/(jw)^a - 1| over the band of the case, seconds
 // are per value, the median of 15 repeats over 2000 frequencies.

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Time responses: error against seconds for every method, with the reference itself as judge.  Prints
 // case,method,setting,error,seconds; error is the largest over the largest value, at 300 samples spread in logarithm,
 // seconds are of processor time, for the whole response (set-up apart), the median of 7 repeats.  The case "fft" is the

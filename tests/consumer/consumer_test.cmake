@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Installs the components that consumer NAME needs from the build tree BUILD_DIR into WORK_DIR/stage, then configures,
 # builds and runs the project SOURCE_DIR/NAME against it and checks what it prints.
 function(run)

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "formula/dimension_analysis.hpp"
 
 #include <gtest/gtest.h>

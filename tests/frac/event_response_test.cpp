@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "time_response/event_response.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The loops as compiled here, for any processor.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Built with -fno-exceptions -fno-rtti, as firmware often is: the headers compile, and errors arrive as sentences.
 #include <cstdio>
 #include <optional>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "poles/power_sum_roots.hpp"
 
 #include <gtest/gtest.h>

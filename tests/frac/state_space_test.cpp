@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "frac/state_space.hpp"
 
 #include <gtest/gtest.h>

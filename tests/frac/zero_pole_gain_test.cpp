@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "frac/approximation/zero_pole_gain.hpp"
 
 #include <gtest/gtest.h>

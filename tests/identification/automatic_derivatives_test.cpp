@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Derivatives of the library against Ceres' dual numbers and against complex steps, both through models written out
 // here as pairs of reals.  A complex step of 1e-30 has no truncation error in double.
 #include <ceres/jet.h>

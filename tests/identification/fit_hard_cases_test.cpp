@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Data that break naive fits: each gives the right answer or a sentence that says why there is none.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Seeded noise trials: the spread of the estimates against the Cramer-Rao bound, the coverage of the intervals,
 // robustness.
 #include <gtest/gtest.h>

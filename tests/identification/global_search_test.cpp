@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // The search for the global optimum: how often it is found, and what is said about it.
 #include "identification/search/global_search.hpp"
 

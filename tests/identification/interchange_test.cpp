@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "identification/search/interchange.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "frac/identification/power_law.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "identification/residuals/residuals.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "identification/search/triangular_form.hpp"
 
 #include <gtest/gtest.h>

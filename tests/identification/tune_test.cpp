@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "frac/identification/tune.hpp"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
 // Replaces the global operator new by one that counts: for one translation unit of a program.

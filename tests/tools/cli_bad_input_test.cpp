@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What is wrong is named on standard error with the exit code of its kind; nothing crashes, hangs or is half-written.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // What other programs rely on: subcommands, columns, JSON keys, exit codes, and that outputs can be made again.
 #include <gtest/gtest.h>
 

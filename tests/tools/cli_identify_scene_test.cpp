@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // identify-scene from the files that simulate writes.
 #include <gtest/gtest.h>
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Verdicts on measured files that are not part of the repository; skipped where they are absent.
 #include <gtest/gtest.h>
 

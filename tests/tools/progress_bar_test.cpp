@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "io/progress_bar.hpp"
 
 #include <gtest/gtest.h>

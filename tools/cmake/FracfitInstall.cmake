@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # Two components, each with its own export set: `core`, which needs the C++ runtime and threads only, and `fitting`, which needs
 # Ceres and NLopt besides, so that a controller configures on a machine without them.  `fitting` needs `core` installed too.
 include(CMakePackageConfigHelpers)

@@ -1,3 +1,4 @@
+# SPDX-License-Identifier: BSD-3-Clause
 # fracfit_library(<name> <sources>...): a library target frac_<name> with alias fracfit::<name>, C++20, public headers under
 # include/, our warnings kept private, installed with component <name>.
 function(fracfit_library name)

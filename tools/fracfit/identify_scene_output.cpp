@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "identify_scene_output.hpp"
 
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "frac/mittag_leffler.hpp"
 
 #include <CLI/CLI.hpp>

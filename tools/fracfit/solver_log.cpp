@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "solver_log.hpp"
 
 #include <glog/logging.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "wrapped_help.hpp"
 
 #include <CLI/CLI.hpp>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "io/data_error.hpp"
 
 #include <algorithm>

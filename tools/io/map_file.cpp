@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "io/map_file.hpp"
 
 #include "io/number.hpp"

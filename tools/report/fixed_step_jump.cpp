@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "report/fixed_step_jump.hpp"
 
 #include <algorithm>

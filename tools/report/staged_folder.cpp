@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "report/staged_folder.hpp"
 
 #include <stdlib.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "backlash/orbit_continuation.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "orbit_segment.hpp"
 
 #include <Eigen/LU>

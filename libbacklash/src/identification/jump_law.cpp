@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "backlash/identification/jump_law.hpp"
 
 #include <algorithm>

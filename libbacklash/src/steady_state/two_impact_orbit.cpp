@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "two_impact_orbit.hpp"
 
 #include <cmath>

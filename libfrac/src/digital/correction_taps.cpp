@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "correction_taps.hpp"
 
 #include <Eigen/Cholesky>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "section_kernel.hpp"
 
 #include "section_kernel_loops.hpp"

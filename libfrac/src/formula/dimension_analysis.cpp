@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "dimension_analysis.hpp"
 
 #include <Eigen/Dense>

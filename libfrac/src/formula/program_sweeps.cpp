@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // Values forwards and gradients backwards through the steps of a program, on one block of frequencies.
 #include <array>
 #include <cmath>

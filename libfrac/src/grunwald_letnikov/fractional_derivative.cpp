@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "frac/fractional_derivative.hpp"
 
 #include <algorithm>

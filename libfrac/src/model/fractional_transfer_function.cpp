@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "frac/model/fractional_transfer_function.hpp"
 
 #include <cmath>

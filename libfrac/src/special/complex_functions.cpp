@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "complex_functions.hpp"
 
 namespace frac::detail {

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "mittag_leffler_contour.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "mittag_leffler_long.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <boost/math/quadrature/gauss.hpp>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "model_on_band.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "filter_bank.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "filter_kernel_loops.hpp"
 
 #if defined(__x86_64__)

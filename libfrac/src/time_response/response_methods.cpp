@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "frac/time_response/response_methods.hpp"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 // A fractional PID moves two masses with backlash by 1 m: force on mass 2, position of mass 2 measured every
 // millisecond.
 #include <backlash/two_mass_plant.hpp>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <boost/multiprecision/complex_adaptor.hpp>
 #include <cmath>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: BSD-3-Clause
 #include "local_solve.hpp"
 
 #include <ceres/cost_function.h>
