@@ -8,22 +8,18 @@
 #include <sstream>
 #include <string>
 
+#include "tools/temporary_folder.hpp"
+
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string text_of(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
 
 std::set<std::string> names_of_all_tests() {
   const std::regex macro(R"(\bTEST(?:_P|_F)?\(\s*(\w+),\s*(\w+)\))");
   std::set<std::string> names;
   for (const auto& entry : fs::recursive_directory_iterator(fs::path(FRACFIT_SOURCE_DIR) / "tests")) {
     if (entry.path().extension() != ".cpp") continue;
-    const std::string text = text_of(entry.path());
+    const std::string text = content_of(entry.path());
     for (std::sregex_iterator at(text.begin(), text.end(), macro), end; at != end; ++at) {
       names.insert((*at)[1].str() + "." + (*at)[2].str());
     }
@@ -32,7 +28,7 @@ std::set<std::string> names_of_all_tests() {
 }
 
 TEST(Promises, NameTestsThatExist) {
-  const std::string page = text_of(fs::path(FRACFIT_SOURCE_DIR) / "tools/docs/promises.md");
+  const std::string page = content_of(fs::path(FRACFIT_SOURCE_DIR) / "tools/docs/promises.md");
   const std::set<std::string> known = names_of_all_tests();
   const std::regex bracket(R"(\[([A-Z][^\]`]*)\])");
   const std::regex name(R"([A-Za-z]+\.[A-Z]\w+)");

@@ -11,15 +11,11 @@
 #include <string>
 #include <vector>
 
+#include "tools/temporary_folder.hpp"
+
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string text_of(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
 
 /// Rooms of a library in the order of the table in its README.md, and the room of each public header named there.  A
 /// header folder such as `model/` stands for all headers in it.
@@ -66,7 +62,7 @@ class Library : public testing::TestWithParam<std::pair<const char*, const char*
  protected:
   const fs::path root_ = fs::path(FRACFIT_SOURCE_DIR) / GetParam().first;
   const std::string name_ = GetParam().second;
-  const Rooms rooms_ = rooms_in(text_of(root_ / "README.md"));
+  const Rooms rooms_ = rooms_in(content_of(root_ / "README.md"));
 
   std::vector<fs::path> files() const {
     std::vector<fs::path> files;
@@ -109,7 +105,7 @@ TEST_P(Library, ARoomIncludesOnlyTheRoomsAboveIt) {
   for (const fs::path& file : files()) {
     const auto room = room_of(file);
     if (!room) continue;
-    std::istringstream lines(text_of(file));
+    std::istringstream lines(content_of(file));
     std::smatch match;
     for (std::string line; std::getline(lines, line);) {
       if (!std::regex_search(line, match, include)) continue;
