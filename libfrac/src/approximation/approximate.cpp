@@ -351,7 +351,7 @@ Approximation approximate(double order, FrequencyBand band, ApproximationGoal go
           .method = method,
           .parameters = std::move(result.parameters),
           .system = result.system,
-          .parallel = detail::parallel_form(result.system),
+          .parallel = detail::parallel_form(result.system, designer.fractional(), band, result.error.max_relative),
           .poles = result.poles,
           .error = result.error,
           .limit_poles = designer.limit_poles(compared),

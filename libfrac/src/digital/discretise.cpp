@@ -5,10 +5,12 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 #include <utility>
 
+#include "approximation/band_error.hpp"
 #include "base/number_text.hpp"
 #include "correction_taps.hpp"
 #include "frac/grunwald_letnikov.hpp"
@@ -123,36 +125,51 @@ ApproximationGoal prototype_goal(ApproximationGoal goal, Discretisation method) 
   return goal;
 }
 
+// Beyond the band: evenly for the ripples of taps and differences, and evenly in the logarithm of the frequency that
+// the bilinear rule maps to omega.  That one goes to infinity where omega goes to pi/T, and the gain of its sections
+// climbs up to their fastest pole, however close to pi/T that lies.
+std::vector<double> frequencies_beyond(const DigitalPower& result) {
+  const double edge = result.band.upper * result.sample_time / 2;
+  std::vector<double> half_angle;
+  constexpr int even = 200;
+  for (int i = 0; i <= even; ++i) half_angle.push_back(edge + (pi / 2 - edge) * i / even);
+  if (!result.parallel.rates.empty()) {
+    constexpr double step = 0.1;
+    const double last = std::log(1 / std::numeric_limits<double>::epsilon());
+    for (double log_tangent = std::log(std::tan(edge)) + step; log_tangent < last; log_tangent += step) {
+      half_angle.push_back(std::atan(std::exp(log_tangent)));
+    }
+    std::sort(half_angle.begin(), half_angle.end());
+  }
+  for (double& each : half_angle) each *= 2 / result.sample_time;
+  return half_angle;
+}
+
 void measure(DigitalPower& result) {
   // Two ripples a section, and the narrow ones of the taps at the upper edge.
   const int points = 400 + 60 * static_cast<int>(result.parallel.rates.size());
   const double fall = std::log(result.band.upper / result.band.lower);
-  ApproximationError& error = result.error;
   const auto ratio = [&](double omega) {
     return result.response(omega) / (detail::real_power(omega, result.order) * detail::quarter_turns(result.order));
   };
-  error = {};
-  error.grid_points = points + 1;
-  for (int i = 0; i <= points; ++i) {
-    const double omega =
-        i == points ? result.band.upper : result.band.lower * std::exp(fall * static_cast<double>(i) / points);
-    const Complex value = ratio(omega);
-    const double relative = std::abs(value - 1.0);
-    if (relative > error.max_relative) {
-      error.max_relative = relative;
-      error.omega_at_maximum = omega;
-    }
-    error.max_decibels = std::max(error.max_decibels, std::abs(20 * std::log10(std::abs(value))));
-    error.max_degrees = std::max(error.max_degrees, std::abs(std::arg(value)) * 180 / pi);
+  std::vector<double> on_band;
+  for (int i = 0; i < points; ++i) {
+    on_band.push_back(result.band.lower * std::exp(fall * static_cast<double>(i) / points));
   }
-  constexpr int beyond = 200;
-  const double nyquist = pi / result.sample_time;
-  result.most_amplification = 0;
-  for (int i = 0; i < beyond; ++i) {
-    const double omega = result.band.upper + (nyquist - result.band.upper) * i / beyond;
-    const double from_edge = std::pow(omega / result.band.upper, std::min(result.order, 0.0));
-    result.most_amplification = std::max(result.most_amplification, from_edge * std::abs(ratio(omega)));
-  }
+  on_band.push_back(result.band.upper);
+  const detail::BandError<double> largest = detail::band_error(on_band, ratio);
+  result.error = {.max_relative = largest.relative,
+                  .omega_at_maximum = largest.place,
+                  .max_decibels = largest.decibels,
+                  .max_degrees = largest.degrees,
+                  .grid_points = points + 1};
+  const auto amplification = [&](double omega) {
+    return std::pow(omega / result.band.upper, std::min(result.order, 0.0)) * std::abs(ratio(omega));
+  };
+  const std::vector<double> beyond = frequencies_beyond(result);
+  std::vector<double> values;
+  for (const double omega : beyond) values.push_back(amplification(omega));
+  result.most_amplification = amplification(detail::refined_maximum(beyond, values, amplification));
 }
 
 std::string size_text(const DigitalPower& result) {

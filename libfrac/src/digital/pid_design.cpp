@@ -8,6 +8,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "approximation/band_error.hpp"
 #include "base/number_text.hpp"
 #include "correction_taps.hpp"
 #include "frac/digital/fractional_pid.hpp"
@@ -238,19 +239,19 @@ FractionalPidDesign::FractionalPidDesign(const FractionalPidConfig& config) : co
 
   const FrequencyBand band = config_.band;
   if (!(band.lower > 0 && band.lower < band.upper && band.upper < pi / config.sample_time)) return;
-  constexpr int points = 500;
-  error_ = 0;
-  for (int i = 0; i <= points; ++i) {
-    const double omega = band.lower * std::pow(band.upper / band.lower, static_cast<double>(i) / points);
+  std::vector<double> grid;
+  constexpr int steps = 500;
+  for (int i = 0; i <= steps; ++i) {
+    grid.push_back(band.lower * std::pow(band.upper / band.lower, static_cast<double>(i) / steps));
+  }
+  const detail::BandError<double> largest = detail::band_error(grid, [&](double omega) {
     const std::complex<double> s(0, omega);
     const std::complex<double> exact =
         kp + ki * std::pow(s, -lambda) + kd * std::pow(s, mu) / (1.0 + config.derivative_filter_time * s);
-    const double error = std::abs(response(omega) / exact - 1.0);
-    if (error > error_) {
-      error_ = error;
-      omega_at_error_ = omega;
-    }
-  }
+    return response(omega) / exact;
+  });
+  error_ = largest.relative;
+  omega_at_error_ = largest.place;
 }
 
 std::complex<double> FractionalPidDesign::response(double omega) const {
