@@ -68,54 +68,71 @@ using G = std::mt19937_64;
 const std::vector<Kind> kinds = {
     {"lag", false, [](G& g, double d) { return text(gain(g)) + "/" + lag(g, d); }},
     {"two lags", false, [](G& g, double d) { return text(gain(g)) + "/(" + lag(g, d) + lag(g, d) + ")"; }},
-    {"three lags", false, [](G& g, double d) { return text(gain(g)) + "/(" + lag(g, d) + lag(g, d) + lag(g, d) + ")"; }},
+    {"three lags", false,
+     [](G& g, double d) { return text(gain(g)) + "/(" + lag(g, d) + lag(g, d) + lag(g, d) + ")"; }},
     {"four lags", false,
      [](G& g, double d) { return text(gain(g)) + "/(" + lag(g, d) + lag(g, d) + lag(g, d) + lag(g, d) + ")"; }},
     {"lead-lag", false, [](G& g, double d) { return text(gain(g)) + lag(g, d) + "/(" + lag(g, d) + lag(g, d) + ")"; }},
     {"oscillator", false, [](G& g, double d) { return text(gain(g)) + "/" + pair(g, d, 0.02, 0.6); }},
     {"two oscillators", false,
-     [](G& g, double d) { return text(gain(g)) + "/" + pair(g, d, 0.02, 0.6) + " + " + text(gain(g)) + "/" + pair(g, d, 0.02, 0.6); }},
+     [](G& g, double d) {
+       return text(gain(g)) + "/" + pair(g, d, 0.02, 0.6) + " + " + text(gain(g)) + "/" + pair(g, d, 0.02, 0.6);
+     }},
     {"lag and delay", false,
-     [](G& g, double d) { return text(gain(g)) + " exp(-" + text(uniform(g, 0.2, 2) * std::pow(10.0, -d / 2)) + " s)/" + lag(g, d); }},
+     [](G& g, double d) {
+       return text(gain(g)) + " exp(-" + text(uniform(g, 0.2, 2) * std::pow(10.0, -d / 2)) + " s)/" + lag(g, d);
+     }},
     {"two lags and delay", false,
      [](G& g, double d) {
-       return text(gain(g)) + " exp(-" + text(uniform(g, 0.2, 2) * std::pow(10.0, -d / 2)) + " s)/(" + lag(g, d) + lag(g, d) + ")";
+       return text(gain(g)) + " exp(-" + text(uniform(g, 0.2, 2) * std::pow(10.0, -d / 2)) + " s)/(" + lag(g, d) +
+              lag(g, d) + ")";
      }},
     {"integrator and lag", false, [](G& g, double d) { return text(gain(g)) + "/(s " + lag(g, d) + ")"; }},
-    {"two RC arcs", false, [](G& g, double d) { return text(0.3 * gain(g)) + " + " + arc(g, d, 1) + " + " + arc(g, d, 1); }},
+    {"two RC arcs", false,
+     [](G& g, double d) { return text(0.3 * gain(g)) + " + " + arc(g, d, 1) + " + " + arc(g, d, 1); }},
     {"three RC arcs", false,
-     [](G& g, double d) { return text(0.3 * gain(g)) + " + " + arc(g, d, 1) + " + " + arc(g, d, 1) + " + " + arc(g, d, 1); }},
+     [](G& g, double d) {
+       return text(0.3 * gain(g)) + " + " + arc(g, d, 1) + " + " + arc(g, d, 1) + " + " + arc(g, d, 1);
+     }},
     {"four RC arcs", false,
      [](G& g, double d) {
-       return text(0.3 * gain(g)) + " + " + arc(g, d, 1) + " + " + arc(g, d, 1) + " + " + arc(g, d, 1) + " + " + arc(g, d, 1);
+       return text(0.3 * gain(g)) + " + " + arc(g, d, 1) + " + " + arc(g, d, 1) + " + " + arc(g, d, 1) + " + " +
+              arc(g, d, 1);
      }},
     {"RLC", false,
      [](G& g, double d) {
-       return text(0.3 * gain(g)) + " + " + text(0.1 * std::pow(10.0, -d / 3)) + " s + " + arc(g, d, 1) + " + " + text(gain(g)) + "/s";
+       return text(0.3 * gain(g)) + " + " + text(0.1 * std::pow(10.0, -d / 3)) + " s + " + arc(g, d, 1) + " + " +
+              text(gain(g)) + "/s";
      }},
     {"power law", true, [](G& g, double) { return text(gain(g)) + " s^(-" + text(order(g)) + ")"; }},
     {"fractional lag", true, [](G& g, double d) { return arc(g, d, order(g)); }},
     {"fractional lag and delay", true,
-     [](G& g, double d) { return "exp(-" + text(uniform(g, 0.2, 1) * std::pow(10.0, -d / 2)) + " s) * " + arc(g, d, order(g)); }},
+     [](G& g, double d) {
+       return "exp(-" + text(uniform(g, 0.2, 1) * std::pow(10.0, -d / 2)) + " s) * " + arc(g, d, order(g));
+     }},
     {"fractional oscillator", true,
      [](G& g, double d) {
        const double w = place(g, d / 2), a = uniform(g, 1.3, 1.75);
-       return text(gain(g)) + "/(" + text(std::pow(w, -a)) + " s^" + text(a) + " + " + text(uniform(g, 0.3, 1.5) * std::pow(w, -0.5)) +
-              " s^0.5 + 1)";
+       return text(gain(g)) + "/(" + text(std::pow(w, -a)) + " s^" + text(a) + " + " +
+              text(uniform(g, 0.3, 1.5) * std::pow(w, -0.5)) + " s^0.5 + 1)";
      }},
     {"zarc", true, [](G& g, double d) { return text(0.3 * gain(g)) + " + " + arc(g, d, order(g)); }},
     {"two zarcs", true,
      [](G& g, double d) { return text(0.3 * gain(g)) + " + " + arc(g, d, order(g)) + " + " + arc(g, d, order(g)); }},
     {"arc and Warburg", true,
-     [](G& g, double d) { return text(0.3 * gain(g)) + " + " + arc(g, d, uniform(g, 0.7, 0.9)) + " + " + text(0.3 * gain(g)) + " s^(-0.5)"; }},
+     [](G& g, double d) {
+       return text(0.3 * gain(g)) + " + " + arc(g, d, uniform(g, 0.7, 0.9)) + " + " + text(0.3 * gain(g)) + " s^(-0.5)";
+     }},
     {"Havriliak-Negami", true,
      [](G& g, double d) {
-       return text(gain(g)) + "/(1 + (" + text(1 / place(g, d)) + " s)^" + text(uniform(g, 0.5, 0.9)) + ")^" + text(uniform(g, 0.5, 0.9));
+       return text(gain(g)) + "/(1 + (" + text(1 / place(g, d)) + " s)^" + text(uniform(g, 0.5, 0.9)) + ")^" +
+              text(uniform(g, 0.5, 0.9));
      }},
     {"fractional solid", true,
      [](G& g, double d) {
        const double a = order(g), t = std::pow(place(g, d), -a);
-       return text(gain(g)) + " + " + text(3 * gain(g)) + " * " + text(t) + " s^" + text(a) + "/(1 + " + text(t) + " s^" + text(a) + ")";
+       return text(gain(g)) + " + " + text(3 * gain(g)) + " * " + text(t) + " s^" + text(a) + "/(1 + " + text(t) +
+              " s^" + text(a) + ")";
      }},
     {"finite Warburg", true,
      [](G& g, double d) {
@@ -173,7 +190,8 @@ std::vector<Case> from_directory(const std::string& directory, frac::Component c
   for (std::string line; std::getline(truth, line);) {
     const auto comma = line.find(',');
     if (comma == std::string::npos || line.starts_with("file,")) continue;
-    const std::string file = line.substr(0, comma), kind = line.substr(comma + 1, line.find(',', comma + 1) - comma - 1);
+    const std::string file = line.substr(0, comma),
+                      kind = line.substr(comma + 1, line.find(',', comma + 1) - comma - 1);
     cases.push_back({directory, file, kind == "fractional", read_csv(directory + "/" + file), component});
   }
   return cases;
@@ -204,8 +222,11 @@ std::vector<Case> population(int systems, std::uint64_t seed, const std::vector<
                 const double re = normal(generator), im = normal(generator);
                 value.push_back(exact + noise * std::abs(exact) * std::complex<double>(re, im));
               }
-              cases.push_back({cell, std::string(kinds[k].name) + ": " + structure.formula(), kinds[k].fractional,
-                               {omega, value}, component});
+              cases.push_back({cell,
+                               std::string(kinds[k].name) + ": " + structure.formula(),
+                               kinds[k].fractional,
+                               {omega, value},
+                               component});
             }
           }
         }
@@ -218,9 +239,10 @@ std::vector<Case> population(int systems, std::uint64_t seed, const std::vector<
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::map<std::string, std::string> given{{"--systems", "1"},   {"--seed", "1"},         {"--noise", "0,0.001,0.01,0.03,0.1"},
-                                           {"--points", "60"},   {"--decades", "4"},      {"--component", "both"},
-                                           {"--directory", ""},  {"--threads", "0"},      {"--verbose", "0"}};
+  std::map<std::string, std::string> given{
+      {"--systems", "1"},  {"--seed", "1"},    {"--noise", "0,0.001,0.01,0.03,0.1"},
+      {"--points", "60"},  {"--decades", "4"}, {"--component", "both"},
+      {"--directory", ""}, {"--threads", "0"}, {"--verbose", "0"}};
   for (int i = 1; i + 1 < argc; i += 2) {
     if (!given.count(argv[i])) {
       std::fprintf(stderr, "unknown option %s\n", argv[i]);
@@ -264,7 +286,8 @@ int main(int argc, char** argv) {
   Counts all_integer, all_fractional;
   for (std::size_t i = 0; i < cases.size(); ++i) {
     auto& [integer, fractional] = cells[cases[i].cell];
-    for (Counts* counts : {cases[i].fractional ? &fractional : &integer, cases[i].fractional ? &all_fractional : &all_integer}) {
+    for (Counts* counts :
+         {cases[i].fractional ? &fractional : &integer, cases[i].fractional ? &all_fractional : &all_integer}) {
       counts->seconds += answers[i].seconds;
       if (answers[i].failed) {
         ++counts->files;
@@ -278,14 +301,20 @@ int main(int argc, char** argv) {
     const bool decided = wrong || answers[i].verdict == (cases[i].fractional ? frac::Verdict::fractional_supported
                                                                              : frac::Verdict::fractional_not_supported);
     if (given["--verbose"] == "2" || (given["--verbose"] == "1" && (!decided || wrong || answers[i].failed)))
-      std::fprintf(stderr, "%s %s | %s | %s\n", wrong ? "WRONG" : decided ? "right" : "open ", cases[i].cell.c_str(),
-                   cases[i].name.c_str(), answers[i].sentence.c_str());
+      std::fprintf(stderr, "%s %s | %s | %s\n",
+                   wrong     ? "WRONG"
+                   : decided ? "right"
+                             : "open ",
+                   cases[i].cell.c_str(), cases[i].name.c_str(), answers[i].sentence.c_str());
   }
-  std::printf("component,noise,points,decades,kind,files,supported,not_supported,undecided,no_adequate_model,failed,false_percent,seconds_per_file\n");
+  std::printf(
+      "component,noise,points,decades,kind,files,supported,not_supported,undecided,no_adequate_model,failed,false_"
+      "percent,seconds_per_file\n");
   const auto row = [](const std::string& cell, const char* kind, const Counts& counts, int wrong) {
     std::printf("%s,%s,%d,%d,%d,%d,%d,%d,%.1f,%.3f\n", cell.c_str(), kind, counts.files, counts.supported,
                 counts.not_supported, counts.undecided, counts.inadequate, counts.failed,
-                counts.files > 0 ? 100.0 * wrong / counts.files : 0.0, counts.files > 0 ? counts.seconds / counts.files : 0.0);
+                counts.files > 0 ? 100.0 * wrong / counts.files : 0.0,
+                counts.files > 0 ? counts.seconds / counts.files : 0.0);
   };
   for (const auto& [cell, counts] : cells) {
     row(cell, "integer", counts.first, counts.first.supported);

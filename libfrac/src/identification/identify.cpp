@@ -118,17 +118,17 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
     }
     LackOfFit lack = lack_of_fit(data, options, *outcome.fit);
     std::vector<double> residual = detail::weighted_residuals(data, options, *outcome.fit);
-    competitors.push_back({{outcome.model.name, outcome.model.model_class, std::move(*outcome.fit), 0, 0, std::move(lack)},
-                           std::move(residual),
-                           outcome.model.constraints});
+    competitors.push_back(
+        {{outcome.model.name, outcome.model.model_class, std::move(*outcome.fit), 0, 0, std::move(lack)},
+         std::move(residual),
+         outcome.model.constraints});
   }
   competitors.insert(competitors.end(), curves.begin(), curves.end());
   if (competitors.empty()) {
     throw NoCandidateFits("no candidate could be fitted; the first: " + result.skipped.front());
   }
-  std::stable_sort(competitors.begin(), competitors.end(), [](const auto& a, const auto& b) {
-    return a.ranked.fit.aicc < b.ranked.fit.aicc;
-  });
+  std::stable_sort(competitors.begin(), competitors.end(),
+                   [](const auto& a, const auto& b) { return a.ranked.fit.aicc < b.ranked.fit.aicc; });
 
   const double best = competitors.front().ranked.fit.aicc;
   double total = 0;

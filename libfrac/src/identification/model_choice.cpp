@@ -172,7 +172,8 @@ NamedModel grown_model(GrowthFamily family, std::size_t terms) {
         model.constraints.push_back({"n" + n, {}, 0, 1, {}});
         break;
       case GrowthFamily::rational:
-        throw std::invalid_argument("grown_model: the form of a rational model follows from data, see resolved_model()");
+        throw std::invalid_argument(
+            "grown_model: the form of a rational model follows from data, see resolved_model()");
     }
   }
   if (family == GrowthFamily::denominator) formula = "1/(b0" + formula + ")";

@@ -19,8 +19,8 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double supported_evidence = 10;  // posterior odds of 150 to 1
 constexpr double refuted_evidence = -4;    // odds of 1 to 7, and cross-validation agrees
 constexpr double no_evidence = 2;
-constexpr double whole_order = 0.1;        // half width of an interval that tells an order to be whole
-constexpr double clearly_worse = 1.5;      // rms of predictions
+constexpr double whole_order = 0.1;    // half width of an interval that tells an order to be whole
+constexpr double clearly_worse = 1.5;  // rms of predictions
 constexpr std::size_t folds = 5;
 
 std::string number(double value) {
@@ -114,8 +114,8 @@ double prediction_rms(const Data& data, const Options& options, const Competitor
       constraint = {estimate.name, estimate.value, {}, {}, {}};
       if (!std::isfinite(estimate.value)) return infinity;
     } else {
-      constraint.start = std::clamp(estimate.value, constraint.lower.value_or(-infinity),
-                                    constraint.upper.value_or(infinity));
+      constraint.start =
+          std::clamp(estimate.value, constraint.lower.value_or(-infinity), constraint.upper.value_or(infinity));
     }
     warm.constraints.push_back(std::move(constraint));
   }
@@ -214,8 +214,8 @@ void judge_any(IdentificationResult& result, const Data& data, const Options& op
   const auto likelihood = [&](const Competitor& each) {
     return each.ranked.fit.bic - (parameters(each) + 1) * std::log(n);
   };
-  result.evidence = share * (likelihood(i) - likelihood(f)) +
-                    (parameters(i) - parameters(f)) * std::log(std::max(share * n, 2.0));
+  result.evidence =
+      share * (likelihood(i) - likelihood(f)) + (parameters(i) - parameters(f)) * std::log(std::max(share * n, 2.0));
   result.log10_odds = result.evidence / (2 * std::log(10.0));
   if (f.ranked.model_class == ModelClass::fractional && i.ranked.model_class == ModelClass::integer_order) {
     differ_most(result, data, options, f.ranked.fit, i.ranked.fit);

@@ -10,7 +10,7 @@ namespace frac::detail {
 /// A ranked candidate with what a verdict needs beside.
 struct Competitor {
   RankedFit ranked;
-  std::vector<double> residual;                 // weighted
+  std::vector<double> residual;                  // weighted
   std::vector<ParameterConstraint> constraints;  // of its own
 };
 

@@ -26,9 +26,9 @@ struct RankedFit {
   std::string name;
   ModelClass model_class;
   FitResult fit;
-  double delta_aicc;       // aicc minus the best one; 0 for the best
-  double akaike_weight;    // share of evidence among the ranked; they sum to 1
-  LackOfFit lack_of_fit;   // whether it follows the data to within their noise
+  double delta_aicc;      // aicc minus the best one; 0 for the best
+  double akaike_weight;   // share of evidence among the ranked; they sum to 1
+  LackOfFit lack_of_fit;  // whether it follows the data to within their noise
 };
 
 enum class Verdict { fractional_supported, fractional_not_supported, undecided, no_adequate_model };

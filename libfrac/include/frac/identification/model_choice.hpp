@@ -63,13 +63,14 @@ enum class GrowthFamily {
 struct Growth {
   std::vector<FitResult> fits;
   std::vector<NamedModel> models;  // of the fits
-  std::size_t chosen;  // index into fits
-  std::string reason;  // one sentence: why it went no further
+  std::size_t chosen;              // index into fits
+  std::string reason;              // one sentence: why it went no further
 };
 
 /// Starts from one term and adds another only while the data pay for it: AICc must fall by more than 2 in the measure
 /// of identify(), the F test must reject the smaller one at 1 %, and every parameter of the larger one must be
-/// identified.  Rational models of up to 12 poles grow until BIC has risen twice, and `most_terms` does not count there.
+/// identified.  Rational models of up to 12 poles grow until BIC has risen twice, and `most_terms` does not count
+/// there.
 [[nodiscard]] Growth grow(const FrequencyResponseData& data, GrowthFamily family, const FitOptions& options,
                           std::size_t most_terms = 4);
 [[nodiscard]] Growth grow(const TimeResponseData& data, GrowthFamily family, const TimeFitOptions& options,

@@ -91,6 +91,8 @@ void RationalGrowth::extend() {
     return problem_.at(shape);
   };
   for (const double sign : {1.0, -1.0}) {
+    // One part alone does not tell a pole from its mirror image.
+    if (sign < 0 && problem_.one_part()) continue;
     std::vector<RationalFit> along;
     for (const double place : places(problem_, sign > 0 ? 14 : 6)) {
       along.push_back(with(last, {false, place, 0, sign}));
@@ -106,8 +108,10 @@ void RationalGrowth::extend() {
       std::size_t most = 0;
       double largest = -1;
       for (std::size_t i = 0; i < missed.size(); ++i) {
-        const bool top = (i == 0 || missed[i] >= missed[i - 1]) && (i + 1 == missed.size() || missed[i] > missed[i + 1]);
-        const bool taken = std::find(pair_places.begin(), pair_places.end(), problem_.log_omega()[i]) != pair_places.end();
+        const bool top =
+            (i == 0 || missed[i] >= missed[i - 1]) && (i + 1 == missed.size() || missed[i] > missed[i + 1]);
+        const bool taken =
+            std::find(pair_places.begin(), pair_places.end(), problem_.log_omega()[i]) != pair_places.end();
         if (top && !taken && missed[i] > largest) {
           largest = missed[i];
           most = i;

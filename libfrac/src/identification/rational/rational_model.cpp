@@ -105,8 +105,11 @@ NamedModel written_out(const RationalProblem& problem, const RationalShape& shap
   }
   NamedModel model{"rational:" + std::to_string(shape.degree) + "/" + std::to_string(shape.order()) +
                        (shape.delayed ? "+delay" : ""),
-                   formula, ModelClass::integer_order, "ratio of polynomials in s, factored",
-                   std::move(writer.constraints), std::nullopt};
+                   formula,
+                   ModelClass::integer_order,
+                   "ratio of polynomials in s, factored",
+                   std::move(writer.constraints),
+                   std::nullopt};
   return model;
 }
 
@@ -118,8 +121,7 @@ RationalMembers rational_members(const FrequencyResponseData& data, const Ration
   }
   // Logarithmic residuals are relative ones as long as they are small, and linear in the numerator only so.
   const bool logarithmic = options.weight == Weight::log_complex;
-  const ResidualRule rule =
-      residual_rule(data, options.component, logarithmic ? Weight::relative : options.weight);
+  const ResidualRule rule = residual_rule(data, options.component, logarithmic ? Weight::relative : options.weight);
   const RationalProblem problem(data, rule);
   if (2 * family.fewest_poles + 2 > problem.rows()) {
     throw std::invalid_argument(std::to_string(problem.rows()) + " residuals cannot determine " +

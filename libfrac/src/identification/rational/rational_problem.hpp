@@ -40,7 +40,7 @@ struct RationalShape {
 /// A shape at its least cost.
 struct RationalFit {
   RationalShape shape;
-  double cost = 0;            // sum of squared residuals in the unit of the rule
+  double cost = 0;             // sum of squared residuals in the unit of the rule
   std::size_t parameters = 0;  // that the residuals can tell apart, coefficients included
 };
 
@@ -52,6 +52,8 @@ class RationalProblem {
   RationalProblem(const FrequencyResponseData& data, const ResidualRule& rule);
 
   [[nodiscard]] std::size_t rows() const { return static_cast<std::size_t>(target_.size()); }
+  /// Whether residuals are of the real or of the imaginary part alone.
+  [[nodiscard]] bool one_part() const { return form_ != ResidualForm::cartesian; }
   [[nodiscard]] double centre_omega() const { return centre_; }
   [[nodiscard]] double log_lower() const { return log_lower_; }  // of the band, in units of its middle
   [[nodiscard]] double log_upper() const { return -log_lower_; }

@@ -102,8 +102,7 @@ double sum_of_squares(std::span<const double> values) {
 }  // namespace
 
 LackOfFit detail::residual_tests(std::span<const double> residual, std::size_t per_point,
-                                 std::span<const double> abscissa, std::size_t parameters, bool told,
-                                 double rounding) {
+                                 std::span<const double> abscissa, std::size_t parameters, bool told, double rounding) {
   LackOfFit result{told ? NoiseSource::sigma : NoiseSource::data, 1, nan, nan, nan, nan, true, {}};
   const auto count = static_cast<double>(residual.size());
   const double degrees = count - static_cast<double>(parameters);
@@ -157,8 +156,8 @@ LackOfFit lack_of_fit(const FrequencyResponseData& data, const FitOptions& optio
   const std::vector<double> residual = detail::weighted_residuals(data, options, result);
   const double rounding = 1e-12 * rule.unit;
   const bool told = options.weight == Weight::given || options.weight == Weight::repeats;
-  LackOfFit test = detail::residual_tests(residual, rule.per_point(), data.omega(), result.free_parameters, told,
-                                          rounding);
+  LackOfFit test =
+      detail::residual_tests(residual, rule.per_point(), data.omega(), result.free_parameters, told, rounding);
   if (options.weight == Weight::repeats) test.source = NoiseSource::repeats;
   if (told) return test;
   const PureError error = pure_error(data, residual, rule.per_point());
