@@ -68,12 +68,18 @@ struct Fitted {
 template <class Data, class Options>
 Fitted fitted(const FitArguments& given, const Data& data, Options& options) {
   if (!given.grow) {
-    const auto model = chosen_model(*given.model);
-    return {frac::fit(data, frac::Structure(model.formula), options), std::nullopt};
+    const auto named = chosen_model(*given.model);
+    if (named.rational) {
+      const auto model = frac::resolved_model(data, named, options);
+      options.constraints = constraints_of(model, given.parameters);
+      options.global_start = false;
+      return {frac::fit(data, frac::Structure(model.formula), options), std::nullopt};
+    }
+    return {frac::fit(data, frac::Structure(named.formula), options), std::nullopt};
   }
   const auto family = frac::growth_family_from_string(*given.grow);
   auto growth = frac::grow(data, family, options);
-  options.constraints = frac::grown_model(family, growth.chosen + 1).constraints;
+  options.constraints = growth.models.at(growth.chosen).constraints;
   auto result = growth.fits.at(growth.chosen);
   return {std::move(result), std::move(growth)};
 }
@@ -103,6 +109,8 @@ std::vector<frac::ParameterConstraint> given_constraints(const FitArguments& giv
     return {};
   }
   const auto model = chosen_model(*given.model);
+  // Names and ranges of a rational family's parameters are known with the data only.
+  if (model.rational) return {};
   const frac::Structure parsed(model.formula);
   return constraints_of(model, given.parameters);
 }
