@@ -60,7 +60,10 @@ std::string csv(const backlash::BasinMap& map, backlash::Output output, const st
             ", impacts per period " + io::format_number(point.impacts_per_period) +
             (symmetric ? ", symmetric" : ", asymmetric") + ", N " + io::format_number(point.value.real()) +
             (std::signbit(point.value.imag()) ? " - " : " + ") + io::format_number(std::abs(point.value.imag())) +
-            " j m/N, uncertainty " + io::format_number(point.uncertainty));
+            " j m/N, uncertainty " + io::format_number(point.uncertainty) +
+            (point.transient_possible
+                 ? ", transient not excluded after " + io::format_number(point.periods_followed) + " periods"
+                 : ""));
   }
   std::string text = io::header_lines(entries, command);
   text += "position_m,velocity_m_s," + motion_name(map) + "\n";
@@ -91,7 +94,9 @@ std::string json(const backlash::BasinMap& map, backlash::Output output, const s
                        {"re_m_per_n", number(attractor.point.value.real())},
                        {"im_m_per_n", number(attractor.point.value.imag())},
                        {"uncertainty_m_per_n", number(attractor.point.uncertainty)},
-                       {"lyapunov_exponent", number(attractor.point.lyapunov_exponent)}});
+                       {"lyapunov_exponent", number(attractor.point.lyapunov_exponent)},
+                       {"periods_followed", number(attractor.point.periods_followed)},
+                       {"transient_possible", attractor.point.transient_possible}});
   result["position_m"] = map.position;
   result["velocity_m_s"] = map.velocity;
   result[motion_name(map)] = map.attractor;

@@ -164,7 +164,10 @@ void append_sweep(Json& json, const backlash::DescribingFunctionSweep& sweep) {
                               {"third_harmonic_ratio", number(point.third_harmonic_ratio)},
                               {"even_harmonic_ratio", number(point.even_harmonic_ratio)},
                               {"energy_defect", number(point.energy_defect)},
-                              {"lyapunov_exponent", number(point.lyapunov_exponent)}});
+                              {"lyapunov_exponent", number(point.lyapunov_exponent)},
+                              {"periods_followed", number(point.periods_followed)},
+                              {"transient_possible", point.transient_possible},
+                              {"force_sensitivity", number(point.force_sensitivity)}});
 }
 
 }  // namespace
