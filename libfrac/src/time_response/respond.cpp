@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "base/dead_time.hpp"
 #include "base/number_text.hpp"
 #include "exponential_sum.hpp"
 #include "filter_bank.hpp"
@@ -63,19 +64,10 @@ Design design(const FractionalTransferFunction& model, double sample_time, doubl
     throw std::invalid_argument("respond: " + std::to_string(m) + " integrators; allowed is up to 8");
   const double at_infinity =
       high_order == 0 ? model.numerator().front().coefficient / model.denominator().front().coefficient : 0;
-  const double samples_late = model.delay() / sample_time;
+  const auto [samples_late, whole, fraction] = detail::sampled_dead_time(model.delay(), sample_time);
   if (!(samples_late <= 1e9)) {
     throw std::invalid_argument("respond: dead time of " + detail::number_text(samples_late) +
                                 " samples; allowed is up to 1e9");
-  }
-  // Within rounding of a whole number of samples it is one.
-  double whole = std::floor(samples_late);
-  double fraction = samples_late - whole;
-  if (fraction > 1 - 1e-9) {
-    whole += 1;
-    fraction = 0;
-  } else if (fraction < 1e-9) {
-    fraction = 0;
   }
   const double theta = 1 - fraction;
 
