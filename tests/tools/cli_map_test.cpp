@@ -86,7 +86,7 @@ TEST(Map, SaysWhatIsWrong) {
            {{"--restitution", "0.2,1.5"}, "restitution[1] is 1.5"},
            {{"--restitution", "0.2", "--shard", "2/2"}, "only 1 restitutions"},
            {{"--restitution", "0.2", "--shard", "3/2"}, "--shard"},
-           {{"--restitution", "0.2", "--mean-tolerance", "2"}, "mean_tolerance"},
+           {{"--restitution", "0.2", "--mean-tolerance", "2"}, "--mean-tolerance"},
            {{"--restitution", "0.2", "--protocol", "sideways"}, "sideways"},
            {{}, "--restitution"}}) {
     const auto result = run_fracfit(map(more));

@@ -90,7 +90,7 @@ TEST(Scenes, SaysWhatIsWrong) {
   for (const auto& [more, part] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"--force", "20,40,20"}, "--force '20,40,20': holds 20 twice"},
            {{"--force", "20,5"}, "--force '20,5': expected one number with a decimal point"},
-           {{"--force", "20,30,-1"}, "force_amplitude is -1"},
+           {{"--force", "20,30,-1"}, "--force is -1"},
            {{"--force", "1:2:1e7"}, "expected at most 10000000"},
            {{"--force", "20", "--shard", "3/3"}, "only 2 scenes"},
            {{"--force", "20", "--shard", "3/2"}, "--shard"},
