@@ -9,6 +9,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "report/prose.hpp"
+
 namespace report {
 
 namespace {
@@ -84,10 +86,7 @@ std::string figure_html(const Figure& figure, const std::filesystem::path& folde
   const std::string stem = "figures/" + figure.name;
   std::string html = "<figure id=\"figure-" + figure.name + "\">\n";
   if (svg.empty()) {
-    html +=
-        "<div class=\"notice\">This picture was not drawn. Its numbers are complete: once gnuplot is installed "
-        "(<code>apt-get install gnuplot-nox</code>), <code>gnuplot " +
-        figure.name + ".gp</code> in the folder <code>figures</code> draws it.</div>\n";
+    html += "<div class=\"notice\">" + prose("page", "no-picture", {{"name", figure.name}}) + "</div>\n";
   } else {
     html += "<div role=\"img\" aria-label=\"" + escape_html(plain_text(figure.caption)) + "\">" +
             inline_svg(svg, figure.name + "-") + "</div>\n";
@@ -137,8 +136,10 @@ std::string table_html(const Table& table) {
   }
   html += "</tbody></table>";
   if (table.rows.size() > table.rows_on_page) {
-    html += "<p class=\"more\">The first " + std::to_string(table.rows_on_page) + " of " +
-            std::to_string(table.rows.size()) + " rows; all are in the CSV.</p>";
+    html += "<p class=\"more\">" +
+            prose("page", "more-rows",
+                  {{"shown", std::to_string(table.rows_on_page)}, {"all", std::to_string(table.rows.size())}}) +
+            "</p>";
   }
   return html + "</div>\n";
 }
@@ -273,7 +274,7 @@ std::string page_html(const Page& page, const std::filesystem::path& folder) {
     html +=
         "<section id=\"" + section.id + "\">\n<h2>" + std::to_string(++number) + "&ensp;" + section.title + "</h2>\n";
     if (!section.reading.empty())
-      html += "<div class=\"reading\"><b>How to read this.</b> " + section.reading + "</div>\n";
+      html += "<div class=\"reading\">" + prose("page", "how-to-read", {{"reading", section.reading}}) + "</div>\n";
     for (const Block& block : section.blocks) html += block_html(block, folder);
     html += "</section>\n";
   }

@@ -13,6 +13,7 @@
 #include "frac/time_response/response_methods.hpp"
 #include "report/grid.hpp"
 #include "report/html.hpp"
+#include "report/prose.hpp"
 
 namespace report {
 namespace {
@@ -144,7 +145,7 @@ std::vector<Figure> model_figures(const FractionalTransferFunction& model, const
   const std::string formula = html_formula(model.formula());
   const Axis omega{"{/Symbol w} / (rad/s)", true, response.omega.front(), response.omega.back()};
   std::vector<Figure> figures;
-  figures.push_back(figure_of(name + "-bode", "Bode diagram of " + formula + ".",
+  figures.push_back(figure_of(name + "-bode", prose("model", "bode", {{"model", formula}}),
                               {plain_panel("Magnitude", omega, {"|G| / dB", false, {}, {}},
                                            make_curve("", colour, Mark::line, response.omega, response.decibel)),
                                plain_panel("Phase", omega, {"arg G / degrees", false, {}, {}},
@@ -159,16 +160,14 @@ std::vector<Figure> model_figures(const FractionalTransferFunction& model, const
   for (double& value : mirrored) value = -value;
   nyquist.curves.push_back(make_curve("", colour, Mark::dotted, response.re, mirrored));
   nyquist.curves.push_back(reference_point(-1, 0));
-  figures.push_back(figure_of(
-      name + "-nyquist",
-      "Nyquist diagram of " + formula + ": positive frequencies drawn out, negative ones dotted, the point −1 marked.",
-      {std::move(nyquist)}, square_height));
+  figures.push_back(figure_of(name + "-nyquist", prose("model", "nyquist", {{"model", formula}}), {std::move(nyquist)},
+                              square_height));
 
   Panel nichols = plain_panel("Nichols diagram", {"arg G / degrees", false, {}, {}}, {"|G| / dB", false, {}, {}},
                               make_curve("", colour, Mark::line, response.degrees, response.decibel));
   nichols.curves.push_back(reference_point(-180, 0));
-  figures.push_back(figure_of(name + "-nichols", "Nichols diagram of " + formula + ", the point (−180°, 0 dB) marked.",
-                              {std::move(nichols)}, 340));
+  figures.push_back(
+      figure_of(name + "-nichols", prose("model", "nichols", {{"model", formula}}), {std::move(nichols)}, 340));
 
   const double length = step_length(model, poles);
   std::vector<double> time;
@@ -179,7 +178,7 @@ std::vector<Figure> model_figures(const FractionalTransferFunction& model, const
   // A step through an improper model begins infinite.
   if (model.numerator().front().order > model.denominator().front().order) time.erase(time.begin());
   const frac::TimeResponse step = frac::respond(model, frac::ResponseInput{}, time, 1e-6);
-  figures.push_back(figure_of(name + "-step", "Response of " + formula + " to a unit step from rest.",
+  figures.push_back(figure_of(name + "-step", prose("model", "step", {{"model", formula}}),
                               {plain_panel("Step response", {"t / s", false, 0.0, length}, {"y", false, {}, {}},
                                            make_curve("", colour, Mark::line, time, step.output))},
                               240));

@@ -31,8 +31,17 @@ namespace report {
 [[nodiscard]] Table parameter_table(const std::string& name, const std::string& caption,
                                     const frac::IdentificationResult& result);
 
-/// Verdict, ranking and parameters of a measured file, with the facts and the finding they come to.
-void add_verdict(Section& section, const std::string& file, const frac::IdentificationResult& result);
+/// Names and words, HTML, that the tables of one identification carry.
+struct RankingWords {
+  std::string ranking_name, ranking_caption;
+  std::string parameters_name, parameters_caption;
+  std::string after_verdict = {};  // ends the paragraph of the verdict
+};
+
+/// Adds the verdict, the tables and the facts of an identification.
+/// @param id  ends the names of the facts
+void add_ranking(Section& section, const std::string& id, const frac::IdentificationResult& result,
+                 const RankingWords& words);
 
 /// Best ranked of a class, or null.
 [[nodiscard]] const frac::RankedFit* best_of(const frac::IdentificationResult& result, frac::ModelClass model_class);
