@@ -132,7 +132,7 @@ std::string call_at(const std::string& source, std::size_t open) {
 
 TEST(Prose, EveryPassageIsUsedWithExactlyTheValuesItHasPlacesFor) {
   std::map<std::pair<std::string, std::string>, std::set<std::string>> used;
-  const std::regex call(R"((prose|paragraph|open_section|open_measured)(\()\s*"([^"]+)"(?:,\s*"([^"]+)")?)");
+  const std::regex call(R"re((prose|paragraph|open_section|open_measured)(\()\s*"([^"]+)"(?:,\s*"([^"]+)")?)re");
   for (const auto& entry : fs::directory_iterator(fs::path(FRACFIT_SOURCE_DIR) / "tools/report")) {
     if (entry.path().extension() != ".cpp") continue;
     const std::string source = content_of(entry.path().string());
