@@ -46,7 +46,7 @@ Deviation deviation_of(const frac::Approximation& approximation) {
   return deviation;
 }
 
-// Empty where the method has no design of so many poles.
+// One design, or none where the method has no design with so many poles.
 std::vector<frac::Approximation> designed(frac::ApproximationMethod method, int poles) {
   try {
     return {frac::approximate(order, band, frac::PoleCount{poles}, method)};
@@ -55,7 +55,7 @@ std::vector<frac::Approximation> designed(frac::ApproximationMethod method, int 
   }
 }
 
-// Of this thread: what else the machine does is no property of a method.
+// Processor time of this thread, so that other work of the machine does not count.
 double processor_seconds() {
   timespec now{};
   ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -64,8 +64,9 @@ double processor_seconds() {
 
 struct Timed {
   frac::Approximation approximation;
-  double design_seconds;      // of one design
-  double seconds_per_sample;  // of the recursion by the bilinear rule; NaN where there are complex pairs
+  double design_seconds;  // of one design
+  // Of the recursion by the bilinear rule; NaN where there are complex pairs.
+  double seconds_per_sample;
 };
 
 double running_seconds(const frac::ZeroPoleGain& system) {
@@ -104,7 +105,7 @@ std::vector<std::vector<Timed>> families() {
   return all;
 }
 
-// Eight methods, seven colours told apart: the last is grey.
+// There are eight methods and seven colours that can be told apart, so the last method is grey.
 std::string method_colour(frac::ApproximationMethod method) {
   const auto all = frac::approximation_methods();
   const auto index = static_cast<std::size_t>(std::find(all.begin(), all.end(), method) - all.begin());

@@ -76,7 +76,7 @@ std::optional<PlotPoint> nichols_place(const DescribingFunctionPoint& point) {
   return PlotPoint{phase_degrees(inverse->value), level, level, level};
 }
 
-// Bars of a logarithmic axis must not reach zero: they are cut at 1 % of the value.
+// Cuts error bars at 1 % of the value, because a logarithmic axis has no zero.
 PlotPoint with_bars(double x, double y, double uncertainty) {
   return {x, y, std::max(y - uncertainty, 0.01 * y), y + uncertainty};
 }
@@ -85,7 +85,7 @@ std::optional<PlotPoint> part_place(const DescribingFunctionPoint& point, bool i
   const auto inverse = negative_inverse(point);
   if (!inverse) return std::nullopt;
   const double value = imaginary ? inverse->value.imag() : inverse->value.real();
-  // A mean smaller than its uncertainty cannot be told from zero, and a logarithmic axis has no zero.
+  // Leaves out a mean that is smaller than its uncertainty: it may be zero, which a logarithmic axis cannot show.
   if (!(value > inverse->uncertainty)) return std::nullopt;
   return with_bars(point.omega, value, inverse->uncertainty);
 }
@@ -95,12 +95,12 @@ struct StaticCurve {
   std::vector<std::complex<double>> negative_inverse;  // N/m
 };
 
-// Only where the backlash passes motion at all: below, N = 0 and -1/N is infinite.
+// Leaves out frequencies at which the backlash transmits no motion: N = 0 there, and -1/N is infinite.
 StaticCurve static_curve(const Scene& scene, double force, std::vector<double> omega) {
   const double first = omega.front();
   const double end = std::sqrt(2 * force / ((scene.mass1 + scene.mass2) * scene.clearance));
   if (omega.front() < end && end < omega.back()) {
-    // -1/N grows without limit towards the end; closer points there let the curve run out of the chart.
+    // -1/N grows without limit towards the end.  Points close to it let the curve leave the chart.
     for (double distance = 0.1; distance > 1e-5; distance /= 1.3) omega.push_back(end * (1 - distance));
     std::sort(omega.begin(), omega.end());
     omega.erase(std::unique(omega.begin(), omega.end()), omega.end());
@@ -211,8 +211,8 @@ Figure bode(const Scene& scene, const Family& family) {
   return figure;
 }
 
-// Half of what the lowest curve starts with.  Curves that pass through zero further on would otherwise stretch the axis
-// over decades without content.
+// Lower end of the vertical axis: half of the value with which the lowest curve starts.  A curve that passes through
+// zero further on would otherwise stretch the axis over empty decades.
 std::optional<double> floor_of(const Panel& panel) {
   std::optional<double> lowest;
   double first = std::numeric_limits<double>::infinity();
@@ -264,7 +264,7 @@ Curves compute_curves(const Work& work) {
   const FamilyScenes forces = over_forces(scene);
   const FamilyScenes clearances = over_clearances(scene);
   const FamilyScenes restitutions = over_restitutions(scene);
-  // The three families over one grid go into one call, which spreads them evenly over the threads.
+  // One call computes the three families that share a grid, which loads the threads evenly.
   std::vector<SweepScene> all;
   for (const FamilyScenes* family : {&restitutions, &clearances, &forces}) {
     all.insert(all.end(), family->scenes.begin(), family->scenes.end());

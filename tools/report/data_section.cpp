@@ -44,7 +44,7 @@ std::vector<double> decibels(const std::vector<std::complex<double>>& values) {
   return level;
 }
 
-/// Half widths of the 95 % band of a fitted curve.
+// Half widths of the 95 % band of a fitted curve.
 struct Band {
   std::vector<double> decibel, degrees;  // of magnitude and phase
   std::vector<double> magnitude, phase;  // in % of the magnitude and in 1/100 rad
@@ -72,8 +72,8 @@ Curve band_round(const std::string& label, const std::string& colour, const std:
   return make_band(label, colour, omega, lower, upper);
 }
 
-/// data/model - 1 of the chosen structure: its real part is the error of the magnitude, its imaginary part that of the
-/// phase.
+// Shows data/model - 1 of the chosen structure.  To first order its real part is the relative error of the magnitude
+// and its imaginary part the error of the phase in rad.
 Figure residual_figure(const std::string& name, const frac::FrequencyResponseData& data,
                        const frac::RankedFit& chosen) {
   const std::vector<double>& omega = data.omega();
@@ -137,7 +137,7 @@ Figure data_figure(const std::string& name, const std::string& caption, const fr
   const Band band = band_of(chosen.fit, omega);
   const auto model = frac::fitted_response(chosen.fit, frac::ExactRealisation{}, omega);
   const std::vector<double> model_phase = unwrapped_phase(model, measured_phase.front());
-  // Below all curves.
+  // The bands are drawn first, so that they lie below all curves.
   magnitude.curves.insert(magnitude.curves.begin(), band_round("95 % band of " + enhanced_escape(chosen.name),
                                                                "#888888", omega, decibels(model), band.decibel));
   phase.curves.insert(phase.curves.begin(), band_round("", "#888888", omega, model_phase, band.degrees));

@@ -21,7 +21,8 @@ namespace {
 
 using backlash::DescribingFunctionPoint;
 
-// Structures that an imaginary part can tell apart: a real constant or a free mass 1/(M s^2) adds nothing to it.
+// Structures that the imaginary part can tell apart.  Left out are those that differ from one of these only by a real
+// constant or a free mass 1/(M s^2), which have no imaginary part.
 constexpr std::string_view candidates[] = {"power-law",
                                            "two-power-laws",
                                            "fractional-lag",
@@ -80,7 +81,7 @@ Figure fit_figure(const std::string& name, const std::string& caption,
   residuals.y = {"|model / data − 1| in %", true, 1e-3, {}};
   std::vector<double> measured;
   for (const auto& point : points) measured.push_back(point.value.imag());
-  // Every fourth point is drawn, so that the lines stay visible below them.
+  // Draws every fourth point only, so that the lines below stay visible.
   std::vector<double> sparse_omega, sparse_value;
   for (std::size_t i = 0; i < omega.size(); i += 4) {
     sparse_omega.push_back(omega[i]);
@@ -105,7 +106,7 @@ Figure fit_figure(const std::string& name, const std::string& caption,
   return figure;
 }
 
-// Simplest chosen, best fractional, best integer-order and the static model, each once.
+// The best fractional structure, the power law, the best integer-order structure and the static model, each once.
 std::vector<Drawn> drawn_models(const frac::IdentificationResult& result, const std::vector<double>& omega,
                                 const std::vector<std::complex<double>>& static_model) {
   std::vector<const frac::RankedFit*> chosen;
@@ -176,7 +177,7 @@ Table realisation_table(const std::string& name, const frac::FrequencyResponseDa
   return table;
 }
 
-// The real part afterwards: c and q are known from the imaginary part, the free mass and the constant are not.
+// Fits the free mass and the constant to the real part, with c and q held as the imaginary part gave them.
 std::optional<frac::FitResult> real_part_fit(const std::vector<DescribingFunctionPoint>& points,
                                              const frac::FitResult& power_law) {
   const auto* coefficient = find_parameter(power_law, "K");

@@ -16,7 +16,7 @@ namespace report {
 namespace {
 
 constexpr double step_seconds = 1e-4;
-// The scan over c starts below sqrt 2, where the exact motion meets the wall in its first period.
+// The scan over c starts below sqrt 2: up to there the exact motion meets the wall in its first period.
 constexpr double scan_from = 1.38;
 constexpr double scan_to = 4;
 constexpr double coarse_ratio = 1.016;
@@ -31,7 +31,7 @@ bool meets_second_wall(const FixedStepScene& scene, double omega, int periods) {
     state.time = 0;
     for (std::size_t k = 0; k < steps; ++k) {
       fixed_step(scene, omega, step, state);
-      // After the correction of an impact the gap stands at the clearance but for rounding.
+      // The correction of an impact puts the gap at the clearance, up to rounding.
       if (state.position2 - state.position1 > scene.clearance * (1 - 1e-9)) return true;
     }
   }

@@ -57,7 +57,7 @@ pre{background:#f4f4f1;padding:.6rem .8rem;overflow-x:auto}
 @media (max-width:640px){main{padding:1.2rem}nav{columns:1}}
 )css";
 
-// Words of more bytes get a wide column, so that they do not run down the page.
+// A word with more bytes than this gets a wide column, so that it does not break into many lines.
 constexpr std::size_t long_word = 60;
 
 bool is_id_character(char c) {
@@ -236,7 +236,7 @@ std::string inline_svg(std::string_view svg, std::string_view prefix) {
   // gnuplot writes attributes with either quote, and refers to ids by href='#id' and by url(#id).
   static constexpr std::string_view marks[] = {" id=\"", " id='", "\tid=\"", "\nid=\"", "href=\"#", "href='#", "url(#"};
   for (std::size_t at = 0; at < svg.size();) {
-    // Browsers show titles as tooltips; gnuplot's say no more than "Gnuplot" and "gnuplot_plot_1".
+    // Drops titles: browsers show them as tooltips, and gnuplot's only read "Gnuplot" and "gnuplot_plot_1".
     if (svg.compare(at, 7, "<title>") == 0) {
       const std::size_t end = svg.find("</title>", at);
       if (end == std::string_view::npos) return {};

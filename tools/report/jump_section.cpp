@@ -24,7 +24,7 @@ using backlash::JumpLaw;
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
-// Mean over restitution at each force of one clearance, as the paper averages.
+// Mean over restitution at each force, for one clearance: the average of the paper.
 std::map<double, double> mean_over_restitution(const JumpLaw& law, double clearance) {
   std::map<double, std::pair<double, int>> sums;
   for (const auto& point : law.points) {

@@ -48,7 +48,8 @@ std::size_t kind_of(const DescribingFunctionPoint& point) {
   }
   if (point.period > 1) return 3;
   if (point.impacts_per_period != 2) return 2;
-  // At restitution 0 the symmetric orbit of two impacts holds rests, so that no closed form applies to it.
+  // At restitution 0 the symmetric orbit of two impacts contains rests.  The solver has no closed form for it and
+  // reports it as periodic.
   return point.even_harmonic_ratio > 1e-9 ? 1 : 0;
 }
 

@@ -42,7 +42,7 @@ std::pair<double, double> corner_range(const FractionalTransferFunction& model, 
   return {lowest, highest};
 }
 
-// Dense, and denser about every lightly damped pole.
+// A dense grid with more points near every lightly damped pole.
 std::vector<double> frequencies(const FractionalTransferFunction& model, const std::vector<frac::Pole>& poles) {
   const auto [lowest, highest] = corner_range(model, poles);
   std::vector<double> omega = logarithmic_grid(lowest / 100, highest * 100, 1200);
@@ -57,7 +57,8 @@ std::vector<double> frequencies(const FractionalTransferFunction& model, const s
 }
 
 struct Response {
-  std::vector<double> omega, re, im, decibel, degrees;  // phase without jumps
+  std::vector<double> omega, re, im, decibel;
+  std::vector<double> degrees;  // phase, without jumps of 360
 };
 
 Response response_of(const FractionalTransferFunction& model, const std::vector<frac::Pole>& poles) {
@@ -83,14 +84,14 @@ Response response_of(const FractionalTransferFunction& model, const std::vector<
   return result;
 }
 
-// Until the slowest mode has all but gone, or a power of t has settled over two decades.
+// Long enough for the slowest mode to decay by six e-folds, but at most two decades beyond the lowest corner.
 double step_length(const FractionalTransferFunction& model, const std::vector<frac::Pole>& poles) {
   const auto [lowest, highest] = corner_range(model, poles);
   double length = 10 / lowest;
   for (const frac::Pole& pole : poles) {
     if (pole.cancelled) continue;
     const double decay = -pole.value.real();
-    // A growing response is shown for some e-folds.
+    // Shows four e-folds of a growing response.
     length = decay > 0 ? std::max(length, std::min(6 / decay, 100 / lowest)) : std::min(length, -4 / decay);
   }
   return length + model.delay();
@@ -118,8 +119,8 @@ Curve reference_point(double x, double y) {
   return make_curve("", "#555555", Mark::points, {x}, {y});
 }
 
-// Axes of one scale for real and imaginary part, about the curve where it is no larger than ten times its value amid
-// the corners: an integrator's runs off to infinity.
+// Axes with one scale for real and imaginary part.  They hold the part of the curve that is no larger than ten times
+// its value in the middle of the frequencies, because an integrator runs off to infinity.
 std::pair<Axis, Axis> equal_axes(const Response& response, int height) {
   const std::size_t middle = response.omega.size() / 2;
   const double limit = 10 * std::max(1.0, std::hypot(response.re[middle], response.im[middle]));
@@ -175,7 +176,7 @@ std::vector<Figure> model_figures(const FractionalTransferFunction& model, const
   for (std::size_t i = 0; i < instants; ++i) {
     time.push_back(length * static_cast<double>(i) / static_cast<double>(instants - 1));
   }
-  // A step through an improper model begins infinite.
+  // The step response of an improper model is infinite at t = 0.
   if (model.numerator().front().order > model.denominator().front().order) time.erase(time.begin());
   const frac::TimeResponse step = frac::respond(model, frac::ResponseInput{}, time, 1e-6);
   figures.push_back(figure_of(name + "-step", prose("model", "step", {{"model", formula}}),

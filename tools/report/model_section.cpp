@@ -54,7 +54,7 @@ double median_seconds(const std::function<void()>& work) {
 constexpr double horizon = 10;  // s
 constexpr std::size_t coarsest = 125;
 
-// Exact values at instants that all the grids share.
+// Compares a response with exact values at instants that all grids share.
 struct Judge {
   explicit Judge(const FractionalTransferFunction& model) {
     const frac::ReferenceResponse reference(model);
@@ -155,7 +155,7 @@ void add_time_fit(Section& section) {
     std::mt19937_64 generator(1);
     std::vector<double> output = exact;
     for (double& value : output) {
-      // The sum of twelve uniform draws, the same on every machine: variance 1.
+      // The sum of twelve uniform draws less 6 has mean 0 and variance 1, and is the same on every machine.
       double draw = -6;
       for (int i = 0; i < 12; ++i) draw += static_cast<double>(generator() >> 11) * 0x1p-53;
       value += noise * draw;

@@ -51,7 +51,8 @@ double impacts_per_period(const PeriodicOrbit&, const OrbitBranch& branch) {
   return static_cast<double>(branch.impacts) / branch.period;
 }
 
-// Stretches of one stability of the branches of some patterns; they meet at the orbit where stability changes.
+// The pieces of branches of these patterns that have one stability.  A piece begins at the last orbit of the other
+// stability, so that stable and unstable pieces meet.
 Curve stretches(const std::vector<OrbitBranch>& branches, std::span<const Pattern> patterns, bool stable,
                 Height height) {
   Curve curve;
@@ -127,7 +128,7 @@ const std::array<Kind, 4>& kinds() {
   return all;
 }
 
-// Patterns with a colour of their own; the rest, of more impacts or longer period, share one.
+// Number of patterns that get a colour of their own.  All others share one.
 constexpr std::size_t told_apart = 4;
 
 void add_branches(Panel& panel, const std::vector<OrbitBranch>& branches, std::span<const Pattern> patterns,
@@ -146,7 +147,7 @@ struct Sweeps {
   backlash::DescribingFunctionSweep up, down;
 };
 
-// Vertical limits that hold the stable motions; far unstable orbits may leave the panel.
+// Sets vertical limits that hold the motions of the sweeps.  Unstable orbits far away may leave the panel.
 void fit_height(Axis& axis, const Sweeps& sweeps, bool impacts) {
   double lowest = std::numeric_limits<double>::infinity();
   double highest = -lowest;

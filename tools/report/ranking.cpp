@@ -27,7 +27,7 @@ std::string described(const frac::RankedFit& fit) {
 }
 
 std::string key_label(const frac::RankedFit& fit) {
-  // A long formula would take the room of the plot.
+  // A long formula would leave too little room for the plot.
   std::string text = described(fit);
   if (text.size() > 30) text = fit.name;
   const std::string safe = enhanced_escape(text);

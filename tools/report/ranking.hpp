@@ -13,11 +13,11 @@ namespace report {
 /// A structure in words for readers: its formula, with fixed curves named as such.
 [[nodiscard]] std::string described(const frac::RankedFit& fit);
 
-/// Formula of the names of parameters as enhanced text for keys.
+/// Formula with the names of its parameters, as enhanced text for keys; the name of the structure if it is too long.
 [[nodiscard]] std::string key_label(const frac::RankedFit& fit);
 
-/// What is to be said of an estimate beside its value: "fixed", "from the other part" (the fitted one does not depend
-/// on it), "at bound", "not identified" or nothing.
+/// Remark on an estimate: "fixed", "from the other part" (the fitted part does not depend on it), "at bound", "not
+/// identified" or nothing.
 [[nodiscard]] std::string remark(const frac::ParameterEstimate& parameter);
 
 /// "0.667 (0.661 … 0.673)", plain text.

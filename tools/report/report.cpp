@@ -27,7 +27,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Runs one stage after another: tells the caller which, and how long each took.
+// Runs the stages, tells the caller the name of each and records how long it took.
 class Stages {
  public:
   explicit Stages(const ReportOptions& options) : options_(options) {}
@@ -132,7 +132,7 @@ void write_tables(const StagedFolder& folder, const std::vector<Section>& sectio
   }
 }
 
-// Empty when every picture came out, else the first trouble.
+// Draws the figures.  Returns nothing on success, else the first error.
 std::string draw_figures(const StagedFolder& folder, const std::vector<Figure>& figures, const ReportOptions& options) {
   const std::filesystem::path place = folder.path() / "figures";
   std::filesystem::create_directories(place);

@@ -86,8 +86,8 @@ Section slope_section(const Work& work, const Bands& bands) {
   options.threads = work.threads;
   options.protocol = backlash::Protocol::two_impact;
   std::vector<backlash::DescribingFunctionSweep> sweeps;
-  // Low side: six times below the figures, where the asymptote shows.  High side: up to the end of the impacting
-  // motion.
+  // Goes down to a sixth of the lowest frequency of the figures, where the asymptote shows, and up to the end of the
+  // impacting motion.
   const double lowest = scene.omega_bode.front() / 6;
   const double middle = lower ? *lower : scene.omega_bode.back();
   sweeps.push_back(
@@ -117,7 +117,7 @@ Section slope_section(const Work& work, const Bands& bands) {
     for (const auto& point : sweep.points) grid.push_back(point.omega);
   }
   const std::vector<double> static_grid = grid;
-  // The same for harder walls: the closer restitution is to 1, the wider the band and the closer its slope comes to 2.
+  // Repeats it for higher restitutions: the closer to 1, the wider the band and the closer its slope comes to 2.
   std::size_t shade = 0;
   for (const double restitution : {0.8, 0.95}) {
     if (restitution == scene.restitution) continue;

@@ -56,7 +56,7 @@ double median_seconds(const std::function<void()>& call) {
 // Sum of everything that was timed, so that no call can be optimised away.
 volatile double sink = 0;
 
-// Errors below rounding are drawn at rounding: a logarithmic axis has no zero.
+// Draws errors below the rounding unit at the rounding unit, because a logarithmic axis has no zero.
 double visible(double error) {
   return std::max(error, std::numeric_limits<double>::epsilon());
 }
@@ -75,7 +75,7 @@ std::vector<Point> points_of(const Work& work) {
   const auto released = backlash::jump_frequency(system, scene.force, backlash::JumpCriterion::mid_gap_at_rest);
   const auto jump = backlash::jump_frequency(system, scene.force, backlash::JumpCriterion::two_impact_loss);
   if (jump && lower && *jump < *lower) points.push_back({"asymmetric orbit", std::sqrt(*jump * *lower)});
-  // The fixed step starts at mid-gap at rest; above `released` that start never meets a wall and both motions coexist.
+  // The fixed step starts at mid-gap at rest.  Above `released` both motions exist and that start never meets a wall.
   if (lower && released) {
     const double upper = std::min(*released, collapse.value_or(*released));
     if (*lower < upper) points.push_back({"symmetric orbit", std::sqrt(*lower * upper)});
@@ -238,8 +238,8 @@ void add_power(Section& section) {
       {}};
   std::vector<double> error, time;
   for (const std::size_t memory : {10U, 100U, 1000U, 10000U}) {
-    // The response of a long memory is a long sum; few frequencies show its error as well, which is largest at the low
-    // end.
+    // The response of a long memory is a long sum.  Few frequencies are enough to show its error, which is largest at
+    // the lowest one.
     const std::vector<double> coarse = logarithmic_grid(lower, upper, memory > 1000 ? 20 : 100);
     const Measured value = measured(coarse, [&](double omega) {
       return frac::grunwald_letnikov_response(power_order, sample_time, memory, omega);

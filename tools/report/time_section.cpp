@@ -19,7 +19,7 @@ std::vector<double> at(const std::vector<double>& values, const std::vector<std:
   return chosen;
 }
 
-// What the samples say between them: a staircase up from rest.
+// The input, held from sample to sample, as a staircase that begins at the value at rest.
 Curve input_curve(const frac::TimeResponseData& data) {
   std::vector<double> time{data.time().front()}, value{data.input_at_rest()};
   for (std::size_t i = 0; i < data.size(); ++i) {
