@@ -6,6 +6,7 @@
 #include <complex>
 #include <cstdint>
 
+#include "backlash/describing_function.hpp"
 #include "motion/gap_motion.hpp"
 #include "steady_state/steady_state.hpp"
 #include "steady_state/two_impact_orbit.hpp"
@@ -94,6 +95,44 @@ inline Tally pitchforks(int scenes, std::uint64_t seed) {
         timed(tally.seconds, [&] { return find_steady_state(motion, beside, 1e-10); });
     // The asymmetric orbit and its mirror image have one describing function.
     tally.add(steady, std::abs(steady.harmonics.u[0] - truth) <= steady.uncertainty + 1e-12);
+  }
+  return tally;
+}
+
+/// U_1 + gamma of the symmetric two-impact orbit from the closed form in a wider type.  Masses and clearance are 1.
+template <typename Wide>
+std::complex<double> symmetric_u1_plus_gamma(double force, double omega, double restitution) {
+  using std::sqrt;
+  const Wide pi = 3.14159265358979323846264338327950288419716939937510L;
+  const Wide gamma = Wide(force) / (Wide(omega) * Wide(omega));
+  const Wide lost = 1 - Wide(restitution);
+  const Wide kept = 1 + Wide(restitution);
+  const Wide a = lost * lost + pi * pi * kept * kept / 4;
+  const Wide half_b = pi * kept / 2;
+  const Wide discriminant = half_b * half_b - a * (1 - 4 * gamma * gamma);
+  const Wide speed = (half_b + (discriminant > 0 ? sqrt(discriminant) : Wide(0))) / a;
+  const Wide jump = -2 * kept * speed / pi / (2 * gamma);
+  return {static_cast<double>(jump * (1 - half_b * speed)), static_cast<double>(jump * speed * lost)};
+}
+
+/// The symmetric orbit near its saddle-node, against long double: 64 bits of mantissa leave 2^-11 of the uncertainty.
+inline Tally saddle_nodes(int scenes, std::uint64_t seed) {
+  Random random(seed);
+  Tally tally;
+  for (int i = 0; i < scenes; ++i) {
+    const double restitution = random.uniform(0.1, 0.99);
+    const double omega = random.log_uniform(0.1, 10);
+    const double above = random.log_uniform(1e-15, 0.1);
+    const double force = backlash::detail::saddle_node_gamma(restitution) * (1 + above) * omega * omega;
+    backlash::SweepOptions options;
+    options.protocol = backlash::Protocol::two_impact;
+    const auto point =
+        backlash::describing_function_sweep({1, 1, 1, restitution}, force, {omega}, options).points.front();
+    if (point.regime != backlash::Regime::symmetric) continue;
+    const std::complex<double> truth = symmetric_u1_plus_gamma<long double>(force, omega, restitution) / (-2 * force);
+    ++tally.scenes;
+    ++tally.closed;
+    if (!(std::abs(point.value - truth) <= point.uncertainty)) ++tally.missed;
   }
   return tally;
 }
