@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -267,6 +268,17 @@ class ReturnDetector {
   std::array<std::int64_t, longest_period + 1> wait_{};
 };
 
+// Of U_1.  An asymmetric orbit is known as well as its gamma, by the change of U_1 from it to a neighbour.
+double two_impact_uncertainty(const TwoImpactOrbit& orbit, double restitution, std::complex<double> u1) {
+  if (orbit.symmetric()) return SymmetricFamily(restitution).at(orbit.gamma).uncertainty;
+  const double asymmetry = 0.5 * std::abs(pi - orbit.flight_time);
+  const TwoImpactOrbit other = asymmetric_two_impact_orbit(0.999 * asymmetry, restitution);
+  const double slope =
+      std::abs(two_impact_harmonics(other, restitution).u[0] - u1) / std::abs(other.gamma - orbit.gamma);
+  const double rounded = rounding * (1 + orbit.gamma);
+  return (std::isfinite(slope) ? 16 * (1 + slope) : 64) * rounded;
+}
+
 }  // namespace
 
 double tail_limit(const GapMotion& motion, double tolerance) {
@@ -289,7 +301,7 @@ SteadyState two_impact_steady_state(const TwoImpactOrbit& orbit, double restitut
   steady.period = 1;
   steady.impacts_per_period = 2;
   steady.harmonics = two_impact_harmonics(orbit, restitution);
-  steady.uncertainty = 16 * rounding * (1 + orbit.gamma);
+  steady.uncertainty = two_impact_uncertainty(orbit, restitution, steady.harmonics.u[0]);
   steady.spectral_radius = spectral_radius(stability.trace, stability.determinant);
   steady.energy_defect = energy_defect(motion, steady.harmonics, 2, 2 * orbit.speed * orbit.speed);
   steady.lyapunov = std::log(steady.spectral_radius);
