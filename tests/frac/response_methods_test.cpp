@@ -238,7 +238,7 @@ TEST(RespondByAnyMethod, RefusesWhatMakesNoSense) {
   expect_invalid_argument([] { (void)frac::respond_bdf2(model("1/(s + s^0.9 + 1)"), std::vector<double>(9, 1.0), 1); },
                           {"more than 8 powers"});
   expect_invalid_argument([&] { (void)frac::respond_ladder(lag, uneven, 1, 0.5); }, {"tolerance = 0.5"});
-  expect_invalid_argument([] { (void)frac::response_method_from_string("best"); }, {"'best'", "bdf2"});
+  expect_invalid_argument([] { (void)frac::response_method_from_string("best"); }, {"\"best\"", "bdf2"});
 }
 
 TEST(HardCases, IntegerOrdersGiveTheClassicalAnswer) {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
@@ -12,6 +11,8 @@
 
 #include "approximation/band_error.hpp"
 #include "base/number_text.hpp"
+#include "base/short_text.hpp"
+#include "base/spelling.hpp"
 #include "correction_taps.hpp"
 #include "frac/grunwald_letnikov.hpp"
 #include "power_design.hpp"
@@ -24,15 +25,11 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double pi = std::numbers::pi;
 
-constexpr Discretisation all_methods[] = {Discretisation::direct, Discretisation::tustin,
-                                          Discretisation::tustin_prewarped, Discretisation::al_alaoui,
-                                          Discretisation::grunwald_letnikov};
-
-std::string short_text(double value) {
-  std::array<char, 32> buffer;
-  std::snprintf(buffer.data(), buffer.size(), "%.3g", value);
-  return buffer.data();
-}
+constexpr detail::Spellings<Discretisation, 5> method_names{{{Discretisation::direct, "direct"},
+                                                             {Discretisation::tustin, "tustin"},
+                                                             {Discretisation::tustin_prewarped, "tustin-prewarped"},
+                                                             {Discretisation::al_alaoui, "al-alaoui"},
+                                                             {Discretisation::grunwald_letnikov, "grunwald-letnikov"}}};
 
 void check_sample_time(double sample_time, const char* where) {
   if (!(sample_time > 0 && std::isfinite(sample_time))) {
@@ -182,25 +179,26 @@ std::string size_text(const DigitalPower& result) {
 
 void conclude(DigitalPower& result, const ApproximationGoal& goal, double allowed_amplification) {
   const auto* tolerance = std::get_if<Tolerance>(&goal);
-  const std::string reached = short_text(result.error.max_relative);
+  const std::string reached = detail::short_text(result.error.max_relative);
   const std::string size = size_text(result);
   if (tolerance == nullptr) {
     result.status = ApproximationStatus::as_asked;
     result.message = "The largest relative error with " + size + " is " + reached + ".";
   } else if (result.error.max_relative <= tolerance->value) {
     result.status = ApproximationStatus::met;
-    result.message = "Tolerance " + short_text(tolerance->value) + " is met with " + size +
+    result.message = "Tolerance " + detail::short_text(tolerance->value) + " is met with " + size +
                      ", largest relative error " + reached + ".";
   } else {
     result.status = ApproximationStatus::not_attainable;
-    const std::string share = short_text(result.band.upper * result.sample_time / (2 * pi));
-    result.message = "Tolerance " + short_text(tolerance->value) + " is not attainable by " +
-                     std::string(to_string(result.method)) + " up to " + share + " of the sampling frequency" +
-                     (result.method == Discretisation::direct
-                          ? " with at most " + short_text(allowed_amplification) + " times the gain of s^" +
-                                short_text(result.order) + (result.order < 0 ? " at its edge beyond" : " beyond")
-                          : "") +
-                     ", best is " + reached + " with " + size + ".";
+    const std::string share = detail::short_text(result.band.upper * result.sample_time / (2 * pi));
+    result.message =
+        "Tolerance " + detail::short_text(tolerance->value) + " is not attainable by " +
+        std::string(to_string(result.method)) + " up to " + share + " of the sampling frequency" +
+        (result.method == Discretisation::direct
+             ? " with at most " + detail::short_text(allowed_amplification) + " times the gain of s^" +
+                   detail::short_text(result.order) + (result.order < 0 ? " at its edge beyond" : " beyond")
+             : "") +
+        ", best is " + reached + " with " + size + ".";
   }
 }
 
@@ -245,32 +243,16 @@ Attempt attempt(const detail::SplitOrder& split, FrequencyBand band, Approximati
 }  // namespace
 
 std::string_view to_string(Discretisation method) {
-  switch (method) {
-    case Discretisation::direct:
-      return "direct";
-    case Discretisation::tustin:
-      return "tustin";
-    case Discretisation::tustin_prewarped:
-      return "tustin-prewarped";
-    case Discretisation::al_alaoui:
-      return "al-alaoui";
-    case Discretisation::grunwald_letnikov:
-      break;
-  }
-  return "grunwald-letnikov";
+  return detail::spelling(method_names, method);
 }
 
 Discretisation discretisation(std::string_view name) {
-  std::string known;
-  for (const Discretisation method : all_methods) {
-    if (to_string(method) == name) return method;
-    known += (known.empty() ? "" : ", ") + std::string(to_string(method));
-  }
-  throw std::invalid_argument("discretisation \"" + std::string(name) + "\": expected one of " + known);
+  return detail::from_spelling(method_names, "discretisation", name);
 }
 
 std::span<const Discretisation> discretisations() {
-  return all_methods;
+  static constexpr auto all = detail::enumerators(method_names);
+  return all;
 }
 
 Complex ParallelSections::response(Complex delta) const {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <stdexcept>
 #include <string>
 
 #include "base/dead_time.hpp"
 #include "base/number_text.hpp"
+#include "base/short_text.hpp"
 #include "formula/power_sum.hpp"
 #include "frac/digital/digital_filter.hpp"
 #include "poles/laplace_image.hpp"
@@ -36,12 +36,6 @@ Complex second_change(Complex z) {
   return sum;
 }
 
-std::string short_text(double value) {
-  std::array<char, 32> buffer;
-  std::snprintf(buffer.data(), buffer.size(), "%.3g", value);
-  return buffer.data();
-}
-
 // A recursion that grows would overflow long before the horizon.
 void refuse_unstable(const detail::PowerSumRoots& poles) {
   // A pole on the axis is found to within rounding of it.
@@ -49,9 +43,10 @@ void refuse_unstable(const detail::PowerSumRoots& poles) {
   for (const auto& pole : poles.clusters) {
     if (pole.log_s.imag() >= std::numbers::pi / 2 - rounding - pole.spread) continue;
     const Complex place = std::exp(pole.log_s);
-    const std::string real = short_text(place.real());
+    const std::string real = detail::short_text(place.real());
     refuse("the model is unstable, with " +
-           (pole.is_conjugate ? "a pole at " + real : "poles at " + real + " +- " + short_text(place.imag()) + " i") +
+           (pole.is_conjugate ? "a pole at " + real
+                              : "poles at " + real + " +- " + detail::short_text(place.imag()) + " i") +
            " rad/s; allowed is a stable or integrating model");
   }
 }

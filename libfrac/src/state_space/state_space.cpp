@@ -4,12 +4,13 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
 
 #include "base/number_text.hpp"
+#include "base/short_text.hpp"
+#include "base/spelling.hpp"
 #include "model_on_band.hpp"
 
 namespace frac {
@@ -18,11 +19,10 @@ namespace {
 using detail::ModalDesign;
 using detail::ModelOnBand;
 
-std::string short_text(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.3g", value);
-  return buffer;
-}
+constexpr detail::Spellings<RealisationMethod, 2> method_names{
+    {{RealisationMethod::joint, "joint"}, {RealisationMethod::term_by_term, "term-by-term"}}};
+constexpr detail::Spellings<RationalModelStatus, 2> status_names{
+    {{RationalModelStatus::met, "met"}, {RationalModelStatus::not_attainable, "not-attainable"}}};
 
 void check(const FractionalTransferFunction& model, FrequencyBand band, double tolerance) {
   const bool ordered = band.lower > 0 && band.lower < band.upper && std::isfinite(band.upper);
@@ -138,23 +138,20 @@ RationalModel smallest_term_by_term(const FractionalTransferFunction& model, con
 }  // namespace
 
 std::string_view to_string(RealisationMethod method) {
-  return method == RealisationMethod::joint ? "joint" : "term-by-term";
-}
-
-std::span<const RealisationMethod> realisation_methods() {
-  static constexpr RealisationMethod all[] = {RealisationMethod::joint, RealisationMethod::term_by_term};
-  return all;
+  return detail::spelling(method_names, method);
 }
 
 RealisationMethod realisation_method(std::string_view name) {
-  for (const RealisationMethod method : realisation_methods()) {
-    if (to_string(method) == name) return method;
-  }
-  throw std::invalid_argument("realisation method \"" + std::string(name) + "\": expected one of joint, term-by-term");
+  return detail::from_spelling(method_names, "realisation method", name);
+}
+
+std::span<const RealisationMethod> realisation_methods() {
+  static constexpr auto all = detail::enumerators(method_names);
+  return all;
 }
 
 std::string_view to_string(RationalModelStatus status) {
-  return status == RationalModelStatus::met ? "met" : "not-attainable";
+  return detail::spelling(status_names, status);
 }
 
 std::complex<double> StateSpace::response(double omega) const {
@@ -190,10 +187,11 @@ RationalModel realise(const FractionalTransferFunction& model, FrequencyBand ban
   }
   result->status = met(*result) ? RationalModelStatus::met : RationalModelStatus::not_attainable;
   const std::string states = std::to_string(result->states) + (result->states == 1 ? " state" : " states");
-  result->message = met(*result) ? "Tolerance " + short_text(tolerance) + " is met with " + states +
-                                       ", largest relative error " + short_text(result->max_relative_error) + "."
-                                 : "Tolerance " + short_text(tolerance) + " is not attainable, best is " +
-                                       short_text(result->max_relative_error) + " with " + states + ".";
+  result->message = met(*result)
+                        ? "Tolerance " + detail::short_text(tolerance) + " is met with " + states +
+                              ", largest relative error " + detail::short_text(result->max_relative_error) + "."
+                        : "Tolerance " + detail::short_text(tolerance) + " is not attainable, best is " +
+                              detail::short_text(result->max_relative_error) + " with " + states + ".";
   return std::move(*result);
 }
 

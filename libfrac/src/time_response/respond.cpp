@@ -151,7 +151,7 @@ ResponseFilter& ResponseFilter::operator=(const ResponseFilter& other) {
 ResponseFilter::ResponseFilter(ResponseFilter&&) noexcept = default;
 ResponseFilter& ResponseFilter::operator=(ResponseFilter&&) noexcept = default;
 
-double ResponseFilter::operator()(double sample) noexcept {
+double ResponseFilter::step(double sample) noexcept {
   Filter& f = *filter_;
   if (f.now.dead == 0) return f.take(sample);
   if (f.waiting.size() < f.now.dead) {
@@ -163,7 +163,7 @@ double ResponseFilter::operator()(double sample) noexcept {
   return f.take(sample);
 }
 
-void ResponseFilter::operator()(std::span<const double> samples, std::span<double> output) {
+void ResponseFilter::run(std::span<const double> samples, std::span<double> output) {
   if (samples.size() != output.size()) {
     throw std::invalid_argument("respond: " + std::to_string(samples.size()) + " samples but room for " +
                                 std::to_string(output.size()) + " values");
@@ -204,7 +204,7 @@ std::vector<double> respond(const FractionalTransferFunction& model, std::span<c
   check_samples(samples, "respond");
   ResponseFilter filter(model, sample_time, tolerance, hold, static_cast<double>(samples.size()));
   std::vector<double> output(samples.size());
-  filter(samples, output);
+  filter.run(samples, output);
   return output;
 }
 

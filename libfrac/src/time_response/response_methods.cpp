@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "base/spelling.hpp"
 #include "event_response.hpp"
 #include "formula/power_sum.hpp"
 #include "sample_checks.hpp"
@@ -19,13 +20,12 @@ namespace {
 using Kind = ResponseInput::Kind;
 constexpr double finest = 1e-13;  // of a sum of exponentials
 
-constexpr std::array<std::pair<ResponseMethod, std::string_view>, 6> names{
-    {{ResponseMethod::automatic, "auto"},
-     {ResponseMethod::reference, "reference"},
-     {ResponseMethod::exponential_sum, "exponential-sum"},
-     {ResponseMethod::grunwald_letnikov, "grunwald-letnikov"},
-     {ResponseMethod::bdf2, "bdf2"},
-     {ResponseMethod::ladder, "ladder"}}};
+constexpr detail::Spellings<ResponseMethod, 6> method_names{{{ResponseMethod::automatic, "auto"},
+                                                             {ResponseMethod::reference, "reference"},
+                                                             {ResponseMethod::exponential_sum, "exponential-sum"},
+                                                             {ResponseMethod::grunwald_letnikov, "grunwald-letnikov"},
+                                                             {ResponseMethod::bdf2, "bdf2"},
+                                                             {ResponseMethod::ladder, "ladder"}}};
 
 [[noreturn]] void refuse(const std::string& reason) {
   throw std::invalid_argument("respond: " + reason);
@@ -365,27 +365,15 @@ TimeResponse by_cheapest(const FractionalTransferFunction& model, const TimeInpu
 }  // namespace
 
 std::string_view to_string(ResponseMethod method) noexcept {
-  for (const auto& [each, name] : names) {
-    if (each == method) return name;
-  }
-  return "";
+  return detail::spelling(method_names, method);
 }
 
-ResponseMethod response_method_from_string(std::string_view text) {
-  std::string known;
-  for (const auto& [each, name] : names) {
-    if (name == text) return each;
-    known += (known.empty() ? "" : ", ") + std::string(name);
-  }
-  refuse("method '" + std::string(text) + "'; known are " + known);
+ResponseMethod response_method_from_string(std::string_view name) {
+  return detail::from_spelling(method_names, "response method", name);
 }
 
 std::span<const ResponseMethod> response_methods() {
-  static constexpr auto all = [] {
-    std::array<ResponseMethod, names.size()> methods{};
-    for (std::size_t i = 0; i < names.size(); ++i) methods[i] = names[i].first;
-    return methods;
-  }();
+  static constexpr auto all = detail::enumerators(method_names);
   return all;
 }
 

@@ -9,25 +9,30 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "base/spelling.hpp"
 #include "digital/section_kernel.hpp"
 #include "runtime_text.hpp"
 
 namespace frac {
 
-std::string_view to_string(Precision precision) {
-  return precision == Precision::float_type ? "float" : "double";
-}
+namespace {
 
-std::span<const Precision> precisions() {
-  static constexpr Precision all[] = {Precision::float_type, Precision::double_type};
-  return all;
+constexpr detail::Spellings<Precision, 2> precision_names{
+    {{Precision::float_type, "float"}, {Precision::double_type, "double"}}};
+
+}  // namespace
+
+std::string_view to_string(Precision value) {
+  return detail::spelling(precision_names, value);
 }
 
 Precision precision(std::string_view name) {
-  for (const Precision each : precisions()) {
-    if (to_string(each) == name) return each;
-  }
-  throw std::invalid_argument("precision \"" + std::string(name) + "\": expected float or double");
+  return detail::from_spelling(precision_names, "precision", name);
+}
+
+std::span<const Precision> precisions() {
+  static constexpr auto all = detail::enumerators(precision_names);
+  return all;
 }
 
 namespace {

@@ -161,7 +161,7 @@ ErrorIntegrals LoopSimulation::operator()(const FractionalPidGains& gains, doubl
     }
     result.iae += std::abs(error) * step_;
     result.itae += std::abs(error) * step_ * (n * step_);
-    output = filter_(control);
+    output = filter_.step(control);
     if (!(std::abs(output) < run_away)) {
       constexpr double infinity = std::numeric_limits<double>::infinity();
       return {infinity, infinity};
