@@ -142,7 +142,7 @@ std::string identification_table(const FitRun& run, const frac::IdentificationRe
   AlignedTable ranking(names, AlignedTable::Last::remark);
   std::size_t index = 0;
   for (const auto& candidate : result.ranking) {
-    std::string remark;
+    std::string remark = candidate.lack_of_fit.adequate ? "" : "misses the data";
     if (candidate.fit.termination != frac::FitTermination::converged)
       remark = frac::to_string(candidate.fit.termination);
     if (&candidate == &result.ranking.at(result.chosen)) remark = "chosen";
@@ -157,8 +157,8 @@ std::string identification_table(const FitRun& run, const frac::IdentificationRe
     ranking.add(row);
   }
   const auto& chosen = result.ranking.at(result.chosen);
-  std::string text =
-      heading(run) + "\n" + ranking.text() + "chosen: the simplest within 2 of the least AICc\n\n" + chosen.name;
+  std::string text = heading(run) + "\n" + ranking.text() +
+                     "chosen: the simplest within 2 of the least AICc of those that follow the data\n\n" + chosen.name;
   if (chosen.fit.model != chosen.name) text += "   " + chosen.fit.model;
   text += "\n" + parameter_table(chosen.fit) + "\n";
   return text + paragraph("verdict: " + std::string(frac::to_string(result.verdict)) + ". " + result.verdict_sentence);

@@ -35,10 +35,8 @@ struct IdentifyArguments {
 
 // rms of cross-validation for each candidate; that of a fixed curve, which nothing was fitted to, is its own.
 template <class Data, class Options>
-std::vector<double> prediction_rms(const Data& data, const Options& options,
-                                   const std::vector<frac::NamedModel>& models,
-                                   const frac::IdentificationResult& result, std::size_t folds,
-                                   const CommonOptions& common) {
+std::vector<double> prediction_rms(const Data& data, const Options& options, const frac::IdentificationResult& result,
+                                   std::size_t folds, const CommonOptions& common) {
   std::vector<double> rms(result.ranking.size(), std::numeric_limits<double>::quiet_NaN());
   std::vector<std::string> notes(rms.size());
   frac::parallel_for(rms.size(), common.threads, [&](std::size_t i) {
@@ -47,12 +45,12 @@ std::vector<double> prediction_rms(const Data& data, const Options& options,
       rms[i] = candidate.fit.rms;
       return;
     }
-    const auto model = std::find_if(models.begin(), models.end(),
-                                    [&](const frac::NamedModel& each) { return each.name == candidate.name; });
     auto of_model = options;
-    of_model.constraints = model->constraints;
+    of_model.constraints = candidate.model.constraints;
+    // A rational model stands where its search ended.
+    of_model.global_start = !candidate.name.starts_with("rational:");
     try {
-      rms[i] = frac::cross_validation(data, frac::Structure(model->formula), of_model, folds);
+      rms[i] = frac::cross_validation(data, frac::Structure(candidate.fit.model), of_model, folds);
     } catch (const std::invalid_argument& error) {
       notes[i] = "no cross-validation of " + candidate.name + ": " + error.what();
     }
@@ -106,10 +104,10 @@ frac::FixedCurve static_curve(const StaticScene& scene, const std::vector<double
 
 template <class Data, class Options>
 int write_ranking(const IdentifyArguments& given, const io::OutputFile& out, const Data& data, const Options& options,
-                  const std::vector<frac::NamedModel>& models, const frac::IdentificationResult& result,
-                  std::size_t folds, const FitRun& run) {
+                  const frac::IdentificationResult& result, std::size_t folds, const FitRun& run) {
+  for (const auto& skipped : result.skipped) say(given.common, "skipped " + skipped);
   const auto predictions =
-      folds > 0 ? prediction_rms(data, options, models, result, folds, given.common) : std::vector<double>{};
+      folds > 0 ? prediction_rms(data, options, result, folds, given.common) : std::vector<double>{};
   const std::string format = chosen_format(given.common, "json");
   out.write(format == "json"  ? identification_json(run, result, predictions)
             : format == "csv" ? identification_csv(run, result, predictions)
@@ -140,7 +138,9 @@ int identify_over_time(const IdentifyArguments& given, const io::OutputFile& out
       throw std::invalid_argument(std::string(name) +
                                   " has no meaning with samples over time: static backlash is a candidate for "
                                   "describing functions, which tell one harmonic at each frequency");
-  const auto models = chosen_models(given.models);
+  // Rational families are grown on frequency responses only.
+  auto models = chosen_models(given.models);
+  if (given.models.empty()) std::erase_if(models, [](const auto& model) { return model.rational.has_value(); });
   const auto options = time_fit_options(given.request, given.over_time, {});
   const std::size_t folds = given.folds.empty() ? 0 : count_option("--folds", given.folds, 2);
   const auto record = read_time_record(given.request, given.over_time, given.common);
@@ -149,7 +149,7 @@ int identify_over_time(const IdentifyArguments& given, const io::OutputFile& out
   append_to(command, given.request, record, options);
   if (folds > 0) command.option("--folds", given.folds);
   const auto result = frac::identify(record.data, models, options, given.common.threads);
-  return write_ranking(given, out, record.data, options, models, result, folds,
+  return write_ranking(given, out, record.data, options, result, folds,
                        time_fit_run(given.request, record, options, command.text()));
 }
 
@@ -175,7 +175,7 @@ int run_identify(const IdentifyArguments& given) {
   }
   if (folds > 0) command.option("--folds", given.folds);
   const auto result = frac::identify(file.data, models, curves, options, given.common.threads);
-  return write_ranking(given, out, file.data, options, models, result, folds,
+  return write_ranking(given, out, file.data, options, result, folds,
                        fit_run(given.request, options, file, command.text()));
 }
 
@@ -189,7 +189,10 @@ void add_identify(CLI::App& program, Run& run) {
       "samples of input and output over time");
   add_fit_options(*identification, given->request);
   identification
-      ->add_option("--models", given->models, "Presets or formulas separated by commas (default: all presets)")
+      ->add_option("--models", given->models,
+                   "Presets, formulas or rational families (rational:1..8, rational:2/4, rational:1..4+delay) "
+                   "separated by commas; "
+                   "default: all presets, rational and rational+delay")
       ->type_name("LIST");
   identification->add_option("--clearance", given->clearance, "Clearance of the static-backlash candidate, m")
       ->type_name("DELTA");

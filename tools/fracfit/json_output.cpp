@@ -101,6 +101,7 @@ void append_statistics(Json& json, const frac::FitResult& result, const FitStati
   for (std::size_t i = 0; i < statistics.outlier_at.size(); ++i)
     json["outliers"].push_back(
         {{"index", result.outliers[i]}, {over_time ? "time_s" : "omega", number(statistics.outlier_at[i])}});
+  json["lack_of_fit"] = lack_of_fit_json(statistics.lack_of_fit);
   json["whiteness"] = {{"lag_one_correlation", number(statistics.whiteness.lag_one_correlation)},
                        {"p_value", number(statistics.whiteness.p_value)}};
   if (statistics.bootstrap_samples > 0) json["bootstrap_samples"] = statistics.bootstrap_samples;
@@ -112,6 +113,26 @@ void append_statistics(Json& json, const frac::FitResult& result, const FitStati
     append_fit(grown, fit);
     json["growth"]["fits"].push_back(std::move(grown));
   }
+}
+
+Json lack_of_fit_json(const frac::LackOfFit& lack) {
+  Json json{{"noise_from", frac::to_string(lack.source)},
+            {"noise", number(lack.noise)},
+            {"misfit", number(lack.misfit)},
+            {"p_value", number(lack.p_value)},
+            {"correlation", number(lack.correlation)},
+            {"correlation_p_value", number(lack.correlation_p_value)},
+            {"adequate", lack.adequate},
+            {"misses", Json::array()}};
+  for (const auto& band : lack.misses) json["misses"].push_back({number(band.lower), number(band.upper)});
+  return json;
+}
+
+Json finalist_json(const frac::IdentificationResult& result, const std::optional<frac::Finalist>& finalist) {
+  if (!finalist) return nullptr;
+  return {{"name", result.ranking.at(finalist->index).name},
+          {"parameters", finalist->parameters},
+          {"prediction_rms", number(finalist->prediction_rms)}};
 }
 
 Json origin_of_fit(const FitRun& run) {
@@ -210,6 +231,7 @@ std::string identification_json(const FitRun& run, const frac::IdentificationRes
     append_fit(ranked, candidate.fit);
     ranked["delta_aicc"] = number(candidate.delta_aicc);
     ranked["akaike_weight"] = number(candidate.akaike_weight);
+    ranked["lack_of_fit"] = lack_of_fit_json(candidate.lack_of_fit);
     if (!prediction_rms.empty()) ranked["prediction_rms"] = number(prediction_rms[json["ranking"].size()]);
     json["ranking"].push_back(std::move(ranked));
   }
@@ -217,6 +239,11 @@ std::string identification_json(const FitRun& run, const frac::IdentificationRes
   json["verdict"] = frac::to_string(result.verdict);
   json["evidence"] = number(result.evidence);
   json["verdict_sentence"] = result.verdict_sentence;
+  json["log10_odds"] = number(result.log10_odds);
+  json["fractional"] = finalist_json(result, result.fractional);
+  json["integer"] = finalist_json(result, result.integer);
+  json["differ_most"] = {{"omega", number(result.differ_most_omega)}, {"relative", number(result.differ_most)}};
+  json["skipped"] = result.skipped;
   return text_of(json);
 }
 

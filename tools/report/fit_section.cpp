@@ -210,6 +210,8 @@ std::string verdict_words(frac::Verdict verdict) {
       return "a fractional order is not supported";
     case frac::Verdict::undecided:
       return "undecided between fractional and integer order";
+    case frac::Verdict::no_adequate_model:
+      return "no candidate describes the data";
   }
   return {};
 }
