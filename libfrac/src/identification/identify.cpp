@@ -54,7 +54,9 @@ ComparedCurve compared(const FrequencyResponseData& data, const FixedCurve& curv
   result.condition = 1;
   LackOfFit lack = detail::residual_tests(residual, rule.per_point(), data.omega(), curve.fitted_parameters, told,
                                           1e-12 * rule.unit);
-  return {{curve.name, ModelClass::fixed_curve, std::move(result), 0, 0, std::move(lack)}, std::move(residual), {}};
+  NamedModel model{curve.name, curve.name, ModelClass::fixed_curve, "given curve", {}};
+  return {{curve.name, ModelClass::fixed_curve, std::move(result), 0, 0, std::move(model), std::move(lack)},
+          std::move(residual)};
 }
 
 /// The simplest of the converged fits that are as good as the best of them; the best of all where none converged.
@@ -118,10 +120,9 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
     }
     LackOfFit lack = lack_of_fit(data, options, *outcome.fit);
     std::vector<double> residual = detail::weighted_residuals(data, options, *outcome.fit);
-    competitors.push_back(
-        {{outcome.model.name, outcome.model.model_class, std::move(*outcome.fit), 0, 0, std::move(lack)},
-         std::move(residual),
-         outcome.model.constraints});
+    RankedFit ranked{outcome.model.name, outcome.model.model_class, std::move(*outcome.fit), 0, 0, outcome.model,
+                     std::move(lack)};
+    competitors.push_back({std::move(ranked), std::move(residual)});
   }
   competitors.insert(competitors.end(), curves.begin(), curves.end());
   if (competitors.empty()) {

@@ -106,7 +106,7 @@ double prediction_rms(const Data& data, const Options& options, const Competitor
   for (std::size_t i = 0; i < structure.parameter_names().size(); ++i) {
     const ParameterEstimate& estimate = whole.parameters[i];
     ParameterConstraint constraint{estimate.name, {}, {}, {}, {}};
-    for (const ParameterConstraint& own : competitor.constraints) {
+    for (const ParameterConstraint& own : competitor.ranked.model.constraints) {
       if (own.name == estimate.name) constraint = own;
     }
     constraint.start.reset();
@@ -251,7 +251,10 @@ void judge_any(IdentificationResult& result, const Data& data, const Options& op
     return;
   }
   if (integer_fits) {
-    const bool refuted = result.evidence < refuted_evidence && !(of_integer > clearly_worse * of_fractional);
+    // Where both meet the data to rounding, the simpler one has done so with less.
+    const bool both_exact = likelihood(i) == likelihood(f) && result.evidence < 0;
+    const bool refuted =
+        both_exact || (result.evidence < refuted_evidence && !(of_integer > clearly_worse * of_fractional));
     const bool whole = result.evidence < no_evidence && orders.any_free && orders.all_whole;
     if (refuted || whole) {
       result.verdict = Verdict::fractional_not_supported;

@@ -10,8 +10,7 @@ namespace frac::detail {
 /// A ranked candidate with what a verdict needs beside.
 struct Competitor {
   RankedFit ranked;
-  std::vector<double> residual;                  // weighted
-  std::vector<ParameterConstraint> constraints;  // of its own
+  std::vector<double> residual;  // weighted
 };
 
 /// Fills in the verdict of a ranking as IdentificationResult defines it.

@@ -28,6 +28,7 @@ struct RankedFit {
   FitResult fit;
   double delta_aicc;      // aicc minus the best one; 0 for the best
   double akaike_weight;   // share of evidence among the ranked; they sum to 1
+  NamedModel model;        // as fitted: formula and constraints; a given curve has only its name
   LackOfFit lack_of_fit;  // whether it follows the data to within their noise
 };
 

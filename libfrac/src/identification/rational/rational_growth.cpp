@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace frac::detail {
 namespace {
@@ -57,6 +58,16 @@ void add_local_minima(std::vector<RationalFit> along, std::vector<RationalFit>& 
   }
 }
 
+/// The shape with its slowest pole at 0, if that lies below the band.
+std::optional<RationalShape> with_integrator(const RationalProblem& problem, const RationalShape& shape) {
+  if (shape.low > 0 || shape.factors.empty() || shape.factors.front().pair) return std::nullopt;
+  if (!(shape.factors.front().log_size < problem.log_lower() + 0.5)) return std::nullopt;
+  RationalShape result = shape;
+  result.factors.erase(result.factors.begin());
+  ++result.integrators;
+  return result;
+}
+
 }  // namespace
 
 double schwarz(const RationalProblem& problem, const RationalFit& fit) {
@@ -65,8 +76,10 @@ double schwarz(const RationalProblem& problem, const RationalFit& fit) {
          static_cast<double>(fit.parameters) * std::log(n);
 }
 
-RationalGrowth::RationalGrowth(const RationalProblem& problem, bool delayed) : problem_(problem) {
+RationalGrowth::RationalGrowth(const RationalProblem& problem, bool delayed, std::size_t excess)
+    : problem_(problem), excess_(excess) {
   RationalShape shape;
+  shape.degree = excess;
   shape.delayed = delayed;
   if (!delayed) {
     members_.push_back(problem.at(shape));
@@ -87,7 +100,7 @@ void RationalGrowth::extend() {
   const auto with = [&](const RationalShape& from, const PoleFactor& factor) {
     RationalShape shape = from;
     shape.factors.push_back(factor);
-    shape.degree = order;
+    shape.degree = order + excess_;
     return problem_.at(shape);
   };
   for (const double sign : {1.0, -1.0}) {
@@ -130,7 +143,7 @@ void RationalGrowth::extend() {
     // A longer or shorter delay may suit the richer model better.
     RationalShape shape = last;
     shape.factors.push_back({false, 0, 0, 1});
-    shape.degree = order;
+    shape.degree = order + excess_;
     for (const double factor : {0.0, 0.3, 3.0}) {
       shape.delay = last.delay * factor;
       for (const double place : places(problem_, 4)) {
@@ -166,13 +179,7 @@ RationalFit without_idle_parts(const RationalProblem& problem, const RationalFit
       moves.push_back(shape);
       ++moves.back().degree;
     }
-    // The slowest pole, where it lies below the band, may be an integrator.
-    if (shape.low == 0 && !shape.factors.empty() && !shape.factors.front().pair &&
-        shape.factors.front().log_size < problem.log_lower() + 0.5) {
-      moves.push_back(shape);
-      moves.back().factors.erase(moves.back().factors.begin());
-      ++moves.back().integrators;
-    }
+    if (const auto integrating = with_integrator(problem, shape)) moves.push_back(*integrating);
     bool better = false;
     RationalFit next = best;
     for (const RationalShape& move : moves) {
@@ -216,13 +223,20 @@ RationalLadder grow_rational(const RationalProblem& problem, std::size_t fewest_
 }
 
 RationalFit fit_rational(const RationalProblem& problem, std::size_t zeros, std::size_t poles, bool delayed) {
-  RationalGrowth growth(problem, delayed);
+  RationalGrowth growth(problem, delayed, zeros > poles ? zeros - poles : 0);
   while (growth.members().size() <= poles) growth.extend();
   RationalFit fit = growth.members().back();
-  while (fit.shape.degree != zeros) {
+  while (fit.shape.degree > zeros) {
     RationalShape shape = fit.shape;
-    shape.degree += shape.degree < zeros ? 1 : static_cast<std::size_t>(-1);
+    --shape.degree;
     fit = problem.refine(shape, thorough);
+  }
+  while (const auto shape = with_integrator(problem, fit.shape)) {
+    RationalFit integrating = problem.refine(*shape, thorough);
+    // The pole at 0 has one parameter less, so as much as noise gives a parameter is no reason to keep the other.
+    const double share = 1 + 4 / static_cast<double>(problem.rows());
+    if (!(integrating.cost <= fit.cost * share + problem.rounding_cost())) break;
+    fit = std::move(integrating);
   }
   return fit;
 }

@@ -14,14 +14,16 @@ namespace frac::detail {
 /// Rational fits of rising order, each started from the ones before with one or two poles more.
 class RationalGrowth {
  public:
-  RationalGrowth(const RationalProblem& problem, bool delayed);
+  /// @param excess  zeros that each member has more than poles
+  RationalGrowth(const RationalProblem& problem, bool delayed, std::size_t excess = 0);
 
-  /// Grows by one order. The members are biproper: as many zeros as poles.
+  /// Grows by one order.
   void extend();
   [[nodiscard]] const std::vector<RationalFit>& members() const { return members_; }  // by order, from 0
 
  private:
   const RationalProblem& problem_;
+  std::size_t excess_;
   std::vector<RationalFit> members_;
 };
 

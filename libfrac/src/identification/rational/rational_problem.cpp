@@ -148,8 +148,12 @@ bool RationalProblem::solve(const RationalShape& shape, Linear& linear) const {
   for (Index k = 0; k < columns.cols(); ++k) put(columns.col(k), matrix.col(k));
   Eigen::VectorXd norm = matrix.colwise().norm();
   if (!norm.allFinite()) return false;
-  // A column of zeros is one that the fitted part is blind to.
-  for (double& each : norm) each = each > 0 ? each : 1;
+  // A column that is rounding beside the whole complex one is one that the fitted part is blind to.
+  for (Index k = 0; k < norm.size(); ++k) {
+    if (norm[k] > 1e-12 * weight_.cwiseProduct(columns.col(k).cwiseAbs()).norm()) continue;
+    matrix.col(k).setZero();
+    norm[k] = 1;
+  }
   matrix *= norm.cwiseInverse().asDiagonal();
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> decomposition(matrix);
   decomposition.setThreshold(1e-11);
