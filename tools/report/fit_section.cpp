@@ -193,6 +193,8 @@ std::string verdict_words(frac::Verdict verdict) {
       return prose("fits", "not-supported");
     case frac::Verdict::undecided:
       return prose("fits", "undecided");
+    case frac::Verdict::no_adequate_model:
+      return prose("fits", "no-adequate-model");
   }
   return {};
 }
