@@ -158,9 +158,7 @@ Figure error_against_poles_figure(const std::vector<std::vector<Timed>>& all) {
   Figure figure;
   figure.name = "approximation-error-poles";
   figure.caption = prose("approximation", "error-poles");
-  Panel panel;
-  panel.x = {"poles", false, 0.0, {}};
-  panel.y = {"largest relative error on the band", true, 1e-11, 10.0};
+  Panel panel{"", {"poles", false, 0.0, {}}, {"largest relative error on the band", true, 1e-11, 10.0}};
   panel.key = true;
   std::vector<double> poles, limit;
   for (int n = 1; n <= 34; ++n) {
@@ -180,9 +178,7 @@ Figure work_precision_figure(const std::vector<std::vector<Timed>>& all) {
   Figure figure;
   figure.name = "approximation-work-precision";
   figure.caption = prose("approximation", "work-precision");
-  Panel panel;
-  panel.x = {"milliseconds for one design", true, {}, {}};
-  panel.y = {"largest relative error on the band", true, 1e-11, 10.0};
+  Panel panel{"", {"milliseconds for one design", true}, {"largest relative error on the band", true, 1e-11, 10.0}};
   panel.key = true;
   add_families(panel, all, [](const Timed& each) { return 1e3 * each.design_seconds; });
   figure.panels = {std::move(panel)};
@@ -220,22 +216,20 @@ Section approximation_section() {
   Section section = open_section("approximation");
   const std::vector<std::vector<Timed>> all = families();
   const std::string poles = std::to_string(drawn_poles);
-  section.blocks.emplace_back(bode_error_figure("approximation-bode-error",
-                                                prose("approximation", "bode-error", {{"poles", poles}}),
-                                                frac::approximation_methods(), 2, 30));
+  section.add(bode_error_figure("approximation-bode-error", prose("approximation", "bode-error", {{"poles", poles}}),
+                                frac::approximation_methods(), 2, 30));
   static constexpr frac::ApproximationMethod ladder_alone[] = {frac::ApproximationMethod::ladder};
-  section.blocks.emplace_back(bode_error_figure("approximation-ladder-error",
-                                                prose("approximation", "ladder-error", {{"poles", poles}}),
-                                                ladder_alone, 0.015, 0.1));
-  section.blocks.emplace_back(error_against_poles_figure(all));
-  section.blocks.emplace_back(work_precision_figure(all));
-  section.blocks.emplace_back(methods_table(all));
+  section.add(bode_error_figure("approximation-ladder-error",
+                                prose("approximation", "ladder-error", {{"poles", poles}}), ladder_alone, 0.015, 0.1));
+  section.add(error_against_poles_figure(all));
+  section.add(work_precision_figure(all));
+  section.add(methods_table(all));
   const auto error_of = [](frac::ApproximationMethod method) {
     return designed(method, drawn_poles).at(0).error.max_relative;
   };
   const double ladder = error_of(frac::ApproximationMethod::ladder);
   const double oustaloup = error_of(frac::ApproximationMethod::oustaloup);
-  section.findings.push_back(
+  section.finding(
       prose("approximation", "finding",
             {{"poles", poles}, {"ladder", html_number(ladder, 2)}, {"oustaloup", html_number(oustaloup, 2)}}));
   section.facts = {{"ladder_error_9_poles", ladder}, {"oustaloup_error_9_poles", oustaloup}};

@@ -73,15 +73,24 @@ Bands smooth_bands(const Work& work, const Curves& curves) {
   return bands;
 }
 
+std::vector<double> omega_of(const std::vector<DescribingFunctionPoint>& points) {
+  std::vector<double> omega;
+  for (const auto& point : points) omega.push_back(point.omega);
+  return omega;
+}
+
+std::vector<double> imaginary_of(const std::vector<DescribingFunctionPoint>& points) {
+  std::vector<double> imaginary;
+  for (const auto& point : points) imaginary.push_back(point.value.imag());
+  return imaginary;
+}
+
 frac::FrequencyResponseData relative_imaginary_data(const std::vector<DescribingFunctionPoint>& points) {
-  std::vector<double> omega, sigma;
   std::vector<std::complex<double>> value;
-  for (const auto& point : points) {
-    omega.push_back(point.omega);
-    value.push_back(point.value);
-    sigma.push_back(std::abs(point.value.imag()));
-  }
-  return {std::move(omega), std::move(value), std::move(sigma)};
+  for (const auto& point : points) value.push_back(point.value);
+  std::vector<double> sigma = imaginary_of(points);
+  for (double& imaginary : sigma) imaginary = std::abs(imaginary);
+  return {omega_of(points), std::move(value), std::move(sigma)};
 }
 
 }  // namespace report

@@ -20,6 +20,9 @@ struct Bands {
 /// empty.
 [[nodiscard]] Bands smooth_bands(const Work& work, const Curves& curves);
 
+[[nodiscard]] std::vector<double> omega_of(const std::vector<backlash::DescribingFunctionPoint>& points);
+[[nodiscard]] std::vector<double> imaginary_of(const std::vector<backlash::DescribingFunctionPoint>& points);
+
 /// Points as data for a fit of the imaginary part in which each residual is divided by |Im N| itself: sigma = |Im N|.
 [[nodiscard]] frac::FrequencyResponseData relative_imaginary_data(
     const std::vector<backlash::DescribingFunctionPoint>& points);

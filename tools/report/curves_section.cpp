@@ -22,16 +22,6 @@ using backlash::DescribingFunctionSweep;
 using backlash::SweepScene;
 using backlash::TwoMassSystem;
 
-std::string base_scene_text(const Scene& scene, bool force, bool clearance, bool restitution) {
-  std::vector<std::string> parts;
-  if (force) parts.push_back("F = " + html_number(scene.force) + " N");
-  if (clearance) parts.push_back("Δ = " + html_number(scene.clearance) + " m");
-  if (restitution) parts.push_back("ε = " + html_number(scene.restitution));
-  std::string text;
-  for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;
-  return text;
-}
-
 std::string number_label(const std::string& symbol, double value, const std::string& unit) {
   return symbol + " = " + io::format_number(value) + (unit.empty() ? "" : " " + unit);
 }
@@ -123,9 +113,7 @@ std::vector<double> mapped(const std::vector<std::complex<double>>& values, doub
 }
 
 Panel nichols_panel() {
-  Panel panel;
-  panel.x = {"phase of −1/N in degrees", false, {}, {}};
-  panel.y = {"|−1/N| in dB re 1 N/m", false, {}, {}};
+  Panel panel{"", {"phase of −1/N in degrees"}, {"|−1/N| in dB re 1 N/m"}};
   panel.key = true;
   return panel;
 }
@@ -163,24 +151,23 @@ Figure dynamic_nichols(const Scene& scene, const Family& family) {
     append(panel.curves,
            sweep_curves(family.sweeps[i], family.labels[i], family_colour(i, family.sweeps.size()), nichols_place));
   }
-  Figure figure;
-  figure.name = "fig4-nichols-dynamic";
-  figure.caption = numbered_caption(
-      scene, 4, prose("curves", "nichols-dynamic", {{"scene", base_scene_text(scene, false, true, true)}}));
-  figure.panels = {std::move(panel)};
-  figure.panel_height = 400;
-  return figure;
+  return {"fig4-nichols-dynamic",
+          numbered_caption(scene, 4,
+                           prose("curves", "nichols-dynamic", {{"scene", base_scene_text(scene, false, true, true)}})),
+          {std::move(panel)},
+          1,
+          400};
 }
 
 Figure bode(const Scene& scene, const Family& family) {
   Panel magnitude, phase;
   magnitude.title = "Magnitude of −1/N";
-  magnitude.x = phase.x = {"ω in rad/s", true, {}, {}};
+  magnitude.x = phase.x = {"ω in rad/s", true};
   const double highest_omega = scene.omega_bode.back();
   magnitude.y = {"dB re 1 N/m", false, {}, decibel((scene.mass1 + scene.mass2) * highest_omega * highest_omega) + 15};
   magnitude.key = true;
   phase.title = "Phase of −1/N";
-  phase.y = {"degrees", false, {}, {}};
+  phase.y = {"degrees"};
   const StaticCurve model = static_curve(scene, scene.force, scene.omega_bode);
   const DescribingFunctionSweep& sweep = family.sweeps.front();
   append(magnitude.curves, sweep_curves(sweep, "two masses, impacts", category_colour(0), [](const auto& point) {
@@ -202,13 +189,11 @@ Figure bode(const Scene& scene, const Family& family) {
   std::vector<double> rigid;
   for (const double omega : scene.omega_bode) rigid.push_back(decibel((scene.mass1 + scene.mass2) * omega * omega));
   magnitude.curves.push_back(make_curve("rigid: (M_1+M_2)ω^2", "#777777", Mark::dotted, scene.omega_bode, rigid));
-  Figure figure;
-  figure.name = "fig5-bode";
-  figure.caption =
-      numbered_caption(scene, 5, prose("curves", "bode", {{"scene", base_scene_text(scene, true, true, true)}}));
-  figure.panels = {std::move(magnitude), std::move(phase)};
-  figure.panel_height = 270;
-  return figure;
+  return {"fig5-bode",
+          numbered_caption(scene, 5, prose("curves", "bode", {{"scene", base_scene_text(scene, true, true, true)}})),
+          {std::move(magnitude), std::move(phase)},
+          1,
+          270};
 }
 
 // Lower end of the vertical axis: half of the value with which the lowest curve starts.  A curve that passes through
@@ -235,10 +220,7 @@ Figure parts_figure(const std::string& name, const std::string& caption, const F
   figure.columns = 2;
   figure.panel_height = 400;
   for (const bool imaginary : {false, true}) {
-    Panel panel;
-    panel.title = imaginary ? "Im(−1/N)" : "Re(−1/N)";
-    panel.x = {"ω in rad/s", true, {}, {}};
-    panel.y = {"N/m", true, {}, {}};
+    Panel panel{imaginary ? "Im(−1/N)" : "Re(−1/N)", {"ω in rad/s", true}, {"N/m", true}};
     panel.key = imaginary;
     for (std::size_t i = 0; i < family.sweeps.size(); ++i) {
       append(panel.curves, sweep_curves(family.sweeps[i], family.labels[i], family_colour(i, family.sweeps.size()),
@@ -289,33 +271,33 @@ Curves compute_curves(const Work& work) {
 Section curves_section(const Work& work, const Curves& curves) {
   const Scene& scene = work.scene;
   Section section = open_section("curves");
-  section.blocks.emplace_back(static_nichols(scene));
-  section.blocks.emplace_back(dynamic_nichols(scene, curves.nichols_forces));
-  section.blocks.emplace_back(bode(scene, curves.bode));
+  section.add(static_nichols(scene));
+  section.add(dynamic_nichols(scene, curves.nichols_forces));
+  section.add(bode(scene, curves.bode));
   if (scene.restitutions.size() > 1) {
-    section.blocks.emplace_back(parts_figure(
+    section.add(parts_figure(
         "fig6-restitution",
         numbered_caption(scene, 6,
                          prose("curves", "restitutions", {{"scene", base_scene_text(scene, true, true, false)}})),
         curves.restitutions));
   }
   if (scene.clearances.size() > 1) {
-    section.blocks.emplace_back(parts_figure(
+    section.add(parts_figure(
         "fig7-clearance",
         numbered_caption(scene, 7,
                          prose("curves", "clearances", {{"scene", base_scene_text(scene, true, false, true)}})),
         curves.clearances));
   }
   if (scene.forces.size() > 1) {
-    section.blocks.emplace_back(parts_figure(
+    section.add(parts_figure(
         "fig8-force",
         numbered_caption(scene, 8, prose("curves", "forces", {{"scene", base_scene_text(scene, false, true, true)}})),
         curves.forces));
   }
-  section.blocks.emplace_back(sweep_table("nichols", prose("curves", "nichols-table"), curves.nichols_forces.sweeps));
-  section.blocks.emplace_back(sweep_table("bode", prose("curves", "bode-table"), curves.bode.sweeps));
+  section.add(sweep_table("nichols", prose("curves", "nichols-table"), curves.nichols_forces.sweeps));
+  section.add(sweep_table("bode", prose("curves", "bode-table"), curves.bode.sweeps));
   const auto add_family = [&section](const std::string& name, const std::string& caption, const Family& family) {
-    if (family.sweeps.size() > 1) section.blocks.emplace_back(sweep_table(name, caption, family.sweeps));
+    if (family.sweeps.size() > 1) section.add(sweep_table(name, caption, family.sweeps));
   };
   add_family("restitution-family", prose("curves", "restitution-table"), curves.restitutions);
   add_family("clearance-family", prose("curves", "clearance-table"), curves.clearances);

@@ -90,8 +90,8 @@ Figure residual_figure(const std::string& name, const frac::FrequencyResponseDat
                          const std::vector<double>& half_width) {
     Panel drawn;
     drawn.title = title;
-    drawn.x = {"ω in rad/s", true, {}, {}};
-    drawn.y = {axis, false, {}, {}};
+    drawn.x = {"ω in rad/s", true};
+    drawn.y = {axis, false};
     drawn.curves.push_back(band_round("95 % band of the fit", category_colour(0), omega, zero, half_width));
     drawn.curves.push_back(make_curve("", category_colour(0), Mark::line, omega, zero));
     drawn.curves.push_back(make_curve("data", "#222222", Mark::open_points, omega, error));
@@ -114,10 +114,10 @@ Figure data_figure(const std::string& name, const std::string& caption, const fr
   magnitude.title = "Magnitude";
   phase.title = "Phase";
   residual.title = "Distance of the fits from the data";
-  magnitude.x = phase.x = residual.x = {"ω in rad/s", true, {}, {}};
+  magnitude.x = phase.x = residual.x = {"ω in rad/s", true};
   magnitude.y = {"dB re 1 " + enhanced_escape(unit.empty() ? "unit of the file" : unit), false, {}, {}};
-  phase.y = {"degrees", false, {}, {}};
-  residual.y = {"|model − data| / |data| in %", true, {}, {}};
+  phase.y = {"degrees"};
+  residual.y = {"|model − data| / |data| in %", true};
   magnitude.key = true;
   const std::vector<double>& omega = data.omega();
   const std::vector<double> measured_phase = unwrapped_phase(data.value(), 0);
@@ -143,12 +143,7 @@ Figure data_figure(const std::string& name, const std::string& caption, const fr
   phase.curves.insert(phase.curves.begin(), band_round("", "#888888", omega, model_phase, band.degrees));
   magnitude.curves.push_back(make_curve("data", "#222222", Mark::open_points, omega, decibels(data.value())));
   phase.curves.push_back(make_curve("", "#222222", Mark::open_points, omega, measured_phase));
-  Figure figure;
-  figure.name = name;
-  figure.caption = caption;
-  figure.panel_height = 230;
-  figure.panels = {std::move(magnitude), std::move(phase), std::move(residual)};
-  return figure;
+  return {name, caption, {std::move(magnitude), std::move(phase), std::move(residual)}, 1, 230};
 }
 
 }  // namespace
@@ -176,7 +171,7 @@ Section data_section(const Work& work, const std::string& name, const io::Freque
                             {"weight", weight}});
   if (data.size() < read.data.size()) text += " " + prose("data", "thinned", {{"points", std::to_string(data.size())}});
   for (const std::string& note : read.notes) text += " " + escape_html(note);
-  section.blocks.emplace_back(Html{"<p>" + text + "</p>"});
+  section.add(Html{"<p>" + text + "</p>"});
 
   const std::vector<frac::NamedModel> models = candidates_for(2 * data.size());
   if (models.empty()) {
@@ -187,8 +182,8 @@ Section data_section(const Work& work, const std::string& name, const io::Freque
     return section;
   }
   const frac::IdentificationResult result = frac::identify(data, models, {}, options, work.threads);
-  section.blocks.emplace_back(data_figure(section.id, prose("data", "figure"), data, result, read.value_unit));
-  section.blocks.emplace_back(residual_figure(section.id, data, result.ranking.at(result.chosen)));
+  section.add(data_figure(section.id, prose("data", "figure"), data, result, read.value_unit));
+  section.add(residual_figure(section.id, data, result.ranking.at(result.chosen)));
   add_verdict(section, name, result);
   return section;
 }

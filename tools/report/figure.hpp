@@ -33,13 +33,13 @@ struct Curve {
   std::string label;   // key entry in gnuplot's enhanced text; empty: none
   std::string colour;  // #rrggbb
   Mark mark = Mark::line;
-  std::vector<std::vector<PlotPoint>> segments;
+  std::vector<std::vector<PlotPoint>> segments = {};
 };
 
 struct Axis {
   std::string label;
   bool logarithmic = false;
-  std::optional<double> from, to;  // fitted to the curves when unset
+  std::optional<double> from = {}, to = {};  // fitted to the curves when unset
 };
 
 /// A coloured grid below the curves: each cell shows one of a few kinds.
@@ -57,7 +57,7 @@ struct CellMap {
 struct Panel {
   std::string title;
   Axis x, y;
-  std::vector<Curve> curves;
+  std::vector<Curve> curves = {};
   std::optional<CellMap> map = {};
   bool key = false;  // the key stands to the right of the panel, so it never covers a curve
 };

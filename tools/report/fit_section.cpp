@@ -50,12 +50,6 @@ frac::FitOptions imaginary_options() {
   return options;
 }
 
-std::vector<double> omega_of(const std::vector<DescribingFunctionPoint>& points) {
-  std::vector<double> omega;
-  for (const auto& point : points) omega.push_back(point.omega);
-  return omega;
-}
-
 struct Drawn {
   std::string label;
   std::string colour;
@@ -74,13 +68,12 @@ Figure fit_figure(const std::string& name, const std::string& caption,
   const std::vector<double> omega = omega_of(points);
   Panel values, residuals;
   values.title = "Imaginary part of N and the structures fitted to it";
-  values.x = residuals.x = {"ω in rad/s", true, {}, {}};
-  values.y = {"Im N in m/N", true, {}, {}};
+  values.x = residuals.x = {"ω in rad/s", true};
+  values.y = {"Im N in m/N", true};
   values.key = true;
   residuals.title = "Distance from the data";
   residuals.y = {"|model / data − 1| in %", true, 1e-3, {}};
-  std::vector<double> measured;
-  for (const auto& point : points) measured.push_back(point.value.imag());
+  const std::vector<double> measured = imaginary_of(points);
   // Draws every fourth point only, so that the lines below stay visible.
   std::vector<double> sparse_omega, sparse_value;
   for (std::size_t i = 0; i < omega.size(); i += 4) {
@@ -98,12 +91,7 @@ Figure fit_figure(const std::string& name, const std::string& caption,
     residuals.curves.push_back(make_curve("", model.colour, model.mark, omega, distance));
   }
   values.curves.push_back(make_curve("computed N", "#222222", Mark::open_points, sparse_omega, sparse_value));
-  Figure figure;
-  figure.name = name;
-  figure.caption = caption;
-  figure.panels = {std::move(values), std::move(residuals)};
-  figure.panel_height = 260;
-  return figure;
+  return {name, caption, {std::move(values), std::move(residuals)}, 1, 260};
 }
 
 // The best fractional structure, the power law, the best integer-order structure and the static model, each once.
@@ -141,8 +129,7 @@ Table realisation_table(const std::string& name, const frac::FrequencyResponseDa
                {"order_ci95_upper", "to", 6},
                {"coefficient", "K", 6},
                {"rms_relative", "rms relative residual", 3},
-               {"remark", "remark"}},
-              {}};
+               {"remark", "remark"}}};
   const double lowest = data.omega().front();
   const double highest = data.omega().back();
   const double sample_time = std::numbers::pi / (10 * highest);
@@ -223,13 +210,13 @@ void add_band(Section& section, const Work& work, const std::vector<DescribingFu
   const Scene& scene = work.scene;
   const std::vector<double> omega = omega_of(points);
   const std::string range = html_number(omega.front()) + " … " + html_number(omega.back()) + " rad/s";
-  section.blocks.emplace_back(Html{prose("fits", "band-heading", {{"band", band.heading}, {"range", range}})});
+  section.add(Html{prose("fits", "band-heading", {{"band", band.heading}, {"range", range}})});
   const frac::FrequencyResponseData data = relative_imaginary_data(points);
   const auto curve = static_model(scene, omega);
   const frac::IdentificationResult result =
       frac::identify(data, imaginary_candidates(), {{"static backlash", curve}}, imaginary_options(), work.threads);
-  section.blocks.emplace_back(fit_figure("fit-" + band.id, prose("fits", "figure", {{"band", band.name}}), points,
-                                         drawn_models(result, omega, curve)));
+  section.add(fit_figure("fit-" + band.id, prose("fits", "figure", {{"band", band.name}}), points,
+                         drawn_models(result, omega, curve)));
   add_ranking(
       section, band.id, result,
       {"ranking-" + band.id, prose("fits", "ranking", {{"points", std::to_string(points.size())}, {"band", band.name}}),
@@ -252,26 +239,26 @@ void add_band(Section& section, const Work& work, const std::vector<DescribingFu
     if (fixed != nullptr) finding += prose("fits", "static", {{"rms", percent(fixed->fit.rms)}});
     finding += ".";
   }
-  section.findings.push_back(finding);
+  section.finding(finding);
 
   if (power_law != result.ranking.end()) {
     if (const auto* order = find_parameter(power_law->fit, "a")) {
-      section.facts.emplace_back("order_" + band.id, order->value);
-      section.facts.emplace_back("order_ci95_lower_" + band.id, order->ci95_lower);
-      section.facts.emplace_back("order_ci95_upper_" + band.id, order->ci95_upper);
+      section.fact("order_" + band.id, order->value);
+      section.fact("order_ci95_lower_" + band.id, order->ci95_lower);
+      section.fact("order_ci95_upper_" + band.id, order->ci95_upper);
     }
     if (const auto real = real_part_fit(points, power_law->fit)) {
       const auto* mass = find_parameter(*real, "M");
       const auto* constant = find_parameter(*real, "d");
       const double free_mass = mass->value;
-      section.blocks.emplace_back(paragraph("fits", "real-part",
-                                            {{"fitted_mass", html_number(free_mass)},
-                                             {"total_mass", html_number(scene.mass1 + scene.mass2)},
-                                             {"constant", html_number(constant->value)},
-                                             {"rms", percent(real->rms)}}));
-      section.facts.emplace_back("free_mass_kg_" + band.id, free_mass);
+      section.add(paragraph("fits", "real-part",
+                            {{"fitted_mass", html_number(free_mass)},
+                             {"total_mass", html_number(scene.mass1 + scene.mass2)},
+                             {"constant", html_number(constant->value)},
+                             {"rms", percent(real->rms)}}));
+      section.fact("free_mass_kg_" + band.id, free_mass);
     }
-    section.blocks.emplace_back(realisation_table("realisations-" + band.id, data, work.threads));
+    section.add(realisation_table("realisations-" + band.id, data, work.threads));
   }
 }
 
@@ -280,7 +267,7 @@ void add_band(Section& section, const Work& work, const std::vector<DescribingFu
 Section fit_section(const Work& work, const Bands& bands) {
   Section section = open_section("fits");
   if (bands.two_impact.empty() && bands.chatter.empty()) {
-    section.blocks.emplace_back(paragraph("fits", "no-band"));
+    section.add(paragraph("fits", "no-band"));
     return section;
   }
   if (!bands.two_impact.empty()) {

@@ -57,8 +57,7 @@ Table fixed_step_jumps(const std::vector<double>& forces, const std::vector<doub
                {"a_coefficient", "a: coefficient"},
                {"a_exponent", "a: exponent of Δ"},
                {"b_at_smallest_clearance", "b at the smallest Δ"},
-               {"b_at_largest_clearance", "b at the largest Δ"}},
-              {}};
+               {"b_at_largest_clearance", "b at the largest Δ"}}};
   const auto [smallest, largest] = std::minmax_element(clearances.begin(), clearances.end());
   for (const int periods : {10, 20, 50}) {
     std::vector<double> constants(forces.size() * clearances.size());

@@ -12,6 +12,7 @@
 #include "report/fixed_step_jump.hpp"
 #include "report/grid.hpp"
 #include "report/html.hpp"
+#include "report/jump_constants.hpp"
 #include "report/prose.hpp"
 #include "report/sections.hpp"
 
@@ -39,10 +40,7 @@ std::map<double, double> mean_over_restitution(const JumpLaw& law, double cleara
 }
 
 Figure force_figure(const Scene& scene, const JumpLaw& law) {
-  Panel panel;
-  panel.title = "Jump frequency against force";
-  panel.x = {"F in N", true, {}, {}};
-  panel.y = {"ω_J in rad/s", true, {}, {}};
+  Panel panel{"Jump frequency against force", {"F in N", true}, {"ω_J in rad/s", true}};
   panel.key = true;
   for (std::size_t i = 0; i < law.laws.size(); ++i) {
     const double clearance = law.laws[i].clearance;
@@ -56,13 +54,13 @@ Figure force_figure(const Scene& scene, const JumpLaw& law) {
     panel.curves.push_back(make_curve("Δ = " + io::format_number(clearance) + " m", colour, Mark::line, force, fitted));
     panel.curves.push_back(make_curve("", colour, Mark::points, force, omega));
   }
-  Figure figure;
-  figure.name = "fig9-jump-frequency";
-  figure.caption = numbered_caption(
-      scene, 9, prose("jumps", "force-figure", {{"restitutions", std::to_string(scene.jump_restitutions.size())}}));
-  figure.panels = {std::move(panel)};
-  figure.panel_height = 400;
-  return figure;
+  return {
+      "fig9-jump-frequency",
+      numbered_caption(
+          scene, 9, prose("jumps", "force-figure", {{"restitutions", std::to_string(scene.jump_restitutions.size())}})),
+      {std::move(panel)},
+      1,
+      400};
 }
 
 double similarity_coefficient(const Scene& scene, const JumpLaw& law, double clearance) {
@@ -89,8 +87,8 @@ Figure clearance_figure(const Scene& scene, const JumpLaw& law) {
   }
   Panel coefficient, exponent;
   coefficient.title = "Coefficient a(Δ)";
-  coefficient.x = exponent.x = {"Δ in m", true, {}, {}};
-  coefficient.y = {"a in rad s^{-1} N^{-b}", true, {}, {}};
+  coefficient.x = exponent.x = {"Δ in m", true};
+  coefficient.y = {"a in rad s^{-1} N^{-b}", true};
   exponent.title = "Exponent b(Δ)";
   exponent.y = {"b", false, 0.44, 0.6};
   exponent.key = true;
@@ -103,13 +101,11 @@ Figure clearance_figure(const Scene& scene, const JumpLaw& law) {
       make_curve("similarity, exact", "#222222", Mark::line, grid, std::vector<double>(grid.size(), 0.5)),
       make_curve("power law fitted to ours", category_colour(5), Mark::dashed, grid, b_fit),
       make_curve("ours, per clearance", category_colour(0), Mark::points, clearance, b)};
-  Figure figure;
-  figure.name = "fig10-jump-law";
-  figure.caption = numbered_caption(scene, 10, prose("jumps", "clearance-figure"));
-  figure.columns = 2;
-  figure.panel_height = 340;
-  figure.panels = {std::move(coefficient), std::move(exponent)};
-  return figure;
+  return {"fig10-jump-law",
+          numbered_caption(scene, 10, prose("jumps", "clearance-figure")),
+          {std::move(coefficient), std::move(exponent)},
+          2,
+          340};
 }
 
 Table law_table(const Scene& scene, const JumpLaw& law) {
@@ -126,8 +122,7 @@ Table law_table(const Scene& scene, const JumpLaw& law) {
                {"a_similarity", "a, similarity", 5},
                {"b_similarity", "b, similarity"},
                {"omega_jump_rad_s", "ω<sub>J</sub>, ours / (rad/s)"},
-               {"omega_jump_published_rad_s", "ω<sub>J</sub>, published / (rad/s)"}},
-              {}};
+               {"omega_jump_published_rad_s", "ω<sub>J</sub>, published / (rad/s)"}}};
   for (const auto& entry : law.laws) {
     table.rows.push_back({entry.clearance, entry.law.coefficient, entry.law.exponent, entry.law.exponent_ci95_lower,
                           entry.law.exponent_ci95_upper,
@@ -150,8 +145,7 @@ Table clearance_table(const Scene& scene, const JumpLaw& law) {
                {"coefficient_ci95_upper", "to", 5},
                {"exponent", "exponent", 5, true, false, 1e-12},
                {"exponent_ci95_lower", "95 % from", 5, true, false, 1e-12},
-               {"exponent_ci95_upper", "to", 5, true, false, 1e-12}},
-              {}};
+               {"exponent_ci95_upper", "to", 5, true, false, 1e-12}}};
   const auto ours = [&table](const std::string& quantity, const frac::PowerLaw& fitted) {
     table.rows.push_back({quantity, std::string("ours"), fitted.coefficient, fitted.coefficient_ci95_lower,
                           fitted.coefficient_ci95_upper, fitted.exponent, fitted.exponent_ci95_lower,
@@ -196,13 +190,6 @@ struct Constants {
 Constants constants_table(const Work& work) {
   std::vector<double> restitutions = {0, 0.2, 0.4, 0.6, 0.8, 0.95, 1};
   if (!work.scene.of_the_paper) restitutions = work.scene.restitutions;
-  const auto& all = criteria();
-  std::vector<double> constants(all.size() * restitutions.size(), none);
-  frac::parallel_for(constants.size(), work.threads, [&](std::size_t i) {
-    const auto jump = backlash::jump_similarity_constant(restitutions[i % restitutions.size()],
-                                                         all[i / restitutions.size()].criterion);
-    if (jump.similarity_constant) constants[i] = *jump.similarity_constant;
-  });
   Constants result;
   Table& table = result.table;
   table.name = "jump-constants";
@@ -213,20 +200,13 @@ Constants constants_table(const Work& work) {
     table.columns.push_back({"c_at_restitution_" + value, "ε = " + value, 5});
   }
   table.columns.push_back({"mean", "mean", 5});
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    std::vector<Cell> row = {std::string(backlash::to_string(all[k].criterion)), all[k].meaning};
-    double sum = 0;
-    int count = 0;
-    for (std::size_t e = 0; e < restitutions.size(); ++e) {
-      const double c = constants[k * restitutions.size() + e];
-      row.emplace_back(c);
-      if (std::isnan(c)) continue;
-      sum += c;
-      ++count;
-    }
-    const double mean = count > 0 ? sum / count : none;
+  for (const auto& [criterion, meaning] : criteria()) {
+    const std::vector<double> constants = jump_constants(criterion, restitutions, work.threads);
+    const double mean = mean_of(constants).value;
+    std::vector<Cell> row = {std::string(backlash::to_string(criterion)), meaning};
+    row.insert(row.end(), constants.begin(), constants.end());
     row.emplace_back(mean);
-    result.mean[all[k].criterion] = mean;
+    result.mean[criterion] = mean;
     table.rows.push_back(std::move(row));
   }
   return result;
@@ -260,8 +240,7 @@ Table discontinuity_table(const Scene& scene, const Family& family) {
                {"omega_upper_rad_s", "to / (rad/s)", 5},
                {"omega_rad_s", "ω<sub>J</sub> / (rad/s)", 5},
                {"similarity_constant", "c", 4},
-               {"size", "relative size of the step", 3}},
-              {}};
+               {"size", "relative size of the step", 3}}};
   for (const auto& sweep : family.sweeps) {
     if (sweep.system.clearance() == 0) continue;
     std::vector<double> uncertainty;
@@ -301,48 +280,48 @@ Section jump_section(const Work& work, const Curves& curves) {
     const JumpLaw law =
         backlash::fit_jump_law(scene.mass1, scene.mass2, scene.jump_forces, scene.jump_clearances,
                                scene.jump_restitutions, JumpCriterion::two_impact_loss, work.threads, work.progress);
-    section.blocks.emplace_back(force_figure(scene, law));
-    section.blocks.emplace_back(clearance_figure(scene, law));
-    section.blocks.emplace_back(law_table(scene, law));
-    section.blocks.emplace_back(clearance_table(scene, law));
-    section.facts.emplace_back("a_coefficient", law.a_of_clearance.coefficient);
-    section.facts.emplace_back("a_exponent", law.a_of_clearance.exponent);
-    section.facts.emplace_back("b_coefficient", law.b_of_clearance.coefficient);
-    section.facts.emplace_back("b_exponent", law.b_of_clearance.exponent);
-    section.facts.emplace_back("mean_similarity_constant", law.mean_similarity_constant);
-    section.findings.push_back(prose("jumps", "finding",
-                                     {{"a", html_number(law.a_of_clearance.coefficient)},
-                                      {"exponent", html_number(law.a_of_clearance.exponent)},
-                                      {"b", html_number(law.laws.front().law.exponent)},
-                                      {"rising", html_number(constants.mean.at(JumpCriterion::sweep_up))},
-                                      {"falling", html_number(constants.mean.at(JumpCriterion::sweep_down))},
-                                      {"published", html_number(published.mean)},
-                                      {"lowest", html_number(published.lowest)},
-                                      {"highest", html_number(published.highest)}}));
+    section.add(force_figure(scene, law));
+    section.add(clearance_figure(scene, law));
+    section.add(law_table(scene, law));
+    section.add(clearance_table(scene, law));
+    section.fact("a_coefficient", law.a_of_clearance.coefficient);
+    section.fact("a_exponent", law.a_of_clearance.exponent);
+    section.fact("b_coefficient", law.b_of_clearance.coefficient);
+    section.fact("b_exponent", law.b_of_clearance.exponent);
+    section.fact("mean_similarity_constant", law.mean_similarity_constant);
+    section.finding(prose("jumps", "finding",
+                          {{"a", html_number(law.a_of_clearance.coefficient)},
+                           {"exponent", html_number(law.a_of_clearance.exponent)},
+                           {"b", html_number(law.laws.front().law.exponent)},
+                           {"rising", html_number(constants.mean.at(JumpCriterion::sweep_up))},
+                           {"falling", html_number(constants.mean.at(JumpCriterion::sweep_down))},
+                           {"published", html_number(published.mean)},
+                           {"lowest", html_number(published.lowest)},
+                           {"highest", html_number(published.highest)}}));
   } else {
-    section.blocks.emplace_back(Html{paragraph("jumps", "too-few",
-                                               {{"forces", std::to_string(scene.jump_forces.size())},
-                                                {"clearances", std::to_string(scene.jump_clearances.size())}})});
+    section.add(Html{paragraph("jumps", "too-few",
+                               {{"forces", std::to_string(scene.jump_forces.size())},
+                                {"clearances", std::to_string(scene.jump_clearances.size())}})});
   }
-  section.blocks.emplace_back(constants.table);
-  if (scene.clearance > 0) section.blocks.emplace_back(discontinuity_table(scene, curves.restitutions));
-  if (has_grid && scene.of_the_paper) section.blocks.emplace_back(fixed_step_table(scene, published, work.threads));
+  section.add(constants.table);
+  if (scene.clearance > 0) section.add(discontinuity_table(scene, curves.restitutions));
+  if (has_grid && scene.of_the_paper) section.add(fixed_step_table(scene, published, work.threads));
   const auto mean_constant = [&constants](JumpCriterion criterion) {
     return html_number(constants.mean.at(criterion));
   };
-  section.blocks.emplace_back(Html{prose("jumps", "difference-heading")});
-  section.blocks.emplace_back(paragraph("jumps", "difference",
-                                        {{"lowest", html_number(published.lowest)},
-                                         {"highest", html_number(published.highest)},
-                                         {"mean", html_number(published.mean)},
-                                         {"two_impact_loss", mean_constant(JumpCriterion::two_impact_loss)},
-                                         {"symmetry_loss", mean_constant(JumpCriterion::symmetry_loss)}}));
-  section.blocks.emplace_back(
+  section.add(Html{prose("jumps", "difference-heading")});
+  section.add(paragraph("jumps", "difference",
+                        {{"lowest", html_number(published.lowest)},
+                         {"highest", html_number(published.highest)},
+                         {"mean", html_number(published.mean)},
+                         {"two_impact_loss", mean_constant(JumpCriterion::two_impact_loss)},
+                         {"symmetry_loss", mean_constant(JumpCriterion::symmetry_loss)}}));
+  section.add(
       paragraph("jumps", "further-scale",
                 {{"measured", scene.of_the_paper ? " " + prose("jumps", "fixed-step-effect") : std::string()}}));
-  section.facts.emplace_back("published_similarity_constant_mean", published.mean);
+  section.fact("published_similarity_constant_mean", published.mean);
   for (const auto& [criterion, mean] : constants.mean) {
-    section.facts.emplace_back("mean_constant_" + std::string(backlash::to_string(criterion)), mean);
+    section.fact("mean_constant_" + std::string(backlash::to_string(criterion)), mean);
   }
   return section;
 }

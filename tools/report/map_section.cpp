@@ -10,6 +10,7 @@
 #include "backlash/regime_map.hpp"
 #include "report/grid.hpp"
 #include "report/html.hpp"
+#include "report/jump_constants.hpp"
 #include "report/prose.hpp"
 #include "report/sections.hpp"
 
@@ -53,13 +54,11 @@ std::size_t kind_of(const DescribingFunctionPoint& point) {
   return point.even_harmonic_ratio > 1e-9 ? 1 : 0;
 }
 
-Curve boundary(JumpCriterion criterion, const std::string& label, Mark mark, double highest) {
-  std::vector<double> constant, restitution;
-  for (const double value : linear_grid(0, 1, 201)) {
-    const auto jump = backlash::jump_similarity_constant(value, criterion);
-    if (!jump.similarity_constant || *jump.similarity_constant > highest) continue;
-    constant.push_back(*jump.similarity_constant);
-    restitution.push_back(value);
+Curve boundary(JumpCriterion criterion, const std::string& label, Mark mark, double highest, int threads) {
+  const std::vector<double> restitution = linear_grid(0, 1, 201);
+  std::vector<double> constant = jump_constants(criterion, restitution, threads);
+  for (double& value : constant) {
+    if (value > highest) value = std::nan("");
   }
   return make_curve(label, "#ffffff", mark, constant, restitution);
 }
@@ -84,31 +83,27 @@ Section map_section(const Work& work) {
     narrow_means +=
         point.regime == Regime::averaged && point.uncertainty <= options.mean_tolerance * std::abs(point.value);
   }
-  Panel panel;
-  panel.title = "Steady motion, ω rising";
-  panel.x = {"ω / (F/(M_2 Δ))^{1/2}", false, omega.front(), omega.back()};
-  panel.y = {"ε", false, 0.0, 1.0};
+  Panel panel{
+      "Steady motion, ω rising", {"ω / (F/(M_2 Δ))^{1/2}", false, omega.front(), omega.back()}, {"ε", false, 0.0, 1.0}};
   panel.key = true;
   panel.map = std::move(cells);
-  panel.curves = {boundary(JumpCriterion::two_impact_loss, "", Mark::line, omega.back()),
-                  boundary(JumpCriterion::symmetry_loss, "", Mark::dashed, omega.back()),
-                  boundary(JumpCriterion::saddle_node, "", Mark::dotted, omega.back())};
-  Figure figure;
-  figure.name = "regime-map";
-  figure.caption = prose("map", "figure", {{"points", std::to_string(map.points.size())}});
-  figure.panels = {std::move(panel)};
-  figure.panel_height = 460;
-  section.blocks.emplace_back(std::move(figure));
+  panel.curves = {boundary(JumpCriterion::two_impact_loss, "", Mark::line, omega.back(), work.threads),
+                  boundary(JumpCriterion::symmetry_loss, "", Mark::dashed, omega.back(), work.threads),
+                  boundary(JumpCriterion::saddle_node, "", Mark::dotted, omega.back(), work.threads)};
+  section.add(Figure{"regime-map",
+                     prose("map", "figure", {{"points", std::to_string(map.points.size())}}),
+                     {std::move(panel)},
+                     1,
+                     460});
 
   Table table{"regime-shares", prose("map", "shares"), {{"motion", "motion"}, {"share", "share", 3}}, {}};
   for (std::size_t k = 0; k < kinds().size(); ++k) {
     table.rows.push_back({kinds()[k].label, static_cast<double>(count[k]) / static_cast<double>(map.points.size())});
   }
-  section.blocks.emplace_back(std::move(table));
-  section.facts.emplace_back("map_points", static_cast<double>(map.points.size()));
-  section.facts.emplace_back("map_irregular_share",
-                             static_cast<double>(count[5]) / static_cast<double>(map.points.size()));
-  section.findings.push_back(prose(
+  section.add(std::move(table));
+  section.fact("map_points", static_cast<double>(map.points.size()));
+  section.fact("map_irregular_share", static_cast<double>(count[5]) / static_cast<double>(map.points.size()));
+  section.finding(prose(
       "map", "finding",
       {{"points", std::to_string(map.points.size())},
        {"closed", html_number(100 * (1 - static_cast<double>(count[5]) / static_cast<double>(map.points.size())), 3)},

@@ -56,16 +56,16 @@ Section open_measured(std::string_view chapter, const std::string& file, std::si
 }
 
 void add_no_verdict(Section& section, const std::string& why, const std::string& verdict) {
-  section.blocks.emplace_back(Html{"<p>" + why + "</p>"});
-  section.facts.emplace_back("verdict_" + section.id, verdict);
+  section.add(Html{"<p>" + why + "</p>"});
+  section.fact("verdict_" + section.id, verdict);
 }
 
 void add_verdict(Section& section, const std::string& file, const frac::IdentificationResult& result) {
-  section.facts.emplace_back("file_" + section.id, file);
+  section.fact("file_" + section.id, file);
   add_ranking(section, section.id, result,
               {section.id + "-ranking", prose("ranking", "ranking"), section.id + "-parameters",
                prose("ranking", "parameters")});
-  section.findings.push_back(
+  section.finding(
       prose("ranking", "finding", {{"file", section.title}, {"sentence", escape_html(result.verdict_sentence)}}));
 }
 

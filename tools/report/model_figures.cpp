@@ -98,19 +98,11 @@ double step_length(const FractionalTransferFunction& model, const std::vector<fr
 }
 
 Figure figure_of(const std::string& name, std::string caption, std::vector<Panel> panels, int height) {
-  Figure figure;
-  figure.name = name;
-  figure.caption = std::move(caption);
-  figure.panels = std::move(panels);
-  figure.panel_height = height;
-  return figure;
+  return {name, std::move(caption), std::move(panels), 1, height};
 }
 
 Panel plain_panel(const std::string& title, Axis x, Axis y, Curve curve) {
-  Panel panel;
-  panel.title = title;
-  panel.x = std::move(x);
-  panel.y = std::move(y);
+  Panel panel{title, std::move(x), std::move(y)};
   panel.curves.push_back(std::move(curve));
   return panel;
 }
@@ -147,9 +139,9 @@ std::vector<Figure> model_figures(const FractionalTransferFunction& model, const
   const Axis omega{"{/Symbol w} / (rad/s)", true, response.omega.front(), response.omega.back()};
   std::vector<Figure> figures;
   figures.push_back(figure_of(name + "-bode", prose("model", "bode", {{"model", formula}}),
-                              {plain_panel("Magnitude", omega, {"|G| / dB", false, {}, {}},
+                              {plain_panel("Magnitude", omega, {"|G| / dB"},
                                            make_curve("", colour, Mark::line, response.omega, response.decibel)),
-                               plain_panel("Phase", omega, {"arg G / degrees", false, {}, {}},
+                               plain_panel("Phase", omega, {"arg G / degrees"},
                                            make_curve("", colour, Mark::line, response.omega, response.degrees))},
                               220));
 
@@ -164,7 +156,7 @@ std::vector<Figure> model_figures(const FractionalTransferFunction& model, const
   figures.push_back(figure_of(name + "-nyquist", prose("model", "nyquist", {{"model", formula}}), {std::move(nyquist)},
                               square_height));
 
-  Panel nichols = plain_panel("Nichols diagram", {"arg G / degrees", false, {}, {}}, {"|G| / dB", false, {}, {}},
+  Panel nichols = plain_panel("Nichols diagram", {"arg G / degrees"}, {"|G| / dB"},
                               make_curve("", colour, Mark::line, response.degrees, response.decibel));
   nichols.curves.push_back(reference_point(-180, 0));
   figures.push_back(
@@ -180,7 +172,7 @@ std::vector<Figure> model_figures(const FractionalTransferFunction& model, const
   if (model.numerator().front().order > model.denominator().front().order) time.erase(time.begin());
   const frac::TimeResponse step = frac::respond(model, frac::ResponseInput{}, time, 1e-6);
   figures.push_back(figure_of(name + "-step", prose("model", "step", {{"model", formula}}),
-                              {plain_panel("Step response", {"t / s", false, 0.0, length}, {"y", false, {}, {}},
+                              {plain_panel("Step response", {"t / s", false, 0.0, length}, {"y"},
                                            make_curve("", colour, Mark::line, time, step.output))},
                               240));
   return figures;

@@ -148,8 +148,7 @@ void add_time_fit(Section& section) {
                {"parameter", "parameter"},
                {"true_value", "true value"},
                {"estimate", "estimate", 8},
-               {"half_width", "± 95 %", 2}},
-              {}};
+               {"half_width", "± 95 %", 2}}};
   const double truth[] = {0.8, 2.2, 0.5, 0.9, 0};
   for (const double noise : {0.0, 0.01, 0.05}) {
     std::mt19937_64 generator(1);
@@ -169,12 +168,12 @@ void add_time_fit(Section& section) {
     }
     if (noise > 0) continue;
     const double worst = std::max(std::abs(fit.parameters[1].value - 2.2), std::abs(fit.parameters[3].value - 0.9));
-    section.findings.push_back(prose("fractional-model", "finding",
-                                     {{"worst", html_number(worst, 1)}, {"seconds", html_seconds(fit.seconds)}}));
-    section.facts.emplace_back("furnace_time_fit_order_error", worst);
+    section.finding(prose("fractional-model", "finding",
+                          {{"worst", html_number(worst, 1)}, {"seconds", html_seconds(fit.seconds)}}));
+    section.fact("furnace_time_fit_order_error", worst);
   }
-  section.blocks.emplace_back(Html{prose("fractional-model", "time-fit-heading")});
-  section.blocks.emplace_back(std::move(table));
+  section.add(Html{prose("fractional-model", "time-fit-heading")});
+  section.add(std::move(table));
 }
 
 }  // namespace
@@ -182,7 +181,7 @@ void add_time_fit(Section& section) {
 Section model_section() {
   Section section = open_section("fractional-model");
   for (Figure& figure : model_figures(FractionalTransferFunction::parse(furnace), "furnace")) {
-    section.blocks.emplace_back(std::move(figure));
+    section.add(std::move(figure));
   }
   add_time_fit(section);
   return section;
@@ -197,8 +196,7 @@ Section response_speed_section() {
                {"method", "method"},
                {"setting", "setting"},
                {"relative_error", "relative error", 2},
-               {"seconds", "seconds", 2}},
-              {}};
+               {"seconds", "seconds", 2}}};
   table.rows_on_page = 24;
   Figure figure;
   figure.name = "response-speed";
@@ -210,10 +208,7 @@ Section response_speed_section() {
   for (const System& system : systems) {
     const auto model = FractionalTransferFunction::parse(system.formula);
     const Judge judge(model);
-    Panel panel;
-    panel.title = system.name;
-    panel.x = {"seconds", true, 1e-5, 1.0};
-    panel.y = {"relative error", true, 1e-16, 1.0};
+    Panel panel{system.name, {"seconds", true, 1e-5, 1.0}, {"relative error", true, 1e-16, 1.0}};
     panel.key = figure.panels.size() == 1;
     std::size_t colour = 0;
     for (const Method& method : methods()) {
@@ -240,17 +235,17 @@ Section response_speed_section() {
     }
     figure.panels.push_back(std::move(panel));
   }
-  section.findings.push_back(prose("response-speed", "finding",
-                                   {{"fast", html_seconds(furnace_fast)},
-                                    {"fast_error", html_number(furnace_fast_error, 1)},
-                                    {"slow", html_seconds(furnace_slow)},
-                                    {"slow_error", html_number(furnace_slow_error, 1)}}));
+  section.finding(prose("response-speed", "finding",
+                        {{"fast", html_seconds(furnace_fast)},
+                         {"fast_error", html_number(furnace_fast_error, 1)},
+                         {"slow", html_seconds(furnace_slow)},
+                         {"slow_error", html_number(furnace_slow_error, 1)}}));
   section.facts = {{"furnace_exponential_sum_seconds", furnace_fast},
                    {"furnace_exponential_sum_error", furnace_fast_error},
                    {"furnace_grunwald_letnikov_seconds", furnace_slow},
                    {"furnace_grunwald_letnikov_error", furnace_slow_error}};
-  section.blocks.emplace_back(std::move(figure));
-  section.blocks.emplace_back(std::move(table));
+  section.add(std::move(figure));
+  section.add(std::move(table));
   return section;
 }
 

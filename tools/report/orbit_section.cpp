@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <span>
 #include <string>
@@ -13,6 +14,7 @@
 #include "io/number.hpp"
 #include "report/grid.hpp"
 #include "report/html.hpp"
+#include "report/jump_constants.hpp"
 #include "report/prose.hpp"
 #include "report/sections.hpp"
 #include "report/sweep_curves.hpp"
@@ -167,9 +169,9 @@ void fit_height(Axis& axis, const Sweeps& sweeps, bool impacts) {
 
 Panel bifurcation_panel(const backlash::OrbitDiagram& diagram, const Sweeps& sweeps, bool impacts) {
   const Height height = impacts ? impacts_per_period : imaginary_part;
-  Panel panel;
-  panel.x = {"ω in rad/s", false, diagram.from, diagram.to};
-  panel.y = {impacts ? "impacts per period" : "Im N in m/N", false, {}, {}};
+  Panel panel{"",
+              {"ω in rad/s", false, diagram.from, diagram.to},
+              {impacts ? "impacts per period" : "Im N in m/N", false, {}, {}}};
   const std::vector<Pattern> patterns = patterns_of(diagram.branches);
   const std::span<const Pattern> all(patterns);
   const std::size_t named = std::min(told_apart, patterns.size());
@@ -215,84 +217,43 @@ Table bifurcation_table(const backlash::OrbitDiagram& diagram, double scale) {
   return table;
 }
 
-// c(restitution) of the three criteria that are bifurcations of the two-impact orbit.
-struct CriterionCurve {
-  JumpCriterion criterion;
-  std::string label;
-  std::vector<double> constant;  // NaN where there is none
-};
-
-std::vector<CriterionCurve> criterion_curves(const std::vector<double>& restitution, int threads) {
-  std::vector<CriterionCurve> curves = {{JumpCriterion::saddle_node, "saddle-node", {}},
-                                        {JumpCriterion::symmetry_loss, "symmetry loss", {}},
-                                        {JumpCriterion::two_impact_loss, "two-impact loss", {}}};
-  for (CriterionCurve& curve : curves) {
-    curve.constant.assign(restitution.size(), std::numeric_limits<double>::quiet_NaN());
-    frac::parallel_for(restitution.size(), threads, [&](std::size_t i) {
-      const auto jump = backlash::jump_similarity_constant(restitution[i], curve.criterion);
-      if (jump.similarity_constant) curve.constant[i] = *jump.similarity_constant;
-    });
-  }
-  return curves;
-}
-
-struct Mean {
-  double value;
-  std::size_t used;
-};
-
-Mean mean_over(const std::vector<double>& restitutions, JumpCriterion criterion) {
-  double sum = 0;
-  std::size_t used = 0;
-  for (const double restitution : restitutions) {
-    const auto jump = backlash::jump_similarity_constant(restitution, criterion);
-    if (!jump.similarity_constant) continue;
-    sum += *jump.similarity_constant;
-    ++used;
-  }
-  return {used > 0 ? sum / static_cast<double>(used) : std::numeric_limits<double>::quiet_NaN(), used};
-}
-
 void add_jump_constants(const Work& work, Section& section) {
   const std::vector<double> restitution = linear_grid(0, 1, 201);
-  const std::vector<CriterionCurve> curves = criterion_curves(restitution, work.threads);
+  // The criteria that are bifurcations of the two-impact orbit.
+  const std::pair<JumpCriterion, std::string> criteria[] = {{JumpCriterion::saddle_node, "saddle-node"},
+                                                            {JumpCriterion::symmetry_loss, "symmetry loss"},
+                                                            {JumpCriterion::two_impact_loss, "two-impact loss"}};
   const std::vector<double>& averaged = work.scene.jump_restitutions;
 
-  Panel panel;
-  panel.title = "Similarity constant of the jumps against restitution";
-  panel.x = {"ε", false, 0.0, 1.0};
-  panel.y = {"c = ω_J / (F/(M_2 Δ))^{1/2}", true, 1.0, 10.0};
+  Panel panel{"Similarity constant of the jumps against restitution",
+              {"ε", false, 0.0, 1.0},
+              {"c = ω_J / (F/(M_2 Δ))^{1/2}", true, 1.0, 10.0}};
   panel.key = true;
   Table table{"jump-criteria", prose("orbits", "criteria"), {{"restitution", "ε"}}, {}, false};
+  for (const double value : restitution) table.rows.push_back({value});
   std::string means;
-  for (std::size_t k = 0; k < curves.size(); ++k) {
+  for (std::size_t k = 0; k < std::size(criteria); ++k) {
+    const auto& [criterion, label] = criteria[k];
     const std::string colour = category_colour(k);
-    panel.curves.push_back(make_curve(curves[k].label, colour, Mark::line, restitution, curves[k].constant));
-    const Mean mean = mean_over(averaged, curves[k].criterion);
-    table.columns.push_back({"c_" + std::string(backlash::to_string(curves[k].criterion)), curves[k].label, 10});
+    const std::string name(backlash::to_string(criterion));
+    const std::vector<double> constants = jump_constants(criterion, restitution, work.threads);
+    table.columns.push_back({"c_" + name, label, 10});
+    for (std::size_t i = 0; i < constants.size(); ++i) table.rows[i].emplace_back(constants[i]);
+    panel.curves.push_back(make_curve(label, colour, Mark::line, restitution, constants));
+    const Mean mean = mean_of(jump_constants(criterion, averaged, work.threads));
     if (mean.used == 0) continue;
     panel.curves.push_back(make_curve("its mean over ε", colour, Mark::dotted, {averaged.front(), averaged.back()},
                                       {mean.value, mean.value}));
     means += (means.empty() ? "" : ", ") + prose("orbits", "mean",
-                                                 {{"criterion", curves[k].label},
+                                                 {{"criterion", label},
                                                   {"mean", html_number(mean.value, 6)},
                                                   {"used", std::to_string(mean.used)},
                                                   {"all", std::to_string(averaged.size())}});
-    section.facts.emplace_back("mean_c_" + std::string(backlash::to_string(curves[k].criterion)), mean.value);
+    section.fact("mean_c_" + name, mean.value);
   }
-  for (std::size_t i = 0; i < restitution.size(); ++i) {
-    std::vector<Cell> row = {restitution[i]};
-    for (const CriterionCurve& curve : curves) row.emplace_back(curve.constant[i]);
-    table.rows.push_back(std::move(row));
-  }
-  Figure figure;
-  figure.name = "jump-constants";
-  figure.caption = prose("orbits", "constants");
-  figure.panels = {std::move(panel)};
-  figure.panel_height = 380;
-  section.blocks.emplace_back(std::move(figure));
-  section.blocks.emplace_back(std::move(table));
-  section.blocks.emplace_back(paragraph("orbits", "means", {{"means", means}}));
+  section.add(Figure{"jump-constants", prose("orbits", "constants"), {std::move(panel)}, 1, 380});
+  section.add(std::move(table));
+  section.add(paragraph("orbits", "means", {{"means", means}}));
 }
 
 }  // namespace
@@ -316,11 +277,9 @@ Section orbit_section(const Work& work) {
   };
   Figure figure;
   figure.name = "bifurcations";
-  figure.caption = prose("orbits", "figure",
-                         {{"period", std::to_string(diagram.options.longest_period)},
-                          {"force", html_number(scene.force)},
-                          {"clearance", html_number(scene.clearance)},
-                          {"restitution", html_number(scene.restitution)}});
+  figure.caption =
+      prose("orbits", "figure",
+            {{"period", std::to_string(diagram.options.longest_period)}, {"scene", base_scene_text(scene)}});
   Panel whole = bifurcation_panel(diagram, sweeps_on(from, to), false);
   whole.title = "Imaginary part of N";
   whole.key = true;
@@ -335,10 +294,10 @@ Section orbit_section(const Work& work) {
   fit_height(counts.y, enlarged, true);
   figure.panels = {std::move(whole), std::move(detail), std::move(counts)};
   figure.panel_height = 360;
-  section.blocks.emplace_back(std::move(figure));
-  section.blocks.emplace_back(bifurcation_table(diagram, scale));
+  section.add(std::move(figure));
+  section.add(bifurcation_table(diagram, scale));
   add_jump_constants(work, section);
-  section.facts.emplace_back("orbit_branches", static_cast<double>(diagram.branches.size()));
+  section.fact("orbit_branches", static_cast<double>(diagram.branches.size()));
   return section;
 }
 

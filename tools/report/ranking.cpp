@@ -74,8 +74,7 @@ Table ranking_table(const std::string& name, const std::string& caption, const f
                {"akaike_weight", "weight", 3, false},
                {"rms_relative", "rms residual", 3},
                {"largest_relative", "largest", 3, false},
-               {"parameters", "parameters (95 % interval)"}},
-              {}};
+               {"parameters", "parameters (95 % interval)"}}};
   for (std::size_t i = 0; i < result.ranking.size(); ++i) {
     const frac::RankedFit& ranked = result.ranking[i];
     std::string parameters;
@@ -123,11 +122,11 @@ void add_ranking(Section& section, const std::string& id, const frac::Identifica
     verdict += " " + prose("ranking", "left-out", {{"structure", escape_html(skipped)}});
     if (!skipped.ends_with('.')) verdict += '.';
   }
-  section.blocks.emplace_back(Html{"<p>" + verdict + words.after_verdict + "</p>"});
-  section.blocks.emplace_back(ranking_table(words.ranking_name, words.ranking_caption, result));
-  section.blocks.emplace_back(parameter_table(words.parameters_name, words.parameters_caption, result));
-  section.facts.emplace_back("verdict_" + id, std::string(frac::to_string(result.verdict)));
-  section.facts.emplace_back("evidence_aicc_" + id, result.evidence);
+  section.add(Html{"<p>" + verdict + words.after_verdict + "</p>"});
+  section.add(ranking_table(words.ranking_name, words.ranking_caption, result));
+  section.add(parameter_table(words.parameters_name, words.parameters_caption, result));
+  section.fact("verdict_" + id, std::string(frac::to_string(result.verdict)));
+  section.fact("evidence_aicc_" + id, result.evidence);
 }
 
 const frac::RankedFit* best_of(const frac::IdentificationResult& result, frac::ModelClass model_class) {

@@ -58,7 +58,7 @@ Section summary_section(const std::vector<Section>& sections) {
   for (const Section& other : sections) {
     for (const std::string& finding : other.findings) list += "<li>" + finding + "</li>\n";
   }
-  section.blocks.emplace_back(Html{list + "</ul>"});
+  section.add(Html{list + "</ul>"});
   return section;
 }
 
@@ -68,8 +68,7 @@ Section provenance_section(const Provenance& provenance, const std::vector<Secti
   section.title = prose("provenance", "title");
   Table stages{"seconds",
                prose("provenance", "stages", {{"threads", std::to_string(provenance.threads)}}),
-               {{"stage", "stage"}, {"seconds", "seconds", 3}},
-               {}};
+               {{"stage", "stage"}, {"seconds", "seconds", 3}}};
   for (const StageTime& stage : provenance.stages) stages.rows.push_back({stage.name, stage.seconds});
   std::string files = prose("provenance", "files") + "\n";
   for (const Section& other : sections) {
@@ -81,13 +80,13 @@ Section provenance_section(const Provenance& provenance, const std::vector<Secti
       }
     }
   }
-  section.blocks.emplace_back(Html{prose("provenance", "made",
-                                         {{"version", escape_html(provenance.version)},
-                                          {"compiler", escape_html(provenance.compiler)},
-                                          {"build", escape_html(provenance.build_type)},
-                                          {"command", escape_html(provenance.command)}})});
-  section.blocks.emplace_back(std::move(stages));
-  section.blocks.emplace_back(Html{files + "</ul></details>"});
+  section.add(Html{prose("provenance", "made",
+                         {{"version", escape_html(provenance.version)},
+                          {"compiler", escape_html(provenance.compiler)},
+                          {"build", escape_html(provenance.build_type)},
+                          {"command", escape_html(provenance.command)}})});
+  section.add(std::move(stages));
+  section.add(Html{files + "</ul></details>"});
   return section;
 }
 

@@ -14,6 +14,7 @@
 #include "io/data_error.hpp"
 #include "io/number.hpp"
 #include "io/number_list.hpp"
+#include "report/html.hpp"
 #include "report/prose.hpp"
 
 namespace report {
@@ -74,6 +75,16 @@ double single(const std::filesystem::path& file, const std::string& name, const 
 }
 
 }  // namespace
+
+std::string base_scene_text(const Scene& scene, bool force, bool clearance, bool restitution) {
+  std::vector<std::string> parts;
+  if (force) parts.push_back("F = " + html_number(scene.force) + " N");
+  if (clearance) parts.push_back("Δ = " + html_number(scene.clearance) + " m");
+  if (restitution) parts.push_back("ε = " + html_number(scene.restitution));
+  std::string text;
+  for (const std::string& part : parts) text += (text.empty() ? "" : ", ") + part;
+  return text;
+}
 
 std::string numbered_caption(const Scene& scene, int number, const std::string& caption) {
   if (!scene.of_the_paper) return caption;

@@ -17,6 +17,10 @@ struct Scene {
   std::vector<double> jump_forces, jump_clearances, jump_restitutions;  // grid of the jump laws
 };
 
+/// The base scene in HTML, "F = 40 N, Δ = 0.3 m, ε = 0.6", with the quantities that are asked for.
+[[nodiscard]] std::string base_scene_text(const Scene& scene, bool force = true, bool clearance = true,
+                                          bool restitution = true);
+
 /// The caption of a figure, which begins with its number in the paper where the scene is the paper's.
 [[nodiscard]] std::string numbered_caption(const Scene& scene, int number, const std::string& caption);
 

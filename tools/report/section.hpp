@@ -24,6 +24,10 @@ struct Section {
   std::vector<Block> blocks;
   std::vector<std::string> findings;                // HTML sentences for the summary
   std::vector<std::pair<std::string, Cell>> facts;  // headline numbers for results.json
+
+  void add(Block block) { blocks.push_back(std::move(block)); }
+  void finding(std::string sentence) { findings.push_back(std::move(sentence)); }
+  void fact(std::string name, Cell value) { facts.emplace_back(std::move(name), std::move(value)); }
 };
 
 }  // namespace report

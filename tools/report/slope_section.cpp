@@ -25,42 +25,34 @@ struct Slopes {
   std::vector<double> omega, slope;  // NaN between branches
 };
 
-// Central difference over ln omega within a branch.
-Slopes local_slopes(const std::vector<DescribingFunctionPoint>& points) {
+// Central differences over ln omega.  NaN where a neighbour is not positive or `joined(i)` is false.
+template <typename Joined>
+Slopes slopes_of(const std::vector<double>& omega, const std::vector<double>& imaginary, Joined joined) {
   Slopes slopes;
-  for (std::size_t i = 1; i + 1 < points.size(); ++i) {
-    slopes.omega.push_back(points[i].omega);
-    const double before = points[i - 1].value.imag();
-    const double after = points[i + 1].value.imag();
-    const bool smooth = on_one_branch(points[i - 1], points[i]) && on_one_branch(points[i], points[i + 1]);
-    slopes.slope.push_back(smooth && before > 0 && after > 0
-                               ? std::log(after / before) / std::log(points[i + 1].omega / points[i - 1].omega)
+  for (std::size_t i = 1; i + 1 < omega.size(); ++i) {
+    const double before = imaginary[i - 1];
+    const double after = imaginary[i + 1];
+    slopes.omega.push_back(omega[i]);
+    slopes.slope.push_back(joined(i) && before > 0 && after > 0
+                               ? std::log(after / before) / std::log(omega[i + 1] / omega[i - 1])
                                : std::nan(""));
   }
   return slopes;
 }
 
-Slopes static_slopes(const Scene& scene, const std::vector<double>& omega) {
-  const auto values =
-      backlash::static_describing_function(scene.mass1, scene.mass2, scene.clearance, scene.force, omega);
-  Slopes slopes;
-  for (std::size_t i = 1; i + 1 < omega.size(); ++i) {
-    const double before = values[i - 1].imag();
-    const double after = values[i + 1].imag();
-    slopes.omega.push_back(omega[i]);
-    slopes.slope.push_back(before > 0 && after > 0 ? std::log(after / before) / std::log(omega[i + 1] / omega[i - 1])
-                                                   : std::nan(""));
-  }
-  return slopes;
+Slopes local_slopes(const std::vector<DescribingFunctionPoint>& points) {
+  return slopes_of(omega_of(points), imaginary_of(points), [&points](std::size_t i) {
+    return on_one_branch(points[i - 1], points[i]) && on_one_branch(points[i], points[i + 1]);
+  });
 }
 
-frac::PowerLaw band_law(const std::vector<DescribingFunctionPoint>& points) {
-  std::vector<double> omega, imaginary;
-  for (const auto& point : points) {
-    omega.push_back(point.omega);
-    imaginary.push_back(point.value.imag());
+Slopes static_slopes(const Scene& scene, const std::vector<double>& omega) {
+  std::vector<double> imaginary;
+  for (const auto& value :
+       backlash::static_describing_function(scene.mass1, scene.mass2, scene.clearance, scene.force, omega)) {
+    imaginary.push_back(value.imag());
   }
-  return frac::fit_power_law(omega, imaginary);
+  return slopes_of(omega, imaginary, [](std::size_t) { return true; });
 }
 
 struct Band {
@@ -78,7 +70,7 @@ Section slope_section(const Work& work, const Bands& bands) {
   const auto lower = backlash::jump_frequency(system, scene.force, backlash::JumpCriterion::two_impact_loss);
   const auto upper = backlash::jump_frequency(system, scene.force, backlash::JumpCriterion::saddle_node);
   if (bands.two_impact.empty() && bands.chatter.empty()) {
-    section.blocks.emplace_back(paragraph("slope", "no-band"));
+    section.add(paragraph("slope", "no-band"));
     return section;
   }
 
@@ -98,10 +90,7 @@ Section slope_section(const Work& work, const Bands& bands) {
                                                          logarithmic_grid(*lower * 1.0001, highest, 200), options));
   }
 
-  Panel panel;
-  panel.title = "Local slope of Im N";
-  panel.x = {"ω in rad/s", true, {}, {}};
-  panel.y = {"d ln|Im N| / d ln ω", false, -1.0, 2.2};
+  Panel panel{"Local slope of Im N", {"ω in rad/s", true}, {"d ln|Im N| / d ln ω", false, -1.0, 2.2}};
   panel.key = true;
   Table table{"slopes", prose("slope", "slopes"), {{"omega_rad_s", "ω"}, {"slope", "slope"}}, {}, false};
   bool first = true;
@@ -148,14 +137,13 @@ Section slope_section(const Work& work, const Bands& bands) {
                 {"order_ci95_upper", "to", 5},
                 {"slope_at_start", "local slope at the lower end", 4},
                 {"slope_at_end", "at the upper end", 4},
-                {"rms_log_residual", "rms residual of ln Im N", 3}},
-               {}};
+                {"rms_log_residual", "rms residual of ln Im N", 3}}};
   const Band all[] = {{"chatter", "chatter", &bands.chatter}, {"two impacts", "two-impact", &bands.two_impact}};
   std::size_t colour = 2;
   std::string spans;
   for (const Band& band : all) {
     if (band.points->empty()) continue;
-    const frac::PowerLaw law = band_law(*band.points);
+    const frac::PowerLaw law = frac::fit_power_law(omega_of(*band.points), imaginary_of(*band.points));
     const Slopes slopes = local_slopes(*band.points);
     orders.rows.push_back({band.name, band.points->front().omega, band.points->back().omega, law.exponent,
                            law.exponent_ci95_lower, law.exponent_ci95_upper, slopes.slope.front(), slopes.slope.back(),
@@ -168,25 +156,18 @@ Section slope_section(const Work& work, const Bands& bands) {
                                                   {"order", html_number(law.exponent, 3)},
                                                   {"first", html_number(slopes.slope.front(), 3)},
                                                   {"last", html_number(slopes.slope.back(), 3)}});
-    section.facts.emplace_back("fitted_order_" + band.file_name, law.exponent);
+    section.fact("fitted_order_" + band.file_name, law.exponent);
   }
   const Slopes low = local_slopes(sweeps.front().points);
-  section.findings.push_back(prose(
+  section.finding(prose(
       "slope", "finding",
       {{"slope", html_number(low.slope.front())}, {"omega", html_number(low.omega.front(), 3)}, {"spans", spans}}));
-  section.facts.emplace_back("lowest_local_slope", low.slope.front());
-  Figure figure;
-  figure.name = "local-slope";
-  figure.caption = prose("slope", "figure",
-                         {{"force", html_number(scene.force)},
-                          {"clearance", html_number(scene.clearance)},
-                          {"restitution", html_number(scene.restitution)}});
-  figure.panels = {std::move(panel)};
-  figure.panel_height = 380;
-  section.blocks.emplace_back(std::move(figure));
-  section.blocks.emplace_back(std::move(orders));
-  section.blocks.emplace_back(std::move(table));
-  section.blocks.emplace_back(Html{paragraph("slope", "consequences")});
+  section.fact("lowest_local_slope", low.slope.front());
+  section.add(
+      Figure{"local-slope", prose("slope", "figure", {{"scene", base_scene_text(scene)}}), {std::move(panel)}, 1, 380});
+  section.add(std::move(orders));
+  section.add(std::move(table));
+  section.add(Html{paragraph("slope", "consequences")});
   return section;
 }
 

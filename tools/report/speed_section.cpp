@@ -94,12 +94,8 @@ void add_describing_function(Section& section, const Work& work) {
                {"setting", "setting"},
                {"relative_error", "relative error", 2},
                {"seconds", "seconds", 3},
-               {"order", "order", 2}},
-              {}};
-  Panel panel;
-  panel.title = "One describing-function value";
-  panel.x = {"seconds", true, {}, {}};
-  panel.y = {"relative error of N", true, 1e-17, 1.0};
+               {"order", "order", 2}}};
+  Panel panel{"One describing-function value", {"seconds", true}, {"relative error of N", true, 1e-17, 1.0}};
   panel.key = true;
   const FixedStepScene fixed{scene.mass1, scene.mass2, scene.clearance, scene.restitution, scene.force};
   std::size_t colour = 0;
@@ -151,15 +147,15 @@ void add_describing_function(Section& section, const Work& work) {
                         {"error", html_number(100 * step_error.back(), 2)}});
     }
   }
-  if (compared) section.findings.push_back(prose("speed", "finding", {{"comparison", *compared}}));
+  if (compared) section.finding(prose("speed", "finding", {{"comparison", *compared}}));
   Figure figure;
   figure.name = "speed-describing-function";
   figure.caption = prose("speed", "describing-function-figure");
   figure.panels = {std::move(panel)};
   figure.panel_height = 340;
-  section.blocks.emplace_back(Html{prose("speed", "describing-function-heading")});
-  section.blocks.emplace_back(std::move(figure));
-  section.blocks.emplace_back(std::move(table));
+  section.add(Html{prose("speed", "describing-function-heading")});
+  section.add(std::move(figure));
+  section.add(std::move(table));
 }
 
 struct Measured {
@@ -203,10 +199,10 @@ void add_power(Section& section) {
   Panel by_size, by_time;
   by_size.title = "Error against number of poles";
   by_size.x = {"poles", true, 1.0, 100.0};
-  by_size.y = {"largest relative error", true, {}, {}};
+  by_size.y = {"largest relative error", true};
   by_time.title = "Error against time";
-  by_time.x = {"nanoseconds per value", true, {}, {}};
-  by_time.y = {"", true, {}, {}};
+  by_time.x = {"nanoseconds per value", true};
+  by_time.y = {"", true};
   by_time.key = true;
   std::vector<std::vector<double>> errors(std::size(bands)), times(std::size(bands));
   std::vector<double> sizes;
@@ -234,8 +230,7 @@ void add_power(Section& section) {
   Table sums{
       "speed-grunwald-letnikov",
       prose("speed", "grunwald-letnikov"),
-      {{"method", "method"}, {"relative_error", "largest relative error", 3}, {"nanoseconds", "ns per value", 3}},
-      {}};
+      {{"method", "method"}, {"relative_error", "largest relative error", 3}, {"nanoseconds", "ns per value", 3}}};
   std::vector<double> error, time;
   for (const std::size_t memory : {10U, 100U, 1000U, 10000U}) {
     // The response of a long memory is a long sum.  Few frequencies are enough to show its error, which is largest at
@@ -262,10 +257,10 @@ void add_power(Section& section) {
   figure.columns = 2;
   figure.panel_height = 320;
   figure.panels = {std::move(by_size), std::move(by_time)};
-  section.blocks.emplace_back(Html{prose("speed", "power-heading")});
-  section.blocks.emplace_back(std::move(figure));
-  section.blocks.emplace_back(std::move(ladders));
-  section.blocks.emplace_back(std::move(sums));
+  section.add(Html{prose("speed", "power-heading")});
+  section.add(std::move(figure));
+  section.add(std::move(ladders));
+  section.add(std::move(sums));
 }
 
 }  // namespace

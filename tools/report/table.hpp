@@ -26,7 +26,7 @@ struct Table {
   std::string name;     // file stem, [a-z0-9-]
   std::string caption;  // HTML
   std::vector<Column> columns;
-  std::vector<std::vector<Cell>> rows;
+  std::vector<std::vector<Cell>> rows = {};
   bool on_page = true;              // false: too long to be read, CSV only
   std::size_t rows_on_page = 1000;  // the rest stands in the CSV, and the page says so
 };

@@ -41,9 +41,9 @@ Figure time_figure(const std::string& name, const frac::TimeResponseData& data,
   output.title = "Output";
   input.title = "Input";
   residual.title = "Residuals of the chosen structure, " + enhanced_escape(result.ranking.at(result.chosen).name);
-  output.x = input.x = residual.x = {"t in s", false, {}, {}};
-  output.y = {"unit of the file", false, {}, {}};
-  input.y = {"unit of the file", false, {}, {}};
+  output.x = input.x = residual.x = {"t in s"};
+  output.y = {"unit of the file"};
+  input.y = {"unit of the file"};
   residual.y = {data.sigma().empty() ? "data − model" : "(data − model)/sigma", false, {}, {}};
   output.key = true;
   const std::vector<double> time = at(data.time(), data.observed());
@@ -62,12 +62,11 @@ Figure time_figure(const std::string& name, const frac::TimeResponseData& data,
   residual.curves.push_back(make_curve("", category_colour(0), Mark::line, {time.front(), time.back()}, {0.0, 0.0}));
   residual.curves.push_back(make_curve("", "#222222", Mark::open_points, time, rest));
   input.curves.push_back(input_curve(data));
-  Figure figure;
-  figure.name = name;
-  figure.caption = prose("time", "figure", {{"model", escape_html(result.ranking.at(result.chosen).name)}});
-  figure.panel_height = 230;
-  figure.panels = {std::move(output), std::move(residual), std::move(input)};
-  return figure;
+  return {name,
+          prose("time", "figure", {{"model", escape_html(result.ranking.at(result.chosen).name)}}),
+          {std::move(output), std::move(residual), std::move(input)},
+          1,
+          230};
 }
 
 }  // namespace
@@ -84,7 +83,7 @@ Section time_section(const Work& work, const std::string& name, const frac::Time
   const std::string outputs = std::to_string(data.observed().size());
   if (data.observed().size() < read.size()) text += " " + prose("time", "thinned", {{"outputs", outputs}});
   for (const std::string& note : notes) text += " " + escape_html(note);
-  section.blocks.emplace_back(Html{"<p>" + text + "</p>"});
+  section.add(Html{"<p>" + text + "</p>"});
 
   // The offset is fitted beside the parameters of each structure.
   const std::vector<frac::NamedModel> models = candidates_for(data.observed().size(), 1);
@@ -100,7 +99,7 @@ Section time_section(const Work& work, const std::string& name, const frac::Time
     return section;
   }
   const frac::IdentificationResult& result = *found;
-  section.blocks.emplace_back(time_figure(section.id, data, result));
+  section.add(time_figure(section.id, data, result));
   add_verdict(section, name, result);
   return section;
 }
