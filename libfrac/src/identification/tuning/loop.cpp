@@ -154,9 +154,9 @@ ErrorIntegrals LoopSimulation::operator()(const FractionalPidGains& gains, doubl
   for (int n = 0; n < samples_; ++n) {
     const double error = (load_step_ ? 0 : 1) - output;
     double control = gains.kp * error + (load_step_ ? 1 : 0);
-    if (integral) control += gains.ki * (*integral)(error);
+    if (integral) control += gains.ki * integral->step(error);
     if (derivative) {
-      filtered += share * ((*derivative)(error)-filtered);
+      filtered += share * (derivative->step(error) - filtered);
       control += gains.kd * filtered;
     }
     result.iae += std::abs(error) * step_;
