@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 
+#include "digital/z_plane.hpp"
 #include "frac/grunwald_letnikov.hpp"
 #include "support/expect_invalid_argument.hpp"
 
@@ -53,7 +54,7 @@ TEST(Discretise, TustinIsTheBilinearRule) {
   for (const double omega : {1e-3, 1.0, 100.0, 3000.0}) {
     const Complex s(0, 2 / time_step * std::tan(omega * time_step / 2));
     const Complex expected = 2.0 * (s + 3.0) * (s + 200.0) / ((s + 1.0) * (s + 40.0));
-    const Complex delta = frac::delta_at(omega, time_step);
+    const Complex delta = frac::detail::delta_at(omega, time_step);
     Complex cascade = sections.cascade.gain;
     for (const auto& section : sections.cascade.sections) cascade *= 1.0 + section.feed / (delta + section.rate);
     EXPECT_LT(std::abs(cascade / expected - 1.0), 1e-14);
@@ -94,7 +95,7 @@ TEST(Discretise, AlAlaouiIsItsRule) {
     const Complex z = std::polar(1.0, omega * time_step);
     const Complex s = 8.0 / (7 * time_step) * (z - 1.0) / (z + 1.0 / 7);
     const Complex expected = 2.0 * (s + 3.0) / (s + 500.0);
-    EXPECT_LT(std::abs(sections.parallel.response(frac::delta_at(omega, time_step)) / expected - 1.0), 1e-13);
+    EXPECT_LT(std::abs(sections.parallel.response(frac::detail::delta_at(omega, time_step)) / expected - 1.0), 1e-13);
   }
 }
 

@@ -15,8 +15,10 @@ namespace frac {
 
 /// How a whole fractional transfer function is made rational.
 enum class RealisationMethod {
-  joint,         // one set of poles for the whole model: its own poles, and real ones along the branch cut; the default
-  term_by_term,  // every power of s by a ladder (approximate.hpp), powers a whole number apart sharing one
+  /// One set of poles for the whole model: its own poles, and real ones along the branch cut.  The default.
+  joint,
+  /// Every power of s by a ladder (approximate.hpp); powers a whole number apart share one.
+  term_by_term,
 };
 /// joint, term-by-term.
 [[nodiscard]] std::string_view to_string(RealisationMethod method);
@@ -26,24 +28,29 @@ enum class RealisationMethod {
 
 /// sum_k residues[k]/(s - pole)^(k+1), for a complex pole (above the real axis) together with the conjugate.
 struct Mode {
-  std::complex<double> pole;  // rad/s
+  /// rad/s.
+  std::complex<double> pole;
   std::vector<std::complex<double>> residues;
 };
 
 /// x' = A x + B u, y = C x + D u(t); the dead time of the model, which belongs in front, is kept apart.
 struct StateSpace {
   std::size_t states = 0;
-  std::vector<double> a;  // states x states, row after row
-  std::vector<double> b;  // states
-  std::vector<double> c;  // states
+  /// states x states numbers, row after row.
+  std::vector<double> a;
+  /// As many numbers as states, like c.
+  std::vector<double> b;
+  std::vector<double> c;
   double d = 0;
   /// C (j omega - A)^-1 B + D, omega in rad/s.
   [[nodiscard]] std::complex<double> response(double omega) const;
 };
 
 enum class RationalModelStatus {
-  met,             // the tolerance is kept
-  not_attainable,  // it is not; the result is the best found
+  /// The tolerance is kept.
+  met,
+  /// It is not; the result is the best found.
+  not_attainable,
 };
 /// met, not-attainable.
 [[nodiscard]] std::string_view to_string(RationalModelStatus status);
@@ -53,20 +60,30 @@ struct RationalModel {
   FractionalTransferFunction model;
   FrequencyBand band;
   double tolerance;
-  RealisationMethod method;  // joint falls back on term_by_term where that needs fewer states
-  double delay;              // s, of the model
-  double direct = 0;         // D
-  std::vector<Mode> modes;   // by rising |pole|
+  /// Falls back from joint to term_by_term where that needs fewer states.
+  RealisationMethod method;
+  /// Dead time of the model, s.
+  double delay;
+  /// D, the gain at infinite frequency.
+  double direct = 0;
+  /// By rising |pole|.
+  std::vector<Mode> modes;
   std::size_t states = 0;
-  bool stable = false;  // all poles left of the imaginary axis
-  double max_relative_error =
-      0;  // largest |H(j omega)/G(j omega) - 1| on the band, on `grid_points` and between the worst
-  double omega_at_maximum = 0;  // rad/s
-  double max_decibels = 0;      // |20 log10 |H/G||
-  double max_degrees = 0;       // |arg(H/G)|
-  int grid_points = 0;          // at least ten times as many as those of the design
+  /// All poles lie left of the imaginary axis.
+  bool stable = false;
+  /// Largest |H(j omega)/G(j omega) - 1| on the band: on `grid_points` frequencies, refined about the worst of them.
+  double max_relative_error = 0;
+  /// Where that is reached, rad/s.
+  double omega_at_maximum = 0;
+  /// Largest |20 log10 |H/G||.
+  double max_decibels = 0;
+  /// Largest |arg(H/G)|.
+  double max_degrees = 0;
+  /// At least ten times as many as the design was made on.
+  int grid_points = 0;
   RationalModelStatus status = RationalModelStatus::met;
-  std::string message;  // one sentence
+  /// One sentence.
+  std::string message;
 
   /// H(j omega), dead time not included.
   [[nodiscard]] std::complex<double> response(double omega) const;
@@ -89,8 +106,10 @@ struct RationalModel {
 /// Balanced form: controllability and observability Gramian are equal and diagonal, falling.
 struct BalancedForm {
   StateSpace system;
-  std::vector<double> hankel_singular_values;  // falling
-  double max_relative_error = 0;               // |H/G - 1| of this form, which rounding may enlarge
+  /// Falling.
+  std::vector<double> hankel_singular_values;
+  /// Largest |H/G - 1| of this form on the band, which rounding may enlarge.
+  double max_relative_error = 0;
 };
 /// @throws std::domain_error  the system is not stable, or two modes are too alike to be balanced in extended
 /// precision.

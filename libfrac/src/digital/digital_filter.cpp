@@ -10,6 +10,7 @@
 #include "base/number_text.hpp"
 #include "section_kernel.hpp"
 #include "tap_line.hpp"
+#include "z_plane.hpp"
 
 namespace frac {
 namespace {
@@ -55,14 +56,14 @@ void check(const DigitalFilterDesign& design, int most_whole) {
 }  // namespace
 
 std::complex<double> DigitalFilterDesign::response(double omega) const {
-  const std::complex<double> delta = delta_at(omega, sample_time);
+  const std::complex<double> delta = detail::delta_at(omega, sample_time);
   const std::complex<double> z = 1.0 + delta;
   std::complex<double> value = sections.response(delta);
   for (std::size_t i = 0; i < pair_rates.size(); ++i) {
     value += 0.5 * (pair_weights[i] / (delta + pair_rates[i]) +
                     std::conj(pair_weights[i]) / (delta + std::conj(pair_rates[i])));
   }
-  value *= response_of_taps(taps, delta);
+  value *= detail::response_of_taps(taps, delta);
   for (int i = 0; i < differences; ++i) value *= delta / z / sample_time;
   for (int i = 0; i < integrators; ++i) {
     value *= sample_time * ((rule == IntegratorRule::held ? 0.0 : 0.5) + 1.0 / delta);

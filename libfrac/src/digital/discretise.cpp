@@ -18,6 +18,7 @@
 #include "power_design.hpp"
 #include "section_form.hpp"
 #include "special/exact_power.hpp"
+#include "z_plane.hpp"
 
 namespace frac {
 namespace {
@@ -263,18 +264,6 @@ Complex ParallelSections::response(Complex delta) const {
   return sum;
 }
 
-Complex response_of_taps(std::span<const double> taps, Complex delta) {
-  const Complex back = 1.0 / (1.0 + delta);
-  Complex sum = 0;
-  for (auto tap = taps.rbegin(); tap != taps.rend(); ++tap) sum = sum * back + *tap;
-  return sum;
-}
-
-Complex delta_at(double omega, double sample_time) {
-  const double half = omega * sample_time / 2;
-  return 2 * std::sin(half) * Complex(-std::sin(half), std::cos(half));
-}
-
 DigitalSections discretise(const ZeroPoleGain& system, double sample_time, Discretisation method) {
   check_sample_time(sample_time, "discretise");
   if (method != Discretisation::tustin && method != Discretisation::al_alaoui) {
@@ -287,8 +276,8 @@ DigitalSections discretise(const ZeroPoleGain& system, double sample_time, Discr
 }
 
 Complex DigitalPower::response(double omega) const {
-  const Complex delta = delta_at(omega, sample_time);
-  Complex value = cascade.gain * response_of_taps(taps, delta);
+  const Complex delta = detail::delta_at(omega, sample_time);
+  Complex value = cascade.gain * detail::response_of_taps(taps, delta);
   for (const DeltaSection& section : cascade.sections) value *= 1.0 + section.feed / (delta + section.rate);
   for (int i = 0; i < differences; ++i) value *= delta / (1.0 + delta) / sample_time;
   for (int i = 0; i < integrators; ++i) value *= sample_time * (0.5 + 1.0 / delta);

@@ -16,6 +16,7 @@
 #include "power_design.hpp"
 #include "section_kernel.hpp"
 #include "tap_line.hpp"
+#include "z_plane.hpp"
 
 namespace frac {
 namespace {
@@ -245,13 +246,13 @@ FractionalPidDesign::FractionalPidDesign(const FractionalPidConfig& config) : co
 
 std::complex<double> FractionalPidDesign::response(double omega) const {
   const double time = config_.sample_time;
-  const std::complex<double> delta = delta_at(omega, time);
+  const std::complex<double> delta = detail::delta_at(omega, time);
   const auto filter = [&](const PidOperator& design) {
     std::complex<double> sum = design.direct;
     for (std::size_t i = 0; i < design.sections; ++i) {
       sum += design.weights[i] * (design.output == SectionOutput::state ? 1.0 : delta) / (delta + design.rates[i]);
     }
-    return design.tap_count == 0 ? sum : sum * response_of_taps({design.taps.data(), design.tap_count}, delta);
+    return design.tap_count == 0 ? sum : sum * detail::response_of_taps({design.taps.data(), design.tap_count}, delta);
   };
   const auto& [kp, ki, kd, lambda, mu] = config_.gains;
   const std::complex<double> difference = delta / (1.0 + delta) / time;

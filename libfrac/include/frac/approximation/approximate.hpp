@@ -16,14 +16,22 @@ namespace frac {
 
 /// How the fractional part s^a, -1 < a < 1, of a power of s is made rational.  a < 0 is the reciprocal of -a.
 enum class ApproximationMethod {
-  ladder,             // least largest error over all real poles and zeros placed symmetrically on the band; the default
-  oustaloup,          // Oustaloup, Levron, Mathieu, Nanot (2000); on its own band the edge error never vanishes
-  oustaloup_widened,  // the same on a band wider by the margin that makes the error on the asked band smallest
-  refined_oustaloup,  // Xue, Zhao, Chen (2006), b = 10, d = 9, with mid-band gain exactly 1; levels off at 2.7 .. 12 %
-  matsuda,            // Matsuda, Fujii (1993): interpolates x^a at 2N+1 real points spread evenly in logarithm
-  carlson,  // Carlson, Halijak (1964): Halley's iteration for roots s^(1/q); products of them for a = m/q, q <= 10
-  cfe,      // continued fraction of s^a at mid-band, its [N/N] Pade approximant
-  charef,   // Charef, Sun, Tsao, Onaral (1992): corners at equal steps of the asymptotes
+  /// Least largest error over all real poles and zeros placed symmetrically on the band; the default.
+  ladder,
+  /// Oustaloup, Levron, Mathieu, Nanot (2000).  On its own band the error at the edges never vanishes.
+  oustaloup,
+  /// The same on a band wider by the margin that makes the error on the asked band smallest.
+  oustaloup_widened,
+  /// Xue, Zhao, Chen (2006) with b = 10, d = 9 and a mid-band gain of exactly 1.  Its error levels off at 2.7 to 12 %.
+  refined_oustaloup,
+  /// Matsuda, Fujii (1993): interpolates x^a at 2N+1 real points spread evenly in logarithm.
+  matsuda,
+  /// Carlson, Halijak (1964): Halley's iteration for roots s^(1/q), and products of them for a = m/q, q <= 10.
+  carlson,
+  /// Continued fraction of s^a at mid-band: its [N/N] Pade approximant.
+  cfe,
+  /// Charef, Sun, Tsao, Onaral (1992): corners at equal steps of the asymptotes.
+  charef,
 };
 
 /// Names as on the command line: ladder, oustaloup, oustaloup-widened, refined-oustaloup, matsuda, carlson, cfe,
@@ -47,9 +55,12 @@ struct Tolerance {
 using ApproximationGoal = std::variant<PoleCount, Tolerance>;
 
 enum class ApproximationStatus {
-  as_asked,        // poles were given
-  met,             // the tolerance is kept, and the method's design with a pole less does not keep it
-  not_attainable,  // the tolerance is not kept; the result is the best found
+  /// The number of poles was given.
+  as_asked,
+  /// The tolerance is kept, and the method's design with one pole less does not keep it.
+  met,
+  /// The tolerance is not kept; the result is the best found.
+  not_attainable,
 };
 
 /// met, as-asked, not-attainable.
@@ -58,10 +69,14 @@ enum class ApproximationStatus {
 /// Deviation of H(j omega)/(j omega)^order from 1 on the band, in extended precision from the zeros, poles and gain as
 /// they are stored, on a grid ten times denser than that of the design and refined at the largest value.
 struct ApproximationError {
-  double max_relative = 0;      // |H/(j omega)^order - 1|
-  double omega_at_maximum = 0;  // rad/s, where that is reached
-  double max_decibels = 0;      // |20 log10 |H/(j omega)^order||
-  double max_degrees = 0;       // |arg(H/(j omega)^order)|
+  /// |H/(j omega)^order - 1|.
+  double max_relative = 0;
+  /// Where that is reached, rad/s.
+  double omega_at_maximum = 0;
+  /// |20 log10 |H/(j omega)^order||.
+  double max_decibels = 0;
+  /// |arg(H/(j omega)^order)|.
+  double max_degrees = 0;
   int grid_points = 0;
 };
 

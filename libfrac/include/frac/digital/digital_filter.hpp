@@ -17,8 +17,10 @@ namespace frac {
 
 /// How a whole integration is done.
 enum class IntegratorRule {
-  held,         // T/(z - 1): exact for an input that is constant between samples
-  trapezoidal,  // T/2 (z + 1)/(z - 1)
+  /// T/(z - 1): exact for an input that is constant between samples.
+  held,
+  /// T/2 (z + 1)/(z - 1).
+  trapezoidal,
 };
 
 /// A recursion in first-order sections side by side:

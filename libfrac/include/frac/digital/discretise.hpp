@@ -14,12 +14,17 @@ namespace frac {
 /// How a continuous-time operator becomes a recursion in the samples.  tan x/x stands for the stretching of the
 /// frequency axis by the bilinear rule, x = omega T/2.
 enum class Discretisation {
-  direct,            // designed in z: sections by the backward difference, and some taps ahead of them that make up
-                     // for the rule's gain and phase up to the band's edge; the default
-  tustin,            // bilinear rule; of s^a the gain is (tan x/x)^a too large, the phase exact
-  tustin_prewarped,  // the same times the factor that makes it exact at the upper edge of the band
-  al_alaoui,         // s = 8 (z - 1)/(7 T (z + 1/7)), Al-Alaoui (1993); for comparison
-  grunwald_letnikov  // the first `memory_length` + 1 weights of (1 - 1/z)^a as a transversal filter; for comparison
+  /// Designed in z: sections by the backward difference, and ahead of them some taps that make up for the gain and the
+  /// phase of that rule up to the edge of the band.  The default.
+  direct,
+  /// Bilinear rule: the gain of s^a is (tan x/x)^a too large, its phase exact.
+  tustin,
+  /// The same times the factor that makes it exact at the upper edge of the band.
+  tustin_prewarped,
+  /// s = 8 (z - 1)/(7 T (z + 1/7)), Al-Alaoui (1993); for comparison.
+  al_alaoui,
+  /// The first `memory_length` + 1 weights of (1 - 1/z)^a as a transversal filter; for comparison.
+  grunwald_letnikov,
 };
 
 /// Names as on the command line: direct, tustin, tustin-prewarped, al-alaoui, grunwald-letnikov.
@@ -43,8 +48,10 @@ struct DeltaCascade {
 
 /// What the sum of parallel sections is taken over.
 enum class SectionOutput {
-  state,   // y = direct x + sum weight v
-  change,  // y = direct x + sum weight (x - rate v): `direct` is the gain at omega = 0, exactly
+  /// y = direct x + sum weight v.
+  state,
+  /// y = direct x + sum weight (x - rate v); `direct` is the gain at omega = 0, exactly.
+  change,
 };
 
 /// First-order sections v += x - rate v side by side.  Of the two outputs that one is used whose terms cancel less.
@@ -57,12 +64,6 @@ struct ParallelSections {
   /// At z = 1 + delta.
   [[nodiscard]] std::complex<double> response(std::complex<double> delta) const;
 };
-
-/// sum taps_k z^-k at z = 1 + delta.
-[[nodiscard]] std::complex<double> response_of_taps(std::span<const double> taps, std::complex<double> delta);
-
-/// z - 1 at z = e^{j omega T}, without cancellation at low frequency.
-[[nodiscard]] std::complex<double> delta_at(double omega, double sample_time);
 
 /// A rational function in first-order sections, by the bilinear rule (or Al-Alaoui's).
 struct DigitalSections {
@@ -83,21 +84,27 @@ struct DigitalSections {
 /// in (0, 2).
 struct DigitalPower {
   double order;
-  FrequencyBand band;  // rad/s, as asked
-  double sample_time;  // s
+  /// As asked, rad/s.
+  FrequencyBand band;
+  /// s.
+  double sample_time;
   Discretisation method;
-  Approximation prototype = {};  // of the fractional part, in the variable the rule puts for s, on the band it becomes
+  /// Of the fractional part, in the variable that the rule puts for s, on the band that the band becomes there.
+  Approximation prototype = {};
   int differences = 0;
   int integrators = 0;
   DeltaCascade cascade = {};
   ParallelSections parallel = {.output = SectionOutput::state, .direct = 1, .rates = {}, .weights = {}};
-  std::vector<double> taps = {1};  // of direct, and of grunwald_letnikov, which has no sections
-  ApproximationError error = {};   // of H(e^{j omega T})/(j omega)^order on the band
-  /// Largest |H| between the upper edge of the band and pi/T, over |(j omega)^order| or, of a falling power, over that
-  /// at the edge.
+  /// Of `direct`, and of `grunwald_letnikov`, which has no sections.
+  std::vector<double> taps = {1};
+  /// Of H(e^{j omega T})/(j omega)^order on the band.
+  ApproximationError error = {};
+  /// Largest |H| between the upper edge of the band and pi/T, divided by |(j omega)^order|; for a falling power, by its
+  /// value at the edge.
   double most_amplification = 1;
   ApproximationStatus status = ApproximationStatus::as_asked;
-  std::string message = {};  // one sentence
+  /// One sentence.
+  std::string message = {};
 
   /// H(e^{j omega T}), omega in rad/s, in (0, pi/T).
   [[nodiscard]] std::complex<double> response(double omega) const;

@@ -19,8 +19,10 @@ namespace frac {
 /// What the fractional integral does while the output is at a limit.
 enum class AntiWindup {
   none,
-  back_calculation,        // (limit - output)/tracking_time^lambda is added to its input, within the same sample
-  conditional_integration  // it takes in only as much as the output can follow, and nothing that pushes it further
+  /// (limit - output)/tracking_time^lambda is added to its input, within the same sample.
+  back_calculation,
+  /// It takes in only as much as the output can follow, and nothing that pushes it further.
+  conditional_integration,
 };
 
 /// none, back-calculation, conditional-integration.
@@ -33,17 +35,26 @@ enum class AntiWindup {
 ///   u = kp (b r - y) + ki s^-lambda (r - y) + kd s^mu F(s) (c r - y),   F = 1/(1 + derivative_filter_time s).
 struct FractionalPidConfig {
   FractionalPidGains gains;
-  double sample_time = 0;  // s
-  FrequencyBand band{};    // rad/s, on which s^(1 - lambda) and s^mu hold; not needed where all orders are 1
-  ApproximationGoal goal = Tolerance{1e-3};  // largest relative error on the band, or a number of poles
-  double minimum = -std::numeric_limits<double>::infinity();  // of the output
+  /// s.
+  double sample_time = 0;
+  /// On which s^(1 - lambda) and s^mu hold, rad/s; not needed where all orders are 1.
+  FrequencyBand band{};
+  /// Largest relative error on the band, or a number of poles.
+  ApproximationGoal goal = Tolerance{1e-3};
+  /// Limits of the output.
+  double minimum = -std::numeric_limits<double>::infinity();
   double maximum = std::numeric_limits<double>::infinity();
   AntiWindup anti_windup = AntiWindup::back_calculation;
-  double tracking_time = 0;                                // s, of back_calculation; 0: Ti = (kp/ki)^(1/lambda)
-  double derivative_filter_time = 0;                       // s
-  double setpoint_weight = 1;                              // b
-  double derivative_setpoint_weight = 1;                   // c; 0: derivative on the measurement
-  Discretisation discretisation = Discretisation::direct;  // or tustin, tustin_prewarped, al_alaoui
+  /// Of back_calculation, s; 0 stands for Ti = (kp/ki)^(1/lambda).
+  double tracking_time = 0;
+  /// s.
+  double derivative_filter_time = 0;
+  /// b.
+  double setpoint_weight = 1;
+  /// c; 0 puts the derivative on the measurement.
+  double derivative_setpoint_weight = 1;
+  /// direct, tustin, tustin_prewarped or al_alaoui.
+  Discretisation discretisation = Discretisation::direct;
   /// Of `direct`: how far the derivative's answer to a step of the set-point may rise again after its peak, over the
   /// peak, lag included (mu > 1: of the answer's running sum).  0 to 10; more is more accurate at the upper edge of the
   /// band, and rings from sample to sample.  (The rule of Al-Alaoui swings by 1/7 at mu = 1.)
@@ -58,14 +69,18 @@ struct FractionalPidConfig {
 struct PidOperator {
   static constexpr std::size_t capacity = 64;
   static constexpr std::size_t tap_capacity = 14;
-  std::size_t tap_count = 0;  // even, filled up with a 0; 0: x is the input itself
+  /// Even, filled up with a tap of 0; 0 where x is the input itself.
+  std::size_t tap_count = 0;
   std::array<double, tap_capacity> taps{};
   SectionOutput output = SectionOutput::state;
   double direct = 1;
-  double high_gain = 1;  // dy/d(input) within one sample
+  /// dy/d(input) within one sample.
+  double high_gain = 1;
   std::size_t sections = 0;
-  std::size_t size = 0;                  // sections filled up to whole groups of 8 with rate 1 and weight 0
-  std::array<double, capacity> rates{};  // rising up to `sections`
+  /// Sections filled up to whole groups of 8, with rate 1 and weight 0.
+  std::size_t size = 0;
+  /// Rising up to `sections`.
+  std::array<double, capacity> rates{};
   std::array<double, capacity> weights{};
 };
 
@@ -125,15 +140,21 @@ struct PidCoefficients {
   Real kp = 0, ki = 0, kd = 0;
   Real setpoint_weight = 1, derivative_setpoint_weight = 1;
   Real sample_time = 1, half_time = 0;
-  Real lag_share = 1, inverse_lag_time = 0;  // T/(Tf + T), 1/(Tf + T)
-  bool differentiates = false;               // mu >= 1
+  /// T/(Tf + T) and 1/(Tf + T).
+  Real lag_share = 1, inverse_lag_time = 0;
+  /// mu >= 1.
+  bool differentiates = false;
   Real minimum = 0, maximum = 0;
   AntiWindup anti_windup = AntiWindup::none;
-  Real inverse_tracking = 0;       // tracking_time^-lambda
-  Real tracking_share = 1;         // 1/(1 + g tracking_time^-lambda), g = d(integral part)/d(its input) in one sample
-  Real integral_tap = 1;           // d(what the integral's sections take in)/d(its input) in one sample
-  Real integral_gain = 0;          // g
-  Real inverse_integral_gain = 0;  // 1/g
+  /// tracking_time^-lambda.
+  Real inverse_tracking = 0;
+  /// d(integral part)/d(its input) within one sample, called g below, and 1/g.
+  Real integral_gain = 0;
+  Real inverse_integral_gain = 0;
+  /// 1/(1 + g tracking_time^-lambda).
+  Real tracking_share = 1;
+  /// d(what the integral's sections take in)/d(its input) within one sample.
+  Real integral_tap = 1;
 };
 
 /// The controller in its loop.  step(), track(), reset() and adopt() take constant time, allocate nothing and throw

@@ -14,20 +14,26 @@ namespace frac {
 struct ResponseInput {
   enum class Kind { step, impulse, ramp, sine };
   Kind kind = Kind::step;
-  double omega = 0;  // rad/s, > 0, of the sine
+  /// Of the sine, rad/s, > 0.
+  double omega = 0;
 };
 
 enum class ResponseStatus {
-  exact,       // both methods agree within their rounding
-  inaccurate,  // they do not: error_estimate is the difference
-  infinite,    // the response is infinite at t, as s^0.5 is to a step at t = 0, or beyond the range of a double
+  /// Both methods agree within their rounding.
+  exact,
+  /// They do not; error_estimate is the difference.
+  inaccurate,
+  /// The response is infinite at t, as s^0.5 is to a step at t = 0, or exceeds a double.
+  infinite,
 };
 /// One sentence.
 [[nodiscard]] std::string_view explanation(ResponseStatus status) noexcept;
 
 struct ReferenceValue {
-  double value;           // unit of the output
-  double error_estimate;  // absolute; from the rounding of the method used, or the difference of the two
+  /// In the unit of the output.
+  double value;
+  /// Absolute: from the rounding of the method used, or the difference of the two.
+  double error_estimate;
   ResponseStatus status;
 };
 
