@@ -73,6 +73,19 @@ Json interval(double lower, double upper) {
   return {number(lower), number(upper)};
 }
 
+Json lack_of_fit_json(const frac::LackOfFit& lack) {
+  Json json{{"noise_from", frac::to_string(lack.source)},
+            {"noise", number(lack.noise)},
+            {"misfit", number(lack.misfit)},
+            {"p_value", number(lack.p_value)},
+            {"correlation", number(lack.correlation)},
+            {"correlation_p_value", number(lack.correlation_p_value)},
+            {"adequate", lack.adequate},
+            {"misses", Json::array()}};
+  for (const auto& band : lack.misses) json["misses"].push_back({number(band.lower), number(band.upper)});
+  return json;
+}
+
 void append_statistics(Json& json, const frac::FitResult& result, const FitStatistics& statistics, bool over_time) {
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
     const auto& estimate = result.parameters[i];
@@ -113,19 +126,6 @@ void append_statistics(Json& json, const frac::FitResult& result, const FitStati
     append_fit(grown, fit);
     json["growth"]["fits"].push_back(std::move(grown));
   }
-}
-
-Json lack_of_fit_json(const frac::LackOfFit& lack) {
-  Json json{{"noise_from", frac::to_string(lack.source)},
-            {"noise", number(lack.noise)},
-            {"misfit", number(lack.misfit)},
-            {"p_value", number(lack.p_value)},
-            {"correlation", number(lack.correlation)},
-            {"correlation_p_value", number(lack.correlation_p_value)},
-            {"adequate", lack.adequate},
-            {"misses", Json::array()}};
-  for (const auto& band : lack.misses) json["misses"].push_back({number(band.lower), number(band.upper)});
-  return json;
 }
 
 Json finalist_json(const frac::IdentificationResult& result, const std::optional<frac::Finalist>& finalist) {

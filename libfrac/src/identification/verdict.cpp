@@ -252,7 +252,7 @@ void judge_any(IdentificationResult& result, const Data& data, const Options& op
   }
   if (integer_fits) {
     // Where both meet the data to rounding, the simpler one has done so with less.
-    const bool both_exact = likelihood(i) == likelihood(f) && result.evidence < 0;
+    const bool both_exact = std::abs(likelihood(i) - likelihood(f)) < 1e-9 * n && result.evidence < 0;
     const bool refuted =
         both_exact || (result.evidence < refuted_evidence && !(of_integer > clearly_worse * of_fractional));
     const bool whole = result.evidence < no_evidence && orders.any_free && orders.all_whole;
