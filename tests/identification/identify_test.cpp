@@ -119,6 +119,101 @@ TEST(Identify, RefusesEmptyAndMismatchedInput) {
   EXPECT_THROW((void)frac::identify(data, {}, {{"short", {1.0}}}, both_parts()), std::invalid_argument);
 }
 
+// Systems of whole order beyond the presets: of third order, and a ladder of four RC arcs.
+TEST(Verdict, ThreePolesAndAnRcLadderAreOfWholeOrder) {
+  const std::vector<frac::NamedModel> all = frac::default_candidates();
+  for (const char* formula :
+       {"1/((s + 1) (2 s + 1) (0.3 s + 1))", "0.2 + 1/(0.03 s + 1) + 1.5/(0.3 s + 1) + 1/(3 s + 1) + 0.7/(30 s + 1)"}) {
+    const auto result = frac::identify(support::noisy_response(formula, {}, 0.01, 7u), all, {}, both_parts());
+    EXPECT_EQ(result.verdict, Verdict::fractional_not_supported) << result.verdict_sentence;
+    ASSERT_TRUE(result.integer.has_value());
+    EXPECT_TRUE(result.ranking.at(result.integer->index).name.starts_with("rational:")) << result.verdict_sentence;
+  }
+}
+
+TEST(Verdict, TwoZarcsAreFractional) {
+  const auto data = support::noisy_response("0.2 + 1/(0.3 s^0.8 + 1) + 2/(10 s^0.7 + 1)", {}, 0.01, 8u);
+  const auto result = frac::identify(data, frac::default_candidates(), {}, both_parts());
+  EXPECT_EQ(result.verdict, Verdict::fractional_supported) << result.verdict_sentence;
+  ASSERT_TRUE(result.fractional && result.integer);
+  EXPECT_LT(result.fractional->parameters, result.integer->parameters);
+  EXPECT_LT(result.fractional->prediction_rms, result.integer->prediction_rms);
+  EXPECT_TRUE(result.differ_most_omega < data.omega().front() || result.differ_most_omega > data.omega().back());
+}
+
+// Neither a lag nor a fractional lag follows three poles: one being better than the other says nothing.
+TEST(Verdict, NoneIsGivenAmongCandidatesThatAllMissTheData) {
+  const auto data = support::noisy_response("1/((s + 1) (2 s + 1) (0.3 s + 1))", {}, 0.01, 9u);
+  const auto result = frac::identify(data, models({"lag", "fractional-lag"}), {}, both_parts());
+  EXPECT_EQ(result.verdict, Verdict::no_adequate_model) << result.verdict_sentence;
+  for (const auto& ranked : result.ranking) {
+    EXPECT_FALSE(ranked.lack_of_fit.adequate) << ranked.name;
+    EXPECT_FALSE(ranked.lack_of_fit.misses.empty()) << ranked.name;
+  }
+}
+
+// A rational family is not grown on magnitudes alone.  While it was left out nothing is called fractional.
+TEST(Verdict, IsWithheldWhileARivalWasSkipped) {
+  frac::FitOptions options;
+  options.component = Component::magnitude;
+  const auto data = noisy("K/(T s^a + 1)", {2, 0.5, 0.6}, 0.01, 1);
+  EXPECT_EQ(frac::identify(data, models({"fractional-lag", "lag"}), {}, options).verdict,
+            Verdict::fractional_supported);
+  const auto result = frac::identify(data, models({"fractional-lag", "lag", "rational"}), {}, options);
+  EXPECT_EQ(result.verdict, Verdict::undecided) << result.verdict_sentence;
+  ASSERT_EQ(result.skipped.size(), 1u);
+  EXPECT_NE(result.skipped[0].find("rational"), std::string::npos);
+}
+
+// A resistance that the data hardly see: its standard error is many e-folds, and the first step of its profile
+// overflowed, which took the candidate from the ranking.
+TEST(Identify, AParameterNearItsBoundDoesNotRemoveTheCandidate) {
+  const std::vector<double> omega{
+      0.099999999999999992, 0.16681005372000587, 0.27825594022071243, 0.46415888336127786, 0.77426368268112689,
+      1.2915496650148839,   2.1544346900318834,  3.5938136638046254,  5.9948425031894086,  10};
+  const std::vector<std::complex<double>> value{
+      {0.98893184982450699, -0.099648117264274444}, {0.97209007246542956, -0.1629692113159818},
+      {0.92732324408576183, -0.25837705602939909},  {0.82294500142384786, -0.38202861302242536},
+      {0.62457546729412361, -0.48455837509680821},  {0.37429670364159756, -0.48455726973743757},
+      {0.17752120795004273, -0.38215214340453152},  {0.071445766585467516, -0.25861445720590787},
+      {0.027056420997598935, -0.16237603608876561}, {0.0099386880007395033, -0.098961054340117802}};
+  const auto result = frac::identify({omega, value}, frac::model_library(), {}, both_parts());
+  for (const std::string& skipped : result.skipped) EXPECT_EQ(skipped.find("finite"), std::string::npos) << skipped;
+}
+
+// White noise of the stated size passes: each test errs once in a thousand, so more than four of 300 have a chance of
+// 2e-5.
+TEST(LackOfFit, WhiteNoisePasses) {
+  int failures = 0;
+  for (unsigned seed = 1; seed <= 300; ++seed) {
+    const auto data = noisy("K/(T s + 1)", {2, 0.5}, 0.02, seed);
+    const auto result = frac::fit(data, frac::Structure("K/(T s + 1)"), both_parts());
+    failures += !frac::lack_of_fit(data, both_parts(), result).adequate;
+  }
+  EXPECT_LE(failures, 4);
+}
+
+TEST(LackOfFit, AMissedShapeAndAnUnderstatedSigmaFail) {
+  const auto data = noisy("K/(T s^a + 1)", {2, 0.5, 0.8}, 0.01, 3);
+  const auto lag = frac::fit(data, frac::Structure("K/(T s + 1)"), both_parts());
+  const auto missed = frac::lack_of_fit(data, both_parts(), lag);
+  EXPECT_EQ(missed.source, frac::NoiseSource::data);
+  EXPECT_FALSE(missed.adequate);
+  EXPECT_GT(missed.misfit, 2);
+
+  std::vector<double> sigma;
+  for (const auto& value : data.value()) sigma.push_back(0.005 * std::abs(value));
+  frac::FitOptions given = both_parts();
+  given.weight = frac::Weight::given;
+  const frac::FrequencyResponseData with_sigma(data.omega(), data.value(), sigma);
+  const auto fitted = frac::fit(with_sigma, frac::Structure("K/(T s^a + 1)"), given);
+  const auto understated = frac::lack_of_fit(with_sigma, given, fitted);
+  EXPECT_EQ(understated.source, frac::NoiseSource::sigma);
+  EXPECT_FALSE(understated.adequate);
+  // Twice the stated noise; 160 residuals tell a standard deviation to 6 %, of which this is five times.
+  EXPECT_NEAR(understated.misfit, 2, 0.6);
+}
+
 TEST(ModelLibrary, EveryPresetParsesAndIsConstrainedByName) {
   std::set<std::string> names;
   for (const frac::NamedModel& model : frac::model_library()) {

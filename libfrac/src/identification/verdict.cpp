@@ -176,6 +176,11 @@ std::string odds_text(double evidence) {
   return log10_odds > 6 ? "more than a million to 1" : number(std::pow(10.0, log10_odds)) + " to 1";
 }
 
+/// Whether all residuals are rounding, which have no correlation.
+bool meets_exactly(const RankedFit& ranked) {
+  return ranked.lack_of_fit.misfit == 1 && std::isnan(ranked.lack_of_fit.correlation);
+}
+
 template <class Data, class Options>
 void judge_any(IdentificationResult& result, const Data& data, const Options& options,
                const std::vector<Competitor>& competitors, bool rival_skipped) {
@@ -252,7 +257,7 @@ void judge_any(IdentificationResult& result, const Data& data, const Options& op
   }
   if (integer_fits) {
     // Where both meet the data to rounding, the simpler one has done so with less.
-    const bool both_exact = likelihood(i) == likelihood(f) && result.evidence < 0;
+    const bool both_exact = meets_exactly(i.ranked) && meets_exactly(f.ranked) && parameters(i) <= parameters(f);
     const bool refuted =
         both_exact || (result.evidence < refuted_evidence && !(of_integer > clearly_worse * of_fractional));
     const bool whole = result.evidence < no_evidence && orders.any_free && orders.all_whole;

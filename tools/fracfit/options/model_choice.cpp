@@ -103,6 +103,8 @@ std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& mo
     const auto [name, value] = assignment("--fix", text);
     auto& constraint = constraint_of(constraints, name);
     if (constraint.fixed) throw std::invalid_argument("--fix " + io::quoted(text) + ": " + name + " is fixed twice");
+    // A start is the model's own here: those of the user come below.
+    constraint.start.reset();
     constraint.fixed = number_of("--fix " + name, value);
   }
   for (const auto& text : given.start) {
