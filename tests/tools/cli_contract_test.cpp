@@ -118,8 +118,8 @@ TEST(Simulate, ColumnsAndHeaderAreThoseOfTheContract) {
 }
 
 TEST(Simulate, JoinedMassesMoveAsOne) {
-  const auto rows = rows_of(successful({"simulate", "--force", "40", "--clearance", "0", "--restitution", "0.6", "--mass1",
-                                        "2", "--mass2", "3", "--omega", "1,10"}));
+  const auto rows = rows_of(successful({"simulate", "--force", "40", "--clearance", "0", "--restitution", "0.6",
+                                        "--mass1", "2", "--mass2", "3", "--omega", "1,10"}));
   ASSERT_EQ(rows.size(), 2U);
   for (const auto& row : rows) {
     const double omega = std::stod(row[0]);
@@ -362,7 +362,8 @@ TEST(JumpLaw, ContactAtRestFollowsTheLimitFrequencyExactly) {
               {"fracfit", "command", "points", "laws", "a_of_clearance", "b_of_clearance", "published", "similarity"});
   EXPECT_EQ(json["points"].size(), 5U * 8U * 6U);
   for (const auto& point : json["points"]) {
-    EXPECT_EQ(keys_of(point), (std::vector<std::string>{"force", "clearance", "restitution", "omega_jump"}));
+    EXPECT_EQ(keys_of(point), (std::vector<std::string>{"force", "clearance", "restitution", "omega_jump", "force_n",
+                                                        "clearance_m", "omega_jump_rad_s"}));
     const double limit = std::sqrt(2 * point["force"].get<double>() / (4 * point["clearance"].get<double>()));
     EXPECT_NEAR(point["omega_jump"].get<double>() / limit, 1, 1e-14);
   }

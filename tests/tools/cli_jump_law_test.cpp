@@ -24,6 +24,21 @@ TEST(JumpLaw, WithoutAnyJumpItRanButHasNoUsableResult) {
   EXPECT_NE(json["constants"][0]["meaning"].get<std::string>().find("stick"), std::string::npos);
 }
 
+// Laws and constants name the same things alike, with units as the columns of CSV have them.
+TEST(JumpLaw, KeysAreThoseOfTheOtherOutputs) {
+  const auto laws = nlohmann::json::parse(run_fracfit({"jump-law"}).output);
+  const auto constants = nlohmann::json::parse(run_fracfit({"jump-law", "--constants"}).output);
+  for (const char* key : {"criterion", "mean_similarity_constant", "constants", "averaged", "left_out"}) {
+    ASSERT_TRUE(laws.contains(key) && constants.contains(key)) << key;
+    EXPECT_EQ(laws[key], constants[key]) << key;
+  }
+  const auto& point = laws["points"][0];
+  EXPECT_EQ(point["force_n"], point["force"]);
+  EXPECT_EQ(point["clearance_m"], point["clearance"]);
+  EXPECT_EQ(point["omega_jump_rad_s"], point["omega_jump"]);
+  EXPECT_EQ(laws["laws"][0]["clearance_m"], laws["laws"][0]["clearance"]);
+}
+
 TEST(JumpLaw, SaysWhichRestitutionsAreAveraged) {
   const auto result = run_fracfit({"jump-law", "--restitution", "0,0.05,0.6,1"});
   ASSERT_EQ(result.code, 0) << result.error;

@@ -232,7 +232,7 @@ std::string fit_table(const FitRun& run, const frac::FitResult& result, const Fi
 
 std::string identification_table(const FitRun& run, const frac::IdentificationResult& result,
                                  const std::vector<double>& prediction_rms) {
-  std::vector<std::string> names{"model", "class", "free", "rms", "delta AICc", "evidence"};
+  std::vector<std::string> names{"model", "class", "free", "rms", "delta AICc", "Akaike weight"};
   if (!prediction_rms.empty()) names.emplace_back("rms of predictions");
   names.emplace_back("");
   AlignedTable ranking(names, AlignedTable::Last::remark);

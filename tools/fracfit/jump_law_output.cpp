@@ -173,12 +173,18 @@ std::string jump_constants_json(const std::string& command, const backlash::Jump
 std::string jump_law_json(const JumpLawRun& run, const backlash::JumpLaw& law) {
   Json json = origin(run.command);
   json["scene"] = {{"mass1_kg", run.mass1}, {"mass2_kg", run.mass2}, {"criterion", backlash::to_string(law.criterion)}};
+  json["criterion"] = backlash::to_string(law.criterion);
+  json["mean_similarity_constant"] = law.mean_similarity_constant;
+  // Names with units, as in every other output, beside those without, which older readers know.
   json["points"] = Json::array();
   for (const auto& point : law.points)
     json["points"].push_back({{"force", point.force},
                               {"clearance", point.clearance},
                               {"restitution", point.restitution},
-                              {"omega_jump", point.omega_jump ? *point.omega_jump : Json(nullptr)}});
+                              {"omega_jump", point.omega_jump},
+                              {"force_n", point.force},
+                              {"clearance_m", point.clearance},
+                              {"omega_jump_rad_s", point.omega_jump}});
   json["constants"] = constants_json(law);
   json["averaged"] = averaged_count(law);
   json["left_out"] = law.constants.size() - averaged_count(law);
@@ -186,6 +192,7 @@ std::string jump_law_json(const JumpLawRun& run, const backlash::JumpLaw& law) {
   json["laws"] = Json::array();
   for (const auto& [clearance, force_law] : law.laws)
     json["laws"].push_back({{"clearance", clearance},
+                            {"clearance_m", clearance},
                             {"a", force_law.coefficient},
                             {"b", force_law.exponent},
                             {"a_ci95", {force_law.coefficient_ci95_lower, force_law.coefficient_ci95_upper}},
