@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "frac/model/algebra.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/relative_error.hpp"
 
@@ -79,6 +80,16 @@ TEST(FractionalTransferFunction, ReducesFormulas) {
     EXPECT_EQ(system.denominator(), each.denominator) << each.formula << " -> " << system.formula();
     EXPECT_EQ(system.delay(), each.delay) << each.formula;
   }
+}
+
+// 0.1 + 0.2 - 0.3 is 5.6e-17 in doubles: a term of that size would be a pole at -2e16 rad/s.  Formulas, terms and the
+// algebra of models agree that it is nothing.
+TEST(FractionalTransferFunction, WhatCancelsToRoundingIsNothing) {
+  const FractionalTransferFunction expected({{1, 0}}, {{1, 0.5}, {1, 0}});
+  EXPECT_EQ(FractionalTransferFunction::parse("1/(0.1 s + 0.2 s - 0.3 s + s^0.5 + 1)"), expected);
+  EXPECT_EQ(FractionalTransferFunction({{1, 0}}, {{0.1, 1}, {0.2, 1}, {-0.3, 1}, {1, 0.5}, {1, 0}}), expected);
+  const auto model = [](const char* formula) { return FractionalTransferFunction::parse(formula); };
+  EXPECT_EQ(model("0.1 s + s^0.5 + 1") + model("0.2 s") - model("0.3 s"), model("s^0.5 + 1"));
 }
 
 TEST(FractionalTransferFunction, WritesFormulas) {

@@ -114,7 +114,7 @@ TEST(RespondByAnyMethod, ChoosesTheCheapestThatMeetsTheTolerance) {
 // After 1600 periods of a double pole on the axis the exponentials, which stand around it, no longer cancel to nine
 // digits; the reference takes the pole itself.
 TEST(RespondByAnyMethod, TakesTheNextMethodWhereTheCheapestMisses) {
-  const auto resonant = model("1/(s^2 + 1)^2");
+  const auto resonant = model("1/(s^4 + 2 s^2 + 1)");
   const std::vector<double> time = even_times(1e4, 400);
   EXPECT_FALSE(frac::respond(resonant, ResponseInput{}, time, 1e-10, ResponseMethod::exponential_sum).meets_tolerance);
   const auto response = frac::respond(resonant, ResponseInput{}, time, 1e-10);
@@ -125,8 +125,10 @@ TEST(RespondByAnyMethod, TakesTheNextMethodWhereTheCheapestMisses) {
     EXPECT_NEAR(response.output[n], 1 - std::cos(t) - t / 2 * std::sin(t), 1e-10 * 5e3) << t;
   }
   // Coefficients known to rounding split a double pole by 1e-8: no method knows better, and none is tried for long.
-  EXPECT_FALSE(
-      frac::respond(model("1/(s^2 + 0.3)^2"), ResponseInput{}, even_times(1e4, 20'000), 1e-10).meets_tolerance);
+  const std::vector<double> dense = even_times(1e4, 20'000);
+  EXPECT_FALSE(frac::respond(model("1/(s^4 + 0.6 s^2 + 0.09)"), ResponseInput{}, dense, 1e-10).meets_tolerance);
+  // Given as a power it is not split.
+  EXPECT_TRUE(frac::respond(model("1/(s^2 + 0.3)^2"), ResponseInput{}, dense, 1e-10).meets_tolerance);
 }
 
 TEST(RespondByAnyMethod, MeetsTheToleranceForEveryNamedInputAtAnyInstants) {

@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 
+#include "frac/model/algebra.hpp"
 #include "frac/time_response/respond.hpp"
 #include "support/expect_invalid_argument.hpp"
 
@@ -52,6 +53,47 @@ TEST(Tune, KeepsTheSpecificationOfAPublishedExample) {
   EXPECT_NEAR((std::arg(at(0.008 * 1.0001)) - std::arg(at(0.008 * 0.9999))) / 2e-4, 0, 1e-6);
   for (double omega = 1e-5; omega <= 0.001; omega *= 1.05) EXPECT_LE(std::abs(1.0 / (1.0 + at(omega))), 0.1003);
   for (double omega = 10; omega < 1e3; omega *= 1.01) EXPECT_LE(std::abs(at(omega) / (1.0 + at(omega))), 0.1003);
+}
+
+// What tune() says of its loop is what margins() says of plant times controller; other crossovers are named, and |S|
+// is 1 at infinity where it stays below that.
+TEST(Tune, DescribesTheLoopAsAnAnalysisOfItDoes) {
+  for (const char* formula : {"5/((s + 1) (0.1 s + 1) (0.01 s + 1))", "exp(-0.1 s)/(s + 1)",
+                              "exp(-0.5 s)/(s^1.2 + 0.3 s^0.4 + 1)", "1/(0.8 s^2.2 + 0.5 s^0.9 + 1)", "2/(s + 1)^3"}) {
+    const auto plant = parsed(formula);
+    const TuningResult result = frac::tune(plant, {.crossover = 5, .phase_margin = 50 * degree});
+    const auto open_loop = plant * frac::controller_transfer_function(result.gains);
+    const frac::Margins exact = frac::margins(open_loop);
+    EXPECT_EQ(result.gain_margin, exact.gain_margin) << formula;
+    ASSERT_EQ(result.other_crossovers.size() + 1, exact.phase.size()) << formula;
+    bool listed = false;
+    for (const frac::Crossover& each : exact.phase) {
+      listed = listed || (each.omega == result.crossover && each.margin == result.phase_margin);
+    }
+    EXPECT_TRUE(listed) << formula;
+    EXPECT_GE(result.max_sensitivity, 1) << formula;
+    double s = 0;
+    double t = 0;
+    for (double omega = 1e-4; omega < 1e4; omega *= 1.001) {
+      const Complex value = loop(plant, result.gains, omega);
+      s = std::max(s, 1 / std::abs(1.0 + value));
+      t = std::max(t, std::abs(value) / std::abs(1.0 + value));
+    }
+    // A grid of 0.001 in ln omega misses a peak of a quality below 30 by less than 1e-4 of it.
+    EXPECT_LE(s, result.max_sensitivity * (1 + 1e-9)) << formula;
+    EXPECT_LE(t, result.max_complementary_sensitivity * (1 + 1e-9)) << formula;
+    EXPECT_GE(std::max(s, 1.0), result.max_sensitivity * (1 - 1e-4)) << formula;
+    EXPECT_GE(std::max(t, 1.0), result.max_complementary_sensitivity * (1 - 1e-4)) << formula;
+  }
+}
+
+TEST(Tune, SaysWhereElseTheGainIsOneAndWhatWasReached) {
+  const TuningResult result = frac::tune(parsed("5/((s + 1) (0.1 s + 1) (0.01 s + 1))"),
+                                         {.crossover = 5, .phase_margin = 50 * degree, .max_sensitivity = 1.7});
+  ASSERT_FALSE(result.other_crossovers.empty());
+  EXPECT_NE(result.message.find("|L| is 1 at "), std::string::npos) << result.message;
+  const TuningResult impossible = frac::tune(parsed("exp(-1 s)/(s + 1)"), {.crossover = 50, .max_sensitivity = 1.2});
+  EXPECT_EQ(impossible.status, TuningStatus::not_met);
 }
 
 TEST(Tune, BoundsTheSensitivityItStates) {

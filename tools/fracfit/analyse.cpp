@@ -54,6 +54,7 @@ std::string json_text(const Analysis& result, const std::string& command) {
   Json json = origin(command);
   json["model"] = result.model.formula();
   json["stability"] = frac::to_string(result.stability.stability);
+  if (!result.stability.remark.empty()) json["stability_remark"] = result.stability.remark;
   Json& poles = json["poles"] = Json::array();
   for (const auto& pole : result.stability.poles) {
     Json entry = complex_number(pole.value);
@@ -94,8 +95,9 @@ std::string complex_text(std::complex<double> value) {
 }
 
 std::string table_text(const Analysis& result) {
-  std::string text =
-      result.model.formula() + "\nstability: " + std::string(frac::to_string(result.stability.stability)) + "\n\n";
+  std::string text = result.model.formula() +
+                     "\nstability: " + std::string(frac::to_string(result.stability.stability)) + "\n" +
+                     (result.stability.remark.empty() ? "" : result.stability.remark + "\n") + "\n";
   if (result.stability.poles.empty()) {
     text += "no poles on the principal sheet\n";
   } else {

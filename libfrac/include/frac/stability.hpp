@@ -15,7 +15,7 @@ namespace frac {
 struct Pole {
   std::complex<double> value;  // rad/s
   int multiplicity;            // roots closer than one part in a thousand count as one
-  bool cancelled;              // the numerator vanishes there too, to 1e-9 of its terms
+  bool cancelled;              // the numerator vanishes there as many times, to 1e-9 of its terms
 };
 
 /// A root of the denominator as a polynomial in lambda = s^q, q the commensurate order.
@@ -43,6 +43,7 @@ struct StabilityAnalysis {
   /// As commensurate_order() of algebra.hpp finds it, if it is one of 1/1000 or more.
   std::optional<double> commensurate_order;
   std::vector<SheetRoot> sheet_roots;  // where there is a commensurate order (Matignon 1996)
+  std::string remark;                  // one sentence that says why the stability is undetermined; else empty
 };
 /// Of a model without regard to its dead time, which moves no pole.
 [[nodiscard]] StabilityAnalysis analyse_stability(const FractionalTransferFunction& model);
@@ -65,8 +66,8 @@ struct PeakGain {
 };
 [[nodiscard]] PeakGain h_infinity_norm(const FractionalTransferFunction& model);
 
-/// sqrt((1/pi) int_0^inf |G(j omega)|^2 d omega), relative error below 1e-12; infinite for a model that is not stable
-/// or falls no faster than omega^-1/2.
+/// sqrt((1/pi) int_0^inf |G(j omega)|^2 d omega), relative error below 1e-12 for damping ratios above 1e-5;
+/// infinite for a model that is not stable or falls no faster than omega^-1/2.
 [[nodiscard]] double h2_norm(const FractionalTransferFunction& model);
 
 struct Crossover {

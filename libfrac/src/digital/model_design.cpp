@@ -84,9 +84,12 @@ DigitalFilterDesign filter_design(const FractionalTransferFunction& model, doubl
   }
 
   // Step response of the model without its integration and dead time: constant + sum weight (e^{rate t} - 1).
-  const std::vector<PowerTerm> numerator = detail::scaled(model.numerator(), 1, integrates ? 1 : 0);
-  const detail::LaplaceImage step(numerator, detail::scaled(model.denominator(), 1, 1));
-  if (!step.poles().complete) throw std::domain_error("filter_design: the poles of the model could not be counted");
+  const detail::LaplaceImage step(detail::scaled(detail::numerator_of(model), 1, integrates ? 1 : 0),
+                                  detail::scaled(detail::denominator_of(model), 1, 1));
+  if (!step.poles().complete) {
+    throw std::domain_error("filter_design: the poles of the model could not be counted: " +
+                            std::string(step.poles().trouble));
+  }
   refuse_unstable(step.poles());
   const double latest = horizon * sample_time;
   const double theta = 1 - rest;

@@ -7,14 +7,40 @@
 #include <string>
 
 #include "base/number_text.hpp"
+#include "power_algebra.hpp"
 
 namespace frac::detail {
 namespace {
 
-constexpr double largest_expanded_power = 100;
-// Orders that differ by rounding alone, as 0.1 + 0.2 and 0.3 do, are one order.
-constexpr double order_tolerance = 1e-13;
-constexpr std::size_t most_terms = 10'000;
+std::vector<double> combined(double a, const std::vector<double>& x, double b, const std::vector<double>& y) {
+  std::vector<double> result(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) result[i] = a * x[i] + b * y[i];
+  return result;
+}
+
+bool is_zero(const std::vector<double>& slope) {
+  return std::all_of(slope.begin(), slope.end(), [](double each) { return each == 0; });
+}
+
+}  // namespace
+
+void add_to(SensitiveTerm& sum, const SensitiveTerm& term) {
+  sum.coefficient = sum_or_nothing(sum.coefficient, term.coefficient);
+  sum.by_coefficient = combined(1, sum.by_coefficient, 1, term.by_coefficient);
+  sum.by_order = combined(1, sum.by_order, 1, term.by_order);
+}
+
+SensitiveTerm times(const SensitiveTerm& a, const SensitiveTerm& b) {
+  return {a.coefficient * b.coefficient, a.order + b.order,
+          combined(b.coefficient, a.by_coefficient, a.coefficient, b.by_coefficient),
+          combined(b.coefficient, a.by_order, a.coefficient, b.by_order)};
+}
+
+bool is_nothing(const SensitiveTerm& term) {
+  return term.coefficient == 0 && is_zero(term.by_coefficient) && is_zero(term.by_order);
+}
+
+namespace {
 
 using Slope = std::vector<double>;  // by each parameter; empty where none is wanted
 
@@ -24,59 +50,12 @@ struct Real {
   Slope slope;
 };
 
-Slope combined(double a, const Slope& x, double b, const Slope& y) {
-  Slope result(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i) result[i] = a * x[i] + b * y[i];
-  return result;
-}
-
 void multiply(Slope& slope, double factor) {
   for (double& each : slope) each *= factor;
 }
 
-bool is_zero(const Slope& slope) {
-  return std::all_of(slope.begin(), slope.end(), [](double each) { return each == 0; });
-}
-
 bool is_zero(const SensitiveSum& sum) {
   return std::all_of(sum.begin(), sum.end(), [](const SensitiveTerm& term) { return term.coefficient == 0; });
-}
-
-SensitiveSum collected(SensitiveSum terms) {
-  std::stable_sort(terms.begin(), terms.end(),
-                   [](const SensitiveTerm& a, const SensitiveTerm& b) { return a.order > b.order; });
-  SensitiveSum result;
-  for (SensitiveTerm& term : terms) {
-    if (!result.empty() &&
-        result.back().order - term.order <= order_tolerance * std::max(1.0, std::abs(result.back().order))) {
-      SensitiveTerm& same = result.back();
-      same.coefficient += term.coefficient;
-      same.by_coefficient = combined(1, same.by_coefficient, 1, term.by_coefficient);
-      same.by_order = combined(1, same.by_order, 1, term.by_order);
-    } else {
-      result.push_back(std::move(term));
-    }
-  }
-  std::erase_if(result, [](const SensitiveTerm& term) {
-    return term.coefficient == 0 && is_zero(term.by_coefficient) && is_zero(term.by_order);
-  });
-  return result;
-}
-
-SensitiveSum product(const SensitiveSum& a, const SensitiveSum& b) {
-  if (a.size() * b.size() > most_terms) {
-    throw std::invalid_argument("expanding it makes more than " + std::to_string(most_terms) + " terms");
-  }
-  SensitiveSum terms;
-  terms.reserve(a.size() * b.size());
-  for (const SensitiveTerm& x : a) {
-    for (const SensitiveTerm& y : b) {
-      terms.push_back({x.coefficient * y.coefficient, x.order + y.order,
-                       combined(y.coefficient, x.by_coefficient, x.coefficient, y.by_coefficient),
-                       combined(y.coefficient, x.by_order, x.coefficient, y.by_order)});
-    }
-  }
-  return collected(std::move(terms));
 }
 
 // Times s^order.
@@ -123,7 +102,7 @@ RatioOfPowerSums normalised(RatioOfPowerSums ratio) {
 
 SensitiveSum concatenated(SensitiveSum a, const SensitiveSum& b) {
   a.insert(a.end(), b.begin(), b.end());
-  return collected(std::move(a));
+  return collected_terms(std::move(a));
 }
 
 // Takes out the power of s that numerator and denominator share after a cross multiplication.
@@ -155,15 +134,16 @@ RatioOfPowerSums sum(const RatioOfPowerSums& a, const RatioOfPowerSums& b) {
     };
     return {concatenated(raised(a), raised(b)), {higher}, a.delay, a.delay_slope};
   }
-  RatioOfPowerSums result{concatenated(product(a.numerator, b.denominator), product(b.numerator, a.denominator)),
-                          product(a.denominator, b.denominator), a.delay, a.delay_slope};
+  RatioOfPowerSums result{
+      concatenated(product_of_terms(a.numerator, b.denominator), product_of_terms(b.numerator, a.denominator)),
+      product_of_terms(a.denominator, b.denominator), a.delay, a.delay_slope};
   cancel_common_power(result);
   return result;
 }
 
 RatioOfPowerSums multiplied(const RatioOfPowerSums& a, const RatioOfPowerSums& b) {
-  return normalised({product(a.numerator, b.numerator), product(a.denominator, b.denominator), a.delay + b.delay,
-                     combined(1, a.delay_slope, 1, b.delay_slope)});
+  return normalised({product_of_terms(a.numerator, b.numerator), product_of_terms(a.denominator, b.denominator),
+                     a.delay + b.delay, combined(1, a.delay_slope, 1, b.delay_slope)});
 }
 
 RatioOfPowerSums inverse(const RatioOfPowerSums& ratio) {

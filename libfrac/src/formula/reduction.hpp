@@ -18,6 +18,10 @@ struct SensitiveTerm {
   std::vector<double> by_order;
   bool operator==(const SensitiveTerm&) const = default;
 };
+void add_to(SensitiveTerm& sum, const SensitiveTerm& term);
+[[nodiscard]] SensitiveTerm times(const SensitiveTerm& a, const SensitiveTerm& b);
+[[nodiscard]] bool is_nothing(const SensitiveTerm& term);
+
 /// Terms by falling order.  A coefficient may be 0 while its derivative is not.
 using SensitiveSum = std::vector<SensitiveTerm>;
 

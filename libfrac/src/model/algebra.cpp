@@ -28,6 +28,25 @@ FractionalTransferFunction without_common_power(Terms numerator, Terms denominat
   return {std::move(numerator), std::move(denominator), delay};
 }
 
+using Factors = std::vector<PowerFactor>;
+
+bool is_factored(const FractionalTransferFunction& a) {
+  return !a.denominator_factors().empty();
+}
+
+Factors numerator_factors(const FractionalTransferFunction& a) {
+  return is_factored(a) ? a.numerator_factors() : Factors{{a.numerator(), 1}};
+}
+
+Factors denominator_factors(const FractionalTransferFunction& a) {
+  return is_factored(a) ? a.denominator_factors() : Factors{{a.denominator(), 1}};
+}
+
+Factors joined(Factors a, const Factors& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
 struct Fraction {
   long numerator, denominator;
 };
@@ -139,6 +158,10 @@ FractionalTransferFunction operator-(const FractionalTransferFunction& a) {
 }
 
 FractionalTransferFunction operator*(double factor, const FractionalTransferFunction& a) {
+  if (is_factored(a)) {
+    return FractionalTransferFunction::from_factors(joined({{{{factor, 0}}, 1}}, numerator_factors(a)),
+                                                    denominator_factors(a), a.delay());
+  }
   return {detail::scaled(a.numerator(), factor, 0), a.denominator(), a.delay()};
 }
 
@@ -147,6 +170,11 @@ FractionalTransferFunction operator-(const FractionalTransferFunction& a, const 
 }
 
 FractionalTransferFunction operator*(const FractionalTransferFunction& a, const FractionalTransferFunction& b) {
+  if (is_factored(a) || is_factored(b)) {
+    return FractionalTransferFunction::from_factors(joined(numerator_factors(a), numerator_factors(b)),
+                                                    joined(denominator_factors(a), denominator_factors(b)),
+                                                    a.delay() + b.delay());
+  }
   return without_common_power(detail::product(a.numerator(), b.numerator()),
                               detail::product(a.denominator(), b.denominator()), a.delay() + b.delay());
 }
@@ -156,6 +184,11 @@ FractionalTransferFunction operator/(const FractionalTransferFunction& a, const 
     throw std::invalid_argument("quotient of transfer functions: the divisor's dead time " +
                                 detail::number_text(b.delay()) + " s exceeds the dividend's " +
                                 detail::number_text(a.delay()) + " s; the result would have to look into the future");
+  }
+  if (is_factored(a) || is_factored(b)) {
+    return FractionalTransferFunction::from_factors(joined(numerator_factors(a), denominator_factors(b)),
+                                                    joined(denominator_factors(a), numerator_factors(b)),
+                                                    a.delay() - b.delay());
   }
   return without_common_power(detail::product(a.numerator(), b.denominator()),
                               detail::product(a.denominator(), b.numerator()), a.delay() - b.delay());

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frac/model/fractional_transfer_function.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
 
 #include "base/number_text.hpp"
+#include "formula/factored_ratio.hpp"
 #include "formula/power_sum.hpp"
 #include "formula/reduction.hpp"
 #include "realisation/prepared_power.hpp"
@@ -57,22 +59,87 @@ bool is_one(const std::vector<PowerTerm>& terms) {
   return terms == std::vector<PowerTerm>{{1, 0}};
 }
 
-// A sum of powers with its powers prepared for evaluation.
-class PreparedSum {
+std::string factors_text(const std::vector<PowerFactor>& factors) {
+  std::string text;
+  for (const PowerFactor& factor : factors) {
+    if (!text.empty()) text += ' ';
+    text += factor.sum.size() == 1 ? sum_text(factor.sum) : parenthesised(sum_text(factor.sum));
+    if (factor.power > 1) text += '^' + std::to_string(factor.power);
+  }
+  return text;
+}
+
+// coefficient s^order times powers of sums that start at the order 0, equal ones as one.
+struct Ordered {
+  PowerTerm term{1, 0};
+  std::vector<PowerFactor> sums;
+};
+Ordered ordered(std::vector<PowerFactor> factors, const std::string& name) {
+  Ordered result;
+  for (PowerFactor& factor : factors) {
+    if (factor.power < 1) {
+      throw std::invalid_argument("FractionalTransferFunction: a factor of the " + name + " has the power " +
+                                  std::to_string(factor.power) + "; allowed is 1 or more");
+    }
+    std::vector<PowerTerm> sum = checked(std::move(factor.sum), name);
+    const double lowest = sum.back().order;
+    result.term.order += factor.power * lowest;
+    if (sum.size() == 1) {
+      result.term.coefficient *= std::pow(sum[0].coefficient, factor.power);
+    } else {
+      detail::multiply(result.sums, {detail::scaled(std::move(sum), 1, -lowest), factor.power});
+    }
+  }
+  return result;
+}
+
+// The term first, unless it is 1.
+std::vector<PowerFactor> factors_of(Ordered product) {
+  if (product.term != PowerTerm{1, 0} || product.sums.empty()) {
+    product.sums.insert(product.sums.begin(), {{product.term}, 1});
+  }
+  return std::move(product.sums);
+}
+
+bool is_single_sum(const std::vector<PowerFactor>& factors) {
+  int sums = 0;
+  for (const PowerFactor& factor : factors) sums += factor.sum.size() > 1 ? factor.power : 0;
+  return sums < 2;
+}
+
+// A product of sums of powers with the powers prepared for evaluation.
+class PreparedProduct {
  public:
-  PreparedSum(const std::vector<PowerTerm>& terms, const Realisation& realisation) : terms_(terms) {
-    powers_.resize(terms.size());
-    for (std::size_t i = 0; i < terms.size(); ++i) powers_[i].prepare(realisation, terms[i].order);
+  PreparedProduct(const detail::PowerProduct& product, const Realisation& realisation) {
+    product.for_each_sum([&](const std::vector<PowerTerm>& terms, int power) {
+      factors_.push_back({terms, std::vector<detail::PreparedPower>(terms.size()), power});
+      for (std::size_t i = 0; i < terms.size(); ++i) factors_.back().powers[i].prepare(realisation, terms[i].order);
+    });
   }
   [[nodiscard]] std::complex<double> operator()(double omega) const {
-    std::complex<double> sum = 0;
-    for (std::size_t i = 0; i < terms_.size(); ++i) sum += terms_[i].coefficient * powers_[i].value(omega);
-    return sum;
+    std::complex<double> product = factor_value(factors_[0], omega);
+    for (std::size_t k = 1; k < factors_.size(); ++k) product *= factor_value(factors_[k], omega);
+    return product;
   }
 
  private:
-  const std::vector<PowerTerm>& terms_;
-  std::vector<detail::PreparedPower> powers_;
+  struct Factor {
+    std::vector<PowerTerm> terms;
+    std::vector<detail::PreparedPower> powers;
+    int power;
+  };
+
+  static std::complex<double> factor_value(const Factor& factor, double omega) {
+    std::complex<double> sum = 0;
+    for (std::size_t i = 0; i < factor.terms.size(); ++i) {
+      sum += factor.terms[i].coefficient * factor.powers[i].value(omega);
+    }
+    std::complex<double> value = sum;
+    for (int i = 1; i < factor.power; ++i) value *= sum;
+    return value;
+  }
+
+  std::vector<Factor> factors_;
 };
 
 }  // namespace
@@ -94,6 +161,27 @@ FractionalTransferFunction::FractionalTransferFunction(std::vector<PowerTerm> nu
   }
 }
 
+FractionalTransferFunction FractionalTransferFunction::from_factors(std::vector<PowerFactor> numerator,
+                                                                    std::vector<PowerFactor> denominator,
+                                                                    double delay) {
+  Ordered above = ordered(std::move(numerator), "numerator");
+  Ordered below = ordered(std::move(denominator), "denominator");
+  above.term.coefficient /= below.term.coefficient;
+  below.term.coefficient = 1;
+  const double common = std::min(above.term.order, below.term.order);
+  if (common > 0) {
+    above.term.order -= common;
+    below.term.order -= common;
+  }
+  std::vector<PowerFactor> top = factors_of(std::move(above));
+  std::vector<PowerFactor> bottom = factors_of(std::move(below));
+  FractionalTransferFunction result(detail::expanded(top), detail::expanded(bottom), delay);
+  if (is_single_sum(top) && is_single_sum(bottom)) return result;
+  result.numerator_factors_ = std::move(top);
+  result.denominator_factors_ = std::move(bottom);
+  return result;
+}
+
 FractionalTransferFunction FractionalTransferFunction::parse(std::string_view formula) {
   const Structure structure(formula);
   if (!structure.parameter_names().empty()) {
@@ -104,32 +192,40 @@ FractionalTransferFunction FractionalTransferFunction::parse(std::string_view fo
 }
 
 std::string FractionalTransferFunction::formula() const {
+  const bool factored = !numerator_factors_.empty();
+  const std::string top = factored ? factors_text(numerator_factors_) : sum_text(numerator_);
+  const std::string bottom = factored ? factors_text(denominator_factors_) : sum_text(denominator_);
   std::string text;
   if (delay_ > 0) {
     text = "exp(-" + detail::number_text(delay_) + " s)";
-    if (!is_one(numerator_)) text += ' ' + parenthesised(sum_text(numerator_));
+    if (factored && !is_one(numerator_)) {
+      text += (numerator_factors_.front().sum.size() == 1 ? " * " : " ") + top;
+    } else if (!is_one(numerator_)) {
+      text += ' ' + parenthesised(top);
+    }
   } else {
-    text = sum_text(numerator_);
-    if (numerator_.size() > 1 && !is_one(denominator_)) text = parenthesised(text);
+    text = top;
+    if (!factored && numerator_.size() > 1 && !is_one(denominator_)) text = parenthesised(text);
   }
   if (is_one(denominator_)) return text;
-  const std::string denominator = sum_text(denominator_);
-  return text + '/' + (denominator_.size() > 1 ? parenthesised(denominator) : denominator);
+  const bool needs_parentheses =
+      factored ? denominator_factors_.size() > 1 || denominator_factors_.front().power > 1 : denominator_.size() > 1;
+  return text + '/' + (needs_parentheses ? parenthesised(bottom) : bottom);
 }
 
 std::complex<double> FractionalTransferFunction::response(double omega, const Realisation& realisation) const {
   validate(realisation);
   detail::check_omega(realisation, omega, "FractionalTransferFunction::response");
-  const std::complex<double> ratio =
-      PreparedSum(numerator_, realisation)(omega) / PreparedSum(denominator_, realisation)(omega);
+  const std::complex<double> ratio = PreparedProduct({numerator_factors_, numerator_}, realisation)(omega) /
+                                     PreparedProduct({denominator_factors_, denominator_}, realisation)(omega);
   return std::polar(1.0, -delay_ * omega) * ratio;
 }
 
 FrequencyResponseData FractionalTransferFunction::response(const std::vector<double>& omega,
                                                            const Realisation& realisation) const {
   validate(realisation);
-  const PreparedSum numerator(numerator_, realisation);
-  const PreparedSum denominator(denominator_, realisation);
+  const PreparedProduct numerator({numerator_factors_, numerator_}, realisation);
+  const PreparedProduct denominator({denominator_factors_, denominator_}, realisation);
   std::vector<std::complex<double>> value;
   value.reserve(omega.size());
   for (const double each : omega) {
@@ -152,6 +248,10 @@ FractionalTransferFunction to_transfer_function(const Structure& structure, std:
     }
   }
   const detail::RatioOfPowerSums ratio = detail::reduce(structure.expression(), parameters);
+  if (auto factored = detail::factored_ratio(structure.expression(), parameters)) {
+    return FractionalTransferFunction::from_factors(std::move(factored->numerator), std::move(factored->denominator),
+                                                    ratio.delay);
+  }
   return {detail::plain_terms(ratio.numerator), detail::plain_terms(ratio.denominator), ratio.delay};
 }
 

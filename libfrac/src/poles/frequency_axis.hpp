@@ -27,6 +27,37 @@ class FrequencyAxis {
   double delay_;
 };
 
+/// How G without dead time nears its leading term c s^q towards one end of the axis.
+class AxisLimit {
+ public:
+  enum class End { low, high };
+  AxisLimit(const LaplaceImage& image, End end);
+
+  /// From u outwards |G| over |leading term| rises, falls or stays, without an extremum.
+  [[nodiscard]] bool gain_is_monotone(double u) const;
+  /// From u outwards the phase of G without and with the dead time stays on one side of that of the leading term.
+  /// Dead time counts at the low end alone.
+  [[nodiscard]] bool phase_keeps_side(double u, double delay) const;
+
+ private:
+  // coefficient x^order, x the distance from the end: e^u or e^-u.
+  struct Part {
+    double order;
+    double coefficient;
+    double modulus;  // of what it was formed from
+  };
+  struct Factor {
+    std::vector<Part> square;  // |sum|^2 over that of its leading term, less 1
+    std::vector<Part> turn;    // imaginary part of the sum over its leading term
+    double power;              // negative below the line
+  };
+  [[nodiscard]] double log_x(double u) const { return end_ == End::low ? u : -u; }
+
+  End end_;
+  double order_ = 0;
+  std::vector<Factor> factors_;
+};
+
 /// Root of f between a and b, where f has different signs, to the last bits.
 template <typename Function>
 [[nodiscard]] double bisected(const Function& f, double a, double b) {

@@ -6,6 +6,7 @@
 #include <complex>
 #include <cstddef>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "frac/model/fractional_transfer_function.hpp"
@@ -13,18 +14,26 @@
 
 namespace frac::detail {
 
+[[nodiscard]] inline PowerProduct numerator_of(const FractionalTransferFunction& model) {
+  return {model.numerator_factors(), model.numerator()};
+}
+[[nodiscard]] inline PowerProduct denominator_of(const FractionalTransferFunction& model) {
+  return {model.denominator_factors(), model.denominator()};
+}
+
 /// d ln|N/D| / d ln|s| of the terms that dominate at |s| = e^log_radius.
-[[nodiscard]] double dominant_slope(const std::vector<PowerTerm>& numerator, const std::vector<PowerTerm>& denominator,
-                                    double log_radius);
+[[nodiscard]] double dominant_slope(const PowerProduct& numerator, const PowerProduct& denominator, double log_radius);
 
 /// Y(s) = numerator/denominator, both sums of real powers, on the Riemann surface of ln s, with its poles in the upper
 /// half up to arg s = 3 pi/2.
 class LaplaceImage {
  public:
-  LaplaceImage(std::vector<PowerTerm> numerator, std::vector<PowerTerm> denominator);
+  LaplaceImage(PowerProduct numerator, PowerProduct denominator);
+  LaplaceImage(std::vector<PowerTerm> numerator, std::vector<PowerTerm> denominator)
+      : LaplaceImage(PowerProduct{{}, std::move(numerator)}, PowerProduct{{}, std::move(denominator)}) {}
 
-  [[nodiscard]] const std::vector<PowerTerm>& numerator() const noexcept { return numerator_; }
-  [[nodiscard]] const std::vector<PowerTerm>& denominator() const noexcept { return denominator_; }
+  [[nodiscard]] const PowerProduct& numerator() const noexcept { return numerator_; }
+  [[nodiscard]] const PowerProduct& denominator() const noexcept { return denominator_; }
   [[nodiscard]] const PowerSumRoots& poles() const noexcept { return poles_; }
 
   /// Y e^exponent at s = e^zeta, without overflow on the way.
@@ -63,8 +72,8 @@ class LaplaceImage {
   [[nodiscard]] Sum residue(std::size_t k, const Weight& weight, double weight_rate) const;
 
  private:
-  std::vector<PowerTerm> numerator_;
-  std::vector<PowerTerm> denominator_;
+  PowerProduct numerator_;
+  PowerProduct denominator_;
   PowerSumRoots poles_;
   std::vector<double> clearance_;  // of each cluster from the next, in ln s
   double lowest_corner_ = 0;
@@ -91,53 +100,69 @@ LaplaceImage::Sum LaplaceImage::residue(std::size_t k, const Weight& weight, dou
     add_simple(0, clearance_[k]);
     return sum;
   }
-  // A circle about the cluster, wide against its spread, small against the way to the next pole and against the length
-  // over which the weight changes: 64 points then leave nothing of the next orders.
-  const double widest = std::min(0.5 * clearance_[k], std::min(0.3, 3 / weight_rate));
-  if (widest < 4 * pole.spread && !pole.members.empty()) {
-    // No such circle: the weight tells the members from each other.
-    for (std::size_t i = 0; i < pole.members.size(); ++i) {
-      double clearance = clearance_[k];
-      for (std::size_t j = 0; j < pole.members.size(); ++j) {
-        if (j != i) clearance = std::min(clearance, std::abs(pole.members[i] - pole.members[j]));
-      }
-      add_simple(pole.members[i], clearance);
+  // A circle about several poles, wide against their spread, small against the way to the next pole and against the
+  // length over which the weight changes: 64 points then leave nothing of the next orders.
+  const auto add_circle = [&](std::complex<double> middle, int multiplicity, double spread, double clearance) {
+    const double widest = std::min(0.5 * clearance, std::min(0.3, 3 / weight_rate));
+    const double farthest = std::min({0.7 * clearance, 0.9, 3 / weight_rate});
+    const bool is_factored = denominator_.is_factored();
+    const bool coincide = spread == 0 && !is_factored;
+    // The parts on it cancel least where weight/offset^m is flat; coefficients in doubt want it wide.
+    const double flat = is_factored ? multiplicity / weight_rate : 1 / weight_rate;
+    const double narrow = pole.is_exact || is_factored ? flat : widest;
+    const double radius = std::max(std::min(widest, narrow), is_factored ? std::min(4 * spread, farthest) : 4 * spread);
+    const double scale = scaled_sum(denominator_, pole.log_s).scale;
+    // How far the rounding of the coefficients may move the members apart; nothing where they coincide exactly.
+    double unsure = 0;
+    if (coincide && !pole.is_exact) {
+      const TaylorStart start = taylor_start(denominator_.terms, pole.log_s, multiplicity);
+      for (std::size_t j = start.rounding.size(); j-- > 0;) unsure = unsure * radius + start.rounding[j];
     }
+    // The rule errs by the powers of both ratios.
+    const double ratio = is_factored ? std::max(spread / radius, radius / clearance) : 0.5;
+    const int points = std::max(64, static_cast<int>(std::ceil(-40 / std::log(ratio))));
+    for (int i = 0; i < points; ++i) {
+      const std::complex<double> turn = std::polar(radius, 2 * std::numbers::pi * (i + 0.5) / points);
+      const std::complex<double> offset = middle + turn;
+      const std::complex<double> zeta = pole.log_s + offset;
+      const ScaledSum top = scaled_sum(numerator_, zeta);
+      std::complex<double> bottom;
+      double bottom_scale = scale;
+      double relative_rounding = 0;
+      if (coincide) {
+        const DeflatedSum rest = deflated_sum(denominator_.terms, pole.log_s, offset, multiplicity);
+        bottom = rest.value;
+        relative_rounding = (4 * rest.magnitude + unsure) / std::abs(bottom);
+      } else {
+        const ScaledSum whole = scaled_sum(denominator_, zeta);
+        bottom = whole.value;
+        bottom_scale = whole.scale;
+        relative_rounding = whole.magnitude / std::abs(bottom);
+      }
+      const std::complex<double> part = top.value / bottom * std::exp(top.scale - bottom_scale + zeta) *
+                                        weight(pole.log_s, offset) * turn / static_cast<double>(points);
+      sum.value += copies * part.real();
+      sum.rounding += copies * std::abs(part) * (8 + weight_rate + relative_rounding);
+    }
+  };
+  const double widest = denominator_.is_factored() ? std::min({0.7 * clearance_[k], 0.9, 3 / weight_rate}) / 1.5
+                                                   : std::min({0.5 * clearance_[k], 0.3, 3 / weight_rate}) / 4;
+  if (pole.members.empty() || widest >= pole.spread) {
+    add_circle(0, pole.multiplicity, pole.spread, clearance_[k]);
     return sum;
   }
-  const bool coincide = pole.spread == 0;
-  // The parts on it cancel least where the weight changes by e; coefficients in doubt want it wide.
-  const double narrow = pole.is_exact ? 1 / weight_rate : widest;
-  const double radius = std::max(std::min(widest, narrow), 4 * pole.spread);
-  const double scale = scaled_sum(denominator_, pole.log_s).scale;
-  // How far the rounding of the coefficients may move the members apart; nothing where they coincide exactly.
-  double unsure = 0;
-  if (coincide && !pole.is_exact) {
-    const TaylorStart start = taylor_start(denominator_, pole.log_s, pole.multiplicity);
-    for (std::size_t j = start.rounding.size(); j-- > 0;) unsure = unsure * radius + start.rounding[j];
-  }
-  constexpr int points = 64;
-  for (int i = 0; i < points; ++i) {
-    const std::complex<double> offset = std::polar(radius, 2 * std::numbers::pi * (i + 0.5) / points);
-    const std::complex<double> zeta = pole.log_s + offset;
-    const ScaledSum top = scaled_sum(numerator_, zeta);
-    std::complex<double> bottom;
-    double bottom_scale = scale;
-    double relative_rounding = 0;
-    if (coincide) {
-      const DeflatedSum rest = deflated_sum(denominator_, pole.log_s, offset, pole.multiplicity);
-      bottom = rest.value;
-      relative_rounding = (4 * rest.magnitude + unsure) / std::abs(bottom);
-    } else {
-      const ScaledSum whole = scaled_sum(denominator_, zeta);
-      bottom = whole.value;
-      bottom_scale = whole.scale;
-      relative_rounding = whole.magnitude / std::abs(bottom);
+  // No such circle: the weight tells the members from each other.
+  for (std::size_t i = 0; i < pole.members.size(); ++i) {
+    const auto [offset, multiplicity] = pole.members[i];
+    double clearance = clearance_[k];
+    for (std::size_t j = 0; j < pole.members.size(); ++j) {
+      if (j != i) clearance = std::min(clearance, std::abs(offset - pole.members[j].offset));
     }
-    const std::complex<double> part = top.value / bottom * std::exp(top.scale - bottom_scale + zeta) *
-                                      weight(pole.log_s, offset) * offset / static_cast<double>(points);
-    sum.value += copies * part.real();
-    sum.rounding += copies * std::abs(part) * (8 + weight_rate + relative_rounding);
+    if (multiplicity == 1) {
+      add_simple(offset, clearance);
+    } else {
+      add_circle(offset, multiplicity, 0, clearance);
+    }
   }
   return sum;
 }

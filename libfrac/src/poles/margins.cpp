@@ -16,6 +16,7 @@ namespace frac {
 namespace {
 
 using Complex = std::complex<double>;
+using detail::AxisLimit;
 using detail::FrequencyAxis;
 using detail::LaplaceImage;
 constexpr double pi = std::numbers::pi;
@@ -47,6 +48,8 @@ struct AxisEnd {
   const PowerTerm& top;
   const PowerTerm& bottom;
   double outward;  // 1 at high frequency, -1 at low
+  double delay;
+  AxisLimit limit;
 
   [[nodiscard]] double order() const { return top.order - bottom.order; }
   [[nodiscard]] double gain() const { return std::abs(top.coefficient / bottom.coefficient); }
@@ -57,8 +60,8 @@ struct AxisEnd {
 
   // From u outwards |L| stays on one side of 1: the bounds by the leading terms only tighten.
   [[nodiscard]] bool gain_is_settled(double u) const {
-    const double above = rest_over_leading(image.numerator(), top, u);
-    const double below = rest_over_leading(image.denominator(), bottom, u);
+    const double above = rest_over_leading(image.numerator().terms, top, u);
+    const double below = rest_over_leading(image.denominator().terms, bottom, u);
     if (!(above < 1 && below < 1)) return false;
     const double leading = std::log(gain()) + order() * u;
     const double rising = outward * order();
@@ -68,14 +71,15 @@ struct AxisEnd {
            (rising >= 0 && leading + std::log((1 - above) / (1 + below)) > 0);
   }
 
-  // From u outwards L without dead time keeps off the negative axis, or stays next to it.
+  // From u outwards L, at high frequency without its dead time, keeps off the negative axis, or nears it from one side.
   [[nodiscard]] bool phase_is_settled(double u) const {
-    const double above = rest_over_leading(image.numerator(), top, u);
-    const double below = rest_over_leading(image.denominator(), bottom, u);
+    const double above = rest_over_leading(image.numerator().terms, top, u);
+    const double below = rest_over_leading(image.denominator().terms, bottom, u);
     if (!(above < 1 && below < 1)) return false;
     const double sign = top.coefficient / bottom.coefficient > 0 ? 0 : pi;
     const double gap = std::abs(std::remainder(order() * pi / 2 + sign - pi, 2 * pi));
-    return gap < 1e-9 ? above + below < 1e-3 : std::asin(above) + std::asin(below) < gap;
+    const double late = outward < 0 ? delay * std::exp(u) : 0;
+    return gap < 1e-9 ? limit.phase_keeps_side(u, delay) : std::asin(above) + std::asin(below) + late < gap;
   }
 };
 
@@ -226,11 +230,13 @@ void read_gain_margins(const FrequencyAxis& axis, const PhaseCrossovers& crossov
 }  // namespace
 
 Margins margins(const FractionalTransferFunction& loop) {
-  const LaplaceImage y(loop.numerator(), loop.denominator());
+  const LaplaceImage y(detail::numerator_of(loop), detail::denominator_of(loop));
   const double delay = loop.delay();
   const FrequencyAxis axis(y, delay);
-  const AxisEnd low{y, loop.numerator().back(), loop.denominator().back(), -1};
-  const AxisEnd high{y, loop.numerator().front(), loop.denominator().front(), 1};
+  const AxisEnd low{y,     loop.numerator().back(),          loop.denominator().back(), -1,
+                    delay, AxisLimit(y, AxisLimit::End::low)};
+  const AxisEnd high{y,     loop.numerator().front(),          loop.denominator().front(), 1,
+                     delay, AxisLimit(y, AxisLimit::End::high)};
   const double first = settled_end(low, std::min(y.lowest_corner(), delay > 0 ? -std::log(delay) : 0.0) - 12);
   double last = settled_end(high, y.highest_corner() + (delay > 0 ? 2 : 12));
   const bool ends_settled = low.gain_is_settled(first) && high.gain_is_settled(last);

@@ -15,6 +15,9 @@ namespace {
 
 using Complex = std::complex<double>;
 
+// Roots closer than that in ln s make one cluster.
+constexpr double one_cluster = 1e-3;
+
 struct Box {
   double left, right, bottom, top;
   [[nodiscard]] Complex centre() const { return {(left + right) / 2, (bottom + top) / 2}; }
@@ -112,7 +115,13 @@ class Search {
   [[nodiscard]] double count(const Box& box) const {
     return winding_number(
         [this](Complex zeta) {
+          constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
+          work_ += sum_.size();
+          if (work_ > most_work) return ValueAndSlope{nothing, nothing};
           const ScaledSum f = scaled_sum(sum_, zeta);
+          // Within rounding of 0 the phase says nothing: the edge meets a root.
+          constexpr double noise = 4 * std::numeric_limits<double>::epsilon();
+          if (std::abs(f.value) < noise * f.magnitude) return ValueAndSlope{nothing, nothing};
           return ValueAndSlope{f.value, f.slope};
         },
         {{box.left, box.bottom}, {box.right, box.bottom}, {box.right, box.top}, {box.left, box.top}});
@@ -128,7 +137,7 @@ class Search {
       }
     }
     // A double root is only known to the square root of the rounding, a triple one to the third.
-    if (box.size() < 1e-4 || depth == 0) {
+    if (box.size() < std::max(1e-4, blur(box, expected)) || depth == 0) {
       found_.push_back({box.centre(), expected, box.size()});
       return;
     }
@@ -154,6 +163,7 @@ class Search {
 
   [[nodiscard]] const std::vector<Found>& found() const { return found_; }
   [[nodiscard]] bool complete() const { return complete_; }
+  [[nodiscard]] bool gave_up() const { return work_ > most_work; }
 
   // The middle of roots that lie close together is nearly a simple root of a derivative, and known to rounding where
   // they coincide.
@@ -169,6 +179,16 @@ class Search {
   }
 
  private:
+  // Size of a box below which rounding hides where several roots lie in it.  About m of them the sum is c zeta^m, and
+  // its edges must keep away from where that is no more than rounding.
+  [[nodiscard]] double blur(const Box& box, int multiplicity) const {
+    if (multiplicity < 3) return 0;
+    const TaylorStart start = taylor_start(sum_, box.centre(), multiplicity + 1);
+    const double noise = std::numeric_limits<double>::epsilon() * start.rounding[0];
+    const double radius = std::pow(noise / std::abs(start.coefficient.back()), 1.0 / multiplicity);
+    return std::isfinite(radius) ? 8 * radius : 0;
+  }
+
   // Empty where Newton's method has not converged.
   [[nodiscard]] static std::optional<Complex> polished(const std::vector<PowerTerm>& sum, Complex zeta) {
     for (int i = 0; i < 60; ++i) {
@@ -206,12 +226,17 @@ class Search {
     // NaN where the iteration failed: what the search found stands.
     if (!(spread <= 4 * cluster.spread)) return;
     cluster.spread = spread;
-    cluster.members = std::move(members);
+    cluster.members.clear();
+    for (const Complex member : members) cluster.members.push_back({member, 1});
   }
+
+  // Terms evaluated in one search: some three seconds.
+  static constexpr std::size_t most_work = 40'000'000;
 
   const std::vector<PowerTerm>& sum_;
   std::vector<Found> found_;
   bool complete_ = true;
+  mutable std::size_t work_ = 0;
 };
 
 // ln|s| beyond which one term outweighs together all others that can point against it within the largest argument:
@@ -229,15 +254,18 @@ double dominance(const std::vector<PowerTerm>& sum, const PowerTerm& term, doubl
   return bound;
 }
 
+bool by_argument(const RootCluster& a, const RootCluster& b) {
+  return a.log_s.imag() != b.log_s.imag() ? a.log_s.imag() < b.log_s.imag() : a.log_s.real() < b.log_s.real();
+}
+
 std::vector<RootCluster> clustered(std::vector<Found> roots) {
-  constexpr double gap = 1e-3;
   std::vector<RootCluster> clusters;
   while (!roots.empty()) {
     std::vector<Found> members{roots.back()};
     roots.pop_back();
     for (std::size_t i = 0; i < members.size(); ++i) {
       for (std::size_t j = roots.size(); j-- > 0;) {
-        if (std::abs(roots[j].log_s - members[i].log_s) > gap + roots[j].radius + members[i].radius) continue;
+        if (std::abs(roots[j].log_s - members[i].log_s) > one_cluster + roots[j].radius + members[i].radius) continue;
         members.push_back(roots[j]);
         roots.erase(roots.begin() + static_cast<std::ptrdiff_t>(j));
       }
@@ -251,7 +279,7 @@ std::vector<RootCluster> clustered(std::vector<Found> roots) {
     }
     cluster.log_s /= cluster.multiplicity;
     // A pair this close to the axis is one cluster with its conjugates; a single root there is real.
-    cluster.is_conjugate = nearest < gap / 2;
+    cluster.is_conjugate = nearest < one_cluster / 2;
     if (cluster.is_conjugate) cluster.log_s = cluster.log_s.real();
     for (const Found& member : members) {
       cluster.spread = std::max(cluster.spread, std::abs(member.log_s - cluster.log_s) + member.radius);
@@ -259,9 +287,7 @@ std::vector<RootCluster> clustered(std::vector<Found> roots) {
     if (cluster.multiplicity == 1) cluster.spread = 0;
     if (cluster.is_conjugate || cluster.log_s.imag() > 0) clusters.push_back(cluster);
   }
-  std::sort(clusters.begin(), clusters.end(), [](const RootCluster& a, const RootCluster& b) {
-    return a.log_s.imag() != b.log_s.imag() ? a.log_s.imag() < b.log_s.imag() : a.log_s.real() < b.log_s.real();
-  });
+  std::sort(clusters.begin(), clusters.end(), by_argument);
   return clusters;
 }
 
@@ -307,6 +333,22 @@ ScaledSum scaled_sum(const std::vector<PowerTerm>& terms, Complex zeta) {
     sum.magnitude += std::abs(value);
   }
   return sum;
+}
+
+ScaledSum scaled_sum(const PowerProduct& product, Complex zeta) {
+  if (!product.is_factored()) return scaled_sum(product.terms, zeta);
+  ScaledSum whole{1, 0, 0, 0};
+  for (const PowerFactor& factor : product.factors) {
+    const ScaledSum sum = scaled_sum(factor.sum, zeta);
+    const double size = std::abs(sum.value);
+    for (int i = 0; i < factor.power; ++i) {
+      whole.slope = whole.slope * sum.value + whole.value * sum.slope;
+      whole.magnitude = whole.magnitude * size + std::abs(whole.value) * sum.magnitude;
+      whole.value *= sum.value;
+      whole.scale += sum.scale;
+    }
+  }
+  return whole;
 }
 
 TaylorStart taylor_start(const std::vector<PowerTerm>& terms, Complex zeta, int count) {
@@ -362,11 +404,145 @@ PowerSumRoots power_sum_roots(const std::vector<PowerTerm>& sum, double largest_
     for (RootCluster& cluster : result.clusters) search.polish(cluster);
     std::erase_if(result.clusters,
                   [&](const RootCluster& cluster) { return cluster.log_s.imag() > largest_argument + 1e-9; });
-    result.complete = search.complete() && !cut_off;
+    result.complete = search.complete() && !search.gave_up() && !cut_off;
+    if (search.gave_up()) {
+      result.trouble = "their search was given up after some seconds";
+    } else if (cut_off) {
+      result.trouble = "two orders are so nearly equal that roots may lie beyond e^20000 rad/s";
+    } else if (!search.complete()) {
+      result.trouble = "some lie too close together for the precision of the coefficients";
+    }
     return result;
   }
   result.complete = false;
+  result.trouble = search.gave_up() ? "their search was given up after some seconds"
+                                    : "rounding of the coefficients hides how many there are";
   return result;
+}
+
+namespace {
+
+// A cluster of one factor, as often as the factor's power says.
+struct Given {
+  RootCluster cluster;
+  int power;
+};
+
+RootCluster combined(const std::vector<Given>& group) {
+  if (group.size() == 1 && group[0].cluster.multiplicity == 1) {
+    RootCluster result = group[0].cluster;
+    result.multiplicity = group[0].power;
+    result.is_exact = true;
+    return result;
+  }
+  RootCluster result{0, 0, 0, false, group.size() == 1 && group[0].cluster.is_exact, {}};
+  for (const auto& [cluster, power] : group) result.is_conjugate = result.is_conjugate || cluster.is_conjugate;
+  std::vector<ClusterMember> members;  // at first by their places in the plane of ln s
+  for (const auto& [cluster, power] : group) {
+    const auto add = [&, times = power, with_conjugate = result.is_conjugate && !cluster.is_conjugate](
+                         Complex at, int multiplicity) {
+      members.push_back({at, multiplicity * times});
+      if (with_conjugate) members.push_back({std::conj(at), multiplicity * times});
+    };
+    if (cluster.members.empty()) add(cluster.log_s, cluster.multiplicity);
+    for (const ClusterMember& member : cluster.members) add(cluster.log_s + member.offset, member.multiplicity);
+  }
+  for (const ClusterMember& member : members) {
+    result.multiplicity += member.multiplicity;
+    result.log_s += static_cast<double>(member.multiplicity) * member.offset;
+  }
+  result.log_s /= result.multiplicity;
+  if (result.is_conjugate) result.log_s = result.log_s.real();
+  for (ClusterMember& member : members) {
+    member.offset -= result.log_s;
+    result.spread = std::max(result.spread, std::abs(member.offset));
+  }
+  // Roots of different factors that differ by rounding alone are one.
+  constexpr double rounding = 64 * std::numeric_limits<double>::epsilon();
+  if (result.spread <= rounding * (1 + std::abs(result.log_s))) {
+    result.spread = 0;
+  } else {
+    result.members = std::move(members);
+  }
+  return result;
+}
+
+// Of the parts at cluster k over what they add up to, in the logarithm.
+double amplification(const std::vector<RootCluster>& clusters, std::size_t k, std::size_t& nearest) {
+  double sum = 0;
+  double closest = std::numeric_limits<double>::infinity();
+  for (std::size_t j = 0; j < clusters.size(); ++j) {
+    if (j == k) continue;
+    const double distance = std::max(std::abs(clusters[j].log_s - clusters[k].log_s) - clusters[j].spread, 1e-300);
+    sum -= clusters[j].multiplicity * std::min(0.0, std::log(distance));
+    if (distance < closest) {
+      closest = distance;
+      nearest = j;
+    }
+  }
+  return sum - clusters[k].multiplicity * std::min(0.0, std::log(0.5 * closest));
+}
+
+int side_of_negative_axis(const RootCluster& cluster) {
+  const double beyond = cluster.log_s.imag() - std::numbers::pi;
+  return std::abs(beyond) < 1e-9 ? 0 : beyond > 0 ? 1 : -1;
+}
+
+}  // namespace
+
+PowerSumRoots power_sum_roots(const PowerProduct& product, double largest_argument) {
+  if (!product.is_factored()) return power_sum_roots(product.terms, largest_argument);
+  PowerSumRoots result;
+  std::vector<Given> all;
+  for (const PowerFactor& factor : product.factors) {
+    const PowerSumRoots roots = power_sum_roots(factor.sum, largest_argument);
+    result.complete = result.complete && roots.complete;
+    if (!roots.complete) result.trouble = roots.trouble;
+    for (const RootCluster& cluster : roots.clusters) all.push_back({cluster, factor.power});
+  }
+  while (!all.empty()) {
+    std::vector<Given> group{all.front()};
+    all.erase(all.begin());
+    for (std::size_t i = 0; i < group.size(); ++i) {
+      for (std::size_t j = all.size(); j-- > 0;) {
+        const double reach = one_cluster + all[j].cluster.spread + group[i].cluster.spread;
+        if (!(std::abs(all[j].cluster.log_s - group[i].cluster.log_s) < reach)) continue;
+        group.push_back(all[j]);
+        all.erase(all.begin() + static_cast<std::ptrdiff_t>(j));
+      }
+    }
+    result.clusters.push_back(combined(group));
+  }
+  std::sort(result.clusters.begin(), result.clusters.end(), by_argument);
+  return result;
+}
+
+std::vector<RootCluster> without_crowds(std::vector<RootCluster> clusters) {
+  constexpr double most_amplification = 11.5;  // 1e5
+  constexpr double widest = 0.5;
+  constexpr std::size_t most_clusters = 64;  // the work grows as the cube
+  while (clusters.size() <= most_clusters) {
+    double worst = most_amplification;
+    std::size_t first = 0;
+    std::size_t second = 0;
+    RootCluster best;
+    for (std::size_t k = 0; k < clusters.size(); ++k) {
+      std::size_t nearest = k;
+      const double size = amplification(clusters, k, nearest);
+      if (!(size > worst) || side_of_negative_axis(clusters[k]) != side_of_negative_axis(clusters[nearest])) continue;
+      RootCluster both = combined({{clusters[k], 1}, {clusters[nearest], 1}});
+      if (both.spread > widest) continue;
+      worst = size;
+      first = std::min(k, nearest);
+      second = std::max(k, nearest);
+      best = std::move(both);
+    }
+    if (first == second) break;
+    clusters[first] = std::move(best);
+    clusters.erase(clusters.begin() + static_cast<std::ptrdiff_t>(second));
+  }
+  std::sort(clusters.begin(), clusters.end(), by_argument);
+  return clusters;
 }
 
 }  // namespace frac::detail

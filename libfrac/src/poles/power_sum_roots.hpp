@@ -2,9 +2,10 @@
 #pragma once
 
 #include <complex>
+#include <string_view>
 #include <vector>
 
-#include "frac/model/fractional_transfer_function.hpp"
+#include "formula/power_sum.hpp"
 
 namespace frac::detail {
 
@@ -17,6 +18,9 @@ struct ScaledSum {
   double magnitude;  // sum of the moduli of the terms of value
 };
 [[nodiscard]] ScaledSum scaled_sum(const std::vector<PowerTerm>& terms, std::complex<double> zeta);
+
+/// The same of a product, from its factors; magnitude: relative to |value|, the sum of those of its factors.
+[[nodiscard]] ScaledSum scaled_sum(const PowerProduct& product, std::complex<double> zeta);
 
 /// Taylor coefficients f^(j)/j! of a sum about zeta, over e^scale, for j = 0 to count - 1, and bounds of their errors
 /// in units of the rounding unit.
@@ -35,28 +39,46 @@ struct DeflatedSum {
 [[nodiscard]] DeflatedSum deflated_sum(const std::vector<PowerTerm>& terms, std::complex<double> zeta,
                                        std::complex<double> offset, int order);
 
+/// One root of a cluster, or several that coincide.
+struct ClusterMember {
+  std::complex<double> offset;  // from the middle of the cluster, in ln s
+  int multiplicity;
+};
+
 /// Roots of a sum of powers that lie together, closer than 1e-3 in ln s, or one root.
 struct RootCluster {
-  std::complex<double> log_s;  // a root, or the middle of several
-  int multiplicity;
-  double spread;      // largest distance of a member from log_s, in ln s; 0 where they coincide to rounding
-  bool is_conjugate;  // its own complex conjugate: real, or a pair about the positive real axis
+  std::complex<double> log_s = 0;  // a root, or the middle of several
+  int multiplicity = 0;
+  /// Largest distance of a member from log_s, in ln s; 0 where they coincide to rounding.
+  double spread = 0;
+  /// Its own complex conjugate: real, or a pair about the positive real axis.
+  bool is_conjugate = false;
   /// The members coincide by the coefficients as they stand, shown without rounding: a root of several orders of a
   /// polynomial on the imaginary axis.
   bool is_exact = false;
-  /// Each less log_s; empty for one root and where they coincide to rounding.
-  std::vector<std::complex<double>> members = {};
+  /// Empty for one root and where they coincide to rounding.
+  std::vector<ClusterMember> members = {};
 };
 
 struct PowerSumRoots {
-  std::vector<RootCluster> clusters;
+  std::vector<RootCluster> clusters;  // by rising argument
   /// Every root the argument principle counts was found; if not, `clusters` may lack some.
   bool complete = true;
+  /// Why it is not complete, as a part of a sentence.
+  std::string_view trouble = "";
 };
 
 /// Roots with 0 <= arg s <= largest_argument (rad, may exceed pi: further sheets), by rising argument; those below the
 /// real axis are the conjugates.  Counted by the argument principle on rectangles of the ln s plane, halved until each
 /// holds one root or one cluster, and polished by Newton's method.
 [[nodiscard]] PowerSumRoots power_sum_roots(const std::vector<PowerTerm>& sum, double largest_argument);
+
+/// Of a product: the roots of each factor, as often as its power says.
+[[nodiscard]] PowerSumRoots power_sum_roots(const PowerProduct& product, double largest_argument);
+
+/// The same roots with clusters put together until the parts that a partial fraction expansion has at each of them are
+/// not much larger than what they add up to: a circle about a cluster has no pole near it then.  Roots on the negative
+/// axis stay apart from those beside it.
+[[nodiscard]] std::vector<RootCluster> without_crowds(std::vector<RootCluster> clusters);
 
 }  // namespace frac::detail

@@ -39,13 +39,61 @@ double order_at_infinity(const FractionalTransferFunction& model) {
   return model.numerator().front().order - model.denominator().front().order;
 }
 
-bool is_cancelled(const std::vector<PowerTerm>& numerator, const RootCluster& root) {
-  const ScaledSum top = detail::scaled_sum(numerator, root.log_s);
-  return std::abs(top.value) < 1e-9 * top.magnitude;
+// As often as the root is one of the denominator; of roots that lie apart in a cluster, the middle.
+bool is_cancelled(const detail::PowerProduct& numerator, const RootCluster& root) {
+  constexpr double vanishing = 1e-9;
+  int zeros = 0;
+  numerator.for_each_sum([&](const std::vector<PowerTerm>& sum, int power) {
+    const auto count = static_cast<std::size_t>(root.multiplicity);
+    const detail::TaylorStart start = detail::taylor_start(sum, root.log_s, root.multiplicity);
+    const double size = detail::scaled_sum(sum, root.log_s).magnitude;
+    std::size_t own = 0;
+    while (own < count && std::abs(start.coefficient[own]) < vanishing * size) ++own;
+    zeros += power * static_cast<int>(own);
+  });
+  return zeros >= root.multiplicity;
 }
 
 LaplaceImage image(const FractionalTransferFunction& model) {
-  return {model.numerator(), model.denominator()};
+  return {detail::numerator_of(model), detail::denominator_of(model)};
+}
+
+// The denominator as a polynomial in s^q, from its factors where each of them is one.
+detail::PowerProduct in_lambda(const FractionalTransferFunction& model, double q) {
+  const auto substituted = [&](std::vector<PowerTerm> sum, bool& fits) {
+    const double lowest = sum.back().order;
+    for (PowerTerm& term : sum) {
+      const double order = (term.order - lowest) / q;
+      fits = fits && std::abs(order - std::round(order)) < 1e-6;
+      term.order = std::round(order);
+    }
+    return sum;
+  };
+  bool fits = true;
+  detail::PowerProduct result{{}, substituted(model.denominator(), fits)};
+  fits = true;
+  for (const PowerFactor& factor : model.denominator_factors()) {
+    result.factors.push_back({substituted(factor.sum, fits), factor.power});
+  }
+  if (!fits) result.factors.clear();
+  return result;
+}
+
+long double long_log_gain(const LaplaceImage& image, long double u) {
+  const auto log_modulus = [&](const detail::PowerProduct& product) {
+    long double sum_of_logs = 0;
+    product.for_each_sum([&](const std::vector<PowerTerm>& terms, int power) {
+      std::complex<long double> sum = 0;
+      for (const PowerTerm& term : terms) {
+        const long double order = term.order;
+        sum += static_cast<long double>(term.coefficient) *
+               std::polar(std::exp(order * u), order * (std::numbers::pi_v<long double> / 2));
+      }
+      sum_of_logs += power * std::log(std::abs(sum));
+    });
+    return sum_of_logs;
+  };
+  return log_modulus(image.numerator()) - log_modulus(image.denominator());
 }
 
 // Where a condition that holds towards `low`, if anywhere, ceases to; `low` where it holds nowhere.
@@ -76,13 +124,14 @@ std::string_view to_string(Stability stability) noexcept {
 
 StabilityAnalysis analyse_stability(const FractionalTransferFunction& model) {
   StabilityAnalysis result{};
-  const detail::PowerSumRoots roots = detail::power_sum_roots(model.denominator(), pi);
+  const detail::PowerProduct numerator = detail::numerator_of(model);
+  const detail::PowerSumRoots roots = detail::power_sum_roots(detail::denominator_of(model), pi);
   bool unstable = false;
   bool marginal = false;
   for (const RootCluster& root : roots.clusters) {
     const Complex s = std::exp(root.log_s);
     const bool real = root.is_conjugate || root.log_s.imag() > pi - 1e-12;
-    const bool cancelled = is_cancelled(model.numerator(), root);
+    const bool cancelled = is_cancelled(numerator, root);
     result.poles.push_back({real ? Complex(s.real()) : s, root.multiplicity, cancelled});
     if (cancelled) continue;
     marginal = marginal || std::abs(root.log_s.imag() - pi / 2) <= axis_width + root.spread;
@@ -93,8 +142,7 @@ StabilityAnalysis analyse_stability(const FractionalTransferFunction& model) {
   if (common && common->value() >= 1e-3) result.commensurate_order = common->value();
   if (result.commensurate_order) {
     const double q = *result.commensurate_order;
-    std::vector<PowerTerm> polynomial = model.denominator();
-    for (PowerTerm& term : polynomial) term.order = std::round((term.order - model.denominator().back().order) / q);
+    const detail::PowerProduct polynomial = in_lambda(model, q);
     for (const RootCluster& root : detail::power_sum_roots(polynomial, pi).clusters) {
       const double argument = root.log_s.imag();
       const Complex lambda = std::exp(root.log_s);
@@ -104,6 +152,7 @@ StabilityAnalysis analyse_stability(const FractionalTransferFunction& model) {
   }
   if (!roots.complete) {
     result.stability = Stability::undetermined;
+    result.remark = "The poles could not be counted: " + std::string(roots.trouble) + ".";
   } else if (unstable) {
     result.stability = Stability::unstable;
   } else if (order_at_infinity(model) > 0) {
@@ -133,17 +182,19 @@ ClosedLoopStability analyse_closed_loop(const FractionalTransferFunction& loop) 
   const double lowest = std::min(loop.numerator().back().order, loop.denominator().back().order);
   const std::vector<PowerTerm> top = detail::scaled(loop.numerator(), 1, -lowest);
   const std::vector<PowerTerm> bottom = detail::scaled(loop.denominator(), 1, -lowest);
+  const detail::PowerProduct factored_top = detail::scaled(detail::numerator_of(loop), 1, -lowest);
+  const detail::PowerProduct factored_bottom = detail::scaled(detail::denominator_of(loop), 1, -lowest);
   const std::vector<PowerTerm> low_frequency_sum = detail::merged(top, bottom);
   const bool pole_at_origin = low_frequency_sum.back().order > 1e-12;
   // Without dead time, free of cancellation and of the pole at the origin.
   const std::vector<PowerTerm> polynomial = detail::scaled(low_frequency_sum, 1, -low_frequency_sum.back().order);
   const auto characteristic = [&](Complex zeta) {
-    if (delay == 0) {
+    if (delay == 0 && (pole_at_origin || !factored_bottom.is_factored())) {
       const ScaledSum sum = detail::scaled_sum(polynomial, zeta);
       return detail::ValueAndSlope{sum.value, sum.slope};
     }
-    const ScaledSum n = detail::scaled_sum(top, zeta);
-    const ScaledSum d = detail::scaled_sum(bottom, zeta);
+    const ScaledSum n = detail::scaled_sum(factored_top, zeta);
+    const ScaledSum d = detail::scaled_sum(factored_bottom, zeta);
     const Complex turn = delay * std::exp(zeta);
     const double scale = std::max(n.scale, d.scale);
     const Complex late = std::exp(-turn + (n.scale - scale));
@@ -245,7 +296,15 @@ PeakGain h_infinity_norm(const FractionalTransferFunction& model) {
   PeakGain best{limit(order_at_origin(model), model.numerator().back(), model.denominator().back()), 0};
   const double high = limit(order_at_infinity(model), model.numerator().front(), model.denominator().front());
   if (high > best.gain) best = {high, infinity};
-  const std::vector<double> points = axis.breakpoints(std::min(y.lowest_corner(), 0.0) - 12, y.highest_corner() + 12);
+  // Up to where |G| is monotone towards its limits.
+  constexpr double widest = 690;
+  double first = std::min(y.lowest_corner(), 0.0) - 12;
+  const detail::AxisLimit low(y, detail::AxisLimit::End::low);
+  while (first > -widest && !low.gain_is_monotone(first)) first -= 2;
+  double last = y.highest_corner() + 12;
+  const detail::AxisLimit end(y, detail::AxisLimit::End::high);
+  while (last < widest && !end.gain_is_monotone(last)) last += 2;
+  const std::vector<double> points = axis.breakpoints(first, last);
   const auto slope = [&](double u) { return axis.log_slope(u).real(); };
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
     if (!(slope(points[i]) > 0 && slope(points[i + 1]) <= 0)) continue;
@@ -267,23 +326,46 @@ double h2_norm(const FractionalTransferFunction& model) {
   // |G|^2 omega falls as omega^origin and omega^far outwards: 1e-17 of it is left beyond the ends.
   const double first = y.lowest_corner() - 3 - 40 / origin;
   const double last = y.highest_corner() + 3 - 40 / far;
-  std::vector<double> ends{first, last};
+  // About a resonance panels grow with the distance from it.  On the narrow ones ln omega is counted from the resonance
+  // and the gain taken in long double: a double would be short of 1e-12 at damping ratios below 1e-4.
+  struct Corner {
+    double at;
+    double reference;
+    bool is_narrow;
+  };
+  std::vector<Corner> corners{{first, 0, false}, {last, 0, false}};
   for (const RootCluster& pole : y.poles().clusters) {
-    // About a resonance panels grow with the distance from it.
     const double width = std::max(1e-12, std::abs(pole.log_s.imag() - pi / 2));
-    ends.push_back(pole.log_s.real());
+    const double middle = pole.log_s.real();
+    if (!(middle > first && middle < last)) continue;
+    corners.push_back({middle, middle, width < 0.01});
     for (double offset = width; offset < 2; offset *= 3) {
-      ends.push_back(pole.log_s.real() - offset);
-      ends.push_back(pole.log_s.real() + offset);
+      for (const double each : {-offset, offset}) {
+        if (middle + each > first && middle + each < last) {
+          corners.push_back({middle + each, middle, width < 0.01});
+        }
+      }
     }
   }
-  std::sort(ends.begin(), ends.end());
-  std::erase_if(ends, [&](double u) { return u < first || u > last; });
+  std::sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) { return a.at < b.at; });
+  const auto integral = [](const auto& density, double from, double to) {
+    return boost::math::quadrature::gauss_kronrod<double, 31>::integrate(density, from, to, 12, 1e-14);
+  };
   double sum = 0;
-  for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
-    if (ends[i + 1] - ends[i] < 1e-14) continue;
-    sum += boost::math::quadrature::gauss_kronrod<double, 31>::integrate(
-        [&](double u) { return std::exp(2 * axis.log_gain(u) + u); }, ends[i], ends[i + 1], 12, 1e-14);
+  for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
+    const Corner& a = corners[i];
+    const Corner& b = corners[i + 1];
+    if (b.at - a.at < 1e-14) continue;
+    if (a.is_narrow || b.is_narrow) {
+      const double reference = a.is_narrow ? a.reference : b.reference;
+      const auto density = [&](double offset) {
+        const long double u = static_cast<long double>(reference) + offset;
+        return static_cast<double>(std::exp(2 * long_log_gain(y, u) + u));
+      };
+      sum += integral(density, a.at - reference, b.at - reference);
+    } else {
+      sum += integral([&](double u) { return std::exp(2 * axis.log_gain(u) + u); }, a.at, b.at);
+    }
   }
   return std::sqrt(sum / pi);
 }

@@ -30,8 +30,9 @@ double phase_change(const Function& f, std::complex<double> from, std::complex<d
   if (depth == 0 || !std::isfinite(change)) return std::numeric_limits<double>::quiet_NaN();
   const std::complex<double> middle = (from + to) / 2.0;
   const ValueAndSlope at_middle = f(middle);
-  return phase_change(f, from, middle, at_from, at_middle, depth - 1) +
-         phase_change(f, middle, to, at_middle, at_to, depth - 1);
+  const double first_half = phase_change(f, from, middle, at_from, at_middle, depth - 1);
+  if (std::isnan(first_half)) return first_half;
+  return first_half + phase_change(f, middle, to, at_middle, at_to, depth - 1);
 }
 
 /// Change of arg f along the closed polygon over 2 pi: the zeros inside less the poles, for f that gives ValueAndSlope
@@ -43,6 +44,7 @@ template <typename Function>
     const std::complex<double> from = polygon[i];
     const std::complex<double> to = polygon[(i + 1) % polygon.size()];
     total += phase_change(f, from, to, f(from), f(to), 40);
+    if (std::isnan(total)) break;
   }
   return total / (2 * std::numbers::pi);
 }

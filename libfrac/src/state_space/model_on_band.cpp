@@ -23,18 +23,22 @@ bool has_whole_orders(const FractionalTransferFunction& model) {
          std::all_of(model.denominator().begin(), model.denominator().end(), is_whole);
 }
 
+FractionalTransferFunction without_delay(const FractionalTransferFunction& model) {
+  if (model.denominator_factors().empty()) return {model.numerator(), model.denominator()};
+  return FractionalTransferFunction::from_factors(model.numerator_factors(), model.denominator_factors());
+}
+
 }  // namespace
 
 ModelOnBand::ModelOnBand(const FractionalTransferFunction& model, FrequencyBand band)
-    : model_(model.numerator(), model.denominator()),
+    : model_(without_delay(model)),
       band_(band),
       half_width_((std::log(band.upper) - std::log(band.lower)) / 2),
       centre_(std::exp((std::log(band.upper) + std::log(band.lower)) / 2)),
       has_direct_(model.numerator().front().order - model.denominator().front().order > -1),
       is_rational_(has_whole_orders(model)) {
   const StabilityAnalysis analysis = analyse_stability(model_);
-  if (analysis.stability == Stability::undetermined)
-    throw std::domain_error("realise: the poles of the model could not be counted");
+  if (analysis.stability == Stability::undetermined) throw std::domain_error("realise: " + analysis.remark);
   constexpr double beyond_band = 100;
   for (const Pole& pole : analysis.poles) {
     if (pole.cancelled) continue;

@@ -16,23 +16,33 @@ constexpr double pi = std::numbers::pi;
 
 bool has_integer_orders(const LaplaceImage& image) {
   const auto is_integer = [](const PowerTerm& term) { return term.order == std::round(term.order); };
-  return std::all_of(image.numerator().begin(), image.numerator().end(), is_integer) &&
-         std::all_of(image.denominator().begin(), image.denominator().end(), is_integer);
+  const std::vector<PowerTerm>& top = image.numerator().terms;
+  const std::vector<PowerTerm>& bottom = image.denominator().terms;
+  return std::all_of(top.begin(), top.end(), is_integer) && std::all_of(bottom.begin(), bottom.end(), is_integer);
 }
 
 // sum c e^{q zeta - scale} and its derivative.
 struct LongSum {
   std::complex<long double> value, slope;
 };
-LongSum long_sum(const std::vector<PowerTerm>& terms, std::complex<long double> zeta, long double scale) {
-  LongSum sum{0, 0};
-  for (const PowerTerm& term : terms) {
-    const long double order = term.order;
-    const std::complex<long double> part = static_cast<long double>(term.coefficient) * std::exp(order * zeta - scale);
-    sum.value += part;
-    sum.slope += order * part;
-  }
-  return sum;
+LongSum long_sum(const PowerProduct& product, std::complex<long double> zeta, long double scale) {
+  LongSum whole{1, 0};
+  long double left = scale;
+  product.for_each_sum([&](const std::vector<PowerTerm>& terms, int power) {
+    LongSum sum{0, 0};
+    for (const PowerTerm& term : terms) {
+      const long double order = term.order;
+      const std::complex<long double> part = static_cast<long double>(term.coefficient) * std::exp(order * zeta - left);
+      sum.value += part;
+      sum.slope += order * part;
+    }
+    left = 0;
+    for (int i = 0; i < power; ++i) {
+      whole.slope = whole.slope * sum.value + whole.value * sum.slope;
+      whole.value *= sum.value;
+    }
+  });
+  return whole;
 }
 
 // A single pole.  With another at distance d the rounding of both makes weights as large as 1/d err by 1/d^2 roundings:
@@ -69,10 +79,15 @@ void add_pole(const LaplaceImage& image, std::size_t k, bool on_cut, double late
     terms.push_back(term);
     return;
   }
-  constexpr int points = 48;
   const double modulus = std::exp(log_s.real());
   const double lasting = std::max(3 / (modulus * latest), -0.5 * std::cos(log_s.imag()));
-  const double radius = std::max({std::min({0.5 * image.clearance(k), 0.3, lasting}), 4 * pole.spread});
+  const double clearance = image.clearance(k);
+  const bool is_factored = image.denominator().is_factored();
+  const double farthest = is_factored ? std::min({4 * pole.spread, 0.7 * clearance, 0.9}) : 4 * pole.spread;
+  const double radius = std::max(std::min({0.5 * clearance, 0.3, lasting}), farthest);
+  // The rule errs by the powers of both ratios.
+  const double ratio = is_factored ? std::max(pole.spread / radius, radius / clearance) : 0.5;
+  const int points = std::max(48, 2 * static_cast<int>(std::ceil(-20 / std::log(ratio))));
   for (int i = 0; i < (alone ? points / 2 : points); ++i) {
     const Complex offset = std::polar(radius, 2 * pi * (i + 0.5) / points);
     const Complex zeta = log_s + offset;

@@ -38,7 +38,8 @@ LaplaceImage image(const FractionalTransferFunction& model, const ResponseInput&
                                 " rad/s of the sine; allowed is above 0 to 1e150");
   }
   const double gain = input.kind == ResponseInput::Kind::sine ? input.omega : 1;
-  return {detail::scaled(model.numerator(), gain, 0), detail::product(model.denominator(), input_denominator(input))};
+  return {detail::scaled(detail::numerator_of(model), gain, 0),
+          detail::product(detail::denominator_of(model), {{}, input_denominator(input)})};
 }
 
 }  // namespace

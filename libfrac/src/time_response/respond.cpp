@@ -34,7 +34,8 @@ std::size_t integrators(const FractionalTransferFunction& model) {
 // Where the horizon ends before the response has risen the parts of its step response would cancel; those of the
 // response to what has been integrated until its slope is gone do not.
 std::size_t early_integrations(const FractionalTransferFunction& model, double latest) {
-  const double order = -detail::dominant_slope(model.numerator(), model.denominator(), -std::log(3 * latest));
+  const double order =
+      -detail::dominant_slope(detail::numerator_of(model), detail::denominator_of(model), -std::log(3 * latest));
   return static_cast<std::size_t>(std::clamp(std::floor(order), 0.0, 8.0));
 }
 
@@ -71,9 +72,12 @@ Design design(const FractionalTransferFunction& model, double sample_time, doubl
   }
   const double theta = 1 - fraction;
 
-  const detail::LaplaceImage step(detail::scaled(model.numerator(), 1, static_cast<double>(m)),
-                                  detail::scaled(model.denominator(), 1, 1));
-  if (!step.poles().complete) throw std::domain_error("respond: the poles of the model could not be counted");
+  const detail::LaplaceImage step(detail::scaled(detail::numerator_of(model), 1, static_cast<double>(m)),
+                                  detail::scaled(detail::denominator_of(model), 1, 1));
+  if (!step.poles().complete) {
+    throw std::domain_error("respond: the poles of the model could not be counted: " +
+                            std::string(step.poles().trouble));
+  }
   const bool is_straight = hold == Hold::first_order;
   const std::size_t channels = m + (is_straight ? 2 : 1);
   const double read = theta * sample_time;

@@ -11,7 +11,8 @@
 
 #include "base/spelling.hpp"
 #include "event_response.hpp"
-#include "formula/power_sum.hpp"
+#include "formula/reduction.hpp"
+#include "frac/model/algebra.hpp"
 #include "sample_checks.hpp"
 
 namespace frac {
@@ -127,18 +128,18 @@ detail::RatioOfPowerSums ratio_of(const FractionalTransferFunction& model) {
 
 // The model whose step response is the response to the named input.
 FractionalTransferFunction stepped(const FractionalTransferFunction& model, const ResponseInput& input) {
+  const FractionalTransferFunction s({{1, 1}}, {{1, 0}});
   switch (input.kind) {
     case Kind::step:
       return model;
     case Kind::ramp:
-      return {model.numerator(), detail::scaled(model.denominator(), 1, 1), model.delay()};
+      return model / s;
     case Kind::impulse:
-      return {detail::scaled(model.numerator(), 1, 1), model.denominator(), model.delay()};
+      return model * s;
     case Kind::sine:
       break;
   }
-  return {detail::scaled(model.numerator(), input.omega, 1),
-          detail::product(model.denominator(), {{1, 2}, {input.omega * input.omega, 0}}), model.delay()};
+  return model * FractionalTransferFunction({{input.omega, 1}}, {{1, 2}, {input.omega * input.omega, 0}});
 }
 
 std::vector<double> by_events(const FractionalTransferFunction& model, const TimeInput& input,

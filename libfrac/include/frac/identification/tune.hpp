@@ -92,16 +92,19 @@ struct TuningResult {
   FractionalPidGains gains;
   double derivative_filter_time = 0;  // s, as given
   TuningStatus status = TuningStatus::not_met;
-  std::string message;       // one sentence, and one more where mu_at_limit
+  /// One sentence, one more for each other crossover, and one where mu_at_limit.
+  std::string message;
   double mu_limit = 0;       // order of differentiation with which the loop falls as s^-0.2 at high frequency
   bool mu_at_limit = false;  // that limit, below options.mu.upper, holds back mu
   std::vector<ReachedSpecification> specification;
   Stability closed_loop = Stability::undetermined;  // of the exact loop, dead time included, by the argument principle
   double crossover = 0;     // rad/s; of all with |L| = 1 the one nearest to what was asked, else the highest; NaN: none
   double phase_margin = 0;  // rad, there
-  double phase_slope = 0;   // d arg L/d ln omega there, rad
-  double gain_margin = 0;   // smallest factor above 1 that makes the loop marginal; infinite where none does
-  double max_sensitivity = 0;  // refined maximum over all omega
+  std::vector<Crossover> other_crossovers;  // where |L| = 1 besides
+  double phase_slope = 0;                   // d arg L/d ln omega there, rad
+  double gain_margin = 0;  // that of margins(): smallest factor above 1 with a pole on the axis; infinite: none
+  /// Supremum over all omega, 1 at infinity where |S| stays below that.
+  double max_sensitivity = 0;
   double omega_max_sensitivity = 0;
   double max_complementary_sensitivity = 0;
   double omega_max_complementary_sensitivity = 0;

@@ -23,6 +23,13 @@ class FractionalTransferFunction {
   /// @throws std::invalid_argument  no numerator or denominator term left, an entry not finite, delay negative.
   FractionalTransferFunction(std::vector<PowerTerm> numerator, std::vector<PowerTerm> denominator, double delay = 0);
 
+  /// From products of powers of sums, which are kept as they are given: their roots have the multiplicity of the
+  /// powers, and no rounding of an expansion blurs them.
+  /// @param numerator  its factors; the first may be a single term.
+  /// @throws std::invalid_argument  as the constructor; a power below 1; the expansion has more than 10 000 terms.
+  [[nodiscard]] static FractionalTransferFunction from_factors(std::vector<PowerFactor> numerator,
+                                                               std::vector<PowerFactor> denominator, double delay = 0);
+
   /// From a formula of numbers such as "1/(0.8 s^2.2 + 0.5 s^0.9 + 1)".
   /// @throws FormulaError  it does not parse.
   /// @throws std::invalid_argument  a parameter has no value, or the formula is no ratio of sums of powers.
@@ -31,6 +38,10 @@ class FractionalTransferFunction {
   [[nodiscard]] const std::vector<PowerTerm>& numerator() const noexcept { return numerator_; }
   [[nodiscard]] const std::vector<PowerTerm>& denominator() const noexcept { return denominator_; }
   [[nodiscard]] double delay() const noexcept { return delay_; }
+  /// The factors that numerator() and denominator() are the expansion of.  Both are empty where the model was not given
+  /// as a product of several sums or of a power of one.
+  [[nodiscard]] const std::vector<PowerFactor>& numerator_factors() const noexcept { return numerator_factors_; }
+  [[nodiscard]] const std::vector<PowerFactor>& denominator_factors() const noexcept { return denominator_factors_; }
   bool operator==(const FractionalTransferFunction&) const = default;
 
   /// Formula that parses back to the same value, e.g. "exp(-0.2 s) (2 s^0.5 + 1)/(s^1.5 + 1)"; coefficients round-trip.
@@ -49,6 +60,8 @@ class FractionalTransferFunction {
   std::vector<PowerTerm> numerator_;
   std::vector<PowerTerm> denominator_;
   double delay_;
+  std::vector<PowerFactor> numerator_factors_;
+  std::vector<PowerFactor> denominator_factors_;
 };
 
 /// The structure at given parameter values as a ratio of sums of powers.

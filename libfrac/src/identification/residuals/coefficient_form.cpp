@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "formula/expression.hpp"
+#include "formula/power_algebra.hpp"
 
 namespace frac::detail {
 
@@ -12,9 +13,7 @@ namespace {
 
 using Sum = std::vector<Monomial>;
 
-constexpr double same_order = 1e-9;
 constexpr std::size_t most_monomials = 200;
-constexpr double largest_expanded_power = 6;
 
 /// Not a ratio of sums of powers.
 struct NoRatio {};
@@ -38,12 +37,28 @@ Monomial power(Monomial base, double exponent) {
   return base;
 }
 
+bool have_same_order(double a, double b) {
+  return std::abs(a - b) <= order_tolerance * std::max({1.0, std::abs(a), std::abs(b)});
+}
+
+// Adds a monomial to the one that is alike, if there is one.
+void add_to(Sum& sum, const Monomial& monomial) {
+  const auto same = std::find_if(sum.begin(), sum.end(), [&](const Monomial& each) {
+    return each.powers == monomial.powers && have_same_order(each.order, monomial.order);
+  });
+  if (same == sum.end()) {
+    sum.push_back(monomial);
+  } else {
+    same->factor = sum_or_nothing(same->factor, monomial.factor);
+  }
+}
+
 Sum product(const Sum& a, const Sum& b) {
-  if (a.size() * b.size() > most_monomials) throw NoRatio{};
   Sum result;
   for (const Monomial& left : a) {
-    for (const Monomial& right : b) result.push_back(product(left, right));
+    for (const Monomial& right : b) add_to(result, product(left, right));
   }
+  if (result.size() > most_monomials) throw NoRatio{};
   return result;
 }
 
@@ -135,7 +150,7 @@ class Expansion {
     Ratio result{product(a.numerator, b.denominator), product(a.denominator, b.denominator), a.delay};
     for (Monomial& each : product(b.numerator, a.denominator)) {
       each.factor *= sign;
-      result.numerator.push_back(std::move(each));
+      add_to(result.numerator, each);
     }
     return result;
   }
@@ -188,15 +203,11 @@ std::vector<CoefficientTerm> by_order(const Sum& sum, double shift) {
   for (const Monomial& monomial : sum) {
     const double order = monomial.order - shift;
     auto place = std::find_if(terms.begin(), terms.end(),
-                              [&](const CoefficientTerm& term) { return std::abs(term.order - order) < same_order; });
+                              [&](const CoefficientTerm& term) { return have_same_order(term.order, order); });
     if (place == terms.end()) place = terms.insert(terms.end(), {order, {}});
-    auto same = std::find_if(place->monomials.begin(), place->monomials.end(),
-                             [&](const Monomial& each) { return each.powers == monomial.powers; });
-    if (same == place->monomials.end()) {
-      place->monomials.push_back(monomial);
-    } else {
-      same->factor += monomial.factor;
-    }
+    Monomial shifted = monomial;
+    shifted.order = place->order;
+    add_to(place->monomials, shifted);
   }
   for (CoefficientTerm& term : terms)
     std::erase_if(term.monomials, [](const Monomial& each) { return each.factor == 0; });

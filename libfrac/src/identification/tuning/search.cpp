@@ -34,7 +34,7 @@ class Search {
 
   FoundController operator()() {
     go();
-    return {best_.gains, space_.reference(), evaluations_};
+    return {best_.gains, evaluations_};
   }
 
  private:

@@ -7,7 +7,6 @@ namespace frac::detail {
 
 struct FoundController {
   FractionalPidGains gains;  // NaN where the equations for them have no solution
-  double reference;          // a frequency about which the loop lives, rad/s
   int evaluations;
 };
 

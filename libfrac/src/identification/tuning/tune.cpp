@@ -2,7 +2,10 @@
 #include "frac/identification/tune.hpp"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 #include "base/number_text.hpp"
@@ -13,8 +16,14 @@
 namespace frac {
 namespace {
 
-// Of mu from its limit: what the search leaves.
+// What the search may leave between mu and its limit.
 constexpr double at_limit = 1e-3;
+
+std::string rounded_text(double value) {
+  std::array<char, 32> text;
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 4);
+  return {text.data(), end.ptr};
+}
 
 }  // namespace
 
@@ -101,10 +110,12 @@ TuningResult tune(const FractionalTransferFunction& plant, const LoopSpecificati
     result.message = "The equations for the gains have no solution.";
     return result;
   }
-  detail::describe_loop(plant, specification, options, found.reference, result);
+  detail::describe_loop(plant, specification, options, result);
   std::string failed;
   for (const ReachedSpecification& line : result.specification) {
-    if (!line.met) failed += (failed.empty() ? "" : "; ") + line.name;
+    if (line.met) continue;
+    failed += (failed.empty() ? "" : "; ") + line.name + " (asked " + rounded_text(line.asked) + ", reached " +
+              rounded_text(line.reached) + ")";
   }
   if (std::min({gains.kp, gains.ki, gains.kd}) < 0)
     failed += (failed.empty() ? "" : "; ") + std::string("gains not negative");
@@ -112,10 +123,14 @@ TuningResult tune(const FractionalTransferFunction& plant, const LoopSpecificati
     result.message = "No stable loop with this specification was found; the closed loop is " +
                      std::string(to_string(result.closed_loop)) + ".";
   } else if (!failed.empty()) {
-    result.message = "No controller was found that keeps everything; not kept: " + failed + ".";
+    result.message = "No controller was found that keeps everything; the nearest one misses: " + failed + ".";
   } else {
     result.status = TuningStatus::met;
     result.message = "The closed loop is stable and keeps the specification.";
+  }
+  for (const Crossover& each : result.other_crossovers) {
+    result.message += " |L| is 1 at " + rounded_text(each.omega) + " rad/s too, with a phase margin of " +
+                      rounded_text(each.margin * 180 / std::numbers::pi) + " degrees.";
   }
   if (result.mu_at_limit) {
     result.message += " mu stands at its limit, " + detail::number_text(result.mu_limit) +
