@@ -26,18 +26,20 @@ TEST_P(MeasuredCase, IsCalledWhatItIs) {
   frac::FitOptions fit;
   fit.component = frac::Component::both;
   const frac::IdentificationResult result =
-      frac::identify(io::read_frequency_response(path, options).data, frac::model_library(), {}, fit);
+      frac::identify(io::read_frequency_response(path, options).data, frac::default_candidates(), {}, fit);
   EXPECT_EQ(result.verdict, GetParam().verdict) << result.verdict_sentence;
 }
 
-// The dummy files were measured on a resistor in series with a resistor and capacitor in parallel, the others on a
-// lithium-ion cell and on a polymer, which have fractional orders.
+// The dummy files were measured on a resistor in series with a resistor and capacitor in parallel.  The others, of a
+// lithium-ion cell and of a polymer, are known to have fractional orders, but no structure of the library follows their
+// waves to within the noise: the cell needs two arcs with a constant-phase tail of their own, the polymer's master
+// curve spans twenty decades.  What follows nothing may not decide.
 INSTANTIATE_TEST_SUITE_P(Identify, MeasuredCase,
                          testing::Values(Case{"impedancepy_dummy1.csv", true, frac::Verdict::fractional_not_supported},
                                          Case{"impedancepy_dummy2.csv", true, frac::Verdict::fractional_not_supported},
                                          Case{"impedancepy_dummy3.csv", true, frac::Verdict::fractional_not_supported},
-                                         Case{"impedancepy_exampleData.csv", true, frac::Verdict::fractional_supported},
-                                         Case{"pyvisco_master.csv", false, frac::Verdict::fractional_supported}));
+                                         Case{"impedancepy_exampleData.csv", true, frac::Verdict::no_adequate_model},
+                                         Case{"pyvisco_master.csv", false, frac::Verdict::no_adequate_model}));
 
 // Default local fits of this circuit end in other minima; 5.4432e-3 is the best cost known, rounded up in its fifth
 // digit.
