@@ -87,7 +87,9 @@ TEST(Simulate, DiagnosticsAreColumnsAfterTheOthers) {
   const std::string columns =
       "omega_rad_s,re_m_per_n,im_m_per_n,regime,period,impacts_per_period,uncertainty_m_per_n,third_harmonic_ratio";
   EXPECT_NE(plain.output.find("\n" + columns + "\n"), std::string::npos);
-  const std::string longer = "\n" + columns + ",even_harmonic_ratio,energy_defect,lyapunov_exponent\n";
+  const std::string longer = "\n" + columns +
+                             ",even_harmonic_ratio,energy_defect,lyapunov_exponent,periods_followed,transient_possible,"
+                             "force_sensitivity\n";
   const auto rows = more.output.find(longer);
   ASSERT_NE(rows, std::string::npos);
   // Each row begins with the row without diagnostics.
@@ -97,7 +99,7 @@ TEST(Simulate, DiagnosticsAreColumnsAfterTheOthers) {
     EXPECT_NE(more.output.find("\n" + plain.output.substr(from, end - from) + ",", rows), std::string::npos);
     from = end + 1;
   }
-  EXPECT_EQ(run_fracfit({"simulate", "--force", "40", "--clearance", "0.3", "--omega", "8:20:5", "--model", "static",
+  EXPECT_EQ(run_fracfit({"simulate", "--force", "40", "--clearance", "0.3", "--omega", "8:20:5", "--motion", "static",
                          "--diagnostics"})
                 .code,
             2);
@@ -112,7 +114,7 @@ TEST(Simulate, FrequenciesThatLeaveTheRangeOfNumbersAreRefused) {
   }
   for (const std::string omega : {"1e140", "1e-140", "1e20", "1e-9", "1e9"}) {
     const auto result = run_fracfit({"simulate", "--force", "40", "--clearance", "0.3", "--restitution", "0.6",
-                                     "--omega", omega, "--output", "x2"});
+                                     "--omega", omega, "--body", "x2"});
     EXPECT_EQ(result.code, 0) << result.error;
     EXPECT_EQ(result.output.find("nan"), std::string::npos) << result.output;
   }
