@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -24,58 +23,15 @@ struct FilterRequest {
   double samples = 1e9;
 };
 
-struct FilterResult {
-  frac::DigitalFilterDesign design;
-  double error = std::numeric_limits<double>::quiet_NaN();  // largest relative one on the band
-  std::string note;
-};
-
-FilterResult power_filter(const frac::FractionalTransferFunction& model, const FilterRequest& given,
-                          double sample_time) {
-  const double order = model.numerator()[0].order - model.denominator()[0].order;
-  const frac::DigitalPower power =
-      digital_power(order, *given.band, given.goal.goal().value_or(frac::Tolerance{1e-3}), sample_time,
-                    given.discretisation.value_or(frac::Discretisation::direct));
-  FilterResult result{filter_design(power), power.error.max_relative, ""};
-  const double factor = model.numerator()[0].coefficient / model.denominator()[0].coefficient;
-  for (double& tap : result.design.taps) tap *= factor;
-  if (power.status == frac::ApproximationStatus::not_attainable) result.note = power.message;
-  return result;
-}
-
-// One set of poles for the band, unless the filter for all frequencies takes no more states or is the only one.
-FilterResult model_filter(const frac::FractionalTransferFunction& model, const FilterRequest& given,
-                          double sample_time) {
-  const bool has_band = given.band.has_value();
-  const double tolerance = given.goal.tolerance.value_or(has_band ? 1e-3 : 1e-9);
-  const auto for_all = [&] {
-    return FilterResult{filter_design(model, sample_time, tolerance, given.samples), NAN, ""};
-  };
-  // Held between samples, what grows would answer each step by a jump that depends on the band's upper end.
-  const bool grows = model.numerator().front().order > model.denominator().front().order;
-  if (!has_band || grows) return for_all();
-  const frac::RationalModel system = realise(model, *given.band, tolerance);
-  FilterResult on_band;
-  try {
-    on_band = {filter_design(system, sample_time), system.max_relative_error,
-               system.status == frac::RationalModelStatus::met ? "" : system.message};
-  } catch (const std::invalid_argument& failure) {
-    FilterResult all = for_all();
-    all.note =
-        std::string("A filter for all frequencies is written, because one for the band alone is not possible: ") +
-        failure.what() + ".";
-    return all;
-  }
-  FilterResult all = for_all();
-  return all.design.states() <= on_band.design.states() ? all : on_band;
-}
-
 bool is_power(const frac::FractionalTransferFunction& model) {
   return model.numerator().size() == 1 && model.denominator().size() == 1 && model.delay() == 0;
 }
 
-FilterResult filter_for(const frac::FractionalTransferFunction& model, const FilterRequest& given, double sample_time) {
-  if (is_power(model) && given.band) return power_filter(model, given, sample_time);
+frac::FilterChoice filter_for(const frac::FractionalTransferFunction& model, const FilterRequest& given,
+                              double sample_time) {
+  if (is_power(model) && given.band)
+    return frac::power_filter(model, *given.band, given.goal.goal().value_or(frac::Tolerance{1e-3}), sample_time,
+                              given.discretisation.value_or(frac::Discretisation::direct));
   if (given.discretisation) {
     throw std::invalid_argument(
         "--discretisation belongs to a PID or to a power of s on a --band; other models are made for an input that is "
@@ -85,7 +41,8 @@ FilterResult filter_for(const frac::FractionalTransferFunction& model, const Fil
   const double order = model.numerator().front().order - model.denominator().front().order;
   if (is_power(model) && order > 0)
     throw std::invalid_argument("--band is required for a power of s: LOW:HIGH in rad/s");
-  return model_filter(model, given, sample_time);
+  return frac::model_filter(model, given.band, sample_time, given.goal.tolerance.value_or(given.band ? 1e-3 : 1e-9),
+                            given.samples);
 }
 
 // Those that give sections, which a controller is made of.
@@ -201,7 +158,7 @@ class Controller : public Command {
   }
 
   int run_filter() {
-    const FilterResult result = filter_for(*model_, filter_, config_.sample_time);
+    const frac::FilterChoice result = filter_for(*model_, filter_, config_.sample_time);
     if (filter_.band && is_power(*model_))
       options()["--discretisation"].say(
           std::string(frac::to_string(filter_.discretisation.value_or(frac::Discretisation::direct))));
@@ -209,8 +166,8 @@ class Controller : public Command {
     header_.comment = "Filter " + model_->formula() + ", every " + options()["--sample-time"].text() +
                       " s, written by fracfit " + std::string(io::version()) + ":\n  " + command;
     write(format() == "c"      ? frac::c_header(result.design, header_)
-          : format() == "json" ? filter_json(result.design, model_->formula(), result.error, command)
-                               : filter_table(result.design, model_->formula(), result.error));
+          : format() == "json" ? filter_json(result.design, model_->formula(), result.max_relative_error, command)
+                               : filter_table(result.design, model_->formula(), result.max_relative_error));
     if (!result.note.empty()) say(result.note);
     return usable_result;
   }
