@@ -15,6 +15,7 @@
 #include "io/sweep_file.hpp"
 #include "json_number.hpp"
 #include "report/model_figures.hpp"
+#include "report/staged_folder.hpp"
 #include "subcommand.hpp"
 
 namespace fracfit {
@@ -144,13 +145,16 @@ std::string table_text(const Analysis& result) {
 // Scripts, SVG and PNG of the diagrams, into the folder. @return false with a message where gnuplot is missing or
 // fails.
 bool draw_pictures(const AnalyseOptions& given, const frac::FractionalTransferFunction& model) {
-  const std::filesystem::path folder(given.pictures);
+  report::StagedFolder folder(given.pictures);
+  std::string script;
   const auto gnuplot = report::find_gnuplot();
   std::string trouble = gnuplot ? "" : "gnuplot was not found; the scripts are written";
   for (const report::Figure& figure : report::model_figures(model, "model")) {
-    report::write_script(figure, folder);
-    if (gnuplot && trouble.empty()) trouble = report::draw(*gnuplot, folder, figure.name);
+    script = figure.name + ".gp";
+    folder.write(script, report::gnuplot_script(figure));
+    if (gnuplot && trouble.empty()) trouble = report::draw(*gnuplot, folder.path(), figure.name);
   }
+  folder.publish(script);
   if (!trouble.empty()) say(given.common, trouble);
   return trouble.empty();
 }

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <set>
 #include <stdexcept>
 
 #include "aligned_table.hpp"
@@ -15,6 +16,7 @@
 #include "frac/structure.hpp"
 #include "io/data_error.hpp"
 #include "io/input_files.hpp"
+#include "io/point_filter.hpp"
 #include "io/progress_bar.hpp"
 #include "io/result_stream.hpp"
 #include "io/sweep_file.hpp"
@@ -64,6 +66,7 @@ BatchTask task_of(const BatchArguments& given) {
   const auto& key = given.request.key_column;
   if (!key.empty() && std::find(task.variables.begin(), task.variables.end(), key) == task.variables.end())
     task.variables.push_back(key);
+  for (const auto& text : given.request.where) static_cast<void>(io::PointFilter(text));
   for (const auto& model : task.models) check_names(model);
   for (const auto& law : given.laws) {
     const auto request = power_law_request(law);
@@ -96,9 +99,11 @@ BatchFormat format_of(const BatchArguments& given) {
   return given.common.format == "jsonl" ? BatchFormat::jsonl : BatchFormat::csv;
 }
 
-// Rows an interrupted run of the same command has left in the output.
+// Rows that an interrupted run of the same command has left in the output and that still hold: fits of files that have
+// not changed since.
 std::map<std::string, std::string> finished_rows(const std::string& out, BatchFormat format,
-                                                 const BatchManifest& manifest, const std::vector<std::string>& files) {
+                                                 const BatchManifest& manifest, const std::vector<std::string>& files,
+                                                 const std::map<std::string, BatchCurve>& curves) {
   std::map<std::string, std::string> rows;
   std::error_code ignored;
   if (!fs::is_regular_file(out, ignored) || fs::file_size(out, ignored) == 0) return rows;
@@ -109,11 +114,15 @@ std::map<std::string, std::string> finished_rows(const std::string& out, BatchFo
     throw std::invalid_argument("--out " + out + " holds the results of another command: " + table.manifest.command +
                                 (table.manifest.shard.empty() ? "" : " --shard " + table.manifest.shard) +
                                 " (fracfit " + table.manifest.version + "); remove it or choose another file");
+  const std::set<std::string> known(files.begin(), files.end());
   for (const auto& [file, line] : table.rows) {
-    if (std::find(files.begin(), files.end(), file) == files.end())
+    if (!known.contains(file))
       throw std::invalid_argument("--out " + out + " holds a result for " + file +
                                   ", which is not among the data; remove it or choose another file");
-    rows.emplace(file, line);
+    const auto row = read_row(format, manifest.columns, line).value();
+    const auto made_from = row.find(std::string(fingerprint_column));
+    if (row.at("status") == "converged" && made_from != row.end() && made_from->second == curves.at(file).fingerprint)
+      rows.emplace(file, line);
   }
   return rows;
 }
@@ -127,13 +136,13 @@ void check_variables(const BatchArguments& given, const BatchTask& task, const s
     if (!of_headers && std::find(columns.begin(), columns.end(), variable) != columns.end()) continue;
     const auto known = variables_of(task, curves, variable);
     if (known.empty() || std::find(known.begin(), known.end(), variable) != known.end()) continue;
-    std::string list;
-    for (const auto& name : known) list += (list.empty() ? "" : ", ") + name;
+    std::vector<std::string> list = known;
     for (const auto& model : task.models)
       for (const frac::Structure structure(model.formula); const auto& name : structure.parameter_names())
-        list += ", " + name;
+        list.push_back(name);
     throw std::invalid_argument("--power-law " + io::quoted(law) + ": " + io::quoted(variable) +
-                                " is no number in the header of any file and no column of the rows; known are " + list);
+                                " is no number in the header of any file and no column of the rows; known are " +
+                                io::shortened_list(list));
   }
 }
 
@@ -152,7 +161,7 @@ int run_batch(const BatchArguments& given) {
   const auto task = task_of(given);
   const auto format = format_of(given);
   const bool to_file = !given.common.out.empty() && given.common.out != "-";
-  const io::OutputFile out(given.common.out);
+  const io::OutputFile out(given.common.out, given.data);
   std::vector<std::string> inputs;
   std::map<std::string, BatchCurve> curves;
   for (auto& curve :
@@ -164,6 +173,7 @@ int run_batch(const BatchArguments& given) {
   const auto files = io::part_of(inputs, shard_option(given.shard));
   std::vector<BatchCurve> in_order;
   for (const auto& name : inputs) in_order.push_back(curves.at(name));
+  if (const auto fault = fault_of_command(task, in_order); !fault.empty()) throw std::invalid_argument(fault);
   check_variables(given, task, in_order);
   const BatchManifest manifest{std::string(io::version()), command_of(given, task), given.shard, given.laws, inputs,
                                batch_columns(task)};
@@ -172,7 +182,7 @@ int run_batch(const BatchArguments& given) {
   std::unique_ptr<io::ResultStream> stream;
   if (to_file)
     stream = std::make_unique<io::ResultStream>(given.common.out, header,
-                                                finished_rows(given.common.out, format, manifest, files));
+                                                finished_rows(given.common.out, format, manifest, files, curves));
   std::vector<std::string> lines(files.size());
   frac::Progress progress;
   progress.total = files.size();
@@ -188,13 +198,14 @@ int run_batch(const BatchArguments& given) {
       ++progress.done;
     });
   }
+  std::string text = header;
+  for (const auto& line : lines) text += line + "\n";
   const auto laws = given.shard.empty() ? power_law_remarks(format, manifest, lines) : PowerLawRemarks{};
+  text += given.shard.empty() ? laws.text : shard_end(format, text);
   if (stream) {
-    stream->finish(files, laws.text);
+    stream->finish(text);
   } else {
-    std::string text = header;
-    for (const auto& line : lines) text += line + "\n";
-    out.write(text + laws.text);
+    out.write(text);
   }
   std::size_t converged = 0, unreadable = 0;
   for (const auto& line : lines) {
@@ -245,7 +256,7 @@ void add_batch(CLI::App& program, Run& run) {
       "or\n"
       "rows told apart by the column --by names.  Their rows are named FILE#LABEL.\n"
       "With --out each row reaches the file as soon as it is finished; the same command again does what is left over\n"
-      "from an interrupted run.\n"
+      "from an interrupted run, and again what failed or whose file has changed since.\n"
       "Examples:\n"
       "  fracfit batch sweeps --model power-law --where 'omega<4' --power-law K:force_n --out fits.csv\n"
       "  fracfit batch sweeps --models power-law,lag,gain --shard 2/4 --out part2.csv\n"

@@ -25,10 +25,18 @@ std::string shell_quoted(const std::string& text) {
 
 }  // namespace
 
+CLI::Validator not_empty() {
+  return CLI::Validator(
+      [](const std::string& text) { return text.empty() ? std::string("expected a name, found none") : std::string(); },
+      "");
+}
+
 void add_common_options(CLI::App& subcommand, CommonOptions& options, const std::vector<std::string>& formats) {
   constexpr int most_threads = 1024;
   if (!formats.empty()) {
-    subcommand.add_option("--out", options.out, "Output file; standard output if not given")->type_name("FILE");
+    subcommand.add_option("--out", options.out, "Output file; standard output if not given")
+        ->type_name("FILE")
+        ->check(not_empty());
     subcommand.add_option("--format", options.format, "Output format")->check(one_of(formats))->type_name("FORMAT");
   }
   subcommand.add_option("--threads", options.threads, "Threads, 0 for one per core; results do not depend on it")

@@ -13,7 +13,8 @@
 
 namespace CLI {
 class App;
-}
+class Validator;
+}  // namespace CLI
 
 namespace fracfit {
 
@@ -24,6 +25,9 @@ struct CommonOptions {
   int threads = 0;     // 0: one per core
   bool quiet = false;
 };
+
+/// A check that the text of an option is not "".
+[[nodiscard]] CLI::Validator not_empty();
 
 /// --threads and --quiet, and, where `formats` is not empty, --out and --format.
 void add_common_options(CLI::App& subcommand, CommonOptions& options, const std::vector<std::string>& formats);

@@ -109,7 +109,7 @@ std::vector<frac::ParameterConstraint> given_constraints(const FitArguments& giv
 
 int run_fit(const FitArguments& given) {
   check(given);
-  const io::OutputFile out(given.common.out);
+  const io::OutputFile out(given.common.out, {given.request.data});
   if (io::holds_time_response(given.request.data)) {
     refuse_frequency_options(given.request);
     const auto options = time_fit_options(given.request, given.over_time, given_constraints(given));

@@ -117,8 +117,8 @@ void add_residual_options(CLI::App& subcommand, FitRequest& request) {
   subcommand.add_option("--memory", request.memory, "Samples it keeps, 0 for all (default)")->type_name("N");
   add_repeatable(
       subcommand, "--where", request.where,
-      "Use only points that satisfy a comparison of re, im, magnitude, omega or f (over time: t, input or output) "
-      "with a number; repeatable",
+      "Use only points that satisfy a comparison of re, im, magnitude, omega or f (over time: t, input or output), or "
+      "of any column of the file, with a number; repeatable",
       "TEST");
   subcommand.add_option("--seed", request.seed, "Seed of the random starts; same seed, same result")
       ->capture_default_str()
@@ -146,8 +146,10 @@ io::FrequencyResponseFile read_data(const FitRequest& request, const CommonOptio
   for (const auto& text : request.where) options.where.emplace_back(text);
   options.phase_may_miss = request.component == frac::to_string(frac::Component::magnitude);
   options.magnitude_may_miss = request.component == frac::to_string(frac::Component::phase);
-  options.key_column = request.key_column;
-  options.curve = request.curve;
+  if (request.key_column.empty())
+    options.curve = request.curve;
+  else
+    options.rows = {{request.key_column, request.curve}};
   auto file = io::read_frequency_response(request.data, options);
   if (request.weight == "given" && file.data.sigma().empty())
     throw io::DataError(request.data, 0, 0, "has no column sigma or weight; expected one with --weight given");

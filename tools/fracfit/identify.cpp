@@ -154,7 +154,7 @@ int identify_over_time(const IdentifyArguments& given, const io::OutputFile& out
 }
 
 int run_identify(const IdentifyArguments& given) {
-  const io::OutputFile out(given.common.out);
+  const io::OutputFile out(given.common.out, {given.request.data});
   if (io::holds_time_response(given.request.data)) return identify_over_time(given, out);
   refuse_time_options(given.over_time);
   const auto options = fit_options(given.request);

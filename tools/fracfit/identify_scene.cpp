@@ -60,22 +60,44 @@ std::vector<frac::ParameterConstraint> constraints_of(const SceneArguments& give
   return constraints;
 }
 
-double force_of(const SceneArguments& given, const std::vector<double>& listed, std::size_t i,
+// One curve of the data: a file, or the rows of a scene in it.
+struct CurveSource {
+  std::string file;
+  io::Metadata rows;
+};
+
+std::vector<CurveSource> curve_sources(const SceneArguments& given, const std::vector<io::PointFilter>& where) {
+  std::vector<CurveSource> sources;
+  for (const auto& file : given.data) {
+    const auto scenes = io::scenes_in(file, where);
+    if (scenes.empty()) sources.push_back({file, {}});
+    for (const auto& scene : scenes) {
+      for (const auto& [column, value] : scene)
+        if (column != "force_n")
+          throw std::invalid_argument(file + " holds curves of different pairs of masses, told apart by column " +
+                                      column + "; take one pair by --where '" + column + "==" + value + "'");
+      sources.push_back({file, scene});
+    }
+    if (!scenes.empty() && !given.force.empty())
+      throw std::invalid_argument("--force has no meaning with " + file + ", whose column force_n tells the forces");
+  }
+  return sources;
+}
+
+double force_of(const std::vector<double>& listed, std::size_t i, const std::string& name,
                 const io::FrequencyResponseFile& file) {
   if (!listed.empty()) return listed.size() == 1 ? listed.front() : listed[i];
   const auto header = io::find_value(file.metadata, "force_n");
   if (!header)
-    throw std::invalid_argument(given.data[i] +
-                                " has no line '# force_n: VALUE'; give the force amplitudes by --force");
+    throw std::invalid_argument(name + " has no line '# force_n: VALUE'; give the force amplitudes by --force");
   const auto value = io::parse_number(*header);
   if (!value || !(*value > 0) || *value == std::numeric_limits<double>::infinity())
-    throw io::DataError(given.data[i], 0, 0,
-                        "has force_n " + io::quoted(*header) + "; expected a positive number of newtons");
+    throw io::DataError(name, 0, 0, "has force_n " + io::quoted(*header) + "; expected a positive number of newtons");
   return *value;
 }
 
 int run_identify_scene(const SceneArguments& given) {
-  const io::OutputFile out(given.common.out);
+  const io::OutputFile out(given.common.out, given.data);
   backlash::SceneIdentificationOptions options;
   options.component = frac::component_from_string(given.component);
   options.weight = frac::weight_from_string(given.weight);
@@ -91,18 +113,22 @@ int run_identify_scene(const SceneArguments& given) {
 
   std::vector<backlash::MeasuredDescribingFunction> curves;
   std::string output = given.output;
-  SceneRun run{"", given.data, {}, {}};
-  for (std::size_t i = 0; i < given.data.size(); ++i) {
-    auto file = io::read_frequency_response(given.data[i], reading);
-    for (const auto& note : file.notes) say(given.common, given.data[i] + ": " + note);
+  SceneRun run{"", {}, {}, {}};
+  const auto sources = curve_sources(given, reading.where);
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const auto& name = sources[i].file;
+    reading.rows = sources[i].rows;
+    auto file = io::read_frequency_response(name, reading);
+    for (const auto& note : file.notes) say(given.common, name + ": " + note);
     if (options.weight == frac::Weight::given && file.data.sigma().empty())
-      throw io::DataError(given.data[i], 0, 0, "has no column sigma or weight; expected one with --weight given");
+      throw io::DataError(name, 0, 0, "has no column sigma or weight; expected one with --weight given");
     const std::string measured{io::find_value(file.metadata, "output").value_or(std::string_view{})};
     if (!measured.empty() && output.empty()) output = measured;
     if (!measured.empty() && measured != output)
-      throw std::invalid_argument(given.data[i] + " is of " + measured + ", not of " + output +
+      throw std::invalid_argument(name + " is of " + measured + ", not of " + output +
                                   "; all files must be of the same mass");
-    run.forces.push_back(force_of(given, listed, i, file));
+    run.files.push_back(name);
+    run.forces.push_back(force_of(listed, i, name, file));
     curves.push_back({std::move(file.data), run.forces.back()});
   }
   options.output = backlash::output_from_string(output.empty() ? "x1" : output);
@@ -115,8 +141,8 @@ int run_identify_scene(const SceneArguments& given) {
   for (const auto& file : given.data) command.argument(file);
   std::string forces;
   for (const double force : run.forces) forces += (forces.empty() ? "" : ",") + io::format_number(force);
-  command.option("--force", forces)
-      .option("--output", std::string(backlash::to_string(options.output)))
+  if (sources.size() == given.data.size()) command.option("--force", forces);
+  command.option("--output", std::string(backlash::to_string(options.output)))
       .option("--component", given.component)
       .option("--weight", given.weight);
   for (const auto& text : given.fix) command.option("--fix", text);
@@ -141,7 +167,10 @@ void add_identify_scene(CLI::App& program, Run& run) {
   const auto given = std::make_shared<SceneArguments>();
   auto* scene = program.add_subcommand(
       "identify-scene", "Estimates clearance, restitution and masses from describing functions of two masses");
-  scene->add_option("DATA", given->data, "Frequency responses in m/N, one per force amplitude: CSV or TSV as for `fit`")
+  scene
+      ->add_option("DATA", given->data,
+                   "Frequency responses in m/N, one per force amplitude: CSV or TSV as for `fit`, or tables of several "
+                   "forces as simulate writes them")
       ->required()
       ->type_name("FILE");
   scene
@@ -167,9 +196,11 @@ void add_identify_scene(CLI::App& program, Run& run) {
                  "NAME=VALUE");
   add_repeatable(*scene, "--bound", given->bound, "Limits of a parameter, one side may be left out; repeatable",
                  "NAME=LOW:HIGH");
-  add_repeatable(*scene, "--where", given->where,
-                 "Use only points that satisfy a comparison of re, im, magnitude, omega or f with a number; repeatable",
-                 "TEST");
+  add_repeatable(
+      *scene, "--where", given->where,
+      "Use only points that satisfy a comparison of re, im, magnitude, omega or f, or of any column of the files, "
+      "with a number; repeatable",
+      "TEST");
   scene->add_flag("--compare", given->compare,
                   "Also rank static backlash, fractional and integer-order structures on the same points");
   add_common_options(*scene, given->common, {"json", "table"});

@@ -14,6 +14,7 @@
 #include "io/data_error.hpp"
 #include "io/output_file.hpp"
 #include "io/sweep_file.hpp"
+#include "io/termination.hpp"
 #include "misspelling.hpp"
 #include "solver_log.hpp"
 #include "subcommand.hpp"
@@ -80,6 +81,8 @@ int parse_and_run(CLI::App& program, const fracfit::Run& run, int argc, char** a
 int main(int argc, char** argv) {
   // A reader that goes away, such as `head` or a dying gnuplot, is met where writing fails, not by a signal.
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // the same for a limit of the size of files
+  io::clean_up_on_signals();
   fracfit::silence_solver_log();
   try {
     CLI::App program("Fractional-order modelling and fitting; describing functions of two masses with backlash.",

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <CLI/CLI.hpp>
-#include <filesystem>
 #include <map>
 #include <memory>
-#include <set>
 #include <stdexcept>
 
 #include "batch_power_law.hpp"
@@ -40,31 +38,14 @@ void check_agreement(const BatchTable& first, const std::string& first_file, con
     throw io::DataError(other_file, 0, 0, "has other columns than " + first_file);
 }
 
-// The first of a list of names, and how many more there are.
-std::string shortened(const std::vector<std::string>& names) {
-  constexpr std::size_t most = 10;
-  std::string text;
-  for (std::size_t i = 0; i < names.size() && i < most; ++i) text += (i > 0 ? ", " : "") + names[i];
-  return names.size() > most ? text + " and " + std::to_string(names.size() - most) + " more" : text;
-}
-
-void check_output(const MergeArguments& given) {
-  for (const auto& name : given.in) {
-    std::error_code absent;
-    if (name == given.out || std::filesystem::equivalent(name, given.out, absent))
-      throw std::invalid_argument("OUT " + given.out + " is also the input " + name +
-                                  "; the joined table would replace it: give OUT first, and a name of its own");
-  }
-}
-
 int run_merge(const MergeArguments& given) {
-  check_output(given);
-  const io::OutputFile out(given.out);
+  const io::OutputFile out(given.out, given.in);
   if (io::is_block_table(given.in.front())) {
     out.write(io::joined_block_table(given.in));
     return usable_result;
   }
   BatchTable merged;
+  std::vector<std::string> unfinished;
   std::map<std::string, std::pair<std::string, std::string>> rows;  // file: line and where it is from
   for (const auto& name : given.in) {
     auto table = read_batch_table(name);
@@ -72,10 +53,8 @@ int run_merge(const MergeArguments& given) {
       merged = table;
     else
       check_agreement(merged, given.in.front(), table, name);
-    const std::set<std::string> known(table.manifest.inputs.begin(), table.manifest.inputs.end());
+    if (!table.manifest.shard.empty() && !table.has_end) unfinished.push_back(name);
     for (const auto& [file, line] : table.rows) {
-      if (!known.contains(file))
-        throw io::DataError(name, 0, 0, "holds a row for " + file + ", which is none of its inputs");
       const auto [found, is_new] = rows.try_emplace(file, line, name);
       if (!is_new)
         throw io::DataError(
@@ -102,7 +81,8 @@ int run_merge(const MergeArguments& given) {
   out.write(text);
   if (missing.empty()) return usable_result;
   say({}, std::to_string(missing.size()) + " of " + std::to_string(merged.manifest.inputs.size()) +
-              " files are missing: " + shortened(missing) +
+              " files are missing: " + io::shortened_list(missing) +
+              (unfinished.empty() ? "" : "; cut off or unfinished: " + io::shortened_list(unfinished)) +
               "; the batch without --shard and with this --out does the rest");
   return no_usable_result;
 }

@@ -49,7 +49,9 @@ void add_mittag_leffler(CLI::App& program, Run& run) {
   function->add_option("--alpha", given->alpha, "First order, above 0 to 100")->required()->type_name("ALPHA");
   function->add_option("--beta", given->beta, "Second order, -50 to 50")->capture_default_str()->type_name("BETA");
   function->add_option("--z", given->z, "Argument, real or complex")->required()->type_name("RE[,IM]");
-  function->add_option("--out", given->common.out, "Output file; standard output if not given")->type_name("FILE");
+  function->add_option("--out", given->common.out, "Output file; standard output if not given")
+      ->type_name("FILE")
+      ->check(not_empty());
   add_common_options(*function, given->common, {});
   function->footer(
       "Examples:\n"

@@ -62,7 +62,10 @@ void add_report(CLI::App& program, Run& run) {
   report->add_option("--scene", given->scene, "Scene as JSON: m1, m2, clearance, restitution, force, omega")
       ->excludes(data)
       ->type_name("FILE");
-  report->add_option("--out", given->out, "Folder to write, made if missing")->required()->type_name("DIR");
+  report->add_option("--out", given->out, "Folder to write, made if missing")
+      ->required()
+      ->type_name("DIR")
+      ->check(not_empty());
   add_common_options(*report, given->common, {});
   report->footer(
       "Examples:\n"

@@ -76,7 +76,8 @@ std::string infinity_note(const std::vector<double>& instants, const frac::Fract
 }
 
 int respond(const RespondOptions& given) {
-  const io::OutputFile file(given.common.out);
+  const bool reads_file = !named_input(given.input);
+  const io::OutputFile file(given.common.out, reads_file ? std::vector{given.input} : std::vector<std::string>{});
   const auto model = frac::FractionalTransferFunction::parse(given.model);
   const double tolerance = number_option("--tolerance", given.tolerance);
   const auto method = frac::response_method_from_string(given.method);
@@ -149,7 +150,9 @@ void add_respond(CLI::App& program, Run& run) {
       ->capture_default_str()
       ->check(one_of({"zero-order", "first-order"}))
       ->type_name("HOLD");
-  response->add_option("--out", given->common.out, "Output file; standard output if not given")->type_name("FILE");
+  response->add_option("--out", given->common.out, "Output file; standard output if not given")
+      ->type_name("FILE")
+      ->check(not_empty());
   add_common_options(*response, given->common, {});
   response->footer(
       "Examples:\n"

@@ -2,7 +2,6 @@
 #include "time_request.hpp"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <stdexcept>
 
 #include "choice.hpp"
@@ -40,16 +39,10 @@ std::string offset_text(const frac::TimeFitOptions& options) {
   return options.offset ? io::format_number(*options.offset) : "free";
 }
 
-std::vector<std::size_t> kept(const io::TimeSeries& series, const std::vector<std::string>& where) {
+std::vector<io::SampleFilter> filters_of(const FitRequest& request) {
   std::vector<io::SampleFilter> filters;
-  for (const auto& text : where) filters.emplace_back(text);
-  std::vector<std::size_t> index;
-  for (std::size_t i = 0; i < series.time.size(); ++i)
-    if (std::all_of(filters.begin(), filters.end(), [&](const io::SampleFilter& filter) {
-          return filter(series.time[i], series.input[i], series.output[i]);
-        }))
-      index.push_back(i);
-  return index;
+  for (const auto& text : request.where) filters.emplace_back(text);
+  return filters;
 }
 
 }  // namespace
@@ -117,11 +110,11 @@ TimeRecord read_time_record(const FitRequest& request, const TimeRequest& over_t
   const frac::Hold hold = hold_of(over_time.hold);
   const double at_rest =
       over_time.input_at_rest.empty() ? 0 : number_option("--input-at-rest", over_time.input_at_rest);
-  io::TimeSeries series = io::read_time_response(request.data);
+  io::TimeSeries series = io::read_time_response(request.data, filters_of(request));
   for (const auto& note : series.notes) say(common, request.data + ": " + note);
   const std::string weight = weight_of(request, series);
   if (weight == "absolute") series.sigma.clear();
-  std::vector<std::size_t> index = kept(series, request.where);
+  std::vector<std::size_t> index = std::move(series.kept);
   io::Metadata header = std::move(series.metadata);
   const frac::TimeResponseData data = io::time_response_data(request.data, std::move(series), hold, at_rest);
   if (index.empty()) throw io::DataError(request.data, 0, 0, "no sample satisfies --where");
