@@ -28,7 +28,11 @@ using backlash::detail::state_at_peak;
 constexpr long double pi_l = std::numbers::pi_v<long double>;
 constexpr double ulp = 0x1p-52;
 
-TEST(ReducedSincos, IsGoodToAnUlpWithFullRelativePrecisionAtItsZeros) {
+// Beyond pi/4 both come from r = pi/2 - |x|, and in relative terms u = 2^-53 bounds each rounding: sin r has r cot r of
+// r's rounding, one of its last addition, and five in r - sin r, its correction: u (r cot r + 1 + 5 (r/sin r - 1)),
+// with 2^-5 u of the polynomial.  That is 2 u at r = 0 and grows to 2.4 u at pi/4, thus 1.2 of 2^-52.
+TEST(ReducedSincos, IsGoodToThreeRoundingsWithFullRelativePrecisionAtItsZeros) {
+  constexpr double bound = 1.2 * ulp;
   support::Random random(1);
   for (int i = 0; i < 200'000; ++i) {
     const double x = i % 2 == 0 ? random.uniform(-std::numbers::pi / 2, std::numbers::pi / 2)
@@ -36,8 +40,8 @@ TEST(ReducedSincos, IsGoodToAnUlpWithFullRelativePrecisionAtItsZeros) {
     const SinCos found = reduced_sincos(x);
     const long double sine = std::sin(static_cast<long double>(x));
     const long double cosine = std::cos(static_cast<long double>(x));
-    ASSERT_LE(std::abs(found.sin - sine), ulp * std::abs(sine)) << x;
-    ASSERT_LE(std::abs(found.cos - cosine), ulp * std::abs(cosine)) << x;
+    ASSERT_LE(std::abs(found.sin - sine), bound * std::abs(sine)) << x;
+    ASSERT_LE(std::abs(found.cos - cosine), bound * std::abs(cosine)) << x;
     if (std::abs(x) > std::numbers::pi / 4) continue;
     const SinCos small = sincos_of_small(x);
     ASSERT_EQ(small.sin, found.sin);

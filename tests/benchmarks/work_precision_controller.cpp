@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "base/instruction_set.hpp"
 #include "digital/section_kernel_loops.hpp"
 #include "frac/digital/digital_filter.hpp"
 #include "frac/digital/fractional_pid.hpp"
@@ -167,10 +168,10 @@ template <typename Real>
 void kernels(const char* name) {
   kernel(name, "SSE2", frac::detail::section_kernels<Real, 16>);
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2")) kernel(name, "AVX2", frac::detail::avx2_section_kernels<Real>());
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl")) {
-    kernel(name, "AVX-512", frac::detail::avx512_section_kernels<Real>());
-  }
+  using frac::detail::InstructionSet;
+  const InstructionSet known = frac::detail::processor_instruction_set();
+  if (known >= InstructionSet::avx2) kernel(name, "AVX2", frac::detail::avx2_section_kernels<Real>());
+  if (known >= InstructionSet::avx512) kernel(name, "AVX-512", frac::detail::avx512_section_kernels<Real>());
 #endif
 }
 

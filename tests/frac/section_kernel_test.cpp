@@ -4,12 +4,14 @@
 #include <cstring>
 #include <vector>
 
+#include "base/instruction_set.hpp"
 // The loops as compiled here, for any processor.
 #include "digital/section_kernel_loops.hpp"
 #include "support/random.hpp"
 
 namespace {
 
+using frac::detail::InstructionSet;
 using frac::detail::SectionArrays;
 using frac::detail::SectionKernels;
 
@@ -63,10 +65,9 @@ void expect_same_bits() {
       EXPECT_EQ(std::memcmp(other.data(), plain.data(), plain.size() * sizeof(Real)), 0) << name << " " << size;
     };
 #if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2")) compare(frac::detail::avx2_section_kernels<Real>(), "avx2");
-    if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl")) {
-      compare(frac::detail::avx512_section_kernels<Real>(), "avx512");
-    }
+    const InstructionSet known = frac::detail::processor_instruction_set();
+    if (known >= InstructionSet::avx2) compare(frac::detail::avx2_section_kernels<Real>(), "avx2");
+    if (known >= InstructionSet::avx512) compare(frac::detail::avx512_section_kernels<Real>(), "avx512");
 #endif
     compare(frac::detail::section_kernels<Real, 16>, "again");
   }

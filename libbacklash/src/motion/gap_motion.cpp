@@ -6,11 +6,9 @@
 #include <numbers>
 
 #include "arcs.hpp"
+#include "base/wide_vectors.hpp"
 #include "ordinary_flight.hpp"
 #include "reduced_sincos.hpp"
-
-// The same code for processors with and without fused multiply-add, chosen when the program is loaded.
-#define BACKLASH_FUSED __attribute__((target_clones("fma", "default")))
 
 namespace backlash::detail {
 namespace {
@@ -110,7 +108,7 @@ DistanceAndVelocity GapMotion::along(const GapState& start, const Flight& flight
           start.velocity + flight.push * a.sin + flight.pull * a.one_minus_cos};
 }
 
-BACKLASH_FUSED Flight GapMotion::next_flight(GapState& start) const noexcept {
+FRACFIT_INLINE inline Flight GapMotion::flight_from(GapState& start) const noexcept {
   const bool starts_backwards =
       start.velocity < 0 || (start.velocity == 0 && start.distance > 0 && start.is_pushed_to_wall());
   if (starts_backwards) {
@@ -224,6 +222,11 @@ BACKLASH_FUSED Flight GapMotion::next_flight(GapState& start) const noexcept {
     rise_velocity = 0;
     rise_from_distance = bottom_at(rise_from);
   }
+}
+
+// The same code for processors with and without fused multiply-add.
+Flight GapMotion::next_flight(GapState& state) const noexcept {
+  return frac::detail::with_fused_operations([&]() FRACFIT_INLINE { return flight_from(state); });
 }
 
 GapState GapMotion::peak_state(int wall, const DistanceAndVelocity& at) const noexcept {

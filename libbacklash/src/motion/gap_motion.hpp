@@ -99,6 +99,8 @@ class GapMotion {
   [[nodiscard]] ChatterTail chatter_tail(const GapState& state) const noexcept;
 
  private:
+  [[nodiscard]] Flight flight_from(GapState& state) const noexcept;
+
   double gamma_;
   double restitution_;
   double inverse_gamma_;

@@ -15,7 +15,7 @@
 #include "error_measure.hpp"
 #include "ladder.hpp"
 #include "parallel_form.hpp"
-#include "realisation/realisation_checks.hpp"
+#include "realised_order.hpp"
 #include "unit_design.hpp"
 
 namespace frac {

@@ -2,17 +2,14 @@
 #include "frac/approximation/oustaloup.hpp"
 
 #include <cmath>
-#include <stdexcept>
-#include <string>
 
-#include "base/number_text.hpp"
-#include "realisation/realisation_checks.hpp"
+#include "realised_order.hpp"
 
 namespace frac {
 
 ZeroPoleGain oustaloup(double order, FrequencyBand band, int poles) {
   detail::check_realised_order(order, "oustaloup");
-  validate(OustaloupRealisation{band, poles});
+  detail::check_oustaloup(band, poles);
 
   ZeroPoleGain result;
   const double whole = std::trunc(order);

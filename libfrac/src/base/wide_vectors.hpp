@@ -5,14 +5,44 @@
 #include <new>
 #include <vector>
 
-// Copies of a function for processors with wider registers, chosen when the program is loaded.
-#if defined(__x86_64__) && defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define FRACFIT_WIDE_VECTORS __attribute__((target_clones("avx512f", "fma", "default")))
-#else
-#define FRACFIT_WIDE_VECTORS
-#endif
+#include "instruction_set.hpp"
+
+#define FRACFIT_INLINE __attribute__((always_inline))
 
 namespace frac::detail {
+
+// Each holds a copy of the work that was compiled for its instruction set.  The work has to be FRACFIT_INLINE, and so
+// has every function in it that must not be left behind in the plain set.
+#if defined(__x86_64__)
+template <typename Work>
+__attribute__((target("avx2,fma"))) decltype(auto) run_in_avx2(const Work& work) {
+  return work();
+}
+template <typename Work>
+__attribute__((target("avx512f"))) decltype(auto) run_in_avx512(const Work& work) {
+  return work();
+}
+#endif
+
+/// work() with the widest registers of instruction_set().
+template <typename Work>
+decltype(auto) with_wide_vectors(const Work& work) {
+#if defined(__x86_64__)
+  const InstructionSet set = instruction_set();
+  if (set == InstructionSet::avx512) return run_in_avx512(work);
+  if (set == InstructionSet::avx2) return run_in_avx2(work);
+#endif
+  return work();
+}
+
+/// work() with fused multiply-add where instruction_set() has it, in registers of the usual width.
+template <typename Work>
+decltype(auto) with_fused_operations(const Work& work) {
+#if defined(__x86_64__)
+  if (instruction_set() != InstructionSet::plain) return run_in_avx2(work);
+#endif
+  return work();
+}
 
 /// Memory that begins where a wide register's begins: a load across two lines of the cache costs two.
 template <typename Value>

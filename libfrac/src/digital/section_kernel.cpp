@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "section_kernel.hpp"
 
+#include "base/instruction_set.hpp"
 #include "section_kernel_loops.hpp"
 
 namespace frac::detail {
@@ -9,10 +10,8 @@ namespace {
 template <typename Real>
 SectionKernels<Real> chosen() {
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl")) {
-    return avx512_section_kernels<Real>();
-  }
-  if (__builtin_cpu_supports("avx2")) return avx2_section_kernels<Real>();
+  if (instruction_set() == InstructionSet::avx512) return avx512_section_kernels<Real>();
+  if (instruction_set() == InstructionSet::avx2) return avx2_section_kernels<Real>();
 #endif
   return section_kernels<Real, 16>;
 }

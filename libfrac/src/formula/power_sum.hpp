@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "frac/model/fractional_transfer_function.hpp"
+#include "frac/power_term.hpp"
 
 namespace frac::detail {
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "expression.hpp"
-#include "frac/model/fractional_transfer_function.hpp"
+#include "frac/power_term.hpp"
 
 namespace frac::detail {
 

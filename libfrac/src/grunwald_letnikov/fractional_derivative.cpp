@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "approximation/realised_order.hpp"
 #include "base/number_text.hpp"
 #include "realisation/grunwald_letnikov_sum.hpp"
-#include "realisation/realisation_checks.hpp"
 #include "weight_convolution.hpp"
 #include "weight_exponentials.hpp"
 

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "approximation/realised_order.hpp"
 #include "base/number_text.hpp"
 #include "fft_convolution.hpp"
 #include "frac/realisation.hpp"

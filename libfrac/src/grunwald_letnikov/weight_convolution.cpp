@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#define FRACFIT_INLINE __attribute__((always_inline)) inline
-
 namespace frac::detail {
 namespace {
 
@@ -18,8 +16,8 @@ template <typename Real>
 struct Wide {
   typedef Real Vector __attribute__((vector_size(64), aligned(alignof(Real)), may_alias));
   static constexpr std::size_t width = 64 / sizeof(Real);
-  static FRACFIT_INLINE Vector& at(Real* place) { return *reinterpret_cast<Vector*>(place); }
-  static FRACFIT_INLINE const Vector& at(const Real* place) { return *reinterpret_cast<const Vector*>(place); }
+  static FRACFIT_INLINE inline Vector& at(Real* place) { return *reinterpret_cast<Vector*>(place); }
+  static FRACFIT_INLINE inline const Vector& at(const Real* place) { return *reinterpret_cast<const Vector*>(place); }
 };
 
 // A block of sums, in two parts that are added to in turn: that hides the time an addition takes.
@@ -32,7 +30,7 @@ struct BlockSums {
 
 // sums += sum_k factor[k] row(k), a row being a block; the first `from` vectors of each are zero.
 template <typename Real, std::size_t from>
-FRACFIT_INLINE void add_rows(const Real* factor, std::size_t count, const Real* row, BlockSums<Real>& sums) {
+FRACFIT_INLINE inline void add_rows(const Real* factor, std::size_t count, const Real* row, BlockSums<Real>& sums) {
   using W = Wide<Real>;
   std::size_t k = 0;
   for (; k + 1 < count; k += 2, row += 2 * block) {
@@ -50,8 +48,8 @@ FRACFIT_INLINE void add_rows(const Real* factor, std::size_t count, const Real* 
 
 // output[0..block) = sum of states by their powers, and of the recent samples by the first weights.
 template <typename Real>
-FRACFIT_INLINE void block_output(const Real* state, std::size_t size, const Real* table, const Real* recent,
-                                 const Real* kernel, Real* output) {
+FRACFIT_INLINE inline void block_output(const Real* state, std::size_t size, const Real* table, const Real* recent,
+                                        const Real* kernel, Real* output) {
   using W = Wide<Real>;
   constexpr std::size_t history = lags - block;
   constexpr std::size_t step = W::width;
@@ -72,7 +70,7 @@ FRACFIT_INLINE void block_output(const Real* state, std::size_t size, const Real
 
 // sum[0..count vectors) = sum_l sample[l] power[block - 1 - l], rows of `power` being `size` numbers.
 template <typename Real, std::size_t count>
-FRACFIT_INLINE void add_arrivals(const Real* sample, const Real* power, std::size_t size, Real* sum) {
+FRACFIT_INLINE inline void add_arrivals(const Real* sample, const Real* power, std::size_t size, Real* sum) {
   using W = Wide<Real>;
   typename W::Vector even[count] = {};
   typename W::Vector odd[count] = {};
@@ -89,7 +87,7 @@ FRACFIT_INLINE void add_arrivals(const Real* sample, const Real* power, std::siz
 }
 
 template <typename Real>
-FRACFIT_INLINE void block_arrivals(const Real* sample, const Real* power, std::size_t size, Real* sum) {
+FRACFIT_INLINE inline void block_arrivals(const Real* sample, const Real* power, std::size_t size, Real* sum) {
   constexpr std::size_t width = Wide<Real>::width;
   std::size_t left = size / width;
   while (left > 0) {
@@ -133,8 +131,8 @@ struct Largest {
   Real arriving;
 };
 template <typename Real>
-FRACFIT_INLINE Largest<Real> advance(const Real* change, const Real* weight, const Real* arriving, std::size_t size,
-                                     Real* state, Real* lost) {
+FRACFIT_INLINE inline Largest<Real> advance(const Real* change, const Real* weight, const Real* arriving,
+                                            std::size_t size, Real* state, Real* lost) {
   using W = Wide<Real>;
   typename W::Vector largest = {};
   typename W::Vector largest_arriving = {};
@@ -163,7 +161,7 @@ FRACFIT_INLINE Largest<Real> advance(const Real* change, const Real* weight, con
 
 // States that are nothing beside the largest, before they become denormal, which is slow.
 template <typename Real>
-FRACFIT_INLINE void flush(std::size_t size, Real least, Real* state, Real* lost) {
+FRACFIT_INLINE inline void flush(std::size_t size, Real least, Real* state, Real* lost) {
   using W = Wide<Real>;
   const typename W::Vector zero = {};
   for (std::size_t s = 0; s < size; s += W::width) {
@@ -176,7 +174,7 @@ FRACFIT_INLINE void flush(std::size_t size, Real least, Real* state, Real* lost)
 
 // By halves, so that no long chain of additions is waited for.
 template <typename Real>
-FRACFIT_INLINE Real sum_of(const typename Wide<Real>::Vector& vector) {
+FRACFIT_INLINE inline Real sum_of(const typename Wide<Real>::Vector& vector) {
   Real part[Wide<Real>::width];
   Wide<Real>::at(part) = vector;
   for (std::size_t half = Wide<Real>::width / 2; half > 0; half /= 2) {
@@ -197,7 +195,7 @@ struct Tables {
 };
 
 template <typename Real>
-FRACFIT_INLINE void finish_block(const Tables<Real>& t, const Real* arriving, Real* state, Real* lost) {
+FRACFIT_INLINE inline void finish_block(const Tables<Real>& t, const Real* arriving, Real* state, Real* lost) {
   // Their sum is below half a rounding of a state of equal weight in the output.
   constexpr Real negligible = std::numeric_limits<Real>::epsilon() * std::numeric_limits<Real>::epsilon();
   const Largest<Real> largest = advance(t.change, t.weight, arriving, t.size, state, lost);
@@ -207,8 +205,8 @@ FRACFIT_INLINE void finish_block(const Tables<Real>& t, const Real* arriving, Re
 }
 
 template <typename Real>
-FRACFIT_INLINE void whole_block(const Tables<Real>& t, const Real* recent, Real* state, Real* lost, Real* arriving,
-                                Real* output) {
+FRACFIT_INLINE inline void whole_block(const Tables<Real>& t, const Real* recent, Real* state, Real* lost,
+                                       Real* arriving, Real* output) {
   block_output(state, t.size, t.output, recent, t.kernel, output);
   block_arrivals(recent, t.power, t.size, arriving);
   finish_block(t, arriving, state, lost);
@@ -216,8 +214,8 @@ FRACFIT_INLINE void whole_block(const Tables<Real>& t, const Real* recent, Real*
 
 // Its own sample apart: it has just been stored, and a wide load over it would wait.
 template <typename Real>
-FRACFIT_INLINE Real one_sample(const Tables<Real>& t, std::size_t position, const Real* recent, const Real* state,
-                               Real* arriving) {
+FRACFIT_INLINE inline Real one_sample(const Tables<Real>& t, std::size_t position, const Real* recent,
+                                      const Real* state, Real* arriving) {
   using W = Wide<Real>;
   const Real* now = t.power + position * t.size;
   const Real* later = t.power + (block - 1 - position) * t.size;
@@ -234,23 +232,6 @@ FRACFIT_INLINE Real one_sample(const Tables<Real>& t, std::size_t position, cons
   total += direct;
   return sum_of<Real>(total);
 }
-
-// A template has no copies for processors; these have.
-#define FRACFIT_FOR(Real)                                                                                            \
-  FRACFIT_WIDE_VECTORS void run_whole_block(const Tables<Real>& t, const Real* recent, Real* state, Real* lost,      \
-                                            Real* arriving, Real* output) {                                          \
-    whole_block(t, recent, state, lost, arriving, output);                                                           \
-  }                                                                                                                  \
-  FRACFIT_WIDE_VECTORS void run_finish_block(const Tables<Real>& t, const Real* arriving, Real* state, Real* lost) { \
-    finish_block(t, arriving, state, lost);                                                                          \
-  }                                                                                                                  \
-  FRACFIT_WIDE_VECTORS Real run_one_sample(const Tables<Real>& t, std::size_t position, const Real* recent,          \
-                                           const Real* state, Real* arriving) {                                      \
-    return one_sample(t, position, recent, state, arriving);                                                         \
-  }
-FRACFIT_FOR(double)
-FRACFIT_FOR(float)
-#undef FRACFIT_FOR
 
 }  // namespace
 
@@ -293,10 +274,12 @@ Real WeightConvolution<Real>::step(Real sample) noexcept {
   const Tables<Real> tables{size_,          change_.data(), weight_.data(),  power_.data(),
                             output_.data(), kernel_.data(), reversed_.data()};
   // w_0 = 1.
-  const Real result = sample + run_one_sample(tables, position_, recent_.data(), state_.data(), arriving_.data());
+  const Real result = sample + with_wide_vectors([&]() FRACFIT_INLINE {
+                        return one_sample(tables, position_, recent_.data(), state_.data(), arriving_.data());
+                      });
   recent_[history + position_] = sample;
   if (++position_ == block) {
-    run_finish_block(tables, arriving_.data(), state_.data(), lost_.data());
+    with_wide_vectors([&]() FRACFIT_INLINE { finish_block(tables, arriving_.data(), state_.data(), lost_.data()); });
     std::fill(arriving_.begin(), arriving_.end(), Real(0));
     std::copy_n(recent_.begin() + block, history, recent_.begin());
     position_ = 0;
@@ -309,7 +292,9 @@ void WeightConvolution<Real>::run_block(const Real* input, Real* output) noexcep
   std::copy_n(input, block, recent_.begin() + history);
   const Tables<Real> tables{size_,          change_.data(), weight_.data(),  power_.data(),
                             output_.data(), kernel_.data(), reversed_.data()};
-  run_whole_block(tables, recent_.data(), state_.data(), lost_.data(), arriving_.data(), output);
+  with_wide_vectors([&]() FRACFIT_INLINE {
+    whole_block(tables, recent_.data(), state_.data(), lost_.data(), arriving_.data(), output);
+  });
   std::fill(arriving_.begin(), arriving_.end(), Real(0));
   std::copy_n(recent_.begin() + block, history, recent_.begin());
 }

@@ -15,8 +15,8 @@ namespace {
 
 // 2^(order (exponent + rest)).  An exponent has at most 11 bits, so its products with the upper 41 and the lower 12
 // bits of the order are exact, and only order rest and the exponential round.
-FRACFIT_WIDE_VECTORS void exponentials(double order, const double* exponent, const double* rest, std::size_t count,
-                                       double* result) {
+FRACFIT_INLINE inline void exponentials(double order, const double* exponent, const double* rest, std::size_t count,
+                                        double* result) {
   // Adding 3/2 2^52 rounds to a whole number and leaves it in the low bits of the sum.
   constexpr double rounding = 0x1.8p52;
   const auto upper = std::bit_cast<double>(std::bit_cast<std::uint64_t>(order) & ~std::uint64_t{0xfff});
@@ -76,7 +76,9 @@ void PowerGrid::powers(double order, std::size_t first, std::span<double> result
     for (std::size_t i = 0; i < result.size(); ++i) result[i] = real_power(omega_[first + i], order);
     return;
   }
-  exponentials(order, exponent_.data() + first, rest_.data() + first, result.size(), result.data());
+  with_wide_vectors([&]() FRACFIT_INLINE {
+    exponentials(order, exponent_.data() + first, rest_.data() + first, result.size(), result.data());
+  });
 }
 
 }  // namespace frac::detail

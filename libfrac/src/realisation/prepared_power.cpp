@@ -7,9 +7,9 @@
 #include <stdexcept>
 
 #include "approximation/ladder_sensitivity.hpp"
+#include "approximation/realised_order.hpp"
 #include "base/number_text.hpp"
 #include "ladder_table.hpp"
-#include "realisation_checks.hpp"
 #include "special/exact_power.hpp"
 
 namespace frac::detail {

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "approximation/realised_order.hpp"
 #include "base/number_text.hpp"
 #include "ladder_table.hpp"
 #include "prepared_power.hpp"
@@ -14,20 +15,10 @@
 namespace frac {
 namespace {
 
-constexpr int most_poles = 1000;
-
 void validate_as(const ExactRealisation&) {}
 
 void validate_as(const OustaloupRealisation& realisation) {
-  const FrequencyBand band = realisation.band;
-  if (!(band.lower > 0 && band.lower < band.upper && std::isfinite(band.upper))) {
-    throw std::invalid_argument("oustaloup: band = " + detail::number_text(band.lower) + " to " +
-                                detail::number_text(band.upper) + " rad/s; needed is 0 < lower < upper < infinity");
-  }
-  if (realisation.poles < 1 || realisation.poles > most_poles) {
-    throw std::invalid_argument("oustaloup: poles = " + std::to_string(realisation.poles) + "; allowed are 1 to " +
-                                std::to_string(most_poles));
-  }
+  detail::check_oustaloup(realisation.band, realisation.poles);
 }
 
 void validate_as(const GrunwaldLetnikovRealisation& realisation) {

@@ -11,12 +11,6 @@
 
 namespace frac::detail {
 
-void check_realised_order(double order, std::string_view where) {
-  if (!(std::abs(order) <= largest_realised_order)) {
-    throw std::invalid_argument(std::string(where) + ": order = " + number_text(order) + "; allowed are -20 to 20");
-  }
-}
-
 void check_memory_length(std::size_t memory_length, std::string_view where) {
   if (memory_length > longest_memory) {
     throw std::invalid_argument(std::string(where) + ": memory_length = " + std::to_string(memory_length) +

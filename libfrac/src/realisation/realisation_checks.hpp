@@ -9,17 +9,11 @@
 
 namespace frac::detail {
 
-/// Largest |order| that Oustaloup and Gruenwald-Letnikov realise.
-inline constexpr double largest_realised_order = 20;
-
 /// Longest Gruenwald-Letnikov memory; its weights take 160 MB.
 inline constexpr std::size_t longest_memory = 10'000'000;
 
 /// @throws std::invalid_argument  memory_length beyond the longest; the text begins with `where`.
 void check_memory_length(std::size_t memory_length, std::string_view where);
-
-/// @throws std::invalid_argument  order not finite or |order| > 20; the text begins with `where`.
-void check_realised_order(double order, std::string_view where);
 
 /// @throws std::invalid_argument  omega not positive and finite, or above the Nyquist frequency of the realisation.
 void check_omega(const Realisation& realisation, double omega, std::string_view where);

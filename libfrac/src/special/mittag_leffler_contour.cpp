@@ -5,15 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/wide_vectors.hpp"
 #include "reciprocal_gamma.hpp"
-
-// Copies for processors with four and eight doubles in a register, chosen when the program is loaded.  Without
-// contraction to fused operations all give the same numbers.
-#if defined(__x86_64__) && defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define FRACFIT_WIDE_VECTORS __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define FRACFIT_WIDE_VECTORS
-#endif
 
 namespace frac::detail {
 namespace {
@@ -142,8 +135,7 @@ bool MittagLefflerContour::has_pole_at_node(const Poles& poles) const {
 }
 
 template <bool with_derivative>
-[[gnu::always_inline]] inline MittagLefflerContour::ValueAndDerivative MittagLefflerContour::over_nodes(
-    Complex z) const {
+FRACFIT_INLINE inline MittagLefflerContour::ValueAndDerivative MittagLefflerContour::over_nodes(Complex z) const {
   double sum_re[lanes] = {}, sum_im[lanes] = {}, slope_re[lanes] = {}, slope_im[lanes] = {};
   const double x = z.real();
   const double y = z.imag();
@@ -179,17 +171,9 @@ template <bool with_derivative>
   return {value, slope};
 }
 
-FRACFIT_WIDE_VECTORS MittagLefflerContour::ValueAndDerivative MittagLefflerContour::values_over_nodes(Complex z) const {
-  return over_nodes<false>(z);
-}
-
-FRACFIT_WIDE_VECTORS MittagLefflerContour::ValueAndDerivative MittagLefflerContour::both_over_nodes(Complex z) const {
-  return over_nodes<true>(z);
-}
-
 template <bool with_derivative>
 MittagLefflerContour::ValueAndDerivative MittagLefflerContour::evaluate(Complex z, const Poles& poles) const {
-  auto [value, slope] = with_derivative ? both_over_nodes(z) : values_over_nodes(z);
+  auto [value, slope] = with_wide_vectors([&]() FRACFIT_INLINE { return over_nodes<with_derivative>(z); });
   const double rate = 2 * pi / step_;
   for (std::size_t j = 0; j < poles.count; ++j) {
     const Complex w = poles.w[j];
@@ -232,8 +216,7 @@ MittagLefflerContour::ValueAndDerivative MittagLefflerContour::value_and_derivat
 // 2 Re sum a/(v - z).  Where 1/Gamma(beta - alpha), the coefficient of -1/z far out, is small against the weights, the
 // terms cancel to it; z E_{alpha,beta}(z) = E_{alpha,beta-alpha}(z) - 1/Gamma(beta - alpha) then has it exactly.
 template <bool cancels_far_out>
-[[gnu::always_inline]] inline void MittagLefflerContour::negative_blocks(std::span<const double> z,
-                                                                         double* value) const {
+FRACFIT_INLINE inline void MittagLefflerContour::negative_blocks(std::span<const double> z, double* value) const {
   constexpr std::size_t block = 8;
   // Eight doubles, at any address.
   typedef double Vector __attribute__((vector_size(8 * block), aligned(8), may_alias));
@@ -271,19 +254,11 @@ template <bool cancels_far_out>
   }
 }
 
-FRACFIT_WIDE_VECTORS void MittagLefflerContour::negative_plain(std::span<const double> z, double* value) const {
-  negative_blocks<false>(z, value);
-}
-
-FRACFIT_WIDE_VECTORS void MittagLefflerContour::negative_cancelling(std::span<const double> z, double* value) const {
-  negative_blocks<true>(z, value);
-}
-
 void MittagLefflerContour::negative_values(std::span<const double> z, double* value) const {
   if (std::abs(leading_) < 0.2) {
-    negative_cancelling(z, value);
+    with_wide_vectors([&]() FRACFIT_INLINE { negative_blocks<true>(z, value); });
   } else {
-    negative_plain(z, value);
+    with_wide_vectors([&]() FRACFIT_INLINE { negative_blocks<false>(z, value); });
   }
 }
 

@@ -54,12 +54,8 @@ class MittagLefflerContour {
   void place_nodes();
   template <bool cancels_far_out>
   void negative_blocks(std::span<const double> z, double* value) const;
-  void negative_plain(std::span<const double> z, double* value) const;
-  void negative_cancelling(std::span<const double> z, double* value) const;
   template <bool with_derivative>
   [[nodiscard]] ValueAndDerivative over_nodes(std::complex<double> z) const;
-  [[nodiscard]] ValueAndDerivative values_over_nodes(std::complex<double> z) const;
-  [[nodiscard]] ValueAndDerivative both_over_nodes(std::complex<double> z) const;
   template <bool with_derivative>
   [[nodiscard]] ValueAndDerivative evaluate(std::complex<double> z, const Poles& poles) const;
 

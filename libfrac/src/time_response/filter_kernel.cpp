@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "filter_kernel.hpp"
 
+#include "base/instruction_set.hpp"
 #include "filter_kernel_loops.hpp"
 
 namespace frac::detail {
@@ -8,10 +9,8 @@ namespace {
 
 FilterLoop chosen() {
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512vl")) {
-    return avx512_filter_loop();
-  }
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return avx2_filter_loop();
+  if (instruction_set() == InstructionSet::avx512) return avx512_filter_loop();
+  if (instruction_set() == InstructionSet::avx2) return avx2_filter_loop();
 #endif
   return Loops<16>::run;
 }

@@ -8,17 +8,11 @@
 #include <vector>
 
 #include "frac/model/frequency_response_data.hpp"
+#include "frac/power_term.hpp"
 #include "frac/realisation.hpp"
 #include "frac/structure.hpp"
 
 namespace frac {
-
-/// coefficient s^order.
-struct PowerTerm {
-  double coefficient;
-  double order;
-  bool operator==(const PowerTerm&) const = default;
-};
 
 /// G(s) = e^{-delay s} sum numerator / sum denominator: sums of real powers of s, orders need not be commensurate.
 /// Terms are kept by falling order, equal orders (to 1e-13) added up, zero coefficients dropped; a denominator of a

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "frac/time_response/respond.hpp"
+#include "frac/model/hold.hpp"
 
 namespace frac {
 

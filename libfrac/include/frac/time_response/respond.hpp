@@ -7,14 +7,9 @@
 #include <vector>
 
 #include "frac/model/fractional_transfer_function.hpp"
+#include "frac/model/hold.hpp"
 
 namespace frac {
-
-/// How the input runs between its samples.
-enum class Hold {
-  zero_order,   // constant until the next sample
-  first_order,  // straight to the next sample
-};
 
 /// Response of a fractional transfer function to any input given by samples, from rest at the first, as a filter with a
 /// fixed number of states.  With G(s) s^m bounded by 1/|s| at the origin (m = 0 without integrators; more where the

@@ -254,22 +254,22 @@ bool ResidualRule::residual(std::size_t point, std::complex<double> model, std::
 namespace {
 
 /// No infinity and no NaN: no exponent of all ones.
-FRACFIT_WIDE_VECTORS bool all_finite(const double* values, std::size_t count) {
+FRACFIT_INLINE inline bool all_finite(const double* values, std::size_t count) {
   constexpr std::uint64_t exponent = 0x7ff0000000000000, lowest = 0x0010000000000000;
   std::uint64_t overflow = 0;
   for (std::size_t i = 0; i < count; ++i) overflow |= (std::bit_cast<std::uint64_t>(values[i]) & exponent) + lowest;
   return overflow >> 63 == 0;
 }
 
-FRACFIT_WIDE_VECTORS void weigh_pairs(const double* weight, const double* values, std::size_t count, double* result) {
+FRACFIT_INLINE inline void weigh_pairs(const double* weight, const double* values, std::size_t count, double* result) {
   for (std::size_t i = 0; i < count; ++i) {
     result[2 * i] = weight[i] * values[2 * i];
     result[2 * i + 1] = weight[i] * values[2 * i + 1];
   }
 }
 
-FRACFIT_WIDE_VECTORS void weigh_differences(const double* weight, const double* model, const double* data,
-                                            std::size_t count, double* result) {
+FRACFIT_INLINE inline void weigh_differences(const double* weight, const double* model, const double* data,
+                                             std::size_t count, double* result) {
   for (std::size_t i = 0; i < count; ++i) {
     result[2 * i] = weight[i] * (model[2 * i] - data[2 * i]);
     result[2 * i + 1] = weight[i] * (model[2 * i + 1] - data[2 * i + 1]);
@@ -287,8 +287,10 @@ bool ResidualRule::residuals(std::span<const std::complex<double>> model, std::s
                              double* result) const {
   const std::size_t count = model.size();
   if (form == ResidualForm::cartesian) {
-    weigh_differences(weight.data(), as_pairs(model), as_pairs(data), count, result);
-    return all_finite(result, 2 * count);
+    return with_wide_vectors([&]() FRACFIT_INLINE {
+      weigh_differences(weight.data(), as_pairs(model), as_pairs(data), count, result);
+      return all_finite(result, 2 * count);
+    });
   }
   for (std::size_t i = 0; i < count; ++i) {
     if (!residual(i, model[i], data[i], result + i * per_point())) return false;
@@ -307,7 +309,7 @@ bool ResidualRule::derivatives(std::span<const std::complex<double>> model,
       for (std::size_t i = 0; i < count; ++i) result[i] = weight[i] * of_model[i].real();
       break;
     case ResidualForm::cartesian:
-      weigh_pairs(weight.data(), as_pairs(of_model), count, result);
+      with_wide_vectors([&]() FRACFIT_INLINE { weigh_pairs(weight.data(), as_pairs(of_model), count, result); });
       break;
     case ResidualForm::magnitude:
       for (std::size_t i = 0; i < count; ++i) {
@@ -328,7 +330,7 @@ bool ResidualRule::derivatives(std::span<const std::complex<double>> model,
       for (std::size_t i = 0; i < count; ++i) result[i] = weight[i] * (of_model[i] / model[i]).imag();
       break;
   }
-  return all_finite(result, count * per_point());
+  return with_wide_vectors([&]() FRACFIT_INLINE { return all_finite(result, count * per_point()); });
 }
 
 std::vector<double> curve_residuals(const FrequencyResponseData& data, const ResidualRule& rule,

@@ -12,13 +12,15 @@ namespace frac::detail {
 
 namespace {
 
-FRACFIT_WIDE_VECTORS void add_multiple(double factor, const double* from, std::size_t count, double* sum) {
+FRACFIT_INLINE inline void add_multiple(double factor, const double* from, std::size_t count, double* sum) {
   for (std::size_t i = 0; i < count; ++i) sum[i] += factor * from[i];
 }
 
 void add_multiple(double factor, const std::complex<double>* from, std::span<std::complex<double>> sum) {
   // Complex numbers are pairs of reals in memory.
-  add_multiple(factor, reinterpret_cast<const double*>(from), 2 * sum.size(), reinterpret_cast<double*>(sum.data()));
+  with_wide_vectors([&]() FRACFIT_INLINE {
+    add_multiple(factor, reinterpret_cast<const double*>(from), 2 * sum.size(), reinterpret_cast<double*>(sum.data()));
+  });
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "identification/search/robust.hpp"
+#include "loss.hpp"
 
 namespace frac::detail {
 

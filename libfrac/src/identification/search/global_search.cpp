@@ -9,7 +9,7 @@
 #include <memory>
 #include <random>
 
-#include "identification/statistics/confidence.hpp"
+#include "flat_directions.hpp"
 
 namespace frac::detail {
 

@@ -17,21 +17,6 @@ constexpr double rounding = 1e-13;
 
 }  // namespace
 
-LossAt loss_at(Loss loss, double x) {
-  switch (loss) {
-    case Loss::none:
-      break;
-    case Loss::huber:
-      if (std::abs(x) > 1) return {2 * std::abs(x) - 1, x > 0 ? 1.0 : -1.0, 0};
-      break;
-    case Loss::cauchy: {
-      const double spread = 1 + x * x;
-      return {std::log1p(x * x), x / spread, (1 - x * x) / (spread * spread)};
-    }
-  }
-  return {x * x, x, 1};
-}
-
 double loss_cost(std::span<const double> residual, std::size_t per_point, const LocalOptions& options) {
   double sum = 0;
   for (std::size_t i = 0; i < residual.size(); i += per_point) {

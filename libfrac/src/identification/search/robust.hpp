@@ -6,16 +6,10 @@
 #include <span>
 #include <vector>
 
+#include "identification/residuals/loss.hpp"
 #include "local_solve.hpp"
 
 namespace frac::detail {
-
-/// A loss at a residual of `x` times its scale, in units of that scale: twice rho (x^2 without a loss), its half
-/// derivative psi, and the derivative of psi.
-struct LossAt {
-  double cost, psi, slope;
-};
-[[nodiscard]] LossAt loss_at(Loss loss, double x);
 
 /// Sum of the loss over points of `per_point` residuals each, the sum of squares without a loss: what local_solve()
 /// makes least.

@@ -16,7 +16,7 @@ constexpr std::size_t lanes = 8;   // sums kept apart, so that they fit register
 
 /// Reflects the column of `triangle` with index k and the block below it onto the triangle's diagonal, and the columns
 /// behind with it.
-FRACFIT_WIDE_VECTORS void reflect(std::size_t k, std::size_t columns, double* triangle, double* rows) {
+FRACFIT_INLINE inline void reflect(std::size_t k, std::size_t columns, double* triangle, double* rows) {
   const double* const pivot = rows + k * block;
   double partial[lanes] = {};
   for (std::size_t i = 0; i < block; i += lanes) {
@@ -61,7 +61,9 @@ void triangular_form(std::span<const double> jacobian, std::span<const double> r
       std::copy_n(from + first, count, to);
       std::fill(to + count, to + block, 0.0);
     }
-    for (std::size_t k = 0; k < columns; ++k) reflect(k, columns, triangle.data(), rows.data());
+    with_wide_vectors([&]() FRACFIT_INLINE {
+      for (std::size_t k = 0; k < columns; ++k) reflect(k, columns, triangle.data(), rows.data());
+    });
   }
 }
 

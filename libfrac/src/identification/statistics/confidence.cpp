@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "frac/identification/statistics.hpp"
+#include "identification/search/reduced_jacobian.hpp"
 #include "identification/search/robust.hpp"
-#include "identification/search/triangular_form.hpp"
 
 namespace frac::detail {
 
@@ -34,25 +34,6 @@ Spread spread_of(const std::vector<double>& residual, double degrees_of_freedom,
   }
   slope /= static_cast<double>(residual.size());
   return {sum / degrees_of_freedom / (slope * slope), sum / degrees_of_freedom / slope};
-}
-
-/// A square matrix with the singular values and the right singular vectors of the Jacobian at theta; none where the
-/// model is not finite there.
-std::optional<Eigen::MatrixXd> reduced_jacobian(const Residuals& residuals, const std::vector<double>& theta,
-                                                std::vector<double>& residual) {
-  const std::size_t width = theta.size();
-  residual.resize(residuals.count());
-  std::vector<double> jacobian(residual.size() * width), triangle((width + 1) * (width + 1));
-  if (!residuals.evaluate(theta, residual.data(), jacobian.data())) return std::nullopt;
-  if (width == 0) return Eigen::MatrixXd(0, 0);
-  triangular_form(jacobian, residual, triangle);
-  Eigen::MatrixXd reduced(width, width);
-  for (std::size_t row = 0; row < width; ++row) {
-    for (std::size_t k = 0; k < width; ++k) {
-      reduced(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(k)) = triangle[row * (width + 1) + k];
-    }
-  }
-  return reduced;
 }
 
 }  // namespace
@@ -175,22 +156,6 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
     }
   }
   return result;
-}
-
-std::vector<std::vector<double>> flat_directions(const Residuals& residuals, const LocalSolution& solution,
-                                                 double times) {
-  std::vector<double> residual;
-  const std::optional<Eigen::MatrixXd> jacobian = reduced_jacobian(residuals, solution.theta, residual);
-  if (!jacobian) return {};
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(*jacobian, Eigen::ComputeThinV);
-  std::vector<std::vector<double>> directions;
-  for (Eigen::Index k = jacobian->cols(); k-- > 0;) {
-    const Eigen::VectorXd direction = svd.matrixV().col(k) / svd.matrixV().col(k).lpNorm<Eigen::Infinity>();
-    const double rise = svd.singularValues()[k] * direction.norm();
-    if (!(rise * rise <= times * solution.cost)) continue;
-    directions.emplace_back(direction.begin(), direction.end());
-  }
-  return directions;
 }
 
 }  // namespace frac::detail

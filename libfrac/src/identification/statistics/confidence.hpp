@@ -29,9 +29,4 @@ struct Confidence {
 [[nodiscard]] Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
                                     const LocalOptions& options);
 
-/// Directions of theta, their largest entry 1, along which a step of 1 adds less than `times` the cost, as the
-/// curvature at the solution says.
-[[nodiscard]] std::vector<std::vector<double>> flat_directions(const Residuals& residuals,
-                                                               const LocalSolution& solution, double times);
-
 }  // namespace frac::detail
