@@ -106,7 +106,9 @@ class Faults : public testing::Test {
   void clear_after_kill(const std::string& complete, bool named) {
     for (const auto& name : names()) {
       if (!name.starts_with('.')) continue;
-      if (!named) EXPECT_EQ(content_of(path(name)), complete);
+      if (!named) {
+        EXPECT_EQ(content_of(path(name)), complete);
+      }
       fs::remove(path(name));
     }
   }
@@ -179,10 +181,16 @@ TEST_F(Faults, ABatchGoesOnAfterAnyFault) {
       ++faults;
       if (kind == "ENOSPC" || kind == "EIO") {
         EXPECT_TRUE(result.code == 0 || result.code == 1) << result.code;
-        if (result.code != 0) EXPECT_NE(result.error.find(cause_of(kind)), std::string::npos) << result.error;
+        if (result.code != 0) {
+          EXPECT_NE(result.error.find(cause_of(kind)), std::string::npos) << result.error;
+        }
       }
-      if (kind == "short" || kind == "EINTR") EXPECT_EQ(result.code, 0);
-      if (kind != "kill") EXPECT_LE(names().size(), 1U);
+      if (kind == "short" || kind == "EINTR") {
+        EXPECT_EQ(result.code, 0);
+      }
+      if (kind != "kill") {
+        EXPECT_LE(names().size(), 1U);
+      }
       clear_after_kill(complete, true);
       const auto again = run_fracfit(arguments);
       EXPECT_EQ(again.code, 0) << again.error;
@@ -220,9 +228,9 @@ TEST_F(Faults, AReportThatFailsLeavesNoFolderUnderConstruction) {
       EXPECT_EQ(result.code, 1) << result.error;
       EXPECT_NE(result.error.find(cause_of(kind)), std::string::npos) << result.error;
       EXPECT_FALSE(fs::exists(out + "/index.html"));
-      if (fs::exists(out))
-        for (const auto& entry : fs::directory_iterator(out))
-          EXPECT_FALSE(entry.path().filename().string().starts_with('.')) << entry.path();
+      if (!fs::exists(out)) continue;
+      for (const auto& entry : fs::directory_iterator(out))
+        EXPECT_FALSE(entry.path().filename().string().starts_with('.')) << entry.path();
     }
   }
   RecordProperty("faults", faults);
@@ -248,11 +256,11 @@ TEST_F(Faults, SignalsLeaveNothingBehind) {
 
 TEST(FullDisk, ExitsWithOneAndItsCauseWhereverTheOutputGoes) {
   if (!fs::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
-  for (const std::string arguments :
-       {"--help", "--version", "fit --help", "man", "completion bash", "mittag-leffler --alpha 0.5 --beta 1 --z -1",
-        "analyse --model '1/(s+1)'", "respond --model '1/(s+1)' --time 0:1:3",
-        "approximate --order 0.5 --band 0.1:10 --poles 3",
-        "simulate --force 20 --clearance 0.3 --restitution 0.6 --omega 5:6:2"}) {
+  for (const std::string& arguments : std::vector<std::string>{
+           "--help", "--version", "fit --help", "man", "completion bash", "mittag-leffler --alpha 0.5 --beta 1 --z -1",
+           "analyse --model '1/(s+1)'", "respond --model '1/(s+1)' --time 0:1:3",
+           "approximate --order 0.5 --band 0.1:10 --poles 3",
+           "simulate --force 20 --clearance 0.3 --restitution 0.6 --omega 5:6:2"}) {
     const auto result = run_shell("\"$fracfit\" " + arguments + " > /dev/full");
     EXPECT_EQ(result.code, 1) << arguments;
     EXPECT_NE(result.error.find("No space left on device"), std::string::npos) << arguments << ": " << result.error;
@@ -273,16 +281,18 @@ TEST(FileSizeLimit, IsAnErrorWithItsCause) {
 TEST(Limits, OfMemoryAndThreadsEndInASentence) {
   const TemporaryFolder folder;
   const auto data = folder.write("curve.csv", "omega_rad_s,re,im\n1,1,-1\n2,1,-2\n3,1,-3\n4,1,-4\n5,1,-5\n");
-  for (const std::string arguments :
-       {"fit " + data + " --model 'K/(T s^a + 1)' --component both", "identify " + data + " --models gain,lag",
-        std::string("simulate --force 20 --clearance 0.3 --restitution 0.6 --omega 5:6:2000"),
-        std::string("respond --model '1/(s^0.5+1)' --time 0:1:200001 --method bdf2")}) {
+  for (const std::string& arguments : std::vector<std::string>{
+           "fit " + data + " --model 'K/(T s^a + 1)' --component both", "identify " + data + " --models gain,lag",
+           "simulate --force 20 --clearance 0.3 --restitution 0.6 --omega 5:6:2000",
+           "respond --model '1/(s^0.5+1)' --time 0:1:200001 --method bdf2"}) {
     for (const std::string limit : {"-v 100000", "-v 130000", "-v 160000", "-v 200000", "-v 260000", "-v 400000"}) {
       const auto result = run_shell("ulimit " + limit + "; \"$fracfit\" " + arguments + " --threads 8 --out /dev/null");
       // 127: the loader itself found no room for the shared libraries.
       EXPECT_TRUE(result.code == 0 || result.code == 1 || result.code == 127)
           << limit << " " << arguments << ": " << result.code << " " << result.error;
-      if (result.code != 0) EXPECT_FALSE(result.error.empty());
+      if (result.code != 0) {
+        EXPECT_FALSE(result.error.empty());
+      }
     }
   }
 }

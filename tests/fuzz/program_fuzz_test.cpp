@@ -69,7 +69,9 @@ TEST(ProgramFuzz, AnyCommandLineEndsWithAnExitCodeAndASentence) {
     const auto result = run_fracfit(words);
     EXPECT_GE(result.code, 0) << text << result.error;
     EXPECT_LE(result.code, 3) << text << result.error;
-    if (result.code != 0) EXPECT_TRUE(result.error.find("fracfit: ") != std::string::npos) << text << result.error;
+    if (result.code != 0) {
+      EXPECT_TRUE(result.error.find("fracfit: ") != std::string::npos) << text << result.error;
+    }
     for (const char* name : {"std::", "filesystem error", "basic_string", "vector::", "what()"})
       EXPECT_EQ(result.error.find(name), std::string::npos) << text << result.error;
   }
@@ -105,10 +107,11 @@ TEST_F(BatchFuzz, ATableLeftByACrashBecomesTheWholeOneOrIsRefused) {
       if (random.below(4) == 0) left += std::string(1 + random.below(100), '\0');
       folder.write(name, left);
       const auto result = run_fracfit(batch({"--out", out}));
-      if (result.code == 0)
+      if (result.code == 0) {
         EXPECT_EQ(content_of(out), whole) << left;
-      else
+      } else {
         EXPECT_EQ(content_of(out), left) << result.error;
+      }
       EXPECT_LE(result.code, 3) << result.error;
     }
   }

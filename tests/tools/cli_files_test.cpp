@@ -225,7 +225,7 @@ TEST_F(InputsAndOutputs, OutputsWithoutAPlaceAreRefused) {
   fs::create_symlink("a", path("b"));
   fs::create_symlink("missing/below", path("dangling"));
   const std::vector<std::string> command{"mittag-leffler", "--alpha", "0.5", "--beta", "1", "--z", "-1", "--out"};
-  for (const std::string out : {std::string(), path("a"), path("dangling")}) {
+  for (const auto& out : {std::string(), path("a"), path("dangling")}) {
     const auto result = run_fracfit(with(command, {out}));
     EXPECT_EQ(result.code, 2) << "'" << out << "'";
     EXPECT_NE(result.error.find("--out"), std::string::npos) << result.error;

@@ -25,10 +25,10 @@ struct ProgramResult {
 };
 
 struct ProgramSetting {
-  std::string search_path;                                       // PATH of the child; empty: as it is here
-  std::string input;                                             // its standard input
-  bool terminal_output = false;                                  // standard output is a terminal
-  std::vector<std::pair<std::string, std::string>> environment;  // variables added
+  std::string search_path = {};                                       // PATH of the child; empty: as it is here
+  std::string input = {};                                             // its standard input
+  bool terminal_output = false;                                       // standard output is a terminal
+  std::vector<std::pair<std::string, std::string>> environment = {};  // variables added
 };
 
 namespace detail {
