@@ -26,7 +26,7 @@ std::vector<std::vector<std::string>> templates(const std::string& data) {
       {"mittag-leffler", "--alpha", "0.5", "--beta", "1", "--z", "-1,2"},
       {"analyse", "--model", "1/(s + 1)", "--format", "json"},
       {"controller", "--kp", "1", "--sample-time", "0.01", "--band", "0.1:10"},
-      {"merge", "-", data, data},
+      {"merge", data, data, "--out", "-"},
   };
 }
 
@@ -124,7 +124,7 @@ TEST_F(BatchFuzz, NoDamagedShardIsAccepted) {
     const auto out = folder.path("merged" + extension);
     ASSERT_EQ(run_fracfit(batch({"--shard", "1/2", "--out", one})).code, 0);
     ASSERT_EQ(run_fracfit(batch({"--shard", "2/2", "--out", two})).code, 0);
-    const std::vector<std::string> merge{"merge", out, one, two};
+    const std::vector<std::string> merge{"merge", one, two, "--out", out};
     ASSERT_EQ(run_fracfit(merge).code, 0) << "undamaged";
     const auto whole = content_of(out);
     const auto good = content_of(two);

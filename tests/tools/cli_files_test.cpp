@@ -157,8 +157,7 @@ TEST(Conditions, MayBeOnAnyColumnOfSamplesOverTime) {
 class InputsAndOutputs : public testing::Test {
  protected:
   InputsAndOutputs() {
-    folder.write("curve.csv",
-                 "# force_n: 20\n# output: x1\nomega_rad_s,re,im\n1,1,-1\n2,1,-2\n3,1,-3\n4,1,-4\n5,1,-5\n6,1,-6\n");
+    folder.write("curve.csv", "omega_rad_s,re,im\n1,1,-1\n2,1,-2\n3,1,-3\n4,1,-4\n5,1,-5\n6,1,-6\n");
     folder.write("input.csv", "time_s,input\n0,1\n1,1\n2,0\n");
     for (const char* shard : {"1/2", "2/2"}) {
       const auto result =
@@ -261,7 +260,7 @@ TEST_F(InputsAndOutputs, WhatCanBeReadOnlyOnceIsRead) {
     }
   }
   const auto merged =
-      run_shell("\"$fracfit\" merge - <(cat " + path("shard1.csv") + ") <(cat " + path("shard2.csv") + ")");
+      run_shell("\"$fracfit\" merge <(cat " + path("shard1.csv") + ") <(cat " + path("shard2.csv") + ") --out -");
   EXPECT_EQ(merged.code, 0) << merged.error;
   EXPECT_EQ(lines_of(merged.output).back().substr(0, 6), "0.5,7,") << merged.output;
   const auto report =

@@ -413,8 +413,12 @@ FrequencyResponseFile read_frequency_response(const std::string& file, const Fre
   Metadata metadata = table.metadata();
   metadata.insert(metadata.end(), options.rows.begin(), options.rows.end());
   if (!options.curve.empty()) metadata.emplace_back("curve", options.curve);
-  for (auto& entry : scene.entries())
-    if (!find_value(metadata, entry.first)) metadata.push_back(std::move(entry));
+  // A force alone is no scene: others would miss the clearance.
+  Metadata told = scene.entries();
+  if (find_value(metadata, "clearance_m") || find_value(told, "clearance_m")) {
+    for (auto& entry : told)
+      if (!find_value(metadata, entry.first)) metadata.push_back(std::move(entry));
+  }
   return {frac::FrequencyResponseData(std::move(points.omega), std::move(points.value), std::move(points.sigma)),
           std::move(metadata), planner.meaning(plan.first).unit, std::move(notes), table.content_fingerprint()};
 }

@@ -34,8 +34,7 @@ constexpr mode_t usual_rights = 0666;  // less the umask
 
 // The name is at fault, or else the state of the system.
 [[noreturn]] void fail_creating(const std::string& path, int error) {
-  for (const int state : {ENOSPC, EDQUOT, EIO, ENOMEM, EMFILE, ENFILE})
-    if (error == state) fail_writing(path, error);
+  if (is_state_of_system(error)) fail_writing(path, error);
   fail_opening(path, std::strerror(error));
 }
 
@@ -143,6 +142,12 @@ void write_with_name(const std::string& path, std::string_view content) {
 }
 
 }  // namespace
+
+bool is_state_of_system(int error) {
+  for (const int state : {ENOSPC, EDQUOT, EIO, ENOMEM, EMFILE, ENFILE})
+    if (error == state) return true;
+  return false;
+}
 
 void write_all(int descriptor, std::string_view content, const std::string& path) {
   while (!content.empty()) {

@@ -30,6 +30,9 @@ class OutputFile {
 /// Standard output was closed by its reader, e.g. by `head`.
 struct OutputClosed {};
 
+/// Whether an error number tells of the state of the system, such as a full disk, rather than of a wrong name.
+[[nodiscard]] bool is_state_of_system(int error);
+
 /// Writes all of the content to an open file, however many steps the system takes.
 /// @param path  of the file, for messages
 /// @throws std::runtime_error  with the cause;  OutputClosed

@@ -20,7 +20,11 @@ namespace {
 // An open file that no other run may add to.
 Descriptor locked(const std::string& path) {
   Descriptor file(::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC));
-  if (file.number() < 0) throw std::invalid_argument(path + " cannot be written: " + std::strerror(errno));
+  if (file.number() < 0) {
+    const int error = errno;
+    if (is_state_of_system(error)) throw std::runtime_error("cannot write " + path + ": " + std::strerror(error));
+    throw std::invalid_argument(path + " cannot be written: " + std::strerror(error));
+  }
   // A folder that knows no locks, such as some network folders, is used without.
   if (::flock(file.number(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
     throw std::invalid_argument(path + " is being written by another run; wait for its end or choose another --out");

@@ -18,6 +18,8 @@ namespace fs = std::filesystem;
 namespace {
 
 [[noreturn]] void refuse(const fs::path& folder, const std::error_code& cause) {
+  if (io::is_state_of_system(cause.value()))
+    throw std::runtime_error("cannot write folder \"" + folder.string() + "\": " + cause.message());
   throw std::invalid_argument("folder \"" + folder.string() + "\" cannot be written: " + cause.message());
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "misspelling.hpp"
+#include "options/misspelling.hpp"
 
 #include <algorithm>
 

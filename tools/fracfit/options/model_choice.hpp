@@ -8,6 +8,8 @@
 
 namespace fracfit {
 
+class Options;
+
 /// A preset by name or a formula.
 /// @throws std::invalid_argument  a word that looks like a preset's name but is none; the presets are listed.
 /// @throws frac::FormulaError
@@ -22,6 +24,8 @@ struct ParameterOptions {
   std::vector<std::string> bound;  // NAME=LOW:HIGH, one side may be left out
   std::vector<std::string> start;  // NAME=VALUE
 };
+/// --bound, --fix and --start.
+void add_parameter_options(Options& options, ParameterOptions& given);
 
 /// The model's own constraints with the user's put over them.
 /// @throws std::invalid_argument  naming option, text and what is expected.

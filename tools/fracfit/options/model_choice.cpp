@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "model_choice.hpp"
+#include "options/model_choice.hpp"
 
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
 #include <utility>
 
-#include "common_options.hpp"
 #include "io/data_error.hpp"
 #include "io/number.hpp"
+#include "options/misspelling.hpp"
+#include "options/options.hpp"
 
 namespace fracfit {
 namespace {
@@ -50,12 +51,22 @@ frac::ParameterConstraint& constraint_of(std::vector<frac::ParameterConstraint>&
 
 }  // namespace
 
-frac::NamedModel chosen_model(const std::string& text) {
+void add_parameter_options(Options& options, ParameterOptions& given) {
+  options.texts("--bound", given.bound);
+  options.texts("--fix", given.fix);
+  options.texts("--start", given.start);
+}
+
+frac::NamedModel chosen_model(const std::string& given) {
+  // A formula of several lines would break the lines of tables.
+  std::string text = given;
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r' || c == '\t'; }, ' ');
   const auto& library = frac::model_library();
   const bool known = std::any_of(library.begin(), library.end(), [&](const auto& model) { return model.name == text; });
   if (!known && looks_like_a_preset(text))
-    throw std::invalid_argument("model " + io::quoted(text) + " is neither a preset nor a formula of s; presets:\n" +
-                                preset_list());
+    throw std::invalid_argument("model " + io::quoted(text) + " is neither a preset nor a formula of s" +
+                                suggestion(text, preset_names()) + "; presets:\n" + preset_list());
   return frac::find_model(text);
 }
 
@@ -81,7 +92,7 @@ std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& mo
   auto constraints = model.constraints;
   for (const auto& text : given.bound) {
     const auto [name, range] = assignment("--bound", text);
-    const auto [lower, upper] = range_option("--bound", range);
+    const auto [lower, upper] = pair_of("--bound", range);
     auto& constraint = constraint_of(constraints, name);
     const bool free_of_limits = lower.empty() && upper.empty();
     constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -92,11 +103,11 @@ std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& mo
     const auto [name, value] = assignment("--fix", text);
     auto& constraint = constraint_of(constraints, name);
     if (constraint.fixed) throw std::invalid_argument("--fix " + io::quoted(text) + ": " + name + " is fixed twice");
-    constraint.fixed = number_option("--fix " + name, value);
+    constraint.fixed = number_of("--fix " + name, value);
   }
   for (const auto& text : given.start) {
     const auto [name, value] = assignment("--start", text);
-    constraint_of(constraints, name).start = number_option("--start " + name, value);
+    constraint_of(constraints, name).start = number_of("--start " + name, value);
   }
   return constraints;
 }

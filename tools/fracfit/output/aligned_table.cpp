@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "aligned_table.hpp"
+#include "output/aligned_table.hpp"
 
 #include <algorithm>
 #include <cmath>
