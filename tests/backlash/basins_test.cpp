@@ -76,6 +76,18 @@ TEST(Basins, FreeMotionChatterAndMeansAreOneAttractorEach) {
   EXPECT_TRUE(sticking.attractors[0].symmetric);
 }
 
+// Of a scene whose chaos lasts for some thousand periods and then ends on orbits, only these are attractors.
+TEST(Basins, TransientChaosIsNoAttractor) {
+  for (const auto& [restitution, omega] : {std::pair{0.85067, 0.9743}, {0.94158, 0.99444}}) {
+    const auto map =
+        basins({1, 1, 1, restitution}, 1, omega, support::linear_grid(0.05, 0.95, 6), support::linear_grid(-1, 1, 6));
+    for (const auto& attractor : map.attractors) {
+      EXPECT_NE(attractor.point.regime, Regime::averaged) << restitution;
+      EXPECT_LT(attractor.point.lyapunov_exponent, 0) << restitution;
+    }
+  }
+}
+
 TEST(Basins, IsTheSameOnAnyNumberOfThreadsAndCountsProgress) {
   backlash::SweepOptions options;
   options.threads = 1;

@@ -12,6 +12,7 @@
 #include "motion/gap_motion.hpp"
 #include "steady_state/steady_state.hpp"
 #include "steady_state/two_impact_orbit.hpp"
+#include "support/honest_scenes.hpp"
 #include "support/random.hpp"
 
 namespace {
@@ -259,6 +260,24 @@ TEST(HardCases, RandomScenesKeepTheSignsAndTheSimilarityOfN) {
     ASSERT_NEAR(forced.value.imag() * ratio, -one.value.imag(), 3 * (one.uncertainty + forced.uncertainty * ratio));
   }
   EXPECT_GT(impacting, 90'000);
+}
+
+// The same over 10^5 scenes: tests/properties/describing_function.
+TEST(RandomScenes, KeepTheirProperties) {
+  const support::Properties found = support::properties(1000, 7, 10);
+  EXPECT_EQ(found.not_finite, 0);
+  EXPECT_EQ(found.not_passive, 0);
+  EXPECT_EQ(found.energy_unbalanced, 0);
+  EXPECT_EQ(found.not_similar, 0);
+  // 95 % intervals of the means, which are a fifth of the scenes: one in a hundred misses.
+  EXPECT_LE(found.dishonest, 3);
+  EXPECT_GT(found.compared, 70);
+}
+
+// Scenes whose smaller attractors take few of the starts that orbits are looked for from.
+TEST(RandomScenes, StableOrbitsThatStartsSettleOnAreListed) {
+  const support::Tally tally = support::listed_orbits(12, 23);
+  EXPECT_EQ(tally.missed, 0);
 }
 
 }  // namespace

@@ -91,6 +91,18 @@ TEST(JumpFrequency, SaysWhyThereIsNone) {
   EXPECT_FALSE(backlash::jump_frequency({1, 1, 0.3, 1}, 40, JumpCriterion::saddle_node));
 }
 
+// At small restitution the symmetric orbit of a downward sweep is lost by grazing, and nothing else attracts there: the
+// sweep finds the loss to its bracket of 1e-6.
+TEST(JumpFrequency, SweepingDownAtSmallRestitutionFindsTheLossByGrazing) {
+  for (const double restitution : {2e-4, 7e-6, 4e-7, 5e-8, 1e-10, 1e-13}) {
+    const auto down = backlash::jump_similarity_constant(restitution, JumpCriterion::sweep_down).similarity_constant;
+    const auto loss =
+        backlash::jump_similarity_constant(restitution, JumpCriterion::two_impact_loss).similarity_constant;
+    ASSERT_TRUE(down && loss) << restitution;
+    EXPECT_NEAR(*down / *loss, 1, 2e-6) << restitution;
+  }
+}
+
 TEST(JumpFrequency, AtRestitutionZeroTwoImpactsRemainAtLowFrequencies) {
   const auto points = backlash::describing_function_sweep({1, 1, 1, 0}, 1, log_grid(0.01, 1.75, 50)).points;
   for (const auto& point : points) EXPECT_EQ(point.impacts_per_period, 2) << point.omega;

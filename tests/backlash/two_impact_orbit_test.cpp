@@ -8,6 +8,7 @@
 
 #include "steady_state/closed_orbit.hpp"
 #include "steady_state/symmetric_orbits.hpp"
+#include "support/honest_scenes.hpp"
 #include "support/random.hpp"
 
 namespace {
@@ -199,6 +200,12 @@ TEST(SymmetricOrbits, RangeEndsAtTheSaddleNodeAndAtThePitchforkOrGrazing) {
   }
   // Without restitution an extra impact ends it at gamma = 1/pi.
   EXPECT_NEAR(backlash::detail::symmetry_loss(0).gamma, 1 / std::numbers::pi, 1e-15);
+}
+
+TEST(TwoImpactOrbit, UncertaintyHoldsNearTheSaddleNode) {
+  const support::Tally tally = support::saddle_nodes(2000, 19);
+  EXPECT_GT(tally.scenes, 1500);
+  EXPECT_EQ(tally.missed, 0);
 }
 
 }  // namespace

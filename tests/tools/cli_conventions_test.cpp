@@ -55,7 +55,7 @@ std::map<std::string, OptionHelp> options_of(const std::string& subcommand) {
 std::string meaning(const std::string& text) {
   std::string plain = std::regex_replace(text, std::regex(" \\(default .*\\)$"), "");
   plain = plain.substr(0, plain.find(';'));
-  return std::regex_replace(plain, std::regex(": [a-z0-9, -]+ or [a-z0-9-]+$"), "");
+  return std::regex_replace(plain, std::regex(": [a-z0-9, -]+( or [a-z0-9-]+)?$"), "");
 }
 
 TEST(Conventions, OneNameHasOneMeaningUnitAndType) {

@@ -84,7 +84,7 @@ TEST_F(IdentifyScene, RefusesWrongInput) {
   expect_failure({}, 2, "DATA");
   expect_failure({folder.path("none.csv")}, 3, "none.csv");
   expect_failure({weak, strong, "--force", "1,2,3"}, 2, "--force names 3");
-  expect_failure({weak, "--force", "-1"}, 2, "force_amplitude");
+  expect_failure({weak, "--force", "-1"}, 2, "--force is -1");
   expect_failure({weak, "--fix", "mass3=1"}, 2, "mass3");
   expect_failure({weak, "--fix", "mass1"}, 2, "NAME=VALUE");
   expect_failure({weak, "--fix", "restitution=2"}, 2, "restitution");

@@ -87,7 +87,9 @@ TEST(Simulate, DiagnosticsAreColumnsAfterTheOthers) {
   const std::string columns =
       "omega_rad_s,re_m_per_n,im_m_per_n,regime,period,impacts_per_period,uncertainty_m_per_n,third_harmonic_ratio";
   EXPECT_NE(plain.output.find("\n" + columns + "\n"), std::string::npos);
-  const std::string longer = "\n" + columns + ",even_harmonic_ratio,energy_defect,lyapunov_exponent\n";
+  const std::string longer = "\n" + columns +
+                             ",even_harmonic_ratio,energy_defect,lyapunov_exponent,periods_followed,transient_possible,"
+                             "force_sensitivity\n";
   const auto rows = more.output.find(longer);
   ASSERT_NE(rows, std::string::npos);
   // Each row begins with the row without diagnostics.

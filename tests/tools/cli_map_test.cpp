@@ -26,7 +26,8 @@ TEST(Map, WritesARowPerPointWithScene) {
     if (!has_columns) {
       EXPECT_EQ(line,
                 "restitution,omega_rad_s,re_m_per_n,im_m_per_n,regime,period,impacts_per_period,uncertainty_m_per_n,"
-                "third_harmonic_ratio,even_harmonic_ratio,energy_defect,lyapunov_exponent");
+                "third_harmonic_ratio,even_harmonic_ratio,energy_defect,lyapunov_exponent,periods_followed,transient_possible,"
+                "force_sensitivity");
       has_columns = true;
       continue;
     }

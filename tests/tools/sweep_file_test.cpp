@@ -61,9 +61,14 @@ TEST(SweepFile, DiagnosticsFollowTheBasicColumnsAndAreReadBack) {
     point.even_harmonic_ratio = 1.0 / 3;
     point.energy_defect = 1e-15;
     point.lyapunov_exponent = -std::numeric_limits<double>::infinity();
+    point.periods_followed = 1280;
+    point.transient_possible = true;
+    point.force_sensitivity = 1e9;
   }
   const std::string text = io::sweep_csv(sweep, "fracfit simulate", io::PointColumns::with_diagnostics);
-  EXPECT_NE(text.find("third_harmonic_ratio,even_harmonic_ratio,energy_defect,lyapunov_exponent\n"), std::string::npos);
+  EXPECT_NE(text.find("third_harmonic_ratio,even_harmonic_ratio,energy_defect,lyapunov_exponent,"
+                      "periods_followed,transient_possible,force_sensitivity\n"),
+            std::string::npos);
   const auto back = io::read_sweep(folder.write("sweep.csv", text));
   EXPECT_EQ(back.options.mean_tolerance, 0.01);
   ASSERT_EQ(back.points.size(), sweep.points.size());
@@ -72,6 +77,9 @@ TEST(SweepFile, DiagnosticsFollowTheBasicColumnsAndAreReadBack) {
     EXPECT_EQ(back.points[i].even_harmonic_ratio, 1.0 / 3);
     EXPECT_EQ(back.points[i].energy_defect, 1e-15);
     EXPECT_EQ(back.points[i].lyapunov_exponent, -std::numeric_limits<double>::infinity());
+    EXPECT_EQ(back.points[i].periods_followed, 1280);
+    EXPECT_TRUE(back.points[i].transient_possible);
+    EXPECT_EQ(back.points[i].force_sensitivity, 1e9);
   }
 }
 

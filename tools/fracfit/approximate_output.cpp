@@ -95,9 +95,16 @@ std::string approximation_json(const frac::Approximation& result, const frac::Di
   json["poles"] = result.system.poles;
   json["zero_pairs"] = array_of(result.system.zero_pairs);
   json["pole_pairs"] = array_of(result.system.pole_pairs);
-  json["parallel"] = {{"direct", result.parallel.direct},
-                      {"residues", result.parallel.residues},
-                      {"pair_residues", array_of(result.parallel.pair_residues)}};
+  json["parallel"] = {
+      {"direct", result.parallel.direct},
+      {"residues", result.parallel.residues},
+      {"pair_residues", array_of(result.parallel.pair_residues)},
+      {"static_gain", result.parallel.static_gain},
+      {"direct_max_relative_error", result.parallel.direct_error},
+      {"static_max_relative_error", result.parallel.static_error},
+      {"forms",
+       "direct + sum residue/(s - pole), or static_gain + sum (residue/pole) s/(s - pole); take the one "
+       "of least error"}};
   json["pole_count"] = result.poles;
   json["limit_poles"] = result.limit_poles;
   json["max_relative_error"] = result.error.max_relative;
@@ -120,6 +127,11 @@ std::string approximation_csv(const frac::Approximation& result, const frac::Dig
   head.emplace_back("message", outcome.message);
   entry("integer_order", system.integer_order);
   entry("gain", system.gain);
+  entry("direct_max_relative_error", result.parallel.direct_error);
+  if (std::isfinite(result.parallel.static_gain)) {
+    entry("static_gain", result.parallel.static_gain);
+    entry("static_max_relative_error", result.parallel.static_error);
+  }
   entry("max_relative_error", result.error.max_relative);
   entry("omega_at_max_relative_error", result.error.omega_at_maximum);
   entry("max_error_decibels", result.error.max_decibels);

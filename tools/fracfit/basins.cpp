@@ -47,7 +47,10 @@ Document document(const backlash::BasinMap& map, backlash::Output output) {
             ", impacts per period " + io::format_number(point.impacts_per_period) +
             (symmetric ? ", symmetric" : ", asymmetric") + ", N " + io::format_number(point.value.real()) +
             (std::signbit(point.value.imag()) ? " - " : " + ") + io::format_number(std::abs(point.value.imag())) +
-            " j m/N, uncertainty " + io::format_number(point.uncertainty));
+            " j m/N, uncertainty " + io::format_number(point.uncertainty) +
+            (point.transient_possible
+                 ? ", transient not excluded after " + io::format_number(point.periods_followed) + " periods"
+                 : ""));
   }
   result.rows.fill = [&map](std::size_t i, std::vector<Cell>& cells) {
     cells.emplace_back(map.position[i / map.velocity.size()]);
@@ -75,7 +78,9 @@ std::string json(const backlash::BasinMap& map, backlash::Output output, const s
                        {"re_m_per_n", attractor.point.value.real()},
                        {"im_m_per_n", attractor.point.value.imag()},
                        {"uncertainty_m_per_n", attractor.point.uncertainty},
-                       {"lyapunov_exponent", attractor.point.lyapunov_exponent}});
+                       {"lyapunov_exponent", attractor.point.lyapunov_exponent},
+                       {"periods_followed", attractor.point.periods_followed},
+                       {"transient_possible", attractor.point.transient_possible}});
   result["position_m"] = map.position;
   result["velocity_m_s"] = map.velocity;
   result[motion_name(map)] = map.attractor;

@@ -59,8 +59,11 @@ class Fit : public Command {
   void check() override {
     if (!grow_) {
       chosen_ = chosen_model(model_);
-      const frac::Structure parsed(chosen_.formula);
-      chosen_.constraints = constraints_of(chosen_, parameters_);
+      // Names and ranges of the parameters of a rational family are known with the data only.
+      if (!chosen_.rational) {
+        const frac::Structure parsed(chosen_.formula);
+        chosen_.constraints = constraints_of(chosen_, parameters_);
+      }
     }
     statistics_.bootstrap_samples = bootstrap_.value_or(0);
   }
@@ -68,9 +71,15 @@ class Fit : public Command {
   // Leaves in `options` the constraints the fit was made with.
   template <class Data, class FitOptions>
   Fitted fitted(const Data& data, FitOptions& fit) const {
+    if (!grow_ && chosen_.rational) {
+      const auto model = frac::resolved_model(data, chosen_, fit);
+      fit.constraints = constraints_of(model, parameters_);
+      fit.global_start = false;
+      return {frac::fit(data, frac::Structure(model.formula), fit), std::nullopt};
+    }
     if (!grow_) return {frac::fit(data, frac::Structure(chosen_.formula), fit), std::nullopt};
     auto growth = frac::grow(data, *grow_, fit);
-    fit.constraints = frac::grown_model(*grow_, growth.chosen + 1).constraints;
+    fit.constraints = growth.models.at(growth.chosen).constraints;
     auto result = growth.fits.at(growth.chosen);
     return {std::move(result), std::move(growth)};
   }

@@ -154,6 +154,26 @@ void append_fit(Json& json, const frac::FitResult& result) {
   json["seconds"] = result.seconds;
 }
 
+Json lack_of_fit_json(const frac::LackOfFit& lack) {
+  Json json{{"noise_from", frac::to_string(lack.source)},
+            {"noise", lack.noise},
+            {"misfit", lack.misfit},
+            {"p_value", lack.p_value},
+            {"correlation", lack.correlation},
+            {"correlation_p_value", lack.correlation_p_value},
+            {"adequate", lack.adequate},
+            {"misses", Json::array()}};
+  for (const auto& band : lack.misses) json["misses"].push_back({band.lower, band.upper});
+  return json;
+}
+
+Json finalist_json(const frac::IdentificationResult& result, const std::optional<frac::Finalist>& finalist) {
+  if (!finalist) return nullptr;
+  return {{"name", result.ranking.at(finalist->index).name},
+          {"parameters", finalist->parameters},
+          {"prediction_rms", finalist->prediction_rms}};
+}
+
 void append_statistics(Json& json, const frac::FitResult& result, const FitStatistics& statistics, bool over_time) {
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
     const auto& estimate = result.parameters[i];
@@ -176,6 +196,7 @@ void append_statistics(Json& json, const frac::FitResult& result, const FitStati
   for (std::size_t i = 0; i < statistics.outlier_at.size(); ++i)
     json["outliers"].push_back(
         {{"index", result.outliers[i]}, {over_time ? "time_s" : "omega", statistics.outlier_at[i]}});
+  json["lack_of_fit"] = lack_of_fit_json(statistics.lack_of_fit);
   json["whiteness"] = {{"lag_one_correlation", statistics.whiteness.lag_one_correlation},
                        {"p_value", statistics.whiteness.p_value}};
   if (statistics.bootstrap_samples > 0) json["bootstrap_samples"] = statistics.bootstrap_samples;
@@ -217,7 +238,7 @@ std::string identification_table(const FitRun& run, const frac::IdentificationRe
   AlignedTable ranking(names, AlignedTable::Last::remark);
   std::size_t index = 0;
   for (const auto& candidate : result.ranking) {
-    std::string remark;
+    std::string remark = candidate.lack_of_fit.adequate ? "" : "misses the data";
     if (candidate.fit.termination != frac::FitTermination::converged)
       remark = frac::to_string(candidate.fit.termination);
     if (&candidate == &result.ranking.at(result.chosen)) remark = "chosen";
@@ -232,8 +253,8 @@ std::string identification_table(const FitRun& run, const frac::IdentificationRe
     ranking.add(row);
   }
   const auto& chosen = result.ranking.at(result.chosen);
-  std::string text =
-      heading(run) + "\n" + ranking.text() + "chosen: the simplest within 2 of the least AICc\n\n" + chosen.name;
+  std::string text = heading(run) + "\n" + ranking.text() +
+                     "chosen: the simplest within 2 of the least AICc of those that follow the data\n\n" + chosen.name;
   if (chosen.fit.model != chosen.name) text += "   " + chosen.fit.model;
   text += "\n" + parameter_table(chosen.fit) + "\n";
   return text + paragraph("verdict: " + std::string(frac::to_string(result.verdict)) + ". " + result.verdict_sentence);
@@ -315,6 +336,7 @@ std::string identification_json(const FitRun& run, const frac::IdentificationRes
     append_fit(ranked, candidate.fit);
     ranked["delta_aicc"] = candidate.delta_aicc;
     ranked["akaike_weight"] = candidate.akaike_weight;
+    ranked["lack_of_fit"] = lack_of_fit_json(candidate.lack_of_fit);
     if (!prediction_rms.empty()) ranked["prediction_rms"] = prediction_rms[json["ranking"].size()];
     json["ranking"].push_back(std::move(ranked));
   }
@@ -322,6 +344,11 @@ std::string identification_json(const FitRun& run, const frac::IdentificationRes
   json["verdict"] = frac::to_string(result.verdict);
   json["evidence"] = result.evidence;
   json["verdict_sentence"] = result.verdict_sentence;
+  json["log10_odds"] = result.log10_odds;
+  json["fractional"] = finalist_json(result, result.fractional);
+  json["integer"] = finalist_json(result, result.integer);
+  json["differ_most"] = {{"omega", result.differ_most_omega}, {"relative", result.differ_most}};
+  json["skipped"] = result.skipped;
   return json.dump() + "\n";
 }
 

@@ -21,10 +21,8 @@ namespace {
 
 // rms of cross-validation for each candidate; that of a fixed curve, which nothing was fitted to, is its own.
 template <class Data, class Options>
-std::vector<double> prediction_rms(const Data& data, const Options& options,
-                                   const std::vector<frac::NamedModel>& models,
-                                   const frac::IdentificationResult& result, std::size_t folds,
-                                   const Command& command) {
+std::vector<double> prediction_rms(const Data& data, const Options& options, const frac::IdentificationResult& result,
+                                   std::size_t folds, const Command& command) {
   std::vector<double> rms(result.ranking.size(), std::numeric_limits<double>::quiet_NaN());
   std::vector<std::string> notes(rms.size());
   frac::parallel_for(rms.size(), command.threads(), [&](std::size_t i) {
@@ -33,12 +31,12 @@ std::vector<double> prediction_rms(const Data& data, const Options& options,
       rms[i] = candidate.fit.rms;
       return;
     }
-    const auto model = std::find_if(models.begin(), models.end(),
-                                    [&](const frac::NamedModel& each) { return each.name == candidate.name; });
     auto of_model = options;
-    of_model.constraints = model->constraints;
+    of_model.constraints = candidate.model.constraints;
+    // A rational model stands where its search ended.
+    of_model.global_start = !candidate.name.starts_with("rational:");
     try {
-      rms[i] = frac::cross_validation(data, frac::Structure(model->formula), of_model, folds);
+      rms[i] = frac::cross_validation(data, frac::Structure(candidate.fit.model), of_model, folds);
     } catch (const std::invalid_argument& error) {
       notes[i] = "no cross-validation of " + candidate.name + ": " + error.what();
     }
@@ -56,7 +54,8 @@ class Identify : public Command {
                 "two on samples of input and output over time") {
     Options& o = options();
     add_data(o, request_);
-    o.text("--models", models_text_).default_is("all presets");
+    o.text("--models", models_text_, "and rational families such as rational:1..8, rational:2/4, rational:1..4+delay")
+        .default_is("all presets, rational and rational+delay");
     add_residual_options(o, request_);
     add_time_options(o, over_time_);
     add_points_and_seed(o, request_);
@@ -119,8 +118,8 @@ class Identify : public Command {
   template <class Data, class FitOptions>
   int write_ranking(const Data& data, const FitOptions& fit, const frac::IdentificationResult& result,
                     const FitRun& run) {
-    const auto predictions =
-        folds_ ? prediction_rms(data, fit, models_, result, *folds_, *this) : std::vector<double>{};
+    for (const auto& skipped : result.skipped) say("skipped " + skipped);
+    const auto predictions = folds_ ? prediction_rms(data, fit, result, *folds_, *this) : std::vector<double>{};
     write(format() == "json"  ? identification_json(run, result, predictions)
           : format() == "csv" ? identification_csv(run, result, predictions)
                               : identification_table(run, result, predictions));
@@ -141,6 +140,8 @@ class Identify : public Command {
     const auto record =
         read_time_record(request_, over_time_, options(), [this](const std::string& note) { say(note); });
     check_folds(record.data.observed().size());
+    // Rational families are grown on frequency responses only.
+    if (models_text_.empty()) std::erase_if(models_, [](const auto& model) { return model.rational.has_value(); });
     const auto result = frac::identify(record.data, models_, fit, threads());
     return write_ranking(record.data, fit, result, time_fit_run(request_, record, options(), command_line()));
   }

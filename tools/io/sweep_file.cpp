@@ -16,7 +16,9 @@ constexpr std::string_view basic_columns =
     "omega_rad_s,re_m_per_n,im_m_per_n,regime,period,impacts_per_period,uncertainty_m_per_n,third_harmonic_ratio";
 constexpr std::string_view all_columns =
     "omega_rad_s,re_m_per_n,im_m_per_n,regime,period,impacts_per_period,uncertainty_m_per_n,third_harmonic_ratio,"
-    "even_harmonic_ratio,energy_defect,lyapunov_exponent";
+    "even_harmonic_ratio,energy_defect,lyapunov_exponent,periods_followed,transient_possible,force_sensitivity";
+// The last three came later: files without them are read.
+constexpr std::size_t columns_of_version_1 = 11;
 
 Metadata scene_entries(std::string_view model, double mass1, double mass2, double clearance, double force_amplitude) {
   return {{"model", std::string(model)},
@@ -56,11 +58,12 @@ class SweepReader {
   explicit SweepReader(const std::string& file) : table_(file) {
     std::string names;
     for (const auto& field : table_.header()) names += (names.empty() ? "" : ",") + std::string(field.text);
-    has_diagnostics_ = names == all_columns;
+    has_diagnostics_ = names == all_columns ||
+                       (table_.header().size() == columns_of_version_1 && all_columns.starts_with(names + ","));
     if (!has_diagnostics_ && names != basic_columns)
       throw DataError(table_.file(), table_.header().front().line, 1,
                       "found columns " + names + "; expected " + std::string(basic_columns) +
-                          ", with or without even_harmonic_ratio,energy_defect,lyapunov_exponent");
+                          ", with or without the columns of --diagnostics");
   }
 
   [[nodiscard]] backlash::DescribingFunctionSweep read() const {
@@ -135,6 +138,11 @@ class SweepReader {
       point.even_harmonic_ratio = number(row, 8);
       point.energy_defect = number(row, 9);
       point.lyapunov_exponent = number(row, 10);
+      if (table_.header().size() > columns_of_version_1) {
+        point.periods_followed = number(row, 11);
+        point.transient_possible = number(row, 12) != 0;
+        point.force_sensitivity = number(row, 13);
+      }
     }
     return point;
   }
@@ -163,7 +171,8 @@ void append_point(std::string& text, const backlash::DescribingFunctionPoint& po
   append_row(text, point.omega, point.value, backlash::to_string(point.regime), std::to_string(point.period),
              point.impacts_per_period, point.uncertainty, point.third_harmonic_ratio);
   if (columns == PointColumns::basic) return;
-  for (const double number : {point.even_harmonic_ratio, point.energy_defect, point.lyapunov_exponent}) {
+  for (const double number : {point.even_harmonic_ratio, point.energy_defect, point.lyapunov_exponent,
+                              point.periods_followed, point.transient_possible ? 1.0 : 0.0, point.force_sensitivity}) {
     text += ',';
     append_number(text, number);
   }

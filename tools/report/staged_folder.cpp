@@ -55,7 +55,7 @@ void StagedFolder::remove() const {
   // A gnuplot that is being ended may still add a file while the folder is emptied.
   constexpr int tries = 10;
   for (int i = 0; i < tries && fs::exists(staging_, ignored); ++i) fs::remove_all(staging_, ignored);
-  // A folder made for a report that did not come about: gone again, if nothing is in it.
+  // Removes the folder made for a report that failed, if it is empty.
   if (created_) fs::remove(target_, ignored);
 }
 

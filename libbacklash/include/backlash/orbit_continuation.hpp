@@ -107,7 +107,8 @@ struct OrbitDiagram {
 /// refined to 1e-10 of the parameter.  By similarity frequency, force and clearance lead along the same family, in
 /// ln(F/(M2 clearance omega^2)).  Orbits in which the masses rest in contact (see Regime::chatter) are not among them:
 /// a branch ends at the grazing before. The value that `system`, `force_amplitude` or `omega` gives for the parameter
-/// itself is not used.
+/// itself is not used.  Not promised: every orbit.  One that attracts few starts, over a short piece of the range, and
+/// does not hang together with the others by bifurcations may be missed; basins() shows what a scene's starts settle on.
 /// @param force_amplitude  N, > 0
 /// @param omega            rad/s, > 0
 /// @param from,to   0 < from < to, for restitution 0 <= from < to <= 1

@@ -105,7 +105,8 @@ std::optional<GapResponse> two_impact_response(double gamma, double restitution)
 }
 
 std::optional<Complex> sticking_h(double gamma, double restitution) {
-  const SteadyState steady = find_steady_state(GapMotion(gamma, restitution), contact_at_rest_state(), tolerance);
+  const SteadyState steady =
+      find_steady_state(GapMotion(gamma, restitution), contact_at_rest_state(), tolerance, {0, 0, Transients::ignored});
   // Its multiplier is exactly 0.
   if (steady.spectral_radius != 0) return std::nullopt;
   return steady.harmonics.u1_plus_gamma / gamma;

@@ -95,7 +95,8 @@ void fill_irregular(Row& row) {
   std::optional<Complex> before;
   int place = first;
   for (int i = std::max(first, 0); i < static_cast<int>(row.h.size()); i += irregular_stride) {
-    const auto steady = find_steady_state(GapMotion(gamma_of(i), row.restitution), contact_at_rest_state(), 1e-6);
+    const auto steady = find_steady_state(GapMotion(gamma_of(i), row.restitution), contact_at_rest_state(), 1e-6,
+                                          {0, 0, Transients::ignored});
     const Complex here = steady.harmonics.u1_plus_gamma / gamma_of(i);
     for (int k = place; before && k <= i; ++k) {
       auto& entry = row.h[static_cast<std::size_t>(k)];

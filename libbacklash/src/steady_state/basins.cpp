@@ -16,6 +16,10 @@ namespace {
 
 // Phasors of one closed orbit agree to this over all starts.
 constexpr double same_orbit = 1e-6;
+// Force periods that a start is followed at most.
+constexpr double longest_course = 100'000;
+// Averaged starts that are followed on, of each scene, where no start has settled.
+constexpr std::size_t probes = 16;
 
 void check(const TwoMassSystem& system, double gamma, const std::vector<double>& position,
            const std::vector<double>& velocity) {
@@ -60,6 +64,44 @@ bool is_symmetric(const detail::SteadyState& steady) {
   return std::abs(steady.harmonics.u[detail::second_harmonic]) <= limit;
 }
 
+// Follows a motion on from where it was left until it is known that it is no transient, or for long enough.
+detail::SteadyState followed_on(const detail::GapMotion& motion, detail::SteadyState steady,
+                                const SweepOptions& options) {
+  double periods = steady.periods_followed;
+  while (steady.transient_possible && periods < longest_course) {
+    steady = detail::find_steady_state(motion, steady.end, options.tolerance);
+    periods += steady.periods_followed;
+    if (is_mean(steady)) steady.periods_followed = periods;
+  }
+  return steady;
+}
+
+// Chaos that lasts over the usual window may be a transient.  Where starts settle on orbits all averaged ones are
+// followed on; where none does, a sample of them tells whether there is something to settle on.
+void outlast_transients(const detail::GapMotion& motion, std::vector<detail::SteadyState>& found,
+                        const SweepOptions& options) {
+  std::vector<std::size_t> means;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    if (found[i].transient_possible) means.push_back(i);
+  }
+  const auto follow = [&](std::size_t first, std::size_t last) {
+    frac::parallel_for(last - first, options.threads, [&](std::size_t i) {
+      detail::SteadyState& steady = found[means[first + i]];
+      steady = followed_on(motion, steady, options);
+    });
+  };
+  std::size_t begin = 0;
+  if (means.size() == found.size()) {
+    begin = std::min(probes, means.size());
+    follow(0, begin);
+    if (std::all_of(means.begin(), means.begin() + static_cast<std::ptrdiff_t>(begin),
+                    [&](std::size_t i) { return is_mean(found[i]); })) {
+      return;
+    }
+  }
+  follow(begin, means.size());
+}
+
 }  // namespace
 
 BasinMap basins(const TwoMassSystem& system, double force_amplitude, double omega, const std::vector<double>& position,
@@ -74,9 +116,12 @@ BasinMap basins(const TwoMassSystem& system, double force_amplitude, double omeg
   frac::parallel_for(starts, options.threads, [&](std::size_t i) {
     const detail::GapState start = motion.peak_state(0, {position[i / velocity.size()] / system.clearance(),
                                                          velocity[i % velocity.size()] / (system.clearance() * omega)});
-    found[i] = detail::find_steady_state(motion, start, options.tolerance, detail::mean_goal(system, gamma, options));
+    detail::MeanGoal goal = detail::mean_goal(system, gamma, options);
+    goal.transients = detail::Transients::ignored;
+    found[i] = detail::find_steady_state(motion, start, options.tolerance, goal);
     if (progress != nullptr) ++progress->done;
   });
+  outlast_transients(motion, found, options);
 
   BasinMap map{system, force_amplitude, omega, position, velocity, {}, {}};
   std::vector<std::size_t> first;  // start that led to each attractor first

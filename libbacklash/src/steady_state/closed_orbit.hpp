@@ -35,6 +35,7 @@ struct ClosedOrbit {
   std::int64_t half_periods;
   Jacobian jacobian;
   double residual;  // |phase closure| + |velocity closure|/(1 + velocity)
+  double step;      // that Newton's iteration would take next, in the same measure
 };
 
 /// Newton's iteration on the impact map from a state just after an impact.  Empty when it does not converge to

@@ -196,6 +196,9 @@ DescribingFunctionPoint point_of(const TwoMassSystem& system, double omega, doub
   point.even_harmonic_ratio = ratio * modulus(steady.harmonics.u[second_harmonic]);
   point.energy_defect = steady.energy_defect;
   point.lyapunov_exponent = steady.lyapunov;
+  point.periods_followed = steady.periods_followed;
+  point.transient_possible = steady.transient_possible;
+  point.force_sensitivity = ratio * steady.force_sensitivity;
   return point;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <numbers>
 #include <optional>
@@ -25,16 +26,28 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 // Longest period of a closed orbit, in force periods; what closes later is averaged.
 constexpr int longest_period = 64;
 // Force periods left to the transient.
-constexpr int transient_periods = 256;
+constexpr std::int64_t transient_periods = 256;
 // A mean with a goal (MeanGoal) begins after fewer periods, once the impacts have taken the energy of the start
 // energy_memory times over, and is judged when its window holds 32, 64, 128, ... periods.  It ends early only where a
 // small disturbance has grown by e^certain_growth: slow transients and undamped motions, whose batches may all agree on
 // what is not yet the mean, are followed to the end.
-constexpr int quick_transient_periods = 64;
+constexpr std::int64_t quick_transient_periods = 64;
 constexpr double energy_memory = 10;
 constexpr std::size_t first_judged = 32;
 constexpr std::int64_t least_judged_impacts = 256;
 constexpr double certain_growth = 18;
+// At high restitution chaotic transients that end on orbits last long: of 1100 random scenes those at restitution 0.85,
+// 0.95 and 0.97 had transients up to 13 000, 45 000 and more than 100 000 periods, those below 0.7 none beyond the
+// usual window.
+constexpr double transient_scale = 800;
+constexpr double long_transient_loss = 0.5;
+constexpr std::int64_t most_periods = 100'000;
+// Force periods for a motion in which small disturbances do not grow enough to be called chaotic.
+constexpr std::int64_t slow_periods = 16'384;
+// While the impacts have not taken the energy of the start energy_memory times over the transient goes on to here.
+constexpr std::int64_t most_transient_periods = 20'000;
+// Flights longer than a transient, after each of which a new one begins.
+constexpr int most_long_flights = 64;
 // Impacts after which transient and window end early: bounds the work per point at any restitution.
 constexpr std::int64_t transient_impacts = 100'000;
 constexpr std::int64_t window_impacts = 300'000;
@@ -47,22 +60,41 @@ constexpr double very_near_return = 1e-6;
 // A state this near to a stable closed orbit is on its way to it.
 constexpr double captured = 1e-6;
 constexpr int capture_rounds = 50;
+// Multipliers so near to the unit circle are on it, give or take what rounding makes of them beside a bifurcation.
+constexpr double neutral = 1e-9;
+// Multipliers of an orbit beyond which another one is looked for, its distance at most, and that in distances of the
+// state.
+constexpr double slowly_repelling = 0.01;
+constexpr double furthest_beyond = 0.3;
+constexpr double most_beyond = 1024;
+
+constexpr auto usual_window = static_cast<std::int64_t>(window_records);
+
+// Force periods after which a chaotic motion is taken for the long-run one.  `lost`: share of the energy of relative
+// motion that an impact takes.
+std::int64_t longest_transient(double lost) {
+  if (lost == 0 || lost > long_transient_loss) return usual_window;
+  return std::min(most_periods, static_cast<std::int64_t>(std::min(1e9, transient_scale / (lost * lost))));
+}
 
 double distance_between(const GapState& a, const GapState& b) {
   return std::abs(a.s - b.s) + std::abs(a.velocity - b.velocity) / (1 + b.velocity);
 }
 
-// |U_1| changes by at most about the change of the state; a state error grows over one period by the rounding of its
-// impacts and accumulates like a geometric series in the spectral radius.
+// |U_1| changes by at most about the change of the state.  A state error grows over one period by the rounding of its
+// impacts and accumulates like a geometric series in the spectral radius.  Newton's next step is a third of the way to
+// the orbit where three of them meet, and nearly all of it elsewhere.
 double orbit_uncertainty(const ClosedOrbit& orbit, double radius) {
   const double per_period = orbit.residual + 8 * rounding * (1 + orbit.start.velocity) * orbit.impacts;
-  return 4 * per_period / std::max(1 - radius, rounding);
+  const double accumulated = per_period / std::max(std::abs(1 - radius), rounding);
+  // Where the attraction vanishes it is of third order, and keeps an error of rounding to its cube root.
+  return 4 * std::min(std::max(accumulated, 3 * orbit.step), std::cbrt(per_period));
 }
 
 // True where the motion from `state` approaches the orbit, which it may merely pass near.
-bool is_captured(const GapMotion& motion, const ClosedOrbit& orbit, GapState state, double radius, double tolerance) {
+bool is_captured(const GapMotion& motion, const ClosedOrbit& orbit, GapState state, double tolerance) {
   const double first = distance_between(state, orbit.start);
-  if (radius >= 1 - 1e-12) return first <= tolerance;
+  if (motion.restitution() == 1) return first <= tolerance;
   for (int round = 0; round < capture_rounds; ++round) {
     const double distance = distance_between(state, orbit.start);
     if (distance <= captured || distance < 0.3 * first) return true;
@@ -88,7 +120,7 @@ ClosedOrbit without_repeats(const GapMotion& motion, const ClosedOrbit& orbit, d
     if (orbit.impacts % repeats != 0) continue;
     const std::optional<ClosedOrbit> once =
         close_orbit(motion, orbit.start, static_cast<int>(orbit.impacts / repeats), 2 * shorter, tolerance);
-    if (once && distance_between(once->start, orbit.start) < captured) return *once;
+    if (once && distance_between(once->start, orbit.start) < captured + 3 * (once->step + orbit.step)) return *once;
   }
   return orbit;
 }
@@ -104,16 +136,45 @@ double orbit_energy_defect(const GapMotion& motion, const ClosedOrbit& orbit, co
   return energy_defect(motion, harmonics, static_cast<double>(orbit.half_periods), squared_speeds);
 }
 
+double radius_of(const GapMotion& motion, const ClosedOrbit& orbit) {
+  // Exact value of the determinant; the product of the factors loses it where the motion is strongly contracting.
+  return spectral_radius(orbit.jacobian.trace(), std::pow(motion.restitution(), 2.0 * orbit.impacts));
+}
+
+bool is_attracting(const GapMotion& motion, const ClosedOrbit& orbit) {
+  // Rounding decides on which side of a bifurcation an orbit lies that is this near to it.
+  return radius_of(motion, orbit) <= (motion.restitution() < 1 ? 1 + neutral : 1);
+}
+
+// A motion that leaves an orbit slowly is near a pitchfork or a period doubling: the orbit born there lies further out
+// on the same side, where Newton's iteration begins that comes to the repelling one from here.
+std::optional<ClosedOrbit> orbit_beyond(const GapMotion& motion, const ClosedOrbit& repelling, const GapState& state,
+                                        double tolerance) {
+  if (radius_of(motion, repelling) > 1 + slowly_repelling) return std::nullopt;
+  const int rounds = repelling.jacobian.trace() < 0 ? 2 : 1;
+  const double phase =
+      static_cast<double>(state.half_period - repelling.start.half_period) * pi + state.s - repelling.start.s;
+  const double velocity = state.velocity - repelling.start.velocity;
+  for (double scale = 2; scale * (std::abs(phase) + std::abs(velocity)) < furthest_beyond; scale *= 2) {
+    GapState guess = repelling.start;
+    advance_phase(guess, scale * phase);
+    guess.velocity += scale * velocity;
+    if (guess.velocity < 0 || scale > most_beyond) break;
+    std::optional<ClosedOrbit> orbit =
+        close_orbit(motion, guess, rounds * repelling.impacts, rounds * repelling.half_periods, tolerance);
+    if (orbit && is_attracting(motion, *orbit)) return orbit;
+  }
+  return std::nullopt;
+}
+
 std::optional<SteadyState> closed_orbit_near(const GapMotion& motion, const GapState& state, int impacts, int period,
                                              double tolerance) {
   std::optional<ClosedOrbit> orbit = close_orbit(motion, state, impacts, 2 * period, tolerance);
   if (!orbit) return std::nullopt;
   orbit = without_repeats(motion, *orbit, tolerance);
-  const double trace = orbit->jacobian.trace();
-  // Exact value of the determinant; the product of the factors loses it where the motion is strongly contracting.
-  const double determinant = std::pow(motion.restitution(), 2.0 * orbit->impacts);
-  const double radius = spectral_radius(trace, determinant);
-  if (!(radius <= 1) || !is_captured(motion, *orbit, state, radius, tolerance)) return std::nullopt;
+  if (!is_attracting(motion, *orbit)) orbit = orbit_beyond(motion, *orbit, state, tolerance);
+  if (!orbit || !is_captured(motion, *orbit, state, tolerance)) return std::nullopt;
+  const double radius = radius_of(motion, *orbit);
 
   if (orbit->impacts == 2 && orbit->half_periods == 2 &&
       motion.gamma() <= symmetry_breaking_gamma(motion.restitution())) {
@@ -151,7 +212,7 @@ SteadyState free_motion(double gamma, const GapState& end) {
 }
 
 // Finds the shortest period after which the state at the peaks of the force has come back near to itself, and leaves a
-// period alone for a while after it led nowhere.
+// period alone for a while after it led nowhere.  A motion that is followed for long is looked at in rounds.
 class ReturnDetector {
  public:
   explicit ReturnDetector(double gamma) : velocity_scale_(1 / (1 + std::sqrt(gamma))) { wait_.fill(return_interval); }
@@ -162,8 +223,14 @@ class ReturnDetector {
   };
   std::optional<Return> add(std::int64_t count, const Strobe& strobe) {
     std::optional<Return> found;
+    if (count - begin_ > round_length) {
+      begin_ += round_length;
+      wait_.fill(return_interval);
+      wait_until_.fill(0);
+    }
     if (count % return_interval == 0) {
-      const bool is_power_of_two = (count & (count - 1)) == 0;
+      const std::int64_t age = count - begin_;
+      const bool is_power_of_two = (age & (age - 1)) == 0;
       found = shortest_return(count, strobe, is_power_of_two ? near_return : very_near_return);
     }
     ring_[slot(count)] = strobe;
@@ -192,11 +259,25 @@ class ReturnDetector {
     return std::nullopt;
   }
 
+  static constexpr std::int64_t round_length = 2048;
+
   double velocity_scale_;
+  std::int64_t begin_ = 0;
   std::array<Strobe, longest_period> ring_{};
   std::array<std::int64_t, longest_period + 1> wait_until_{};
   std::array<std::int64_t, longest_period + 1> wait_{};
 };
+
+// Of U_1.  An asymmetric orbit is known as well as its gamma, by the change of U_1 from it to a neighbour.
+double two_impact_uncertainty(const TwoImpactOrbit& orbit, double restitution, std::complex<double> u1) {
+  if (orbit.symmetric()) return SymmetricFamily(restitution).at(orbit.gamma).uncertainty;
+  const double asymmetry = 0.5 * std::abs(pi - orbit.flight_time);
+  const TwoImpactOrbit other = asymmetric_two_impact_orbit(0.999 * asymmetry, restitution);
+  const double slope =
+      std::abs(two_impact_harmonics(other, restitution).u[0] - u1) / std::abs(other.gamma - orbit.gamma);
+  const double rounded = rounding * (1 + orbit.gamma);
+  return (std::isfinite(slope) ? 16 * (1 + slope) : 64) * rounded;
+}
 
 }  // namespace
 
@@ -220,7 +301,7 @@ SteadyState two_impact_steady_state(const TwoImpactOrbit& orbit, double restitut
   steady.period = 1;
   steady.impacts_per_period = 2;
   steady.harmonics = two_impact_harmonics(orbit, restitution);
-  steady.uncertainty = 16 * rounding * (1 + orbit.gamma);
+  steady.uncertainty = two_impact_uncertainty(orbit, restitution, steady.harmonics.u[0]);
   steady.spectral_radius = spectral_radius(stability.trace, stability.determinant);
   steady.energy_defect = energy_defect(motion, steady.harmonics, 2, 2 * orbit.speed * orbit.speed);
   steady.lyapunov = std::log(steady.spectral_radius);
@@ -230,6 +311,9 @@ SteadyState two_impact_steady_state(const TwoImpactOrbit& orbit, double restitut
 
 SteadyState find_steady_state(const GapMotion& motion, const GapState& start, double tolerance, const MeanGoal& goal) {
   const double limit = tail_limit(motion, tolerance);
+  const double lost = 1 - motion.restitution() * motion.restitution();
+  const std::int64_t wanted = goal.transients == Transients::outlasted ? longest_transient(lost) : 0;
+  const std::int64_t most_impacts = transient_impacts + (wanted > usual_window ? 2 : 1) * window_impacts;
   ReturnDetector returns(motion.gamma());
   std::optional<ReturnDetector::Return> candidate;
   std::optional<GapState> released;
@@ -240,38 +324,54 @@ SteadyState find_steady_state(const GapMotion& motion, const GapState& start, do
   GapState last_peak = start;
   std::int64_t next_peak = start.half_period + 2;
   std::int64_t periods = 0;
+  std::int64_t transient_begin = 0;
   std::int64_t impacts = 0;
+  int long_flights = 0;
 
-  const double lost = 1 - motion.restitution() * motion.restitution();
   const bool quick = goal.relative > 0 && lost > 0;
   const auto in_transient = [&] {
-    if (periods >= transient_periods || impacts >= transient_impacts) return false;
-    return !(quick && periods >= quick_transient_periods && static_cast<double>(impacts) * lost >= energy_memory);
+    const std::int64_t passed = periods - transient_begin;
+    if (passed >= most_transient_periods || impacts >= transient_impacts) return false;
+    const bool is_forgotten = lost == 0 || static_cast<double>(impacts) * lost >= energy_memory;
+    return passed < (quick ? quick_transient_periods : transient_periods) ||
+           (!is_forgotten && (quick || goal.transients == Transients::outlasted));
   };
+  const auto growth = [&] { return window.records().back().log_growth - window.records().front().log_growth; };
   const auto finish = [&] {
     SteadyState steady = averaged(window.records(), motion);
     steady.end = last_peak;
+    steady.periods_followed = static_cast<double>(periods);
+    // What attracts nothing, at restitution 1, has no transients.
+    steady.transient_possible = lost > 0 && (window.empty() || periods < longest_transient(lost) ||
+                                             longest_transient(lost) == most_periods || growth() < certain_growth);
     return steady;
   };
   const auto meets_goal = [&] {
     const std::vector<WindowRecord>& records = window.records();
     const std::size_t length = records.size() - 1;
-    if (!quick || length < first_judged || (length & (length - 1)) != 0) return false;
+    if (!quick || records.back().period != periods || length < first_judged || (length & (length - 1)) != 0)
+      return false;
     if (records.back().strobe.impacts - records.front().strobe.impacts < least_judged_impacts) return false;
-    if (records.back().log_growth - records.front().log_growth < certain_growth) return false;
+    if (growth() < certain_growth) return false;
     const SteadyState mean = averaged(records, motion);
     return mean.uncertainty <= goal.relative * std::abs(mean.harmonics.u[0] - goal.zero);
   };
+  // A motion that has lost its disturbances, or let them grow but little, is drawn slowly to an orbit.
+  const auto wanted_periods = [&] {
+    if (lost == 0 || goal.transients == Transients::ignored || window.empty()) return wanted;
+    return growth() < certain_growth ? std::max(wanted, slow_periods) : wanted;
+  };
   // False when the window is complete.
   const auto pass_peak = [&](int wall, const DistanceAndVelocity& at) {
-    periods += window.stride();
+    ++periods;
     last_peak = motion.peak_state(wall, at);
     // The impacts counted so far are those before; a contact at the peak itself is still to come.
     const Strobe strobe{last_peak.position(), wall == 0 ? at.velocity : -at.velocity, impacts};
-    if (window.stride() == 1 && !candidate) candidate = returns.add(periods, strobe);
+    if (!candidate) candidate = returns.add(periods, strobe);
     const bool transient = !released && window.empty() && in_transient();
-    const bool more = transient || (window.add({strobe, periods, jumps, disturbance.log_growth()}) && !meets_goal());
-    next_peak += 2 * window.stride();
+    const bool more = transient || (window.add({strobe, periods, jumps, disturbance.log_growth()}, wanted_periods()) &&
+                                    !meets_goal());
+    next_peak += 2;
     return more;
   };
 
@@ -293,6 +393,17 @@ SteadyState find_steady_state(const GapMotion& motion, const GapState& start, do
     const Flight flight = motion.next_flight(state);
     if (!flight.hits) return free_motion(motion.gamma(), last_peak);
     const GapState next = motion.after_impact(state, flight);
+    if (next.half_period - next_peak >= 2 * transient_periods && long_flights < most_long_flights) {
+      // A flight that outlasts a transient belongs to it: what is to be averaged begins after the impact.
+      ++long_flights;
+      const std::int64_t passed = (next.half_period - next_peak) / 2 + 1;
+      next_peak += 2 * passed;
+      periods += passed;
+      transient_begin = periods;
+      window.clear();
+      returns = ReturnDetector(motion.gamma());
+      candidate.reset();
+    }
     while (next.half_period >= next_peak) {
       if (!pass_peak(state.wall, motion.along(state, flight, radians_to_half_period(state, next_peak))))
         return finish();
@@ -301,7 +412,7 @@ SteadyState find_steady_state(const GapMotion& motion, const GapState& start, do
     if (!window.empty()) disturbance.advance(motion, state, flight, next);
     ++impacts;
     state = next;
-    if (impacts >= transient_impacts + window_impacts) return finish();
+    if (impacts >= most_impacts) return finish();
     if (candidate) {
       const ReturnDetector::Return found = *candidate;
       candidate.reset();

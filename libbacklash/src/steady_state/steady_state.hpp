@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <limits>
+
 #include "backlash/describing_function.hpp"
 #include "motion/gap_motion.hpp"
 #include "motion/harmonics.hpp"
@@ -19,12 +21,20 @@ struct SteadyState {
   double energy_defect;    // |work of the force - impact losses| over the energy of relative motion that impacts meet
   double lyapunov;         // largest exponent per force period; -infinity where every disturbance is forgotten
   GapState end;            // a state at a peak of the force on (or, when averaged, near) the long-run motion
+  double periods_followed = 0;      // of an averaged motion, from its start on
+  bool transient_possible = false;  // averaged over what may not be the long-run motion yet
+  // Change of U_1 per relative change of the force, of an orbit lost in rounding; NaN elsewhere.
+  double force_sensitivity = std::numeric_limits<double>::quiet_NaN();
 };
+
+/// Whether a chaotic motion is followed until it has outlasted the transients that are known at its restitution.
+enum class Transients { outlasted, ignored };
 
 /// When the mean of a motion that does not close is good enough to stop early.
 struct MeanGoal {
   double relative = 0;  // uncertainty of U_1 over |U_1 - zero|; 0: follow the whole window
   double zero = 0;      // U_1 at which the describing function vanishes
+  Transients transients = Transients::outlasted;
 };
 
 /// Where chatter may be cut off: what is neglected of the integral of the distance.  |Im U| is of the order

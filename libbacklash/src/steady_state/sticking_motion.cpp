@@ -31,16 +31,23 @@ constexpr std::int64_t long_course = enough_impacts;
 // A motion without a stick for so many times the impacts of the first one has been led to where it does not stick.
 constexpr std::int64_t most_delay = 64;
 
+// Relative error of phase and velocity that an impact adds.
+constexpr double rounding_per_impact = 8 * rounding;
+
 // What rounding makes of the mean of a course of impacts: each adds to the error of phase and velocity, which grows
 // with the motion like a small disturbance.
 class RoundingGrowth {
  public:
   void advance(const GapMotion& motion, const GapState& from, const Flight& flight, const GapState& to) noexcept {
-    error_ = error_ * disturbance_.advance(motion, from, flight, to) + 8 * rounding * (1 + to.velocity);
+    error_ = error_ * disturbance_.advance(motion, from, flight, to) + rounding_per_impact * (1 + to.velocity);
     sum_ += error_ * (1 + to.velocity + flight.speed);
   }
   // Of |U_1| over that many half periods: by its velocity jump times the error of its phase each impact moves the sum.
   [[nodiscard]] double error_of_mean(double half_periods) const noexcept { return 2 / (pi * half_periods) * sum_; }
+  // Of |U_1| per relative change of the force, which moves phase and velocity at each impact by as much of themselves.
+  [[nodiscard]] double force_sensitivity(double half_periods) const noexcept {
+    return error_of_mean(half_periods) / rounding_per_impact;
+  }
 
  private:
   Disturbance disturbance_;
@@ -177,6 +184,8 @@ SteadyState sticking_motion(const GapMotion& motion, const GapState& release, do
   const SteadyState orbit = orbit_of(motion, release, first, limit);
   if (orbit.period <= longest_period && orbit.uncertainty < known_orbit) return orbit;
   SteadyState steady = course;
+  // From stick to stick the motion repeats: it has no transient.
+  steady.periods_followed = 0.5 * first.half_periods;
   steady.harmonics = orbit.harmonics;
   steady.energy_defect = orbit.energy_defect;
   steady.end = orbit.end;
@@ -184,6 +193,7 @@ SteadyState sticking_motion(const GapMotion& motion, const GapState& release, do
     steady.uncertainty = orbit.uncertainty;
     return steady;
   }
+  steady.force_sensitivity = first.rounding_growth.force_sensitivity(first.half_periods);
   // The batches of one such orbit tell as much as many orbits do.
   if (first.impacts > long_course) return steady;
   if (const auto mean = mean_of_sticking_motion(motion, release, first, limit, goal)) {

@@ -12,27 +12,24 @@ namespace backlash::detail {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr double rounding = std::numeric_limits<double>::epsilon();
 
 }  // namespace
 
 SymmetricOrbits::SymmetricOrbits(double restitution)
     : restitution_(restitution),
-      first_(saddle_node_gamma(restitution)),
-      last_(symmetry_loss(restitution).gamma),
-      a_((1 - restitution) * (1 - restitution) + 0.25 * pi * pi * (1 + restitution) * (1 + restitution)),
-      inverse_a_(1 / a_),
-      half_b_(0.5 * pi * (1 + restitution)) {}
+      family_(restitution),
+      first_(family_.saddle_node()),
+      last_(symmetry_loss(restitution).gamma) {}
 
 SteadyState SymmetricOrbits::at(double gamma) const noexcept {
   const double kept = 1 + restitution_;
   const double lost = 1 - restitution_;
-  const double speed = (half_b_ + 2 * std::sqrt(a_ * (gamma - first_) * (gamma + first_))) * inverse_a_;
+  const SymmetricImpact impact = family_.at(gamma);
+  const double speed = impact.speed;
   const double met = speed * speed;
   const double inverse_met = 1 / met;
-  const double half_inverse = 0.5 / gamma;
-  const double s1 = -speed * lost * half_inverse;
-  const double c1 = (1 - half_b_ * speed) * half_inverse;
+  const double s1 = impact.sin_phase;
+  const double c1 = impact.cos_phase;
   const double c2 = c1 * c1 - s1 * s1;
   const double s2 = 2 * s1 * c1;
   const double c3 = c1 * c2 - s1 * s2;
@@ -47,7 +44,7 @@ SteadyState SymmetricOrbits::at(double gamma) const noexcept {
                         std::complex<double>(jump / 9 * c3, -jump / 9 * s3),
                         std::complex<double>(jump / 25 * (c3 * c2 - s3 * s2), -jump / 25 * (s3 * c2 + c3 * s2)),
                         {}};
-  steady.uncertainty = 16 * rounding * (1 + gamma);
+  steady.uncertainty = impact.uncertainty;
   const double half_trace = 2 * restitution_ + kept * pi * gamma * c1 * speed * inverse_met;
   const double half_radius = spectral_radius(half_trace, restitution_ * restitution_);
   steady.spectral_radius = half_radius * half_radius;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "two_impact_orbit.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -9,6 +10,7 @@ namespace backlash::detail {
 namespace {
 
 constexpr double pi = std::numbers::pi;
+constexpr double rounding = std::numeric_limits<double>::epsilon();
 
 // Post-impact state at the wall u = 0 at the phase tau with the given sine and cosine.
 GapState state_at_wall(double sin_tau, double cos_tau, double velocity) {
@@ -52,19 +54,40 @@ double symmetry_breaking_gamma(double restitution) {
   return 0.5 * std::hypot(s * (1 - restitution) / (1 + restitution), 4 / (pi * pi - 4));
 }
 
-std::optional<TwoImpactOrbit> symmetric_two_impact_orbit(double gamma, double restitution) {
-  const double lost = 1 - restitution;
-  const double kept = 1 + restitution;
-  const double a = lost * lost + 0.25 * pi * pi * kept * kept;
-  const double half_b = 0.5 * pi * kept;
+SymmetricFamily::SymmetricFamily(double restitution) noexcept
+    : lost_(1 - restitution),
+      kept_(1 + restitution),
+      saddle_node_(saddle_node_gamma(restitution)),
+      a_(lost_ * lost_ + 0.25 * pi * pi * kept_ * kept_),
+      inverse_a_(1 / a_),
+      half_b_(0.5 * pi * kept_) {}
+
+SymmetricImpact SymmetricFamily::at(double gamma) const noexcept {
   // half_b^2 - a (1 - 4 gamma^2) without cancellation near the saddle-node, where it vanishes.
-  const double node = saddle_node_gamma(restitution);
-  const double discriminant = 4 * a * (gamma - node) * (gamma + node);
-  if (!(discriminant >= 0)) return std::nullopt;
-  const double speed = (half_b + std::sqrt(discriminant)) / a;
-  const double sin_phase = -speed * lost / (2 * gamma);
-  const double cos_phase = (1 - half_b * speed) / (2 * gamma);
-  return TwoImpactOrbit{gamma, speed, state_at_wall(sin_phase, cos_phase, restitution * speed), pi};
+  const double root = std::sqrt(4 * a_ * (gamma - saddle_node_) * (gamma + saddle_node_));
+  const double half_inverse = 0.5 / gamma;
+  SymmetricImpact impact;
+  impact.speed = (half_b_ + root) * inverse_a_;
+  impact.sin_phase = -impact.speed * lost_ * half_inverse;
+  impact.cos_phase = (1 - half_b_ * impact.speed) * half_inverse;
+  // gamma and the saddle-node come of a few operations each, so their difference is known to 8 roundings of gamma and
+  // the discriminant to 64 a gamma^2 of them, m^2 say.  Its root is then known to m^2 over the root, or to m where that
+  // is less.  U_1 + gamma = -2 (1+e)/pi v e^{-j phi} changes with v by |1 - pi (1+e) v + 2 j (1-e) v|/(2 gamma) of
+  // that.
+  const double m = gamma * std::sqrt(64 * a_ * rounding);
+  const double speed_error = m * m / std::max(root, m) * inverse_a_;
+  const double by_speed = std::abs(1 - 2 * half_b_ * impact.speed) + 2 * lost_ * impact.speed;
+  const double rounded = 8 * rounding * impact.speed * (1 + half_b_ * impact.speed);
+  impact.uncertainty = 16 * rounding * (1 + gamma) + 2 / pi * kept_ * half_inverse * (by_speed * speed_error + rounded);
+  return impact;
+}
+
+std::optional<TwoImpactOrbit> symmetric_two_impact_orbit(double gamma, double restitution) {
+  const SymmetricFamily family(restitution);
+  if (!(gamma >= family.saddle_node())) return std::nullopt;
+  const SymmetricImpact impact = family.at(gamma);
+  return TwoImpactOrbit{gamma, impact.speed,
+                        state_at_wall(impact.sin_phase, impact.cos_phase, restitution * impact.speed), pi};
 }
 
 TwoImpactOrbit asymmetric_two_impact_orbit(double asymmetry, double restitution) {

@@ -18,6 +18,33 @@ struct TwoImpactOrbit {
   [[nodiscard]] bool symmetric() const noexcept;
 };
 
+/// The impact at the wall u = 0 of the symmetric orbit, in closed form.
+struct SymmetricImpact {
+  double speed;  // before it
+  double sin_phase, cos_phase;
+  double uncertainty;  // of U_1: rounding of gamma and of the closed form, which the saddle-node amplifies
+};
+
+/// The symmetric two-impact orbits of one restitution: v the larger root of [(1-e)^2 + pi^2 (1+e)^2/4] v^2 - pi (1+e) v
+/// + 1 - 4 gamma^2 = 0, sin phi = -v (1-e)/(2 gamma), cos phi = [1 - pi (1+e) v/2]/(2 gamma).  From the two equations
+/// of a flight of pi radians from u = 0 to 1 that starts and ends alike.
+class SymmetricFamily {
+ public:
+  explicit SymmetricFamily(double restitution) noexcept;
+  /// gamma below which there is none.
+  [[nodiscard]] double saddle_node() const noexcept { return saddle_node_; }
+  /// @param gamma  from the saddle-node on
+  [[nodiscard]] SymmetricImpact at(double gamma) const noexcept;
+
+ private:
+  double lost_;  // 1 - e
+  double kept_;  // 1 + e
+  double saddle_node_;
+  double a_;  // coefficients of v^2 and v
+  double inverse_a_;
+  double half_b_;
+};
+
 /// The symmetric orbit in closed form (the branch of larger speed); empty below the saddle-node.
 [[nodiscard]] std::optional<TwoImpactOrbit> symmetric_two_impact_orbit(double gamma, double restitution);
 
@@ -41,7 +68,7 @@ struct TwoImpactStability {
 
 /// The stable two-impact orbit at this gamma, symmetric or not; empty when there is none.
 [[nodiscard]] std::optional<TwoImpactOrbit> stable_two_impact_orbit(double gamma, double restitution);
-/// The same where the gamma of its two_impact_loss is at hand, whose search is the dear part.
+/// Same, for callers that already have the gamma of two_impact_loss(): finding it is the expensive part.
 [[nodiscard]] std::optional<TwoImpactOrbit> stable_two_impact_orbit(double gamma, double restitution,
                                                                     double loss_gamma);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "visible_jump.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -14,6 +15,8 @@ namespace backlash::detail {
 namespace {
 
 constexpr double tolerance = 1e-10;
+// A sweep stays at each frequency for the usual window, as an experiment does.
+constexpr MeanGoal usual_window{0, 0, Transients::ignored};
 // Sweep in c = omega / sqrt(F/(M2 clearance)): factor from point to point, and its range.  All jumps lie well inside.
 constexpr double factor = 1.002;
 constexpr double lowest = 0.9;
@@ -33,7 +36,7 @@ struct Point {
 
 Point next_point(const Point& from, double c, double restitution) {
   const GapState start = state_at_peak(from.steady.end.position(), from.steady.end.position_rate() * from.c / c);
-  return {c, find_steady_state(GapMotion(1 / (c * c), restitution), start, tolerance)};
+  return {c, find_steady_state(GapMotion(1 / (c * c), restitution), start, tolerance, usual_window)};
 }
 
 std::string rounded(double value, int decimals) {
@@ -54,8 +57,8 @@ JumpFrequency refine(Point before, Point after, double restitution, bool two_imp
 }
 
 JumpFrequency upwards(double restitution) {
-  Point previous{lowest,
-                 find_steady_state(GapMotion(1 / (lowest * lowest), restitution), state_at_peak(0.5, 0), tolerance)};
+  Point previous{lowest, find_steady_state(GapMotion(1 / (lowest * lowest), restitution), state_at_peak(0.5, 0),
+                                           tolerance, usual_window)};
   std::optional<std::pair<Point, Point>> bracket;
   while (previous.c * factor <= highest) {
     const Point point = next_point(previous, previous.c * factor, restitution);
@@ -70,8 +73,10 @@ JumpFrequency upwards(double restitution) {
 }
 
 JumpFrequency downwards(double restitution) {
-  // Start on the stable orbit, well above its loss.
-  const double start = 1.1 / std::sqrt(two_impact_loss(restitution).gamma);
+  // Start on the stable orbit, well above its loss.  At small restitution its range of frequencies is less than 10 %
+  // wide, so that the start is never beyond the middle of it.
+  const double loss = two_impact_loss(restitution).gamma;
+  const double start = std::min(1.1 / std::sqrt(loss), 1 / std::pow(loss * saddle_node_gamma(restitution), 0.25));
   const std::optional<TwoImpactOrbit> orbit = stable_two_impact_orbit(1 / (start * start), restitution);
   if (!orbit) return {std::nullopt, "no stable two-impact orbit to start from at c = " + text(start)};
   Point previous{start, two_impact_steady_state(*orbit, restitution)};

@@ -14,8 +14,8 @@ namespace {
 constexpr double pi = std::numbers::pi;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-// A window with few impacts is lengthened to this many times window_records periods at most.
-constexpr std::int64_t longest_stride = 64;
+// A window is lengthened to this many times window_records periods at most, one with few impacts to half as many.
+constexpr std::int64_t longest_stride = 128;
 
 // Batches that the window is divided into, and 95 % quantiles F(1, batches - 1) and F(2, 2 (batches - 1)) of the
 // squared error of a complex mean over its estimated variance: for errors along a line, and for errors alike in all
@@ -46,12 +46,15 @@ Harmonics mean_harmonics(const WindowRecord& from, const WindowRecord& to, doubl
 
 }  // namespace
 
-bool Window::add(const WindowRecord& record) {
+bool Window::add(const WindowRecord& record, std::int64_t wanted) {
   if (records_.empty()) records_.reserve(window_records + 1);
+  const std::int64_t length = records_.empty() ? 0 : record.period - records_.front().period;
+  if (length % stride_ != 0) return true;
   records_.push_back(record);
-  if (records_.size() <= window_records) return true;
   const std::int64_t impacts = record.strobe.impacts - records_.front().strobe.impacts;
-  if (impacts >= enough_impacts || stride_ >= longest_stride) return false;
+  if (records_.size() > window_records / 2 && length >= wanted && impacts >= enough_impacts) return false;
+  if (records_.size() <= window_records) return true;
+  if (stride_ >= (length >= wanted ? longest_stride / 2 : longest_stride)) return false;
   for (std::size_t i = 0; 2 * i < records_.size(); ++i) records_[i] = records_[2 * i];
   records_.resize(window_records / 2 + 1);
   stride_ *= 2;
@@ -95,9 +98,8 @@ SteadyState averaged(const std::vector<WindowRecord>& window, const GapMotion& m
   const WindowRecord& first = window.front();
   const WindowRecord& last = window.back();
   steady.harmonics = mean_harmonics(first, last, gamma);
-  steady.impacts_per_period =
-      static_cast<double>(last.strobe.impacts - first.strobe.impacts) / static_cast<double>(periods);
   const double followed = static_cast<double>(last.period - first.period);
+  steady.impacts_per_period = static_cast<double>(last.strobe.impacts - first.strobe.impacts) / followed;
   // The work of the force changes the kinetic energy too, and the mean of a motion that does not close has ends.
   const double squared_speeds = last.jumps.squared_speeds() - first.jumps.squared_speeds();
   const double kinetic = 0.5 * (last.strobe.position_rate * last.strobe.position_rate -
@@ -132,7 +134,7 @@ SteadyState averaged(const std::vector<WindowRecord>& window, const GapMotion& m
   }
   const double impacts = static_cast<double>(last.strobe.impacts - first.strobe.impacts);
   // Many impacts make the ends part of the scatter that the batches show.
-  if (impacts < 2.0 * static_cast<double>(periods)) steady.uncertainty += drift;
+  if (impacts < 2 * followed) steady.uncertainty += drift;
   return steady;
 }
 

@@ -31,19 +31,19 @@ struct WindowRecord {
 /// Records of a window that is averaged when no orbit has closed.
 inline constexpr std::size_t window_records = 1024;
 
-/// Records of the motion at peaks of the force, from the end of the transient on.  When they are full but hold few
-/// impacts, every second one is dropped and the window goes on at twice the stride.
+/// Records of the motion at peaks of the force, from the end of the transient on.  When they are full but shorter than
+/// asked for, or hold few impacts, every second one is dropped and the window goes on at twice the stride.
 class Window {
  public:
   [[nodiscard]] bool empty() const noexcept { return records_.empty(); }
-  [[nodiscard]] std::int64_t stride() const noexcept { return stride_; }
   [[nodiscard]] const std::vector<WindowRecord>& records() const noexcept { return records_; }
   void clear() {
     records_.clear();
     stride_ = 1;
   }
-  /// False when the window is complete.
-  bool add(const WindowRecord& record);
+  /// Takes the record of a peak, of every one.  False when the window is complete.
+  /// @param wanted  force periods that the window lasts at least
+  bool add(const WindowRecord& record, std::int64_t wanted);
 
  private:
   std::vector<WindowRecord> records_;

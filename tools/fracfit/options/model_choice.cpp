@@ -64,14 +64,14 @@ frac::NamedModel chosen_model(const std::string& given) {
       text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r' || c == '\t'; }, ' ');
   const auto& library = frac::model_library();
   const bool known = std::any_of(library.begin(), library.end(), [&](const auto& model) { return model.name == text; });
-  if (!known && looks_like_a_preset(text))
+  if (!known && text != "rational" && looks_like_a_preset(text))
     throw std::invalid_argument("model " + io::quoted(text) + " is neither a preset nor a formula of s" +
                                 suggestion(text, preset_names()) + "; presets:\n" + preset_list());
   return frac::find_model(text);
 }
 
 std::vector<frac::NamedModel> chosen_models(const std::string& list) {
-  if (list.empty()) return frac::model_library();
+  if (list.empty()) return frac::default_candidates();
   std::vector<frac::NamedModel> models;
   for (std::size_t begin = 0; begin <= list.size();) {
     const auto end = std::min(list.find(',', begin), list.size());

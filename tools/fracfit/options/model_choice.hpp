@@ -15,7 +15,7 @@ class Options;
 /// @throws frac::FormulaError
 [[nodiscard]] frac::NamedModel chosen_model(const std::string& text);
 
-/// A list of them separated by commas; all presets when it is empty.
+/// A list of them separated by commas; frac::default_candidates() when it is empty.
 [[nodiscard]] std::vector<frac::NamedModel> chosen_models(const std::string& list);
 
 /// What the user says of parameters on the command line.

@@ -155,7 +155,8 @@ std::string manual_page(const std::vector<CommandGroup>& groups) {
     for (char& c : title) c = c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
     text += ".SH " + title + "\n";
     for (const auto& command : group.commands) {
-      text += ".SS " + troff(command->name()) + "\n" + troff(command->about()) + ".\n";
+      text += ".SS " + troff(command->name()) + "\n" + troff(command->about()) + ".\n.TP\n.B " + troff("-h,--help") +
+              "\nPrint the help of this subcommand and exit\n";
       for (const Option& option : command->options().all())
         text += ".TP\n.B " + troff(heading_of(option)) + "\n" + troff(option.description()) + "\n";
       if (!command->footer().empty()) text += verbatim(command->footer());

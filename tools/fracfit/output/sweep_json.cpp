@@ -20,7 +20,10 @@ void append_sweep(Json& json, const backlash::DescribingFunctionSweep& sweep) {
                       {"third_harmonic_ratio", point.third_harmonic_ratio},
                       {"even_harmonic_ratio", point.even_harmonic_ratio},
                       {"energy_defect", point.energy_defect},
-                      {"lyapunov_exponent", point.lyapunov_exponent}});
+                      {"lyapunov_exponent", point.lyapunov_exponent},
+                      {"periods_followed", point.periods_followed},
+                      {"transient_possible", point.transient_possible},
+                      {"force_sensitivity", point.force_sensitivity}});
 }
 
 }  // namespace
