@@ -30,7 +30,7 @@ struct Scene {
 
 std::vector<std::string> simulate(const Scene& scene, const std::vector<std::string>& more = {}) {
   std::vector<std::string> arguments{"simulate",      "--force",         scene.force, "--clearance", scene.clearance,
-                                     "--restitution", scene.restitution, "--mass1",      scene.mass1,   "--mass2",
+                                     "--restitution", scene.restitution, "--mass1",   scene.mass1,   "--mass2",
                                      scene.mass2,     "--omega",         scene.omega};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
@@ -53,7 +53,8 @@ TEST(Usage, UnknownSubcommandsAndOptions) {
 TEST(Usage, SlipsOfThePenAreRecognised) {
   expect_failure({"simulat"}, 2, "did you mean simulate?");
   expect_failure({"fti"}, 2, "did you mean fit?");
-  expect_failure(simulate({}, {"--orbit-toleranec", "1e-8"}), 2, "unknown option '--orbit-toleranec' (did you mean --orbit-tolerance?)");
+  expect_failure(simulate({}, {"--orbit-toleranec", "1e-8"}), 2,
+                 "unknown option '--orbit-toleranec' (did you mean --orbit-tolerance?)");
   expect_failure(simulate({}, {"--protocoll=sweep-up"}), 2, "(did you mean --protocol?)");
   expect_failure(simulate({}, {"15"}), 2, "unexpected argument '15'");
   // Nothing is near.

@@ -113,14 +113,56 @@ TEST_F(Batch, AnInterruptedRunResumesToTheSameBytes) {
   }
 }
 
-TEST_F(Batch, FinishedRowsAreNotDoneAgain) {
-  const auto single = whole("all.csv");
-  // With the data of a finished row gone, only a run that keeps the row can still give it.
-  const auto file = folder.path("data/force_4.csv");
-  const auto data = content_of(file);
-  folder.write("data/force_4.csv", "nothing of use\n");
-  EXPECT_EQ(run_fracfit(command({"--out", folder.path("all.csv")})).code, 0);
-  EXPECT_EQ(content_of(folder.path("all.csv")), single);
+// A row of the output that another number was put into: it stands as long as the row is kept.
+TEST_F(Batch, FinishedRowsAreKeptUntilTheirFileChanges) {
+  for (const std::string extension : {".csv", ".jsonl"}) {
+    const auto out = folder.path("all" + extension);
+    auto marked = whole("all" + extension);
+    const std::string row = extension == ".csv" ? "force_4.csv,converged" : R"(force_4.csv","status":"converged)";
+    const auto at = marked.find("21", marked.find(row));  // its points
+    ASSERT_LT(at, marked.find("force_5.csv" + row.substr(11)));
+    marked.replace(at, 2, "77");
+    folder.write("all" + extension, marked);
+    EXPECT_EQ(run_fracfit(command({"--out", out})).code, 0);
+    EXPECT_EQ(content_of(out), marked);
+    // The same bytes written again are the same input.
+    const auto data = content_of(folder.path("data/force_4.csv"));
+    folder.write("data/force_4.csv", data);
+    EXPECT_EQ(run_fracfit(command({"--out", out})).code, 0);
+    EXPECT_EQ(content_of(out), marked);
+    folder.write("data/force_4.csv", data + "# a remark more\n");
+    EXPECT_EQ(run_fracfit(command({"--out", out})).code, 0);
+    EXPECT_EQ(content_of(out).substr(at, 2), "21");
+    folder.write("data/force_4.csv", data);
+  }
+}
+
+TEST_F(Batch, WhatFailedIsDoneAgainOnceItsFileIsMended) {
+  const auto good = content_of(folder.path("data/force_5.csv"));
+  const auto single = whole("good.csv");
+  folder.write("data/force_5.csv", "omega_rad_s,re,im\n1,2,x\n");
+  const auto out = folder.path("all.csv");
+  EXPECT_EQ(run_fracfit(command({"--out", out})).code, 0);
+  EXPECT_NE(content_of(out).find("force_5.csv,invalid-data,"), std::string::npos);
+  folder.write("data/force_5.csv", good);
+  EXPECT_EQ(run_fracfit(command({"--out", out})).code, 0);
+  EXPECT_EQ(content_of(out), single);
+  // A file that went away is a failure too, not a result of old.
+  std::filesystem::remove(folder.path("data/force_5.csv"));
+  const auto gone = run_fracfit({"batch", folder.path("data/force_4.csv"), folder.path("data/force_5.csv"), "--model",
+                                 "power-law", "--power-law", "K:force_n", "--quiet"});
+  EXPECT_NE(gone.output.find("force_5.csv,invalid-data,"), std::string::npos) << gone.output;
+}
+
+TEST_F(Batch, ACommandAtFaultLeavesTheOutputAlone) {
+  const auto out = folder.path("all.csv");
+  for (const std::string where : {"omega<<4", "omega=4", "no_such_column<4"}) {
+    const auto wrong = run_fracfit(command({"--where", where, "--out", out}));
+    EXPECT_EQ(wrong.code, 2) << where;
+    EXPECT_NE(wrong.error.find("--where"), std::string::npos) << wrong.error;
+    EXPECT_FALSE(std::filesystem::exists(out));
+  }
+  EXPECT_EQ(run_fracfit(command({"--where", "omega<4", "--out", out})).code, 0);
 }
 
 TEST_F(Batch, ABadFileAmongGoodOnesIsARowWithItsError) {
@@ -269,7 +311,7 @@ TEST_F(Batch, MergeRefusesWhatDoesNotBelongTogether) {
   expect_refusal({one, two}, "has command");
   expect_refusal({one, one}, "force_1.csv, which");
   expect_refusal({one, folder.path("data/force_1.csv")}, "expected a table written by fracfit batch");
-  expect_refusal({folder.path("absent.csv")}, "is missing");
+  expect_refusal({folder.path("absent.csv")}, "cannot be read: No such file");
 }
 
 TEST_F(Batch, MergeDoesNotReplaceAnInput) {
@@ -329,7 +371,8 @@ TEST_F(Batch, WrongUsageIsNamed) {
   expect_refusal({data, "--model", "power-law", "--bound", "a=2:1"}, "lies above");
   expect_refusal({data, "--model", "power-law", "--power-law", "K"}, "PARAMETER:VARIABLE");
   expect_refusal({data, "--model", "power-law", "--power-law", "b:force_n"}, "'b' is no parameter");
-  expect_refusal({data, "--models", "power-law", "--power-law", "K:force_n"}, "--power-law has no meaning with --models");
+  expect_refusal({data, "--models", "power-law", "--power-law", "K:force_n"},
+                 "--power-law has no meaning with --models");
   expect_refusal({data, "--model", "rms s^a"}, "two columns 'rms'");
   expect_refusal({data, data, "--model", "power-law"}, "given twice");
   expect_refusal({"-", "--model", "power-law"}, "not standard input");

@@ -16,8 +16,9 @@ using Json = nlohmann::ordered_json;
 std::string simulated(const TemporaryFolder& folder, const std::string& force, const std::string& omega,
                       const std::vector<std::string>& more = {}) {
   const std::string file = folder.path("f" + force + ".csv");
-  std::vector<std::string> arguments{"simulate", "--force", force, "--clearance", "0.3", "--restitution", "0.6", "--mass1",
-                                     "2",        "--mass2",    "1",   "--omega",     omega, "--out",         file};
+  std::vector<std::string> arguments{"simulate", "--force", force, "--clearance", "0.3", "--restitution",
+                                     "0.6",      "--mass1", "2",   "--mass2",     "1",   "--omega",
+                                     omega,      "--out",   file};
   arguments.insert(arguments.end(), more.begin(), more.end());
   const auto result = run_fracfit(arguments);
   EXPECT_EQ(result.code, 0) << result.error;

@@ -128,8 +128,8 @@ TEST(Simulate, FrequenciesThatLeaveTheRangeOfNumbersAreRefused) {
     EXPECT_NE(result.error.find("range of numbers"), std::string::npos) << result.error;
   }
   for (const std::string omega : {"1e140", "1e-140", "1e20", "1e-9", "1e9"}) {
-    const auto result = run_fracfit({"simulate", "--force", "40", "--clearance", "0.3", "--restitution", "0.6",
-                                     "--omega", omega, "--body", "x2"});
+    const auto result = run_fracfit(
+        {"simulate", "--force", "40", "--clearance", "0.3", "--restitution", "0.6", "--omega", omega, "--body", "x2"});
     EXPECT_EQ(result.code, 0) << result.error;
     EXPECT_EQ(result.output.find("nan"), std::string::npos) << result.output;
   }

@@ -67,11 +67,12 @@ TEST(Scenes, ShardsJoinToTheWhole) {
   run("2.csv", {"--shard", "2/4"});
   run("3.csv", {"--shard", "3/4"});
   run("4.csv", {"--shard", "4/4"});
-  const auto joined = run_fracfit({"merge", "--out", folder.path("joined.csv"), folder.path("4.csv"), folder.path("1.csv"),
-                                   folder.path("3.csv"), folder.path("2.csv")});
+  const auto joined = run_fracfit({"merge", "--out", folder.path("joined.csv"), folder.path("4.csv"),
+                                   folder.path("1.csv"), folder.path("3.csv"), folder.path("2.csv")});
   ASSERT_EQ(joined.code, 0) << joined.error;
   EXPECT_EQ(content_of(folder.path("joined.csv")), content_of(folder.path("whole.csv")));
-  const auto missing = run_fracfit({"merge", "--out", "-", folder.path("1.csv"), folder.path("2.csv"), folder.path("4.csv")});
+  const auto missing =
+      run_fracfit({"merge", "--out", "-", folder.path("1.csv"), folder.path("2.csv"), folder.path("4.csv")});
   EXPECT_EQ(missing.code, 3);
   EXPECT_NE(missing.error.find("shard 3/4 is missing"), std::string::npos) << missing.error;
 }

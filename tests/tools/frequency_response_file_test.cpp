@@ -353,19 +353,40 @@ TEST_F(FrequencyResponseFileTest, CurvesInRowsAreToldApartByTheKeyColumn) {
                                         "10,2,7,8\n");
   EXPECT_EQ(io::curve_labels(file, "force_n"), (std::vector<std::string>{"40", "10"}));
   io::FrequencyResponseReadOptions options;
-  options.key_column = "force_n";
-  options.curve = "40";
+  options.rows = {{"force_n", "40"}};
   const auto curve = io::read_frequency_response(file, options);
   ASSERT_EQ(curve.data.size(), 2u);
   EXPECT_EQ(curve.data.value()[1], std::complex<double>(5, 6));
   EXPECT_EQ(io::find_value(curve.metadata, "force_n"), "40");
-  options.key_column = "mass_kg";
+  options.rows = {{"mass_kg", "1"}};
   try {
     (void)io::read_frequency_response(file, options);
     FAIL() << "no error";
   } catch (const io::DataError& error) {
     EXPECT_NE(std::string(error.what()).find("no column 'mass_kg' among force_n"), std::string::npos) << error.what();
   }
+}
+
+TEST_F(FrequencyResponseFileTest, PointsOfSeveralScenesAreNoCurve) {
+  const std::string file = folder.write("scenes.csv",
+                                        "clearance_m,restitution,omega_rad_s,re,im\n"
+                                        "0.1,0.5,1,1,2\n"
+                                        "0.10,0.5,2,3,4\n"
+                                        "0.2,0.5,1,5,6\n"
+                                        "0.2,0.5,2,7,8\n"
+                                        "0.2,0.5,3,9,9\n");
+  EXPECT_EQ(io::scenes_in(file), (std::vector<io::Metadata>{{{"clearance_m", "0.1"}}, {{"clearance_m", "0.2"}}}));
+  EXPECT_TRUE(io::scenes_in(file, {io::PointFilter("clearance_m<0.15")}).empty());
+  EXPECT_THROW(static_cast<void>(io::read_frequency_response(file)), std::invalid_argument);
+  io::FrequencyResponseReadOptions options;
+  options.where.emplace_back("clearance_m==0.1");
+  const auto one = io::read_frequency_response(file, options);
+  EXPECT_EQ(one.data.value(), (std::vector<std::complex<double>>{{1, 2}, {3, 4}}));
+  EXPECT_EQ(io::find_value(one.metadata, "clearance_m"), "0.1");
+  EXPECT_EQ(io::find_value(one.metadata, "restitution"), "0.5");
+  // A condition on the points that leaves those of one scene.
+  options.where = {io::PointFilter("omega>2")};
+  EXPECT_EQ(io::read_frequency_response(file, options).data.size(), 1U);
 }
 
 TEST_F(FrequencyResponseFileTest, AnOrdinaryFileHoldsOneCurveWithoutLabel) {

@@ -4,16 +4,19 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <chrono>
 #include <cmath>
 #include <complex>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <regex>
 #include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "io/data_error.hpp"
@@ -27,6 +30,7 @@
 #include "report/staged_folder.hpp"
 #include "report/sweep_curves.hpp"
 #include "report/table.hpp"
+#include "support/random.hpp"
 #include "temporary_folder.hpp"
 
 namespace {
@@ -212,9 +216,8 @@ TEST(FamilyColour, GetsLighterFromMemberToMember) {
 TEST(WriteScript, NeedsNoGnuplotAndHoldsTheData) {
   const SearchPath nothing("");
   const TemporaryFolder folder;
-  write_script(small_figure("picture"), folder.path());
-  const std::string script = content_of(folder.path("picture.gp"));
-  EXPECT_NE(script.find("set title 'Reader''s view'"), std::string::npos);
+  const std::string script = gnuplot_script(small_figure("picture"));
+  EXPECT_NE(script.find("set title 'Reader\u2019s view'"), std::string::npos);
   EXPECT_NE(script.find("set logscale x"), std::string::npos);
   EXPECT_NE(script.find("title 'second'"), std::string::npos);
   // The break of the first curve is a blank line between its points.
@@ -230,8 +233,8 @@ TEST(WriteScript, DrawsAMapOfCellsRowByRowFromTheLowest) {
   panel.key = true;
   panel.map = CellMap{1, 3, 0, 1, 3, {0, 1, 1, 2, 0, 1}, {{"a", "#000000"}, {"b", "#ff0000"}, {"c", "#00ff00"}}};
   figure.panels = {panel};
-  write_script(figure, folder.path());
-  const std::string script = content_of(folder.path("map.gp"));
+  const std::string script = gnuplot_script(figure);
+  folder.write("map.gp", script);
   EXPECT_NE(script.find("$panel1_map << e\n0 1 1\n2 0 1\ne\n"), std::string::npos);
   // Centres 1, 2, 3 and 0, 1.
   EXPECT_NE(script.find("matrix using (1+$1*1):(0+$2*1):3 with image"), std::string::npos);
@@ -240,10 +243,46 @@ TEST(WriteScript, DrawsAMapOfCellsRowByRowFromTheLowest) {
   EXPECT_EQ(draw(*gnuplot, folder.path(), "map"), "");
 }
 
-TEST(WriteScript, SaysWhichFileCannotBeWritten) {
+// Found by trying: in a block of commands gnuplot stumbles over '##\'\'' and the like.
+TEST(WriteScript, AnyLabelIsDrawn) {
+  const auto gnuplot = find_gnuplot();
+  if (!gnuplot) GTEST_SKIP() << "gnuplot is not installed";
   const TemporaryFolder folder;
-  const std::string file = folder.write("file", "");
-  EXPECT_THROW(write_script(small_figure("picture"), fs::path(file) / "below"), fs::filesystem_error);
+  support::Random random(20260);
+  for (int i = 0; i < 12; ++i) {
+    Figure figure = small_figure("picture");
+    std::string label;
+    for (int k = 0; k < 12; ++k) label += R"('"{}#\$@`%;,()[]|!)"[random.below(19)];
+    figure.panels.front().title = enhanced_escape(label);
+    figure.panels.front().y.label = enhanced_escape("##'" + label);
+    folder.write("picture.gp", gnuplot_script(figure));
+    EXPECT_EQ(draw(*gnuplot, folder.path(), "picture"), "") << label;
+  }
+}
+
+TEST(Draw, EndsAProgramThatHangsWithAllItHasStarted) {
+  const TemporaryFolder folder;
+  const std::string program = folder.write("gnuplot", "#!/bin/sh\nsleep 1000 &\necho $! > child\nwait\n");
+  ::chmod(program.c_str(), 0755);
+  const std::string trouble = draw(program, folder.path(), "picture", std::chrono::milliseconds(300));
+  EXPECT_NE(trouble.find("did not finish picture.gp"), std::string::npos) << trouble;
+  // The signal reaches the grandchild a moment later.
+  const int child = std::stoi(content_of(folder.path("child")));
+  const auto is_alive = [&] {
+    std::ifstream status("/proc/" + std::to_string(child) + "/stat");
+    std::string text;
+    return std::getline(status, text) && text.find(") Z ") == std::string::npos;
+  };
+  for (int i = 0; i < 1000 && is_alive(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_FALSE(is_alive());
+}
+
+TEST(Draw, NoticesAPictureThatStopsInTheMiddle) {
+  const TemporaryFolder folder;
+  const std::string program = folder.write(
+      "gnuplot", "#!/bin/sh\nprintf '<svg><path' > picture.svg\nprintf 'PNG..IEND' > picture.png\nexit 0\n");
+  ::chmod(program.c_str(), 0755);
+  EXPECT_NE(draw(program, folder.path(), "picture").find("made no whole picture"), std::string::npos);
 }
 
 TEST(FindGnuplot, FindsNothingOnAnEmptyPathAndSkipsWhatCannotRun) {
@@ -271,7 +310,7 @@ TEST(Draw, NoticesThatASuccessfulProgramMadeNoPicture) {
   const TemporaryFolder folder;
   const std::string program = folder.write("gnuplot", "#!/bin/sh\n: > picture.svg\nexit 0\n");
   ::chmod(program.c_str(), 0755);
-  EXPECT_NE(draw(program, folder.path(), "picture").find("made no picture"), std::string::npos);
+  EXPECT_NE(draw(program, folder.path(), "picture").find("made no whole picture"), std::string::npos);
 }
 
 TEST(Draw, NoticesThatAProgramCannotBeStarted) {
@@ -283,7 +322,7 @@ TEST(Draw, MakesBothPicturesWithTheRealProgram) {
   const auto gnuplot = find_gnuplot();
   if (!gnuplot) GTEST_SKIP() << "gnuplot is not installed";
   const TemporaryFolder folder;
-  write_script(small_figure("picture"), folder.path());
+  folder.write("picture.gp", gnuplot_script(small_figure("picture")));
   EXPECT_EQ(draw(*gnuplot, folder.path(), "picture"), "");
   EXPECT_EQ(content_of(folder.path("picture.png")).substr(1, 3), "PNG");
   const std::string svg = inline_svg(content_of(folder.path("picture.svg")), "p-");

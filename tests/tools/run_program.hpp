@@ -12,6 +12,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "temporary_folder.hpp"
@@ -24,9 +25,10 @@ struct ProgramResult {
 };
 
 struct ProgramSetting {
-  std::string search_path;       // PATH of the child; empty: as it is here
-  std::string input;             // its standard input
-  bool terminal_output = false;  // standard output is a terminal
+  std::string search_path = {};                                       // PATH of the child; empty: as it is here
+  std::string input = {};                                             // its standard input
+  bool terminal_output = false;                                       // standard output is a terminal
+  std::vector<std::pair<std::string, std::string>> environment = {};  // variables added
 };
 
 namespace detail {
@@ -54,8 +56,9 @@ inline bool has_terminals() {
   return true;
 }
 
-/// Runs fracfit with these arguments and waits for its end.
-inline ProgramResult run_fracfit(const std::vector<std::string>& arguments, const ProgramSetting& setting = {}) {
+/// Runs a program with these arguments and waits for its end.
+inline ProgramResult run_program(std::string program, const std::vector<std::string>& arguments,
+                                 const ProgramSetting& setting = {}) {
   const TemporaryFolder folder;
   folder.write("input", setting.input);
   int terminal = -1;
@@ -73,13 +76,13 @@ inline ProgramResult run_fracfit(const std::vector<std::string>& arguments, cons
     ::dup2(output, STDOUT_FILENO);
     ::dup2(error, STDERR_FILENO);
     if (!setting.search_path.empty()) ::setenv("PATH", setting.search_path.c_str(), 1);
+    for (const auto& [name, value] : setting.environment) ::setenv(name.c_str(), value.c_str(), 1);
     std::vector<char*> pointers;
-    std::string program = FRACFIT_PROGRAM;
     pointers.push_back(program.data());
     std::vector<std::string> copies = arguments;
     for (auto& copy : copies) pointers.push_back(copy.data());
     pointers.push_back(nullptr);
-    ::execv(FRACFIT_PROGRAM, pointers.data());
+    ::execv(program.c_str(), pointers.data());
     ::_exit(127);
   }
   std::string terminal_text;
@@ -94,6 +97,15 @@ inline ProgramResult run_fracfit(const std::vector<std::string>& arguments, cons
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status),
           setting.terminal_output ? terminal_text : content_of(folder.path("output")),
           content_of(folder.path("error"))};
+}
+
+inline ProgramResult run_fracfit(const std::vector<std::string>& arguments, const ProgramSetting& setting = {}) {
+  return run_program(FRACFIT_PROGRAM, arguments, setting);
+}
+
+/// Runs a shell script in which $fracfit is the program.
+inline ProgramResult run_shell(const std::string& script) {
+  return run_program("/bin/bash", {"-c", script}, {.environment = {{"fracfit", FRACFIT_PROGRAM}}});
 }
 
 inline std::vector<std::string> lines_of(const std::string& text) {

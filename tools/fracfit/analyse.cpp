@@ -11,6 +11,7 @@
 #include "output/aligned_table.hpp"
 #include "output/json.hpp"
 #include "report/model_figures.hpp"
+#include "report/staged_folder.hpp"
 #include "subcommand.hpp"
 
 namespace fracfit {
@@ -133,14 +134,18 @@ std::string table_text(const Analysis& result) {
 
 // Scripts, SVG and PNG of the diagrams, into the folder. @return false with a message where gnuplot is missing or
 // fails.
-bool draw_pictures(const Command& command, const std::filesystem::path& folder,
+bool draw_pictures(const Command& command, const std::filesystem::path& target,
                    const frac::FractionalTransferFunction& model) {
+  report::StagedFolder folder(target);
+  std::string script;
   const auto gnuplot = report::find_gnuplot();
   std::string trouble = gnuplot ? "" : "gnuplot was not found; the scripts are written";
   for (const report::Figure& figure : report::model_figures(model, "model")) {
-    report::write_script(figure, folder);
-    if (gnuplot && trouble.empty()) trouble = report::draw(*gnuplot, folder, figure.name);
+    script = figure.name + ".gp";
+    folder.write(script, report::gnuplot_script(figure));
+    if (gnuplot && trouble.empty()) trouble = report::draw(*gnuplot, folder.path(), figure.name);
   }
+  folder.publish(script);
   if (!trouble.empty()) command.say(trouble);
   return trouble.empty();
 }

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <set>
 #include <stdexcept>
 
 #include "batch_fit.hpp"
@@ -33,9 +34,11 @@ void check_names(const frac::NamedModel& model) {
   }
 }
 
-// Rows an interrupted run of the same command has left in the output.
+// Rows that an interrupted run of the same command has left in the output and that still hold: fits of files that have
+// not changed since.
 std::map<std::string, std::string> finished_rows(const std::string& out, BatchFormat format,
-                                                 const BatchManifest& manifest, const std::vector<std::string>& files) {
+                                                 const BatchManifest& manifest, const std::vector<std::string>& files,
+                                                 const std::map<std::string, BatchCurve>& curves) {
   std::map<std::string, std::string> rows;
   std::error_code ignored;
   if (!fs::is_regular_file(out, ignored) || fs::file_size(out, ignored) == 0) return rows;
@@ -46,11 +49,15 @@ std::map<std::string, std::string> finished_rows(const std::string& out, BatchFo
     throw std::invalid_argument("--out " + out + " holds the results of another command: " + table.manifest.command +
                                 (table.manifest.shard.empty() ? "" : " --shard " + table.manifest.shard) +
                                 " (fracfit " + table.manifest.version + "); remove it or choose another file");
+  const std::set<std::string> known(files.begin(), files.end());
   for (const auto& [file, line] : table.rows) {
-    if (std::find(files.begin(), files.end(), file) == files.end())
+    if (!known.contains(file))
       throw std::invalid_argument("--out " + out + " holds a result for " + file +
                                   ", which is not among the data; remove it or choose another file");
-    rows.emplace(file, line);
+    const auto row = read_row(format, manifest.columns, line).value();
+    const auto made_from = row.find(std::string(fingerprint_column));
+    if (row.at("status") == "converged" && made_from != row.end() && made_from->second == curves.at(file).fingerprint)
+      rows.emplace(file, line);
   }
   return rows;
 }
@@ -65,13 +72,13 @@ void check_variables(const std::vector<std::string>& laws, const BatchTask& task
     if (!of_headers && std::find(columns.begin(), columns.end(), variable) != columns.end()) continue;
     const auto known = variables_of(task, curves, variable);
     if (known.empty() || std::find(known.begin(), known.end(), variable) != known.end()) continue;
-    std::string list;
-    for (const auto& name : known) list += (list.empty() ? "" : ", ") + name;
+    std::vector<std::string> list = known;
     for (const auto& model : task.models)
       for (const frac::Structure structure(model.formula); const auto& name : structure.parameter_names())
-        list += ", " + name;
+        list.push_back(name);
     throw std::invalid_argument("--power-law " + io::quoted(law) + ": " + io::quoted(variable) +
-                                " is no number in the header of any file and no column of the rows; known are " + list);
+                                " is no number in the header of any file and no column of the rows; known are " +
+                                io::shortened_list(list));
   }
 }
 
@@ -115,7 +122,7 @@ class Batch : public Command {
         "rows told apart by the column --by names.  Their rows are named FILE#LABEL.\n"
         "With --out each row reaches the file as soon as it is finished; the same command again does what is left "
         "over\n"
-        "from an interrupted run.\n"
+        "from an interrupted run, and again what failed or whose file has changed since.\n"
         "Examples:\n"
         "  fracfit batch sweeps --model power-law --where 'omega<4' --power-law K:force_n --out fits.csv\n"
         "  fracfit batch sweeps --models power-law,lag,gain --shard 2/4 --out part2.csv\n"
@@ -157,6 +164,8 @@ class Batch : public Command {
     }
   }
 
+  [[nodiscard]] std::vector<std::string> inputs() const override { return data_; }
+
   int run() override {
     const auto rows_format = row_format();
     const bool to_file = !out().empty() && out() != "-";
@@ -171,6 +180,7 @@ class Batch : public Command {
     const auto files = io::part_of(inputs, shard_of("--shard", shard_));
     std::vector<BatchCurve> in_order;
     for (const auto& name : inputs) in_order.push_back(curves.at(name));
+    if (const auto fault = fault_of_command(task_, in_order); !fault.empty()) throw std::invalid_argument(fault);
     check_variables(laws_, task_, in_order);
     const BatchManifest manifest{std::string(io::version()), command_line(), shard_, laws_, inputs,
                                  batch_columns(task_)};
@@ -178,7 +188,8 @@ class Batch : public Command {
 
     std::unique_ptr<io::ResultStream> stream;
     if (to_file)
-      stream = std::make_unique<io::ResultStream>(out(), header, finished_rows(out(), rows_format, manifest, files));
+      stream =
+          std::make_unique<io::ResultStream>(out(), header, finished_rows(out(), rows_format, manifest, files, curves));
     std::vector<std::string> lines(files.size());
     frac::Progress progress;
     progress.total = files.size();
@@ -194,14 +205,14 @@ class Batch : public Command {
         ++progress.done;
       });
     }
+    std::string text = header;
+    for (const auto& line : lines) text += line + "\n";
     const auto laws = shard_.empty() ? power_law_remarks(rows_format, manifest, lines) : PowerLawRemarks{};
-    if (stream) {
-      stream->finish(files, laws.text);
-    } else {
-      std::string text = header;
-      for (const auto& line : lines) text += line + "\n";
-      write(format() == "table" ? text_of(document_of(text), "table", command_line()) : text + laws.text);
-    }
+    const std::string end = shard_.empty() ? laws.text : shard_end(rows_format, text);
+    if (stream)
+      stream->finish(text + end);
+    else
+      write(format() == "table" ? text_of(document_of(text), "table", command_line()) : text + end);
     std::size_t converged = 0, unreadable = 0;
     for (const auto& line : lines) {
       const auto status = status_of(rows_format, manifest, line);

@@ -9,6 +9,7 @@
 #include "fit_statistics.hpp"
 #include "frac/structure.hpp"
 #include "io/data_error.hpp"
+#include "io/input_text.hpp"
 #include "io/number.hpp"
 
 namespace fracfit {
@@ -71,6 +72,7 @@ void set_data(RowBuilder& row, const BatchTask& task, const io::FrequencyRespons
     const auto text = io::find_value(file.metadata, variable);
     if (const auto value = text ? io::parse_number(*text) : std::nullopt) row.set(variable, *value);
   }
+  row.set(std::string(fingerprint_column), std::string_view(file.fingerprint));
   row.set("points", file.data.size());
   row.set("omega_lower", file.data.omega().front());
   row.set("omega_upper", file.data.omega().back());
@@ -117,6 +119,7 @@ std::vector<std::string> batch_columns(const BatchTask& task) {
   for (const auto& name : parameter_names(task))
     for (const char* suffix : parameter_suffixes) columns.push_back(name + suffix);
   columns.emplace_back("message");
+  columns.emplace_back(fingerprint_column);
   std::set<std::string> seen;
   for (const auto& column : columns)
     if (!seen.insert(column).second)
@@ -129,12 +132,14 @@ std::vector<BatchCurve> curves_of(const std::vector<std::string>& files, const s
   std::vector<BatchCurve> curves;
   for (const auto& file : files) {
     std::vector<std::string> labels;
+    std::string fingerprint;
     try {
+      fingerprint = io::fingerprint(*io::input_text(file));
       labels = io::curve_labels(file, key_column);
     } catch (const io::DataError&) {  // its row will say it
     }
-    if (labels.empty()) curves.push_back({file, file, ""});
-    for (const auto& label : labels) curves.push_back({file + "#" + label, file, label});
+    if (labels.empty()) curves.push_back({file, file, "", fingerprint});
+    for (const auto& label : labels) curves.push_back({file + "#" + label, file, label, fingerprint});
   }
   return curves;
 }
@@ -157,6 +162,20 @@ std::vector<std::string> variables_of(const BatchTask& task, const std::vector<B
     if (knows(wanted)) break;
   }
   return names;
+}
+
+std::string fault_of_command(const BatchTask& task, const std::vector<BatchCurve>& curves) {
+  std::string fault;
+  for (const auto& curve : curves) {
+    try {
+      static_cast<void>(data_of(task, curve));
+      return "";
+    } catch (const io::DataError&) {  // its row will say it
+    } catch (const std::invalid_argument& error) {
+      if (fault.empty()) fault = error.what();
+    }
+  }
+  return fault;
 }
 
 BatchRow batch_row(const BatchTask& task, const BatchCurve& curve) {

@@ -14,7 +14,8 @@ namespace fracfit {
 struct BatchCurve {
   std::string name;  // the file, and after a # the label
   std::string file;
-  std::string label;  // empty: the only curve of the file
+  std::string label;        // empty: the only curve of the file
+  std::string fingerprint;  // of the file; empty where it cannot be read
 };
 
 /// The curves of the files, see io::curve_labels; a file that cannot be read counts as one.
@@ -37,6 +38,10 @@ struct BatchTask {
 /// curve is enough where it has `wanted`.  Nothing where no curve can be read.
 [[nodiscard]] std::vector<std::string> variables_of(const BatchTask& task, const std::vector<BatchCurve>& curves,
                                                     const std::string& wanted);
+
+/// Why the command can read none of the curves, where the command is at fault with the first of them: a condition on a
+/// column that they do not have, or several scenes in one file.  Empty where it can read one.
+[[nodiscard]] std::string fault_of_command(const BatchTask& task, const std::vector<BatchCurve>& curves);
 
 /// One row; a curve that cannot be read or fitted gives one that says why.
 [[nodiscard]] BatchRow batch_row(const BatchTask& task, const BatchCurve& curve);

@@ -2,12 +2,15 @@
 #include "batch_table.hpp"
 
 #include <cmath>
+#include <set>
 #include <stdexcept>
 
 #include "io/csv_line.hpp"
 #include "io/data_error.hpp"
+#include "io/input_text.hpp"
 #include "io/number.hpp"
-#include "io/result_stream.hpp"
+#include "io/shard.hpp"
+#include "io/shard_file.hpp"
 #include "output/json.hpp"
 
 namespace fracfit {
@@ -97,6 +100,13 @@ bool is_remark(BatchFormat format, const std::string& line) {
   return line.starts_with(format == BatchFormat::csv ? "# " : R"({"remark":)");
 }
 
+// All other columns hold numbers.
+bool holds_text(const std::string& column) {
+  static const std::set<std::string> columns{
+      "file", "status", "chosen", "verdict", "model", "message", std::string(fingerprint_column)};
+  return columns.contains(column) || column.ends_with("_state");
+}
+
 }  // namespace
 
 std::string header_text(BatchFormat format, const BatchManifest& manifest) {
@@ -156,14 +166,43 @@ std::optional<std::map<std::string, std::string>> read_row(BatchFormat format, c
   return row;
 }
 
+std::string shard_end(BatchFormat format, const std::string& text) {
+  if (format == BatchFormat::csv) return io::checksum_line(text);
+  return Json{{"remark", "checksum"}, {"checksum", io::fingerprint(text)}}.dump(-1) + "\n";
+}
+
 BatchTable read_batch_table(const std::string& file) {
-  const auto lines = io::whole_lines(file);
-  if (lines.empty()) refuse(file, 0, "is missing or holds no line");
+  const auto text = io::input_text(file);
+  const auto lines = io::whole_lines(*text);
+  if (lines.empty()) refuse(file, 0, "holds no whole line");
   BatchTable table;
-  for (std::size_t i = read_manifest(file, lines, table); i < lines.size(); ++i) {
-    if (is_remark(table.format, lines[i])) continue;
-    const auto row = read_row(table.format, table.manifest.columns, lines[i]);
+  const std::size_t begin = read_manifest(file, lines, table);
+  const auto& manifest = table.manifest;
+  const auto shard = manifest.shard.empty() ? io::Shard{} : io::shard_from(manifest.shard);
+  if (!shard) refuse(file, 0, "found the shard " + io::quoted(manifest.shard));
+  const auto inputs = io::part_of(manifest.inputs, *shard);
+  const std::set<std::string> known(inputs.begin(), inputs.end());
+  std::size_t above = 0;  // bytes
+  for (std::size_t i = 0; i < lines.size(); above += lines[i].size() + 1, ++i) {
+    if (i < begin) continue;
+    if (is_remark(table.format, lines[i])) {
+      const std::string end = shard_end(table.format, text->substr(0, above));
+      const std::string_view checksum = "checksum";
+      if (lines[i] + "\n" == end)
+        table.has_end = true;
+      else if (lines[i].starts_with(end.substr(0, end.find(checksum) + checksum.size())))
+        throw io::DataError(file, i + 1, 0,
+                            "found a checksum that the text above does not have: something in it was changed or lost");
+      continue;
+    }
+    const auto row = read_row(table.format, manifest.columns, lines[i]);
     if (!row || !row->contains("file")) refuse(file, i + 1, "found " + io::quoted(lines[i]));
+    for (const auto& [column, value] : *row)
+      if (!holds_text(column) && !io::parse_number(value))
+        throw io::DataError(file, i + 1, 0,
+                            "found " + io::quoted(value) + " in column " + io::quoted(column) + "; expected a number");
+    if (!known.contains(row->at("file")))
+      throw io::DataError(file, i + 1, 0, "holds a row for " + row->at("file") + ", which is none of its inputs");
     table.rows.emplace_back(row->at("file"), lines[i]);
   }
   return table;

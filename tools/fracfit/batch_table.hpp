@@ -4,12 +4,16 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 namespace fracfit {
 
 enum class BatchFormat { csv, jsonl };
+
+/// Last column of a row: which content of its file the row was made from, see io::fingerprint.
+inline constexpr std::string_view fingerprint_column = "input_fingerprint";
 
 /// One field of a batch table: a name and a number or a text; unset where it has no meaning for the row.
 struct BatchCell {
@@ -35,6 +39,7 @@ struct BatchTable {
   BatchFormat format;
   BatchManifest manifest;
   std::vector<std::pair<std::string, std::string>> rows;  // file and line
+  bool has_end = false;                                   // a shard that was finished
 };
 
 /// Manifest and, for CSV, the header row.
@@ -47,7 +52,11 @@ struct BatchTable {
 /// A remark below the rows, as one line: a name and what it says.
 [[nodiscard]] std::string remark_line(BatchFormat format, const BatchRow& remark);
 
-/// @throws io::DataError  the file is no batch table, or a row of it cannot be understood.
+/// Last line of a finished shard, with the checksum of the text above it.
+[[nodiscard]] std::string shard_end(BatchFormat format, const std::string& text);
+
+/// @throws io::DataError  the file is no batch table; a row of it cannot be understood or belongs to no input of the
+///                        shard; or the text does not have the checksum at its end.  The text names file and line.
 [[nodiscard]] BatchTable read_batch_table(const std::string& file);
 
 }  // namespace fracfit

@@ -45,13 +45,22 @@ std::vector<frac::ParameterConstraint> constraints_of(const std::vector<std::str
   return constraints;
 }
 
+// One curve of the data: a file, or the rows of a scene in it.
+struct CurveSource {
+  std::string file;
+  io::Metadata rows;
+};
+
 class IdentifyScene : public Command {
  public:
   IdentifyScene()
       : Command("identify-scene",
                 "Estimates clearance, restitution and masses from describing functions of two masses") {
     Options& o = options();
-    o.texts("DATA", data_, "Frequency responses in m/N, one per force amplitude: CSV or TSV as for `fit`", "FILE")
+    o.texts("DATA", data_,
+            "Frequency responses in m/N, one per force amplitude: CSV or TSV as for `fit`, or tables of several "
+            "forces as simulate writes them",
+            "FILE")
         .required();
     o.numbers("--force", force_, "one per file or one for all").default_is("the files' lines '# force_n: VALUE'");
     o.choice("--body", body_, backlash::outputs()).default_is("as the files say, else x1");
@@ -61,7 +70,7 @@ class IdentifyScene : public Command {
              "relative |data|; given the files' sigma or weight column; absolute nothing");
     o.texts("--fix", fix_, "of mass1, mass2, clearance and restitution; x1 needs a mass or the clearance");
     o.texts("--bound", bound_);
-    o.texts("--where", where_, "of re, im, magnitude, omega or f");
+    o.texts("--where", where_, "of re, im, magnitude, omega or f, or of any column of the files");
     o.flag("--compare", compare_,
            "Also rank static backlash, fractional and integer-order structures on the same points");
     add_common({"json", "table"});
@@ -81,33 +90,54 @@ class IdentifyScene : public Command {
                                   std::to_string(data_.size()) + " files; expected one for all or one per file");
   }
 
-  [[nodiscard]] double force_of(std::size_t i, const io::FrequencyResponseFile& file) const {
+  [[nodiscard]] std::vector<std::string> inputs() const override { return data_; }
+
+  [[nodiscard]] std::vector<CurveSource> sources() const {
+    std::vector<CurveSource> all;
+    for (const auto& file : data_) {
+      const auto scenes = io::scenes_in(file, reading_.where);
+      if (scenes.empty()) all.push_back({file, {}});
+      for (const auto& scene : scenes) {
+        for (const auto& [column, value] : scene)
+          if (column != "force_n")
+            throw std::invalid_argument(file + " holds curves of different pairs of masses, told apart by column " +
+                                        column + "; take one pair by --where '" + column + "==" + value + "'");
+        all.push_back({file, scene});
+      }
+      if (!scenes.empty() && !force_.empty())
+        throw std::invalid_argument("--force has no meaning with " + file + ", whose column force_n tells the forces");
+    }
+    return all;
+  }
+
+  [[nodiscard]] double force_of(std::size_t i, const std::string& name, const io::FrequencyResponseFile& file) const {
     if (!force_.empty()) return force_.size() == 1 ? force_.front() : force_[i];
     const auto header = io::find_value(file.metadata, "force_n");
     if (!header)
-      throw std::invalid_argument(data_[i] + " has no line '# force_n: VALUE'; give the force amplitudes by --force");
+      throw std::invalid_argument(name + " has no line '# force_n: VALUE'; give the force amplitudes by --force");
     const auto value = io::parse_number(*header);
     if (!value || !(*value > 0) || *value == std::numeric_limits<double>::infinity())
-      throw io::DataError(data_[i], 0, 0,
-                          "has force_n " + io::quoted(*header) + "; expected a positive number of newtons");
+      throw io::DataError(name, 0, 0, "has force_n " + io::quoted(*header) + "; expected a positive number of newtons");
     return *value;
   }
 
-  // Reads the files; completes the force amplitudes and the body measured.
+  // Reads the files; completes the curves, their force amplitudes and the body measured.
   std::vector<backlash::MeasuredDescribingFunction> read(SceneRun& run) {
     std::vector<backlash::MeasuredDescribingFunction> curves;
     std::string body = body_ ? std::string(backlash::to_string(*body_)) : "";
-    for (std::size_t i = 0; i < data_.size(); ++i) {
-      auto file = io::read_frequency_response(data_[i], reading_);
-      for (const auto& note : file.notes) say(data_[i] + ": " + note);
+    for (const auto& [name, rows] : sources()) {
+      reading_.rows = rows;
+      auto file = io::read_frequency_response(name, reading_);
+      for (const auto& note : file.notes) say(name + ": " + note);
       if (scene_.weight == frac::Weight::given && file.data.sigma().empty())
-        throw io::DataError(data_[i], 0, 0, "has no column sigma or weight; expected one with --weight given");
+        throw io::DataError(name, 0, 0, "has no column sigma or weight; expected one with --weight given");
       const std::string measured{io::find_value(file.metadata, "output").value_or(std::string_view{})};
       if (!measured.empty() && body.empty()) body = measured;
       if (!measured.empty() && measured != body)
-        throw std::invalid_argument(data_[i] + " is of " + measured + ", not of " + body +
+        throw std::invalid_argument(name + " is of " + measured + ", not of " + body +
                                     "; all files must be of the same mass");
-      run.forces.push_back(force_of(i, file));
+      run.files.push_back(name);
+      run.forces.push_back(force_of(curves.size(), name, file));
       curves.push_back({std::move(file.data), run.forces.back()});
     }
     scene_.output = backlash::output_from_string(body.empty() ? "x1" : body);
@@ -116,7 +146,7 @@ class IdentifyScene : public Command {
 
   int run() override {
     scene_.threads = threads();
-    SceneRun run{"", data_, {}, {}};
+    SceneRun run{"", {}, {}, {}};
     const auto curves = read(run);
     const auto result = backlash::identify_scene(curves, scene_);
     std::optional<backlash::SceneComparison> comparison;
@@ -126,7 +156,8 @@ class IdentifyScene : public Command {
     std::string forces;
     for (const double force : run.forces) forces += (forces.empty() ? "" : ",") + io::format_number(force);
     const std::string body(backlash::to_string(scene_.output));
-    options()["--force"].say(forces);
+    // A table of several forces tells them itself.
+    if (run.files.size() == data_.size()) options()["--force"].say(forces);
     options()["--body"].say(body);
     run.command = command_line();
     run.options = {{"output", body}};

@@ -14,8 +14,8 @@ namespace fracfit {
 /// What a scene was identified from.
 struct SceneRun {
   std::string command;
-  std::vector<std::string> files;
-  std::vector<double> forces;  // N, one per file
+  std::vector<std::string> files;  // one per curve
+  std::vector<double> forces;      // N, likewise
   io::Metadata options;
 };
 

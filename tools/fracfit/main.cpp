@@ -8,6 +8,7 @@
 
 #include "io/data_error.hpp"
 #include "io/output_file.hpp"
+#include "io/termination.hpp"
 #include "options/parser.hpp"
 #include "solver_log.hpp"
 #include "subcommand.hpp"
@@ -32,6 +33,8 @@ int run(const std::vector<std::string>& arguments) {
 int main(int argc, char** argv) {
   // A reader that goes away, such as `head` or a dying gnuplot, is met where writing fails, not by a signal.
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // the same for a limit of the size of files
+  io::clean_up_on_signals();
   fracfit::silence_solver_log();
   try {
     return run(std::vector<std::string>(argv + 1, argv + argc));

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <filesystem>
 #include <map>
-#include <set>
 #include <stdexcept>
 
 #include "batch_power_law.hpp"
@@ -31,14 +30,6 @@ void check_agreement(const BatchTable& first, const std::string& first_file, con
     throw io::DataError(other_file, 0, 0, "has other columns than " + first_file);
 }
 
-// The first of a list of names, and how many more there are.
-std::string shortened(const std::vector<std::string>& names) {
-  constexpr std::size_t most = 10;
-  std::string text;
-  for (std::size_t i = 0; i < names.size() && i < most; ++i) text += (i > 0 ? ", " : "") + names[i];
-  return names.size() > most ? text + " and " + std::to_string(names.size() - most) + " more" : text;
-}
-
 class Merge : public Command {
  public:
   Merge() : Command("merge", "Joins the shards of a batch, a sweep or a map") {
@@ -53,12 +44,6 @@ class Merge : public Command {
  private:
   void check() override {
     if (out().empty()) take_old_form();
-    for (const auto& name : in_) {
-      std::error_code absent;
-      if (name == out() || std::filesystem::equivalent(name, out(), absent))
-        throw std::invalid_argument("--out " + out() + " is also the input " + name +
-                                    "; the joined table would replace it: give --out a name of its own");
-    }
   }
 
   // `merge OUT IN...`, where it can be told from inputs alone.
@@ -71,12 +56,15 @@ class Merge : public Command {
     in_.erase(in_.begin());
   }
 
+  [[nodiscard]] std::vector<std::string> inputs() const override { return in_; }
+
   int run() override {
     if (io::is_block_table(in_.front())) {
       write(io::joined_block_table(in_));
       return usable_result;
     }
     BatchTable merged;
+    std::vector<std::string> unfinished;
     std::map<std::string, std::pair<std::string, std::string>> rows;  // file: line and where it is from
     for (const auto& name : in_) {
       auto table = read_batch_table(name);
@@ -84,10 +72,8 @@ class Merge : public Command {
         merged = table;
       else
         check_agreement(merged, in_.front(), table, name);
-      const std::set<std::string> known(table.manifest.inputs.begin(), table.manifest.inputs.end());
+      if (!table.manifest.shard.empty() && !table.has_end) unfinished.push_back(name);
       for (const auto& [file, line] : table.rows) {
-        if (!known.contains(file))
-          throw io::DataError(name, 0, 0, "holds a row for " + file + ", which is none of its inputs");
         const auto [found, is_new] = rows.try_emplace(file, line, name);
         if (!is_new)
           throw io::DataError(
@@ -114,7 +100,9 @@ class Merge : public Command {
     write(text);
     if (missing.empty()) return usable_result;
     say(std::to_string(missing.size()) + " of " + std::to_string(merged.manifest.inputs.size()) +
-        " files are missing: " + shortened(missing) + "; the batch without --shard and with this --out does the rest");
+        " files are missing: " + io::shortened_list(missing) +
+        (unfinished.empty() ? "" : "; cut off or unfinished: " + io::shortened_list(unfinished)) +
+        "; the batch without --shard and with this --out does the rest");
     return no_usable_result;
   }
 

@@ -82,6 +82,10 @@ class Respond : public Command {
                               hold_ == "first-order" ? frac::Hold::first_order : frac::Hold::zero_order};
   }
 
+  [[nodiscard]] std::vector<std::string> inputs() const override {
+    return named_input(input_) ? std::vector<std::string>{} : std::vector{input_};
+  }
+
   int run() override {
     const frac::TimeInput signal = input();
     const frac::TimeResponse response = frac::respond(*model_, signal, time_, tolerance_, method_);

@@ -50,4 +50,11 @@ std::string quoted(std::string_view text) {
   return "'" + printable(text.substr(0, longest)) + (text.size() > longest ? "...'" : "'");
 }
 
+std::string shortened_list(const std::vector<std::string>& names) {
+  constexpr std::size_t most = 10;
+  std::string text;
+  for (std::size_t i = 0; i < names.size() && i < most; ++i) text += (i > 0 ? ", " : "") + printable(names[i]);
+  return names.size() > most ? text + " and " + std::to_string(names.size() - most) + " more" : text;
+}
+
 }  // namespace io

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace io {
 
@@ -28,5 +29,8 @@ class DataError : public std::runtime_error {
 [[nodiscard]] std::string printable(std::string_view text);
 /// The text in quotes for a message: unprintable bytes as '?', cut after 40 characters.
 [[nodiscard]] std::string quoted(std::string_view text);
+
+/// The first of a list of names for a message, and how many more there are.
+[[nodiscard]] std::string shortened_list(const std::vector<std::string>& names);
 
 }  // namespace io

@@ -2,8 +2,10 @@
 #include "io/frequency_response_file.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -194,11 +196,10 @@ class Planner {
   }
 
   void note_ignored() const {
-    std::string names;
+    std::vector<std::string> names;
     for (std::size_t i = 0; i < table_.header().size(); ++i)
-      if (std::find(used_.begin(), used_.end(), i) == used_.end())
-        names += (names.empty() ? "" : ", ") + std::string(table_.header()[i].text);
-    if (!names.empty()) notes_.push_back("columns not used: " + names);
+      if (std::find(used_.begin(), used_.end(), i) == used_.end()) names.emplace_back(table_.header()[i].text);
+    if (!names.empty()) notes_.push_back("columns not used: " + shortened_list(names));
   }
 
   const TextTable& table_;
@@ -306,37 +307,103 @@ void sort_by_frequency(Points& points, std::vector<std::string>& notes) {
   notes.emplace_back("rows were not in rising frequency and have been sorted");
 }
 
+// Columns that tell apart the scenes of a table as simulate and map write it.
+constexpr std::array<std::string_view, 3> scene_columns{"force_n", "clearance_m", "restitution"};
+
+std::vector<std::size_t> scene_columns_of(const TextTable& table) {
+  std::vector<std::size_t> columns;
+  for (const auto name : scene_columns)
+    if (const auto column = position_of(table, std::string(name))) columns.push_back(*column);
+  return columns;
+}
+
+// Rows in which some columns have given values.
+class Selection {
+ public:
+  Selection(const TextTable& table, const Metadata& wanted) {
+    for (const auto& [name, value] : wanted) {
+      const auto column = position_of(table, name);
+      if (!column)
+        throw DataError(table.file(), table.header().front().line, table.header().front().column,
+                        "no column " + quoted(name) + " among " + column_list(table));
+      wanted_.emplace_back(*column, value);
+    }
+  }
+  [[nodiscard]] bool operator()(const TextTable::Row& row) const {
+    return std::all_of(wanted_.begin(), wanted_.end(),
+                       [&](const auto& each) { return key_label(row.fields[each.first]) == each.second; });
+  }
+
+ private:
+  std::vector<std::pair<std::size_t, std::string>> wanted_;
+};
+
+// Refuses points of several scenes, which are no single curve.
+class OneScene {
+ public:
+  explicit OneScene(const TextTable& table) : table_(table), columns_(scene_columns_of(table)) {}
+
+  void check(const TextTable::Row& row) {
+    if (first_.empty()) {
+      for (const auto column : columns_) first_.emplace_back(row.fields[column]);
+      return;
+    }
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      const auto field = row.fields[columns_[i]];
+      if (field == first_[i] || key_label(field) == key_label(first_[i])) continue;
+      const std::string name(table_.header()[columns_[i]].text);
+      throw std::invalid_argument(table_.file() + " holds several curves, told apart by column " + name + " (" +
+                                  first_[i] + ", " + std::string(field) + ", ...); take one by --where '" + name +
+                                  "==" + std::string(field) + "', or each on its own by fracfit batch --by " + name);
+    }
+  }
+
+  [[nodiscard]] Metadata entries() const {
+    Metadata entries;
+    for (std::size_t i = 0; i < first_.size(); ++i)
+      entries.emplace_back(table_.header()[columns_[i]].text, key_label(first_[i]));
+    return entries;
+  }
+
+ private:
+  const TextTable& table_;
+  std::vector<std::size_t> columns_;
+  std::vector<std::string> first_;  // texts of these columns in the first row
+};
+
 }  // namespace
 
 FrequencyResponseFile read_frequency_response(const std::string& file, const FrequencyResponseReadOptions& options) {
   const TextTable table(file);
+  const RowFilter row_filter(table, options.where);
+  const Selection selection(table, options.rows);
   std::vector<std::string> notes;
-  Planner planner(table, options.key_column.empty() ? options.curve : "", notes);
+  Planner planner(table, options.curve, notes);
   const ColumnPlan plan = planner.plan(options);
   const RowReader reader(table, plan, planner);
-
-  const auto key = options.key_column.empty() ? std::nullopt : position_of(table, options.key_column);
-  if (!options.key_column.empty() && !key) {
-    throw DataError(table.file(), table.header().front().line, table.header().front().column,
-                    "no column " + quoted(options.key_column) + " among " + column_list(table));
-  }
+  OneScene scene(table);
 
   Points points;
   points.omega.reserve(table.row_estimate());
   points.value.reserve(table.row_estimate());
   std::size_t rows = 0;
   table.for_each_row([&](const TextTable::Row& row) {
-    if (key && key_label(row.fields[*key]) != options.curve) return;
+    if (!selection(row)) return;
     ++rows;
+    if (!row_filter(row)) return;
     reader.read(row, points);
-    if (keeps(options.where, points.omega.back(), points.value.back())) return;
+    if (keeps(options.where, points.omega.back(), points.value.back())) {
+      scene.check(row);
+      return;
+    }
     points.omega.pop_back();
     points.value.pop_back();
     if (plan.spread) points.sigma.pop_back();
   });
   if (points.omega.empty()) {
     std::string conditions;
-    for (const auto& filter : options.where) conditions += (conditions.empty() ? "" : " and ") + filter.text();
+    for (const auto& filter : options.where)
+      conditions += (conditions.empty() ? "" : " and ") + filter.condition().text();
     throw DataError(table.file(), 0, 0, "none of the " + std::to_string(rows) + " points satisfies " + conditions);
   }
   if (points.omega.size() < rows)
@@ -344,16 +411,48 @@ FrequencyResponseFile read_frequency_response(const std::string& file, const Fre
                     " points satisfy the conditions and are used");
   sort_by_frequency(points, notes);
   Metadata metadata = table.metadata();
-  if (!options.curve.empty()) metadata.emplace_back(key ? options.key_column : "curve", options.curve);
+  metadata.insert(metadata.end(), options.rows.begin(), options.rows.end());
+  if (!options.curve.empty()) metadata.emplace_back("curve", options.curve);
+  // A force alone is no scene: others would miss the clearance.
+  Metadata told = scene.entries();
+  if (find_value(metadata, "clearance_m") || find_value(told, "clearance_m")) {
+    for (auto& entry : told)
+      if (!find_value(metadata, entry.first)) metadata.push_back(std::move(entry));
+  }
   return {frac::FrequencyResponseData(std::move(points.omega), std::move(points.value), std::move(points.sigma)),
-          std::move(metadata), planner.meaning(plan.first).unit, std::move(notes)};
+          std::move(metadata), planner.meaning(plan.first).unit, std::move(notes), table.content_fingerprint()};
+}
+
+std::vector<Metadata> scenes_in(const std::string& file, const std::vector<PointFilter>& where) {
+  const TextTable table(file);
+  const RowFilter filter(table, where);
+  const auto columns = scene_columns_of(table);
+  std::vector<std::vector<std::string>> scenes;
+  if (columns.empty()) return {};
+  std::set<std::vector<std::string>> seen;
+  std::vector<std::string> labels(columns.size());
+  table.for_each_row([&](const TextTable::Row& row) {
+    if (!filter(row)) return;
+    for (std::size_t i = 0; i < columns.size(); ++i) labels[i] = key_label(row.fields[columns[i]]);
+    if (seen.insert(labels).second) scenes.push_back(labels);
+  });
+  if (scenes.size() < 2) return {};
+  std::vector<Metadata> result(scenes.size());
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const auto varies = [&](const auto& scene) { return scene[i] != scenes.front()[i]; };
+    if (std::none_of(scenes.begin(), scenes.end(), varies)) continue;
+    for (std::size_t k = 0; k < scenes.size(); ++k)
+      result[k].emplace_back(table.header()[columns[i]].text, scenes[k][i]);
+  }
+  return result;
 }
 
 std::vector<std::string> curve_labels(const std::string& file, const std::string& key_column) {
   const TextTable table(file);
   std::vector<std::string> labels;
+  std::set<std::string> seen;
   const auto add = [&](const std::string& label) {
-    if (std::find(labels.begin(), labels.end(), label) == labels.end()) labels.push_back(label);
+    if (seen.insert(label).second) labels.push_back(label);
   };
   if (!key_column.empty()) {
     const auto key = position_of(table, key_column);

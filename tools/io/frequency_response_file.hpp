@@ -16,21 +16,24 @@ struct FrequencyResponseReadOptions {
   /// deviations, any other name weights of the squared residuals (sigma = 1/sqrt(weight)).  Unset: a column named sigma
   /// or weight, if there is one.
   std::optional<std::string> weight_column;
-  /// A point is kept when all of these hold.
+  /// A point is kept when all of these hold.  A row that one on a column leaves out is not read at all.
   std::vector<PointFilter> where;
   /// A file without a phase (or without a magnitude) is read, its values having phase 0 (or magnitude 1).
   bool phase_may_miss = false, magnitude_may_miss = false;
-  /// Column whose value tells apart the curves that follow each other in one file; empty: none.
-  std::string key_column;
-  /// Label of the curve to read, one of curve_labels(); empty where the file holds one.
+  /// Read only the rows whose columns have these values.
+  Metadata rows;
+  /// Label of the curve to read, one of curve_labels() without a key column; empty where the file holds one.
   std::string curve;
 };
 
 struct FrequencyResponseFile {
   frac::FrequencyResponseData data;  // omega in rad/s, rising; values in the unit of the file
-  Metadata metadata;                 // and, of a file with several curves, the key column (or "curve") with the label
-  std::string value_unit;            // as written in the header, e.g. "m_per_n"; empty when the header gives none
-  std::vector<std::string> notes;    // what was assumed, ignored, converted or sorted, one sentence each
+  // Header lines; of a file with several curves also options.rows, or "curve" with the label; and the scene where
+  // columns tell it.
+  Metadata metadata;
+  std::string value_unit;          // as written in the header, e.g. "m_per_n"; empty when the header gives none
+  std::vector<std::string> notes;  // what was assumed, ignored, converted or sorted, one sentence each
+  std::string fingerprint;         // of the whole file, see input_text.hpp
 };
 
 /// Reads a measured or simulated frequency response.
@@ -46,7 +49,8 @@ struct FrequencyResponseFile {
 /// @throws DataError  as TextTable; a column missing, of unknown unit, or doubled; a field that is no finite number or
 /// not in its
 ///                    range; no point left after the filter.
-/// @throws std::invalid_argument  options.weight_column is no column of the file.
+/// @throws std::invalid_argument  options.weight_column is no column of the file, or the points stem from several
+///                                scenes, see scenes_in().
 [[nodiscard]] FrequencyResponseFile read_frequency_response(const std::string& file,
                                                             const FrequencyResponseReadOptions& options = {});
 
@@ -54,5 +58,11 @@ struct FrequencyResponseFile {
 /// column unless that is empty.  None where the file holds one curve, or has no such column.
 /// @throws DataError  as TextTable.
 [[nodiscard]] std::vector<std::string> curve_labels(const std::string& file, const std::string& key_column);
+
+/// The scenes of a table of several, as simulate and map write it: rows told apart by columns force_n, clearance_m and
+/// restitution.  Each is given by those columns that vary, in order of appearance; none where no column varies.
+/// @param where  rows that count, as in FrequencyResponseReadOptions
+/// @throws DataError  as TextTable.
+[[nodiscard]] std::vector<Metadata> scenes_in(const std::string& file, const std::vector<PointFilter>& where = {});
 
 }  // namespace io

@@ -33,7 +33,10 @@ std::vector<std::string> input_files(const std::vector<std::string>& given, cons
       continue;
     }
     std::vector<std::string> inside;
-    for (const auto& entry : fs::directory_iterator(path))
+    std::error_code error;
+    const fs::directory_iterator entries(path, error);
+    if (error) throw DataError(path, 0, 0, "cannot be read: " + error.message());
+    for (const auto& entry : entries)
       if (is_data_file(entry) && (except.empty() || !fs::equivalent(entry.path(), except, ignored)))
         inside.push_back(entry.path().string());
     if (inside.empty())

@@ -8,6 +8,7 @@ namespace io {
 
 /// Files as given, and for each folder the files directly in it that end in .csv, .tsv, .txt or .dat, by name; hidden
 /// files and `except` are left out.
+/// @throws DataError  a folder that cannot be read.
 /// @throws std::invalid_argument  a folder without such files, a file met twice, a name with a line break, or "-".
 [[nodiscard]] std::vector<std::string> input_files(const std::vector<std::string>& given, const std::string& except);
 

@@ -2,6 +2,7 @@
 #include "io/map_file.hpp"
 
 #include "io/number.hpp"
+#include "io/shard_file.hpp"
 #include "io/sweep_file.hpp"
 
 namespace io {
@@ -26,6 +27,7 @@ std::string map_csv(const backlash::RegimeMap& map, const std::string& command, 
       text += '\n';
     }
   }
+  if (shard.count > 1) text += checksum_line(text);
   return text;
 }
 

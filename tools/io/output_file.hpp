@@ -3,16 +3,19 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace io {
 
-/// An output that is written whole or not at all: a temporary file beside the target is renamed onto it.
-/// Devices and pipes are written directly.
+/// An output that is written whole or not at all: the complete content takes the place of the target at one stroke,
+/// and neither an error nor a signal leaves anything else behind.  Devices and pipes are written directly.
 class OutputFile {
  public:
-  /// @param path  "" or "-" for standard output.  Whether it can be written is found out here, before any work.
-  /// @throws std::invalid_argument  it cannot; the text gives path and cause.
-  explicit OutputFile(std::string path);
+  /// @param path    "" or "-" for standard output.  Whether it can be written is found out here, before any work.
+  /// @param inputs  files the command reads; "-" is standard input
+  /// @throws std::invalid_argument  it cannot be written, or is one of the inputs under whatever name; the text gives
+  ///                                path and cause.
+  explicit OutputFile(std::string path, const std::vector<std::string>& inputs = {});
 
   /// @throws std::runtime_error  the disk is full or the like; the target is then untouched.
   void write(std::string_view content) const;
@@ -26,5 +29,18 @@ class OutputFile {
 
 /// Standard output was closed by its reader, e.g. by `head`.
 struct OutputClosed {};
+
+/// Whether an error number tells of the state of the system, such as a full disk, rather than of a wrong name.
+[[nodiscard]] bool is_state_of_system(int error);
+
+/// Writes all of the content to an open file, however many steps the system takes.
+/// @param path  of the file, for messages
+/// @throws std::runtime_error  with the cause;  OutputClosed
+void write_all(int descriptor, std::string_view content, const std::string& path);
+
+/// Writes a file of a folder under construction, directly.
+/// @param shown  path for messages
+/// @throws std::runtime_error  with the cause.
+void write_new_file(const std::string& path, std::string_view content, const std::string& shown);
 
 }  // namespace io

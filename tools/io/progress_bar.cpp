@@ -8,7 +8,9 @@
 #include <condition_variable>
 #include <cstdio>
 #include <mutex>
+#include <new>
 #include <stop_token>
+#include <system_error>
 #include <utility>
 
 namespace io {
@@ -53,8 +55,15 @@ void watch(const std::stop_token& stop, const std::string& label, const frac::Pr
 
 ProgressBar::ProgressBar(std::string label, const frac::Progress& progress, bool wanted) {
   if (!wanted || ::isatty(STDERR_FILENO) == 0) return;
-  thread_ = std::jthread(
-      [label = std::move(label), &progress](const std::stop_token& stop) { watch(stop, label, progress); });
+  try {
+    thread_ = std::jthread([label = std::move(label), &progress](const std::stop_token& stop) {
+      try {
+        watch(stop, label, progress);
+      } catch (const std::bad_alloc&) {  // the work goes on without a picture of it
+      }
+    });
+  } catch (const std::system_error&) {  // no further thread is to be had
+  }
 }
 
 }  // namespace io

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,6 +22,9 @@ inline constexpr std::string_view shard_key = "shard";
 [[nodiscard]] inline std::string text_of(const Shard& shard) {
   return std::to_string(shard.index) + "/" + std::to_string(shard.count);
 }
+
+/// The shard of a text "i/n"; empty where it is none with 1 <= i <= n.
+[[nodiscard]] std::optional<Shard> shard_from(std::string_view text);
 
 template <typename Piece>
 [[nodiscard]] std::vector<Piece> part_of(const std::vector<Piece>& all, const Shard& shard) {

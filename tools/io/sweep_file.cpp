@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "io/number.hpp"
+#include "io/shard_file.hpp"
 
 namespace io {
 namespace {
@@ -214,6 +215,7 @@ std::string sweeps_csv(const std::vector<backlash::DescribingFunctionSweep>& swe
       text += '\n';
     }
   }
+  if (shard.count > 1) text += checksum_line(text);
   return text;
 }
 

@@ -34,7 +34,7 @@ void append_point(std::string& text, const backlash::DescribingFunctionPoint& po
 
 /// CSV text of sweeps that differ in force, clearance or restitution only: header lines with what they share and the
 /// shard where there is more than one, then force_n, clearance_m, restitution and the columns of a point, sweep by
-/// sweep.
+/// sweep; a shard ends with its checksum.
 [[nodiscard]] std::string sweeps_csv(const std::vector<backlash::DescribingFunctionSweep>& sweeps,
                                      const std::string& command, PointColumns columns, const Shard& shard);
 

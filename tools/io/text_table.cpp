@@ -2,13 +2,9 @@
 #include "io/text_table.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
-#include <filesystem>
-#include <memory>
-#include <optional>
+#include <utility>
 
+#include "io/input_text.hpp"
 #include "io/number.hpp"
 
 namespace io {
@@ -27,37 +23,6 @@ std::string_view unquoted(std::string_view text) {
   if (text.size() >= 2 && (text.front() == '"' || text.front() == '\'') && text.back() == text.front())
     return trimmed(text.substr(1, text.size() - 2));
   return text;
-}
-
-std::string read_all(const std::string& file) {
-  // Standard input can be read once, and more than one reader may want to look at it.
-  static std::optional<std::string> standard_input;
-  if (file == "-" && standard_input) return *standard_input;
-  std::error_code ignored;
-  if (file != "-" && std::filesystem::is_directory(file, ignored))
-    throw DataError(file, 0, 0, "is a folder; expected a text file of columns");
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream =
-      file == "-" ? std::unique_ptr<std::FILE, int (*)(std::FILE*)>(stdin, [](std::FILE*) { return 0; })
-                  : std::unique_ptr<std::FILE, int (*)(std::FILE*)>(std::fopen(file.c_str(), "rb"), &std::fclose);
-  if (!stream) throw DataError(file, 0, 0, std::string("cannot be read: ") + std::strerror(errno));
-
-  std::string content;
-  const auto size = file == "-" ? 0 : std::filesystem::file_size(file, ignored);
-  std::size_t step = 1U << 16U;
-  if (!ignored && size > 0) step = static_cast<std::size_t>(size) + 1;
-  for (std::size_t used = 0;;) {
-    content.resize(used + step);
-    const auto got = std::fread(content.data() + used, 1, step, stream.get());
-    used += got;
-    if (got < step) {
-      content.resize(used);
-      break;
-    }
-  }
-  if (std::ferror(stream.get()) != 0)
-    throw DataError(file, 0, 0, std::string("cannot be read: ") + std::strerror(errno));
-  if (file == "-") standard_input = content;
-  return content;
 }
 
 char separator_of(std::string_view line) {
@@ -117,7 +82,7 @@ std::size_t TextTable::Row::column_of(std::size_t field) const {
   return column_in(text, fields[field]);
 }
 
-TextTable::TextTable(std::string file) : file_(std::move(file)), content_(read_all(file_)) {
+TextTable::TextTable(std::string file) : file_(std::move(file)), text_(input_text(file_)), content_(*text_) {
   if (file_ == "-") file_ = "standard input";
   if (content_.empty()) throw DataError(file_, 0, 0, std::string("is empty; ") + expected_header);
   if (content_.starts_with("\xFF\xFE") || content_.starts_with("\xFE\xFF"))
@@ -171,7 +136,7 @@ TextTable::TextTable(std::string file) : file_(std::move(file)), content_(read_a
 bool TextTable::next_line(std::size_t& position, std::string_view& line) const {
   if (position >= content_.size()) return false;
   const auto end = std::min(content_.find(line_end_, position), content_.size());
-  line = std::string_view(content_).substr(position, end - position);
+  line = content_.substr(position, end - position);
   if (line.ends_with('\r')) line.remove_suffix(1);
   position = end + 1;
   return true;
@@ -181,7 +146,14 @@ void TextTable::take_header(std::string_view line, std::string_view names, std::
   separator_ = separator_of(names);
   std::vector<std::string_view> fields;
   split_by(names, separator_, fields);
-  for (const auto field : fields) header_.push_back({field, number, column_in(line, field)});
+  // Counted on from name to name: a file may have very many.
+  std::size_t column = 1;
+  const char* counted = line.data();
+  for (const auto field : fields) {
+    column += characters({counted, static_cast<std::size_t>(field.data() - counted)});
+    counted = field.data();
+    header_.push_back({field, number, column});
+  }
 }
 
 void TextTable::for_each_row(const std::function<void(const Row&)>& body) const {
@@ -202,6 +174,10 @@ void TextTable::for_each_row(const std::function<void(const Row&)>& body) const 
     }
     body(Row{number, line, fields});
   }
+}
+
+std::string TextTable::content_fingerprint() const {
+  return fingerprint(content_);
 }
 
 std::string column_list(const TextTable& table) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -50,6 +51,8 @@ class TextTable {
   [[nodiscard]] const std::vector<Field>& header() const noexcept { return header_; }
   /// At least the number of data rows, for reserving space.
   [[nodiscard]] std::size_t row_estimate() const noexcept { return row_estimate_; }
+  /// See fingerprint() in input_text.hpp.
+  [[nodiscard]] std::string content_fingerprint() const;
 
   /// Calls body for each data row; each has as many fields as the header.
   /// @throws DataError  a row with another number of fields.
@@ -60,7 +63,8 @@ class TextTable {
   void take_header(std::string_view line, std::string_view names, std::size_t number);
 
   std::string file_;
-  std::string content_;
+  std::shared_ptr<const std::string> text_;
+  std::string_view content_;  // all of text_
   char line_end_ = '\n';
   char separator_ = ',';
   Metadata metadata_;

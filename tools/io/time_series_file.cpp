@@ -104,17 +104,18 @@ Columns columns_of(const TextTable& table, bool with_output, std::vector<std::st
   }
   columns.seconds = *seconds;
   if (unit.empty()) notes.push_back("column " + quoted(name.text) + " has no unit and is taken as s");
-  std::string unused;
+  std::vector<std::string> unused;
   for (std::size_t i = 0; i < table.header().size(); ++i) {
     if (i == columns.time || i == columns.input || i == columns.output || i == columns.sigma) continue;
-    unused += (unused.empty() ? "" : ", ") + std::string(table.header()[i].text);
+    unused.emplace_back(table.header()[i].text);
   }
-  if (!unused.empty()) notes.push_back("columns not used: " + unused);
+  if (!unused.empty()) notes.push_back("columns not used: " + shortened_list(unused));
   return columns;
 }
 
-TimeSeries read(const std::string& file, bool with_output) {
+TimeSeries read(const std::string& file, bool with_output, const std::vector<SampleFilter>& where) {
   const TextTable table(file);
+  const RowFilter row_filter(table, where);
   TimeSeries series;
   series.metadata = table.metadata();
   const Columns columns = columns_of(table, with_output, series.notes);
@@ -141,6 +142,11 @@ TimeSeries read(const std::string& file, bool with_output) {
     series.time.push_back(time);
     series.input.push_back(number(columns.input));
     if (columns.output) series.output.push_back(number(*columns.output));
+    const double output = columns.output ? series.output.back() : 0;
+    if (row_filter(row) && std::all_of(where.begin(), where.end(), [&](const SampleFilter& filter) {
+          return filter(time, series.input.back(), output);
+        }))
+      series.kept.push_back(series.time.size() - 1);
     if (!columns.sigma) return;
     series.sigma.push_back(number(*columns.sigma));
     if (!(series.sigma.back() > 0)) fail(*columns.sigma, "a standard deviation must be > 0");
@@ -161,12 +167,12 @@ bool holds_time_response(const std::string& file) {
   return has_time && has_output && !has_frequency;
 }
 
-TimeSeries read_time_response(const std::string& file) {
-  return read(file, true);
+TimeSeries read_time_response(const std::string& file, const std::vector<SampleFilter>& where) {
+  return read(file, true, where);
 }
 
 TimeSeries read_input_signal(const std::string& file) {
-  return read(file, false);
+  return read(file, false, {});
 }
 
 frac::TimeResponseData time_response_data(const std::string& file, TimeSeries series, frac::Hold hold,

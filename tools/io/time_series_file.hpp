@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "frac/model/time_response_data.hpp"
+#include "io/point_filter.hpp"
 #include "io/text_table.hpp"
 
 namespace io {
@@ -13,8 +14,9 @@ namespace io {
 struct TimeSeries {
   std::vector<double> time;  // s, strictly increasing
   std::vector<double> input;
-  std::vector<double> output;  // empty where none was asked for
-  std::vector<double> sigma;   // of the output; empty where the file gives none
+  std::vector<double> output;     // empty where none was asked for
+  std::vector<double> sigma;      // of the output; empty where the file gives none
+  std::vector<std::size_t> kept;  // indices of the samples that satisfy the conditions, rising
   Metadata metadata;
   std::vector<std::string> notes;  // what was assumed or left out, a sentence each
 };
@@ -27,7 +29,8 @@ struct TimeSeries {
 /// (output, y) with an optional standard deviation (sigma, std, uncertainty); units of these are not interpreted.
 /// @throws DataError  as TextTable; a column missing or given twice; a unit of time not understood; a field that is no
 ///                    finite number; time that does not increase; a standard deviation that is not positive.
-[[nodiscard]] TimeSeries read_time_response(const std::string& file);
+/// @throws std::invalid_argument  a condition on a column that the file does not have.
+[[nodiscard]] TimeSeries read_time_response(const std::string& file, const std::vector<SampleFilter>& where = {});
 /// The same without output and sigma.
 [[nodiscard]] TimeSeries read_input_signal(const std::string& file);
 

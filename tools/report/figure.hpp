@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -88,16 +89,19 @@ struct Figure {
 /// Plain text made safe for gnuplot's enhanced mode.
 [[nodiscard]] std::string enhanced_escape(std::string_view text);
 
-/// Writes folder/name.gp, a gnuplot script with the data inside that makes name.svg and name.png.
-/// @throws std::filesystem::filesystem_error  the file cannot be written.
-void write_script(const Figure& figure, const std::filesystem::path& folder);
+/// A gnuplot script with the data inside that makes name.svg and name.png in the folder it runs in.
+[[nodiscard]] std::string gnuplot_script(const Figure& figure);
 
 /// The gnuplot program on PATH.
 [[nodiscard]] std::optional<std::filesystem::path> find_gnuplot();
 
-/// Runs folder/name.gp inside its folder and checks that name.svg and name.png came out.
+/// Longest time for one picture: hundred times what the largest takes on a slow machine.
+constexpr std::chrono::milliseconds picture_time{120'000};
+
+/// Runs folder/name.gp inside its folder and checks that name.svg and name.png came out whole.
+/// @param limit  a gnuplot that runs longer is ended
 /// @return  empty when they did, else one sentence with gnuplot's own words.
 [[nodiscard]] std::string draw(const std::filesystem::path& gnuplot, const std::filesystem::path& folder,
-                               const std::string& name);
+                               const std::string& name, std::chrono::milliseconds limit = picture_time);
 
 }  // namespace report

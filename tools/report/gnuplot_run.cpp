@@ -6,11 +6,17 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <fstream>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <system_error>
+#include <thread>
 
+#include "io/termination.hpp"
 #include "report/figure.hpp"
 
 extern char** environ;
@@ -30,11 +36,64 @@ std::string first_lines(const std::filesystem::path& path) {
   return text;
 }
 
-bool is_filled(const std::filesystem::path& path) {
-  std::error_code error;
-  const auto size = std::filesystem::file_size(path, error);
-  return !error && size > 0;
+// A full disk leaves pictures that stop in the middle.
+bool is_whole(const std::filesystem::path& path, std::string_view end) {
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  const auto size = file.tellg();
+  constexpr std::streamoff longest = 32;
+  if (!file || size <= 0) return false;
+  const std::streamoff length = std::min<std::streamoff>(size, longest);
+  std::string tail(static_cast<std::size_t>(length), '\0');
+  file.seekg(-length, std::ios::end).read(tail.data(), length);
+  return file && tail.find(end) != std::string::npos;
 }
+
+// What the disk says to a picture that is not whole.
+std::string disk_words(const std::filesystem::path& folder) {
+  std::error_code error;
+  const auto space = std::filesystem::space(folder, error);
+  return !error && space.available == 0 ? std::generic_category().message(ENOSPC) : std::string();
+}
+
+// Waits for a child at most so long and ends it then, with all it has started.  False where that was necessary or the
+// child was lost.
+bool ended_in_time(pid_t child, std::chrono::milliseconds limit, int& status) {
+  const auto end = std::chrono::steady_clock::now() + limit;
+  auto pause = std::chrono::microseconds(500);
+  constexpr auto longest_pause = std::chrono::microseconds(20'000);
+  for (;;) {
+    const pid_t ended = waitpid(child, &status, WNOHANG);
+    if (ended == child) return true;
+    if (ended < 0 && errno != EINTR) return false;
+    if (std::chrono::steady_clock::now() >= end) break;
+    std::this_thread::sleep_for(pause);
+    pause = std::min(pause * 2, longest_pause);
+  }
+  ::kill(-child, SIGKILL);
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return false;
+}
+
+// The child gets the usual signals back, which this program waits for in a thread, and a process group of its own.
+class SpawnAttributes {
+ public:
+  SpawnAttributes() {
+    posix_spawnattr_init(&attributes_);
+    sigset_t none;
+    sigemptyset(&none);
+    posix_spawnattr_setsigmask(&attributes_, &none);
+    posix_spawnattr_setpgroup(&attributes_, 0);
+    posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETPGROUP);
+  }
+  ~SpawnAttributes() { posix_spawnattr_destroy(&attributes_); }
+  SpawnAttributes(const SpawnAttributes&) = delete;
+  SpawnAttributes& operator=(const SpawnAttributes&) = delete;
+  posix_spawnattr_t* get() { return &attributes_; }
+
+ private:
+  posix_spawnattr_t attributes_{};
+};
 
 class SpawnActions {
  public:
@@ -68,7 +127,8 @@ std::optional<std::filesystem::path> find_gnuplot() {
   return std::nullopt;
 }
 
-std::string draw(const std::filesystem::path& gnuplot, const std::filesystem::path& folder, const std::string& name) {
+std::string draw(const std::filesystem::path& gnuplot, const std::filesystem::path& folder, const std::string& name,
+                 std::chrono::milliseconds limit) {
   const std::filesystem::path log = folder / (name + ".log");
   SpawnActions actions;
   posix_spawn_file_actions_addopen(actions.get(), STDIN_FILENO, "/dev/null", O_RDONLY, 0);
@@ -81,19 +141,29 @@ std::string draw(const std::filesystem::path& gnuplot, const std::filesystem::pa
   std::string script = name + ".gp";
   char* const arguments[] = {program.data(), defaults.data(), script.data(), nullptr};
   pid_t child = 0;
-  if (const int error = posix_spawn(&child, program.c_str(), actions.get(), nullptr, arguments, environ); error != 0) {
+  int error = 0;
+  SpawnAttributes attributes;
+  std::optional<io::CleanUp> clean_up;
+  io::uninterrupted([&] {
+    error = posix_spawn(&child, program.c_str(), actions.get(), attributes.get(), arguments, environ);
+    if (error == 0) clean_up.emplace([child] { ::kill(-child, SIGKILL); });
+  });
+  if (error != 0) {
     return "gnuplot cannot be started for " + script + ": " + std::generic_category().message(error);
   }
   int status = 0;
-  while (waitpid(child, &status, 0) < 0) {
-    if (errno != EINTR) return "gnuplot was lost while drawing " + script + ".";
-  }
+  const bool in_time = ended_in_time(child, limit, status);
+  clean_up.reset();
   const std::string words = first_lines(log);
   std::error_code ignored;
   std::filesystem::remove(log, ignored);
+  if (!in_time) {
+    return "gnuplot did not finish " + script + " within " +
+           std::to_string(std::chrono::duration_cast<std::chrono::seconds>(limit).count()) + " s and was ended";
+  }
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) return "gnuplot failed on " + script + ": " + words;
-  if (!is_filled(folder / (name + ".svg")) || !is_filled(folder / (name + ".png"))) {
-    return "gnuplot made no picture from " + script + ": " + words;
+  if (!is_whole(folder / (name + ".svg"), "</svg>") || !is_whole(folder / (name + ".png"), "IEND")) {
+    return "gnuplot made no whole picture from " + script + ": " + words + disk_words(folder);
   }
   return {};
 }

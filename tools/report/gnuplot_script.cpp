@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gnuplot-iostream.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -7,6 +9,7 @@
 #include <cstdio>
 #include <iomanip>
 #include <limits>
+#include <new>
 #include <ostream>
 #include <string>
 #include <string_view>
@@ -27,12 +30,10 @@ constexpr int top_margin = 34;
 constexpr int bottom_margin = 62;
 constexpr int page_width = 980;
 
+// An apostrophe, even doubled, can end a string inside a block of commands; the typographic one reads the same.
 std::string quoted(const std::string& text) {
   std::string safe = "'";
-  for (const char c : text) {
-    safe += c;
-    if (c == '\'') safe += c;
-  }
+  for (const char c : text) safe += c == '\'' ? std::string("\u2019") : std::string(1, c);
   return safe + "'";
 }
 
@@ -274,14 +275,7 @@ void write_panel(std::ostream& script, const Panel& panel, std::size_t index) {
   script << "\n";
 }
 
-}  // namespace
-
-void write_script(const Figure& figure, const std::filesystem::path& folder) {
-  const std::filesystem::path path = folder / (figure.name + ".gp");
-  std::FILE* file = std::fopen(path.c_str(), "w");
-  if (file == nullptr) {
-    throw std::filesystem::filesystem_error("cannot write", path, std::error_code(errno, std::generic_category()));
-  }
+void write_commands(Gnuplot& script, const Figure& figure) {
   const int count = static_cast<int>(figure.panels.size());
   const int columns = std::max(1, std::min(figure.columns, count));
   const int rows = (count + columns - 1) / columns;
@@ -294,9 +288,6 @@ void write_script(const Figure& figure, const std::filesystem::path& folder) {
   const int width = left_margin + columns * panel_width + (columns - 1) * column_gap + right;
   const int height = top_margin + rows * figure.panel_height + (rows - 1) * row_gap + bottom_margin;
 
-  // The stream writes to a file and not into a pipe: a script stays beside each picture for the reader to edit, and a
-  // gnuplot that is missing or fails shows in the status of its own process.
-  Gnuplot script(file);
   script << std::defaultfloat << std::setprecision(9);
   script << "# Makes " << figure.name << ".svg and " << figure.name << ".png:  gnuplot " << figure.name << ".gp\n"
          << "set encoding utf8\nset minussign\n";
@@ -329,10 +320,24 @@ void write_script(const Figure& figure, const std::filesystem::path& folder) {
     write_panel(script, figure.panels[p], p);
   }
   script << "unset multiplot\nunset output\n}\n";
+}
+
+}  // namespace
+
+std::string gnuplot_script(const Figure& figure) {
+  // The stream writes into memory and not into a pipe: the script stays beside each picture for the reader to edit, and
+  // a gnuplot that is missing or fails shows in the status of its own process.
+  const int memory = ::memfd_create("gnuplot-script", MFD_CLOEXEC);
+  if (memory < 0) throw std::system_error(errno, std::generic_category(), "no memory for a gnuplot script");
+  std::FILE* const file = ::fdopen(memory, "w+");
+  if (file == nullptr) throw std::bad_alloc();
+  Gnuplot script(file);  // closes it
+  write_commands(script, figure);
   script.flush();
-  if (!script.good()) {
-    throw std::filesystem::filesystem_error("cannot write", path, std::make_error_code(std::errc::io_error));
-  }
+  std::string text(static_cast<std::size_t>(std::max<off_t>(::lseek(memory, 0, SEEK_END), 0)), '\0');
+  if (!script.good() || ::pread(memory, text.data(), text.size(), 0) != static_cast<ssize_t>(text.size()))
+    throw std::system_error(errno, std::generic_category(), "cannot keep a gnuplot script in memory");
+  return text;
 }
 
 }  // namespace report

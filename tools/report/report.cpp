@@ -134,8 +134,7 @@ void write_tables(const StagedFolder& folder, const std::vector<Section>& sectio
 // Draws the figures.  Returns nothing on success, else the first error.
 std::string draw_figures(const StagedFolder& folder, const std::vector<Figure>& figures, const ReportOptions& options) {
   const std::filesystem::path place = folder.path() / "figures";
-  std::filesystem::create_directories(place);
-  for (const Figure& figure : figures) write_script(figure, place);
+  for (const Figure& figure : figures) folder.write("figures/" + figure.name + ".gp", gnuplot_script(figure));
   const auto gnuplot = find_gnuplot();
   if (!gnuplot) return "gnuplot was not found; install it with \"apt-get install gnuplot-nox\"";
   if (options.progress != nullptr) options.progress->total = figures.size();
@@ -202,13 +201,59 @@ struct TimeRecord {
   frac::TimeResponseData data;
   std::vector<std::string> notes;
 };
-using DataFile = std::variant<io::FrequencyResponseFile, TimeRecord>;
+// One curve or one record of the data.
+struct Data {
+  std::string name;
+  std::variant<io::FrequencyResponseFile, TimeRecord> content;
+};
 
-DataFile read_data(const std::string& file) {
-  if (!io::holds_time_response(file)) return io::read_frequency_response(file);
-  io::TimeSeries series = io::read_time_response(file);
-  std::vector<std::string> notes = std::move(series.notes);
-  return TimeRecord{io::time_response_data(file, std::move(series)), std::move(notes)};
+std::string scene_text(const io::Metadata& scene) {
+  std::string text;
+  for (const auto& [column, value] : scene) text += ", " + column + " " + value;
+  return text;
+}
+
+// All that a file holds: one record over time, or one or several frequency responses.
+void read_data(const std::filesystem::path& path, std::vector<Data>& data) {
+  const std::string file = path.string();
+  const std::string name = path.filename().string();
+  if (io::holds_time_response(file)) {
+    io::TimeSeries series = io::read_time_response(file);
+    std::vector<std::string> notes = std::move(series.notes);
+    data.push_back({name, TimeRecord{io::time_response_data(file, std::move(series)), std::move(notes)}});
+    return;
+  }
+  io::FrequencyResponseReadOptions options;
+  const std::size_t before = data.size();
+  for (const auto& scene : io::scenes_in(file)) {
+    options.rows = scene;
+    data.push_back({name + scene_text(scene), io::read_frequency_response(file, options)});
+  }
+  if (data.size() > before) return;
+  for (const auto& label : io::curve_labels(file, "")) {
+    options.curve = label;
+    data.push_back({name + ", curve " + label, io::read_frequency_response(file, options)});
+  }
+  if (data.size() == before) data.push_back({name, io::read_frequency_response(file)});
+}
+
+// The report puts files of these names into its folder.
+bool would_be_replaced(const std::filesystem::path& input, const std::filesystem::path& folder) {
+  std::error_code none;
+  const auto inside = std::filesystem::weakly_canonical(input, none)
+                          .lexically_relative(std::filesystem::weakly_canonical(folder, none));
+  if (inside.empty()) return false;
+  const std::string first = inside.begin()->string();
+  return first == "tables" || first == "figures" || inside == "index.html" || inside == "results.json";
+}
+
+void refuse_inputs_in_folder(const ReportOptions& options) {
+  auto inputs = options.data;
+  if (options.scene) inputs.push_back(*options.scene);
+  for (const auto& input : inputs)
+    if (would_be_replaced(input, options.out))
+      throw std::invalid_argument("--out " + options.out.string() + " holds the input " + input.string() +
+                                  " where the report puts its own files; choose another folder");
 }
 
 Page page_of(const ReportOptions& options, const Scene& scene, std::vector<Section> sections,
@@ -233,26 +278,27 @@ ReportOutcome write_report(const ReportOptions& options) {
   if (!options.data.empty() && options.scene) {
     throw std::invalid_argument("a report is either on data files or on a scene; both were given");
   }
+  refuse_inputs_in_folder(options);
   StagedFolder folder(options.out);
   Stages stages(options);
   Work work;
   work.threads = options.threads;
   work.progress = options.progress;
   // Every file is read before the long work, so that a bad one is found at once.
-  std::vector<DataFile> files;
-  for (const auto& file : options.data) files.push_back(read_data(file.string()));
+  std::vector<Data> data;
+  for (const auto& file : options.data) read_data(file, data);
   work.scene = options.scene ? read_scene(*options.scene) : paper_scene();
 
   std::vector<Section> sections;
   if (options.data.empty()) {
     sections = scene_sections(work, stages);
   } else {
-    for (std::size_t i = 0; i < files.size(); ++i) {
-      const std::string name = options.data[i].filename().string();
+    for (std::size_t i = 0; i < data.size(); ++i) {
+      const std::string& name = data[i].name;
       sections.push_back(stages.run("fits of " + name, [&] {
-        const auto* record = std::get_if<TimeRecord>(&files[i]);
+        const auto* record = std::get_if<TimeRecord>(&data[i].content);
         return record ? time_section(work, name, record->data, record->notes, i + 1)
-                      : data_section(work, name, std::get<io::FrequencyResponseFile>(files[i]), i + 1);
+                      : data_section(work, name, std::get<io::FrequencyResponseFile>(data[i].content), i + 1);
       }));
     }
   }

@@ -36,7 +36,7 @@ struct ReportOutcome {
 /// left half-written; only files that a report writes are replaced.
 /// @throws std::invalid_argument  both data and scene given, or `out` cannot be written; found before any computation.
 /// @throws io::DataError  a data or scene file that cannot be read or parsed.
-/// @throws std::filesystem::filesystem_error  a file cannot be written in full, e.g. the disk is full.
+/// @throws std::runtime_error  a file cannot be written in full, e.g. the disk is full; the text gives the cause.
 [[nodiscard]] ReportOutcome write_report(const ReportOptions& options);
 
 }  // namespace report

@@ -2,16 +2,14 @@
 #include "report/scene.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "io/data_error.hpp"
+#include "io/input_text.hpp"
 #include "io/number.hpp"
 #include "io/number_list.hpp"
 #include "report/html.hpp"
@@ -111,11 +109,10 @@ Scene paper_scene() {
 }
 
 Scene read_scene(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  if (!stream) fail(file, std::string("cannot be read: ") + std::strerror(errno));
+  const auto text = io::input_text(file.string());
   Json json;
   try {
-    json = Json::parse(stream);
+    json = Json::parse(*text);
   } catch (const Json::parse_error& error) {
     fail(file, std::string("is not JSON: ") + error.what());
   }

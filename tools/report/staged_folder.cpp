@@ -4,11 +4,12 @@
 #include <stdlib.h>
 
 #include <cerrno>
-#include <fstream>
 #include <stdexcept>
 #include <string>
 #include <system_error>
 #include <vector>
+
+#include "io/output_file.hpp"
 
 namespace report {
 
@@ -17,6 +18,8 @@ namespace fs = std::filesystem;
 namespace {
 
 [[noreturn]] void refuse(const fs::path& folder, const std::error_code& cause) {
+  if (io::is_state_of_system(cause.value()))
+    throw std::runtime_error("cannot write folder \"" + folder.string() + "\": " + cause.message());
   throw std::invalid_argument("folder \"" + folder.string() + "\" cannot be written: " + cause.message());
 }
 
@@ -29,24 +32,39 @@ StagedFolder::StagedFolder(const fs::path& target) : target_(fs::absolute(target
   if (error) refuse(target_, error);
   // Inside the target, so that every later move is a rename and the parent folder need not be writable.
   std::string name = (target_ / ".report-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) refuse(target_, std::error_code(errno, std::generic_category()));
-  staging_ = name;
+  int failure = 0;
+  io::uninterrupted([&] {
+    if (mkdtemp(name.data()) == nullptr) {
+      failure = errno;
+      return;
+    }
+    staging_ = name;
+    clean_up_.emplace([this] { remove(); });
+  });
+  if (failure == 0) return;
+  if (created_) fs::remove(target_, error);
+  refuse(target_, std::error_code(failure, std::generic_category()));
 }
 
 StagedFolder::~StagedFolder() {
+  io::uninterrupted([&] { remove(); });
+}
+
+void StagedFolder::remove() const {
   std::error_code ignored;
-  fs::remove_all(staging_, ignored);
+  // A gnuplot that is being ended may still add a file while the folder is emptied.
+  constexpr int tries = 10;
+  for (int i = 0; i < tries && fs::exists(staging_, ignored); ++i) fs::remove_all(staging_, ignored);
   // Removes the folder made for a report that failed, if it is empty.
   if (created_) fs::remove(target_, ignored);
 }
 
 void StagedFolder::write(const fs::path& relative, std::string_view content) const {
   const fs::path path = staging_ / relative;
-  fs::create_directories(path.parent_path());
-  std::ofstream file(path, std::ios::binary);
-  file.write(content.data(), static_cast<std::streamsize>(content.size()));
-  file.close();
-  if (!file) throw fs::filesystem_error("cannot write", target_ / relative, std::make_error_code(std::errc::io_error));
+  std::error_code error;
+  fs::create_directories(path.parent_path(), error);
+  if (error) throw std::runtime_error("cannot write " + (target_ / relative).string() + ": " + error.message());
+  io::write_new_file(path.string(), content, (target_ / relative).string());
 }
 
 void StagedFolder::publish(const fs::path& last) {
@@ -54,12 +72,17 @@ void StagedFolder::publish(const fs::path& last) {
   for (const auto& entry : fs::recursive_directory_iterator(staging_)) {
     if (entry.is_regular_file()) files.push_back(entry.path().lexically_relative(staging_));
   }
-  for (const fs::path& file : files) {
-    if (file == last) continue;
-    fs::create_directories((target_ / file).parent_path());
-    fs::rename(staging_ / file, target_ / file);
-  }
-  fs::rename(staging_ / last, target_ / last);
+  const auto move = [&](const fs::path& file) {
+    std::error_code error;
+    fs::create_directories((target_ / file).parent_path(), error);
+    if (!error) fs::rename(staging_ / file, target_ / file, error);
+    if (error) throw std::runtime_error("cannot write " + (target_ / file).string() + ": " + error.message());
+  };
+  io::uninterrupted([&] {
+    for (const fs::path& file : files)
+      if (file != last) move(file);
+    move(last);
+  });
 }
 
 }  // namespace report

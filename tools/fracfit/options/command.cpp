@@ -35,9 +35,12 @@ void Command::add_common(const std::vector<std::string>& formats) {
 int Command::execute() {
   options_.interpret();
   try {
+    for (const Option& option : options_.all())
+      if (option.name() == "--out" && option.is_given() && option.text().empty())
+        throw std::invalid_argument("--out '': expected a name");
     check();
     for (const std::string& note : notes_) say(note);
-    output_.emplace(out_);
+    output_.emplace(out_, inputs());
     return run();
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(options_.in_their_words(error.what()));

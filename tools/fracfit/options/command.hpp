@@ -46,6 +46,8 @@ class Command {
   /// Checks that the options fit together, where their declarations cannot say it, before anything is written or read.
   virtual void check() {}
   [[nodiscard]] virtual int run() = 0;
+  /// Files that run() reads, which --out must not replace; "-" is standard input.
+  [[nodiscard]] virtual std::vector<std::string> inputs() const { return {}; }
 
   /// --threads and --quiet; --out and --format, the format of files first, where there are formats.
   void add_common(const std::vector<std::string>& formats = {});

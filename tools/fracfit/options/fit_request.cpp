@@ -69,7 +69,8 @@ void add_residual_options(Options& options, FitRequest& request) {
 }
 
 void add_points_and_seed(Options& options, FitRequest& request) {
-  options.texts("--where", request.where, "of re, im, magnitude, omega or f; over time of t, input or output");
+  options.texts("--where", request.where,
+                "of re, im, magnitude, omega or f (over time of t, input or output), or of any column of the file");
   options.count("--seed", request.seed, 0, std::numeric_limits<std::uint64_t>::max());
 }
 
@@ -90,8 +91,10 @@ io::FrequencyResponseFile read_data(const FitRequest& request, const std::functi
   for (const auto& text : request.where) options.where.emplace_back(text);
   options.phase_may_miss = request.component == frac::Component::magnitude;
   options.magnitude_may_miss = request.component == frac::Component::phase;
-  options.key_column = request.key_column;
-  options.curve = request.curve;
+  if (request.key_column.empty())
+    options.curve = request.curve;
+  else
+    options.rows = {{request.key_column, request.curve}};
   auto file = io::read_frequency_response(request.data, options);
   if (request.weight == "given" && file.data.sigma().empty())
     throw io::DataError(request.data, 0, 0, "has no column sigma or weight; expected one with --weight given");

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "options/time_request.hpp"
 
-#include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "io/data_error.hpp"
 #include "io/number.hpp"
@@ -26,16 +26,10 @@ std::string weight_of(const FitRequest& request, bool is_given, const io::TimeSe
   return request.weight;
 }
 
-std::vector<std::size_t> kept(const io::TimeSeries& series, const std::vector<std::string>& where) {
+std::vector<io::SampleFilter> filters_of(const FitRequest& request) {
   std::vector<io::SampleFilter> filters;
-  for (const auto& text : where) filters.emplace_back(text);
-  std::vector<std::size_t> index;
-  for (std::size_t i = 0; i < series.time.size(); ++i)
-    if (std::all_of(filters.begin(), filters.end(), [&](const io::SampleFilter& filter) {
-          return filter(series.time[i], series.input[i], series.output[i]);
-        }))
-      index.push_back(i);
-  return index;
+  for (const auto& text : request.where) filters.emplace_back(text);
+  return filters;
 }
 
 }  // namespace
@@ -80,12 +74,12 @@ frac::TimeFitOptions time_fit_options(const FitRequest& request, const TimeReque
 TimeRecord read_time_record(const FitRequest& request, const TimeRequest& over_time, Options& options,
                             const std::function<void(const std::string&)>& note) {
   const frac::Hold hold = over_time.hold == "first-order" ? frac::Hold::first_order : frac::Hold::zero_order;
-  io::TimeSeries series = io::read_time_response(request.data);
+  io::TimeSeries series = io::read_time_response(request.data, filters_of(request));
   for (const auto& text : series.notes) note(request.data + ": " + text);
   const std::string weight = weight_of(request, options["--weight"].is_given(), series);
   options["--weight"].say(weight);
   if (weight == "absolute") series.sigma.clear();
-  std::vector<std::size_t> index = kept(series, request.where);
+  std::vector<std::size_t> index = std::move(series.kept);
   io::Metadata header = std::move(series.metadata);
   const frac::TimeResponseData data =
       io::time_response_data(request.data, std::move(series), hold, over_time.input_at_rest);

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/input_text.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <map>
+#include <mutex>
+#include <utility>
+
+#include "io/data_error.hpp"
+#include "io/descriptor.hpp"
+
+namespace io {
+namespace {
+
+using Text = std::shared_ptr<const std::string>;
+using Identity = std::pair<dev_t, ino_t>;
+
+[[noreturn]] void fail(const std::string& file, int error) {
+  throw DataError(file == "-" ? "standard input" : file, 0, 0, std::string("cannot be read: ") + std::strerror(error));
+}
+
+std::string read_to_end(int descriptor, std::size_t expected, const std::string& file) {
+  std::string content;
+  for (std::size_t used = 0;;) {
+    // One byte more than expected, so that the end is met without another round.
+    content.resize(used + std::max<std::size_t>(expected + 1 - std::min(expected, used), 1U << 16U));
+    const auto got = ::read(descriptor, content.data() + used, content.size() - used);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) fail(file, errno);
+    used += static_cast<std::size_t>(got);
+    if (got > 0) continue;
+    content.resize(used);
+    return content;
+  }
+}
+
+Text read_file(const std::string& file, const struct stat& status) {
+  if (file == "-") return std::make_shared<const std::string>(read_to_end(STDIN_FILENO, 0, file));
+  const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+  if (descriptor.number() < 0) fail(file, errno);
+  const auto size = S_ISREG(status.st_mode) ? static_cast<std::size_t>(status.st_size) : 0;
+  return std::make_shared<const std::string>(read_to_end(descriptor.number(), size, file));
+}
+
+}  // namespace
+
+Text input_text(const std::string& file) {
+  struct stat status {};
+  if ((file == "-" ? ::fstat(STDIN_FILENO, &status) : ::stat(file.c_str(), &status)) != 0) fail(file, errno);
+  if (S_ISDIR(status.st_mode)) throw DataError(file, 0, 0, "is a folder; expected a text file of columns");
+  if (file != "-" && S_ISREG(status.st_mode)) return read_file(file, status);
+  static std::mutex mutex;
+  static std::map<Identity, Text> kept;
+  const std::lock_guard guard(mutex);
+  Text& text = kept[{status.st_dev, status.st_ino}];
+  if (!text) text = read_file(file, status);
+  return text;
+}
+
+std::vector<std::string> whole_lines(std::string_view text) {
+  std::vector<std::string> lines;
+  for (std::size_t begin = 0;;) {
+    const auto end = text.find('\n', begin);
+    if (end == std::string_view::npos) return lines;
+    lines.emplace_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+}
+
+std::string fingerprint(std::string_view text) {
+  // Fowler, Noll, Vo: offset basis and prime of the 64-bit hash.
+  std::uint64_t hash = 0xcbf29ce484222325U;
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
+  std::string digits;
+  for (int shift = 60; shift >= 0; shift -= 4)
+    digits += "0123456789abcdef"[(hash >> static_cast<unsigned>(shift)) & 15U];
+  return std::to_string(text.size()) + "-" + digits;
+}
+
+}  // namespace io
