@@ -42,27 +42,29 @@ ExtendedComplex value_at(const ZeroPoleGain& system, std::complex<double> at) {
 // two points per e-fold miss less than a tenth of the maximum.
 double condition(const ParallelForm& form, const ZeroPoleGain& system, bool from_static_gain, double order,
                  FrequencyBand band) {
-  const Extended lower = std::log(static_cast<Extended>(band.lower));
-  const Extended width = std::log(static_cast<Extended>(band.upper)) - lower;
-  const int steps = static_cast<int>(std::ceil(2 * width)) + 1;
-  Extended largest = 0;
-  for (int i = 0; i <= steps; ++i) {
-    const Extended omega = std::exp(lower + width * i / steps);
-    Extended sum = std::abs(from_static_gain ? form.static_gain : form.direct);
-    const auto add = [&](std::complex<double> residue, std::complex<double> pole) {
-      const Extended re = pole.real();
-      const Extended im = omega - static_cast<Extended>(pole.imag());
-      const Extended size = std::abs(ExtendedComplex(residue)) / std::sqrt(re * re + im * im);
-      sum += from_static_gain ? size * omega / std::abs(ExtendedComplex(pole)) : size;
-    };
-    for (std::size_t k = 0; k < system.poles.size(); ++k) add(form.residues[k], system.poles[k]);
-    for (std::size_t k = 0; k < system.pole_pairs.size(); ++k) {
-      add(form.pair_residues[k], system.pole_pairs[k]);
-      add(std::conj(form.pair_residues[k]), std::conj(system.pole_pairs[k]));
-    }
-    largest = std::max(largest, sum / std::pow(omega, static_cast<Extended>(order)));
+  struct Term {
+    double size, re, im;
+  };
+  std::vector<Term> terms;
+  const auto add = [&](std::complex<double> residue, std::complex<double> pole) {
+    terms.push_back({std::abs(from_static_gain ? residue / pole : residue), pole.real(), pole.imag()});
+  };
+  for (std::size_t k = 0; k < system.poles.size(); ++k) add(form.residues[k], system.poles[k]);
+  for (std::size_t k = 0; k < system.pole_pairs.size(); ++k) {
+    add(form.pair_residues[k], system.pole_pairs[k]);
+    add(std::conj(form.pair_residues[k]), std::conj(system.pole_pairs[k]));
   }
-  return static_cast<double>(largest);
+  const double width = std::log(band.upper) - std::log(band.lower);
+  const int steps = static_cast<int>(std::ceil(2 * width)) + 1;
+  double largest = 0;
+  for (int i = 0; i <= steps; ++i) {
+    const double omega = std::exp(std::log(band.lower) + width * i / steps);
+    double sum = 0;
+    for (const Term& term : terms) sum += term.size / std::hypot(term.re, omega - term.im);
+    const double constant = std::abs(from_static_gain ? form.static_gain : form.direct);
+    largest = std::max(largest, (constant + (from_static_gain ? omega : 1.0) * sum) / std::pow(omega, order));
+  }
+  return largest;
 }
 
 }  // namespace
