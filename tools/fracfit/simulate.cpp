@@ -180,8 +180,10 @@ void add_simulate(CLI::App& program, Run& run) {
   simulation
       ->add_option("--tolerance", given->tolerance, "Closure of an orbit, relative to the clearance (default 1e-10)")
       ->type_name("T");
-  simulation->add_flag("--diagnostics", given->diagnostics,
-                       "Three more columns: even-harmonic ratio, energy defect, Lyapunov exponent");
+  simulation->add_flag(
+      "--diagnostics", given->diagnostics,
+      "More columns: even-harmonic ratio, energy defect, Lyapunov exponent, periods followed, whether a mean "
+      "may be of a transient, sensitivity to the force where double precision loses the orbit");
   simulation
       ->add_option("--shard", given->shard,
                    "Work on every n-th of several scenes only, from the i-th; join with fracfit merge")
