@@ -111,12 +111,12 @@ void run(const std::string& name, std::size_t count, double order, double tolera
   std::vector<Real> output(count);
   const double seconds = median_seconds(7, [&] {
     derivative.reset();
-    derivative(samples, output);
+    derivative.run(samples, output);
   });
   print(name, "sum of exponentials", setting + text(" in F %.2f", seconds / unit), judge.error(output), seconds);
   const double single = median_seconds(3, [&] {
     derivative.reset();
-    for (std::size_t n = 0; n < count; ++n) output[n] = derivative(samples[n]);
+    for (std::size_t n = 0; n < count; ++n) output[n] = derivative.step(samples[n]);
   });
   print(name, "one sample at a time", setting + text(" ns per sample %.1f", 1e9 * single / static_cast<double>(count)),
         judge.error(output), single);
@@ -134,7 +134,7 @@ void run(const std::string& name, std::size_t count, double order, double tolera
       input = samples_of;
       derivative.reset();
       const double start = processor_seconds();
-      derivative(input, output);
+      derivative.run(input, output);
       return processor_seconds() - start;
     };
     noisy_seconds.push_back(timed(noise));

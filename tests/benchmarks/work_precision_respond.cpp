@@ -74,13 +74,13 @@ void run(const std::string& name, const FractionalTransferFunction& model, std::
   std::vector<double> output(count);
   const double seconds = median_seconds(7, [&] {
     filter.reset();
-    filter(samples, output);
+    filter.run(samples, output);
   });
   print(name, "exponential sum: step", with_states, step_error(model, output, sample_time), seconds);
   const auto timed = [&](const char* input) {
     print(name, input, with_states, std::numeric_limits<double>::quiet_NaN(), median_seconds(7, [&] {
             filter.reset();
-            filter(samples, output);
+            filter.run(samples, output);
           }));
   };
   support::Random random(1);

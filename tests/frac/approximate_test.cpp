@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -293,6 +294,58 @@ TEST_P(EveryMethod, ParallelFormIsTheSameSystem) {
       }
       // A few roundings per term of the sum and of the product.
       EXPECT_LT(std::abs(sum - result.system.response(omega)), 60 * eps * size) << omega;
+    }
+  }
+}
+
+// |sum/(j omega)^a - 1| with the sum of one parallel form in double, as a user evaluates it.
+double parallel_error_at(const frac::Approximation& result, bool from_static_gain, double omega) {
+  const Complex s(0, omega);
+  Complex sum = from_static_gain ? result.parallel.static_gain : result.parallel.direct;
+  const auto add = [&](Complex residue, Complex pole) {
+    sum += from_static_gain ? residue / pole * s / (s - pole) : residue / (s - pole);
+  };
+  for (std::size_t i = 0; i < result.system.poles.size(); ++i) add(result.parallel.residues[i], result.system.poles[i]);
+  for (std::size_t i = 0; i < result.system.pole_pairs.size(); ++i) {
+    add(result.parallel.pair_residues[i], result.system.pole_pairs[i]);
+    add(std::conj(result.parallel.pair_residues[i]), std::conj(result.system.pole_pairs[i]));
+  }
+  const long double order = static_cast<long double>(result.order) - result.system.integer_order;
+  const std::complex<long double> power =
+      std::polar(std::pow(static_cast<long double>(omega), order), order * std::numbers::pi_v<long double> / 2);
+  return static_cast<double>(std::abs(std::complex<long double>(sum) / power - 1.0L));
+}
+
+TEST_P(EveryMethod, ParallelFormsKeepTheirStatedErrors) {
+  for (const double order : {0.5, 0.7, -0.5}) {
+    for (const double width : {3.0, 12.0}) {
+      const auto result =
+          approximate(order, decades(width, 20), PoleCount{some_poles(GetParam(), std::abs(order))}, GetParam());
+      const bool has_static_gain = std::count(result.system.poles.begin(), result.system.poles.end(), 0.0) == 0;
+      EXPECT_EQ(std::isfinite(result.parallel.static_gain), has_static_gain);
+      EXPECT_EQ(std::isfinite(result.parallel.static_error), has_static_gain);
+      for (const double omega : support::log_grid(result.band.lower, result.band.upper, 301)) {
+        EXPECT_LE(parallel_error_at(result, false, omega), result.parallel.direct_error) << omega;
+        if (has_static_gain) EXPECT_LE(parallel_error_at(result, true, omega), result.parallel.static_error) << omega;
+      }
+    }
+  }
+}
+
+// Where the power rises all terms of the form with the static gain lie in one quadrant, where it falls those of the
+// other: |terms| add up to sqrt(2) |H| at most, so that the better form loses (N + 10) sqrt(2) roundings of 1.1e-16,
+// 2.3e-14 for 120 poles.
+TEST(Approximate, OneParallelFormKeepsTheErrorOnWideBands) {
+  for (const double order : {0.01, 0.5, 0.99, -0.01, -0.5, -0.99}) {
+    for (const double width : {6.0, 12.0, 20.0}) {
+      const auto result = approximate(order, decades(width, 3), Tolerance{1e-9});
+      ASSERT_LE(result.poles, 120);
+      const double least = std::min(result.parallel.direct_error, result.parallel.static_error);
+      EXPECT_EQ(least, order > 0 ? result.parallel.static_error : result.parallel.direct_error);
+      EXPECT_LE(least, result.error.max_relative + 2.3e-14);
+      for (const double omega : support::log_grid(result.band.lower, result.band.upper, 501)) {
+        EXPECT_LE(parallel_error_at(result, order > 0, omega), least) << order << " " << width << " " << omega;
+      }
     }
   }
 }

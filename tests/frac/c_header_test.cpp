@@ -63,17 +63,25 @@ class CHeader : public ::testing::Test {
 
   void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
 
-  // Compiles the program, which includes controller.h, and returns the bytes it writes.
-  [[nodiscard]] std::string output_of(const std::string& program, const std::string& flags) const {
+  // What the compiler says to the program, which may include controller.h.
+  [[nodiscard]] std::string messages_of(const std::string& program, const std::string& flags) const {
     write("main.c", program);
     const std::string at = folder_.string();
     const std::string compile = "cc " + flags + " -Wall -Wextra -Werror -pedantic -Wshadow -Wconversion -o " + at +
                                 "/run " + at + "/main.c 2>" + at + "/messages";
-    if (std::system(compile.c_str()) != 0) {
-      std::ifstream messages(folder_ / "messages");
-      ADD_FAILURE() << compile << "\n" << std::string(std::istreambuf_iterator<char>(messages), {});
-      return "";
-    }
+    if (std::system(compile.c_str()) == 0) return "";
+    std::ifstream messages(folder_ / "messages");
+    return compile + "\n" + std::string(std::istreambuf_iterator<char>(messages), {});
+  }
+  void compile(const std::string& program, const std::string& flags) const {
+    const std::string messages = messages_of(program, flags);
+    EXPECT_TRUE(messages.empty()) << messages;
+  }
+
+  // Compiles the program and returns the bytes it writes.
+  [[nodiscard]] std::string output_of(const std::string& program, const std::string& flags) const {
+    compile(program, flags);
+    const std::string at = folder_.string();
     EXPECT_EQ(std::system((at + "/run >" + at + "/output").c_str()), 0);
     std::ifstream file(folder_ / "output", std::ios::binary);
     return {std::istreambuf_iterator<char>(file), {}};
@@ -141,6 +149,112 @@ std::string pid_program(const std::string& real, int samples) {
           " zero = 0; measured = zero / zero; }\n    out = controller_step(&s, setpoint, measured);\n    out += (" +
           real +
           ")(10 * s.saturated + 100 * s.bad_input);\n    fwrite(&out, sizeof out, 1, stdout);\n  }\n  return 0;\n}\n");
+}
+
+// What CText puts in for the identifiers in capitals of a run-time file, as macros.
+std::string macros(const std::vector<std::string>& conditions, unsigned chosen) {
+  std::string text = "#define REAL float\n#define PREFIX_DIRECT 1.0f\n";
+  for (const char* name : {"ZERO",
+                           "TINY",
+                           "MOST",
+                           "LARGEST_INPUT",
+                           "KP",
+                           "KI",
+                           "KD",
+                           "SETPOINT_WEIGHT",
+                           "DERIVATIVE_SETPOINT_WEIGHT",
+                           "SAMPLE_TIME",
+                           "HALF_TIME",
+                           "LAG_SHARE",
+                           "INVERSE_LAG_TIME",
+                           "REST_OUTPUT",
+                           "MINIMUM",
+                           "MAXIMUM",
+                           "TRACKING_SHARE",
+                           "INVERSE_TRACKING",
+                           "INTEGRAL_TAP",
+                           "INTEGRAL_GAIN",
+                           "INVERSE_INTEGRAL_GAIN",
+                           "HIGH_GAIN",
+                           "PRESENT_SHARE",
+                           "TIME",
+                           "INVERSE_TIME"}) {
+    text += "#define " + std::string(name) + " 0.5f\n";
+  }
+  for (const char* name : {"INTEGRAL", "DERIVATIVE", "SECTION", "PREFIX"}) {
+    text += "#define " + std::string(name) + "_TAPS 4\n#define " + std::string(name) + "_SIZE 8\n";
+  }
+  for (const char* name : {"PAIRS", "DIFFERENCES", "INTEGRATORS", "DEAD_SAMPLES"}) {
+    text += "#define " + std::string(name) + " 2\n";
+  }
+  for (std::size_t i = 0; i < conditions.size(); ++i) {
+    text += "#define " + conditions[i] + ((chosen >> i & 1U) != 0 ? " 1\n" : " 0\n");
+  }
+  return text;
+}
+
+std::string filter_functions(const std::string& prefix) {
+  return "REAL NAME_" + prefix + "_tapped(const NAME_state *s, REAL input);\nREAL NAME_" + prefix +
+         "_output(const NAME_state *s, REAL x);\nvoid NAME_" + prefix +
+         "_advance(NAME_state *s, REAL input, REAL x);\nextern const float NAME_" + prefix + "_rate[8];\n";
+}
+
+// The run-time files are C themselves: free of warnings, with macros in place of what an export puts in.
+TEST_F(CHeader, RuntimeFilesAreCWithEveryCondition) {
+  const std::string folder = std::string(FRACFIT_SOURCE_DIR) + "/libfrac/src/digital/c_export/runtime/";
+  const auto include = [&](const char* file) { return "#include \"" + folder + file + "\"\n"; };
+  const std::string tail = "int main(void) { return 0; }\n";
+  const std::vector<std::string> pid{"HAS_INTEGRAL_TAPS",       "HAS_INTEGRAL_SECTIONS", "HAS_DERIVATIVE_TAPS",
+                                     "HAS_DERIVATIVE_SECTIONS", "DIFFERENTIATES",        "BACK_CALCULATION",
+                                     "CONDITIONAL_INTEGRATION"};
+  const std::string states =
+      "#define HAS_INTEGRAL_STATE (HAS_INTEGRAL_TAPS || HAS_INTEGRAL_SECTIONS)\n"
+      "#define HAS_DERIVATIVE_STATE (HAS_DERIVATIVE_TAPS || HAS_DERIVATIVE_SECTIONS)\n"
+      "#define HAS_ANY_STATE (HAS_INTEGRAL_STATE || HAS_DERIVATIVE_STATE)\n"
+      "#define FOLLOWS_INPUT (HAS_DERIVATIVE_STATE && !DIFFERENTIATES)\n";
+  const std::string flags = "-std=c99 -fsyntax-only";
+  for (const unsigned chosen : {0U, 0x03U, 0x2cU, 0x55U, 0x3aU, 0x4fU, 0x1fU}) {
+    SCOPED_TRACE(chosen);
+    compile(macros(pid, chosen) + states + include("pid_state.h") + filter_functions("integral") +
+                filter_functions("derivative") + include("pid.c") + tail,
+            flags);
+  }
+  const std::vector<std::string> filter{"HAS_SECTION_TAPS", "HAS_SECTION_SECTIONS", "HAS_PAIRS",
+                                        "HAS_DIFFERENCES",  "HAS_INTEGRATORS",      "HAS_DEAD_TIME"};
+  const std::string loops =
+      "#define HAS_LOOPS (HAS_PAIRS || HAS_DIFFERENCES || HAS_INTEGRATORS)\n"
+      "#define HAS_ARRAYS (HAS_LOOPS || HAS_SECTION_TAPS || HAS_SECTION_SECTIONS || HAS_DEAD_TIME)\n"
+      "#define HAS_NOTHING (!HAS_ARRAYS)\n"
+      "extern const float NAME_pair_rate_re[2], NAME_pair_rate_im[2], NAME_pair_weight_re[2], "
+      "NAME_pair_weight_im[2];\n";
+  for (const unsigned chosen : {0U, 0x01U, 0x02U, 0x04U, 0x08U, 0x10U, 0x20U, 0x3fU}) {
+    SCOPED_TRACE(chosen);
+    compile(macros(filter, chosen) + loops + include("filter_state.h") + filter_functions("section") +
+                include("filter.c") + tail,
+            flags);
+  }
+  const std::vector<std::string> section{"HAS_PREFIX_TAPS", "HAS_PREFIX_SECTIONS", "PREFIX_GIVES_STATES"};
+  for (unsigned chosen = 0; chosen < 8; ++chosen) {
+    SCOPED_TRACE(chosen);
+    compile(macros(section, chosen) +
+                "#define HAS_PREFIX_STATE (HAS_PREFIX_TAPS || HAS_PREFIX_SECTIONS)\n"
+                "typedef struct { float PREFIX_past[4], PREFIX_v[8], PREFIX_lost[8]; } NAME_state;\n"
+                "extern const float NAME_PREFIX_tap[4], NAME_PREFIX_rate[8], NAME_PREFIX_weight[8];\n" +
+                include("section_filter.c") + tail,
+            flags);
+  }
+}
+
+// A compiler whose double has 4 bytes, as some for small processors, refuses what was exported for double.
+TEST_F(CHeader, DoubleHeaderIsRefusedWhereDoubleIsNone) {
+  const FractionalPidDesign design(usual(0.8, 0.6));
+  const std::string program =
+      "#include <float.h>\n#undef DBL_MANT_DIG\n#define DBL_MANT_DIG 24\n#include \"controller.h\"\n"
+      "int main(void) { return 0; }\n";
+  write("controller.h", frac::c_header(design, {}));
+  EXPECT_NE(messages_of(program, "-std=c99 -fsyntax-only").find("--precision float"), std::string::npos);
+  write("controller.h", frac::c_header(design, {.precision = Precision::float_type}));
+  EXPECT_EQ(messages_of(program, "-std=c99 -fsyntax-only"), "");
 }
 
 TEST_F(CHeader, PidInCGivesTheBitsOfTheClassOnAMillionSamples) {
@@ -231,9 +345,13 @@ TEST(CHeaderText, NamesAreChecked) {
 }
 
 TEST(CHeaderText, NeedsNoLibrary) {
-  const std::string text = frac::c_header(FractionalPidDesign(usual(0.8, 0.6)), {});
-  EXPECT_EQ(text.find("#include"), std::string::npos);
-  EXPECT_EQ(text.find("malloc"), std::string::npos);
+  const FractionalPidDesign design(usual(0.8, 0.6));
+  const std::string of_double = frac::c_header(design, {});
+  const std::string of_float = frac::c_header(design, {.precision = Precision::float_type});
+  // float.h alone, which every compiler has, to look at the size of double.
+  EXPECT_EQ(of_double.find("#include"), of_double.rfind("#include <float.h>\n#if DBL_MANT_DIG != 53\n"));
+  EXPECT_EQ(of_float.find("#include"), std::string::npos);
+  for (const std::string& text : {of_double, of_float}) EXPECT_EQ(text.find("malloc"), std::string::npos);
 }
 
 }  // namespace

@@ -285,4 +285,40 @@ TEST(DigitalFilter, SaysWhatItCannotDo) {
   support::expect_invalid_argument([&] { filter.run(three, two); }, {"3 samples but room for 2"});
 }
 
+// The larger of the gains 3 and 3/7 of c s^order carries over to the filter, on and off the method's own choice of
+// taps.
+TEST(FilterChoice, APowerKeepsItsCoefficientAndItsError) {
+  for (const double factor : {3.0, 3.0 / 7}) {
+    for (const auto method : {frac::Discretisation::direct, frac::Discretisation::tustin}) {
+      const frac::FractionalTransferFunction model({{factor, 0.6}}, {{1, 0}});
+      const auto choice = frac::power_filter(model, {0.1, 100}, frac::PoleCount{9}, 1e-3, method);
+      double largest = 0;
+      for (int i = 0; i <= 2000; ++i) {
+        const double omega = 0.1 * std::pow(1000, i / 2000.0);
+        largest = std::max(largest, std::abs(choice.design.response(omega) / model.response(omega) - 1.0));
+      }
+      // Steps of 0.0035 e-folds see the top of a ripple of half an e-fold to (0.0035/0.5 pi)^2/2.
+      EXPECT_NEAR(largest / choice.max_relative_error, 1, 1e-3);
+    }
+  }
+  EXPECT_THROW((void)frac::power_filter(frac::FractionalTransferFunction::parse("1/(s + 1)"), {0.1, 100},
+                                        frac::PoleCount{9}, 1e-3),
+               std::invalid_argument);
+}
+
+TEST(FilterChoice, AModelTakesTheFewerStates) {
+  const auto model = frac::FractionalTransferFunction::parse("1/(0.8 s^2.2 + 0.5 s^0.9 + 1)");
+  const auto all = frac::model_filter(model, {}, 0.01, 1e-4);
+  EXPECT_TRUE(std::isnan(all.max_relative_error));
+  const auto on_band = frac::model_filter(model, frac::FrequencyBand{0.01, 100}, 0.01, 1e-4);
+  EXPECT_LT(on_band.design.states(), all.design.states());
+  EXPECT_LE(on_band.max_relative_error, 1e-4);
+  EXPECT_EQ(on_band.note, "");
+  // An integrator has no filter on a band alone: the one for all frequencies is taken, and says so.
+  const auto integrating = frac::FractionalTransferFunction::parse("1/(s^1.5 + s)");
+  const auto instead = frac::model_filter(integrating, frac::FrequencyBand{0.01, 100}, 0.01, 1e-4);
+  EXPECT_TRUE(std::isnan(instead.max_relative_error));
+  EXPECT_NE(instead.note.find("all frequencies"), std::string::npos);
+}
+
 }  // namespace

@@ -61,6 +61,32 @@ TEST(Discretise, TustinIsTheBilinearRule) {
   }
 }
 
+// At omega the bilinear rule has the response of the prototype at W = (2/T) tan(omega T/2).  Here the largest gain
+// beyond the band is sought over W in even steps of 1/200 e-fold, 16 decades up: the gain turns within a factor of W of
+// about 2, so that the steps miss less than 1e-4 of it, and the power of omega that stands below is flat up there.
+TEST(Discretise, AmplificationOfTheBilinearRuleIsFoundUpToTheLastFrequency) {
+  for (const double order : {0.3, 0.9, 1.6, -0.5, -1.2}) {
+    for (const double share : {0.01, 0.1, 0.3}) {
+      for (const PoleCount poles : {PoleCount{4}, PoleCount{11}}) {
+        const double upper = share * sampling;
+        const auto power = digital_power(order, {upper / 1e3, upper}, poles, time_step, Discretisation::tustin);
+        const double edge = std::tan(upper * time_step / 2);
+        double largest = 0;
+        for (int i = 0; i < 200 * 37; ++i) {
+          const double tangent = edge * std::exp(i / 200.0);
+          const double omega = 2 / time_step * std::atan(tangent);
+          double gain = std::abs(power.prototype.system.response(2 / time_step * tangent));
+          // Whole differences are 2 sin(omega T/2)/T each, trapezoidal integrators T/2 over the tangent.
+          gain *= std::pow(2 / time_step * std::sin(omega * time_step / 2), power.differences);
+          gain *= std::pow(time_step / 2 / tangent, power.integrators);
+          largest = std::max(largest, gain / std::pow(order < 0 ? upper : omega, order));
+        }
+        EXPECT_NEAR(power.most_amplification / largest, 1, 2e-4) << order << " " << share << " " << poles.poles;
+      }
+    }
+  }
+}
+
 TEST(Discretise, AlAlaouiIsItsRule) {
   const frac::ZeroPoleGain system{.zeros = {-3}, .poles = {-500}, .gain = 2};
   const auto sections = frac::discretise(system, time_step, Discretisation::al_alaoui);

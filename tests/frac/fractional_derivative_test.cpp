@@ -27,7 +27,7 @@ std::vector<double> derivative(const std::vector<double>& samples, double order,
                                double tolerance = 1e-12, double horizon = 1e6) {
   FractionalDerivative<double> stream(order, sample_time, tolerance, horizon);
   std::vector<double> output(samples.size());
-  stream(samples, output);
+  stream.run(samples, output);
   return output;
 }
 
@@ -154,9 +154,9 @@ TEST(FractionalDerivative, DoesNotDependOnHowSamplesAreDividedIntoCalls) {
     for (std::size_t n = 0; n < samples.size();) {
       const std::size_t length = std::min<std::size_t>(random.below(100), samples.size() - n);
       if (length == 1) {
-        output[n] = stream(samples[n]);
+        output[n] = stream.step(samples[n]);
       } else {
-        stream(std::span(samples).subspan(n, length), std::span(output).subspan(n, length));
+        stream.run(std::span(samples).subspan(n, length), std::span(output).subspan(n, length));
       }
       n += length;
     }
@@ -175,7 +175,7 @@ TEST(FractionalDerivative, InSinglePrecisionKeepsSixDigits) {
     FractionalDerivative<float> stream(order, 1, 1e-6, count);
     const std::vector<float> step(count, 1.0F);
     std::vector<float> output(count);
-    stream(step, output);
+    stream.run(step, output);
     const std::vector<double> weights = frac::grunwald_letnikov_weights(order - 1, count - 1);
     for (std::size_t n = 0; n < count; ++n) {
       ASSERT_NEAR(output[n], weights[n], (stream.error_bound() + 20 * 6e-8) * weights[n]) << order << " " << n;
@@ -216,12 +216,12 @@ TEST(FractionalDerivative, HoldsTheLastSampleForOneThatIsNoNumber) {
   for (const double order : {-0.5, 0.5, 1.5}) {
     FractionalDerivative<double> stream(order, 1);
     std::vector<double> output(bad.size());
-    stream(bad, output);
+    stream.run(bad, output);
     EXPECT_EQ(output, derivative(good, order, 1, 1e-12, 1e9));
     EXPECT_EQ(stream.rejected(), 3u);
     stream.reset();
     EXPECT_EQ(stream.rejected(), 0u);
-    stream(good, output);
+    stream.run(good, output);
     EXPECT_EQ(output, derivative(good, order, 1, 1e-12, 1e9)) << "reset leaves something behind";
   }
 }
@@ -235,9 +235,9 @@ TEST(FractionalDerivative, DoesNotDrift) {
   std::vector<double> output(step.size());
   for (int part = 1; part <= 100; ++part) {
     const auto last = static_cast<std::uint64_t>(part) * step.size() - 1;
-    derivative_of(step, output);
+    derivative_of.run(step, output);
     EXPECT_NEAR(output.back() / frac::grunwald_letnikov_weight(-0.5, last), 1, 1e-12);
-    integral_of(step, output);
+    integral_of.run(step, output);
     EXPECT_NEAR(output.back() / frac::grunwald_letnikov_weight(-1.5, last), 1, 1e-12);
   }
 }
@@ -253,7 +253,7 @@ TEST(FractionalDerivative, StaysExactOverAHundredMillionSamples) {
   while (seen < samples) {
     const std::size_t count = std::min(part, samples - seen);
     for (std::size_t i = 0; i < count; ++i) ramp[i] = static_cast<double>(seen + i + 1);
-    derivative_of(std::span(ramp).first(count), std::span(output).first(count));
+    derivative_of.run(std::span(ramp).first(count), std::span(output).first(count));
     seen += count;
     if (seen >= judged || seen == samples) {
       judged *= 2;
@@ -275,14 +275,14 @@ TEST(FractionalDerivative, WholeOrdersAreDifferencesAndSums) {
 
 TEST(FractionalDerivative, CopiesAreIndependent) {
   FractionalDerivative<double> first(0.5, 1);
-  for (int n = 0; n < 45; ++n) (void)first(n);
+  for (int n = 0; n < 45; ++n) (void)first.step(n);
   FractionalDerivative<double> second = first;
-  for (int n = 0; n < 45; ++n) (void)second(-n);
+  for (int n = 0; n < 45; ++n) (void)second.step(-n);
   FractionalDerivative<double> third(0.5, 1);
-  for (int n = 0; n < 45; ++n) (void)third(n);
-  EXPECT_EQ(first(7), third(7));
+  for (int n = 0; n < 45; ++n) (void)third.step(n);
+  EXPECT_EQ(first.step(7), third.step(7));
   first = second;
-  EXPECT_EQ(first(7), second(7));
+  EXPECT_EQ(first.step(7), second.step(7));
 }
 
 TEST(FractionalDerivative, ConvolutionByFftAgreesWithTheSum) {
@@ -313,7 +313,7 @@ TEST(FractionalDerivative, SaysWhatIsWrong) {
       [] {
         const std::vector<double> three(3);
         std::vector<double> two(2);
-        FractionalDerivative<double>(0.5, 1)(three, two);
+        FractionalDerivative<double>(0.5, 1).run(three, two);
       },
       {"3 samples but room for 2"});
 }

@@ -26,7 +26,6 @@ void expect_no_allocation() {
   for (int n = 0; n < 10'000; ++n) {
     const auto y = static_cast<Real>(n % 100) / 50;
     sum += pid.step(1, n % 77 == 0 ? std::numeric_limits<Real>::quiet_NaN() : y);
-    sum += pid.compute_command(y, static_cast<Real>(1e-3));
     if (n % 50 == 0) pid.track(y);
     if (n % 100 == 0) pid.adopt(n % 200 == 0 ? first : second);
     if (n % 1000 == 0) pid.reset();

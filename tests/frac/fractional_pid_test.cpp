@@ -342,7 +342,7 @@ TEST(FractionalPid, OutputObeysTheLimitsFromTheFirstRefusedInputOn) {
   (void)pid.step(100, 0);
   EXPECT_EQ(pid.output(), 5);
   config.maximum = 3;
-  pid.retune(config);
+  pid.adopt(FractionalPidDesign(config));
   EXPECT_EQ(pid.step(nan, 0), 3);
 }
 
@@ -382,7 +382,7 @@ TEST(FractionalPid, RetuneGivesWhatRepeatedInputsWouldHaveGiven) {
       config.setpoint_weight = 0.6;
       config.derivative_setpoint_weight = 0;
       config.goal = frac::PoleCount{7};
-      pid.retune(config);
+      pid.adopt(FractionalPidDesign(config));
       const double expected = as_before.step(r, y);
       EXPECT_NEAR(pid.step(r, y), expected, 1e-12 * (1 + std::abs(expected))) << lambda << " " << mu;
     }
@@ -400,7 +400,7 @@ TEST(FractionalPid, RetuneInMotionCarriesTheHistoryOver) {
     (void)changed.step(0, path(n));
     (void)always.step(0, path(n));
   }
-  changed.retune(usual(0.72, 0.62));
+  changed.adopt(FractionalPidDesign(usual(0.72, 0.62)));
   forgets.track(always.output());
   double moved = 0, missed = 0, lost = 0;
   const double before = always.output(), before_changed = changed.output();
@@ -430,7 +430,7 @@ TEST(FractionalPid, RetuneInEverySituationKeepsTheOutputFinite) {
     config.sample_time = change % 3 == 0 ? 1e-3 : 2e-3;
     config.derivative_filter_time = change % 2 == 0 ? 0 : 0.02;
     config.anti_windup = change % 2 == 0 ? AntiWindup::back_calculation : AntiWindup::conditional_integration;
-    pid.retune(config);
+    pid.adopt(FractionalPidDesign(config));
     if (change % 9 == 0) pid.track(1);
     for (int n = 0; n < 200; ++n) {
       const auto y = static_cast<float>(random.normal());
@@ -451,18 +451,6 @@ TEST(FractionalPid, ResetAtASignalStartsWithoutAKick) {
   pid.reset();
   // The difference of 20 within 1 ms.
   EXPECT_NEAR(pid.step(20, 20), -0.05 * 20 / 1e-3, 1e-9);
-}
-
-TEST(FractionalPid, ComputeCommandChecksTheStep) {
-  FractionalPid<double> pid(usual());
-  FractionalPid<double> same(usual());
-  for (int n = 0; n < 100; ++n) EXPECT_EQ(pid.compute_command(0.01 * n, 1e-3), same.step(0.01 * n, 0));
-  EXPECT_EQ(pid.dt_violations(), 0);
-  (void)pid.compute_command(0, 1.005e-3);
-  EXPECT_EQ(pid.dt_violations(), 0);
-  (void)pid.compute_command(0, 2e-3);
-  (void)pid.compute_command(0, nan);
-  EXPECT_EQ(pid.dt_violations(), 2);
 }
 
 // A sum of 10^7 equal increments in float, added plainly, stops growing at 2^24 increments' worth of digits.

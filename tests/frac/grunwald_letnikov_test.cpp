@@ -85,52 +85,6 @@ TEST(GrunwaldLetnikov, WeightsByExpansionJoinThoseByRecurrence) {
   }
 }
 
-// Samples of one size and sign are the worst there are: the bound is reached.
-TEST(GrunwaldLetnikov, ShortMemoryKeepsItsBoundAndReachesIt) {
-  const double h = 0.1;
-  support::Random random(2);
-  std::vector<double> noise(400);
-  for (double& each : noise) each = random.uniform(-3, 3);
-  const std::vector<double> constant(400, 3.0);
-  for (const double order : {-1.5, -0.4, 0.3, 0.5, 0.9, 1.7, 2.4}) {
-    for (const std::size_t memory : {3u, 20u, 150u, 399u}) {
-      const double bound = frac::short_memory_bound(order, h, memory, 3, 400);
-      const auto deviation = [&](const std::vector<double>& samples) {
-        return std::abs(frac::grunwald_letnikov_derivative(samples, order, h, memory).back() -
-                        frac::grunwald_letnikov_derivative(samples, order, h).back());
-      };
-      const double rounding = 1e4 * eps * std::pow(h, -order) * (order < 0 ? 1e4 : 10);
-      EXPECT_NEAR(deviation(constant), bound, rounding) << order << " " << memory;
-      EXPECT_LE(deviation(noise), bound + rounding) << order << " " << memory;
-      if (order > 0) {
-        EXPECT_GE(frac::short_memory_bound(order, h, memory, 3), bound);
-      } else {
-        EXPECT_TRUE(std::isinf(frac::short_memory_bound(order, h, memory, 3)));
-      }
-    }
-  }
-}
-
-TEST(GrunwaldLetnikov, ShortMemoryLengthIsTheSmallestThatKeepsTheError) {
-  for (const double order : {0.3, 0.5, 1.2, 2.0}) {
-    const std::uint64_t length = frac::short_memory_length(order, 0.01, 2, 1e-3);
-    EXPECT_LE(frac::short_memory_bound(order, 0.01, length, 2), 1e-3) << order;
-    if (static_cast<double>(length) - 1 >= order) {
-      EXPECT_GT(frac::short_memory_bound(order, 0.01, length - 1, 2), 1e-3) << order;
-    }
-    // Podlubny's (7.14): memory in seconds (M/(error |Gamma(1 - q)|))^(1/q), to the leading order in 1/length.
-    if (order < 1) {
-      const double seconds = std::pow(2 / (1e-3 * std::tgamma(1 - order)), 1 / order);
-      EXPECT_NEAR(static_cast<double>(length) * 0.01 / seconds, 1, 1e-3);
-    }
-  }
-  expect_invalid_argument([] { (void)frac::short_memory_length(-0.5, 1, 1, 1); }, {"order = -0.5"});
-  expect_invalid_argument([] { (void)frac::short_memory_length(0.5, 1, 1, 0); }, {"error = 0"});
-  expect_invalid_argument([] { (void)frac::short_memory_length(0.1, 1, 1, 1e-9); }, {"more than 2^53"});
-  expect_invalid_argument([] { (void)frac::short_memory_bound(2.5, 1, 2, 1); }, {"memory_length = 2"});
-  expect_invalid_argument([] { (void)frac::short_memory_bound(0.5, 1, 2, -1); }, {"largest_sample = -1"});
-}
-
 TEST(GrunwaldLetnikov, WholeOrdersGiveBinomialCoefficients) {
   EXPECT_EQ(frac::grunwald_letnikov_weights(0, 3), (std::vector<double>{1, 0, 0, 0}));
   EXPECT_EQ(frac::grunwald_letnikov_weights(3, 5), (std::vector<double>{1, -3, 3, -1, 0, 0}));

@@ -310,6 +310,34 @@ TEST(Prabhakar, AgreesWithTheSeriesInHighPrecision) {
   }
 }
 
+// The bound of the header over all that it covers.
+TEST(Prabhakar, KeepsItsBoundAtRandomOrders) {
+  Random random(11);
+  for (int orders = 0; orders < 100; ++orders) {
+    const double alpha = random.uniform(0.2, 2);
+    const double beta = random.uniform(-10, 10);
+    const double gamma = random.uniform(0.05, 10);
+    const double largest = alpha < 0.4 ? 8 : 20;
+    const SeriesReference reference(alpha, beta, gamma, largest);
+    for (int i = 0; i < 16; ++i) {
+      const double radius = std::pow(random.log_uniform(1e-2, largest), alpha);
+      const Complex z = i % 4 == 0 ? -radius : std::polar(radius, random.uniform(-pi, pi));
+      const auto exact = reference(z);
+      EXPECT_LE(std::abs(frac::prabhakar(alpha, beta, gamma, z) - exact.value),
+                100 * allowed(exact.value, exact.condition))
+          << alpha << " " << beta << " " << gamma << z;
+    }
+  }
+  // A root close to the path's corner, where the power multiplies roundings most.
+  const SeriesReference reference(0.58, 1, 8.5, 25);
+  for (const double angle : {-1.2, -1.1, 0.9, 1.3}) {
+    const Complex z = std::polar(std::pow(25, 0.58), angle);
+    const auto exact = reference(z);
+    EXPECT_LE(std::abs(frac::prabhakar(0.58, 1, 8.5, z) - exact.value), 100 * allowed(exact.value, exact.condition))
+        << z;
+  }
+}
+
 // d/dz E^g_{a,b} = g E^{g+1}_{a,b+a}, and for a = 1: E^g_{1,g}(z) = e^z/Gamma(g).
 TEST(Prabhakar, ReducesToTheExponential) {
   for (const double gamma : {0.5, 1.0, 2.0, 3.5}) {

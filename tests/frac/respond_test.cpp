@@ -230,18 +230,18 @@ TEST(Respond, OneByOneInBlocksAndAgainIsTheSame) {
       for (int round = 0; round < 2; ++round) {
         std::vector<double> pieces(samples.size());
         std::size_t n = 0;
-        for (; n < 77; ++n) pieces[n] = filter(samples[n]);
-        filter(std::span<const double>(samples).subspan(n, 350), std::span<double>(pieces).subspan(n, 350));
-        for (n += 350; n < samples.size(); ++n) pieces[n] = filter(samples[n]);
+        for (; n < 77; ++n) pieces[n] = filter.step(samples[n]);
+        filter.run(std::span<const double>(samples).subspan(n, 350), std::span<double>(pieces).subspan(n, 350));
+        for (n += 350; n < samples.size(); ++n) pieces[n] = filter.step(samples[n]);
         for (std::size_t i = 0; i < samples.size(); ++i) EXPECT_NEAR(pieces[i], whole[i], 1e-12) << text << " " << i;
         std::vector<double> in_place = samples;
-        ResponseFilter(model, 0.01, 1e-9, hold, 500)(in_place, in_place);
+        ResponseFilter(model, 0.01, 1e-9, hold, 500).run(in_place, in_place);
         EXPECT_EQ(in_place, whole) << text;
         if (round == 0) {
           filter.reset();
         } else {
           filter = untouched;
-          EXPECT_NEAR(filter(samples[0]), whole[0], 1e-15);
+          EXPECT_NEAR(filter.step(samples[0]), whole[0], 1e-15);
         }
       }
     }
@@ -304,5 +304,5 @@ TEST(Respond, RefusesWhatItCannotSimulate) {
   expect_invalid_argument([&] { (void)frac::respond_grunwald_letnikov(model, samples, 1); }, {"samples[2] = nan"});
   std::vector<double> room(1);
   ResponseFilter filter(model, 1);
-  expect_invalid_argument([&] { filter(good, room); }, {"2 samples", "1 values"});
+  expect_invalid_argument([&] { filter.run(good, room); }, {"2 samples", "1 values"});
 }

@@ -189,6 +189,28 @@ TEST(RespondByAnyMethod, EstimatesTheErrorOfEveryMethod) {
   }
 }
 
+// The reference is good to some 1e-13 here, which is granted to it; the estimate is to cover the rest.
+TEST(RespondByAnyMethod, EstimateForSamplesCoversTheErrorOfRandomModels) {
+  support::Random random(21);
+  for (int i = 0; i < 40; ++i) {
+    const double high = random.uniform(0.3, 1.8);
+    const double low = random.uniform(0.1, 1) * high;
+    const FractionalTransferFunction model(
+        {{1, 0}}, {{1, high}, {random.uniform(0.2, 2), low}, {random.uniform(0.1, 1), 0}}, i % 4 == 0 ? 0.13 : 0);
+    SampledInput input{even_times(4, 30), {}, i % 2 == 0 ? Hold::zero_order : Hold::first_order};
+    for (std::size_t n = 0; n < input.time.size(); ++n) input.value.push_back(random.uniform(-1, 1));
+    const auto reference = frac::respond(model, input, input.time, 1e-9, ResponseMethod::reference);
+    for (const double tolerance : {1e-3, 1e-6, 1e-10}) {
+      const auto response = frac::respond(model, input, input.time, tolerance, ResponseMethod::exponential_sum);
+      for (std::size_t n = 0; n < input.time.size(); ++n) {
+        EXPECT_LE(std::abs(response.output[n] - reference.output[n]),
+                  response.error_estimate + reference.error_estimate + 1e-13)
+            << model.formula() << " " << tolerance;
+      }
+    }
+  }
+}
+
 TEST(RespondByAnyMethod, RefusesWhatMakesNoSense) {
   const auto lag = model("1/(s + 1)");
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -216,7 +238,7 @@ TEST(RespondByAnyMethod, RefusesWhatMakesNoSense) {
   expect_invalid_argument([] { (void)frac::respond_bdf2(model("1/(s + s^0.9 + 1)"), std::vector<double>(9, 1.0), 1); },
                           {"more than 8 powers"});
   expect_invalid_argument([&] { (void)frac::respond_ladder(lag, uneven, 1, 0.5); }, {"tolerance = 0.5"});
-  expect_invalid_argument([] { (void)frac::response_method_from_string("best"); }, {"'best'", "bdf2"});
+  expect_invalid_argument([] { (void)frac::response_method_from_string("best"); }, {"\"best\"", "bdf2"});
 }
 
 TEST(HardCases, IntegerOrdersGiveTheClassicalAnswer) {
@@ -259,6 +281,36 @@ TEST(HardCases, UnstableModelsGrowAsTheyMust) {
   const double pole = std::pow(0.5, 1 / 0.6);
   EXPECT_NEAR(std::log(response.output[400] / response.output[300]) / 100, pole, 1e-9);
   EXPECT_TRUE(response.meets_tolerance);
+}
+
+// s^1.5 = 2 at s = 2^(2/3): the response grows as e^(s t) and exceeds a double, e^709.8, after about 709.8/s.  The
+// differences of first and second order put 1 - z and 3/2 - 2 z + z^2/2, z = e^(-rate T), in place of s T, and grow at
+// that rate.  What stands before the exponential, about 1/4, shifts the instant by a second or so.
+TEST(HardCases, OutgrownResponsesAreInfiniteAndNeverNan) {
+  const double step = 0.25;
+  const double pole = std::cbrt(4.0);
+  const std::vector<double> time = even_times(1000, 4000);
+  SampledInput samples{time, std::vector<double>(time.size(), 1.0), Hold::zero_order};
+  for (const auto method : {ResponseMethod::exponential_sum, ResponseMethod::grunwald_letnikov, ResponseMethod::bdf2,
+                            ResponseMethod::ladder}) {
+    for (const frac::TimeInput& input : {frac::TimeInput(ResponseInput{}), frac::TimeInput(samples)}) {
+      SCOPED_TRACE(std::string(frac::to_string(method)));
+      const auto response = frac::respond(model("1/(s^1.5 - 2)"), input, time, 1e-6, method);
+      std::size_t infinite = 0;
+      for (const double value : response.output) {
+        EXPECT_FALSE(std::isnan(value));
+        if (std::isinf(value)) ++infinite;
+        EXPECT_EQ(std::isinf(value), infinite > 0);
+      }
+      const double rate = method == ResponseMethod::grunwald_letnikov ? -std::log(1 - pole * step) / step
+                          : method == ResponseMethod::bdf2 ? -std::log(2 - std::sqrt(1 + 2 * pole * step)) / step
+                                                           : pole;
+      EXPECT_NEAR(static_cast<double>(infinite) * step, 1000 - 709.8 / rate, 4);
+      EXPECT_EQ(response.output.back(), std::numeric_limits<double>::infinity());
+      EXPECT_EQ(response.error_estimate, std::numeric_limits<double>::infinity());
+      EXPECT_FALSE(response.meets_tolerance);
+    }
+  }
 }
 
 TEST(HardCases, OneSampleAndStepsOfAPicosecond) {

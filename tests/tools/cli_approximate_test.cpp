@@ -237,7 +237,7 @@ TEST(Approximate, WrongUsageIsNamed) {
   expect_refusal({"--order", "0.5", "--band", "1:9", "--poles", "0"}, "--poles '0'");
   expect_refusal({"--order", "0.5", "--band", "1:9", "--poles", "99999999999"}, "allowed are 1 to 200");
   expect_refusal({"--order", "0.5", "--band", "1:9", "--poles", "3", "--method", "spline"}, "spline");
-  expect_refusal({"--order", "0.5", "--band", "1:9", "--poles", "3", "--sample-time", "0"}, "sample_time = 0 s");
+  expect_refusal({"--order", "0.5", "--band", "1:9", "--poles", "3", "--sample-time", "0"}, "--sample-time = 0 s");
   expect_refusal({"--order", "0.5", "--band", "1:9", "--poles", "3", "--sample-time", "x"}, "--sample-time 'x'");
   expect_refusal({"--order", "0.5", "--band", "1:9", "--poles", "3", "--sample-time", "1"}, "pi/(2 T) = 1.57");
   expect_refusal({"--order", "0.5", "--band", "1:9", "--poles", "3", "--sample-time", "0.1", "--discretisation", "zoh"},

@@ -30,7 +30,7 @@ struct Scene {
 
 std::vector<std::string> simulate(const Scene& scene, const std::vector<std::string>& more = {}) {
   std::vector<std::string> arguments{"simulate",      "--force",         scene.force, "--clearance", scene.clearance,
-                                     "--restitution", scene.restitution, "--m1",      scene.mass1,   "--m2",
+                                     "--restitution", scene.restitution, "--mass1",      scene.mass1,   "--mass2",
                                      scene.mass2,     "--omega",         scene.omega};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
@@ -53,7 +53,7 @@ TEST(Usage, UnknownSubcommandsAndOptions) {
 TEST(Usage, SlipsOfThePenAreRecognised) {
   expect_failure({"simulat"}, 2, "did you mean simulate?");
   expect_failure({"fti"}, 2, "did you mean fit?");
-  expect_failure(simulate({}, {"--toleranec", "1e-8"}), 2, "unknown option '--toleranec' (did you mean --tolerance?)");
+  expect_failure(simulate({}, {"--orbit-toleranec", "1e-8"}), 2, "unknown option '--orbit-toleranec' (did you mean --orbit-tolerance?)");
   expect_failure(simulate({}, {"--protocoll=sweep-up"}), 2, "(did you mean --protocol?)");
   expect_failure(simulate({}, {"15"}), 2, "unexpected argument '15'");
   // Nothing is near.
@@ -74,8 +74,8 @@ TEST(Usage, NumbersOutOfRangeAreNamed) {
     expect_failure(simulate({.force = value}), 2, "--force");
     expect_failure(simulate({.clearance = value}), 2, "--clearance");
     expect_failure(simulate({.restitution = value}), 2, "--restitution");
-    expect_failure(simulate({.mass1 = value}), 2, "--m1");
-    expect_failure(simulate({.mass2 = value}), 2, "--m2");
+    expect_failure(simulate({.mass1 = value}), 2, "--mass1");
+    expect_failure(simulate({.mass2 = value}), 2, "--mass2");
   }
   expect_failure(simulate({.force = "0"}), 2, "force");
   expect_failure(simulate({.force = "-1"}), 2, "-1");
@@ -84,8 +84,8 @@ TEST(Usage, NumbersOutOfRangeAreNamed) {
   expect_failure(simulate({.restitution = "1.1"}), 2, "1.1");
   expect_failure(simulate({.mass1 = "0"}), 2, "mass");
   expect_failure(simulate({.mass2 = "-2"}), 2, "-2");
-  expect_failure(simulate({}, {"--tolerance", "0"}), 2, "tolerance");
-  expect_failure(simulate({}, {"--tolerance", "nan"}), 2, "tolerance");
+  expect_failure(simulate({}, {"--orbit-tolerance", "0"}), 2, "tolerance");
+  expect_failure(simulate({}, {"--orbit-tolerance", "nan"}), 2, "tolerance");
 }
 
 TEST(Usage, FrequencyGridsMustRiseAndBePositive) {
@@ -103,17 +103,17 @@ TEST(Usage, FrequencyGridsMustRiseAndBePositive) {
 
 TEST(Usage, SpellingsAreCheckedAgainstTheAllowedOnes) {
   expect_failure(simulate({}, {"--protocol", "sideways"}), 2, "sweep-up");
-  expect_failure(simulate({}, {"--output", "x3"}), 2, "x1");
-  expect_failure(simulate({}, {"--model", "quantum"}), 2, "static");
-  expect_failure(simulate({}, {"--model", "static", "--protocol", "sweep-up"}), 2, "no meaning");
-  expect_failure(simulate({}, {"--model", "static", "--output", "x2"}), 2, "x1");
+  expect_failure(simulate({}, {"--body", "x3"}), 2, "x1");
+  expect_failure(simulate({}, {"--motion", "quantum"}), 2, "static");
+  expect_failure(simulate({}, {"--motion", "static", "--protocol", "sweep-up"}), 2, "no meaning");
+  expect_failure(simulate({}, {"--motion", "static", "--body", "x2"}), 2, "x1");
   expect_failure({"simulate", "--force", "1", "--clearance", "1", "--omega", "1"}, 2, "--restitution");
   expect_failure({"jump-law", "--criterion", "guess"}, 2, "two-impact-loss");
   expect_failure({"jump-law", "--force", ""}, 2, "--force");
   expect_failure({"jump-law", "--force", "10"}, 2, "force");
   expect_failure({"jump-law", "--clearance", "0.1,-1"}, 2, "clearance");
   expect_failure({"jump-law", "--restitution", "2"}, 2, "restitution");
-  expect_failure({"jump-law", "--m2", "0"}, 2, "mass");
+  expect_failure({"jump-law", "--mass2", "0"}, 2, "mass");
 }
 
 class FitFailure : public ::testing::Test {
@@ -195,7 +195,7 @@ TEST_F(FitFailure, StaticBacklashNeedsBothNumbers) {
   expect_failure({"identify", folder.write("point.csv", "omega_rad_s,re,im\n1,1,1\n"), "--models", "zarc"}, 1,
                  "no candidate could be fitted");
   expect_failure({"identify", data, "--clearance", "0.3"}, 2, "--force");
-  expect_failure({"identify", data, "--m1", "1"}, 2, "no meaning");
+  expect_failure({"identify", data, "--mass1", "1"}, 2, "no meaning");
   expect_failure({"identify", data, "--models", "power-law,,gain"}, 2, "entry 2 is empty");
   expect_failure({"identify", data, "--models", "power-law,nonsense"}, 2, "presets");
 }

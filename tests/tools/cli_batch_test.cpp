@@ -75,7 +75,7 @@ TEST_F(Batch, OneRowPerFileInOrderAndThePowerLawOfTheData) {
 TEST_F(Batch, ShardsMergedAreTheSingleRunByteForByte) {
   for (const std::string extension : {".csv", ".jsonl"}) {
     const auto single = whole("all" + extension);
-    std::vector<std::string> merge{"merge", folder.path("merged" + extension)};
+    std::vector<std::string> merge{"merge", "--out", folder.path("merged" + extension)};
     for (const char* shard : {"3", "1", "2"}) {
       const auto part = folder.path(std::string("part") + shard + extension);
       EXPECT_EQ(run_fracfit(command({"--shard", std::string(shard) + "/3", "--out", part})).code, 0);
@@ -90,7 +90,7 @@ TEST_F(Batch, ShardsMergedAreTheSingleRunByteForByte) {
 TEST_F(Batch, MoreShardsThanFilesLeaveSomeEmpty) {
   const auto part = folder.path("part.csv");
   EXPECT_EQ(run_fracfit(command({"--shard", "9/9", "--out", part})).code, 0);
-  const auto result = run_fracfit({"merge", folder.path("merged.csv"), part});
+  const auto result = run_fracfit({"merge", "--out", folder.path("merged.csv"), part});
   EXPECT_EQ(result.code, 1);
   EXPECT_NE(result.error.find("7 of 7 files are missing"), std::string::npos) << result.error;
 }
@@ -259,7 +259,7 @@ TEST_F(Batch, MergeRefusesWhatDoesNotBelongTogether) {
   EXPECT_EQ(run_fracfit(command({"--shard", "1/2", "--out", one})).code, 0);
   EXPECT_EQ(run_fracfit(command({"--shard", "2/2", "--seed", "2", "--out", two})).code, 0);
   const auto expect_refusal = [&](const std::vector<std::string>& in, const std::string& part) {
-    std::vector<std::string> arguments{"merge", folder.path("merged.csv")};
+    std::vector<std::string> arguments{"merge", "--out", folder.path("merged.csv")};
     arguments.insert(arguments.end(), in.begin(), in.end());
     const auto result = run_fracfit(arguments);
     EXPECT_EQ(result.code, 3);
@@ -279,7 +279,7 @@ TEST_F(Batch, MergeDoesNotReplaceAnInput) {
   EXPECT_EQ(run_fracfit(command({"--shard", "2/2", "--out", two})).code, 0);
   const auto before = content_of(one);
   for (const auto& again : {one, folder.path("data/../one.csv")}) {
-    const auto result = run_fracfit({"merge", again, one, two});
+    const auto result = run_fracfit({"merge", "--out", again, one, two});
     EXPECT_EQ(result.code, 2);
     EXPECT_NE(result.error.find("is also the input"), std::string::npos) << result.error;
     EXPECT_EQ(content_of(one), before);
@@ -291,7 +291,7 @@ TEST_F(Batch, WhatIsMissingIsNamedAndCanBeDoneAfterwards) {
   const auto one = folder.path("one.csv");
   const auto merged = folder.path("merged.csv");
   EXPECT_EQ(run_fracfit(command({"--shard", "1/2", "--out", one})).code, 0);
-  const auto result = run_fracfit({"merge", merged, one});
+  const auto result = run_fracfit({"merge", "--out", merged, one});
   EXPECT_EQ(result.code, 1);
   EXPECT_NE(result.error.find("3 of 7 files are missing"), std::string::npos) << result.error;
   EXPECT_NE(result.error.find("force_2.csv"), std::string::npos) << result.error;
@@ -329,7 +329,7 @@ TEST_F(Batch, WrongUsageIsNamed) {
   expect_refusal({data, "--model", "power-law", "--bound", "a=2:1"}, "lies above");
   expect_refusal({data, "--model", "power-law", "--power-law", "K"}, "PARAMETER:VARIABLE");
   expect_refusal({data, "--model", "power-law", "--power-law", "b:force_n"}, "'b' is no parameter");
-  expect_refusal({data, "--models", "power-law", "--power-law", "K:force_n"}, "needs --model");
+  expect_refusal({data, "--models", "power-law", "--power-law", "K:force_n"}, "--power-law has no meaning with --models");
   expect_refusal({data, "--model", "rms s^a"}, "two columns 'rms'");
   expect_refusal({data, data, "--model", "power-law"}, "given twice");
   expect_refusal({"-", "--model", "power-law"}, "not standard input");

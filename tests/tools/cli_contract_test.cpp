@@ -118,8 +118,8 @@ TEST(Simulate, ColumnsAndHeaderAreThoseOfTheContract) {
 }
 
 TEST(Simulate, JoinedMassesMoveAsOne) {
-  const auto rows = rows_of(successful({"simulate", "--force", "40", "--clearance", "0", "--restitution", "0.6", "--m1",
-                                        "2", "--m2", "3", "--omega", "1,10"}));
+  const auto rows = rows_of(successful({"simulate", "--force", "40", "--clearance", "0", "--restitution", "0.6", "--mass1",
+                                        "2", "--mass2", "3", "--omega", "1,10"}));
   ASSERT_EQ(rows.size(), 2U);
   for (const auto& row : rows) {
     const double omega = std::stod(row[0]);
@@ -133,7 +133,7 @@ TEST(Simulate, JoinedMassesMoveAsOne) {
 TEST(Simulate, TheStaticCurveVanishesWhereThePlayIsNotCrossed) {
   // X = F/((M1 + M2) w^2) <= Delta/2 from w = sqrt(2 F/(Delta (M1 + M2))) = 11.547 rad/s upwards.
   const auto rows = rows_of(
-      successful({"simulate", "--force", "40", "--clearance", "0.3", "--model", "static", "--omega", "11.5,11.6"}));
+      successful({"simulate", "--force", "40", "--clearance", "0.3", "--motion", "static", "--omega", "11.5,11.6"}));
   ASSERT_EQ(rows.size(), 2U);
   EXPECT_NE(std::stod(rows[0][2]), 0);
   EXPECT_EQ(std::stod(rows[1][1]), 0);
@@ -160,8 +160,8 @@ TEST(Simulate, JsonHoldsTheNumbersOfTheCsv) {
 
 TEST(Simulate, TheForcedMassMovesWithItsReaction) {
   // Passivity: Im N1 = -(M2/M1) Im N2.
-  const auto x1 = rows_of(successful(with(scene, {"--m1", "2", "--omega", "5,25", "--output", "x1"})));
-  const auto x2 = rows_of(successful(with(scene, {"--m1", "2", "--omega", "5,25", "--output", "x2"})));
+  const auto x1 = rows_of(successful(with(scene, {"--mass1", "2", "--omega", "5,25", "--body", "x1"})));
+  const auto x2 = rows_of(successful(with(scene, {"--mass1", "2", "--omega", "5,25", "--body", "x2"})));
   for (std::size_t i = 0; i < 2; ++i) EXPECT_NEAR(std::stod(x1[i][2]) / std::stod(x2[i][2]), -0.5, 1e-9);
 }
 
@@ -357,7 +357,7 @@ TEST(Identify, TheCommandInTheResultGivesTheSameResult) {
 
 TEST(JumpLaw, ContactAtRestFollowsTheLimitFrequencyExactly) {
   // w_J = w_L = sqrt(2 F/(M2 Delta)) at every restitution, so a = sqrt(2/M2) Delta^-1/2 and b = 1/2 but for rounding.
-  const auto json = successful_json({"jump-law", "--criterion", "contact-at-rest", "--m2", "4"});
+  const auto json = successful_json({"jump-law", "--criterion", "contact-at-rest", "--mass2", "4"});
   expect_keys(json,
               {"fracfit", "command", "points", "laws", "a_of_clearance", "b_of_clearance", "published", "similarity"});
   EXPECT_EQ(json["points"].size(), 5U * 8U * 6U);

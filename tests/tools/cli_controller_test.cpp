@@ -139,7 +139,7 @@ TEST(Controller, ModelsBecomeFilters) {
     return std::abs(rate - expected) < 1e-14;
   })) << pairs;
   const Json brief = json_of({"controller", "--model", "1/(0.8 s^2.2 + 0.5 s^0.9 + 1)", "--sample-time", "0.01",
-                              "--tolerance", "1e-4", "--horizon", "1e4"});
+                              "--tolerance", "1e-4", "--sample-count", "1e4"});
   EXPECT_LT(brief["sections"].size(), plant["sections"].size() / 2);
   const Json power = json_of({"controller", "--model", "2 s^0.5", "--sample-time", "1e-3", "--band", "0.1:300"});
   const Complex delta = std::polar(1.0, 0.01) - 1.0;
@@ -201,15 +201,15 @@ TEST(Controller, WrongUsageIsNamed) {
     expect_refusal({"controller", "--model", "1/(s^2 - s + 1)", "--sample-time", "0.01", "--format", format},
                    "the model is unstable, with poles at 0.5 +- 0.866");
   }
-  expect_refusal(with(pid, {"--model", "1/s"}), "--kp is for a PID; the filter of a --model has none");
+  expect_refusal(with(pid, {"--model", "1/s"}), "--kp has no meaning with --model");
   expect_refusal({"controller", "--kp", "1", "--lambda", "2", "--sample-time", "1"}, "lambda = 2");
   expect_refusal({"controller", "--ki", "1", "--lambda", "0.5", "--sample-time", "1", "--band", "5:9"},
                  "begins where sample time 1 s ends");
   for (const std::string option : {"--min", "--lambda", "--anti-windup", "--swing"})
     expect_refusal({"controller", "--model", "1/(s + 1)", "--sample-time", "1", option,
                     option == "--anti-windup" ? "none" : "0.5"},
-                   option + " is for a PID");
-  expect_refusal(with(pid, {"--horizon", "1e5"}), "--horizon is for --model");
+                   option + " has no meaning with --model");
+  expect_refusal(with(pid, {"--sample-count", "1e5"}), "--sample-count has no meaning without --model");
   expect_refusal({"controller", "--model", "s^0.5", "--sample-time", "1"}, "--band is required for a power");
   expect_refusal({"controller", "--model", "s + 1", "--sample-time", "1"}, "proper");
   expect_refusal({"controller", "--model", "s^0.5 + 1", "--sample-time", "1", "--band", "0.01:1"}, "grows as s^0.5");

@@ -154,7 +154,7 @@ TEST_F(FitStatistics, WrongUsageIsNamed) {
   };
   expect_refusal(fit({}), "either --model or --grow");
   expect_refusal(fit({"--model", "gain", "--grow", "arcs"}), "either --model or --grow");
-  expect_refusal(fit({"--grow", "trees"}), "powers, denominator or arcs");
+  expect_refusal(fit({"--grow", "trees"}), "powers, denominator, arcs or rational");
   expect_refusal(fit({"--grow", "arcs", "--fix", "R0=1"}), "--fix has no meaning with --grow");
   expect_refusal(fit({"--model", "gain", "--bootstrap", "19"}), "--bootstrap '19'");
   expect_refusal({"identify", data, "--folds", "1"}, "--folds '1'");

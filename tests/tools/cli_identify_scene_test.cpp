@@ -16,8 +16,8 @@ using Json = nlohmann::ordered_json;
 std::string simulated(const TemporaryFolder& folder, const std::string& force, const std::string& omega,
                       const std::vector<std::string>& more = {}) {
   const std::string file = folder.path("f" + force + ".csv");
-  std::vector<std::string> arguments{"simulate", "--force", force, "--clearance", "0.3", "--restitution", "0.6", "--m1",
-                                     "2",        "--m2",    "1",   "--omega",     omega, "--out",         file};
+  std::vector<std::string> arguments{"simulate", "--force", force, "--clearance", "0.3", "--restitution", "0.6", "--mass1",
+                                     "2",        "--mass2",    "1",   "--omega",     omega, "--out",         file};
   arguments.insert(arguments.end(), more.begin(), more.end());
   const auto result = run_fracfit(arguments);
   EXPECT_EQ(result.code, 0) << result.error;
@@ -64,7 +64,7 @@ TEST_F(IdentifyScene, SaysWhatIsNotIdentified) {
 }
 
 TEST_F(IdentifyScene, TakesTheMassFromTheFiles) {
-  const auto file = simulated(folder, "30", "18:33:25log", {"--output", "x2"});
+  const auto file = simulated(folder, "30", "18:33:25log", {"--body", "x2"});
   const auto result = run_fracfit({"identify-scene", file, "--format", "json"});
   ASSERT_EQ(result.code, 0) << result.error;
   const auto json = Json::parse(result.output);
@@ -83,7 +83,7 @@ TEST_F(IdentifyScene, RefusesWrongInput) {
   expect_failure({}, 2, "DATA");
   expect_failure({folder.path("none.csv")}, 3, "none.csv");
   expect_failure({weak, strong, "--force", "1,2,3"}, 2, "--force names 3");
-  expect_failure({weak, "--force", "-1"}, 2, "force_amplitude");
+  expect_failure({weak, "--force", "-1"}, 2, "--force is -1");
   expect_failure({weak, "--fix", "mass3=1"}, 2, "mass3");
   expect_failure({weak, "--fix", "mass1"}, 2, "NAME=VALUE");
   expect_failure({weak, "--fix", "restitution=2"}, 2, "restitution");

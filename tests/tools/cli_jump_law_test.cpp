@@ -99,7 +99,7 @@ TEST(Simulate, DiagnosticsAreColumnsAfterTheOthers) {
     EXPECT_NE(more.output.find("\n" + plain.output.substr(from, end - from) + ",", rows), std::string::npos);
     from = end + 1;
   }
-  EXPECT_EQ(run_fracfit({"simulate", "--force", "40", "--clearance", "0.3", "--omega", "8:20:5", "--model", "static",
+  EXPECT_EQ(run_fracfit({"simulate", "--force", "40", "--clearance", "0.3", "--omega", "8:20:5", "--motion", "static",
                          "--diagnostics"})
                 .code,
             2);
@@ -114,7 +114,7 @@ TEST(Simulate, FrequenciesThatLeaveTheRangeOfNumbersAreRefused) {
   }
   for (const std::string omega : {"1e140", "1e-140", "1e20", "1e-9", "1e9"}) {
     const auto result = run_fracfit({"simulate", "--force", "40", "--clearance", "0.3", "--restitution", "0.6",
-                                     "--omega", omega, "--output", "x2"});
+                                     "--omega", omega, "--body", "x2"});
     EXPECT_EQ(result.code, 0) << result.error;
     EXPECT_EQ(result.output.find("nan"), std::string::npos) << result.output;
   }

@@ -26,7 +26,8 @@ TEST(Map, WritesARowPerPointWithScene) {
     if (!has_columns) {
       EXPECT_EQ(line,
                 "restitution,omega_rad_s,re_m_per_n,im_m_per_n,regime,period,impacts_per_period,uncertainty_m_per_n,"
-                "third_harmonic_ratio,even_harmonic_ratio,energy_defect,lyapunov_exponent");
+                "third_harmonic_ratio,even_harmonic_ratio,energy_defect,lyapunov_exponent,periods_followed,transient_possible,"
+                "force_sensitivity");
       has_columns = true;
       continue;
     }
@@ -65,18 +66,18 @@ TEST(Map, ShardsJoinToTheWholeInAnyOrder) {
   run("2.csv", {"--shard", "2/3"});
   run("3.csv", {"--shard", "3/3"});
   const auto joined = run_fracfit(
-      {"merge", folder.path("joined.csv"), folder.path("3.csv"), folder.path("1.csv"), folder.path("2.csv")});
+      {"merge", "--out", folder.path("joined.csv"), folder.path("3.csv"), folder.path("1.csv"), folder.path("2.csv")});
   ASSERT_EQ(joined.code, 0) << joined.error;
   EXPECT_EQ(content_of(folder.path("joined.csv")), content_of(folder.path("whole.csv")));
 
-  const auto missing = run_fracfit({"merge", "-", folder.path("1.csv"), folder.path("3.csv")});
+  const auto missing = run_fracfit({"merge", "--out", "-", folder.path("1.csv"), folder.path("3.csv")});
   EXPECT_EQ(missing.code, 3);
   EXPECT_NE(missing.error.find("shard 2/3 is missing"), std::string::npos) << missing.error;
-  const auto twice = run_fracfit({"merge", "-", folder.path("1.csv"), folder.path("1.csv")});
+  const auto twice = run_fracfit({"merge", "--out", "-", folder.path("1.csv"), folder.path("1.csv")});
   EXPECT_EQ(twice.code, 3);
   EXPECT_NE(twice.error.find("shard 1"), std::string::npos) << twice.error;
   run("other.csv", {"--shard", "2/3", "--protocol", "sweep-down"});
-  const auto other = run_fracfit({"merge", "-", folder.path("1.csv"), folder.path("other.csv")});
+  const auto other = run_fracfit({"merge", "--out", "-", folder.path("1.csv"), folder.path("other.csv")});
   EXPECT_EQ(other.code, 3);
   EXPECT_NE(other.error.find("another command"), std::string::npos) << other.error;
 }
@@ -86,7 +87,7 @@ TEST(Map, SaysWhatIsWrong) {
            {{"--restitution", "0.2,1.5"}, "restitution[1] is 1.5"},
            {{"--restitution", "0.2", "--shard", "2/2"}, "only 1 restitutions"},
            {{"--restitution", "0.2", "--shard", "3/2"}, "--shard"},
-           {{"--restitution", "0.2", "--mean-tolerance", "2"}, "mean_tolerance"},
+           {{"--restitution", "0.2", "--mean-tolerance", "2"}, "--mean-tolerance"},
            {{"--restitution", "0.2", "--protocol", "sideways"}, "sideways"},
            {{}, "--restitution"}}) {
     const auto result = run_fracfit(map(more));

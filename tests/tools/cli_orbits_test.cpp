@@ -48,7 +48,7 @@ TEST(Orbits, WritesBranchesWithStabilityAndBifurcations) {
 
 TEST(Orbits, CsvRowsHoldTheSameInTheOrderOfTheBranch) {
   const auto result = run_fracfit(orbits(
-      {"--from", "16", "--to", "20", "--force", "40", "--clearance", "0.3", "--m1", "2", "--longest-period", "1"}));
+      {"--from", "16", "--to", "20", "--force", "40", "--clearance", "0.3", "--mass1", "2", "--longest-period", "1"}));
   ASSERT_EQ(result.code, 0) << result.error;
   std::istringstream lines(result.output);
   std::string line;
@@ -111,11 +111,11 @@ TEST(Orbits, HoldsAllButWhatChanges) {
   };
   refused({"orbits", "--parameter", "force", "--force", "3", "--restitution", "0.6", "--omega", "1", "--from", "0.2",
            "--to", "0.6"},
-          "--force is what changes");
+          "--force has no meaning with --parameter force, which is what changes");
   refused({"orbits", "--parameter", "restitution", "--restitution", "0.6", "--omega", "1", "--from", "0", "--to", "1"},
-          "--restitution is what changes");
+          "--restitution has no meaning with --parameter restitution, which is what changes");
   refused({"orbits", "--parameter", "force", "--restitution", "0.6", "--from", "0.2", "--to", "0.6"},
-          "--omega is missing");
+          "--parameter force needs --omega");
 }
 
 }  // namespace

@@ -67,11 +67,11 @@ TEST(Scenes, ShardsJoinToTheWhole) {
   run("2.csv", {"--shard", "2/4"});
   run("3.csv", {"--shard", "3/4"});
   run("4.csv", {"--shard", "4/4"});
-  const auto joined = run_fracfit({"merge", folder.path("joined.csv"), folder.path("4.csv"), folder.path("1.csv"),
+  const auto joined = run_fracfit({"merge", "--out", folder.path("joined.csv"), folder.path("4.csv"), folder.path("1.csv"),
                                    folder.path("3.csv"), folder.path("2.csv")});
   ASSERT_EQ(joined.code, 0) << joined.error;
   EXPECT_EQ(content_of(folder.path("joined.csv")), content_of(folder.path("whole.csv")));
-  const auto missing = run_fracfit({"merge", "-", folder.path("1.csv"), folder.path("2.csv"), folder.path("4.csv")});
+  const auto missing = run_fracfit({"merge", "--out", "-", folder.path("1.csv"), folder.path("2.csv"), folder.path("4.csv")});
   EXPECT_EQ(missing.code, 3);
   EXPECT_NE(missing.error.find("shard 3/4 is missing"), std::string::npos) << missing.error;
 }
@@ -81,20 +81,20 @@ TEST(Scenes, ASingleCurveIsNoShard) {
   const auto single = run_fracfit({"simulate", "--force", "40", "--clearance", "0.3", "--restitution", "0.6", "--omega",
                                    "5:35:3", "--out", folder.path("single.csv")});
   ASSERT_EQ(single.code, 0) << single.error;
-  const auto result = run_fracfit({"merge", "-", folder.path("single.csv")});
+  const auto result = run_fracfit({"merge", "--out", "-", folder.path("single.csv")});
   EXPECT_EQ(result.code, 3);
   EXPECT_NE(result.error.find("holds a single curve"), std::string::npos) << result.error;
 }
 
 TEST(Scenes, SaysWhatIsWrong) {
   for (const auto& [more, part] : std::vector<std::pair<std::vector<std::string>, std::string>>{
-           {{"--force", "20,40,20"}, "--force holds 20 twice"},
+           {{"--force", "20,40,20"}, "--force '20,40,20': holds 20 twice"},
            {{"--force", "20,5"}, "--force '20,5': expected one number with a decimal point"},
-           {{"--force", "20,30,-1"}, "force_amplitude is -1"},
+           {{"--force", "20,30,-1"}, "--force is -1"},
            {{"--force", "1:2:1e7"}, "expected at most 10000000"},
            {{"--force", "20", "--shard", "3/3"}, "only 2 scenes"},
            {{"--force", "20", "--shard", "3/2"}, "--shard"},
-           {{"--force", "20", "--shard", "1/2", "--format", "json"}, "--shard is for CSV"}}) {
+           {{"--force", "20", "--shard", "1/2", "--format", "json"}, "--shard has no meaning with --format json"}}) {
     const auto result = run_fracfit(simulate(more));
     EXPECT_EQ(result.code, 2) << part;
     EXPECT_NE(result.error.find(part), std::string::npos) << result.error;

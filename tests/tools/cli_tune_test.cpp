@@ -17,7 +17,7 @@ using Json = nlohmann::ordered_json;
 using Complex = std::complex<double>;
 
 TEST(CliTune, PrintsAControllerThatKeepsWhatWasAsked) {
-  const auto result = run_fracfit({"tune", "--plant", "1/(s^1.5 + 1)", "--crossover", "3", "--phase-margin", "55",
+  const auto result = run_fracfit({"tune", "--model", "1/(s^1.5 + 1)", "--crossover", "3", "--phase-margin", "55",
                                    "--flat-phase", "--max-sensitivity", "1.7"});
   ASSERT_EQ(result.code, 0) << result.error;
   const Json json = Json::parse(result.output);
@@ -38,7 +38,7 @@ TEST(CliTune, PrintsAControllerThatKeepsWhatWasAsked) {
 }
 
 TEST(CliTune, SaysWhereTheOrderOfDifferentiationIsHeldBack) {
-  const std::vector<std::string> steep{"tune", "--plant",        "1/(s + 1)", "--crossover",
+  const std::vector<std::string> steep{"tune", "--model",        "1/(s + 1)", "--crossover",
                                        "10",   "--phase-margin", "85",        "--flat-phase"};
   const auto held = run_fracfit(steep);
   ASSERT_EQ(held.code, 0) << held.error;
@@ -55,18 +55,18 @@ TEST(CliTune, SaysWhereTheOrderOfDifferentiationIsHeldBack) {
 }
 
 TEST(CliTune, SaysWhatIsWrongAndWhatIsNotReached) {
-  const auto wrong = run_fracfit({"tune", "--plant", "1/(s + 1)", "--phase-margin", "50"});
+  const auto wrong = run_fracfit({"tune", "--model", "1/(s + 1)", "--phase-margin", "50"});
   EXPECT_EQ(wrong.code, 2);
   EXPECT_NE(wrong.error.find("needs the crossover"), std::string::npos) << wrong.error;
   for (const auto& [option, value, part] : std::vector<std::tuple<std::string, std::string, std::string>>{
            {"--phase-margin", "200", "--phase-margin 200: expected an angle above 0 and below 180 degrees"},
            {"--high-frequency", "10", "--high-frequency '10': expected W:GAIN"}}) {
-    const auto refused = run_fracfit({"tune", "--plant", "1/(s + 1)", "--crossover", "1", option, value});
+    const auto refused = run_fracfit({"tune", "--model", "1/(s + 1)", "--crossover", "1", option, value});
     EXPECT_EQ(refused.code, 2);
     EXPECT_NE(refused.error.find(part), std::string::npos) << refused.error;
   }
   const auto impossible =
-      run_fracfit({"tune", "--plant", "exp(-1 s)/(s + 1)", "--crossover", "50", "--max-sensitivity", "1.2"});
+      run_fracfit({"tune", "--model", "exp(-1 s)/(s + 1)", "--crossover", "50", "--max-sensitivity", "1.2"});
   EXPECT_EQ(impossible.code, 1);
   EXPECT_EQ(Json::parse(impossible.output)["status"], "not-met");
 }

@@ -9,7 +9,29 @@ function(fracfit_library name)
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
                                               $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  fracfit_precompiled(${target})
   fracfit_warnings(${target})
+endfunction()
+
+# Parses the standard headers that most files include once: for all libraries together, and for each program, which the
+# compiler takes for position-independent in another way.  A file still includes what it uses.  Files with compile options
+# of their own stay out of it.
+function(fracfit_precompiled target)
+  set(headers <algorithm> <array> <cmath> <complex> <cstddef> <cstdint> <cstdio> <functional> <limits> <map> <memory>
+      <numbers> <numeric> <optional> <span> <stdexcept> <string> <string_view> <utility> <vector>)
+  get_target_property(type ${target} TYPE)
+  if(type STREQUAL "EXECUTABLE")
+    target_precompile_headers(${target} PRIVATE ${headers})
+    return()
+  endif()
+  if(NOT TARGET fracfit_standard_headers)
+    file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/standard_headers.cpp CONTENT "")
+    add_library(fracfit_standard_headers OBJECT ${PROJECT_BINARY_DIR}/standard_headers.cpp)
+    target_compile_features(fracfit_standard_headers PRIVATE cxx_std_20)
+    fracfit_warnings(fracfit_standard_headers)
+    target_precompile_headers(fracfit_standard_headers PRIVATE ${headers})
+  endif()
+  target_precompile_headers(${target} REUSE_FROM fracfit_standard_headers)
 endfunction()
 
 function(fracfit_warnings target)

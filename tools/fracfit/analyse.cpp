@@ -1,29 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
-#include <memory>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
 
-#include "aligned_table.hpp"
-#include "common_options.hpp"
-#include "exit_code.hpp"
 #include "frac/model/algebra.hpp"
 #include "frac/stability.hpp"
-#include "io/sweep_file.hpp"
-#include "json_number.hpp"
+#include "options/model_options.hpp"
+#include "output/aligned_table.hpp"
+#include "output/json.hpp"
 #include "report/model_figures.hpp"
 #include "subcommand.hpp"
 
 namespace fracfit {
 namespace {
-
-struct AnalyseOptions {
-  CommonOptions common;
-  std::string model, feedback, pictures;
-};
 
 struct Analysis {
   frac::FractionalTransferFunction model;
@@ -34,10 +25,7 @@ struct Analysis {
   std::optional<frac::ClosedLoopStability> closed_loop;  // empty where the loop does not fall below 1
 };
 
-Analysis analysis_of(const AnalyseOptions& given) {
-  auto model = frac::FractionalTransferFunction::parse(given.model);
-  if (!given.feedback.empty())
-    model = frac::simplified(frac::feedback(model, frac::FractionalTransferFunction::parse(given.feedback)));
+Analysis analysis_of(const frac::FractionalTransferFunction& model) {
   Analysis result{model,
                   frac::analyse_stability(model),
                   frac::h_infinity_norm(model),
@@ -53,41 +41,41 @@ Analysis analysis_of(const AnalyseOptions& given) {
 }
 
 Json complex_number(std::complex<double> value) {
-  return {{"re", number(value.real())}, {"im", number(value.imag())}};
+  return {{"re", value.real()}, {"im", value.imag()}};
 }
 
 Json crossovers(const std::vector<frac::Crossover>& list, const char* margin) {
   Json array = Json::array();
-  for (const auto& crossover : list) array.push_back({{"omega", number(crossover.omega)}, {margin, crossover.margin}});
+  for (const auto& crossover : list) array.push_back({{"omega", crossover.omega}, {margin, crossover.margin}});
   return array;
 }
 
 std::string json_text(const Analysis& result, const std::string& command) {
-  Json json{{"fracfit", io::version()}, {"command", command}, {"model", result.model.formula()}};
+  Json json = origin(command);
+  json["model"] = result.model.formula();
   json["stability"] = frac::to_string(result.stability.stability);
-  json["poles"] = Json::array();
+  Json& poles = json["poles"] = Json::array();
   for (const auto& pole : result.stability.poles) {
     Json entry = complex_number(pole.value);
     entry["multiplicity"] = pole.multiplicity;
     entry["cancelled"] = pole.cancelled;
-    json["poles"].push_back(entry);
+    poles.push_back(entry);
   }
-  const auto& order = result.stability.commensurate_order;
-  json["commensurate_order"] = order ? Json(*order) : Json(nullptr);
-  json["sheet_roots"] = Json::array();
+  json["commensurate_order"] = result.stability.commensurate_order;
+  Json& sheet_roots = json["sheet_roots"] = Json::array();
   for (const auto& root : result.stability.sheet_roots) {
     Json entry = complex_number(root.lambda);
     entry["multiplicity"] = root.multiplicity;
     entry["on_principal_sheet"] = root.on_principal_sheet;
     entry["stable"] = root.stable;
-    json["sheet_roots"].push_back(entry);
+    sheet_roots.push_back(entry);
   }
-  json["h2_norm"] = number(result.h2);
-  json["h_infinity_norm"] = {{"gain", number(result.peak.gain)}, {"omega", number(result.peak.omega)}};
-  json["margins"] = {{"gain_margin", number(result.margins.gain_margin)},
-                     {"gain_reduction", number(result.margins.gain_reduction)},
-                     {"phase_margin_rad", number(result.margins.phase_margin)},
-                     {"delay_margin_s", number(result.margins.delay_margin)},
+  json["h2_norm"] = result.h2;
+  json["h_infinity_norm"] = {{"gain", result.peak.gain}, {"omega", result.peak.omega}};
+  json["margins"] = {{"gain_margin", result.margins.gain_margin},
+                     {"gain_reduction", result.margins.gain_reduction},
+                     {"phase_margin_rad", result.margins.phase_margin},
+                     {"delay_margin_s", result.margins.delay_margin},
                      {"gain_crossovers", crossovers(result.margins.phase, "phase_margin_rad")},
                      {"phase_crossovers", crossovers(result.margins.gain, "gain_margin")},
                      {"remark", result.margins.remark}};
@@ -96,7 +84,7 @@ std::string json_text(const Analysis& result, const std::string& command) {
     json["unity_feedback"] = {{"stability", frac::to_string(result.closed_loop->stability)},
                               {"unstable_poles", result.closed_loop->unstable_poles}};
   }
-  return json.dump(2) + "\n";
+  return json.dump() + "\n";
 }
 
 std::string complex_text(std::complex<double> value) {
@@ -143,15 +131,15 @@ std::string table_text(const Analysis& result) {
 
 // Scripts, SVG and PNG of the diagrams, into the folder. @return false with a message where gnuplot is missing or
 // fails.
-bool draw_pictures(const AnalyseOptions& given, const frac::FractionalTransferFunction& model) {
-  const std::filesystem::path folder(given.pictures);
+bool draw_pictures(const Command& command, const std::filesystem::path& folder,
+                   const frac::FractionalTransferFunction& model) {
   const auto gnuplot = report::find_gnuplot();
   std::string trouble = gnuplot ? "" : "gnuplot was not found; the scripts are written";
   for (const report::Figure& figure : report::model_figures(model, "model")) {
     report::write_script(figure, folder);
     if (gnuplot && trouble.empty()) trouble = report::draw(*gnuplot, folder, figure.name);
   }
-  if (!trouble.empty()) say(given.common, trouble);
+  if (!trouble.empty()) command.say(trouble);
   return trouble.empty();
 }
 
@@ -163,45 +151,48 @@ void make_folder(const std::string& path) {
   if (trouble) throw std::invalid_argument("--pictures " + path + ": cannot be made a folder: " + trouble.message());
 }
 
-int analyse(const AnalyseOptions& given) {
-  if (!given.pictures.empty()) make_folder(given.pictures);
-  const io::OutputFile file(given.common.out);
-  const Analysis result = analysis_of(given);
-  CommandLine line("analyse");
-  line.option("--model", given.model);
-  if (!given.feedback.empty()) line.option("--feedback", given.feedback);
-  const std::string& command = line.text();
-  file.write(chosen_format(given.common, "json") == "table" ? table_text(result) : json_text(result, command));
-  const bool drawn = given.pictures.empty() || draw_pictures(given, result.model);
-  return drawn && result.stability.stability != frac::Stability::undetermined ? usable_result : no_usable_result;
-}
+class Analyse : public Command {
+ public:
+  Analyse() : Command("analyse", "Poles, stability, norms and margins of a fractional transfer function") {
+    Options& o = options();
+    add_model(o, model_).required();
+    o.parsed("--feedback", feedback_, formula_of,
+             "Analyse the closed loop model/(1 + model FORMULA) in place of the model; with dead time, give the loop "
+             "as the model: its analysis says whether it is stable when closed",
+             "FORMULA");
+    o.text("--pictures", pictures_,
+           "Draw Bode, Nyquist and Nichols diagrams and the step response into this folder (SVG, PNG, gnuplot)",
+           "FOLDER")
+        .unsaid();
+    add_common({"json", "table"});
+    set_footer(
+        "Examples:\n"
+        "  fracfit analyse \"1/(0.8 s^2.2 + 0.5 s^0.9 + 1)\" --format table\n"
+        "  fracfit analyse --model \"exp(-0.5 s)*2/(s^0.8 (s + 1))\" --out loop.json\n"
+        "  fracfit analyse --model \"(2 + 1/s^0.9)/(s^1.5 + s)\" --feedback 1");
+  }
+
+ private:
+  int run() override {
+    if (!pictures_.empty()) make_folder(pictures_);
+    const Analysis result = analysis_of(feedback_ ? frac::simplified(frac::feedback(*model_, *feedback_)) : *model_);
+    write(format() == "table" ? table_text(result) : json_text(result, command_line()));
+    if (result.stability.stability == frac::Stability::undetermined)
+      say("the stability is undetermined: the " + std::to_string(result.stability.poles.size()) +
+          " poles found are not as many as the argument principle counts, as where poles lie too close together to be "
+          "told apart");
+    const bool drawn = pictures_.empty() || draw_pictures(*this, pictures_, result.model);
+    return drawn && result.stability.stability != frac::Stability::undetermined ? usable_result : no_usable_result;
+  }
+
+  std::optional<frac::FractionalTransferFunction> model_, feedback_;
+  std::string pictures_;
+};
 
 }  // namespace
 
-void add_analyse(CLI::App& program, Run& run) {
-  const auto given = std::make_shared<AnalyseOptions>();
-  auto* analysis =
-      program.add_subcommand("analyse", "Poles, stability, norms and margins of a fractional transfer function");
-  analysis->add_option("--model", given->model, "Formula, e.g. \"1/(0.8 s^2.2 + 0.5 s^0.9 + 1)\"")
-      ->required()
-      ->type_name("FORMULA");
-  analysis
-      ->add_option(
-          "--feedback", given->feedback,
-          "Analyse the closed loop model/(1 + model FORMULA) in place of the model; with dead time, give the loop as "
-          "the model: its analysis says whether it is stable when closed")
-      ->type_name("FORMULA");
-  analysis
-      ->add_option("--pictures", given->pictures,
-                   "Draw Bode, Nyquist and Nichols diagrams and the step response into this folder (SVG, PNG, gnuplot)")
-      ->type_name("FOLDER");
-  add_common_options(*analysis, given->common, {"json", "table"});
-  analysis->footer(
-      "Examples:\n"
-      "  fracfit analyse --model \"1/(0.8 s^2.2 + 0.5 s^0.9 + 1)\" --format table\n"
-      "  fracfit analyse --model \"exp(-0.5 s)*2/(s^0.8 (s + 1))\" --out loop.json\n"
-      "  fracfit analyse --model \"(2 + 1/s^0.9)/(s^1.5 + s)\" --feedback 1");
-  analysis->callback([given, &run] { run = [given] { return analyse(*given); }; });
+std::unique_ptr<Command> make_analyse() {
+  return std::make_unique<Analyse>();
 }
 
 }  // namespace fracfit

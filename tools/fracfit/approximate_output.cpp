@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "aligned_table.hpp"
 #include "io/number.hpp"
-#include "io/sweep_file.hpp"
-#include "json_number.hpp"
+#include "output/aligned_table.hpp"
+#include "output/document.hpp"
+#include "output/json.hpp"
 
 namespace fracfit {
 namespace {
@@ -16,15 +16,9 @@ struct Outcome {
   std::string status, message;
 };
 
-Json array_of(const std::vector<double>& values) {
-  Json array = Json::array();
-  for (const double value : values) array.push_back(number(value));
-  return array;
-}
-
 Json array_of(const std::vector<std::complex<double>>& values) {
   Json array = Json::array();
-  for (const auto& value : values) array.push_back({number(value.real()), number(value.imag())});
+  for (const auto& value : values) array.push_back({value.real(), value.imag()});
   return array;
 }
 
@@ -35,18 +29,18 @@ std::string band_text(const frac::FrequencyBand& band) {
 Json parallel_json(const frac::ParallelSections& parallel) {
   Json sections = Json::array();
   for (std::size_t i = 0; i < parallel.rates.size(); ++i) {
-    sections.push_back({{"rate", number(parallel.rates[i])}, {"weight", number(parallel.weights[i])}});
+    sections.push_back({{"rate", parallel.rates[i]}, {"weight", parallel.weights[i]}});
   }
   return {{"output", parallel.output == frac::SectionOutput::state ? "state" : "change"},
-          {"direct", number(parallel.direct)},
+          {"direct", parallel.direct},
           {"sections", sections}};
 }
 
 void add_digital(Json& json, const frac::DigitalPower& digital) {
-  json["sample_time"] = number(digital.sample_time);
+  json["sample_time"] = digital.sample_time;
   json["sections"] = Json::array();
   for (const frac::DeltaSection& section : digital.cascade.sections) {
-    json["sections"].push_back({{"rate", number(section.rate)}, {"feed", number(section.feed)}});
+    json["sections"].push_back({{"rate", section.rate}, {"feed", section.feed}});
   }
   Json& more = json["digital"];
   more["discretisation"] = frac::to_string(digital.method);
@@ -55,21 +49,22 @@ void add_digital(Json& json, const frac::DigitalPower& digital) {
       "differences "
       "* integrators, or parallel in place of gain and sections; there y = direct x + sum weight v (output: state) or "
       "direct x + sum weight (x - rate v) (output: change)";
-  more["taps"] = array_of(digital.taps);
-  more["gain"] = number(digital.cascade.gain);
+  more["taps"] = digital.taps;
+  more["gain"] = digital.cascade.gain;
   more["parallel"] = parallel_json(digital.parallel);
   more["differences"] = digital.differences;
   more["integrators"] = digital.integrators;
   more["status"] = frac::to_string(digital.status);
   more["message"] = digital.message;
-  more["max_relative_error"] = number(digital.error.max_relative);
-  more["omega_at_max_relative_error"] = number(digital.error.omega_at_maximum);
-  more["max_error_decibels"] = number(digital.error.max_decibels);
-  more["max_error_degrees"] = number(digital.error.max_degrees);
-  more["most_amplification_beyond_band"] = number(digital.most_amplification);
+  more["max_relative_error"] = digital.error.max_relative;
+  more["omega_at_max_relative_error"] = digital.error.omega_at_maximum;
+  more["max_error_decibels"] = digital.error.max_decibels;
+  more["max_error_degrees"] = digital.error.max_degrees;
+  more["most_amplification_beyond_band"] = digital.most_amplification;
 }
 
-// Of the whole: a recursion that misses makes a tolerance that the continuous system keeps a missed one.
+// Outcome of continuous system and recursion together: the tolerance is missed where the recursion misses it, even if
+// the continuous system meets it.
 Outcome outcome_of(const frac::Approximation& result, const frac::DigitalPower* digital) {
   if (result.status != frac::ApproximationStatus::not_attainable && missed(result, digital))
     return {"missed", digital->message};
@@ -85,100 +80,103 @@ bool missed(const frac::Approximation& result, const frac::DigitalPower* digital
 
 std::string approximation_json(const frac::Approximation& result, const frac::DigitalPower* digital,
                                const std::string& command) {
-  Json json{{"fracfit", io::version()}, {"command", command}};
-  json["order"] = number(result.order);
-  json["band"] = {{"lower", number(result.band.lower)}, {"upper", number(result.band.upper)}};
+  Json json = origin(command);
+  json["order"] = result.order;
+  json["band"] = {{"lower", result.band.lower}, {"upper", result.band.upper}};
   json["method"] = frac::to_string(result.method);
   json["parameters"] = Json::object();
-  for (const auto& [name, value] : result.parameters) json["parameters"][name] = number(value);
+  for (const auto& [name, value] : result.parameters) json["parameters"][name] = value;
   const Outcome outcome = outcome_of(result, digital);
   json["status"] = outcome.status;
   json["message"] = outcome.message;
   json["integer_order"] = result.system.integer_order;
-  json["gain"] = number(result.system.gain);
-  json["zeros"] = array_of(result.system.zeros);
-  json["poles"] = array_of(result.system.poles);
+  json["gain"] = result.system.gain;
+  json["zeros"] = result.system.zeros;
+  json["poles"] = result.system.poles;
   json["zero_pairs"] = array_of(result.system.zero_pairs);
   json["pole_pairs"] = array_of(result.system.pole_pairs);
-  json["parallel"] = {{"direct", number(result.parallel.direct)},
-                      {"residues", array_of(result.parallel.residues)},
-                      {"pair_residues", array_of(result.parallel.pair_residues)}};
+  json["parallel"] = {
+      {"direct", result.parallel.direct},
+      {"residues", result.parallel.residues},
+      {"pair_residues", array_of(result.parallel.pair_residues)},
+      {"static_gain", result.parallel.static_gain},
+      {"direct_max_relative_error", result.parallel.direct_error},
+      {"static_max_relative_error", result.parallel.static_error},
+      {"forms",
+       "direct + sum residue/(s - pole), or static_gain + sum (residue/pole) s/(s - pole); take the one "
+       "of least error"}};
   json["pole_count"] = result.poles;
   json["limit_poles"] = result.limit_poles;
-  json["max_relative_error"] = number(result.error.max_relative);
-  json["omega_at_max_relative_error"] = number(result.error.omega_at_maximum);
-  json["max_error_decibels"] = number(result.error.max_decibels);
-  json["max_error_degrees"] = number(result.error.max_degrees);
+  json["max_relative_error"] = result.error.max_relative;
+  json["omega_at_max_relative_error"] = result.error.omega_at_maximum;
+  json["max_error_decibels"] = result.error.max_decibels;
+  json["max_error_degrees"] = result.error.max_degrees;
   json["grid_points"] = result.error.grid_points;
   if (digital != nullptr) add_digital(json, *digital);
-  return json.dump(2) + "\n";
+  return json.dump() + "\n";
 }
 
 std::string approximation_csv(const frac::Approximation& result, const frac::DigitalPower* digital,
                               const std::string& command) {
   const auto& system = result.system;
-  std::string text = "# fracfit: " + std::string(io::version()) + "\n# command: " + command + "\n";
-  const auto entry = [&](const std::string& key, const std::string& value) {
-    text += "# " + key + ": " + value + "\n";
-  };
-  entry("method", std::string(frac::to_string(result.method)));
-  for (const auto& [name, value] : result.parameters) entry(name, io::format_number(value));
   const Outcome outcome = outcome_of(result, digital);
-  entry("status", outcome.status);
-  entry("message", outcome.message);
-  entry("integer_order", std::to_string(system.integer_order));
-  entry("gain", io::format_number(system.gain));
-  entry("max_relative_error", io::format_number(result.error.max_relative));
-  entry("omega_at_max_relative_error", io::format_number(result.error.omega_at_maximum));
-  entry("max_error_decibels", io::format_number(result.error.max_decibels));
-  entry("max_error_degrees", io::format_number(result.error.max_degrees));
-  entry("limit_poles", std::to_string(result.limit_poles));
+  io::Metadata head{{"method", std::string(frac::to_string(result.method))}};
+  const auto entry = [&](const std::string& key, double value) { head.emplace_back(key, io::format_number(value)); };
+  for (const auto& [name, value] : result.parameters) entry(name, value);
+  head.emplace_back("status", outcome.status);
+  head.emplace_back("message", outcome.message);
+  entry("integer_order", system.integer_order);
+  entry("gain", system.gain);
+  entry("direct_max_relative_error", result.parallel.direct_error);
+  if (std::isfinite(result.parallel.static_gain)) {
+    entry("static_gain", result.parallel.static_gain);
+    entry("static_max_relative_error", result.parallel.static_error);
+  }
+  entry("max_relative_error", result.error.max_relative);
+  entry("omega_at_max_relative_error", result.error.omega_at_maximum);
+  entry("max_error_decibels", result.error.max_decibels);
+  entry("max_error_degrees", result.error.max_degrees);
+  entry("limit_poles", result.limit_poles);
   if (digital != nullptr) {
-    entry("sample_time", io::format_number(digital->sample_time));
-    entry("discretisation", std::string(frac::to_string(digital->method)));
-    entry("digital_message", digital->message);
-    entry("digital_max_relative_error", io::format_number(digital->error.max_relative));
-    entry("differences", std::to_string(digital->differences));
-    entry("integrators", std::to_string(digital->integrators));
+    entry("sample_time", digital->sample_time);
+    head.emplace_back("discretisation", frac::to_string(digital->method));
+    head.emplace_back("digital_message", digital->message);
+    entry("digital_max_relative_error", digital->error.max_relative);
+    entry("differences", digital->differences);
+    entry("integrators", digital->integrators);
     const auto list = [&](const std::string& key, const std::vector<double>& values) {
       std::string joined;
       for (const double value : values) joined += (joined.empty() ? "" : " ") + io::format_number(value);
-      entry(key, joined);
+      head.emplace_back(key, joined);
     };
     list("taps", digital->taps);
-    entry("parallel_output", digital->parallel.output == frac::SectionOutput::state ? "state" : "change");
-    entry("parallel_direct", io::format_number(digital->parallel.direct));
+    head.emplace_back("parallel_output", digital->parallel.output == frac::SectionOutput::state ? "state" : "change");
+    entry("parallel_direct", digital->parallel.direct);
     list("parallel_rates", digital->parallel.rates);
     list("parallel_weights", digital->parallel.weights);
   }
-  text += "root,re_rad_s,im_rad_s,residue_re,residue_im\n";
-  const auto root = [&](const char* kind, std::complex<double> place) {
-    text += std::string(kind) + "," + io::format_number(place.real()) + "," + io::format_number(place.imag());
+  struct Root {
+    bool is_pole;
+    std::complex<double> place, residue;
   };
-  const auto residue = [&](std::complex<double> value) {
-    text += "," + io::format_number(value.real()) + "," + io::format_number(value.imag()) + "\n";
-  };
-  for (const double zero : system.zeros) {
-    root("zero", zero);
-    text += ",,\n";
-  }
-  for (const auto& pair : system.zero_pairs) {
-    for (const auto& zero : {pair, std::conj(pair)}) {
-      root("zero", zero);
-      text += ",,\n";
-    }
-  }
-  for (std::size_t i = 0; i < system.poles.size(); ++i) {
-    root("pole", system.poles[i]);
-    residue(result.parallel.residues[i]);
-  }
+  std::vector<Root> roots;
+  for (const double zero : system.zeros) roots.push_back({false, zero, {}});
+  for (const auto& pair : system.zero_pairs)
+    for (const auto& zero : {pair, std::conj(pair)}) roots.push_back({false, zero, {}});
+  for (std::size_t i = 0; i < system.poles.size(); ++i)
+    roots.push_back({true, system.poles[i], result.parallel.residues[i]});
   for (std::size_t i = 0; i < system.pole_pairs.size(); ++i) {
-    root("pole", system.pole_pairs[i]);
-    residue(result.parallel.pair_residues[i]);
-    root("pole", std::conj(system.pole_pairs[i]));
-    residue(std::conj(result.parallel.pair_residues[i]));
+    roots.push_back({true, system.pole_pairs[i], result.parallel.pair_residues[i]});
+    roots.push_back({true, std::conj(system.pole_pairs[i]), std::conj(result.parallel.pair_residues[i])});
   }
-  return text;
+  const auto fill = [&](std::size_t i, std::vector<Cell>& cells) {
+    const auto& [is_pole, place, residue] = roots[i];
+    cells.emplace_back(std::string(is_pole ? "pole" : "zero"));
+    for (const double value : {place.real(), place.imag()}) cells.emplace_back(value);
+    for (const double value : {residue.real(), residue.imag()}) cells.push_back(is_pole ? Cell(value) : Cell(""));
+  };
+  return text_of({head, {{"root", "re_rad_s", "im_rad_s", "residue_re", "residue_im"}, roots.size(), fill}}, "csv",
+                 command);
 }
 
 std::string approximation_table(const frac::Approximation& result, const frac::DigitalPower* digital) {

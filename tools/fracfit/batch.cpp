@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <stdexcept>
 
-#include "aligned_table.hpp"
 #include "batch_fit.hpp"
 #include "batch_power_law.hpp"
-#include "choice.hpp"
-#include "exit_code.hpp"
 #include "frac/parallel_for.hpp"
 #include "frac/structure.hpp"
 #include "io/data_error.hpp"
@@ -18,22 +14,14 @@
 #include "io/progress_bar.hpp"
 #include "io/result_stream.hpp"
 #include "io/sweep_file.hpp"
-#include "model_choice.hpp"
+#include "options/model_choice.hpp"
+#include "output/document.hpp"
 #include "subcommand.hpp"
 
 namespace fracfit {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct BatchArguments {
-  CommonOptions common;
-  FitRequest request;
-  std::vector<std::string> data;
-  std::string model, models, shard;
-  ParameterOptions parameters;
-  std::vector<std::string> laws;
-};
 
 void check_names(const frac::NamedModel& model) {
   const auto names = frac::Structure(model.formula).parameter_names();
@@ -43,57 +31,6 @@ void check_names(const frac::NamedModel& model) {
     if (constraint.lower && constraint.upper && *constraint.lower > *constraint.upper)
       throw std::invalid_argument("--bound " + constraint.name + ": the lower limit lies above the upper one");
   }
-}
-
-BatchTask task_of(const BatchArguments& given) {
-  if (given.model.empty() == given.models.empty())
-    throw std::invalid_argument("give either --model, which is fitted, or --models, which are ranked");
-  BatchTask task{
-      given.request, fit_options(given.request), {}, {"force_n", "clearance_m", "restitution"}, given.model.empty()};
-  if (task.ranked) {
-    const auto& options = given.parameters;
-    if (!options.fix.empty() || !options.bound.empty() || !options.start.empty())
-      throw std::invalid_argument("--fix, --bound and --start have no meaning with --models");
-    if (!given.laws.empty())
-      throw std::invalid_argument("--power-law needs --model: parameters of different structures form no law");
-    task.models = chosen_models(given.models);
-  } else {
-    task.models = {chosen_model(given.model)};
-    task.models.front().constraints = constraints_of(task.models.front(), given.parameters);
-  }
-  const auto& key = given.request.key_column;
-  if (!key.empty() && std::find(task.variables.begin(), task.variables.end(), key) == task.variables.end())
-    task.variables.push_back(key);
-  for (const auto& model : task.models) check_names(model);
-  for (const auto& law : given.laws) {
-    const auto request = power_law_request(law);
-    const auto names = frac::Structure(task.models.front().formula).parameter_names();
-    if (std::find(names.begin(), names.end(), request.parameter) == names.end())
-      throw std::invalid_argument("--power-law " + io::quoted(law) + ": " + io::quoted(request.parameter) +
-                                  " is no parameter of " + task.models.front().formula);
-    const auto columns = batch_columns(task);
-    if (std::find(columns.begin(), columns.end(), request.variable) == columns.end())
-      task.variables.push_back(request.variable);
-  }
-  return task;
-}
-
-std::string command_of(const BatchArguments& given, const BatchTask& task) {
-  CommandLine command("batch");
-  if (!task.ranked) command.option("--model", given.model);
-  if (task.ranked) command.option("--models", given.models);
-  append_to(command, given.request, task.options);
-  for (const auto& text : given.parameters.bound) command.option("--bound", text);
-  for (const auto& text : given.parameters.fix) command.option("--fix", text);
-  for (const auto& text : given.parameters.start) command.option("--start", text);
-  if (!given.request.key_column.empty()) command.option("--by", given.request.key_column);
-  for (const auto& text : given.laws) command.option("--power-law", text);
-  return command.text();
-}
-
-BatchFormat format_of(const BatchArguments& given) {
-  if (given.common.format.empty()) return given.common.out.ends_with(".jsonl") ? BatchFormat::jsonl : BatchFormat::csv;
-  return given.common.format == "jsonl" ? BatchFormat::jsonl : BatchFormat::csv;
 }
 
 // Rows an interrupted run of the same command has left in the output.
@@ -119,8 +56,9 @@ std::map<std::string, std::string> finished_rows(const std::string& out, BatchFo
 }
 
 // A law needs a variable that the data, or a column of every row, know.
-void check_variables(const BatchArguments& given, const BatchTask& task, const std::vector<BatchCurve>& curves) {
-  for (const auto& law : given.laws) {
+void check_variables(const std::vector<std::string>& laws, const BatchTask& task,
+                     const std::vector<BatchCurve>& curves) {
+  for (const auto& law : laws) {
     const auto variable = power_law_request(law).variable;
     const auto columns = batch_columns(task);
     const bool of_headers = std::find(task.variables.begin(), task.variables.end(), variable) != task.variables.end();
@@ -140,118 +78,158 @@ void check_variables(const BatchArguments& given, const BatchTask& task, const s
 // The trouble with data of which none can be read, as the rows tell it.
 void complain_of_data(BatchFormat format, const BatchManifest& manifest, const std::vector<std::string>& lines) {
   const auto row = read_row(format, manifest.columns, lines.front()).value();
-  say({}, row.at("message") +
-              (lines.size() > 1 ? "; nor can the other " + std::to_string(lines.size() - 1) + " curves be read" : ""));
+  complain(row.at("message") +
+           (lines.size() > 1 ? "; nor can the other " + std::to_string(lines.size() - 1) + " curves be read" : ""));
 }
 
 std::string status_of(BatchFormat format, const BatchManifest& manifest, const std::string& line) {
   return read_row(format, manifest.columns, line).value().at("status");
 }
 
-int run_batch(const BatchArguments& given) {
-  const auto task = task_of(given);
-  const auto format = format_of(given);
-  const bool to_file = !given.common.out.empty() && given.common.out != "-";
-  const io::OutputFile out(given.common.out);
-  std::vector<std::string> inputs;
-  std::map<std::string, BatchCurve> curves;
-  for (auto& curve :
-       curves_of(io::input_files(given.data, to_file ? given.common.out : ""), given.request.key_column)) {
-    inputs.push_back(curve.name);
-    if (!curves.emplace(curve.name, curve).second)
-      throw std::invalid_argument("two curves have the name " + io::quoted(curve.name) + "; rename a file or a column");
+class Batch : public Command {
+ public:
+  Batch() : Command("batch", "Fits or identifies many curves, one row each") {
+    Options& o = options();
+    o.texts("DATA", data_, "Frequency responses, or folders of them (.csv, .tsv, .txt, .dat)", "FILE|FOLDER")
+        .required()
+        .unsaid();
+    o.text("--model", model_, "or a preset; letters other than s are parameters").suggest(preset_names());
+    o.text("--models", models_);
+    o.exactly_one({"--model", "--models"}, "the structure, which is fitted, or several, which are ranked");
+    add_residual_options(o, request_);
+    add_points_and_seed(o, request_);
+    add_parameter_options(o, parameters_);
+    for (const char* name : {"--fix", "--bound", "--start"}) o[name].not_with({"--models"});
+    o.text("--by", request_.key_column,
+           "Column whose value tells apart the curves that follow each other in one file, e.g. force_n", "COLUMN");
+    o.texts("--power-law", laws_,
+            "Parameter as a power of an entry of the file headers, of the --by column, or of the labels of columns "
+            "(curve), e.g. a:force_n; repeatable",
+            "PARAMETER:VARIABLE")
+        .not_with({"--models"}, "as parameters of different structures form no law");
+    o.text("--shard", shard_, "the pieces are curves").unsaid();
+    add_common({"csv", "jsonl", "table"});
+    set_footer(
+        "Several curves in one file: columns re_<label>,im_<label> (or magnitude_<label>,phase_deg_<label>) for each, "
+        "or\n"
+        "rows told apart by the column --by names.  Their rows are named FILE#LABEL.\n"
+        "With --out each row reaches the file as soon as it is finished; the same command again does what is left "
+        "over\n"
+        "from an interrupted run.\n"
+        "Examples:\n"
+        "  fracfit batch sweeps --model power-law --where 'omega<4' --power-law K:force_n --out fits.csv\n"
+        "  fracfit batch sweeps --models power-law,lag,gain --shard 2/4 --out part2.csv\n"
+        "  fracfit batch all.csv --by force_n --model power-law --power-law K:force_n\n"
+        "  fracfit merge part1.csv part2.csv part3.csv part4.csv --out all.csv");
   }
-  const auto files = io::part_of(inputs, shard_option(given.shard));
-  std::vector<BatchCurve> in_order;
-  for (const auto& name : inputs) in_order.push_back(curves.at(name));
-  check_variables(given, task, in_order);
-  const BatchManifest manifest{std::string(io::version()), command_of(given, task), given.shard, given.laws, inputs,
-                               batch_columns(task)};
-  const auto header = header_text(format, manifest);
 
-  std::unique_ptr<io::ResultStream> stream;
-  if (to_file)
-    stream = std::make_unique<io::ResultStream>(given.common.out, header,
-                                                finished_rows(given.common.out, format, manifest, files));
-  std::vector<std::string> lines(files.size());
-  frac::Progress progress;
-  progress.total = files.size();
-  {
-    const io::ProgressBar bar("batch", progress, !given.common.quiet);
-    frac::parallel_for(files.size(), given.common.threads, [&](std::size_t i) {
-      if (stream && stream->contains(files[i])) {
-        lines[i] = stream->line(files[i]);
-      } else {
-        lines[i] = row_line(format, batch_row(task, curves.at(files[i])));
-        if (stream) stream->append(files[i], lines[i]);
-      }
-      ++progress.done;
-    });
+ private:
+  [[nodiscard]] std::string format() const override {
+    return !options()["--format"].is_given() && out().ends_with(".jsonl") ? "jsonl" : Command::format();
   }
-  const auto laws = given.shard.empty() ? power_law_remarks(format, manifest, lines) : PowerLawRemarks{};
-  if (stream) {
-    stream->finish(files, laws.text);
-  } else {
-    std::string text = header;
-    for (const auto& line : lines) text += line + "\n";
-    out.write(text + laws.text);
+  // A table for people is made from CSV.
+  [[nodiscard]] BatchFormat row_format() const { return format() == "jsonl" ? BatchFormat::jsonl : BatchFormat::csv; }
+
+  void check() override {
+    static_cast<void>(shard_of("--shard", shard_));
+    for (const auto& text : request_.where) static_cast<void>(io::PointFilter(text));
+    const bool ranked = model_.empty();
+    task_ = {request_, fit_options(request_), {}, {"force_n", "clearance_m", "restitution"}, ranked};
+    if (ranked) {
+      task_.models = chosen_models(models_);
+    } else {
+      task_.models = {chosen_model(model_)};
+      task_.models.front().constraints = constraints_of(task_.models.front(), parameters_);
+    }
+    const auto has = [](const std::vector<std::string>& list, const std::string& name) {
+      return std::find(list.begin(), list.end(), name) != list.end();
+    };
+    const auto& key = request_.key_column;
+    if (!key.empty() && !has(task_.variables, key)) task_.variables.push_back(key);
+    for (const auto& model : task_.models) check_names(model);
+    for (const auto& law : laws_) {
+      const auto request = power_law_request(law);
+      const std::string& formula = task_.models.front().formula;
+      if (!has(frac::Structure(formula).parameter_names(), request.parameter))
+        throw std::invalid_argument("--power-law " + io::quoted(law) + ": " + io::quoted(request.parameter) +
+                                    " is no parameter of " + formula);
+      if (!has(batch_columns(task_), request.variable)) task_.variables.push_back(request.variable);
+    }
   }
-  std::size_t converged = 0, unreadable = 0;
-  for (const auto& line : lines) {
-    const auto status = status_of(format, manifest, line);
-    converged += status == "converged" ? 1U : 0U;
-    unreadable += status == "invalid-data" ? 1U : 0U;
+
+  int run() override {
+    const auto rows_format = row_format();
+    const bool to_file = !out().empty() && out() != "-";
+    std::vector<std::string> inputs;
+    std::map<std::string, BatchCurve> curves;
+    for (auto& curve : curves_of(io::input_files(data_, to_file ? out() : ""), request_.key_column)) {
+      inputs.push_back(curve.name);
+      if (!curves.emplace(curve.name, curve).second)
+        throw std::invalid_argument("two curves have the name " + io::quoted(curve.name) +
+                                    "; rename a file or a column");
+    }
+    const auto files = io::part_of(inputs, shard_of("--shard", shard_));
+    std::vector<BatchCurve> in_order;
+    for (const auto& name : inputs) in_order.push_back(curves.at(name));
+    check_variables(laws_, task_, in_order);
+    const BatchManifest manifest{std::string(io::version()), command_line(), shard_, laws_, inputs,
+                                 batch_columns(task_)};
+    const auto header = header_text(rows_format, manifest);
+
+    std::unique_ptr<io::ResultStream> stream;
+    if (to_file)
+      stream = std::make_unique<io::ResultStream>(out(), header, finished_rows(out(), rows_format, manifest, files));
+    std::vector<std::string> lines(files.size());
+    frac::Progress progress;
+    progress.total = files.size();
+    {
+      const io::ProgressBar bar("batch", progress, !is_quiet());
+      frac::parallel_for(files.size(), threads(), [&](std::size_t i) {
+        if (stream && stream->contains(files[i])) {
+          lines[i] = stream->line(files[i]);
+        } else {
+          lines[i] = row_line(rows_format, batch_row(task_, curves.at(files[i])));
+          if (stream) stream->append(files[i], lines[i]);
+        }
+        ++progress.done;
+      });
+    }
+    const auto laws = shard_.empty() ? power_law_remarks(rows_format, manifest, lines) : PowerLawRemarks{};
+    if (stream) {
+      stream->finish(files, laws.text);
+    } else {
+      std::string text = header;
+      for (const auto& line : lines) text += line + "\n";
+      write(format() == "table" ? text_of(document_of(text), "table", command_line()) : text + laws.text);
+    }
+    std::size_t converged = 0, unreadable = 0;
+    for (const auto& line : lines) {
+      const auto status = status_of(rows_format, manifest, line);
+      converged += status == "converged" ? 1U : 0U;
+      unreadable += status == "invalid-data" ? 1U : 0U;
+    }
+    if (!files.empty() && unreadable == files.size()) {
+      complain_of_data(rows_format, manifest, lines);
+      return invalid_data;
+    }
+    for (const auto& note : laws.notes) say(note);
+    if (converged < files.size())
+      say(std::to_string(files.size() - converged) + " of " + std::to_string(files.size()) +
+          " curves gave no result; see column status");
+    return converged > 0 || files.empty() ? usable_result : no_usable_result;
   }
-  if (!files.empty() && unreadable == files.size()) {
-    complain_of_data(format, manifest, lines);
-    return invalid_data;
-  }
-  for (const auto& note : laws.notes) say(given.common, note);
-  if (converged < files.size())
-    say(given.common, std::to_string(files.size() - converged) + " of " + std::to_string(files.size()) +
-                          " curves gave no result; see column status");
-  return converged > 0 || files.empty() ? usable_result : no_usable_result;
-}
+
+  FitRequest request_;
+  std::vector<std::string> data_, laws_;
+  std::string model_, models_, shard_;
+  ParameterOptions parameters_;
+  BatchTask task_;
+};
 
 }  // namespace
 
-void add_batch(CLI::App& program, Run& run) {
-  const auto given = std::make_shared<BatchArguments>();
-  auto* batch = program.add_subcommand("batch", "Fits or identifies many curves, one row each");
-  batch->add_option("DATA", given->data, "Frequency responses, or folders of them (.csv, .tsv, .txt, .dat)")
-      ->required()
-      ->type_name("FILE|FOLDER");
-  batch->add_option("--model", given->model, "Preset or formula to fit")
-      ->type_name("MODEL")
-      ->check(suggest(preset_names()));
-  batch->add_option("--models", given->models, "Presets or formulas to rank, separated by commas")->type_name("LIST");
-  add_residual_options(*batch, given->request);
-  add_repeatable(*batch, "--fix", given->parameters.fix, "Hold a parameter at a value; repeatable", "NAME=VALUE");
-  add_repeatable(*batch, "--bound", given->parameters.bound, "Limit a parameter; repeatable", "NAME=LOW:HIGH");
-  add_repeatable(*batch, "--start", given->parameters.start, "Start a parameter at a value; repeatable", "NAME=VALUE");
-  add_repeatable(*batch, "--power-law", given->laws,
-                 "Parameter as a power of an entry of the file headers, of the --by column, or of the labels of "
-                 "columns (curve), e.g. a:force_n; repeatable",
-                 "PARAMETER:VARIABLE");
-  batch
-      ->add_option("--by", given->request.key_column,
-                   "Column whose value tells apart the curves that follow each other in one file, e.g. force_n")
-      ->type_name("COLUMN");
-  batch->add_option("--shard", given->shard, "Work on every n-th curve only, from the i-th; join with fracfit merge")
-      ->type_name("i/n");
-  add_common_options(*batch, given->common, {"csv", "jsonl"});
-  batch->footer(
-      "Several curves in one file: columns re_<label>,im_<label> (or magnitude_<label>,phase_deg_<label>) for each, "
-      "or\n"
-      "rows told apart by the column --by names.  Their rows are named FILE#LABEL.\n"
-      "With --out each row reaches the file as soon as it is finished; the same command again does what is left over\n"
-      "from an interrupted run.\n"
-      "Examples:\n"
-      "  fracfit batch sweeps --model power-law --where 'omega<4' --power-law K:force_n --out fits.csv\n"
-      "  fracfit batch sweeps --models power-law,lag,gain --shard 2/4 --out part2.csv\n"
-      "  fracfit batch all.csv --by force_n --model power-law --power-law K:force_n\n"
-      "  fracfit merge all.csv part1.csv part2.csv part3.csv part4.csv");
-  batch->callback([given, &run] { run = [given] { return run_batch(*given); }; });
+std::unique_ptr<Command> make_batch() {
+  return std::make_unique<Batch>();
 }
 
 }  // namespace fracfit

@@ -80,9 +80,7 @@ io::FrequencyResponseFile data_of(const BatchTask& task, const BatchCurve& curve
   auto request = task.request;
   request.data = curve.file;
   request.curve = curve.label;
-  CommonOptions silent;
-  silent.quiet = true;
-  return read_data(request, silent);
+  return read_data(request, [](const std::string&) {});
 }
 
 void set_result(RowBuilder& row, const BatchTask& task, const io::FrequencyResponseFile& file) {

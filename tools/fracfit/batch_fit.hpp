@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "batch_table.hpp"
-#include "fit_request.hpp"
 #include "frac/identification/identify.hpp"
+#include "options/fit_request.hpp"
 
 namespace fracfit {
 

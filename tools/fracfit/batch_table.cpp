@@ -2,23 +2,16 @@
 #include "batch_table.hpp"
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "common_options.hpp"
 #include "io/csv_line.hpp"
 #include "io/data_error.hpp"
 #include "io/number.hpp"
 #include "io/result_stream.hpp"
+#include "output/json.hpp"
 
 namespace fracfit {
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-std::string text_of(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
 
 std::string csv_cell(const BatchCell& cell) {
   if (cell.number) return io::format_number(*cell.number);
@@ -27,21 +20,13 @@ std::string csv_cell(const BatchCell& cell) {
 
 Json json_row(const BatchRow& row) {
   Json json = Json::object();
-  for (const auto& cell : row) {
-    if (cell.number && std::isfinite(*cell.number))
-      json[cell.column] = *cell.number;
-    else if (cell.text)
-      json[cell.column] = *cell.text;
-    else
-      json[cell.column] = nullptr;
-  }
+  for (const auto& cell : row) json[cell.column] = cell.number ? Json(cell.number) : Json(cell.text);
   return json;
 }
 
 std::optional<Json> parsed(const std::string& line) {
-  auto json = Json::parse(line, nullptr, false);
-  if (!json.is_object()) return std::nullopt;
-  return json;
+  auto json = Json::parse(line);
+  return json && json->is_object() ? json : std::nullopt;
 }
 
 [[noreturn]] void refuse(const std::string& file, std::size_t line, const std::string& what) {
@@ -49,8 +34,20 @@ std::optional<Json> parsed(const std::string& line) {
 }
 
 std::string string_entry(const Json& json, const char* key) {
-  const auto found = json.find(key);
-  return found != json.end() && found->is_string() ? found->get<std::string>() : std::string();
+  const Json* found = json.find(key);
+  return found != nullptr && found->text() != nullptr ? *found->text() : std::string();
+}
+
+// Empty where it is no list of texts.
+std::optional<std::vector<std::string>> list_entry(const Json& json, const char* key) {
+  const Json* found = json.find(key);
+  if (found == nullptr || found->entries() == nullptr) return std::nullopt;
+  std::vector<std::string> list;
+  for (const Json& each : *found->entries()) {
+    if (each.text() == nullptr) return std::nullopt;
+    list.push_back(*each.text());
+  }
+  return list;
 }
 
 // Reads the manifest; returns the number of lines it takes.
@@ -61,13 +58,12 @@ std::size_t read_manifest(const std::string& file, const std::vector<std::string
     manifest.version = string_entry(*json, "fracfit");
     manifest.command = string_entry(*json, "command");
     manifest.shard = string_entry(*json, "shard");
-    try {
-      manifest.laws = json->at("laws").get<std::vector<std::string>>();
-      manifest.inputs = json->at("inputs").get<std::vector<std::string>>();
-      manifest.columns = json->at("columns").get<std::vector<std::string>>();
-    } catch (const Json::exception&) {
-      refuse(file, 1, "found no lists 'laws', 'inputs' and 'columns'");
-    }
+    const auto laws = list_entry(*json, "laws"), inputs = list_entry(*json, "inputs"),
+               columns = list_entry(*json, "columns");
+    if (!laws || !inputs || !columns) refuse(file, 1, "found no lists 'laws', 'inputs' and 'columns'");
+    manifest.laws = *laws;
+    manifest.inputs = *inputs;
+    manifest.columns = *columns;
     return 1;
   }
   table.format = BatchFormat::csv;
@@ -110,7 +106,7 @@ std::string header_text(BatchFormat format, const BatchManifest& manifest) {
     json["laws"] = manifest.laws;
     json["inputs"] = manifest.inputs;
     json["columns"] = manifest.columns;
-    return text_of(json) + "\n";
+    return json.dump(-1) + "\n";
   }
   std::string text = "# fracfit: " + manifest.version + "\n# command: " + manifest.command + "\n";
   if (!manifest.shard.empty()) text += "# shard: " + manifest.shard + "\n";
@@ -122,7 +118,7 @@ std::string header_text(BatchFormat format, const BatchManifest& manifest) {
 }
 
 std::string row_line(BatchFormat format, const BatchRow& row) {
-  if (format == BatchFormat::jsonl) return text_of(json_row(row));
+  if (format == BatchFormat::jsonl) return json_row(row).dump(-1);
   std::string line;
   for (std::size_t i = 0; i < row.size(); ++i) line += (i > 0 ? "," : "") + csv_cell(row[i]);
   return line;
@@ -132,7 +128,7 @@ std::string remark_line(BatchFormat format, const BatchRow& remark) {
   if (format == BatchFormat::jsonl) {
     Json json{{"remark", remark.front().column}};
     json.update(json_row(remark));
-    return text_of(json) + "\n";
+    return json.dump(-1) + "\n";
   }
   std::string line = "# " + remark.front().column + ": " + csv_cell(remark.front());
   for (std::size_t i = 1; i < remark.size(); ++i) line += " " + remark[i].column + "=" + csv_cell(remark[i]);
@@ -146,10 +142,10 @@ std::optional<std::map<std::string, std::string>> read_row(BatchFormat format, c
     const auto json = parsed(line);
     if (!json || json->size() != columns.size()) return std::nullopt;
     for (const auto& column : columns) {
-      const auto found = json->find(column);
-      if (found == json->end()) return std::nullopt;
-      if (found->is_string()) row[column] = found->get<std::string>();
-      if (found->is_number()) row[column] = io::format_number(found->get<double>());
+      const Json* found = json->find(column);
+      if (found == nullptr) return std::nullopt;
+      if (found->text() != nullptr) row[column] = *found->text();
+      if (const auto number = found->number()) row[column] = io::format_number(*number);
     }
     return row;
   }

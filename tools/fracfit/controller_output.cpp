@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "aligned_table.hpp"
 #include "io/sweep_file.hpp"
-#include "json_number.hpp"
+#include "output/aligned_table.hpp"
+#include "output/json.hpp"
 
 namespace fracfit {
 namespace {
@@ -23,7 +23,7 @@ template <typename Rates>
 Json sections_json(const Rates& rates, const Rates& weights, std::size_t count) {
   Json sections = Json::array();
   for (std::size_t i = 0; i < count; ++i) {
-    sections.push_back({{"rate", number(rates[i])}, {"weight", number(weights[i])}});
+    sections.push_back({{"rate", rates[i]}, {"weight", weights[i]}});
   }
   return sections;
 }
@@ -31,17 +31,17 @@ Json sections_json(const Rates& rates, const Rates& weights, std::size_t count) 
 template <typename Taps>
 Json taps_json(const Taps& taps, std::size_t count) {
   Json list = Json::array();
-  for (std::size_t k = 0; k < count; ++k) list.push_back(number(taps[k]));
-  if (list.empty()) list.push_back(1);
+  for (std::size_t k = 0; k < count; ++k) list.push_back(taps[k]);
+  if (list.size() == 0) list.push_back(1);
   return list;
 }
 
 Json operator_json(const frac::PidOperator& design, double order, double error) {
-  return {{"filter_order", number(order)},
+  return {{"filter_order", order},
           {"taps", taps_json(design.taps, design.tap_count)},
           {"output", output_name(design.output)},
-          {"direct", number(design.direct)},
-          {"max_relative_error", number(error)}};
+          {"direct", design.direct},
+          {"max_relative_error", error}};
 }
 
 double derivative_filter_order(const frac::FractionalPidGains& gains) {
@@ -72,15 +72,11 @@ bool has_band(const frac::FractionalPidDesign& design) {
 std::string controller_json(const frac::FractionalPidDesign& design, const std::string& command) {
   const frac::FractionalPidConfig& config = design.config();
   const frac::FractionalPidGains& gains = config.gains;
-  Json json{{"fracfit", io::version()}, {"command", command}, {"kind", "fractional-pid"}};
-  json["gains"] = {{"kp", number(gains.kp)},
-                   {"ki", number(gains.ki)},
-                   {"kd", number(gains.kd)},
-                   {"lambda", number(gains.lambda)},
-                   {"mu", number(gains.mu)}};
-  json["sample_time"] = number(config.sample_time);
-  json["band"] = has_band(design) ? Json{{"lower", number(config.band.lower)}, {"upper", number(config.band.upper)}}
-                                  : Json(nullptr);
+  Json json = origin(command);
+  json["kind"] = "fractional-pid";
+  json["gains"] = {{"kp", gains.kp}, {"ki", gains.ki}, {"kd", gains.kd}, {"lambda", gains.lambda}, {"mu", gains.mu}};
+  json["sample_time"] = config.sample_time;
+  json["band"] = has_band(design) ? Json{{"lower", config.band.lower}, {"upper", config.band.upper}} : Json();
   json["discretisation"] = frac::to_string(config.discretisation);
   json["note"] = design.note();
   json["recursion"] = recursion;
@@ -90,44 +86,45 @@ std::string controller_json(const frac::FractionalPidDesign& design, const std::
                                    : "backward difference with lag, y_n = (Tf y_(n-1) + x_n - x_(n-1))/(Tf + T)";
   json["derivative"] = operator_json(design.derivative(), derivative_filter_order(gains), design.derivative_error());
   json["derivative"]["after"] = before;
-  json["derivative"]["filter_time"] = number(config.derivative_filter_time);
+  json["derivative"]["filter_time"] = config.derivative_filter_time;
   json["sections"] = {
       {"integral", sections_json(design.integral().rates, design.integral().weights, design.integral().sections)},
       {"derivative",
        sections_json(design.derivative().rates, design.derivative().weights, design.derivative().sections)}};
-  json["setpoint_weight"] = number(config.setpoint_weight);
-  json["derivative_setpoint_weight"] = number(config.derivative_setpoint_weight);
-  json["minimum"] = number(config.minimum);
-  json["maximum"] = number(config.maximum);
+  json["setpoint_weight"] = config.setpoint_weight;
+  json["derivative_setpoint_weight"] = config.derivative_setpoint_weight;
+  json["minimum"] = config.minimum;
+  json["maximum"] = config.maximum;
   json["anti_windup"] = {{"method", frac::to_string(config.anti_windup)},
-                         {"tracking_time", design.tracking_time() > 0 ? number(design.tracking_time()) : nullptr}};
-  json["max_relative_error"] = number(design.error());
-  json["omega_at_max_relative_error"] = number(design.omega_at_error());
-  return json.dump(2) + "\n";
+                         {"tracking_time", design.tracking_time() > 0 ? Json(design.tracking_time()) : Json()}};
+  json["max_relative_error"] = design.error();
+  json["omega_at_max_relative_error"] = design.omega_at_error();
+  return json.dump() + "\n";
 }
 
 std::string filter_json(const frac::DigitalFilterDesign& design, const std::string& model, double error,
                         const std::string& command) {
-  Json json{{"fracfit", io::version()}, {"command", command}, {"kind", "filter"}, {"model", model}};
-  json["sample_time"] = number(design.sample_time);
+  Json json = origin(command);
+  json["kind"] = "filter";
+  json["model"] = model;
+  json["sample_time"] = design.sample_time;
   json["recursion"] = recursion;
   json["dead_samples"] = design.dead_samples;
   json["differences"] = design.differences;
   json["states"] = design.states();
   json["taps"] = taps_json(design.taps, design.taps.size());
   json["output"] = output_name(design.sections.output);
-  json["direct"] = number(design.sections.direct);
+  json["direct"] = design.sections.direct;
   json["sections"] = sections_json(design.sections.rates, design.sections.weights, design.sections.rates.size());
-  json["pairs"] = Json::array();
+  Json& pairs = json["pairs"] = Json::array();
   for (std::size_t i = 0; i < design.pair_rates.size(); ++i) {
-    json["pairs"].push_back(
-        {{"rate", {number(design.pair_rates[i].real()), number(design.pair_rates[i].imag())}},
-         {"weight", {number(design.pair_weights[i].real()), number(design.pair_weights[i].imag())}}});
+    pairs.push_back({{"rate", {design.pair_rates[i].real(), design.pair_rates[i].imag()}},
+                     {"weight", {design.pair_weights[i].real(), design.pair_weights[i].imag()}}});
   }
   json["integrators"] = design.integrators;
   json["integrator_rule"] = design.rule == frac::IntegratorRule::held ? "held" : "trapezoidal";
-  json["max_relative_error"] = number(error);
-  return json.dump(2) + "\n";
+  json["max_relative_error"] = error;
+  return json.dump() + "\n";
 }
 
 std::string controller_table(const frac::FractionalPidDesign& design) {

@@ -3,10 +3,10 @@
 
 #include <limits>
 
-#include "aligned_table.hpp"
-#include "io/csv_line.hpp"
 #include "io/number.hpp"
-#include "io/sweep_file.hpp"
+#include "output/aligned_table.hpp"
+#include "output/document.hpp"
+#include "output/json.hpp"
 
 namespace fracfit {
 namespace {
@@ -115,15 +115,111 @@ std::string closing(const frac::FitResult& result) {
                           short_number(result.seconds) + " s.");
 }
 
-std::string csv_header(const FitRun& run) {
-  std::string text =
-      "# fracfit: " + std::string(io::version()) + "\n# command: " + run.command + "\n# data: " + run.file + "\n";
-  for (const auto& [key, value] : run.options) text += "# " + key + ": " + value + "\n";
-  return text;
+io::Metadata head_of(const FitRun& run) {
+  io::Metadata head{{"data", run.file}};
+  head.insert(head.end(), run.options.begin(), run.options.end());
+  return head;
 }
 
-std::string yes_no(bool value) {
-  return value ? "true" : "false";
+Json parameter_json(const frac::ParameterEstimate& parameter) {
+  return {{"name", parameter.name},
+          {"value", parameter.value},
+          {"standard_error", parameter.standard_error},
+          {"ci95", {parameter.ci95_lower, parameter.ci95_upper}},
+          {"interval", frac::to_string(parameter.interval)},
+          {"identified", parameter.identified},
+          {"at_bound", parameter.at_bound},
+          {"fixed", parameter.fixed}};
+}
+
+void append_fit(Json& json, const frac::FitResult& result) {
+  json["model"] = result.model;
+  json["parameters"] = Json::array();
+  for (const auto& parameter : result.parameters) json["parameters"].push_back(parameter_json(parameter));
+  json["cost"] = result.cost;
+  json["rms"] = result.rms;
+  json["gain_factor"] = result.gain_factor;
+  json["max_residual"] = result.max_residual;
+  json["aicc"] = result.aicc;
+  json["bic"] = result.bic;
+  json["termination"] = frac::to_string(result.termination);
+  json["message"] = result.message;
+  json["residuals"] = result.residuals;
+  json["free_parameters"] = result.free_parameters;
+  json["starts"] = result.starts;
+  json["starts_at_best"] = result.starts_at_best;
+  json["distinct_minima"] = result.distinct_minima;
+  json["confidence_of_optimum"] = result.confidence_of_optimum;
+  json["condition"] = result.condition;
+  json["seconds"] = result.seconds;
+}
+
+Json lack_of_fit_json(const frac::LackOfFit& lack) {
+  Json json{{"noise_from", frac::to_string(lack.source)},
+            {"noise", lack.noise},
+            {"misfit", lack.misfit},
+            {"p_value", lack.p_value},
+            {"correlation", lack.correlation},
+            {"correlation_p_value", lack.correlation_p_value},
+            {"adequate", lack.adequate},
+            {"misses", Json::array()}};
+  for (const auto& band : lack.misses) json["misses"].push_back({band.lower, band.upper});
+  return json;
+}
+
+Json finalist_json(const frac::IdentificationResult& result, const std::optional<frac::Finalist>& finalist) {
+  if (!finalist) return nullptr;
+  return {{"name", result.ranking.at(finalist->index).name},
+          {"parameters", finalist->parameters},
+          {"prediction_rms", finalist->prediction_rms}};
+}
+
+void append_statistics(Json& json, const frac::FitResult& result, const FitStatistics& statistics, bool over_time) {
+  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+    const auto& estimate = result.parameters[i];
+    Json& parameter = json["parameters"][i];
+    parameter["centre"] = {{"value", estimate.centre_value}, {"standard_error", estimate.centre_standard_error}};
+    if (!statistics.profile.empty()) {
+      const auto& profile = statistics.profile[i];
+      parameter["profile_ci95"] = profile ? Json{profile->lower, profile->upper} : Json();
+      if (profile) parameter["profile_found_better_minimum"] = profile->better_minimum_found;
+    }
+    if (!statistics.bootstrap.empty()) {
+      const auto& bootstrap = statistics.bootstrap[i];
+      parameter["bootstrap_ci95"] = {bootstrap.lower, bootstrap.upper};
+      parameter["bootstrap_standard_error"] = bootstrap.standard_error;
+    }
+  }
+  json["centre_omega"] = result.centre_omega;
+  json["correlation"] = statistics.correlation;
+  json["outliers"] = Json::array();
+  for (std::size_t i = 0; i < statistics.outlier_at.size(); ++i)
+    json["outliers"].push_back(
+        {{"index", result.outliers[i]}, {over_time ? "time_s" : "omega", statistics.outlier_at[i]}});
+  json["lack_of_fit"] = lack_of_fit_json(statistics.lack_of_fit);
+  json["whiteness"] = {{"lag_one_correlation", statistics.whiteness.lag_one_correlation},
+                       {"p_value", statistics.whiteness.p_value}};
+  if (statistics.bootstrap_samples > 0) json["bootstrap_samples"] = statistics.bootstrap_samples;
+  if (!statistics.growth) return;
+  json["growth"] = {
+      {"chosen", statistics.growth->chosen}, {"reason", statistics.growth->reason}, {"fits", Json::array()}};
+  for (const auto& fit : statistics.growth->fits) {
+    Json grown;
+    append_fit(grown, fit);
+    json["growth"]["fits"].push_back(std::move(grown));
+  }
+}
+
+Json origin_of_fit(const FitRun& run) {
+  Json json = origin(run.command);
+  json["data"] = {{"file", run.file},
+                  {"points", run.points},
+                  {run.over_time ? "time_from_s" : "omega_lower", run.lower},
+                  {run.over_time ? "time_to_s" : "omega_upper", run.upper},
+                  {"value_unit", run.value_unit.empty() ? Json(nullptr) : Json(run.value_unit)},
+                  {"header", object_of(run.file_header)}};
+  json["options"] = object_of(run.options);
+  return json;
 }
 
 }  // namespace
@@ -142,7 +238,7 @@ std::string identification_table(const FitRun& run, const frac::IdentificationRe
   AlignedTable ranking(names, AlignedTable::Last::remark);
   std::size_t index = 0;
   for (const auto& candidate : result.ranking) {
-    std::string remark;
+    std::string remark = candidate.lack_of_fit.adequate ? "" : "misses the data";
     if (candidate.fit.termination != frac::FitTermination::converged)
       remark = frac::to_string(candidate.fit.termination);
     if (&candidate == &result.ranking.at(result.chosen)) remark = "chosen";
@@ -157,64 +253,103 @@ std::string identification_table(const FitRun& run, const frac::IdentificationRe
     ranking.add(row);
   }
   const auto& chosen = result.ranking.at(result.chosen);
-  std::string text =
-      heading(run) + "\n" + ranking.text() + "chosen: the simplest within 2 of the least AICc\n\n" + chosen.name;
+  std::string text = heading(run) + "\n" + ranking.text() +
+                     "chosen: the simplest within 2 of the least AICc of those that follow the data\n\n" + chosen.name;
   if (chosen.fit.model != chosen.name) text += "   " + chosen.fit.model;
   text += "\n" + parameter_table(chosen.fit) + "\n";
   return text + paragraph("verdict: " + std::string(frac::to_string(result.verdict)) + ". " + result.verdict_sentence);
 }
 
 std::string fit_csv(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
-  std::string text = csv_header(run);
-  text += "# formula: " + result.model + "\n# cost: " + io::format_number(result.cost) +
-          "\n# rms: " + io::format_number(result.rms) + "\n# aicc: " + io::format_number(result.aicc) +
-          "\n# bic: " + io::format_number(result.bic) +
-          "\n# termination: " + std::string(frac::to_string(result.termination)) +
-          "\n# lag_one_correlation: " + io::format_number(statistics.whiteness.lag_one_correlation) +
-          "\n# whiteness_p_value: " + io::format_number(statistics.whiteness.p_value) + "\n";
-  text += "name,value,standard_error,ci95_lower,ci95_upper,identified,at_bound,fixed";
-  if (!statistics.profile.empty()) text += ",profile_lower,profile_upper";
-  if (!statistics.bootstrap.empty()) text += ",bootstrap_lower,bootstrap_upper,bootstrap_standard_error";
-  text += "\n";
-  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+  Document document{head_of(run), {{}, result.parameters.size(), {}}};
+  for (const auto& [key, value] :
+       io::Metadata{{"formula", result.model},
+                    {"cost", io::format_number(result.cost)},
+                    {"rms", io::format_number(result.rms)},
+                    {"aicc", io::format_number(result.aicc)},
+                    {"bic", io::format_number(result.bic)},
+                    {"termination", std::string(frac::to_string(result.termination))},
+                    {"lag_one_correlation", io::format_number(statistics.whiteness.lag_one_correlation)},
+                    {"whiteness_p_value", io::format_number(statistics.whiteness.p_value)}})
+    document.head.emplace_back(key, value);
+  auto& columns = document.rows.columns;
+  columns = {"name", "value", "standard_error", "ci95_lower", "ci95_upper", "identified", "at_bound", "fixed"};
+  if (!statistics.profile.empty()) columns.insert(columns.end(), {"profile_lower", "profile_upper"});
+  if (!statistics.bootstrap.empty())
+    columns.insert(columns.end(), {"bootstrap_lower", "bootstrap_upper", "bootstrap_standard_error"});
+  document.rows.fill = [&](std::size_t i, std::vector<Cell>& cells) {
     const auto& parameter = result.parameters[i];
-    text += parameter.name;
-    for (const double number : {parameter.value, parameter.standard_error, parameter.ci95_lower, parameter.ci95_upper})
-      text += "," + io::format_number(number);
-    for (const bool flag : {parameter.identified, parameter.at_bound, parameter.fixed}) text += "," + yes_no(flag);
+    cells.emplace_back(parameter.name);
+    for (const double value : {parameter.value, parameter.standard_error, parameter.ci95_lower, parameter.ci95_upper})
+      cells.emplace_back(value);
+    for (const bool flag : {parameter.identified, parameter.at_bound, parameter.fixed}) cells.emplace_back(flag);
     if (!statistics.profile.empty()) {
-      const auto interval = statistics.profile[i].value_or(frac::ProfileInterval{nan, nan, false});
-      text += "," + io::format_number(interval.lower) + "," + io::format_number(interval.upper);
+      const auto profile = statistics.profile[i].value_or(frac::ProfileInterval{nan, nan, false});
+      for (const double value : {profile.lower, profile.upper}) cells.emplace_back(value);
     }
-    if (!statistics.bootstrap.empty())
-      for (const double number :
-           {statistics.bootstrap[i].lower, statistics.bootstrap[i].upper, statistics.bootstrap[i].standard_error})
-        text += "," + io::format_number(number);
-    text += "\n";
-  }
-  return text;
+    if (!statistics.bootstrap.empty()) {
+      const auto& bootstrap = statistics.bootstrap[i];
+      for (const double value : {bootstrap.lower, bootstrap.upper, bootstrap.standard_error}) cells.emplace_back(value);
+    }
+  };
+  return text_of(document, "csv", run.command);
 }
 
 std::string identification_csv(const FitRun& run, const frac::IdentificationResult& result,
                                const std::vector<double>& prediction_rms) {
-  std::string text = csv_header(run);
-  text += "# verdict: " + std::string(frac::to_string(result.verdict)) +
-          "\n# evidence: " + io::format_number(result.evidence) +
-          "\n# chosen: " + result.ranking.at(result.chosen).name + "\n";
-  text += "name,class,model,free_parameters,cost,rms,aicc,bic,delta_aicc,akaike_weight,termination";
-  text += prediction_rms.empty() ? "\n" : ",prediction_rms\n";
-  std::size_t index = 0;
+  Document document{head_of(run), {{}, result.ranking.size(), {}}};
+  document.head.emplace_back("verdict", frac::to_string(result.verdict));
+  document.head.emplace_back("evidence", io::format_number(result.evidence));
+  document.head.emplace_back("chosen", result.ranking.at(result.chosen).name);
+  auto& columns = document.rows.columns;
+  columns = {"name", "class", "model",      "free_parameters", "cost",       "rms",
+             "aicc", "bic",   "delta_aicc", "akaike_weight",   "termination"};
+  if (!prediction_rms.empty()) columns.emplace_back("prediction_rms");
+  document.rows.fill = [&](std::size_t i, std::vector<Cell>& cells) {
+    const auto& candidate = result.ranking[i];
+    const auto& fit = candidate.fit;
+    cells.emplace_back(candidate.name);
+    cells.emplace_back(std::string(frac::to_string(candidate.model_class)));
+    cells.emplace_back(fit.model);
+    cells.emplace_back(static_cast<std::int64_t>(fit.free_parameters));
+    for (const double value : {fit.cost, fit.rms, fit.aicc, fit.bic, candidate.delta_aicc, candidate.akaike_weight})
+      cells.emplace_back(value);
+    cells.emplace_back(std::string(frac::to_string(fit.termination)));
+    if (!prediction_rms.empty()) cells.emplace_back(prediction_rms[i]);
+  };
+  return text_of(document, "csv", run.command);
+}
+
+std::string fit_json(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
+  Json json = origin_of_fit(run);
+  append_fit(json, result);
+  append_statistics(json, result, statistics, run.over_time);
+  return json.dump() + "\n";
+}
+
+std::string identification_json(const FitRun& run, const frac::IdentificationResult& result,
+                                const std::vector<double>& prediction_rms) {
+  Json json = origin_of_fit(run);
+  json["ranking"] = Json::array();
   for (const auto& candidate : result.ranking) {
-    text += io::csv_field(candidate.name) + "," + std::string(frac::to_string(candidate.model_class)) + "," +
-            io::csv_field(candidate.fit.model) + "," + std::to_string(candidate.fit.free_parameters);
-    for (const double number : {candidate.fit.cost, candidate.fit.rms, candidate.fit.aicc, candidate.fit.bic,
-                                candidate.delta_aicc, candidate.akaike_weight})
-      text += "," + io::format_number(number);
-    text += "," + std::string(frac::to_string(candidate.fit.termination));
-    if (!prediction_rms.empty()) text += "," + io::format_number(prediction_rms[index++]);
-    text += "\n";
+    Json ranked{{"name", candidate.name}, {"class", frac::to_string(candidate.model_class)}};
+    append_fit(ranked, candidate.fit);
+    ranked["delta_aicc"] = candidate.delta_aicc;
+    ranked["akaike_weight"] = candidate.akaike_weight;
+    ranked["lack_of_fit"] = lack_of_fit_json(candidate.lack_of_fit);
+    if (!prediction_rms.empty()) ranked["prediction_rms"] = prediction_rms[json["ranking"].size()];
+    json["ranking"].push_back(std::move(ranked));
   }
-  return text;
+  json["chosen"] = result.ranking.at(result.chosen).name;
+  json["verdict"] = frac::to_string(result.verdict);
+  json["evidence"] = result.evidence;
+  json["verdict_sentence"] = result.verdict_sentence;
+  json["log10_odds"] = result.log10_odds;
+  json["fractional"] = finalist_json(result, result.fractional);
+  json["integer"] = finalist_json(result, result.integer);
+  json["differ_most"] = {{"omega", result.differ_most_omega}, {"relative", result.differ_most}};
+  json["skipped"] = result.skipped;
+  return json.dump() + "\n";
 }
 
 }  // namespace fracfit

@@ -32,4 +32,8 @@ struct FitRun {
 [[nodiscard]] std::string identification_csv(const FitRun& run, const frac::IdentificationResult& result,
                                              const std::vector<double>& prediction_rms);
 
+[[nodiscard]] std::string fit_json(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics);
+[[nodiscard]] std::string identification_json(const FitRun& run, const frac::IdentificationResult& result,
+                                              const std::vector<double>& prediction_rms);
+
 }  // namespace fracfit

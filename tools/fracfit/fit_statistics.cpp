@@ -43,9 +43,11 @@ FitStatistics statistics_of(const Data& data, const Options& options, const frac
   for (const std::size_t index : result.outliers) statistics.outlier_at.push_back(axis(data)[index]);
   if (result.termination == frac::FitTermination::no_usable_start) {
     statistics.whiteness = {nan, nan};
+    statistics.lack_of_fit = {frac::NoiseSource::data, nan, nan, nan, nan, nan, false, {}};
     return statistics;
   }
   statistics.whiteness = frac::residual_whiteness(data, options, result);
+  statistics.lack_of_fit = frac::lack_of_fit(data, options, result);
   if (request.profile) {
     statistics.profile.resize(result.parameters.size());
     frac::parallel_for(result.parameters.size(), threads, [&](std::size_t i) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "frac/identification/lack_of_fit.hpp"
 #include "frac/identification/model_choice.hpp"
 #include "frac/identification/time_fit.hpp"
 #include "frac/identification/uncertainty.hpp"
@@ -23,6 +24,7 @@ struct FitStatistics {
   std::vector<std::vector<double>> correlation;  // of the estimates; NaN beside one without standard error
   std::vector<double> outlier_at;                // rad/s or s, in the order of FitResult::outliers
   frac::ResidualWhiteness whiteness;             // NaN where the model is not finite
+  frac::LackOfFit lack_of_fit{};                 // not adequate where the model is not finite
   /// Empty when not asked for; unset for a parameter that has none: fixed, unseen by the fitted component, or no degree
   /// of freedom left.
   std::vector<std::optional<frac::ProfileInterval>> profile;

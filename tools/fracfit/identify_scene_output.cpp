@@ -3,9 +3,9 @@
 
 #include <cmath>
 
-#include "aligned_table.hpp"
 #include "io/sweep_file.hpp"
-#include "json_number.hpp"
+#include "output/aligned_table.hpp"
+#include "output/json.hpp"
 
 namespace fracfit {
 namespace {
@@ -13,9 +13,9 @@ namespace {
 Json estimate_json(const backlash::SceneEstimate& estimate) {
   return {{"name", estimate.name},
           {"unit", estimate.unit},
-          {"value", number(estimate.value)},
-          {"standard_error", number(estimate.standard_error)},
-          {"ci95", {number(estimate.ci95_lower), number(estimate.ci95_upper)}},
+          {"value", estimate.value},
+          {"standard_error", estimate.standard_error},
+          {"ci95", {estimate.ci95_lower, estimate.ci95_upper}},
           {"identified", estimate.identified},
           {"at_bound", estimate.at_bound},
           {"fixed", estimate.fixed}};
@@ -44,10 +44,10 @@ std::string estimate_table(const std::string& heading, const Estimates& estimate
 
 std::string scene_json(const SceneRun& run, const backlash::SceneIdentification& result,
                        const std::optional<backlash::SceneComparison>& comparison) {
-  Json json{{"fracfit", io::version()}, {"command", run.command}};
+  Json json = origin(run.command);
   json["data"] = Json::array();
   for (std::size_t i = 0; i < run.files.size(); ++i)
-    json["data"].push_back({{"file", run.files[i]}, {"force_n", number(run.forces[i])}});
+    json["data"].push_back({{"file", run.files[i]}, {"force_n", run.forces[i]}});
   json["options"] = Json::object();
   for (const auto& [key, value] : run.options) json["options"][key] = value;
   json["parameters"] = Json::array();
@@ -55,45 +55,45 @@ std::string scene_json(const SceneRun& run, const backlash::SceneIdentification&
   json["combinations"] = Json::array();
   for (const auto& combination : result.combinations) json["combinations"].push_back(estimate_json(combination));
   json["free_directions"] = result.free_directions;
-  json["cost"] = number(result.cost);
-  json["rms"] = number(result.rms);
-  json["max_residual"] = number(result.max_residual);
+  json["cost"] = result.cost;
+  json["rms"] = result.rms;
+  json["max_residual"] = result.max_residual;
   json["termination"] = frac::to_string(result.termination);
   json["message"] = result.message;
   json["residuals"] = result.residuals;
   json["free_parameters"] = result.free_parameters;
-  json["condition"] = number(result.condition);
+  json["condition"] = result.condition;
   json["starts"] = result.starts;
   json["starts_at_best"] = result.starts_at_best;
-  json["seconds"] = number(result.seconds);
+  json["seconds"] = result.seconds;
   json["points_used"] = result.points_used;
   json["points"] = Json::array();
   for (const auto& point : result.points)
     json["points"].push_back({{"curve", point.curve},
-                              {"omega_rad_s", number(point.omega)},
+                              {"omega_rad_s", point.omega},
                               {"status", backlash::to_string(point.status)},
                               {"regime", backlash::to_string(point.regime)},
-                              {"model_re_m_per_n", number(point.model.real())},
-                              {"model_im_m_per_n", number(point.model.imag())},
-                              {"residual_re", number(point.residual.real())},
-                              {"residual_im", number(point.residual.imag())}});
+                              {"model_re_m_per_n", point.model.real()},
+                              {"model_im_m_per_n", point.model.imag()},
+                              {"residual_re", point.residual.real()},
+                              {"residual_im", point.residual.imag()}});
   if (comparison) {
     Json ranking = Json::array();
     for (const auto& fit : comparison->ranking)
       ranking.push_back({{"explanation", backlash::to_string(fit.explanation)},
                          {"name", fit.name},
-                         {"cost", number(fit.cost)},
-                         {"rms", number(fit.rms)},
+                         {"cost", fit.cost},
+                         {"rms", fit.rms},
                          {"free_parameters", fit.free_parameters},
-                         {"aicc", number(fit.aicc)},
-                         {"delta_aicc", number(fit.delta_aicc)}});
+                         {"aicc", fit.aicc},
+                         {"delta_aicc", fit.delta_aicc}});
     json["comparison"] = {{"ranking", std::move(ranking)},
                           {"points", comparison->points},
                           {"residuals", comparison->residuals},
                           {"skipped", comparison->skipped},
                           {"sentence", comparison->sentence}};
   }
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json.dump() + "\n";
 }
 
 std::string scene_table(const SceneRun& run, const backlash::SceneIdentification& result,

@@ -4,14 +4,17 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
-#include "aligned_table.hpp"
-#include "io/csv_line.hpp"
 #include "io/number.hpp"
-#include "io/sweep_file.hpp"
+#include "output/aligned_table.hpp"
+#include "output/document.hpp"
+#include "output/json.hpp"
 
 namespace fracfit {
 namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 frac::PowerLaw power_law(double coefficient, double exponent) {
   frac::PowerLaw law{};
@@ -42,6 +45,30 @@ std::string formula(const char* name, const frac::PowerLaw& law) {
                        without_rounding_noise(law.exponent_ci95_upper));
 }
 
+Json power_law_json(const frac::PowerLaw& law) {
+  return {{"coefficient", law.coefficient},
+          {"exponent", law.exponent},
+          {"coefficient_ci95", {law.coefficient_ci95_lower, law.coefficient_ci95_upper}},
+          {"exponent_ci95", {law.exponent_ci95_lower, law.exponent_ci95_upper}},
+          {"r_squared", law.r_squared}};
+}
+
+Json laws_json(double a_coefficient, double a_exponent, double b_coefficient, double b_exponent) {
+  return {{"a_of_clearance", {{"coefficient", a_coefficient}, {"exponent", a_exponent}}},
+          {"b_of_clearance", {{"coefficient", b_coefficient}, {"exponent", b_exponent}}}};
+}
+
+Json constants_json(const backlash::JumpGrid& grid) {
+  Json constants = Json::array();
+  for (const auto& constant : grid.constants)
+    constants.push_back(
+        {{"restitution", constant.restitution},
+         {"similarity_constant", constant.similarity_constant ? *constant.similarity_constant : Json(nullptr)},
+         {"averaged", constant.similarity_constant.has_value()},
+         {"meaning", constant.message}});
+  return constants;
+}
+
 }  // namespace
 
 SimilarityLaw similarity_law(const JumpLawRun& run, const backlash::JumpLaw& law) {
@@ -69,16 +96,18 @@ std::string jump_constants_table(const backlash::JumpGrid& grid) {
 }
 
 std::string jump_constants_csv(const std::string& command, const backlash::JumpGrid& grid) {
-  std::string text = "# fracfit: " + std::string(io::version()) + "\n# command: " + command +
-                     "\n# criterion: " + std::string(backlash::to_string(grid.criterion)) +
-                     "\n# averaged: " + std::to_string(averaged_count(grid)) +
-                     "\n# left_out: " + std::to_string(grid.constants.size() - averaged_count(grid)) +
-                     "\n# mean_similarity_constant: " + io::format_number(grid.mean_similarity_constant) +
-                     "\nrestitution,similarity_constant,meaning\n";
-  for (const auto& [restitution, constant, message] : grid.constants)
-    text += io::format_number(restitution) + "," + (constant ? io::format_number(*constant) : "nan") + "," +
-            io::csv_field(message) + "\n";
-  return text;
+  const auto fill = [&](std::size_t i, std::vector<Cell>& cells) {
+    const auto& [restitution, constant, message] = grid.constants[i];
+    cells.emplace_back(restitution);
+    cells.emplace_back(constant.value_or(nan));
+    cells.emplace_back(message);
+  };
+  return text_of({{{"criterion", std::string(backlash::to_string(grid.criterion))},
+                   {"averaged", std::to_string(averaged_count(grid))},
+                   {"left_out", std::to_string(grid.constants.size() - averaged_count(grid))},
+                   {"mean_similarity_constant", io::format_number(grid.mean_similarity_constant)}},
+                  {{"restitution", "similarity_constant", "meaning"}, grid.constants.size(), fill}},
+                 "csv", command);
 }
 
 std::string jump_law_table(const JumpLawRun& run, const backlash::JumpLaw& law) {
@@ -114,23 +143,77 @@ std::string jump_law_table(const JumpLawRun& run, const backlash::JumpLaw& law) 
 }
 
 std::string jump_law_csv(const JumpLawRun& run, const backlash::JumpLaw& law) {
-  std::string text = "# fracfit: " + std::string(io::version()) + "\n# command: " + run.command +
-                     "\n# mass1_kg: " + io::format_number(run.mass1) + "\n# mass2_kg: " + io::format_number(run.mass2) +
-                     "\n# criterion: " + std::string(backlash::to_string(law.criterion)) + "\n";
-  const auto entry = [&](const char* key, double value) {
-    text += std::string("# ") + key + ": " + io::format_number(value) + "\n";
+  const auto fill = [&](std::size_t i, std::vector<Cell>& cells) {
+    const auto& point = law.points[i];
+    for (const double value : {point.force, point.clearance, point.restitution, point.omega_jump.value_or(nan)})
+      cells.emplace_back(value);
   };
-  entry("a_coefficient", law.a_of_clearance.coefficient);
-  entry("a_exponent", law.a_of_clearance.exponent);
-  entry("b_coefficient", law.b_of_clearance.coefficient);
-  entry("b_exponent", law.b_of_clearance.exponent);
-  entry("mean_similarity_constant", law.mean_similarity_constant);
-  text += "force_n,clearance_m,restitution,omega_jump_rad_s\n";
+  return text_of({{{"mass1_kg", io::format_number(run.mass1)},
+                   {"mass2_kg", io::format_number(run.mass2)},
+                   {"criterion", std::string(backlash::to_string(law.criterion))},
+                   {"a_coefficient", io::format_number(law.a_of_clearance.coefficient)},
+                   {"a_exponent", io::format_number(law.a_of_clearance.exponent)},
+                   {"b_coefficient", io::format_number(law.b_of_clearance.coefficient)},
+                   {"b_exponent", io::format_number(law.b_of_clearance.exponent)},
+                   {"mean_similarity_constant", io::format_number(law.mean_similarity_constant)}},
+                  {{"force_n", "clearance_m", "restitution", "omega_jump_rad_s"}, law.points.size(), fill}},
+                 "csv", run.command);
+}
+
+std::string jump_constants_json(const std::string& command, const backlash::JumpGrid& grid) {
+  Json json = origin(command);
+  json["criterion"] = backlash::to_string(grid.criterion);
+  json["mean_similarity_constant"] = grid.mean_similarity_constant;
+  json["averaged"] = averaged_count(grid);
+  json["left_out"] = grid.constants.size() - averaged_count(grid);
+  json["constants"] = constants_json(grid);
+  return json.dump() + "\n";
+}
+
+std::string jump_law_json(const JumpLawRun& run, const backlash::JumpLaw& law) {
+  Json json = origin(run.command);
+  json["scene"] = {{"mass1_kg", run.mass1}, {"mass2_kg", run.mass2}, {"criterion", backlash::to_string(law.criterion)}};
+  json["points"] = Json::array();
   for (const auto& point : law.points)
-    text += io::format_number(point.force) + "," + io::format_number(point.clearance) + "," +
-            io::format_number(point.restitution) + "," +
-            (point.omega_jump ? io::format_number(*point.omega_jump) : "nan") + "\n";
-  return text;
+    json["points"].push_back({{"force", point.force},
+                              {"clearance", point.clearance},
+                              {"restitution", point.restitution},
+                              {"omega_jump", point.omega_jump ? *point.omega_jump : Json(nullptr)}});
+  json["constants"] = constants_json(law);
+  json["averaged"] = averaged_count(law);
+  json["left_out"] = law.constants.size() - averaged_count(law);
+  if (!law.message.empty()) json["message"] = law.message;
+  json["laws"] = Json::array();
+  for (const auto& [clearance, force_law] : law.laws)
+    json["laws"].push_back({{"clearance", clearance},
+                            {"a", force_law.coefficient},
+                            {"b", force_law.exponent},
+                            {"a_ci95", {force_law.coefficient_ci95_lower, force_law.coefficient_ci95_upper}},
+                            {"b_ci95", {force_law.exponent_ci95_lower, force_law.exponent_ci95_upper}},
+                            {"r_squared", force_law.r_squared}});
+  json["a_of_clearance"] = power_law_json(law.a_of_clearance);
+  json["b_of_clearance"] = power_law_json(law.b_of_clearance);
+
+  const auto differences = [&](double a_coefficient, double a_exponent, double b_coefficient) {
+    return Json{{"a_coefficient", percent_difference(law.a_of_clearance.coefficient, a_coefficient)},
+                {"a_exponent", percent_difference(law.a_of_clearance.exponent, a_exponent)},
+                {"b_coefficient", percent_difference(law.b_of_clearance.coefficient, b_coefficient)}};
+  };
+  const backlash::PublishedJumpLaw published;
+  json["published"] =
+      laws_json(published.a_coefficient, published.a_exponent, published.b_coefficient, published.b_exponent);
+  json["published"]["source"] = "Duarte, Tenreiro Machado (2009), eq. (8), masses 1 kg";
+  json["published"]["difference_percent"] =
+      differences(published.a_coefficient, published.a_exponent, published.b_coefficient);
+  json["published"]["b_exponent_difference"] = law.b_of_clearance.exponent - published.b_exponent;
+  const SimilarityLaw similarity = similarity_law(run, law);
+  json["similarity"] =
+      laws_json(similarity.a_coefficient, similarity.a_exponent, similarity.b_coefficient, similarity.b_exponent);
+  json["similarity"]["mean_constant"] = law.mean_similarity_constant;
+  json["similarity"]["difference_percent"] =
+      differences(similarity.a_coefficient, similarity.a_exponent, similarity.b_coefficient);
+  json["similarity"]["b_exponent_difference"] = law.b_of_clearance.exponent - similarity.b_exponent;
+  return json.dump() + "\n";
 }
 
 }  // namespace fracfit

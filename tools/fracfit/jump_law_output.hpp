@@ -29,9 +29,11 @@ struct SimilarityLaw {
 /// c over restitution, with what happens at each jump or why there is none.
 [[nodiscard]] std::string jump_constants_table(const backlash::JumpGrid& grid);
 [[nodiscard]] std::string jump_constants_csv(const std::string& command, const backlash::JumpGrid& grid);
+[[nodiscard]] std::string jump_constants_json(const std::string& command, const backlash::JumpGrid& grid);
 
 [[nodiscard]] std::string jump_law_table(const JumpLawRun& run, const backlash::JumpLaw& law);
 /// One row per point; the laws stand in "# key: value" lines.
 [[nodiscard]] std::string jump_law_csv(const JumpLawRun& run, const backlash::JumpLaw& law);
+[[nodiscard]] std::string jump_law_json(const JumpLawRun& run, const backlash::JumpLaw& law);
 
 }  // namespace fracfit

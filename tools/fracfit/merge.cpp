@@ -1,26 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <map>
-#include <memory>
 #include <set>
 #include <stdexcept>
 
 #include "batch_power_law.hpp"
 #include "batch_table.hpp"
-#include "common_options.hpp"
-#include "exit_code.hpp"
 #include "io/data_error.hpp"
 #include "io/shard_file.hpp"
 #include "subcommand.hpp"
 
 namespace fracfit {
 namespace {
-
-struct MergeArguments {
-  std::string out;
-  std::vector<std::string> in;
-};
 
 void check_agreement(const BatchTable& first, const std::string& first_file, const BatchTable& other,
                      const std::string& other_file) {
@@ -48,79 +39,92 @@ std::string shortened(const std::vector<std::string>& names) {
   return names.size() > most ? text + " and " + std::to_string(names.size() - most) + " more" : text;
 }
 
-void check_output(const MergeArguments& given) {
-  for (const auto& name : given.in) {
-    std::error_code absent;
-    if (name == given.out || std::filesystem::equivalent(name, given.out, absent))
-      throw std::invalid_argument("OUT " + given.out + " is also the input " + name +
-                                  "; the joined table would replace it: give OUT first, and a name of its own");
+class Merge : public Command {
+ public:
+  Merge() : Command("merge", "Joins the shards of a batch, a sweep or a map") {
+    options().texts("IN", in_, "Tables written with --shard by fracfit batch, simulate or map", "FILE").required();
+    add_common({"csv"});
+    set_footer(
+        "All must stem from the same command, on the same files.  The result is that of the command without --shard.\n"
+        "Example:\n"
+        "  fracfit merge part1.csv part2.csv part3.csv part4.csv --out all.csv");
   }
-}
 
-int run_merge(const MergeArguments& given) {
-  check_output(given);
-  const io::OutputFile out(given.out);
-  if (io::is_block_table(given.in.front())) {
-    out.write(io::joined_block_table(given.in));
-    return usable_result;
-  }
-  BatchTable merged;
-  std::map<std::string, std::pair<std::string, std::string>> rows;  // file: line and where it is from
-  for (const auto& name : given.in) {
-    auto table = read_batch_table(name);
-    if (&name == &given.in.front())
-      merged = table;
-    else
-      check_agreement(merged, given.in.front(), table, name);
-    const std::set<std::string> known(table.manifest.inputs.begin(), table.manifest.inputs.end());
-    for (const auto& [file, line] : table.rows) {
-      if (!known.contains(file))
-        throw io::DataError(name, 0, 0, "holds a row for " + file + ", which is none of its inputs");
-      const auto [found, is_new] = rows.try_emplace(file, line, name);
-      if (!is_new)
-        throw io::DataError(
-            name, 0, 0,
-            "holds a row for " + file + ", which " + found->second.second + " holds too; expected each file once");
+ private:
+  void check() override {
+    if (out().empty()) take_old_form();
+    for (const auto& name : in_) {
+      std::error_code absent;
+      if (name == out() || std::filesystem::equivalent(name, out(), absent))
+        throw std::invalid_argument("--out " + out() + " is also the input " + name +
+                                    "; the joined table would replace it: give --out a name of its own");
     }
   }
-  merged.manifest.shard.clear();
-  std::vector<std::string> lines, missing;
-  for (const auto& file : merged.manifest.inputs) {
-    const auto found = rows.find(file);
-    if (found == rows.end())
-      missing.push_back(file);
-    else
-      lines.push_back(found->second.first);
+
+  // `merge OUT IN...`, where it can be told from inputs alone.
+  void take_old_form() {
+    if (in_.size() < 2 || (in_.front() != "-" && std::filesystem::exists(in_.front())))
+      throw std::invalid_argument(
+          "--out is required: the joined table, - for standard output; the arguments are inputs");
+    add_note("merge OUT IN... is now merge IN... --out OUT; the old form works in this version for the last time");
+    set_out(in_.front());
+    in_.erase(in_.begin());
   }
-  std::string text = header_text(merged.format, merged.manifest);
-  for (const auto& line : lines) text += line + "\n";
-  if (missing.empty()) {
-    const auto laws = power_law_remarks(merged.format, merged.manifest, lines);
-    text += laws.text;
-    for (const auto& note : laws.notes) say({}, note);
+
+  int run() override {
+    if (io::is_block_table(in_.front())) {
+      write(io::joined_block_table(in_));
+      return usable_result;
+    }
+    BatchTable merged;
+    std::map<std::string, std::pair<std::string, std::string>> rows;  // file: line and where it is from
+    for (const auto& name : in_) {
+      auto table = read_batch_table(name);
+      if (&name == &in_.front())
+        merged = table;
+      else
+        check_agreement(merged, in_.front(), table, name);
+      const std::set<std::string> known(table.manifest.inputs.begin(), table.manifest.inputs.end());
+      for (const auto& [file, line] : table.rows) {
+        if (!known.contains(file))
+          throw io::DataError(name, 0, 0, "holds a row for " + file + ", which is none of its inputs");
+        const auto [found, is_new] = rows.try_emplace(file, line, name);
+        if (!is_new)
+          throw io::DataError(
+              name, 0, 0,
+              "holds a row for " + file + ", which " + found->second.second + " holds too; expected each file once");
+      }
+    }
+    merged.manifest.shard.clear();
+    std::vector<std::string> lines, missing;
+    for (const auto& file : merged.manifest.inputs) {
+      const auto found = rows.find(file);
+      if (found == rows.end())
+        missing.push_back(file);
+      else
+        lines.push_back(found->second.first);
+    }
+    std::string text = header_text(merged.format, merged.manifest);
+    for (const auto& line : lines) text += line + "\n";
+    if (missing.empty()) {
+      const auto laws = power_law_remarks(merged.format, merged.manifest, lines);
+      text += laws.text;
+      for (const auto& note : laws.notes) say(note);
+    }
+    write(text);
+    if (missing.empty()) return usable_result;
+    say(std::to_string(missing.size()) + " of " + std::to_string(merged.manifest.inputs.size()) +
+        " files are missing: " + shortened(missing) + "; the batch without --shard and with this --out does the rest");
+    return no_usable_result;
   }
-  out.write(text);
-  if (missing.empty()) return usable_result;
-  say({}, std::to_string(missing.size()) + " of " + std::to_string(merged.manifest.inputs.size()) +
-              " files are missing: " + shortened(missing) +
-              "; the batch without --shard and with this --out does the rest");
-  return no_usable_result;
-}
+
+  std::vector<std::string> in_;
+};
 
 }  // namespace
 
-void add_merge(CLI::App& program, Run& run) {
-  const auto given = std::make_shared<MergeArguments>();
-  auto* merge = program.add_subcommand("merge", "Joins the shards of a batch, a sweep or a map");
-  merge->add_option("OUT", given->out, "Joined table; - for standard output")->required()->type_name("FILE");
-  merge->add_option("IN", given->in, "Tables written with --shard by fracfit batch, simulate or map")
-      ->required()
-      ->type_name("FILE");
-  merge->footer(
-      "All must stem from the same command, on the same files.  The result is that of the command without --shard.\n"
-      "Example:\n"
-      "  fracfit merge all.csv part1.csv part2.csv part3.csv part4.csv");
-  merge->callback([given, &run] { run = [given] { return run_merge(*given); }; });
+std::unique_ptr<Command> make_merge() {
+  return std::make_unique<Merge>();
 }
 
 }  // namespace fracfit

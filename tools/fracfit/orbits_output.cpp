@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "io/number.hpp"
-#include "io/sweep_file.hpp"
-#include "json_number.hpp"
+#include "output/document.hpp"
+#include "output/json.hpp"
 
 namespace fracfit {
 namespace {
@@ -49,72 +49,76 @@ double impacts_per_period(const backlash::OrbitBranch& branch) {
   return static_cast<double>(branch.impacts) / branch.period;
 }
 
-void append_row(std::string& text, std::size_t index, const backlash::OrbitBranch& branch, std::string_view kind,
-                const backlash::PeriodicOrbit& orbit) {
-  text += std::to_string(index) + "," + std::string(kind) + ",";
-  for (const double value : {orbit.parameter, orbit.value.real(), orbit.value.imag()}) {
-    io::append_number(text, value);
-    text += ',';
-  }
-  text += std::to_string(branch.period) + ",";
-  io::append_number(text, impacts_per_period(branch));
-  text += branch.symmetric ? ",symmetric" : ",asymmetric";
-  text += orbit.stable ? ",stable" : ",unstable";
-  for (const auto& multiplier : orbit.multipliers) {
-    for (const double value : {multiplier.real(), multiplier.imag()}) {
-      text += ',';
-      io::append_number(text, value);
-    }
-  }
-  text += '\n';
+void append_cells(std::vector<Cell>& cells, std::size_t index, const backlash::OrbitBranch& branch,
+                  std::string_view kind, const backlash::PeriodicOrbit& orbit) {
+  cells.emplace_back(static_cast<std::int64_t>(index));
+  cells.emplace_back(std::string(kind));
+  for (const double value : {orbit.parameter, orbit.value.real(), orbit.value.imag()}) cells.emplace_back(value);
+  cells.emplace_back(std::int64_t{branch.period});
+  cells.emplace_back(impacts_per_period(branch));
+  cells.emplace_back(std::string(branch.symmetric ? "symmetric" : "asymmetric"));
+  cells.emplace_back(std::string(orbit.stable ? "stable" : "unstable"));
+  for (const auto& multiplier : orbit.multipliers)
+    for (const double value : {multiplier.real(), multiplier.imag()}) cells.emplace_back(value);
 }
 
 Json orbit_json(const backlash::PeriodicOrbit& orbit, backlash::OrbitParameter parameter) {
-  Json json{{parameter_column(parameter), number(orbit.parameter)},
-            {"re_m_per_n", number(orbit.value.real())},
-            {"im_m_per_n", number(orbit.value.imag())},
+  Json json{{parameter_column(parameter), orbit.parameter},
+            {"re_m_per_n", orbit.value.real()},
+            {"im_m_per_n", orbit.value.imag()},
             {"stable", orbit.stable}};
   json["multipliers"] = Json::array();
   for (const auto& multiplier : orbit.multipliers)
-    json["multipliers"].push_back({number(multiplier.real()), number(multiplier.imag())});
+    json["multipliers"].push_back({multiplier.real(), multiplier.imag()});
   json["impacts"] = Json::array();
   for (const auto& impact : orbit.impacts)
-    json["impacts"].push_back({{"phase_rad", number(impact.phase)},
+    json["impacts"].push_back({{"phase_rad", impact.phase},
                                {"wall", impact.wall == backlash::Wall::near ? "near" : "far"},
-                               {"speed_m_per_s", number(impact.speed)}});
+                               {"speed_m_per_s", impact.speed}});
   return json;
 }
 
 }  // namespace
 
-std::string orbits_csv(const backlash::OrbitDiagram& diagram, const std::string& command) {
-  std::string text = "# fracfit: " + std::string(io::version()) + "\n# command: " + command + "\n";
-  for (const auto& [key, value] : scene_of(diagram)) text += "# " + key + ": " + value + "\n";
-  text += "branch,kind," + parameter_column(diagram.parameter) +
-          ",re_m_per_n,im_m_per_n,period,impacts_per_period,symmetry,stability,re_multiplier1,"
-          "im_multiplier1,re_multiplier2,im_multiplier2\n";
+std::string orbits_text(const backlash::OrbitDiagram& diagram, const std::string& format, const std::string& command) {
+  // One row: branch, orbit or bifurcation.
+  struct Row {
+    std::size_t branch;
+    std::string_view kind;
+    const backlash::PeriodicOrbit* orbit;
+  };
+  std::vector<Row> rows;
   for (std::size_t i = 0; i < diagram.branches.size(); ++i) {
     const auto& branch = diagram.branches[i];
     auto next = branch.bifurcations.begin();
     for (std::size_t j = 0; j < branch.orbits.size(); ++j) {
-      append_row(text, i + 1, branch, "orbit", branch.orbits[j]);
+      rows.push_back({i, "orbit", &branch.orbits[j]});
       for (; next != branch.bifurcations.end() && next->after <= j; ++next)
-        append_row(text, i + 1, branch, backlash::to_string(next->kind), next->orbit);
+        rows.push_back({i, backlash::to_string(next->kind), &next->orbit});
     }
   }
-  return text;
+  return text_of({scene_of(diagram),
+                  {{"branch", "kind", parameter_column(diagram.parameter), "re_m_per_n", "im_m_per_n", "period",
+                    "impacts_per_period", "symmetry", "stability", "re_multiplier1", "im_multiplier1", "re_multiplier2",
+                    "im_multiplier2"},
+                   rows.size(),
+                   [&](std::size_t i, std::vector<Cell>& cells) {
+                     const auto& [branch, kind, orbit] = rows[i];
+                     append_cells(cells, branch + 1, diagram.branches[branch], kind, *orbit);
+                   }}},
+                 format, command);
 }
 
 std::string orbits_json(const backlash::OrbitDiagram& diagram, const std::string& command) {
-  Json json{{"fracfit", io::version()}, {"command", command}};
+  Json json = origin(command);
   for (const auto& [key, value] : scene_of(diagram)) {
     const auto parsed = io::parse_number(value);
-    json["scene"][key] = parsed ? number(*parsed) : Json(value);
+    json["scene"][key] = parsed ? Json(*parsed) : Json(value);
   }
-  json["branches"] = Json::array();
+  Json& branches = json["branches"] = Json::array();
   for (const auto& branch : diagram.branches) {
     Json entry{{"period", branch.period},
-               {"impacts_per_period", number(impacts_per_period(branch))},
+               {"impacts_per_period", impacts_per_period(branch)},
                {"symmetric", branch.symmetric},
                {"begin", backlash::to_string(branch.begin)},
                {"end", backlash::to_string(branch.end)}};
@@ -126,9 +130,9 @@ std::string orbits_json(const backlash::OrbitDiagram& diagram, const std::string
       bifurcation.update(orbit_json(point.orbit, diagram.parameter));
       entry["bifurcations"].push_back(std::move(bifurcation));
     }
-    json["branches"].push_back(std::move(entry));
+    branches.push_back(std::move(entry));
   }
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json.dump(1) + "\n";
 }
 
 }  // namespace fracfit

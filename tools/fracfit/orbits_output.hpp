@@ -7,8 +7,10 @@
 
 namespace fracfit {
 
-[[nodiscard]] std::string orbits_csv(const backlash::OrbitDiagram& diagram, const std::string& command);
-/// A number that is not finite is written as null.
+/// One row per orbit and bifurcation, in "csv" or "table".
+[[nodiscard]] std::string orbits_text(const backlash::OrbitDiagram& diagram, const std::string& format,
+                                      const std::string& command);
+/// The impacts of each orbit too.
 [[nodiscard]] std::string orbits_json(const backlash::OrbitDiagram& diagram, const std::string& command);
 
 }  // namespace fracfit

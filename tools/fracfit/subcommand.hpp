@@ -1,38 +1,37 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <functional>
+#include <memory>
+#include <vector>
 
-namespace CLI {
-class App;
-}
+#include "options/command.hpp"
 
 namespace fracfit {
 
-/// What the chosen subcommand does once its options are parsed; returns the exit code.
-using Run = std::function<int()>;
+// Each makes one subcommand.
+[[nodiscard]] std::unique_ptr<Command> make_analyse();
+[[nodiscard]] std::unique_ptr<Command> make_approximate();
+[[nodiscard]] std::unique_ptr<Command> make_basins();
+[[nodiscard]] std::unique_ptr<Command> make_batch();
+[[nodiscard]] std::unique_ptr<Command> make_controller();
+[[nodiscard]] std::unique_ptr<Command> make_fit();
+[[nodiscard]] std::unique_ptr<Command> make_history();
+[[nodiscard]] std::unique_ptr<Command> make_identify();
+[[nodiscard]] std::unique_ptr<Command> make_identify_scene();
+[[nodiscard]] std::unique_ptr<Command> make_jump_law();
+[[nodiscard]] std::unique_ptr<Command> make_map();
+[[nodiscard]] std::unique_ptr<Command> make_merge();
+[[nodiscard]] std::unique_ptr<Command> make_mittag_leffler();
+[[nodiscard]] std::unique_ptr<Command> make_orbits();
+[[nodiscard]] std::unique_ptr<Command> make_realise();
+[[nodiscard]] std::unique_ptr<Command> make_report();
+[[nodiscard]] std::unique_ptr<Command> make_respond();
+[[nodiscard]] std::unique_ptr<Command> make_simulate();
+[[nodiscard]] std::unique_ptr<Command> make_tune();
+[[nodiscard]] std::unique_ptr<Command> make_completion();
+[[nodiscard]] std::unique_ptr<Command> make_man();
 
-/// Each adds one subcommand, which stores its work in `run` when it is chosen.
-void add_analyse(CLI::App& program, Run& run);
-void add_approximate(CLI::App& program, Run& run);
-void add_basins(CLI::App& program, Run& run);
-void add_batch(CLI::App& program, Run& run);
-void add_controller(CLI::App& program, Run& run);
-void add_simulate(CLI::App& program, Run& run);
-void add_fit(CLI::App& program, Run& run);
-void add_history(CLI::App& program, Run& run);
-void add_identify(CLI::App& program, Run& run);
-void add_identify_scene(CLI::App& program, Run& run);
-void add_jump_law(CLI::App& program, Run& run);
-void add_map(CLI::App& program, Run& run);
-void add_merge(CLI::App& program, Run& run);
-void add_mittag_leffler(CLI::App& program, Run& run);
-void add_orbits(CLI::App& program, Run& run);
-void add_realise(CLI::App& program, Run& run);
-void add_report(CLI::App& program, Run& run);
-void add_respond(CLI::App& program, Run& run);
-void add_tune(CLI::App& program, Run& run);
-/// Adds `completion` and `man`.
-void add_shell_help(CLI::App& program, Run& run);
+/// All of them, in the groups and the order of the help.
+[[nodiscard]] std::vector<CommandGroup> all_commands();
 
 }  // namespace fracfit

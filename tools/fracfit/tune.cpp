@@ -1,20 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frac/identification/tune.hpp"
 
-#include <CLI/CLI.hpp>
-#include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <numbers>
 #include <stdexcept>
 
-#include "aligned_table.hpp"
-#include "choice.hpp"
-#include "common_options.hpp"
-#include "exit_code.hpp"
-#include "io/sweep_file.hpp"
-#include "json_number.hpp"
+#include "options/model_options.hpp"
+#include "output/aligned_table.hpp"
+#include "output/json.hpp"
 #include "subcommand.hpp"
 
 namespace fracfit {
@@ -22,64 +16,55 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 
-struct TuneArguments {
-  CommonOptions common;
-  std::string plant, crossover, phase_margin, max_sensitivity, max_complementary, noise, disturbance;
-  std::string lambda, mu, filter = "0", horizon, seed = "1";
-  std::string structure = "pid", criterion = "sensitivity", step = "setpoint";
-  bool flat_phase = false;
-};
-
-double angle_option(const char* name, const std::string& text) {
-  const double value = number_option(name, text);
+// Degrees of the command line in rad.
+double angle_of(std::string_view name, const std::string& text) {
+  const double value = number_of(name, text);
   constexpr double straight = 180;
   if (!(value > 0 && value < straight))
     throw std::invalid_argument(std::string(name) + " " + text + ": expected an angle above 0 and below 180 degrees");
-  return value;
+  return degree * value;
 }
 
-frac::GainBound bound_option(const char* name, const std::string& text) {
-  const auto [omega, gain] = pair_option(name, text, "W:GAIN");
-  return {number_option(name, omega), number_option(name, gain)};
+frac::GainBound gain_bound_of(std::string_view name, const std::string& text) {
+  const auto [omega, gain] = pair_of(name, text, "W:GAIN");
+  return {number_of(name, omega), number_of(name, gain)};
 }
 
 // One number holds the order.
-void set_range(const char* name, const std::string& text, frac::OrderRange& range) {
-  if (text.empty()) return;
+frac::OrderRange order_range_of(std::string_view name, const std::string& text) {
   if (text.find(':') == std::string::npos) {
-    range.lower = range.upper = number_option(name, text);
-    return;
+    const double order = number_of(name, text);
+    return {order, order};
   }
-  const auto [lower, upper] = range_option(name, text);
-  range = {number_option(name, lower), number_option(name, upper)};
+  const auto [lower, upper] = pair_of(name, text);
+  return {number_of(name, lower), number_of(name, upper)};
 }
 
 std::string tuning_json(const frac::TuningResult& result, const std::string& plant, const std::string& command) {
-  Json json{{"fracfit", io::version()}, {"command", command}, {"plant", plant}};
+  Json json = origin(command);
+  json["plant"] = plant;
   json["status"] = frac::to_string(result.status);
   json["message"] = result.message;
-  json["controller"] = {
-      {"kp", number(result.gains.kp)}, {"ki", number(result.gains.ki)},
-      {"kd", number(result.gains.kd)}, {"lambda", number(result.gains.lambda)},
-      {"mu", number(result.gains.mu)}, {"derivative_filter_time", number(result.derivative_filter_time)}};
-  json["specification"] = Json::array();
+  json["controller"] = {{"kp", result.gains.kp}, {"ki", result.gains.ki},
+                        {"kd", result.gains.kd}, {"lambda", result.gains.lambda},
+                        {"mu", result.gains.mu}, {"derivative_filter_time", result.derivative_filter_time}};
+  Json& specification = json["specification"] = Json::array();
   for (const auto& line : result.specification) {
-    json["specification"].push_back(
-        {{"name", line.name}, {"asked", number(line.asked)}, {"reached", number(line.reached)}, {"met", line.met}});
+    specification.push_back({{"name", line.name}, {"asked", line.asked}, {"reached", line.reached}, {"met", line.met}});
   }
   json["closed_loop"] = frac::to_string(result.closed_loop);
-  json["crossover"] = number(result.crossover);
-  json["phase_margin_deg"] = number(result.phase_margin / degree);
-  json["phase_slope_deg_per_e_fold"] = number(result.phase_slope / degree);
-  json["gain_margin"] = number(result.gain_margin);
-  json["max_sensitivity"] = number(result.max_sensitivity);
-  json["omega_at_max_sensitivity"] = number(result.omega_max_sensitivity);
-  json["max_complementary_sensitivity"] = number(result.max_complementary_sensitivity);
-  json["omega_at_max_complementary_sensitivity"] = number(result.omega_max_complementary_sensitivity);
-  json["iae"] = number(result.iae);
-  json["itae"] = number(result.itae);
+  json["crossover"] = result.crossover;
+  json["phase_margin_deg"] = result.phase_margin / degree;
+  json["phase_slope_deg_per_e_fold"] = result.phase_slope / degree;
+  json["gain_margin"] = result.gain_margin;
+  json["max_sensitivity"] = result.max_sensitivity;
+  json["omega_at_max_sensitivity"] = result.omega_max_sensitivity;
+  json["max_complementary_sensitivity"] = result.max_complementary_sensitivity;
+  json["omega_at_max_complementary_sensitivity"] = result.omega_max_complementary_sensitivity;
+  json["iae"] = result.iae;
+  json["itae"] = result.itae;
   json["evaluations"] = result.evaluations;
-  return json.dump(2) + "\n";
+  return json.dump() + "\n";
 }
 
 std::string tuning_table(const frac::TuningResult& result, const std::string& plant) {
@@ -116,106 +101,68 @@ std::string tuning_table(const frac::TuningResult& result, const std::string& pl
   return text + loop.text() + "\n" + paragraph(result.message);
 }
 
-int run_tune(const TuneArguments& given) {
-  const io::OutputFile out(given.common.out);
-  frac::LoopSpecification asked;
-  frac::TuningOptions options;
-  CommandLine command("tune");
-  command.option("--plant", given.plant);
-  const auto take = [&](const char* name, const std::string& text, const auto& set) {
-    if (text.empty()) return;
-    set(name, text);
-    command.option(name, text);
-  };
-  take("--crossover", given.crossover,
-       [&](const char* name, const std::string& text) { asked.crossover = number_option(name, text); });
-  take("--phase-margin", given.phase_margin,
-       [&](const char* name, const std::string& text) { asked.phase_margin = degree * angle_option(name, text); });
-  asked.flat_phase = given.flat_phase;
-  if (given.flat_phase) command.flag("--flat-phase");
-  take("--max-sensitivity", given.max_sensitivity,
-       [&](const char* name, const std::string& text) { asked.max_sensitivity = number_option(name, text); });
-  take("--max-complementary-sensitivity", given.max_complementary, [&](const char* name, const std::string& text) {
-    asked.max_complementary_sensitivity = number_option(name, text);
-  });
-  take("--high-frequency", given.noise,
-       [&](const char* name, const std::string& text) { asked.high_frequency = bound_option(name, text); });
-  take("--low-frequency", given.disturbance,
-       [&](const char* name, const std::string& text) { asked.low_frequency = bound_option(name, text); });
-  take("--structure", given.structure,
-       [&](const char*, const std::string& text) { options.structure = frac::controller_structure(text); });
-  take("--lambda", given.lambda,
-       [&](const char* name, const std::string& text) { set_range(name, text, options.lambda); });
-  take("--mu", given.mu, [&](const char* name, const std::string& text) { set_range(name, text, options.mu); });
-  take("--derivative-filter", given.filter,
-       [&](const char* name, const std::string& text) { options.derivative_filter_time = number_option(name, text); });
-  take("--criterion", given.criterion,
-       [&](const char*, const std::string& text) { options.criterion = frac::tuning_criterion(text); });
-  take("--horizon", given.horizon,
-       [&](const char* name, const std::string& text) { options.horizon = number_option(name, text); });
-  options.load_step = given.step == "load";
-  command.option("--step", given.step);
-  options.seed = count_option("--seed", given.seed, 0, std::numeric_limits<std::uint64_t>::max());
-  command.option("--seed", given.seed);
-
-  const auto plant = frac::FractionalTransferFunction::parse(given.plant);
-  const frac::TuningResult result = frac::tune(plant, asked, options);
-  const std::string format = chosen_format(given.common, "json");
-  out.write(format == "json" ? tuning_json(result, plant.formula(), command.text())
-                             : tuning_table(result, plant.formula()));
-  if (result.status == frac::TuningStatus::met) {
-    if (result.mu_at_limit && format != "table") say(given.common, result.message);
-    return usable_result;
+class Tune : public Command {
+ public:
+  Tune() : Command("tune", "Gains and orders of a fractional PID for a plant") {
+    Options& o = options();
+    add_model(o, plant_, "the plant").required().was("--plant");
+    o.number("--crossover", asked_.crossover, "Angular frequency at which |L| = 1, rad/s", "W");
+    o.parsed("--phase-margin", asked_.phase_margin, angle_of, "At the crossover, degrees", "DEG");
+    o.flag("--flat-phase", asked_.flat_phase, "No slope of the phase at the crossover (iso-damping)");
+    o.parsed("--max-sensitivity", asked_.max_sensitivity, number_of, "Largest |S| = |1/(1 + L)|", "MS");
+    o.parsed("--max-complementary-sensitivity", asked_.max_complementary_sensitivity, number_of,
+             "Largest |T| = |L/(1 + L)|", "MT");
+    o.parsed("--high-frequency", asked_.high_frequency, gain_bound_of, "|T| <= GAIN from W on (noise)", "W:GAIN");
+    o.parsed("--low-frequency", asked_.low_frequency, gain_bound_of, "|S| <= GAIN up to W (disturbances)", "W:GAIN");
+    o.choice("--structure", tuning_.structure, frac::controller_structures(), "Terms of the controller", "NAME");
+    o.parsed("--lambda", tuning_.lambda, order_range_of, "or its range LOW:HIGH").default_is("0.1:1.9");
+    o.parsed("--mu", tuning_.mu, order_range_of,
+             "or its range LOW:HIGH. Never above what leaves the loop falling as s^-0.2 at high frequency: beyond that "
+             "no dead time or lag is small enough to be left out of the plant; a derivative filter adds 1")
+        .default_is("0.1:1.9");
+    o.number("--derivative-filter", tuning_.derivative_filter_time);
+    o.choice("--minimise", tuning_.criterion, frac::tuning_criteria(),
+             "What is made least, max |S| or the integral of |error| or of t |error|", "NAME")
+        .was("--criterion");
+    o.number("--horizon", horizon_, "Length of the step response of iae and itae, s", "T");
+    o.text("--step", step_, "Where that step enters", "PLACE").one_of({"setpoint", "load"});
+    o.count("--seed", tuning_.seed, 0, std::numeric_limits<std::uint64_t>::max());
+    add_common({"json", "table"});
+    set_footer(
+        "Examples:\n"
+        "  fracfit tune --model \"3.13 exp(-50 s)/(433.33 s + 1)\" --crossover 0.008 --phase-margin 60 --flat-phase\n"
+        "  fracfit tune --model \"1/(0.8 s^2.2 + 0.5 s^0.9 + 1)\" --crossover 2 --phase-margin 60 "
+        "--max-sensitivity 1.4\n"
+        "  fracfit tune --model \"exp(-0.1 s)/(s + 1)\" --minimise iae --horizon 10 --step load "
+        "--max-sensitivity 1.6");
   }
-  say(given.common, result.message);
-  return no_usable_result;
-}
+
+ private:
+  int run() override {
+    tuning_.horizon = horizon_.value_or(0);
+    tuning_.load_step = step_ == "load";
+    const frac::TuningResult result = frac::tune(*plant_, asked_, tuning_);
+    write(format() == "json" ? tuning_json(result, plant_->formula(), command_line())
+                             : tuning_table(result, plant_->formula()));
+    if (result.status == frac::TuningStatus::met) {
+      if (result.mu_at_limit && format() != "table") say(result.message);
+      return usable_result;
+    }
+    say(result.message);
+    return no_usable_result;
+  }
+
+  std::optional<frac::FractionalTransferFunction> plant_;
+  frac::LoopSpecification asked_;
+  frac::TuningOptions tuning_;
+  std::optional<double> horizon_;
+  std::string step_ = "setpoint";
+};
 
 }  // namespace
 
-void add_tune(CLI::App& program, Run& run) {
-  const auto given = std::make_shared<TuneArguments>();
-  auto* tune = program.add_subcommand("tune", "Gains and orders of a fractional PID for a plant");
-  const auto option = [&](const char* name, std::string& value, const char* description, const char* type) {
-    return tune->add_option(name, value, description)->type_name(type);
-  };
-  option("--plant", given->plant, "Formula, e.g. \"exp(-0.1 s)/(s^1.5 + 2)\"", "FORMULA")->required();
-  option("--crossover", given->crossover, "Angular frequency at which |L| = 1, rad/s", "W");
-  option("--phase-margin", given->phase_margin, "At the crossover, degrees", "DEG");
-  tune->add_flag("--flat-phase", given->flat_phase, "No slope of the phase at the crossover (iso-damping)");
-  option("--max-sensitivity", given->max_sensitivity, "Largest |S| = |1/(1 + L)|", "MS");
-  option("--max-complementary-sensitivity", given->max_complementary, "Largest |T| = |L/(1 + L)|", "MT");
-  option("--high-frequency", given->noise, "|T| <= GAIN from W on (noise)", "W:GAIN");
-  option("--low-frequency", given->disturbance, "|S| <= GAIN up to W (disturbances)", "W:GAIN");
-  option("--structure", given->structure, "Terms of the controller", "NAME")
-      ->check(one_of(spellings(frac::controller_structures())))
-      ->capture_default_str();
-  option("--lambda", given->lambda, "Order of integration, or its range; 0.1:1.9 if not given", "ORDER|LOW:HIGH");
-  option("--mu", given->mu,
-         "Order of differentiation, or its range; 0.1:1.9 if not given. Never above what leaves the loop falling as "
-         "s^-0.2 at high frequency: beyond that no dead time or lag is small enough to be left out of the plant; a "
-         "derivative filter adds 1",
-         "ORDER|LOW:HIGH");
-  option("--derivative-filter", given->filter, "Time constant of the derivative's filter, s", "T")
-      ->capture_default_str();
-  option("--criterion", given->criterion, "What is made least, max |S| or the integral of |error| or of t |error|",
-         "NAME")
-      ->check(one_of(spellings(frac::tuning_criteria())))
-      ->capture_default_str();
-  option("--horizon", given->horizon, "Length of the step response of iae and itae, s", "T");
-  option("--step", given->step, "Where that step enters", "PLACE")
-      ->check(one_of({"setpoint", "load"}))
-      ->capture_default_str();
-  option("--seed", given->seed, "Of the global search", "N")->capture_default_str();
-  add_common_options(*tune, given->common, {"json", "table"});
-  tune->footer(
-      "Examples:\n"
-      "  fracfit tune --plant \"3.13 exp(-50 s)/(433.33 s + 1)\" --crossover 0.008 --phase-margin 60 --flat-phase\n"
-      "  fracfit tune --plant \"1/(0.8 s^2.2 + 0.5 s^0.9 + 1)\" --crossover 2 --phase-margin 60 "
-      "--max-sensitivity 1.4\n"
-      "  fracfit tune --plant \"exp(-0.1 s)/(s + 1)\" --criterion iae --horizon 10 --step load "
-      "--max-sensitivity 1.6");
-  tune->callback([given, &run] { run = [given] { return run_tune(*given); }; });
+std::unique_ptr<Command> make_tune() {
+  return std::make_unique<Tune>();
 }
 
 }  // namespace fracfit

@@ -13,6 +13,7 @@
 #include "frac/approximation/approximate.hpp"
 #include "frac/digital/digital_filter.hpp"
 #include "report/html.hpp"
+#include "report/prose.hpp"
 #include "report/sections.hpp"
 
 namespace report {
@@ -45,7 +46,7 @@ Deviation deviation_of(const frac::Approximation& approximation) {
   return deviation;
 }
 
-// Empty where the method has no design of so many poles.
+// One design, or none where the method has no design with so many poles.
 std::vector<frac::Approximation> designed(frac::ApproximationMethod method, int poles) {
   try {
     return {frac::approximate(order, band, frac::PoleCount{poles}, method)};
@@ -54,7 +55,7 @@ std::vector<frac::Approximation> designed(frac::ApproximationMethod method, int 
   }
 }
 
-// Of this thread: what else the machine does is no property of a method.
+// Processor time of this thread, so that other work of the machine does not count.
 double processor_seconds() {
   timespec now{};
   ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -63,8 +64,9 @@ double processor_seconds() {
 
 struct Timed {
   frac::Approximation approximation;
-  double design_seconds;      // of one design
-  double seconds_per_sample;  // of the recursion by the bilinear rule; NaN where there are complex pairs
+  double design_seconds;  // of one design
+  // Of the recursion by the bilinear rule; NaN where there are complex pairs.
+  double seconds_per_sample;
 };
 
 double running_seconds(const frac::ZeroPoleGain& system) {
@@ -103,7 +105,7 @@ std::vector<std::vector<Timed>> families() {
   return all;
 }
 
-// Eight methods, seven colours told apart: the last is grey.
+// There are eight methods and seven colours that can be told apart, so the last method is grey.
 std::string method_colour(frac::ApproximationMethod method) {
   const auto all = frac::approximation_methods();
   const auto index = static_cast<std::size_t>(std::find(all.begin(), all.end(), method) - all.begin());
@@ -155,9 +157,7 @@ void add_families(Panel& panel, const std::vector<std::vector<Timed>>& all, doub
 Figure error_against_poles_figure(const std::vector<std::vector<Timed>>& all) {
   Figure figure;
   figure.name = "approximation-error-poles";
-  figure.caption =
-      "Largest relative error on the band against the number of poles. The dashed line is what can be attained at all, "
-      "2 sin(&pi;<i>a</i>) exp(&minus;&pi;<sup>2</sup><i>N</i>/(<i>L</i> + 4 ln 2)).";
+  figure.caption = prose("approximation", "error-poles");
   Panel panel;
   panel.x = {"poles", false, 0.0, {}};
   panel.y = {"largest relative error on the band", true, 1e-11, 10.0};
@@ -179,7 +179,7 @@ Figure error_against_poles_figure(const std::vector<std::vector<Timed>>& all) {
 Figure work_precision_figure(const std::vector<std::vector<Timed>>& all) {
   Figure figure;
   figure.name = "approximation-work-precision";
-  figure.caption = "The same designs against the time that one takes. Further left at the same error is better.";
+  figure.caption = prose("approximation", "work-precision");
   Panel panel;
   panel.x = {"milliseconds for one design", true, {}, {}};
   panel.y = {"largest relative error on the band", true, 1e-11, 10.0};
@@ -193,10 +193,7 @@ Figure work_precision_figure(const std::vector<std::vector<Timed>>& all) {
 Table methods_table(const std::vector<std::vector<Timed>>& all) {
   Table table;
   table.name = "approximation-methods";
-  table.caption =
-      "Work and precision of all methods for <i>s</i><sup>0.5</sup> on 0.01 &hellip; 100 rad/s; errors are the largest "
-      "on the band, times are those of this run: one design, and one sample through its recursion (none where zeros or "
-      "poles are complex).";
+  table.caption = prose("approximation", "methods");
   table.columns = {{"method", "method"},
                    {"poles", "poles"},
                    {"max_relative_error", "relative error"},
@@ -220,27 +217,16 @@ Table methods_table(const std::vector<std::vector<Timed>>& all) {
 }  // namespace
 
 Section approximation_section() {
-  Section section;
-  section.id = "approximation";
-  section.title = "Rational stand-ins for a fractional power";
-  section.reading =
-      "A controller or a simulation puts zeros and poles in place of <i>s</i><sup><i>a</i></sup>, which is right on a "
-      "band only. Errors are |<i>H</i>(j&omega;)/(j&omega;)<sup><i>a</i></sup> &minus; 1| on the whole of the band, "
-      "its "
-      "ends included. An error that stops falling as poles are added is the method's own.";
+  Section section = open_section("approximation");
   const std::vector<std::vector<Timed>> all = families();
   const std::string poles = std::to_string(drawn_poles);
-  section.blocks.emplace_back(bode_error_figure(
-      "approximation-bode-error",
-      "Deviation of rational stand-ins with " + poles +
-          " poles for <i>s</i><sup>0.5</sup> on 0.01 &hellip; 100 rad/s from the power itself, drawn half a decade "
-          "beyond the band on both sides.",
-      frac::approximation_methods(), 2, 30));
+  section.blocks.emplace_back(bode_error_figure("approximation-bode-error",
+                                                prose("approximation", "bode-error", {{"poles", poles}}),
+                                                frac::approximation_methods(), 2, 30));
   static constexpr frac::ApproximationMethod ladder_alone[] = {frac::ApproximationMethod::ladder};
-  section.blocks.emplace_back(bode_error_figure(
-      "approximation-ladder-error",
-      "The minimax ladder alone, " + poles + " poles, on the scale it needs: equal turns over the whole band.",
-      ladder_alone, 0.015, 0.1));
+  section.blocks.emplace_back(bode_error_figure("approximation-ladder-error",
+                                                prose("approximation", "ladder-error", {{"poles", poles}}),
+                                                ladder_alone, 0.015, 0.1));
   section.blocks.emplace_back(error_against_poles_figure(all));
   section.blocks.emplace_back(work_precision_figure(all));
   section.blocks.emplace_back(methods_table(all));
@@ -249,10 +235,9 @@ Section approximation_section() {
   };
   const double ladder = error_of(frac::ApproximationMethod::ladder);
   const double oustaloup = error_of(frac::ApproximationMethod::oustaloup);
-  section.findings.push_back("With " + std::to_string(drawn_poles) +
-                             " poles over four decades the minimax ladder stands for <i>s</i><sup>0.5</sup> within " +
-                             html_number(ladder, 2) + ", Oustaloup&rsquo;s on its own band within " +
-                             html_number(oustaloup, 2) + ".");
+  section.findings.push_back(
+      prose("approximation", "finding",
+            {{"poles", poles}, {"ladder", html_number(ladder, 2)}, {"oustaloup", html_number(oustaloup, 2)}}));
   section.facts = {{"ladder_error_9_poles", ladder}, {"oustaloup_error_9_poles", oustaloup}};
   return section;
 }

@@ -26,7 +26,7 @@ bool is_chatter(const DescribingFunctionPoint& point) {
   return point.regime == Regime::chatter;
 }
 
-// The longest run from one end of the curve on which every point belongs and has something imaginary to fit.
+// The points from the low end of the curve up to the first one that does not belong or has no imaginary part to fit.
 template <typename Belongs>
 std::vector<DescribingFunctionPoint> leading_run(const std::vector<DescribingFunctionPoint>& points, Belongs belongs) {
   std::vector<DescribingFunctionPoint> run;
@@ -58,7 +58,7 @@ Bands smooth_bands(const Work& work, const Curves& curves) {
   const auto lower = backlash::jump_frequency(system, scene.force, backlash::JumpCriterion::symmetry_loss);
   const auto upper = backlash::jump_frequency(system, scene.force, backlash::JumpCriterion::saddle_node);
   if (lower) {
-    // One part in a thousand inside the ends, where the orbit is about to vanish.
+    // Stays one part in a thousand inside the ends, where the orbit vanishes.
     const double highest = std::max(coarse.back().omega, scene.omega_family.back());
     const double from = std::max(*lower * 1.001, coarse.front().omega);
     const double to = std::min(upper ? *upper * 0.999 : highest, highest);

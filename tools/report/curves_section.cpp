@@ -9,6 +9,7 @@
 #include "backlash/static_backlash.hpp"
 #include "io/number.hpp"
 #include "report/html.hpp"
+#include "report/prose.hpp"
 #include "report/sections.hpp"
 #include "report/sweep_curves.hpp"
 
@@ -20,10 +21,6 @@ using backlash::DescribingFunctionPoint;
 using backlash::DescribingFunctionSweep;
 using backlash::SweepScene;
 using backlash::TwoMassSystem;
-
-std::string with_number(const Scene& scene, int number, const std::string& text) {
-  return scene.of_the_paper ? "<b>Figure " + std::to_string(number) + " of the paper.</b> " + text : text;
-}
 
 std::string base_scene_text(const Scene& scene, bool force, bool clearance, bool restitution) {
   std::vector<std::string> parts;
@@ -79,7 +76,7 @@ std::optional<PlotPoint> nichols_place(const DescribingFunctionPoint& point) {
   return PlotPoint{phase_degrees(inverse->value), level, level, level};
 }
 
-// Bars of a logarithmic axis must not reach zero: they are cut at 1 % of the value.
+// Cuts error bars at 1 % of the value, because a logarithmic axis has no zero.
 PlotPoint with_bars(double x, double y, double uncertainty) {
   return {x, y, std::max(y - uncertainty, 0.01 * y), y + uncertainty};
 }
@@ -88,7 +85,7 @@ std::optional<PlotPoint> part_place(const DescribingFunctionPoint& point, bool i
   const auto inverse = negative_inverse(point);
   if (!inverse) return std::nullopt;
   const double value = imaginary ? inverse->value.imag() : inverse->value.real();
-  // A mean smaller than its uncertainty cannot be told from zero, and a logarithmic axis has no zero.
+  // Leaves out a mean that is smaller than its uncertainty: it may be zero, which a logarithmic axis cannot show.
   if (!(value > inverse->uncertainty)) return std::nullopt;
   return with_bars(point.omega, value, inverse->uncertainty);
 }
@@ -98,12 +95,12 @@ struct StaticCurve {
   std::vector<std::complex<double>> negative_inverse;  // N/m
 };
 
-// Only where the backlash passes motion at all: below, N = 0 and -1/N is infinite.
+// Leaves out frequencies at which the backlash transmits no motion: N = 0 there, and -1/N is infinite.
 StaticCurve static_curve(const Scene& scene, double force, std::vector<double> omega) {
   const double first = omega.front();
   const double end = std::sqrt(2 * force / ((scene.mass1 + scene.mass2) * scene.clearance));
   if (omega.front() < end && end < omega.back()) {
-    // -1/N grows without limit towards the end; closer points there let the curve run out of the chart.
+    // -1/N grows without limit towards the end.  Points close to it let the curve leave the chart.
     for (double distance = 0.1; distance > 1e-5; distance /= 1.3) omega.push_back(end * (1 - distance));
     std::sort(omega.begin(), omega.end());
     omega.erase(std::unique(omega.begin(), omega.end()), omega.end());
@@ -148,14 +145,11 @@ Figure static_nichols(const Scene& scene) {
   }
   Figure figure;
   figure.name = "fig3-nichols-static";
-  figure.caption =
-      with_number(scene, 3,
-                  "Nichols chart of −1/N for the static backlash model (equation 1), " +
-                      base_scene_text(scene, false, true, false) + ", ω = " + html_number(scene.omega_nichols.front()) +
-                      " … " + html_number(scene.omega_nichols.back()) +
-                      " rad/s rising from bottom to top. A curve ends where the amplitude of the rigid pair falls to "
-                      "Δ/2 and the backlash passes "
-                      "nothing any more: −1/N grows without limit there.");
+  figure.caption = numbered_caption(scene, 3,
+                                    prose("curves", "nichols-static",
+                                          {{"scene", base_scene_text(scene, false, true, false)},
+                                           {"from", html_number(scene.omega_nichols.front())},
+                                           {"to", html_number(scene.omega_nichols.back())}}));
   panel.y.to = 100;
   figure.panels = {std::move(panel)};
   figure.panel_height = 400;
@@ -171,11 +165,8 @@ Figure dynamic_nichols(const Scene& scene, const Family& family) {
   }
   Figure figure;
   figure.name = "fig4-nichols-dynamic";
-  figure.caption = with_number(
-      scene, 4,
-      "Nichols chart of −1/N for the two masses with impacts, " + base_scene_text(scene, false, true, true) +
-          ", same forces and frequencies. Lines are closed orbits; pale dots are long-time means of "
-          "irregular motion, never joined. The gaps between line pieces are jumps.");
+  figure.caption = numbered_caption(
+      scene, 4, prose("curves", "nichols-dynamic", {{"scene", base_scene_text(scene, false, true, true)}}));
   figure.panels = {std::move(panel)};
   figure.panel_height = 400;
   return figure;
@@ -213,18 +204,15 @@ Figure bode(const Scene& scene, const Family& family) {
   magnitude.curves.push_back(make_curve("rigid: (M_1+M_2)ω^2", "#777777", Mark::dotted, scene.omega_bode, rigid));
   Figure figure;
   figure.name = "fig5-bode";
-  figure.caption = with_number(
-      scene, 5,
-      "Bode diagram of −1/N, static model and two masses with impacts, " + base_scene_text(scene, true, true, true) +
-          ". From low to high frequency: sticking and chatter (line), long and irregular responses (dots and "
-          "short pieces), and the smooth band with two impacts per period.");
+  figure.caption =
+      numbered_caption(scene, 5, prose("curves", "bode", {{"scene", base_scene_text(scene, true, true, true)}}));
   figure.panels = {std::move(magnitude), std::move(phase)};
   figure.panel_height = 270;
   return figure;
 }
 
-// Half of what the lowest curve starts with.  Curves that pass through zero further on would otherwise stretch the axis
-// over decades without content.
+// Lower end of the vertical axis: half of the value with which the lowest curve starts.  A curve that passes through
+// zero further on would otherwise stretch the axis over empty decades.
 std::optional<double> floor_of(const Panel& panel) {
   std::optional<double> lowest;
   double first = std::numeric_limits<double>::infinity();
@@ -276,7 +264,7 @@ Curves compute_curves(const Work& work) {
   const FamilyScenes forces = over_forces(scene);
   const FamilyScenes clearances = over_clearances(scene);
   const FamilyScenes restitutions = over_restitutions(scene);
-  // The three families over one grid go into one call, which spreads them evenly over the threads.
+  // One call computes the three families that share a grid, which loads the threads evenly.
   std::vector<SweepScene> all;
   for (const FamilyScenes* family : {&restitutions, &clearances, &forces}) {
     all.insert(all.end(), family->scenes.begin(), family->scenes.end());
@@ -300,62 +288,38 @@ Curves compute_curves(const Work& work) {
 
 Section curves_section(const Work& work, const Curves& curves) {
   const Scene& scene = work.scene;
-  Section section;
-  section.id = "curves";
-  section.title = "Describing functions";
-  section.reading =
-      "N is the fundamental of the position of mass 1 (the mass that is not forced) over the force amplitude, in m/N; "
-      "the figures draw "
-      "−1/N in N/m, the quantity a harmonic-balance stability test lays over a Nyquist or Nichols plot. Its phase runs "
-      "from 0° (a "
-      "rigid pair, −1/N = (M<sub>1</sub>+M<sub>2</sub>)ω²) to 180°, and its imaginary part is never negative, because "
-      "impacts only "
-      "take energy. Lines are exact steady states and break wherever the number of impacts per period changes; pale "
-      "dots with bars "
-      "are long-time means of irregular motion with their 95 % half width.";
+  Section section = open_section("curves");
   section.blocks.emplace_back(static_nichols(scene));
   section.blocks.emplace_back(dynamic_nichols(scene, curves.nichols_forces));
   section.blocks.emplace_back(bode(scene, curves.bode));
   if (scene.restitutions.size() > 1) {
-    section.blocks.emplace_back(
-        parts_figure("fig6-restitution",
-                     with_number(scene, 6,
-                                 "Real and imaginary part of −1/N for several coefficients of restitution, " +
-                                     base_scene_text(scene, true, true, false) +
-                                     ". Without losses (ε = 1) the imaginary part of a steady state is zero, so the "
-                                     "right panel has no such curve. "
-                                     "Negative real parts and means that cannot be told from zero do not fit on a "
-                                     "logarithmic axis and are left "
-                                     "out."),
-                     curves.restitutions));
+    section.blocks.emplace_back(parts_figure(
+        "fig6-restitution",
+        numbered_caption(scene, 6,
+                         prose("curves", "restitutions", {{"scene", base_scene_text(scene, true, true, false)}})),
+        curves.restitutions));
   }
   if (scene.clearances.size() > 1) {
-    section.blocks.emplace_back(
-        parts_figure("fig7-clearance",
-                     with_number(scene, 7,
-                                 "The same for several clearances, " + base_scene_text(scene, true, false, true) +
-                                     ". Zero clearance is the rigid pair: its real part is "
-                                     "(M<sub>1</sub>+M<sub>2</sub>)ω² and its imaginary part "
-                                     "is zero, so it has no curve on the right."),
-                     curves.clearances));
+    section.blocks.emplace_back(parts_figure(
+        "fig7-clearance",
+        numbered_caption(scene, 7,
+                         prose("curves", "clearances", {{"scene", base_scene_text(scene, true, false, true)}})),
+        curves.clearances));
   }
   if (scene.forces.size() > 1) {
     section.blocks.emplace_back(parts_figure(
         "fig8-force",
-        with_number(scene, 8,
-                    "The same for several force amplitudes, " + base_scene_text(scene, false, true, true) + "."),
+        numbered_caption(scene, 8, prose("curves", "forces", {{"scene", base_scene_text(scene, false, true, true)}})),
         curves.forces));
   }
-  section.blocks.emplace_back(sweep_table(
-      "nichols",
-      "All points of the Nichols chart with impacts, with regime and uncertainty:", curves.nichols_forces.sweeps));
-  section.blocks.emplace_back(sweep_table("bode", "All points of the Bode diagram:", curves.bode.sweeps));
+  section.blocks.emplace_back(sweep_table("nichols", prose("curves", "nichols-table"), curves.nichols_forces.sweeps));
+  section.blocks.emplace_back(sweep_table("bode", prose("curves", "bode-table"), curves.bode.sweeps));
   const auto add_family = [&section](const std::string& name, const std::string& caption, const Family& family) {
     if (family.sweeps.size() > 1) section.blocks.emplace_back(sweep_table(name, caption, family.sweeps));
   };
-  add_family("restitution-family", "All points of the family over ε:", curves.restitutions);
-  add_family("clearance-family", "All points of the family over Δ:", curves.clearances);
-  add_family("force-family", "All points of the family over F:", curves.forces);
+  add_family("restitution-family", prose("curves", "restitution-table"), curves.restitutions);
+  add_family("clearance-family", prose("curves", "clearance-table"), curves.clearances);
+  add_family("force-family", prose("curves", "force-table"), curves.forces);
   return section;
 }
 

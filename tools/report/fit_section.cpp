@@ -11,6 +11,7 @@
 #include "frac/identification/model_library.hpp"
 #include "report/bands.hpp"
 #include "report/html.hpp"
+#include "report/prose.hpp"
 #include "report/ranking.hpp"
 #include "report/sections.hpp"
 
@@ -20,7 +21,8 @@ namespace {
 
 using backlash::DescribingFunctionPoint;
 
-// Structures that an imaginary part can tell apart: a real constant or a free mass 1/(M s^2) adds nothing to it.
+// Structures that the imaginary part can tell apart.  Left out are those that differ from one of these only by a real
+// constant or a free mass 1/(M s^2), which have no imaginary part.
 constexpr std::string_view candidates[] = {"power-law",
                                            "two-power-laws",
                                            "fractional-lag",
@@ -79,7 +81,7 @@ Figure fit_figure(const std::string& name, const std::string& caption,
   residuals.y = {"|model / data − 1| in %", true, 1e-3, {}};
   std::vector<double> measured;
   for (const auto& point : points) measured.push_back(point.value.imag());
-  // Every fourth point is drawn, so that the lines stay visible below them.
+  // Draws every fourth point only, so that the lines below stay visible.
   std::vector<double> sparse_omega, sparse_value;
   for (std::size_t i = 0; i < omega.size(); i += 4) {
     sparse_omega.push_back(omega[i]);
@@ -104,7 +106,7 @@ Figure fit_figure(const std::string& name, const std::string& caption,
   return figure;
 }
 
-// Simplest chosen, best fractional, best integer-order and the static model, each once.
+// The best fractional structure, the power law, the best integer-order structure and the static model, each once.
 std::vector<Drawn> drawn_models(const frac::IdentificationResult& result, const std::vector<double>& omega,
                                 const std::vector<std::complex<double>>& static_model) {
   std::vector<const frac::RankedFit*> chosen;
@@ -132,13 +134,7 @@ std::vector<std::complex<double>> static_model(const Scene& scene, const std::ve
 
 Table realisation_table(const std::string& name, const frac::FrequencyResponseData& data, int threads) {
   Table table{name,
-              "The power law K s<sup>a</sup> fitted through several realisations of s<sup>a</sup>. A model that will "
-              "run as a filter "
-              "should be fitted through that filter: its parameters then make up for the error of the approximation, "
-              "and differ from "
-              "the exact ones for that reason. An order of exactly 1 means that the ladder was of no use on so narrow "
-              "a band: whole powers "
-              "are realised exactly.",
+              prose("fits", "realisations"),
               {{"realisation", "realisation"},
                {"order", "order a", 6},
                {"order_ci95_lower", "95 % from", 6},
@@ -181,7 +177,7 @@ Table realisation_table(const std::string& name, const frac::FrequencyResponseDa
   return table;
 }
 
-// The real part afterwards: c and q are known from the imaginary part, the free mass and the constant are not.
+// Fits the free mass and the constant to the real part, with c and q held as the imaginary part gave them.
 std::optional<frac::FitResult> real_part_fit(const std::vector<DescribingFunctionPoint>& points,
                                              const frac::FitResult& power_law) {
   const auto* coefficient = find_parameter(power_law, "K");
@@ -205,11 +201,13 @@ std::string percent(double share) {
 std::string verdict_words(frac::Verdict verdict) {
   switch (verdict) {
     case frac::Verdict::fractional_supported:
-      return "a fractional order is supported";
+      return prose("fits", "supported");
     case frac::Verdict::fractional_not_supported:
-      return "a fractional order is not supported";
+      return prose("fits", "not-supported");
     case frac::Verdict::undecided:
-      return "undecided between fractional and integer order";
+      return prose("fits", "undecided");
+    case frac::Verdict::no_adequate_model:
+      return prose("fits", "no-adequate-model");
   }
   return {};
 }
@@ -225,46 +223,33 @@ void add_band(Section& section, const Work& work, const std::vector<DescribingFu
   const Scene& scene = work.scene;
   const std::vector<double> omega = omega_of(points);
   const std::string range = html_number(omega.front()) + " … " + html_number(omega.back()) + " rad/s";
-  section.blocks.emplace_back(Html{"<h3>" + band.heading + ", " + range + "</h3>"});
+  section.blocks.emplace_back(Html{prose("fits", "band-heading", {{"band", band.heading}, {"range", range}})});
   const frac::FrequencyResponseData data = relative_imaginary_data(points);
   const auto curve = static_model(scene, omega);
   const frac::IdentificationResult result =
       frac::identify(data, imaginary_candidates(), {{"static backlash", curve}}, imaginary_options(), work.threads);
-  section.blocks.emplace_back(
-      fit_figure("fit-" + band.id,
-                 "Top: computed Im N of the base scene in the " + band.name +
-                     " with the best fractional structure, the plain power law, the best "
-                     "integer-order structure and the static backlash model. Bottom: their relative distance from the "
-                     "data. A structure whose "
-                     "line stays below 1 % follows the curve to that accuracy; the dips are sign changes.",
-                 points, drawn_models(result, omega, curve)));
-  section.blocks.emplace_back(ranking_table(
-      "ranking-" + band.id,
-      "Structures ranked on " + std::to_string(points.size()) + " computed points of the " + band.name +
-          ", residual (model − data)/|Im N|. ΔAICc is the loss of evidence against the best; 10 and more is decisive.",
-      result));
-  section.blocks.emplace_back(parameter_table("parameters-" + band.id,
-                                              "All parameters of the ranked structures with their intervals:", result));
-  std::string verdict = "<p><b>Verdict.</b> " + escape_html(result.verdict_sentence);
-  for (const std::string& skipped : result.skipped) verdict += " Left out: " + escape_html(skipped) + ".";
-  section.blocks.emplace_back(Html{verdict +
-                                   " Neighbouring residuals here belong to one smooth misfit and not to noise, so the "
-                                   "points count for less in the evidence than their number says.</p>"});
-  section.facts.emplace_back("verdict_" + band.id, std::string(frac::to_string(result.verdict)));
-  section.facts.emplace_back("evidence_aicc_" + band.id, result.evidence);
+  section.blocks.emplace_back(fit_figure("fit-" + band.id, prose("fits", "figure", {{"band", band.name}}), points,
+                                         drawn_models(result, omega, curve)));
+  add_ranking(
+      section, band.id, result,
+      {"ranking-" + band.id, prose("fits", "ranking", {{"points", std::to_string(points.size())}, {"band", band.name}}),
+       "parameters-" + band.id, prose("fits", "parameters"), " " + prose("fits", "one-misfit")});
 
   const auto power_law = std::find_if(result.ranking.begin(), result.ranking.end(),
                                       [](const frac::RankedFit& fit) { return fit.name == "power-law"; });
-  std::string finding = "<b>" + band.heading + " (" + range + "): " + verdict_words(result.verdict) + ".</b> ";
-  if (const auto* best = best_of(result, frac::ModelClass::fractional)) {
-    finding += "The best fractional structure, " + html_formula(best->fit.model) + ", follows Im N to " +
-               percent(best->fit.rms) + " (rms)";
-    if (const auto* whole = best_of(result, frac::ModelClass::integer_order)) {
-      finding += ", the best integer-order one, " + html_formula(whole->fit.model) + ", to " + percent(whole->fit.rms);
+  std::string finding =
+      prose("fits", "verdict", {{"band", band.heading}, {"range", range}, {"verdict", verdict_words(result.verdict)}});
+  const auto* best = best_of(result, frac::ModelClass::fractional);
+  if (best != nullptr) {
+    const auto* whole = best_of(result, frac::ModelClass::integer_order);
+    const auto* fixed = best_of(result, frac::ModelClass::fixed_curve);
+    finding += " " + prose("fits", "best-fractional",
+                           {{"model", html_formula(best->fit.model)}, {"rms", percent(best->fit.rms)}});
+    if (whole != nullptr) {
+      finding +=
+          prose("fits", "best-whole", {{"model", html_formula(whole->fit.model)}, {"rms", percent(whole->fit.rms)}});
     }
-    if (const auto* fixed = best_of(result, frac::ModelClass::fixed_curve)) {
-      finding += "; the static model is off by " + percent(fixed->fit.rms);
-    }
+    if (fixed != nullptr) finding += prose("fits", "static", {{"rms", percent(fixed->fit.rms)}});
     finding += ".";
   }
   section.findings.push_back(finding);
@@ -279,14 +264,11 @@ void add_band(Section& section, const Work& work, const std::vector<DescribingFu
       const auto* mass = find_parameter(*real, "M");
       const auto* constant = find_parameter(*real, "d");
       const double free_mass = mass->value;
-      section.blocks.emplace_back(Html{
-          "<p>What the imaginary part cannot see is recovered afterwards from the real part: with c and q of the power "
-          "law held, "
-          "<span class=\"formula\">1/(M s<sup>2</sup>) + d + c s<sup>q</sup></span> gives M = " +
-          html_number(free_mass) + " kg (M<sub>1</sub> + M<sub>2</sub> = " + html_number(scene.mass1 + scene.mass2) +
-          " kg) and d = " + html_number(constant->value) + " m/N, with " + percent(real->rms) +
-          " rms left. In a fit of the imaginary part alone M and d would be arbitrary, so they are not offered "
-          "there.</p>"});
+      section.blocks.emplace_back(paragraph("fits", "real-part",
+                                            {{"fitted_mass", html_number(free_mass)},
+                                             {"total_mass", html_number(scene.mass1 + scene.mass2)},
+                                             {"constant", html_number(constant->value)},
+                                             {"rms", percent(real->rms)}}));
       section.facts.emplace_back("free_mass_kg_" + band.id, free_mass);
     }
     section.blocks.emplace_back(realisation_table("realisations-" + band.id, data, work.threads));
@@ -296,23 +278,9 @@ void add_band(Section& section, const Work& work, const std::vector<DescribingFu
 }  // namespace
 
 Section fit_section(const Work& work, const Bands& bands) {
-  Section section;
-  section.id = "fits";
-  section.title = "Fits through the imaginary component";
-  section.reading =
-      "Each candidate structure is fitted to Im N by least squares of the relative residual, from data-driven and "
-      "random starts. "
-      "AICc weighs closeness against the number of parameters. The data are computed and carry no noise, so an "
-      "interval does not say "
-      "how a measurement would scatter: it says how well that structure can follow this curve, and the residual "
-      "pattern shows where "
-      "it cannot. “Not identified” means the data do not determine the parameter; “at bound” means that the allowed "
-      "range ended first.";
+  Section section = open_section("fits");
   if (bands.two_impact.empty() && bands.chatter.empty()) {
-    section.blocks.emplace_back(
-        Html{"<p>The frequencies of this scene hold no smooth band of ten points or more (two impacts per period, or "
-             "sticking in every "
-             "period), so there is nothing that a smooth model could be fitted to.</p>"});
+    section.blocks.emplace_back(paragraph("fits", "no-band"));
     return section;
   }
   if (!bands.two_impact.empty()) {

@@ -9,13 +9,14 @@
 #include "frac/identification/power_law.hpp"
 #include "frac/parallel_for.hpp"
 #include "report/fixed_step_reference.hpp"
+#include "report/prose.hpp"
 
 namespace report {
 
 namespace {
 
 constexpr double step_seconds = 1e-4;
-// The scan over c starts below sqrt 2, where the exact motion meets the wall in its first period.
+// The scan over c starts below sqrt 2: up to there the exact motion meets the wall in its first period.
 constexpr double scan_from = 1.38;
 constexpr double scan_to = 4;
 constexpr double coarse_ratio = 1.016;
@@ -30,7 +31,7 @@ bool meets_second_wall(const FixedStepScene& scene, double omega, int periods) {
     state.time = 0;
     for (std::size_t k = 0; k < steps; ++k) {
       fixed_step(scene, omega, step, state);
-      // After the correction of an impact the gap stands at the clearance but for rounding.
+      // The correction of an impact puts the gap at the clearance, up to rounding.
       if (state.position2 - state.position1 > scene.clearance * (1 - 1e-9)) return true;
     }
   }
@@ -48,21 +49,16 @@ double jump_constant(const FixedStepScene& scene, int periods) {
 }  // namespace
 
 Table fixed_step_jumps(const std::vector<double>& forces, const std::vector<double>& clearances, int threads) {
-  Table table{
-      "fixed-step-jumps",
-      "The jump of masses that start in contact at rest as a fixed time step of 0.1 ms sees it: the first frequency at "
-      "which "
-      "the second wall is not met within so many periods (ε = 0.6, M<sub>1</sub> = M<sub>2</sub> = 1 kg, the forces "
-      "and "
-      "clearances of the laws above, fitted in the same way). Exactly, c = √2 and b = 1/2 for any number of periods.",
-      {{"source", "source"},
-       {"c_lowest", "c, lowest"},
-       {"c_highest", "c, highest"},
-       {"a_coefficient", "a: coefficient"},
-       {"a_exponent", "a: exponent of Δ"},
-       {"b_at_smallest_clearance", "b at the smallest Δ"},
-       {"b_at_largest_clearance", "b at the largest Δ"}},
-      {}};
+  Table table{"fixed-step-jumps",
+              prose("jumps", "fixed-step"),
+              {{"source", "source"},
+               {"c_lowest", "c, lowest"},
+               {"c_highest", "c, highest"},
+               {"a_coefficient", "a: coefficient"},
+               {"a_exponent", "a: exponent of Δ"},
+               {"b_at_smallest_clearance", "b at the smallest Δ"},
+               {"b_at_largest_clearance", "b at the largest Δ"}},
+              {}};
   const auto [smallest, largest] = std::minmax_element(clearances.begin(), clearances.end());
   for (const int periods : {10, 20, 50}) {
     std::vector<double> constants(forces.size() * clearances.size());

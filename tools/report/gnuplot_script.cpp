@@ -38,7 +38,7 @@ std::string quoted(const std::string& text) {
 
 std::size_t drawn_length(const std::string& label) {
   return static_cast<std::size_t>(std::count_if(label.begin(), label.end(), [](char c) {
-    // Neither markup nor the later bytes of a UTF-8 character take room.
+    // Markup and the continuation bytes of UTF-8 take no room.
     return std::string_view("_^{}\\").find(c) == std::string_view::npos &&
            (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
   }));
@@ -79,7 +79,7 @@ Range fitted_range(const Panel& panel, bool horizontal) {
     }
   }
   if (lowest > highest) return axis.logarithmic ? Range{0.1, 10} : Range{0, 1};
-  // Values that differ by rounding only would make an axis too short to write down.
+  // Widens the range where all values differ by rounding only: its ends would print as the same number.
   const bool constant = highest - lowest <= 1e-9 * std::max(std::abs(lowest), std::abs(highest));
   if (axis.logarithmic) {
     // A vertical axis keeps 4 % of its length free above and below; a horizontal one starts where the data start.
@@ -151,12 +151,12 @@ void write_axis(std::ostream& script, char name, const Axis& axis, Range range) 
     script << "unset logscale " << name << "\nset format " << name << " '%g'\nset " << name << "tics autofreq\nset m"
            << name << "tics default\n";
   }
-  // Hair wider than asked for on a logarithmic axis, where a tick exactly on the end would lose its label to rounding.
+  // Makes a logarithmic axis slightly wider than asked for: rounding could drop the label of a tick exactly at its end.
   const double hair = axis.logarithmic ? 1e-6 : 0;
   script << "set " << name << "range [" << range.from * (1 - hair) << ":" << range.to * (1 + hair) << "]\n";
 }
 
-// Mixed with white rather than made transparent, so that overlapping marks stay as pale as single ones.
+// Mixes the colour with white.  Transparency would darken marks that overlap.
 std::string pale(const std::string& colour) {
   std::string mixed = "#";
   for (const std::size_t at : {1U, 3U, 5U}) {
@@ -226,7 +226,7 @@ void write_map_data(std::ostream& script, const CellMap& map, std::size_t panel)
   script << "e\n";
 }
 
-// Cells as one image, and for each kind a square in the key.
+// Writes the cells as one image, and for each kind a square for the key.
 void write_map(std::ostream& script, const CellMap& map, std::size_t panel) {
   const std::size_t rows = map.cells.size() / map.columns;
   const double dx = (map.x_to - map.x_from) / static_cast<double>(map.columns - 1);
@@ -259,7 +259,7 @@ void write_panel(std::ostream& script, const Panel& panel, std::size_t index) {
     const Curve& curve = panel.curves[i];
     if (!has_points(curve)) {
       if (curve.label.empty()) continue;
-      // A member of the family that has nothing to draw here still stands in the key, which says so by its label.
+      // A curve without points still gets its entry in the key.
       script << (first ? "" : ", \\\n     ") << "NaN " << style_of(curve) << " title " << quoted(curve.label);
     } else {
       script << (first ? "" : ", \\\n     ") << block_name(index, i) << " using "

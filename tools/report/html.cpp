@@ -9,6 +9,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "report/prose.hpp"
+
 namespace report {
 
 namespace {
@@ -55,7 +57,7 @@ pre{background:#f4f4f1;padding:.6rem .8rem;overflow-x:auto}
 @media (max-width:640px){main{padding:1.2rem}nav{columns:1}}
 )css";
 
-// Words of more bytes get a wide column, so that they do not run down the page.
+// A word with more bytes than this gets a wide column, so that it does not break into many lines.
 constexpr std::size_t long_word = 60;
 
 bool is_id_character(char c) {
@@ -84,10 +86,7 @@ std::string figure_html(const Figure& figure, const std::filesystem::path& folde
   const std::string stem = "figures/" + figure.name;
   std::string html = "<figure id=\"figure-" + figure.name + "\">\n";
   if (svg.empty()) {
-    html +=
-        "<div class=\"notice\">This picture was not drawn. Its numbers are complete: once gnuplot is installed "
-        "(<code>apt-get install gnuplot-nox</code>), <code>gnuplot " +
-        figure.name + ".gp</code> in the folder <code>figures</code> draws it.</div>\n";
+    html += "<div class=\"notice\">" + prose("page", "no-picture", {{"name", figure.name}}) + "</div>\n";
   } else {
     html += "<div role=\"img\" aria-label=\"" + escape_html(plain_text(figure.caption)) + "\">" +
             inline_svg(svg, figure.name + "-") + "</div>\n";
@@ -137,8 +136,10 @@ std::string table_html(const Table& table) {
   }
   html += "</tbody></table>";
   if (table.rows.size() > table.rows_on_page) {
-    html += "<p class=\"more\">The first " + std::to_string(table.rows_on_page) + " of " +
-            std::to_string(table.rows.size()) + " rows; all are in the CSV.</p>";
+    html += "<p class=\"more\">" +
+            prose("page", "more-rows",
+                  {{"shown", std::to_string(table.rows_on_page)}, {"all", std::to_string(table.rows.size())}}) +
+            "</p>";
   }
   return html + "</div>\n";
 }
@@ -235,7 +236,7 @@ std::string inline_svg(std::string_view svg, std::string_view prefix) {
   // gnuplot writes attributes with either quote, and refers to ids by href='#id' and by url(#id).
   static constexpr std::string_view marks[] = {" id=\"", " id='", "\tid=\"", "\nid=\"", "href=\"#", "href='#", "url(#"};
   for (std::size_t at = 0; at < svg.size();) {
-    // Browsers show titles as tooltips; gnuplot's say no more than "Gnuplot" and "gnuplot_plot_1".
+    // Drops titles: browsers show them as tooltips, and gnuplot's only read "Gnuplot" and "gnuplot_plot_1".
     if (svg.compare(at, 7, "<title>") == 0) {
       const std::size_t end = svg.find("</title>", at);
       if (end == std::string_view::npos) return {};
@@ -273,7 +274,7 @@ std::string page_html(const Page& page, const std::filesystem::path& folder) {
     html +=
         "<section id=\"" + section.id + "\">\n<h2>" + std::to_string(++number) + "&ensp;" + section.title + "</h2>\n";
     if (!section.reading.empty())
-      html += "<div class=\"reading\"><b>How to read this.</b> " + section.reading + "</div>\n";
+      html += "<div class=\"reading\">" + prose("page", "how-to-read", {{"reading", section.reading}}) + "</div>\n";
     for (const Block& block : section.blocks) html += block_html(block, folder);
     html += "</section>\n";
   }

@@ -12,6 +12,7 @@
 #include "report/fixed_step_jump.hpp"
 #include "report/grid.hpp"
 #include "report/html.hpp"
+#include "report/prose.hpp"
 #include "report/sections.hpp"
 
 namespace report {
@@ -23,7 +24,7 @@ using backlash::JumpLaw;
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
-// Mean over restitution at each force of one clearance, as the paper averages.
+// Mean over restitution at each force, for one clearance: the average of the paper.
 std::map<double, double> mean_over_restitution(const JumpLaw& law, double clearance) {
   std::map<double, std::pair<double, int>> sums;
   for (const auto& point : law.points) {
@@ -57,12 +58,8 @@ Figure force_figure(const Scene& scene, const JumpLaw& law) {
   }
   Figure figure;
   figure.name = "fig9-jump-frequency";
-  figure.caption =
-      (scene.of_the_paper ? std::string("<b>Figure 9 of the paper.</b> ") : std::string()) +
-      "Jump frequency ω<sub>J</sub> against force amplitude, averaged over " +
-      std::to_string(scene.jump_restitutions.size()) +
-      " coefficients of restitution (points), with the law ω<sub>J</sub> = a F<sup>b</sup> fitted per clearance "
-      "(lines). Parallel lines mean one exponent b for all clearances.";
+  figure.caption = numbered_caption(
+      scene, 9, prose("jumps", "force-figure", {{"restitutions", std::to_string(scene.jump_restitutions.size())}}));
   figure.panels = {std::move(panel)};
   figure.panel_height = 400;
   return figure;
@@ -108,12 +105,7 @@ Figure clearance_figure(const Scene& scene, const JumpLaw& law) {
       make_curve("ours, per clearance", category_colour(0), Mark::points, clearance, b)};
   Figure figure;
   figure.name = "fig10-jump-law";
-  figure.caption =
-      (scene.of_the_paper ? std::string("<b>Figure 10 of the paper.</b> ") : std::string()) +
-      "Coefficient a and exponent b of ω<sub>J</sub> = a F<sup>b</sup> against clearance: ours, the power laws fitted "
-      "to "
-      "ours, the published laws a = 1.193 Δ<sup>−0.564</sup> and b = 0.565 Δ<sup>0.024</sup>, and the similarity law "
-      "a = c (M<sub>2</sub>Δ)<sup>−1/2</sup>, b = 1/2. Ours and similarity lie on one another.";
+  figure.caption = numbered_caption(scene, 10, prose("jumps", "clearance-figure"));
   figure.columns = 2;
   figure.panel_height = 340;
   figure.panels = {std::move(coefficient), std::move(exponent)};
@@ -123,8 +115,7 @@ Figure clearance_figure(const Scene& scene, const JumpLaw& law) {
 Table law_table(const Scene& scene, const JumpLaw& law) {
   const backlash::PublishedJumpLaw published;
   Table table{"jump-laws",
-              "Law ω<sub>J</sub> = a F<sup>b</sup> per clearance (equation 7) and its jump frequency at F = " +
-                  html_number(scene.force) + " N.",
+              prose("jumps", "laws", {{"force", html_number(scene.force)}}),
               {{"clearance_m", "Δ / m"},
                {"a", "a, ours", 5},
                {"b", "b, ours", 5},
@@ -151,7 +142,7 @@ Table law_table(const Scene& scene, const JumpLaw& law) {
 Table clearance_table(const Scene& scene, const JumpLaw& law) {
   const backlash::PublishedJumpLaw published;
   Table table{"jump-law-of-clearance",
-              "Laws over the clearance (equation 8), quantity = coefficient · Δ<sup>exponent</sup>.",
+              prose("jumps", "laws-of-clearance"),
               {{"quantity", "quantity"},
                {"source", "source"},
                {"coefficient", "coefficient", 5},
@@ -215,10 +206,7 @@ Constants constants_table(const Work& work) {
   Constants result;
   Table& table = result.table;
   table.name = "jump-constants";
-  table.caption =
-      "Similarity constant c = ω<sub>J</sub>/√(F/(M<sub>2</sub>Δ)) by protocol and coefficient of restitution. Every "
-      "entry holds for "
-      "all forces, clearances and forced masses; a dash means that this protocol shows no such jump.";
+  table.caption = prose("jumps", "constants");
   table.columns = {{"criterion", "criterion"}, {"meaning", "what it marks"}};
   for (const double restitution : restitutions) {
     const std::string value = io::format_number(restitution);
@@ -264,20 +252,16 @@ PublishedRange published_constants(const Scene& scene) {
 }
 
 Table discontinuity_table(const Scene& scene, const Family& family) {
-  Table table{
-      "discontinuities",
-      "Discontinuities found from the values of the curves over ε alone, as one would in a measurement (largest three "
-      "per "
-      "curve). The bracket is the pair of neighbouring samples between which the step lies; a curve can hold several. "
-      "A step counts only where it exceeds the uncertainty of the points beside it.",
-      {{"restitution", "ε"},
-       {"rank", "rank"},
-       {"omega_lower_rad_s", "bracket from / (rad/s)", 5},
-       {"omega_upper_rad_s", "to / (rad/s)", 5},
-       {"omega_rad_s", "ω<sub>J</sub> / (rad/s)", 5},
-       {"similarity_constant", "c", 4},
-       {"size", "relative size of the step", 3}},
-      {}};
+  Table table{"discontinuities",
+              prose("jumps", "discontinuities"),
+              {{"restitution", "ε"},
+               {"rank", "rank"},
+               {"omega_lower_rad_s", "bracket from / (rad/s)", 5},
+               {"omega_upper_rad_s", "to / (rad/s)", 5},
+               {"omega_rad_s", "ω<sub>J</sub> / (rad/s)", 5},
+               {"similarity_constant", "c", 4},
+               {"size", "relative size of the step", 3}},
+              {}};
   for (const auto& sweep : family.sweeps) {
     if (sweep.system.clearance() == 0) continue;
     std::vector<double> uncertainty;
@@ -309,17 +293,7 @@ Table fixed_step_table(const Scene& scene, const PublishedRange& range, int thre
 
 Section jump_section(const Work& work, const Curves& curves) {
   const Scene& scene = work.scene;
-  Section section;
-  section.id = "jumps";
-  section.title = "Jump laws";
-  section.reading =
-      "At the jump frequency ω<sub>J</sub> the response changes from one steady motion to another; the paper condenses "
-      "it into "
-      "ω<sub>J</sub> = a F<sup>b</sup> with a and b power laws of the clearance. For two free masses and ideal impacts "
-      "dimensional "
-      "analysis leaves no choice: ω<sub>J</sub> = c √(F/(M<sub>2</sub>Δ)), so b = 1/2 and a falls with "
-      "Δ<sup>−1/2</sup>; only the "
-      "number c depends on restitution and on how the motion was started. The tables put the three side by side.";
+  Section section = open_section("jumps");
   const Constants constants = constants_table(work);
   const PublishedRange published = published_constants(scene);
   const bool has_grid = scene.jump_forces.size() >= 2 && scene.jump_clearances.size() >= 2;
@@ -336,47 +310,36 @@ Section jump_section(const Work& work, const Curves& curves) {
     section.facts.emplace_back("b_coefficient", law.b_of_clearance.coefficient);
     section.facts.emplace_back("b_exponent", law.b_of_clearance.exponent);
     section.facts.emplace_back("mean_similarity_constant", law.mean_similarity_constant);
-    section.findings.push_back(
-        "<b>Jump law.</b> For the ideal model a = " + html_number(law.a_of_clearance.coefficient) + " Δ<sup>" +
-        html_number(law.a_of_clearance.exponent) + "</sup> and b = " + html_number(law.laws.front().law.exponent) +
-        " at every clearance, as similarity demands (−1/2 and 1/2, exactly). The paper printed a = 1.193 "
-        "Δ<sup>−0.564</sup>, b = 0.565 "
-        "Δ<sup>0.024</sup>. In ω<sub>J</sub> = c √(F/(M<sub>2</sub>Δ)) the mean c is " +
-        html_number(constants.mean.at(JumpCriterion::sweep_up)) + " for the visible jump with ω rising, " +
-        html_number(constants.mean.at(JumpCriterion::sweep_down)) + " with ω falling, and " +
-        html_number(published.mean) + " for the published law (" + html_number(published.lowest) + " … " +
-        html_number(published.highest) + ").");
+    section.findings.push_back(prose("jumps", "finding",
+                                     {{"a", html_number(law.a_of_clearance.coefficient)},
+                                      {"exponent", html_number(law.a_of_clearance.exponent)},
+                                      {"b", html_number(law.laws.front().law.exponent)},
+                                      {"rising", html_number(constants.mean.at(JumpCriterion::sweep_up))},
+                                      {"falling", html_number(constants.mean.at(JumpCriterion::sweep_down))},
+                                      {"published", html_number(published.mean)},
+                                      {"lowest", html_number(published.lowest)},
+                                      {"highest", html_number(published.highest)}}));
   } else {
-    section.blocks.emplace_back(
-        Html{"<p>A fit of a(Δ) and b(Δ) needs at least two forces and two positive clearances; this scene has " +
-             std::to_string(scene.jump_forces.size()) + " and " + std::to_string(scene.jump_clearances.size()) +
-             ". The constants below give every jump all the same.</p>"});
+    section.blocks.emplace_back(Html{paragraph("jumps", "too-few",
+                                               {{"forces", std::to_string(scene.jump_forces.size())},
+                                                {"clearances", std::to_string(scene.jump_clearances.size())}})});
   }
   section.blocks.emplace_back(constants.table);
   if (scene.clearance > 0) section.blocks.emplace_back(discontinuity_table(scene, curves.restitutions));
   if (has_grid && scene.of_the_paper) section.blocks.emplace_back(fixed_step_table(scene, published, work.threads));
-  section.blocks.emplace_back(Html{
-      "<h3>Why the published law differs</h3>"
-      "<p>On the grid of forces and clearances above the published law corresponds to c = " +
-      html_number(published.lowest) + " … " + html_number(published.highest) + ", mean " + html_number(published.mean) +
-      ". The protocols that show a jump on a curve give mean constants from " +
-      html_number(constants.mean.at(JumpCriterion::two_impact_loss)) + " (end of the two-impact orbit) to " +
-      html_number(constants.mean.at(JumpCriterion::symmetry_loss)) +
-      " (end of its symmetry). So the size of ω<sub>J</sub> agrees to about ten per cent; the exponents do not, and in "
-      "the ideal model "
-      "they cannot: no protocol leaves room for anything but b = 1/2 and Δ<sup>−1/2</sup>.</p>"
-      "<p>Exponents other than 1/2 need a further scale in the computation. A fixed time step is one." +
-      std::string(scene.of_the_paper
-                      ? " The last table measures what it does: over runs of 10 to 20 periods c spreads over a range "
-                        "of the published size and grows with "
-                        "ω<sub>J</sub>, as the published c does, but the exponent b then rises towards <em>small</em> "
-                        "clearances, while "
-                        "the published one rises towards large ones."
-                      : "") +
-      " The published numbers are therefore consistent with an effect of the size of a fixed step’s, and this says "
-      "nothing about its "
-      "cause: how the jump was read off the curves, which start was used and how long each run was can matter as "
-      "much.</p>"});
+  const auto mean_constant = [&constants](JumpCriterion criterion) {
+    return html_number(constants.mean.at(criterion));
+  };
+  section.blocks.emplace_back(Html{prose("jumps", "difference-heading")});
+  section.blocks.emplace_back(paragraph("jumps", "difference",
+                                        {{"lowest", html_number(published.lowest)},
+                                         {"highest", html_number(published.highest)},
+                                         {"mean", html_number(published.mean)},
+                                         {"two_impact_loss", mean_constant(JumpCriterion::two_impact_loss)},
+                                         {"symmetry_loss", mean_constant(JumpCriterion::symmetry_loss)}}));
+  section.blocks.emplace_back(
+      paragraph("jumps", "further-scale",
+                {{"measured", scene.of_the_paper ? " " + prose("jumps", "fixed-step-effect") : std::string()}}));
   section.facts.emplace_back("published_similarity_constant_mean", published.mean);
   for (const auto& [criterion, mean] : constants.mean) {
     section.facts.emplace_back("mean_constant_" + std::string(backlash::to_string(criterion)), mean);

@@ -10,6 +10,7 @@
 #include "backlash/regime_map.hpp"
 #include "report/grid.hpp"
 #include "report/html.hpp"
+#include "report/prose.hpp"
 #include "report/sections.hpp"
 
 namespace report {
@@ -47,7 +48,8 @@ std::size_t kind_of(const DescribingFunctionPoint& point) {
   }
   if (point.period > 1) return 3;
   if (point.impacts_per_period != 2) return 2;
-  // At restitution 0 the symmetric orbit of two impacts holds rests, so that no closed form applies to it.
+  // At restitution 0 the symmetric orbit of two impacts contains rests.  The solver has no closed form for it and
+  // reports it as periodic.
   return point.even_harmonic_ratio > 1e-9 ? 1 : 0;
 }
 
@@ -65,15 +67,7 @@ Curve boundary(JumpCriterion criterion, const std::string& label, Mark mark, dou
 }  // namespace
 
 Section map_section(const Work& work) {
-  Section section;
-  section.id = "map";
-  section.title = "Regimes over frequency and restitution";
-  section.reading =
-      "Every scene of two masses with backlash is a point of this map: only ω/√(F/(M<sub>2</sub>Δ)) and ε matter. Each "
-      "row is a "
-      "sweep with ω rising, so that where two motions can exist it shows the one met from below. White lines: the "
-      "exact "
-      "criteria of the jump laws.";
+  Section section = open_section("map");
   backlash::MapScene scene;
   const std::vector<double> restitution = linear_grid(0, 1, 250);
   const std::vector<double> omega = linear_grid(0.2, 3, 400);
@@ -101,14 +95,12 @@ Section map_section(const Work& work) {
                   boundary(JumpCriterion::saddle_node, "", Mark::dotted, omega.back())};
   Figure figure;
   figure.name = "regime-map";
-  figure.caption =
-      std::to_string(map.points.size()) +
-      " describing functions. White: two-impact loss (solid), symmetry loss (dashed), saddle-node (dotted).";
+  figure.caption = prose("map", "figure", {{"points", std::to_string(map.points.size())}});
   figure.panels = {std::move(panel)};
   figure.panel_height = 460;
   section.blocks.emplace_back(std::move(figure));
 
-  Table table{"regime-shares", "Share of the map by motion.", {{"motion", "motion"}, {"share", "share", 3}}, {}};
+  Table table{"regime-shares", prose("map", "shares"), {{"motion", "motion"}, {"share", "share", 3}}, {}};
   for (std::size_t k = 0; k < kinds().size(); ++k) {
     table.rows.push_back({kinds()[k].label, static_cast<double>(count[k]) / static_cast<double>(map.points.size())});
   }
@@ -116,13 +108,12 @@ Section map_section(const Work& work) {
   section.facts.emplace_back("map_points", static_cast<double>(map.points.size()));
   section.facts.emplace_back("map_irregular_share",
                              static_cast<double>(count[5]) / static_cast<double>(map.points.size()));
-  section.findings.push_back(
-      "<b>Regimes.</b> Of " + std::to_string(map.points.size()) + " points over restitution and frequency " +
-      html_number(100 * (1 - static_cast<double>(count[5]) / static_cast<double>(map.points.size())), 3) +
-      " % are closed orbits, exact to rounding; the rest are irregular motions given as means with their 95 % "
-      "interval, whose half width is below " +
-      html_number(100 * options.mean_tolerance, 2) + " % of |N| for " +
-      html_number(100 * narrow_means / static_cast<double>(std::max<std::size_t>(count[5], 1)), 2) + " % of them.");
+  section.findings.push_back(prose(
+      "map", "finding",
+      {{"points", std::to_string(map.points.size())},
+       {"closed", html_number(100 * (1 - static_cast<double>(count[5]) / static_cast<double>(map.points.size())), 3)},
+       {"tolerance", html_number(100 * options.mean_tolerance, 2)},
+       {"narrow", html_number(100 * narrow_means / static_cast<double>(std::max<std::size_t>(count[5], 1)), 2)}}));
   return section;
 }
 

@@ -13,6 +13,7 @@
 #include "frac/time_response/response_methods.hpp"
 #include "report/grid.hpp"
 #include "report/html.hpp"
+#include "report/prose.hpp"
 
 namespace report {
 namespace {
@@ -41,7 +42,7 @@ std::pair<double, double> corner_range(const FractionalTransferFunction& model, 
   return {lowest, highest};
 }
 
-// Dense, and denser about every lightly damped pole.
+// A dense grid with more points near every lightly damped pole.
 std::vector<double> frequencies(const FractionalTransferFunction& model, const std::vector<frac::Pole>& poles) {
   const auto [lowest, highest] = corner_range(model, poles);
   std::vector<double> omega = logarithmic_grid(lowest / 100, highest * 100, 1200);
@@ -56,7 +57,8 @@ std::vector<double> frequencies(const FractionalTransferFunction& model, const s
 }
 
 struct Response {
-  std::vector<double> omega, re, im, decibel, degrees;  // phase without jumps
+  std::vector<double> omega, re, im, decibel;
+  std::vector<double> degrees;  // phase, without jumps of 360
 };
 
 Response response_of(const FractionalTransferFunction& model, const std::vector<frac::Pole>& poles) {
@@ -82,14 +84,14 @@ Response response_of(const FractionalTransferFunction& model, const std::vector<
   return result;
 }
 
-// Until the slowest mode has all but gone, or a power of t has settled over two decades.
+// Long enough for the slowest mode to decay by six e-folds, but at most two decades beyond the lowest corner.
 double step_length(const FractionalTransferFunction& model, const std::vector<frac::Pole>& poles) {
   const auto [lowest, highest] = corner_range(model, poles);
   double length = 10 / lowest;
   for (const frac::Pole& pole : poles) {
     if (pole.cancelled) continue;
     const double decay = -pole.value.real();
-    // A growing response is shown for some e-folds.
+    // Shows four e-folds of a growing response.
     length = decay > 0 ? std::max(length, std::min(6 / decay, 100 / lowest)) : std::min(length, -4 / decay);
   }
   return length + model.delay();
@@ -117,8 +119,8 @@ Curve reference_point(double x, double y) {
   return make_curve("", "#555555", Mark::points, {x}, {y});
 }
 
-// Axes of one scale for real and imaginary part, about the curve where it is no larger than ten times its value amid
-// the corners: an integrator's runs off to infinity.
+// Axes with one scale for real and imaginary part.  They hold the part of the curve that is no larger than ten times
+// its value in the middle of the frequencies, because an integrator runs off to infinity.
 std::pair<Axis, Axis> equal_axes(const Response& response, int height) {
   const std::size_t middle = response.omega.size() / 2;
   const double limit = 10 * std::max(1.0, std::hypot(response.re[middle], response.im[middle]));
@@ -144,7 +146,7 @@ std::vector<Figure> model_figures(const FractionalTransferFunction& model, const
   const std::string formula = html_formula(model.formula());
   const Axis omega{"{/Symbol w} / (rad/s)", true, response.omega.front(), response.omega.back()};
   std::vector<Figure> figures;
-  figures.push_back(figure_of(name + "-bode", "Bode diagram of " + formula + ".",
+  figures.push_back(figure_of(name + "-bode", prose("model", "bode", {{"model", formula}}),
                               {plain_panel("Magnitude", omega, {"|G| / dB", false, {}, {}},
                                            make_curve("", colour, Mark::line, response.omega, response.decibel)),
                                plain_panel("Phase", omega, {"arg G / degrees", false, {}, {}},
@@ -159,16 +161,14 @@ std::vector<Figure> model_figures(const FractionalTransferFunction& model, const
   for (double& value : mirrored) value = -value;
   nyquist.curves.push_back(make_curve("", colour, Mark::dotted, response.re, mirrored));
   nyquist.curves.push_back(reference_point(-1, 0));
-  figures.push_back(figure_of(
-      name + "-nyquist",
-      "Nyquist diagram of " + formula + ": positive frequencies drawn out, negative ones dotted, the point −1 marked.",
-      {std::move(nyquist)}, square_height));
+  figures.push_back(figure_of(name + "-nyquist", prose("model", "nyquist", {{"model", formula}}), {std::move(nyquist)},
+                              square_height));
 
   Panel nichols = plain_panel("Nichols diagram", {"arg G / degrees", false, {}, {}}, {"|G| / dB", false, {}, {}},
                               make_curve("", colour, Mark::line, response.degrees, response.decibel));
   nichols.curves.push_back(reference_point(-180, 0));
-  figures.push_back(figure_of(name + "-nichols", "Nichols diagram of " + formula + ", the point (−180°, 0 dB) marked.",
-                              {std::move(nichols)}, 340));
+  figures.push_back(
+      figure_of(name + "-nichols", prose("model", "nichols", {{"model", formula}}), {std::move(nichols)}, 340));
 
   const double length = step_length(model, poles);
   std::vector<double> time;
@@ -176,10 +176,10 @@ std::vector<Figure> model_figures(const FractionalTransferFunction& model, const
   for (std::size_t i = 0; i < instants; ++i) {
     time.push_back(length * static_cast<double>(i) / static_cast<double>(instants - 1));
   }
-  // A step through an improper model begins infinite.
+  // The step response of an improper model is infinite at t = 0.
   if (model.numerator().front().order > model.denominator().front().order) time.erase(time.begin());
   const frac::TimeResponse step = frac::respond(model, frac::ResponseInput{}, time, 1e-6);
-  figures.push_back(figure_of(name + "-step", "Response of " + formula + " to a unit step from rest.",
+  figures.push_back(figure_of(name + "-step", prose("model", "step", {{"model", formula}}),
                               {plain_panel("Step response", {"t / s", false, 0.0, length}, {"y", false, {}, {}},
                                            make_curve("", colour, Mark::line, time, step.output))},
                               240));

@@ -14,6 +14,7 @@
 #include "io/number.hpp"
 #include "report/html.hpp"
 #include "report/model_figures.hpp"
+#include "report/prose.hpp"
 #include "report/sections.hpp"
 
 namespace report {
@@ -53,7 +54,7 @@ double median_seconds(const std::function<void()>& work) {
 constexpr double horizon = 10;  // s
 constexpr std::size_t coarsest = 125;
 
-// Exact values at instants that all the grids share.
+// Compares a response with exact values at instants that all grids share.
 struct Judge {
   explicit Judge(const FractionalTransferFunction& model) {
     const frac::ReferenceResponse reference(model);
@@ -141,22 +142,20 @@ void add_time_fit(Section& section) {
   frac::TimeFitOptions options;
   options.constraints = {
       {"a2", {}, {}, {}, 1.0}, {"q2", {}, {}, {}, 2.0}, {"a1", {}, {}, {}, 1.0}, {"q1", {}, {}, {}, 1.0}};
-  Table table{
-      "furnace-time-fit",
-      "The structure fitted to 301 samples of the step response, t = 0 … 15 s, started from s² + s + 1: estimates "
-      "with the half width of their 95 % intervals. Noise is normal and seeded.",
-      {{"noise", "noise", 2},
-       {"parameter", "parameter"},
-       {"true_value", "true value"},
-       {"estimate", "estimate", 8},
-       {"half_width", "± 95 %", 2}},
-      {}};
+  Table table{"furnace-time-fit",
+              prose("fractional-model", "time-fit"),
+              {{"noise", "noise", 2},
+               {"parameter", "parameter"},
+               {"true_value", "true value"},
+               {"estimate", "estimate", 8},
+               {"half_width", "± 95 %", 2}},
+              {}};
   const double truth[] = {0.8, 2.2, 0.5, 0.9, 0};
   for (const double noise : {0.0, 0.01, 0.05}) {
     std::mt19937_64 generator(1);
     std::vector<double> output = exact;
     for (double& value : output) {
-      // The sum of twelve uniform draws, the same on every machine: variance 1.
+      // The sum of twelve uniform draws less 6 has mean 0 and variance 1, and is the same on every machine.
       double draw = -6;
       for (int i = 0; i < 12; ++i) draw += static_cast<double>(generator() >> 11) * 0x1p-53;
       value += noise * draw;
@@ -170,25 +169,18 @@ void add_time_fit(Section& section) {
     }
     if (noise > 0) continue;
     const double worst = std::max(std::abs(fit.parameters[1].value - 2.2), std::abs(fit.parameters[3].value - 0.9));
-    section.findings.push_back(
-        "<b>Identification over time.</b> From 301 exact samples of the furnace's step response, "
-        "started from s² + s + 1, the orders come back within " +
-        html_number(worst, 1) + " in " + html_seconds(fit.seconds) + ".");
+    section.findings.push_back(prose("fractional-model", "finding",
+                                     {{"worst", html_number(worst, 1)}, {"seconds", html_seconds(fit.seconds)}}));
     section.facts.emplace_back("furnace_time_fit_order_error", worst);
   }
-  section.blocks.emplace_back(Html{"<h3>Identified from samples over time</h3>"});
+  section.blocks.emplace_back(Html{prose("fractional-model", "time-fit-heading")});
   section.blocks.emplace_back(std::move(table));
 }
 
 }  // namespace
 
 Section model_section() {
-  Section section;
-  section.id = "fractional-model";
-  section.title = "A fractional model in frequency and in time";
-  section.reading =
-      "The furnace model of Podlubny (1999), as <code>fracfit analyse --model … --pictures</code> draws any model. All "
-      "curves are exact: powers of jω as they are, the step response to 10<sup>−6</sup>.";
+  Section section = open_section("fractional-model");
   for (Figure& figure : model_figures(FractionalTransferFunction::parse(furnace), "furnace")) {
     section.blocks.emplace_back(std::move(figure));
   }
@@ -197,18 +189,9 @@ Section model_section() {
 }
 
 Section response_speed_section() {
-  Section section;
-  section.id = "response-speed";
-  section.title = "Time responses: error against seconds";
-  section.reading =
-      "Step responses over 10 s of nine systems, each method at several settings, set-up included, judged by the exact "
-      "reference. Lower left is better. Grünwald-Letnikov falls with the first power of the step, BDF2 with the "
-      "second, "
-      "and both take four times as long for half the step; the sum of exponentials takes about as long at any "
-      "accuracy.";
+  Section section = open_section("response-speed");
   Table table{"response-speed",
-              "The points of the figure. Error: largest over the largest value, at instants that all settings share. "
-              "Median of three runs, one thread.",
+              prose("response-speed", "table"),
               {{"system", "system"},
                {"model", "model", 4, true, true},
                {"method", "method"},
@@ -219,9 +202,7 @@ Section response_speed_section() {
   table.rows_on_page = 24;
   Figure figure;
   figure.name = "response-speed";
-  figure.caption =
-      "Error of the step response against computing time on the reference systems; errors below "
-      "2·10<sup>−16</sup> are drawn there.";
+  figure.caption = prose("response-speed", "figure");
   figure.columns = 2;
   figure.panel_height = 200;
   double furnace_fast = std::nan(""), furnace_fast_error = std::nan("");
@@ -259,10 +240,11 @@ Section response_speed_section() {
     }
     figure.panels.push_back(std::move(panel));
   }
-  section.findings.push_back(
-      "<b>Time responses.</b> 1000 samples of the furnace's step response take " + html_seconds(furnace_fast) + " to " +
-      html_number(furnace_fast_error, 1) + " by the sum of exponentials; 2000 Grünwald-Letnikov steps take " +
-      html_seconds(furnace_slow) + " and are off by " + html_number(furnace_slow_error, 1) + ".");
+  section.findings.push_back(prose("response-speed", "finding",
+                                   {{"fast", html_seconds(furnace_fast)},
+                                    {"fast_error", html_number(furnace_fast_error, 1)},
+                                    {"slow", html_seconds(furnace_slow)},
+                                    {"slow_error", html_number(furnace_slow_error, 1)}}));
   section.facts = {{"furnace_exponential_sum_seconds", furnace_fast},
                    {"furnace_exponential_sum_error", furnace_fast_error},
                    {"furnace_grunwald_letnikov_seconds", furnace_slow},

@@ -13,6 +13,7 @@
 #include "io/number.hpp"
 #include "report/grid.hpp"
 #include "report/html.hpp"
+#include "report/prose.hpp"
 #include "report/sections.hpp"
 #include "report/sweep_curves.hpp"
 
@@ -50,7 +51,8 @@ double impacts_per_period(const PeriodicOrbit&, const OrbitBranch& branch) {
   return static_cast<double>(branch.impacts) / branch.period;
 }
 
-// Stretches of one stability of the branches of some patterns; they meet at the orbit where stability changes.
+// The pieces of branches of these patterns that have one stability.  A piece begins at the last orbit of the other
+// stability, so that stable and unstable pieces meet.
 Curve stretches(const std::vector<OrbitBranch>& branches, std::span<const Pattern> patterns, bool stable,
                 Height height) {
   Curve curve;
@@ -126,7 +128,7 @@ const std::array<Kind, 4>& kinds() {
   return all;
 }
 
-// Patterns with a colour of their own; the rest, of more impacts or longer period, share one.
+// Number of patterns that get a colour of their own.  All others share one.
 constexpr std::size_t told_apart = 4;
 
 void add_branches(Panel& panel, const std::vector<OrbitBranch>& branches, std::span<const Pattern> patterns,
@@ -145,7 +147,7 @@ struct Sweeps {
   backlash::DescribingFunctionSweep up, down;
 };
 
-// Vertical limits that hold the stable motions; far unstable orbits may leave the panel.
+// Sets vertical limits that hold the motions of the sweeps.  Unstable orbits far away may leave the panel.
 void fit_height(Axis& axis, const Sweeps& sweeps, bool impacts) {
   double lowest = std::numeric_limits<double>::infinity();
   double highest = -lowest;
@@ -189,7 +191,7 @@ Panel bifurcation_panel(const backlash::OrbitDiagram& diagram, const Sweeps& swe
 
 Table bifurcation_table(const backlash::OrbitDiagram& diagram, double scale) {
   Table table{"bifurcations",
-              "Bifurcations of these branches, refined to 10<sup>−10</sup> of ω; c = ω/√(F/(M<sub>2</sub>Δ)).",
+              prose("orbits", "bifurcations"),
               {{"branch", "branch"},
                {"impacts", "impacts"},
                {"period", "force periods"},
@@ -261,7 +263,7 @@ void add_jump_constants(const Work& work, Section& section) {
   panel.x = {"ε", false, 0.0, 1.0};
   panel.y = {"c = ω_J / (F/(M_2 Δ))^{1/2}", true, 1.0, 10.0};
   panel.key = true;
-  Table table{"jump-criteria", "c(ε) of the three criteria on a fine grid:", {{"restitution", "ε"}}, {}, false};
+  Table table{"jump-criteria", prose("orbits", "criteria"), {{"restitution", "ε"}}, {}, false};
   std::string means;
   for (std::size_t k = 0; k < curves.size(); ++k) {
     const std::string colour = category_colour(k);
@@ -271,8 +273,11 @@ void add_jump_constants(const Work& work, Section& section) {
     if (mean.used == 0) continue;
     panel.curves.push_back(make_curve("its mean over ε", colour, Mark::dotted, {averaged.front(), averaged.back()},
                                       {mean.value, mean.value}));
-    means += (means.empty() ? "" : ", ") + curves[k].label + " " + html_number(mean.value, 6) + " (" +
-             std::to_string(mean.used) + " of " + std::to_string(averaged.size()) + " values of ε)";
+    means += (means.empty() ? "" : ", ") + prose("orbits", "mean",
+                                                 {{"criterion", curves[k].label},
+                                                  {"mean", html_number(mean.value, 6)},
+                                                  {"used", std::to_string(mean.used)},
+                                                  {"all", std::to_string(averaged.size())}});
     section.facts.emplace_back("mean_c_" + std::string(backlash::to_string(curves[k].criterion)), mean.value);
   }
   for (std::size_t i = 0; i < restitution.size(); ++i) {
@@ -282,38 +287,19 @@ void add_jump_constants(const Work& work, Section& section) {
   }
   Figure figure;
   figure.name = "jump-constants";
-  figure.caption =
-      "Where the two-impact orbit loses stability (two-impact loss), its symmetry, and its existence (saddle-node), as "
-      "c(ε), each point exact. Dotted: the mean over the ε that the jump laws average, for the ε that have such a "
-      "jump.";
+  figure.caption = prose("orbits", "constants");
   figure.panels = {std::move(panel)};
   figure.panel_height = 380;
   section.blocks.emplace_back(std::move(figure));
   section.blocks.emplace_back(std::move(table));
-  section.blocks.emplace_back(
-      Html{"<p>Means over ε: " + means +
-           ". At ε = 0 the masses stick after every impact and the orbit of two impacts with a rest reaches down to "
-           "zero frequency: it has no loss, and that ε is left out of the means. Below ε = 0.0867 an extra impact ends "
-           "the "
-           "symmetric orbit before its symmetry would break. At ε = 1 nothing is lost: the orbit is neutrally stable, "
-           "exists at every higher frequency, and no motion is attracted to it.</p>"});
+  section.blocks.emplace_back(paragraph("orbits", "means", {{"means", means}}));
 }
 
 }  // namespace
 
 Section orbit_section(const Work& work) {
   const Scene& scene = work.scene;
-  Section section;
-  section.id = "orbits";
-  section.title = "Orbits, stability and bifurcations";
-  section.reading =
-      "A sweep shows only the motions that attract it. Continuation follows every periodic orbit through folds, stable "
-      "(solid) or not (dotted), and so shows where a jump comes from: an orbit meets an unstable one and both vanish "
-      "(saddle-node), "
-      "parts from its mirror image (symmetry breaking), doubles its period, or touches a wall (grazing). Where two "
-      "stable "
-      "orbits exist at one frequency the response depends on its past; the dots of sweeps with ω rising and falling "
-      "then part.";
+  Section section = open_section("orbits");
   const auto system = work.system();
   const double scale = std::sqrt(scene.force / (scene.mass2 * scene.clearance));
   const auto upper = backlash::jump_frequency(system, scene.force, JumpCriterion::saddle_node);
@@ -330,11 +316,11 @@ Section orbit_section(const Work& work) {
   };
   Figure figure;
   figure.name = "bifurcations";
-  figure.caption = "Periodic orbits of up to " + std::to_string(diagram.options.longest_period) +
-                   " force periods, F = " + html_number(scene.force) + " N, Δ = " + html_number(scene.clearance) +
-                   " m, ε = " + html_number(scene.restitution) +
-                   ": stable solid, unstable dotted; dots: sweeps. Below: the low frequencies larger. Orbits that rest "
-                   "in contact are not continued; their points appear in the sweeps.";
+  figure.caption = prose("orbits", "figure",
+                         {{"period", std::to_string(diagram.options.longest_period)},
+                          {"force", html_number(scene.force)},
+                          {"clearance", html_number(scene.clearance)},
+                          {"restitution", html_number(scene.restitution)}});
   Panel whole = bifurcation_panel(diagram, sweeps_on(from, to), false);
   whole.title = "Imaginary part of N";
   whole.key = true;

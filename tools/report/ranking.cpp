@@ -8,6 +8,7 @@
 
 #include "report/figure.hpp"
 #include "report/html.hpp"
+#include "report/prose.hpp"
 
 namespace report {
 
@@ -26,7 +27,7 @@ std::string described(const frac::RankedFit& fit) {
 }
 
 std::string key_label(const frac::RankedFit& fit) {
-  // A long formula would take the room of the plot.
+  // A long formula would leave too little room for the plot.
   std::string text = described(fit);
   if (text.size() > 30) text = fit.name;
   const std::string safe = enhanced_escape(text);
@@ -78,12 +79,12 @@ Table ranking_table(const std::string& name, const std::string& caption, const f
   for (std::size_t i = 0; i < result.ranking.size(); ++i) {
     const frac::RankedFit& ranked = result.ranking[i];
     std::string parameters;
-    for (const auto& parameter : ranked.fit.parameters)
-      parameters += (parameters.empty() ? "" : "; ") + estimate_text(parameter);
-    if (ranked.fit.termination != frac::FitTermination::converged) {
-      parameters += (parameters.empty() ? "" : "; ") + ranked.fit.message;
-    }
-    if (i == result.chosen) parameters += (parameters.empty() ? "" : "; ") + std::string("[chosen]");
+    const auto append = [&parameters](const std::string& part) {
+      parameters += (parameters.empty() ? "" : "; ") + part;
+    };
+    for (const auto& parameter : ranked.fit.parameters) append(estimate_text(parameter));
+    if (ranked.fit.termination != frac::FitTermination::converged) append(ranked.fit.message);
+    if (i == result.chosen) append("[chosen]");
     table.rows.push_back({static_cast<double>(i + 1), described(ranked),
                           std::string(frac::to_string(ranked.model_class)),
                           static_cast<double>(ranked.fit.free_parameters), ranked.fit.aicc, ranked.delta_aicc,
@@ -115,18 +116,18 @@ Table parameter_table(const std::string& name, const std::string& caption, const
   return table;
 }
 
-void add_verdict(Section& section, const std::string& file, const frac::IdentificationResult& result) {
-  const std::string& id = section.id;
-  std::string verdict = "<p><b>Verdict.</b> " + escape_html(result.verdict_sentence);
-  for (const std::string& skipped : result.skipped)
-    verdict += " Left out: " + escape_html(skipped) + (skipped.ends_with('.') ? "" : ".");
-  section.blocks.emplace_back(Html{verdict + "</p>"});
-  section.blocks.emplace_back(ranking_table(id + "-ranking", "Structures ranked by AICc.", result));
-  section.blocks.emplace_back(parameter_table(id + "-parameters", "All parameters of the ranked structures:", result));
-  section.facts.emplace_back("file_" + id, file);
+void add_ranking(Section& section, const std::string& id, const frac::IdentificationResult& result,
+                 const RankingWords& words) {
+  std::string verdict = prose("ranking", "verdict", {{"sentence", escape_html(result.verdict_sentence)}});
+  for (const std::string& skipped : result.skipped) {
+    verdict += " " + prose("ranking", "left-out", {{"structure", escape_html(skipped)}});
+    if (!skipped.ends_with('.')) verdict += '.';
+  }
+  section.blocks.emplace_back(Html{"<p>" + verdict + words.after_verdict + "</p>"});
+  section.blocks.emplace_back(ranking_table(words.ranking_name, words.ranking_caption, result));
+  section.blocks.emplace_back(parameter_table(words.parameters_name, words.parameters_caption, result));
   section.facts.emplace_back("verdict_" + id, std::string(frac::to_string(result.verdict)));
   section.facts.emplace_back("evidence_aicc_" + id, result.evidence);
-  section.findings.push_back("<b>" + section.title + "</b>: " + escape_html(result.verdict_sentence));
 }
 
 const frac::RankedFit* best_of(const frac::IdentificationResult& result, frac::ModelClass model_class) {

@@ -13,11 +13,11 @@ namespace report {
 /// A structure in words for readers: its formula, with fixed curves named as such.
 [[nodiscard]] std::string described(const frac::RankedFit& fit);
 
-/// Formula of the names of parameters as enhanced text for keys.
+/// Formula with the names of its parameters, as enhanced text for keys; the name of the structure if it is too long.
 [[nodiscard]] std::string key_label(const frac::RankedFit& fit);
 
-/// What is to be said of an estimate beside its value: "fixed", "from the other part" (the fitted one does not depend
-/// on it), "at bound", "not identified" or nothing.
+/// Remark on an estimate: "fixed", "from the other part" (the fitted part does not depend on it), "at bound", "not
+/// identified" or nothing.
 [[nodiscard]] std::string remark(const frac::ParameterEstimate& parameter);
 
 /// "0.667 (0.661 … 0.673)", plain text.
@@ -31,8 +31,17 @@ namespace report {
 [[nodiscard]] Table parameter_table(const std::string& name, const std::string& caption,
                                     const frac::IdentificationResult& result);
 
-/// Verdict, ranking and parameters of a measured file, with the facts and the finding they come to.
-void add_verdict(Section& section, const std::string& file, const frac::IdentificationResult& result);
+/// Names and words, HTML, that the tables of one identification carry.
+struct RankingWords {
+  std::string ranking_name, ranking_caption;
+  std::string parameters_name, parameters_caption;
+  std::string after_verdict = {};  // ends the paragraph of the verdict
+};
+
+/// Adds the verdict, the tables and the facts of an identification.
+/// @param id  ends the names of the facts
+void add_ranking(Section& section, const std::string& id, const frac::IdentificationResult& result,
+                 const RankingWords& words);
 
 /// Best ranked of a class, or null.
 [[nodiscard]] const frac::RankedFit* best_of(const frac::IdentificationResult& result, frac::ModelClass model_class);

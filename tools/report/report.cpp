@@ -12,6 +12,7 @@
 #include "io/time_series_file.hpp"
 #include "report/bands.hpp"
 #include "report/html.hpp"
+#include "report/prose.hpp"
 #include "report/results_json.hpp"
 #include "report/sections.hpp"
 #include "report/staged_folder.hpp"
@@ -26,7 +27,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Runs one stage after another: tells the caller which, and how long each took.
+// Runs the stages, tells the caller the name of each and records how long it took.
 class Stages {
  public:
   explicit Stages(const ReportOptions& options) : options_(options) {}
@@ -52,13 +53,7 @@ class Stages {
 };
 
 Section summary_section(const std::vector<Section>& sections) {
-  Section section;
-  section.id = "summary";
-  section.title = "Summary";
-  section.reading =
-      "The findings of the chapters below, each with its numbers. All values come from computations made for this "
-      "page; nothing is "
-      "copied from elsewhere except what is called published.";
+  Section section = open_section("summary");
   std::string list = "<ul>\n";
   for (const Section& other : sections) {
     for (const std::string& finding : other.findings) list += "<li>" + finding + "</li>\n";
@@ -70,28 +65,27 @@ Section summary_section(const std::vector<Section>& sections) {
 Section provenance_section(const Provenance& provenance, const std::vector<Section>& sections) {
   Section section;
   section.id = "provenance";
-  section.title = "How it was made";
+  section.title = prose("provenance", "title");
   Table stages{"seconds",
-               "Seconds per stage, on " + std::to_string(provenance.threads) + " threads.",
+               prose("provenance", "stages", {{"threads", std::to_string(provenance.threads)}}),
                {{"stage", "stage"}, {"seconds", "seconds", 3}},
                {}};
   for (const StageTime& stage : provenance.stages) stages.rows.push_back({stage.name, stage.seconds});
-  std::string files =
-      "<details><summary>Files beside this page</summary><ul>\n<li><code>results.json</code>: headline numbers and "
-      "all tables of this page</li>\n";
+  std::string files = prose("provenance", "files") + "\n";
   for (const Section& other : sections) {
     for (const Block& block : other.blocks) {
       if (const Table* table = std::get_if<Table>(&block)) {
-        files += "<li><code>tables/" + table->name + ".csv</code></li>\n";
+        files += prose("provenance", "table", {{"name", table->name}}) + "\n";
       } else if (const Figure* figure = std::get_if<Figure>(&block)) {
-        files += "<li><code>figures/" + figure->name +
-                 ".svg</code>, <code>.png</code> and the script <code>.gp</code></li>\n";
+        files += prose("provenance", "figure", {{"name", figure->name}}) + "\n";
       }
     }
   }
-  section.blocks.emplace_back(
-      Html{"<p>fracfit " + escape_html(provenance.version) + ", " + escape_html(provenance.compiler) + ", build type " +
-           escape_html(provenance.build_type) + ". Command:</p><pre>" + escape_html(provenance.command) + "</pre>"});
+  section.blocks.emplace_back(Html{prose("provenance", "made",
+                                         {{"version", escape_html(provenance.version)},
+                                          {"compiler", escape_html(provenance.compiler)},
+                                          {"build", escape_html(provenance.build_type)},
+                                          {"command", escape_html(provenance.command)}})});
   section.blocks.emplace_back(std::move(stages));
   section.blocks.emplace_back(Html{files + "</ul></details>"});
   return section;
@@ -138,7 +132,7 @@ void write_tables(const StagedFolder& folder, const std::vector<Section>& sectio
   }
 }
 
-// Empty when every picture came out, else the first trouble.
+// Draws the figures.  Returns nothing on success, else the first error.
 std::string draw_figures(const StagedFolder& folder, const std::vector<Figure>& figures, const ReportOptions& options) {
   const std::filesystem::path place = folder.path() / "figures";
   std::filesystem::create_directories(place);
@@ -222,21 +216,14 @@ Page page_of(const ReportOptions& options, const Scene& scene, std::vector<Secti
              const std::string& trouble) {
   Page page;
   if (!options.data.empty()) {
-    page.title = "Fractional-order identification of measured data";
-    page.subtitle = "Structures of fractional and of integer order, fitted to each file and ranked on equal terms.";
+    page.title = prose("page", "data-title");
+    page.subtitle = prose("page", "data-subtitle");
   } else {
-    page.title = "Describing function of two masses with backlash";
-    page.subtitle =
-        std::string(
-            scene.of_the_paper
-                ? "The study of F. B. Duarte and J. A. Tenreiro Machado (Nonlinear Dynamics 56, 2009), computed "
-                  "afresh: "
-                : "A scene of your own: ") +
-        "describing functions of the static and of the impacting model, fractional-order fits, jump laws.";
+    page.title = prose("page", "scene-title");
+    page.subtitle = prose("page", "scene-subtitle",
+                          {{"origin", scene.of_the_paper ? prose("page", "paper") : prose("page", "own-scene")}});
   }
-  if (!trouble.empty()) {
-    page.notice = "The pictures are missing: " + escape_html(trouble) + ". All numbers are complete.";
-  }
+  if (!trouble.empty()) page.notice = prose("page", "no-pictures", {{"trouble", escape_html(trouble)}});
   page.sections = std::move(sections);
   return page;
 }

@@ -14,6 +14,7 @@
 #include "io/data_error.hpp"
 #include "io/number.hpp"
 #include "io/number_list.hpp"
+#include "report/prose.hpp"
 
 namespace report {
 
@@ -73,6 +74,11 @@ double single(const std::filesystem::path& file, const std::string& name, const 
 }
 
 }  // namespace
+
+std::string numbered_caption(const Scene& scene, int number, const std::string& caption) {
+  if (!scene.of_the_paper) return caption;
+  return prose("curves", "of-the-paper", {{"number", std::to_string(number)}, {"caption", caption}});
+}
 
 Scene paper_scene() {
   Scene scene;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace report {
@@ -15,6 +16,9 @@ struct Scene {
   std::vector<double> omega_nichols, omega_bode, omega_family;          // rad/s
   std::vector<double> jump_forces, jump_clearances, jump_restitutions;  // grid of the jump laws
 };
+
+/// The caption of a figure, which begins with its number in the paper where the scene is the paper's.
+[[nodiscard]] std::string numbered_caption(const Scene& scene, int number, const std::string& caption);
 
 /// The scenes of figures 3 to 10 in Duarte, Tenreiro Machado (2009).
 [[nodiscard]] Scene paper_scene();

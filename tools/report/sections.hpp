@@ -47,22 +47,23 @@ struct Bands;  // bands.hpp
 [[nodiscard]] Section fit_section(const Work& work, const Bands& bands);
 [[nodiscard]] Section slope_section(const Work& work, const Bands& bands);
 [[nodiscard]] Section jump_section(const Work& work, const Curves& curves);
-/// Of the dimensionless scene, which all scenes share.
+/// Regimes of the dimensionless scene; every scene is one point of this map.
 [[nodiscard]] Section map_section(const Work& work);
-/// Only for a clearance above 0.
+/// Needs a clearance above 0.
 [[nodiscard]] Section orbit_section(const Work& work);
 [[nodiscard]] Section speed_section(const Work& work);
 /// Bode, Nyquist and Nichols diagrams and step response of one fractional model.
 [[nodiscard]] Section model_section();
 /// Work-precision diagram of the time-response methods.
 [[nodiscard]] Section response_speed_section();
-/// Of s^0.5 on four decades, whatever the scene.
+/// Approximations of s^0.5 on four decades; does not depend on the scene.
 [[nodiscard]] Section approximation_section();
+/// Fits to a measured frequency response.
 /// @param name    of the file, for the reader
 /// @param number  from 1, makes the names of figures and tables
 [[nodiscard]] Section data_section(const Work& work, const std::string& name, const io::FrequencyResponseFile& file,
                                    std::size_t number);
-/// The same for samples of input and output over time.
+/// Fits to samples of input and output over time; parameters as above.
 /// @param notes  what was assumed of the file, a sentence each
 [[nodiscard]] Section time_section(const Work& work, const std::string& name, const frac::TimeResponseData& data,
                                    const std::vector<std::string>& notes, std::size_t number);

@@ -11,6 +11,7 @@
 #include "report/bands.hpp"
 #include "report/grid.hpp"
 #include "report/html.hpp"
+#include "report/prose.hpp"
 #include "report/sections.hpp"
 #include "report/sweep_curves.hpp"
 
@@ -72,25 +73,12 @@ struct Band {
 
 Section slope_section(const Work& work, const Bands& bands) {
   const Scene& scene = work.scene;
-  Section section;
-  section.id = "slope";
-  section.title = "Local slope of the imaginary part";
-  section.reading =
-      "The local slope d ln|Im N|/d ln ω is the order that a power law would need at that frequency: a horizontal "
-      "stretch is a true "
-      "power law, a slanted one is not. At low frequency, where the mass sticks in every period, the slope tends to "
-      "exactly 2/3 (a "
-      "genuine fractional order, for every restitution below 1); the static model is flat there, slope 0. In the "
-      "two-impact band the "
-      "slope changes continuously: it climbs towards 2 the more, the closer restitution is to 1, and plunges before "
-      "the impacting motion "
-      "collapses. An order fitted there belongs to its band and is not an asymptote. No slope is drawn where "
-      "the motion is irregular: the derivative of a scattered mean says nothing.";
+  Section section = open_section("slope");
   const auto system = work.system();
   const auto lower = backlash::jump_frequency(system, scene.force, backlash::JumpCriterion::two_impact_loss);
   const auto upper = backlash::jump_frequency(system, scene.force, backlash::JumpCriterion::saddle_node);
   if (bands.two_impact.empty() && bands.chatter.empty()) {
-    section.blocks.emplace_back(Html{"<p>There is no smooth band in this scene.</p>"});
+    section.blocks.emplace_back(paragraph("slope", "no-band"));
     return section;
   }
 
@@ -98,8 +86,8 @@ Section slope_section(const Work& work, const Bands& bands) {
   options.threads = work.threads;
   options.protocol = backlash::Protocol::two_impact;
   std::vector<backlash::DescribingFunctionSweep> sweeps;
-  // Low side: six times below the figures, where the asymptote shows.  High side: up to the end of the impacting
-  // motion.
+  // Goes down to a sixth of the lowest frequency of the figures, where the asymptote shows, and up to the end of the
+  // impacting motion.
   const double lowest = scene.omega_bode.front() / 6;
   const double middle = lower ? *lower : scene.omega_bode.back();
   sweeps.push_back(
@@ -115,7 +103,7 @@ Section slope_section(const Work& work, const Bands& bands) {
   panel.x = {"ω in rad/s", true, {}, {}};
   panel.y = {"d ln|Im N| / d ln ω", false, -1.0, 2.2};
   panel.key = true;
-  Table table{"slopes", "All computed slopes:", {{"omega_rad_s", "ω"}, {"slope", "slope"}}, {}, false};
+  Table table{"slopes", prose("slope", "slopes"), {{"omega_rad_s", "ω"}, {"slope", "slope"}}, {}, false};
   bool first = true;
   std::vector<double> grid;
   for (const auto& sweep : sweeps) {
@@ -129,7 +117,7 @@ Section slope_section(const Work& work, const Bands& bands) {
     for (const auto& point : sweep.points) grid.push_back(point.omega);
   }
   const std::vector<double> static_grid = grid;
-  // The same for harder walls: the closer restitution is to 1, the wider the band and the closer its slope comes to 2.
+  // Repeats it for higher restitutions: the closer to 1, the wider the band and the closer its slope comes to 2.
   std::size_t shade = 0;
   for (const double restitution : {0.8, 0.95}) {
     if (restitution == scene.restitution) continue;
@@ -150,21 +138,18 @@ Section slope_section(const Work& work, const Bands& bands) {
       make_curve("2/3, exact limit ω → 0", "#222222", Mark::dotted, {grid.front(), grid.back()}, {2.0 / 3, 2.0 / 3}));
   panel.curves.push_back(make_curve("2, limit ε → 1", "#888888", Mark::dotted, {grid.front(), grid.back()}, {2, 2}));
 
-  Table orders{
-      "band-orders",
-      "Order fitted over each band by log-log regression of Im N on ω, beside the range of the exact local slope in "
-      "it. Where "
-      "the two ends of the local slope differ, the fitted order is an average over the band and moves with its limits.",
-      {{"band", "band"},
-       {"omega_from_rad_s", "from / (rad/s)"},
-       {"omega_to_rad_s", "to / (rad/s)"},
-       {"order", "fitted order", 5},
-       {"order_ci95_lower", "95 % from", 5},
-       {"order_ci95_upper", "to", 5},
-       {"slope_at_start", "local slope at the lower end", 4},
-       {"slope_at_end", "at the upper end", 4},
-       {"rms_log_residual", "rms residual of ln Im N", 3}},
-      {}};
+  Table orders{"band-orders",
+               prose("slope", "orders"),
+               {{"band", "band"},
+                {"omega_from_rad_s", "from / (rad/s)"},
+                {"omega_to_rad_s", "to / (rad/s)"},
+                {"order", "fitted order", 5},
+                {"order_ci95_lower", "95 % from", 5},
+                {"order_ci95_upper", "to", 5},
+                {"slope_at_start", "local slope at the lower end", 4},
+                {"slope_at_end", "at the upper end", 4},
+                {"rms_log_residual", "rms residual of ln Im N", 3}},
+               {}};
   const Band all[] = {{"chatter", "chatter", &bands.chatter}, {"two impacts", "two-impact", &bands.two_impact}};
   std::size_t colour = 2;
   std::string spans;
@@ -178,36 +163,30 @@ Section slope_section(const Work& work, const Bands& bands) {
     Curve fitted = make_curve("fitted order, " + band.name, category_colour(colour++), Mark::line,
                               {band.points->front().omega, band.points->back().omega}, {law.exponent, law.exponent});
     panel.curves.push_back(std::move(fitted));
-    spans += (spans.empty() ? "" : "; ") + band.name + ": fitted order " + html_number(law.exponent, 3) +
-             ", local slope " + html_number(slopes.slope.front(), 3) + " … " + html_number(slopes.slope.back(), 3);
+    spans += (spans.empty() ? "" : "; ") + prose("slope", "span",
+                                                 {{"band", band.name},
+                                                  {"order", html_number(law.exponent, 3)},
+                                                  {"first", html_number(slopes.slope.front(), 3)},
+                                                  {"last", html_number(slopes.slope.back(), 3)}});
     section.facts.emplace_back("fitted_order_" + band.file_name, law.exponent);
   }
   const Slopes low = local_slopes(sweeps.front().points);
-  section.findings.push_back("<b>Orders.</b> At low frequency the local slope of Im N is " +
-                             html_number(low.slope.front()) + " (at " + html_number(low.omega.front(), 3) +
-                             " rad/s; the exact limit is 2/3), a genuine fractional order; the static model has slope "
-                             "0 there. A power law over "
-                             "a band returns an average of a changing slope (" +
-                             spans + ").");
+  section.findings.push_back(prose(
+      "slope", "finding",
+      {{"slope", html_number(low.slope.front())}, {"omega", html_number(low.omega.front(), 3)}, {"spans", spans}}));
   section.facts.emplace_back("lowest_local_slope", low.slope.front());
   Figure figure;
   figure.name = "local-slope";
-  figure.caption = "Local slope of |Im N| against frequency, F = " + html_number(scene.force) +
-                   " N, Δ = " + html_number(scene.clearance) + " m, ε = " + html_number(scene.restitution) +
-                   ". Flat green and purple pieces: orders fitted over the bands they span.";
+  figure.caption = prose("slope", "figure",
+                         {{"force", html_number(scene.force)},
+                          {"clearance", html_number(scene.clearance)},
+                          {"restitution", html_number(scene.restitution)}});
   figure.panels = {std::move(panel)};
   figure.panel_height = 380;
   section.blocks.emplace_back(std::move(figure));
   section.blocks.emplace_back(std::move(orders));
   section.blocks.emplace_back(std::move(table));
-  section.blocks.emplace_back(
-      Html{"<p>Two things follow. Below all jumps the order 2/3 is a property of the mechanics: after each release the "
-           "relative "
-           "acceleration grows in proportion to time, the gap closes as t³, and only the time since release matters. "
-           "Above the jump no "
-           "power law holds exactly; what a fit returns there depends on where the band begins and ends, and two "
-           "studies that choose "
-           "different bands will honestly report different fractional orders.</p>"});
+  section.blocks.emplace_back(Html{paragraph("slope", "consequences")});
   return section;
 }
 

@@ -17,6 +17,7 @@
 #include "report/fixed_step_reference.hpp"
 #include "report/grid.hpp"
 #include "report/html.hpp"
+#include "report/prose.hpp"
 #include "report/sections.hpp"
 
 namespace report {
@@ -55,7 +56,7 @@ double median_seconds(const std::function<void()>& call) {
 // Sum of everything that was timed, so that no call can be optimised away.
 volatile double sink = 0;
 
-// Errors below rounding are drawn at rounding: a logarithmic axis has no zero.
+// Draws errors below the rounding unit at the rounding unit, because a logarithmic axis has no zero.
 double visible(double error) {
   return std::max(error, std::numeric_limits<double>::epsilon());
 }
@@ -74,7 +75,7 @@ std::vector<Point> points_of(const Work& work) {
   const auto released = backlash::jump_frequency(system, scene.force, backlash::JumpCriterion::mid_gap_at_rest);
   const auto jump = backlash::jump_frequency(system, scene.force, backlash::JumpCriterion::two_impact_loss);
   if (jump && lower && *jump < *lower) points.push_back({"asymmetric orbit", std::sqrt(*jump * *lower)});
-  // The fixed step starts at mid-gap at rest; above `released` that start never meets a wall and both motions coexist.
+  // The fixed step starts at mid-gap at rest.  Above `released` both motions exist and that start never meets a wall.
   if (lower && released) {
     const double upper = std::min(*released, collapse.value_or(*released));
     if (*lower < upper) points.push_back({"symmetric orbit", std::sqrt(*lower * upper)});
@@ -86,13 +87,7 @@ void add_describing_function(Section& section, const Work& work) {
   const Scene& scene = work.scene;
   const auto system = work.system();
   Table table{"speed-describing-function",
-              "One value N(F, ω) of the base scene: event-driven orbit solver at several tolerances against a fixed "
-              "step (semi-implicit "
-              "Euler, impacts at the ends of steps, 60 periods run off and 20 summed). Error relative to the solver at "
-              "tolerance 1e−13; "
-              "median of five repeats, one thread. The last column is the observed order, log<sub>2</sub> of the error "
-              "ratio under "
-              "halving of the step.",
+              prose("speed", "describing-function"),
               {{"motion", "motion"},
                {"omega_rad_s", "ω / (rad/s)"},
                {"method", "method"},
@@ -148,24 +143,21 @@ void add_describing_function(Section& section, const Work& work) {
     panel.curves.push_back(make_curve("fixed step, " + point.name, shade, Mark::line_points, step_time, step_error));
     panel.curves.push_back(make_curve("event-driven", shade, Mark::open_points, event_time, event_error));
     if (point.name == "symmetric orbit" || !compared) {
-      compared = "One value of N (" + point.name + ", " + html_number(point.omega, 3) + " rad/s) is exact after " +
-                 html_seconds(event_time.back()) + "; a fixed step takes " + html_seconds(step_time.back()) +
-                 " and is still off by " + html_number(100 * step_error.back(), 2) +
-                 " %, converging to the same value with the first power of the step.";
+      compared = prose("speed", "comparison",
+                       {{"motion", point.name},
+                        {"omega", html_number(point.omega, 3)},
+                        {"exact", html_seconds(event_time.back())},
+                        {"fixed", html_seconds(step_time.back())},
+                        {"error", html_number(100 * step_error.back(), 2)}});
     }
   }
-  if (compared) section.findings.push_back("<b>Speed.</b> " + *compared);
+  if (compared) section.findings.push_back(prose("speed", "finding", {{"comparison", *compared}}));
   Figure figure;
   figure.name = "speed-describing-function";
-  figure.caption =
-      "Relative error of one value of N against computing time. Lower left is better. Filled circles: fixed step, four "
-      "times finer "
-      "from each circle to the next. Open circles: event-driven solver at tolerances 1e−4 … 1e−13, those at the bottom "
-      "are equal to "
-      "the reference to rounding (drawn at 2·10<sup>−16</sup>).";
+  figure.caption = prose("speed", "describing-function-figure");
   figure.panels = {std::move(panel)};
   figure.panel_height = 340;
-  section.blocks.emplace_back(Html{"<h3>A describing-function value</h3>"});
+  section.blocks.emplace_back(Html{prose("speed", "describing-function-heading")});
   section.blocks.emplace_back(std::move(figure));
   section.blocks.emplace_back(std::move(table));
 }
@@ -200,14 +192,7 @@ void add_power(Section& section) {
   constexpr double lower = 1e-2;
   constexpr double upper = 1e2;
   const std::vector<double> grid = logarithmic_grid(lower, upper, 400);
-  Table ladders{
-      "speed-oustaloup",
-      "Oustaloup’s ladder for s<sup>0.5</sup>, used on 0.01 … 100 rad/s and designed on that band or a wider one: "
-      "largest "
-      "|H(jω)/(jω)<sup>0.5</sup> − 1| on 400 frequencies, and nanoseconds per value of the response (median of five "
-      "repeats).",
-      {{"poles", "poles"}},
-      {}};
+  Table ladders{"speed-oustaloup", prose("speed", "oustaloup"), {{"poles", "poles"}}, {}};
   const Band bands[] = {{"own band", 1}, {"± 1 decade", 10}, {"± 3 decades", 1000}};
   static constexpr std::string_view column_names[] = {"error_own_band", "error_wider_1_decade",
                                                       "error_wider_3_decades"};
@@ -248,13 +233,13 @@ void add_power(Section& section) {
   const double sample_time = 2 * std::numbers::pi / (40 * upper);
   Table sums{
       "speed-grunwald-letnikov",
-      "The same for the Grünwald-Letnikov sum with 40 samples per shortest period, and for the exact power.",
+      prose("speed", "grunwald-letnikov"),
       {{"method", "method"}, {"relative_error", "largest relative error", 3}, {"nanoseconds", "ns per value", 3}},
       {}};
   std::vector<double> error, time;
   for (const std::size_t memory : {10U, 100U, 1000U, 10000U}) {
-    // The response of a long memory is a long sum; few frequencies show its error as well, which is largest at the low
-    // end.
+    // The response of a long memory is a long sum.  Few frequencies are enough to show its error, which is largest at
+    // the lowest one.
     const std::vector<double> coarse = logarithmic_grid(lower, upper, memory > 1000 ? 20 : 100);
     const Measured value = measured(coarse, [&](double omega) {
       return frac::grunwald_letnikov_response(power_order, sample_time, memory, omega);
@@ -273,16 +258,11 @@ void add_power(Section& section) {
   sums.rows.push_back({std::string("exact power"), exact.error, exact.nanoseconds});
   Figure figure;
   figure.name = "speed-power";
-  figure.caption =
-      "Approximations of s<sup>0.5</sup> over four decades. Designed on just the band in use, Oustaloup’s ladder never "
-      "gets below "
-      "the edge error |(1−j)<sup>0.5</sup> − 1| = 47 %, however many poles; each decade of margin lowers the floor "
-      "about tenfold, and "
-      "reaching it takes more poles. A Grünwald-Letnikov sum with finite memory loses the low frequencies first.";
+  figure.caption = prose("speed", "power-figure");
   figure.columns = 2;
   figure.panel_height = 320;
   figure.panels = {std::move(by_size), std::move(by_time)};
-  section.blocks.emplace_back(Html{"<h3>The power s<sup>a</sup></h3>"});
+  section.blocks.emplace_back(Html{prose("speed", "power-heading")});
   section.blocks.emplace_back(std::move(figure));
   section.blocks.emplace_back(std::move(ladders));
   section.blocks.emplace_back(std::move(sums));
@@ -291,15 +271,7 @@ void add_power(Section& section) {
 }  // namespace
 
 Section speed_section(const Work& work) {
-  Section section;
-  section.id = "speed";
-  section.title = "Speed against error, measured on the spot";
-  section.reading =
-      "Every point is a method at one setting, run while this report was made; the axes are the error it left and the "
-      "time it took, so "
-      "the better method lies further to the lower left. Errors are exact properties and repeat from run to run; times "
-      "belong to this "
-      "machine and scatter by some ten per cent.";
+  Section section = open_section("speed");
   if (work.scene.clearance > 0) add_describing_function(section, work);
   add_power(section);
   return section;

@@ -36,7 +36,7 @@ StagedFolder::StagedFolder(const fs::path& target) : target_(fs::absolute(target
 StagedFolder::~StagedFolder() {
   std::error_code ignored;
   fs::remove_all(staging_, ignored);
-  // A folder made for a report that did not come about: gone again, if nothing is in it.
+  // Removes the folder made for a report that failed, if it is empty.
   if (created_) fs::remove(target_, ignored);
 }
 

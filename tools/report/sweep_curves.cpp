@@ -9,7 +9,7 @@ namespace report {
 
 namespace {
 
-// Bars shorter than this share of the value would only thicken the point.
+// Bars shorter than this share of the value are not drawn: they would be hidden by the point.
 constexpr double visible_bar = 0.02;
 
 Curve empty_curve(const std::string& label, const std::string& colour, Mark mark) {
@@ -21,7 +21,7 @@ Curve empty_curve(const std::string& label, const std::string& colour, Mark mark
 bool on_one_branch(const backlash::DescribingFunctionPoint& a, const backlash::DescribingFunctionPoint& b) {
   using backlash::Regime;
   if (a.regime == Regime::averaged || b.regime == Regime::averaged) return false;
-  // Infinite counts of impacts compare equal: chatter is one branch.
+  // Chatter has infinitely many impacts per period; infinities compare equal, so all chatter is one branch.
   return a.period == b.period && a.impacts_per_period == b.impacts_per_period;
 }
 

@@ -9,8 +9,8 @@ namespace report {
 
 namespace {
 
-// A word must not be taken for two columns or for a comment.  Readers differ on quoting, so separators are replaced
-// instead.
+// Replaces the separators in a word, so that it is not read as two columns.  Quotes would not do: readers of CSV differ
+// on them.
 std::string plain_word(const std::string& word) {
   std::string plain;
   for (const char c : word)

@@ -40,11 +40,11 @@ class FractionalDerivative {
   FractionalDerivative& operator=(FractionalDerivative&&) noexcept;
 
   /// Takes f_n, returns the derivative at it.  No allocation.
-  Real operator()(Real sample) noexcept;
+  [[nodiscard]] Real step(Real sample) noexcept;
   /// The same for many samples, several times faster (blocks of 32); continues where the last call ended.  How samples
   /// are divided into calls changes results by rounding only.  Both spans may be the same.
   /// @throws std::invalid_argument  they differ in length.
-  void operator()(std::span<const Real> samples, std::span<Real> output);
+  void run(std::span<const Real> samples, std::span<Real> output);
   /// Back to zero before the first sample.
   void reset() noexcept;
 

@@ -40,19 +40,4 @@ namespace frac {
 [[nodiscard]] std::vector<double> grunwald_letnikov_derivative_by_fft(const std::vector<double>& samples, double order,
                                                                       double sample_time);
 
-/// Short memory (Podlubny 1999, section 7.3): largest possible deviation of the difference over memory_length from that
-/// over all of `samples` samples, none above `largest_sample` in magnitude,
-///   largest_sample h^-order sum_{k = memory_length + 1}^{samples - 1} |w_k|,
-/// reached by samples of one sign and size when memory_length >= order.
-/// @param samples  0: any number, for which the bound is infinite when order < 0.
-/// @throws std::invalid_argument  order, sample_time as above; memory_length 0 or below order; largest_sample negative
-/// or
-///                                not finite.
-[[nodiscard]] double short_memory_bound(double order, double sample_time, std::uint64_t memory_length,
-                                        double largest_sample, std::uint64_t samples = 0);
-
-/// The shortest memory, in samples, that keeps that bound for any number of samples within `error`.
-/// @throws std::invalid_argument  as above; order not above 0; error not positive; more than 2^53 samples needed.
-[[nodiscard]] std::uint64_t short_memory_length(double order, double sample_time, double largest_sample, double error);
-
 }  // namespace frac

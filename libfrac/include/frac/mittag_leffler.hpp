@@ -34,7 +34,7 @@ void mittag_leffler(double alpha, double beta, std::span<const double> z, std::s
 
 /// Three-parameter function E^gamma_{alpha,beta}(z) = sum_k (gamma)_k z^k / (k! Gamma(alpha k + beta))  (Prabhakar
 /// 1971), inverse Laplace transform of s^(alpha gamma - beta) / (s^alpha - z)^gamma at time 1.
-/// Error 1e-12 (1 + |E|) max(1, |z E'/E|) for 0 < alpha <= 2, |beta| <= 10, 0 < gamma <= 10.
+/// Error 1e-12 (1 + |E|) max(1, |z E'/E|) for 0.1 <= alpha <= 2, |beta| <= 10, 0 < gamma <= 10.
 /// @throws std::invalid_argument  as above, alpha > 2, gamma not in (0, 100], or gamma neither 1 nor 2 with a root of
 ///                                s^alpha = z on the principal sheet beyond |s| = 1000.
 [[nodiscard]] double prabhakar(double alpha, double beta, double gamma, double z);

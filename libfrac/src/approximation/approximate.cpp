@@ -5,13 +5,14 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdio>
 #include <limits>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
 
 #include "base/number_text.hpp"
+#include "base/short_text.hpp"
+#include "base/spelling.hpp"
 #include "error_measure.hpp"
 #include "ladder.hpp"
 #include "parallel_form.hpp"
@@ -21,25 +22,23 @@
 namespace frac {
 namespace {
 
-constexpr ApproximationMethod all_methods[] = {ApproximationMethod::ladder,
-                                               ApproximationMethod::oustaloup,
-                                               ApproximationMethod::oustaloup_widened,
-                                               ApproximationMethod::refined_oustaloup,
-                                               ApproximationMethod::matsuda,
-                                               ApproximationMethod::carlson,
-                                               ApproximationMethod::cfe,
-                                               ApproximationMethod::charef};
-
+constexpr detail::Spellings<ApproximationMethod, 8> method_names{
+    {{ApproximationMethod::ladder, "ladder"},
+     {ApproximationMethod::oustaloup, "oustaloup"},
+     {ApproximationMethod::oustaloup_widened, "oustaloup-widened"},
+     {ApproximationMethod::refined_oustaloup, "refined-oustaloup"},
+     {ApproximationMethod::matsuda, "matsuda"},
+     {ApproximationMethod::carlson, "carlson"},
+     {ApproximationMethod::cfe, "cfe"},
+     {ApproximationMethod::charef, "charef"}}};
+constexpr detail::Spellings<ApproximationStatus, 3> status_names{
+    {{ApproximationStatus::as_asked, "as-asked"},
+     {ApproximationStatus::met, "met"},
+     {ApproximationStatus::not_attainable, "not-attainable"}}};
 constexpr int most_poles = 200;
 constexpr int most_matsuda_poles = 60;  // what the digits of its arithmetic carry
 constexpr int fewest_refined_poles = 3;
 constexpr double anything = std::numeric_limits<double>::infinity();
-
-std::string short_text(double value) {
-  std::array<char, 32> buffer;
-  std::snprintf(buffer.data(), buffer.size(), "%.3g", value);
-  return buffer.data();
-}
 
 std::string where(ApproximationMethod method) {
   return "approximate (" + std::string(to_string(method)) + ")";
@@ -256,50 +255,20 @@ std::string count_text(int poles) {
 }  // namespace
 
 std::string_view to_string(ApproximationMethod method) {
-  switch (method) {
-    case ApproximationMethod::ladder:
-      return "ladder";
-    case ApproximationMethod::oustaloup:
-      return "oustaloup";
-    case ApproximationMethod::oustaloup_widened:
-      return "oustaloup-widened";
-    case ApproximationMethod::refined_oustaloup:
-      return "refined-oustaloup";
-    case ApproximationMethod::matsuda:
-      return "matsuda";
-    case ApproximationMethod::carlson:
-      return "carlson";
-    case ApproximationMethod::cfe:
-      return "cfe";
-    case ApproximationMethod::charef:
-      break;
-  }
-  return "charef";
+  return detail::spelling(method_names, method);
 }
 
 ApproximationMethod approximation_method(std::string_view name) {
-  std::string known;
-  for (const ApproximationMethod method : all_methods) {
-    if (to_string(method) == name) return method;
-    known += (known.empty() ? "" : ", ") + std::string(to_string(method));
-  }
-  throw std::invalid_argument("approximation method \"" + std::string(name) + "\": expected one of " + known);
+  return detail::from_spelling(method_names, "approximation method", name);
 }
 
 std::span<const ApproximationMethod> approximation_methods() {
-  return all_methods;
+  static constexpr auto all = detail::enumerators(method_names);
+  return all;
 }
 
 std::string_view to_string(ApproximationStatus status) {
-  switch (status) {
-    case ApproximationStatus::as_asked:
-      return "as-asked";
-    case ApproximationStatus::met:
-      return "met";
-    case ApproximationStatus::not_attainable:
-      break;
-  }
-  return "not-attainable";
+  return detail::spelling(status_names, status);
 }
 
 Approximation approximate(double order, FrequencyBand band, ApproximationGoal goal, ApproximationMethod method) {
@@ -318,7 +287,7 @@ Approximation approximate(double order, FrequencyBand band, ApproximationGoal go
   } else if (count != nullptr) {
     choice = {designer.design(count->poles, anything), true};
     message = "The largest relative error with " + count_text(count->poles) + " is " +
-              short_text(choice.result.error.max_relative);
+              detail::short_text(choice.result.error.max_relative);
     // Below it zeros, poles and gain as doubles are no closer, whatever their number.
     constexpr double rounding = 1e-15;
     const int enough = designer.limit_poles(rounding);
@@ -332,15 +301,16 @@ Approximation approximate(double order, FrequencyBand band, ApproximationGoal go
     const double reached = choice.result.error.max_relative;
     if (choice.met) {
       status = ApproximationStatus::met;
-      message = "Tolerance " + short_text(tolerance) + " is met with " + count_text(choice.result.poles) +
-                ", largest relative error " + short_text(reached) + ".";
+      message = "Tolerance " + detail::short_text(tolerance) + " is met with " + count_text(choice.result.poles) +
+                ", largest relative error " + detail::short_text(reached) + ".";
     } else {
       status = ApproximationStatus::not_attainable;
       const int most = designer.counts().back();
       const bool rounding = method == ApproximationMethod::ladder && choice.result.poles < most;
       const std::string bounds = "by " + std::string(to_string(method)) + " with up to " + count_text(most);
-      message = "Tolerance " + short_text(tolerance) + " is not attainable " + (rounding ? "in double" : bounds) +
-                ", best is " + short_text(reached) + " with " + count_text(choice.result.poles) + ".";
+      message = "Tolerance " + detail::short_text(tolerance) + " is not attainable " +
+                (rounding ? "in double" : bounds) + ", best is " + detail::short_text(reached) + " with " +
+                count_text(choice.result.poles) + ".";
     }
   }
   Designer::Result& result = choice.result;
@@ -351,7 +321,7 @@ Approximation approximate(double order, FrequencyBand band, ApproximationGoal go
           .method = method,
           .parameters = std::move(result.parameters),
           .system = result.system,
-          .parallel = detail::parallel_form(result.system),
+          .parallel = detail::parallel_form(result.system, designer.fractional(), band, result.error.max_relative),
           .poles = result.poles,
           .error = result.error,
           .limit_poles = designer.limit_poles(compared),

@@ -2,11 +2,11 @@
 #include "error_measure.hpp"
 
 #include <algorithm>
-#include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
 
+#include "band_error.hpp"
 #include "flux_law.hpp"
 
 namespace frac::detail {
@@ -15,12 +15,6 @@ namespace {
 using Extended = long double;
 using ExtendedComplex = std::complex<Extended>;
 
-struct Deviation {
-  Extended relative;
-  Extended decibels;
-  Extended degrees;
-};
-
 class Ratio {
  public:
   Ratio(const ZeroPoleGain& system, double order)
@@ -28,8 +22,8 @@ class Ratio {
         order_(order),
         turn_(std::polar(Extended{1}, -static_cast<Extended>(order) * std::numbers::pi_v<Extended> / 2)) {}
 
-  // H(j omega)/(j omega)^order - 1.
-  [[nodiscard]] Deviation operator()(Extended omega) const {
+  // H(j omega)/(j omega)^order.
+  [[nodiscard]] ExtendedComplex operator()(Extended omega) const {
     // Factors are divided by the larger of root and omega, and zeros are taken with poles, so that no product leaves
     // the range.
     ExtendedComplex numerator = turn_;
@@ -60,9 +54,7 @@ class Ratio {
       if (i < system_.zero_pairs.size()) size *= pair_factor(numerator, system_.zero_pairs[i]);
       if (i < system_.pole_pairs.size()) size /= pair_factor(denominator, system_.pole_pairs[i]);
     }
-    const ExtendedComplex ratio = size * numerator / denominator;
-    return {std::abs(ratio - Extended{1}), std::abs(20 * std::log10(std::abs(ratio))),
-            std::abs(std::arg(ratio)) * 180 / std::numbers::pi_v<Extended>};
+    return size * numerator / denominator;
   }
 
  private:
@@ -93,31 +85,11 @@ ApproximationError measured_error(const ZeroPoleGain& system, double fractional_
   log_omega.back() = upper;
 
   const Ratio ratio(system, fractional_order);
-  const auto deviation = [&](Extended log_frequency) { return ratio(std::exp(log_frequency)); };
-  Deviation largest{-1, 0, 0};
-  std::size_t place = 0;
-  for (std::size_t i = 0; i < log_omega.size(); ++i) {
-    const Deviation here = deviation(log_omega[i]);
-    if (here.relative > largest.relative) {
-      largest.relative = here.relative;
-      place = i;
-    }
-    largest.decibels = std::max(largest.decibels, here.decibels);
-    largest.degrees = std::max(largest.degrees, here.degrees);
-  }
-  // The maximum lies between the neighbours of the largest sample.
-  constexpr int bits = 24;
-  const auto [at, negative] = boost::math::tools::brent_find_minima(
-      [&](Extended log_frequency) { return -deviation(log_frequency).relative; }, log_omega[place == 0 ? 0 : place - 1],
-      log_omega[std::min(place + 1, log_omega.size() - 1)], bits);
-  Extended at_maximum = log_omega[place];
-  if (-negative > largest.relative) {
-    largest.relative = -negative;
-    at_maximum = at;
-  }
+  const BandError<Extended> largest =
+      band_error(log_omega, [&](Extended log_frequency) { return ratio(std::exp(log_frequency)); });
   ApproximationError error;
   error.max_relative = static_cast<double>(largest.relative);
-  error.omega_at_maximum = std::clamp(static_cast<double>(std::exp(at_maximum)), band.lower, band.upper);
+  error.omega_at_maximum = std::clamp(static_cast<double>(std::exp(largest.place)), band.lower, band.upper);
   error.max_decibels = static_cast<double>(largest.decibels);
   error.max_degrees = static_cast<double>(largest.degrees);
   error.grid_points = static_cast<int>(log_omega.size());

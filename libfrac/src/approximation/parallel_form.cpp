@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "parallel_form.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <limits>
 
 namespace frac::detail {
 namespace {
@@ -9,9 +12,10 @@ namespace {
 using Extended = long double;
 using ExtendedComplex = std::complex<Extended>;
 
-// The differences of stored roots are exact, so that a residue is as good as the roots define it.  A zero is taken with
-// a pole: on wide bands the product of all the zeros' factors alone would leave the range of double.
-ExtendedComplex residue(const ZeroPoleGain& system, std::complex<double> at) {
+// H(s) without its whole power of s, and at a pole its residue: the factor that vanishes is left out.  The differences
+// of stored roots are exact, so that the value is as good as the roots define it.  A zero is taken with a pole: on wide
+// bands the product of all the zeros' factors alone would leave the range of double.
+ExtendedComplex value_at(const ZeroPoleGain& system, std::complex<double> at) {
   const ExtendedComplex s(at);
   std::vector<ExtendedComplex> zeros;
   std::vector<ExtendedComplex> poles;
@@ -33,14 +37,54 @@ ExtendedComplex residue(const ZeroPoleGain& system, std::complex<double> at) {
   return value;
 }
 
+// Largest sum of |terms| over |s|^order on the band, for the form with `constant`; each residue is divided by its pole
+// and multiplied with s where that is the static gain.  Terms vary over factors of omega that are not small, so that
+// two points per e-fold miss less than a tenth of the maximum.
+double condition(const ParallelForm& form, const ZeroPoleGain& system, bool from_static_gain, double order,
+                 FrequencyBand band) {
+  const Extended lower = std::log(static_cast<Extended>(band.lower));
+  const Extended width = std::log(static_cast<Extended>(band.upper)) - lower;
+  const int steps = static_cast<int>(std::ceil(2 * width)) + 1;
+  Extended largest = 0;
+  for (int i = 0; i <= steps; ++i) {
+    const Extended omega = std::exp(lower + width * i / steps);
+    Extended sum = std::abs(from_static_gain ? form.static_gain : form.direct);
+    const auto add = [&](std::complex<double> residue, std::complex<double> pole) {
+      const Extended re = pole.real();
+      const Extended im = omega - static_cast<Extended>(pole.imag());
+      const Extended size = std::abs(ExtendedComplex(residue)) / std::sqrt(re * re + im * im);
+      sum += from_static_gain ? size * omega / std::abs(ExtendedComplex(pole)) : size;
+    };
+    for (std::size_t k = 0; k < system.poles.size(); ++k) add(form.residues[k], system.poles[k]);
+    for (std::size_t k = 0; k < system.pole_pairs.size(); ++k) {
+      add(form.pair_residues[k], system.pole_pairs[k]);
+      add(std::conj(form.pair_residues[k]), std::conj(system.pole_pairs[k]));
+    }
+    largest = std::max(largest, sum / std::pow(omega, static_cast<Extended>(order)));
+  }
+  return static_cast<double>(largest);
+}
+
 }  // namespace
 
-ParallelForm parallel_form(const ZeroPoleGain& system) {
+ParallelForm parallel_form(const ZeroPoleGain& system, double fractional_order, FrequencyBand band,
+                           double system_error) {
   ParallelForm form;
   form.direct = system.gain;
-  for (const double pole : system.poles) form.residues.push_back(static_cast<double>(residue(system, pole).real()));
+  for (const double pole : system.poles) form.residues.push_back(static_cast<double>(value_at(system, pole).real()));
   for (const std::complex<double> pole : system.pole_pairs) {
-    form.pair_residues.emplace_back(std::complex<double>(residue(system, pole)));
+    form.pair_residues.emplace_back(std::complex<double>(value_at(system, pole)));
+  }
+  // A rounding per addition in any order, and some ten of a term: its stored residue, quotients and products.
+  const auto terms = static_cast<double>(system.poles.size() + 2 * system.pole_pairs.size());
+  const double rounding = 1.1 * (terms + 10) * std::numeric_limits<double>::epsilon() / 2;
+  const auto error_with = [&](bool from_static_gain) {
+    return system_error + rounding * condition(form, system, from_static_gain, fractional_order, band);
+  };
+  form.direct_error = error_with(false);
+  if (std::find(system.poles.begin(), system.poles.end(), 0.0) == system.poles.end()) {
+    form.static_gain = static_cast<double>(value_at(system, 0).real());
+    form.static_error = error_with(true);
   }
   return form;
 }

@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 #include <utility>
 
+#include "approximation/band_error.hpp"
 #include "base/number_text.hpp"
+#include "base/short_text.hpp"
+#include "base/spelling.hpp"
 #include "correction_taps.hpp"
 #include "frac/grunwald_letnikov.hpp"
 #include "power_design.hpp"
@@ -22,15 +25,11 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double pi = std::numbers::pi;
 
-constexpr Discretisation all_methods[] = {Discretisation::direct, Discretisation::tustin,
-                                          Discretisation::tustin_prewarped, Discretisation::al_alaoui,
-                                          Discretisation::grunwald_letnikov};
-
-std::string short_text(double value) {
-  std::array<char, 32> buffer;
-  std::snprintf(buffer.data(), buffer.size(), "%.3g", value);
-  return buffer.data();
-}
+constexpr detail::Spellings<Discretisation, 5> method_names{{{Discretisation::direct, "direct"},
+                                                             {Discretisation::tustin, "tustin"},
+                                                             {Discretisation::tustin_prewarped, "tustin-prewarped"},
+                                                             {Discretisation::al_alaoui, "al-alaoui"},
+                                                             {Discretisation::grunwald_letnikov, "grunwald-letnikov"}}};
 
 void check_sample_time(double sample_time, const char* where) {
   if (!(sample_time > 0 && std::isfinite(sample_time))) {
@@ -123,36 +122,51 @@ ApproximationGoal prototype_goal(ApproximationGoal goal, Discretisation method) 
   return goal;
 }
 
+// Beyond the band: evenly for the ripples of taps and differences, and evenly in the logarithm of the frequency that
+// the bilinear rule maps to omega.  That one goes to infinity where omega goes to pi/T, and the gain of its sections
+// climbs up to their fastest pole, however close to pi/T that lies.
+std::vector<double> frequencies_beyond(const DigitalPower& result) {
+  const double edge = result.band.upper * result.sample_time / 2;
+  std::vector<double> half_angle;
+  constexpr int even = 200;
+  for (int i = 0; i <= even; ++i) half_angle.push_back(edge + (pi / 2 - edge) * i / even);
+  if (!result.parallel.rates.empty()) {
+    constexpr double step = 0.1;
+    const double last = std::log(1 / std::numeric_limits<double>::epsilon());
+    for (double log_tangent = std::log(std::tan(edge)) + step; log_tangent < last; log_tangent += step) {
+      half_angle.push_back(std::atan(std::exp(log_tangent)));
+    }
+    std::sort(half_angle.begin(), half_angle.end());
+  }
+  for (double& each : half_angle) each *= 2 / result.sample_time;
+  return half_angle;
+}
+
 void measure(DigitalPower& result) {
   // Two ripples a section, and the narrow ones of the taps at the upper edge.
   const int points = 400 + 60 * static_cast<int>(result.parallel.rates.size());
   const double fall = std::log(result.band.upper / result.band.lower);
-  ApproximationError& error = result.error;
   const auto ratio = [&](double omega) {
     return result.response(omega) / (detail::real_power(omega, result.order) * detail::quarter_turns(result.order));
   };
-  error = {};
-  error.grid_points = points + 1;
-  for (int i = 0; i <= points; ++i) {
-    const double omega =
-        i == points ? result.band.upper : result.band.lower * std::exp(fall * static_cast<double>(i) / points);
-    const Complex value = ratio(omega);
-    const double relative = std::abs(value - 1.0);
-    if (relative > error.max_relative) {
-      error.max_relative = relative;
-      error.omega_at_maximum = omega;
-    }
-    error.max_decibels = std::max(error.max_decibels, std::abs(20 * std::log10(std::abs(value))));
-    error.max_degrees = std::max(error.max_degrees, std::abs(std::arg(value)) * 180 / pi);
+  std::vector<double> on_band;
+  for (int i = 0; i < points; ++i) {
+    on_band.push_back(result.band.lower * std::exp(fall * static_cast<double>(i) / points));
   }
-  constexpr int beyond = 200;
-  const double nyquist = pi / result.sample_time;
-  result.most_amplification = 0;
-  for (int i = 0; i < beyond; ++i) {
-    const double omega = result.band.upper + (nyquist - result.band.upper) * i / beyond;
-    const double from_edge = std::pow(omega / result.band.upper, std::min(result.order, 0.0));
-    result.most_amplification = std::max(result.most_amplification, from_edge * std::abs(ratio(omega)));
-  }
+  on_band.push_back(result.band.upper);
+  const detail::BandError<double> largest = detail::band_error(on_band, ratio);
+  result.error = {.max_relative = largest.relative,
+                  .omega_at_maximum = largest.place,
+                  .max_decibels = largest.decibels,
+                  .max_degrees = largest.degrees,
+                  .grid_points = points + 1};
+  const auto amplification = [&](double omega) {
+    return std::pow(omega / result.band.upper, std::min(result.order, 0.0)) * std::abs(ratio(omega));
+  };
+  const std::vector<double> beyond = frequencies_beyond(result);
+  std::vector<double> values;
+  for (const double omega : beyond) values.push_back(amplification(omega));
+  result.most_amplification = amplification(detail::refined_maximum(beyond, values, amplification));
 }
 
 std::string size_text(const DigitalPower& result) {
@@ -165,25 +179,26 @@ std::string size_text(const DigitalPower& result) {
 
 void conclude(DigitalPower& result, const ApproximationGoal& goal, double allowed_amplification) {
   const auto* tolerance = std::get_if<Tolerance>(&goal);
-  const std::string reached = short_text(result.error.max_relative);
+  const std::string reached = detail::short_text(result.error.max_relative);
   const std::string size = size_text(result);
   if (tolerance == nullptr) {
     result.status = ApproximationStatus::as_asked;
     result.message = "The largest relative error with " + size + " is " + reached + ".";
   } else if (result.error.max_relative <= tolerance->value) {
     result.status = ApproximationStatus::met;
-    result.message = "Tolerance " + short_text(tolerance->value) + " is met with " + size +
+    result.message = "Tolerance " + detail::short_text(tolerance->value) + " is met with " + size +
                      ", largest relative error " + reached + ".";
   } else {
     result.status = ApproximationStatus::not_attainable;
-    const std::string share = short_text(result.band.upper * result.sample_time / (2 * pi));
-    result.message = "Tolerance " + short_text(tolerance->value) + " is not attainable by " +
-                     std::string(to_string(result.method)) + " up to " + share + " of the sampling frequency" +
-                     (result.method == Discretisation::direct
-                          ? " with at most " + short_text(allowed_amplification) + " times the gain of s^" +
-                                short_text(result.order) + (result.order < 0 ? " at its edge beyond" : " beyond")
-                          : "") +
-                     ", best is " + reached + " with " + size + ".";
+    const std::string share = detail::short_text(result.band.upper * result.sample_time / (2 * pi));
+    result.message =
+        "Tolerance " + detail::short_text(tolerance->value) + " is not attainable by " +
+        std::string(to_string(result.method)) + " up to " + share + " of the sampling frequency" +
+        (result.method == Discretisation::direct
+             ? " with at most " + detail::short_text(allowed_amplification) + " times the gain of s^" +
+                   detail::short_text(result.order) + (result.order < 0 ? " at its edge beyond" : " beyond")
+             : "") +
+        ", best is " + reached + " with " + size + ".";
   }
 }
 
@@ -228,32 +243,16 @@ Attempt attempt(const detail::SplitOrder& split, FrequencyBand band, Approximati
 }  // namespace
 
 std::string_view to_string(Discretisation method) {
-  switch (method) {
-    case Discretisation::direct:
-      return "direct";
-    case Discretisation::tustin:
-      return "tustin";
-    case Discretisation::tustin_prewarped:
-      return "tustin-prewarped";
-    case Discretisation::al_alaoui:
-      return "al-alaoui";
-    case Discretisation::grunwald_letnikov:
-      break;
-  }
-  return "grunwald-letnikov";
+  return detail::spelling(method_names, method);
 }
 
 Discretisation discretisation(std::string_view name) {
-  std::string known;
-  for (const Discretisation method : all_methods) {
-    if (to_string(method) == name) return method;
-    known += (known.empty() ? "" : ", ") + std::string(to_string(method));
-  }
-  throw std::invalid_argument("discretisation \"" + std::string(name) + "\": expected one of " + known);
+  return detail::from_spelling(method_names, "discretisation", name);
 }
 
 std::span<const Discretisation> discretisations() {
-  return all_methods;
+  static constexpr auto all = detail::enumerators(method_names);
+  return all;
 }
 
 Complex ParallelSections::response(Complex delta) const {

@@ -207,15 +207,11 @@ Real FractionalPid<Real>::advance(const Inputs& in) noexcept {
     p.integral_input += correction;
     p.integral_tapped += c_.integral_tap * correction;
     p.integral_filtered += change;
-    p.integral += c_.half_time * change;
     p.sum += c_.half_time * change;
   }
   output_ = p.sum > c_.maximum ? c_.maximum : p.sum < c_.minimum ? c_.minimum : p.sum;
 
   unlimited_ = p.sum;
-  proportional_ = p.proportional;
-  integral_part_ = p.integral;
-  derivative_part_ = p.derivative;
   integral_.advance(p.integral_input, p.integral_tapped);
   derivative_.advance(p.derivative_input, p.derivative_tapped);
   lag_ = std::abs(p.lagged) > detail::negligible_state<Real> ? p.lagged : 0;
@@ -231,18 +227,6 @@ template <typename Real>
 Real FractionalPid<Real>::step(Real setpoint, Real measured) noexcept {
   return advance({c_.setpoint_weight * setpoint - measured, c_.derivative_setpoint_weight * setpoint - measured,
                   setpoint - measured, setpoint});
-}
-
-template <typename Real>
-Real FractionalPid<Real>::compute_command(Real error) noexcept {
-  return advance({error, error, error, 0});
-}
-
-template <typename Real>
-Real FractionalPid<Real>::compute_command(Real error, Real dt) noexcept {
-  constexpr Real tolerated = Real(0.01);
-  if (!(std::abs(dt - c_.sample_time) <= tolerated * c_.sample_time)) ++dt_violations_;
-  return compute_command(error);
 }
 
 template <typename Real>
@@ -274,7 +258,7 @@ void FractionalPid<Real>::reset(Real setpoint, Real measured) noexcept {
   derivative_.rest_at(c_.differentiates ? 0 : lag_);
   is_tracking_ = false;
   last_ = {};
-  unlimited_ = proportional_ = integral_part_ = derivative_part_ = 0;
+  unlimited_ = 0;
   // What a first input that is refused leaves standing obeys the limits too.
   output_ = std::clamp(Real(0), c_.minimum, c_.maximum);
   saturated_ = bad_input_ = false;

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <stdexcept>
 #include <string>
 
+#include "base/dead_time.hpp"
 #include "base/number_text.hpp"
+#include "base/short_text.hpp"
 #include "formula/power_sum.hpp"
 #include "frac/digital/digital_filter.hpp"
 #include "poles/laplace_image.hpp"
@@ -35,12 +36,6 @@ Complex second_change(Complex z) {
   return sum;
 }
 
-std::string short_text(double value) {
-  std::array<char, 32> buffer;
-  std::snprintf(buffer.data(), buffer.size(), "%.3g", value);
-  return buffer.data();
-}
-
 // A recursion that grows would overflow long before the horizon.
 void refuse_unstable(const detail::PowerSumRoots& poles) {
   // A pole on the axis is found to within rounding of it.
@@ -48,32 +43,12 @@ void refuse_unstable(const detail::PowerSumRoots& poles) {
   for (const auto& pole : poles.clusters) {
     if (pole.log_s.imag() >= std::numbers::pi / 2 - rounding - pole.spread) continue;
     const Complex place = std::exp(pole.log_s);
-    const std::string real = short_text(place.real());
+    const std::string real = detail::short_text(place.real());
     refuse("the model is unstable, with " +
-           (pole.is_conjugate ? "a pole at " + real : "poles at " + real + " +- " + short_text(place.imag()) + " i") +
+           (pole.is_conjugate ? "a pole at " + real
+                              : "poles at " + real + " +- " + detail::short_text(place.imag()) + " i") +
            " rad/s; allowed is a stable or integrating model");
   }
-}
-
-struct DeadTime {
-  std::size_t whole;
-  double rest;  // of a sample
-};
-
-DeadTime dead_time(double delay, double sample_time) {
-  const double samples = delay / sample_time;
-  constexpr double most = 1e6;
-  if (!(samples <= most)) refuse("dead time of " + detail::number_text(samples) + " samples; allowed is up to 1e6");
-  double whole = std::floor(samples);
-  double rest = samples - whole;
-  // Within rounding of a whole number of samples it is one.
-  if (rest > 1 - 1e-9) {
-    whole += 1;
-    rest = 0;
-  } else if (rest < 1e-9) {
-    rest = 0;
-  }
-  return {static_cast<std::size_t>(whole), rest};
 }
 
 }  // namespace
@@ -100,9 +75,11 @@ DigitalFilterDesign filter_design(const FractionalTransferFunction& model, doubl
            " at low frequency); allowed is above s^-2");
   }
   const bool integrates = low_order <= -1;
-  const auto [whole, rest] = dead_time(model.delay(), sample_time);
+  const auto [late, whole, rest] = detail::sampled_dead_time(model.delay(), sample_time);
+  constexpr double most_late = 1e6;
+  if (!(late <= most_late)) refuse("dead time of " + detail::number_text(late) + " samples; allowed is up to 1e6");
   if (integrates && rest > 0) {
-    refuse("dead time of " + detail::number_text(model.delay() / sample_time) +
+    refuse("dead time of " + detail::number_text(late) +
            " samples with an integration; allowed is a whole number of samples");
   }
 
@@ -129,7 +106,7 @@ DigitalFilterDesign filter_design(const FractionalTransferFunction& model, doubl
   design.rule = IntegratorRule::held;
   design.integrators = integrates ? 1 : 0;
   // Read within the interval, the output is known one sample later.
-  design.dead_samples = whole + (rest > 0 ? 1 : 0);
+  design.dead_samples = static_cast<std::size_t>(whole) + (rest > 0 ? 1 : 0);
   // With rate = 1 - e^{r T} a term answers a constant by -weight rate v, and a ramp over one interval by
   // -weight rate (1 + change) v, change = (e^{rT} - 1 - rT)/(rT); what is left over falls to the previous input, for
   // which a section of rate 1 stands.

@@ -3,12 +3,14 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <numeric>
 #include <stdexcept>
 
+#include "approximation/band_error.hpp"
 #include "base/number_text.hpp"
+#include "base/short_text.hpp"
+#include "base/spelling.hpp"
 #include "correction_taps.hpp"
 #include "frac/digital/fractional_pid.hpp"
 #include "power_design.hpp"
@@ -18,6 +20,11 @@
 namespace frac {
 namespace {
 
+constexpr detail::Spellings<AntiWindup, 3> anti_windup_names{
+    {{AntiWindup::none, "none"},
+     {AntiWindup::back_calculation, "back-calculation"},
+     {AntiWindup::conditional_integration, "conditional-integration"}}};
+
 constexpr double pi = std::numbers::pi;
 // No coefficient may leave the range of float by far.
 constexpr double largest_coefficient = 1e30;
@@ -26,12 +33,6 @@ constexpr double most_amplification = 5;
 
 [[noreturn]] void refuse(const std::string& why) {
   throw std::invalid_argument("fractional PID: " + why);
-}
-
-std::string short_text(double value) {
-  std::array<char, 32> buffer;
-  std::snprintf(buffer.data(), buffer.size(), "%.3g", value);
-  return buffer.data();
 }
 
 void check_number(const char* name, double value, double lowest, const char* allowed, const char* unit) {
@@ -89,12 +90,12 @@ FrequencyBand usable_band(const FractionalPidConfig& config, std::string& note) 
   constexpr double narrowest = 1.1;
   if (!(highest > narrowest * band.lower)) {
     refuse(asked + " begins where sample time " + detail::number_text(config.sample_time) +
-           " s ends: usable are frequencies up to " + short_text(highest) + " rad/s (" +
+           " s ends: usable are frequencies up to " + detail::short_text(highest) + " rad/s (" +
            (config.discretisation == Discretisation::direct ? "a quarter" : "0.45") + " of the sampling frequency)");
   }
-  note += "The upper edge of the band was cut from " + short_text(band.upper) + " to " + short_text(highest) +
-          " rad/s, " + (config.discretisation == Discretisation::direct ? "a quarter" : "0.45") +
-          " of the sampling frequency. ";
+  note += "The upper edge of the band was cut from " + detail::short_text(band.upper) + " to " +
+          detail::short_text(highest) + " rad/s, " +
+          (config.discretisation == Discretisation::direct ? "a quarter" : "0.45") + " of the sampling frequency. ";
   return {band.lower, highest};
 }
 
@@ -139,15 +140,16 @@ std::string design_note(const DigitalPower& power, const std::string& name, cons
   const bool swings = is_limited && swing > limits.swing;
   std::string note;
   if (power.status == ApproximationStatus::not_attainable) {
-    note += "The error of the " + name + " filter is " + short_text(power.error.max_relative) + ", above the tolerance";
+    note += "The error of the " + name + " filter is " + detail::short_text(power.error.max_relative) +
+            ", above the tolerance";
     if (is_limited && !swings) {
-      note += "; less would make its answer to a step swing by more than " + short_text(limits.swing) +
+      note += "; less would make its answer to a step swing by more than " + detail::short_text(limits.swing) +
               " of the peak from sample to sample: allow more swing, a lag before the derivative, or a lower band";
     }
     note += ". ";
   }
   if (swings) {
-    note += "The answer of the " + name + " to a step swings by " + short_text(swing) +
+    note += "The answer of the " + name + " to a step swings by " + detail::short_text(swing) +
             " of its peak from sample to sample; a lag before the derivative or a lower band avoids that. ";
   }
   return note;
@@ -182,29 +184,16 @@ double natural_time(const FractionalPidConfig& config) {
 }  // namespace
 
 std::string_view to_string(AntiWindup method) {
-  switch (method) {
-    case AntiWindup::none:
-      return "none";
-    case AntiWindup::back_calculation:
-      return "back-calculation";
-    case AntiWindup::conditional_integration:
-      break;
-  }
-  return "conditional-integration";
-}
-
-std::span<const AntiWindup> anti_windup_methods() {
-  static constexpr AntiWindup all[] = {AntiWindup::none, AntiWindup::back_calculation,
-                                       AntiWindup::conditional_integration};
-  return all;
+  return detail::spelling(anti_windup_names, method);
 }
 
 AntiWindup anti_windup(std::string_view name) {
-  for (const AntiWindup method : anti_windup_methods()) {
-    if (to_string(method) == name) return method;
-  }
-  throw std::invalid_argument("anti-windup \"" + std::string(name) +
-                              "\": expected one of none, back-calculation, conditional-integration");
+  return detail::from_spelling(anti_windup_names, "anti-windup", name);
+}
+
+std::span<const AntiWindup> anti_windup_methods() {
+  static constexpr auto all = detail::enumerators(anti_windup_names);
+  return all;
 }
 
 std::string validate(const FractionalPidConfig& config) {
@@ -224,7 +213,8 @@ FractionalPidDesign::FractionalPidDesign(const FractionalPidConfig& config) : co
   if (integral_order != 0 || derivative_order != 0) config_.band = usable_band(config, note_);
   integral_ = filter_for(integral_order, 1, {most_amplification}, "integral", config_, integral_error_, note_);
   // Its first sample of the step response: the limits are obeyed by solving for it.
-  if (!(integral_.high_gain > 0)) refuse("no usable filter for s^" + short_text(integral_order) + " on this band");
+  if (!(integral_.high_gain > 0))
+    refuse("no usable filter for s^" + detail::short_text(integral_order) + " on this band");
   const double lag_share = config.sample_time / (config.derivative_filter_time + config.sample_time);
   derivative_ = filter_for(derivative_order, 0, {most_amplification, config.most_swing, lag_share}, "derivative",
                            config_, derivative_error_, note_);
@@ -238,19 +228,19 @@ FractionalPidDesign::FractionalPidDesign(const FractionalPidConfig& config) : co
 
   const FrequencyBand band = config_.band;
   if (!(band.lower > 0 && band.lower < band.upper && band.upper < pi / config.sample_time)) return;
-  constexpr int points = 500;
-  error_ = 0;
-  for (int i = 0; i <= points; ++i) {
-    const double omega = band.lower * std::pow(band.upper / band.lower, static_cast<double>(i) / points);
+  std::vector<double> grid;
+  constexpr int steps = 500;
+  for (int i = 0; i <= steps; ++i) {
+    grid.push_back(band.lower * std::pow(band.upper / band.lower, static_cast<double>(i) / steps));
+  }
+  const detail::BandError<double> largest = detail::band_error(grid, [&](double omega) {
     const std::complex<double> s(0, omega);
     const std::complex<double> exact =
         kp + ki * std::pow(s, -lambda) + kd * std::pow(s, mu) / (1.0 + config.derivative_filter_time * s);
-    const double error = std::abs(response(omega) / exact - 1.0);
-    if (error > error_) {
-      error_ = error;
-      omega_at_error_ = omega;
-    }
-  }
+    return response(omega) / exact;
+  });
+  error_ = largest.relative;
+  omega_at_error_ = largest.place;
 }
 
 std::complex<double> FractionalPidDesign::response(double omega) const {

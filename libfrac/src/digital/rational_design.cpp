@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <cmath>
 #include <stdexcept>
 #include <string>
 
+#include "base/dead_time.hpp"
 #include "base/number_text.hpp"
 #include "frac/digital/digital_filter.hpp"
 #include "special/phi_functions.hpp"
@@ -15,10 +15,8 @@ namespace {
 }
 
 std::size_t whole_dead_time(double delay, double sample_time) {
-  const double samples = delay / sample_time;
-  const double whole = std::round(samples);
-  // What a quotient of two rounded numbers is off by.
-  if (!(std::abs(samples - whole) <= 1e-9 * std::max(1.0, whole)) || whole > 1e9) {
+  const auto [samples, whole, rest] = detail::sampled_dead_time(delay, sample_time);
+  if (rest > 0 || !(whole <= 1e9)) {
     refuse("dead time of " + detail::number_text(samples) + " samples; allowed is a whole number of samples up to 1e9");
   }
   return static_cast<std::size_t>(whole);

@@ -171,12 +171,12 @@ template <typename Real>
 FractionalDerivative<Real>& FractionalDerivative<Real>::operator=(FractionalDerivative&&) noexcept = default;
 
 template <typename Real>
-Real FractionalDerivative<Real>::operator()(Real sample) noexcept {
+Real FractionalDerivative<Real>::step(Real sample) noexcept {
   return stream_->take(sample);
 }
 
 template <typename Real>
-void FractionalDerivative<Real>::operator()(std::span<const Real> samples, std::span<Real> output) {
+void FractionalDerivative<Real>::run(std::span<const Real> samples, std::span<Real> output) {
   if (samples.size() != output.size()) {
     throw std::invalid_argument("FractionalDerivative: " + std::to_string(samples.size()) + " samples but room for " +
                                 std::to_string(output.size()) + " values");

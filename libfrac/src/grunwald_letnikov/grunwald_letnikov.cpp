@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -129,60 +128,6 @@ std::vector<double> grunwald_letnikov_derivative_by_fft(const std::vector<double
       detail::fft_convolution(detail::grunwald_letnikov_weights(remaining, samples.size() - 1), difference);
   for (double& each : result) each *= scale;
   return result;
-}
-
-// Beyond the order all weights have one sign, and sum_{k=0}^M w_k^(q) = w_M^(q-1).
-double short_memory_bound(double order, double sample_time, std::uint64_t memory_length, double largest_sample,
-                          std::uint64_t samples) {
-  const std::string where = "short_memory_bound";
-  detail::check_realised_order(order, where);
-  validate(GrunwaldLetnikovRealisation{sample_time, 0});
-  if (memory_length == 0 || static_cast<double>(memory_length) < order || memory_length > largest_index) {
-    throw std::invalid_argument(where + ": memory_length = " + std::to_string(memory_length) +
-                                "; allowed are 1, and the order, to 2^53");
-  }
-  if (!(largest_sample >= 0 && std::isfinite(largest_sample))) {
-    throw std::invalid_argument(where + ": largest_sample = " + detail::number_text(largest_sample) +
-                                "; allowed is 0 or more, finite");
-  }
-  const double scale = checked_scale(order, sample_time, where);
-  if (samples != 0 && samples <= memory_length + 1) return 0;
-  if (samples == 0) {
-    if (order == 0 || largest_sample == 0) return 0;
-    if (order < 0) return std::numeric_limits<double>::infinity();
-    return largest_sample * scale * std::abs(weight_at(order - 1, memory_length));
-  }
-  return largest_sample * scale * std::abs(weight_at(order - 1, samples - 1) - weight_at(order - 1, memory_length));
-}
-
-std::uint64_t short_memory_length(double order, double sample_time, double largest_sample, double error) {
-  const std::string where = "short_memory_length";
-  if (!(order > 0)) {
-    throw std::invalid_argument(where + ": order = " + detail::number_text(order) + "; allowed is above 0 to 20");
-  }
-  if (!(error > 0)) {
-    throw std::invalid_argument(where + ": error = " + detail::number_text(error) + "; allowed is above 0");
-  }
-  const auto keeps = [&](std::uint64_t length) {
-    return short_memory_bound(order, sample_time, length, largest_sample) <= error;
-  };
-  std::uint64_t below = 0;
-  auto above = static_cast<std::uint64_t>(std::max(1.0, std::ceil(order)));
-  const std::uint64_t shortest = above;
-  while (!keeps(above)) {
-    if (above == largest_index) {
-      throw std::invalid_argument(where + ": error = " + detail::number_text(error) +
-                                  " needs a memory of more than 2^53 samples");
-    }
-    below = above;
-    above = std::min(2 * above, largest_index);
-  }
-  if (above == shortest) return above;
-  while (above - below > 1) {
-    const std::uint64_t middle = below + (above - below) / 2;
-    (keeps(middle) ? above : below) = middle;
-  }
-  return above;
 }
 
 }  // namespace frac

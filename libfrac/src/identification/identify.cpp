@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -11,29 +10,30 @@
 #include "frac/parallel_for.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/residual_rule.hpp"
-#include "identification/statistics/autocorrelation.hpp"
+#include "identification/statistics/curvature_fit.hpp"
 #include "identification/statistics/information.hpp"
+#include "identification/statistics/residual_tests.hpp"
+#include "identification/verdict.hpp"
 
 namespace frac {
 
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double supported_evidence = 10;  // Burnham, Anderson (2002): "essentially no support" for the other
-constexpr double simplest_within = 2;      // AICc differences the data cannot tell apart
+constexpr double simplest_within = 2;  // AICc differences the data cannot tell apart
 
+/// A candidate with the constraints that are its own, and what became of it.
 struct Outcome {
+  NamedModel model;
   std::optional<FitResult> fit;
   std::string reason;
 };
 
 /// A candidate nothing is fitted to, with its weighted residuals.
-struct ComparedCurve {
-  RankedFit ranked;
-  std::vector<double> residual;
-};
+using ComparedCurve = detail::Competitor;
 
-ComparedCurve compared(const FrequencyResponseData& data, const FixedCurve& curve, const detail::ResidualRule& rule) {
+ComparedCurve compared(const FrequencyResponseData& data, const FixedCurve& curve, const detail::ResidualRule& rule,
+                       bool told) {
   if (curve.value.size() != data.size()) {
     throw std::invalid_argument("curve '" + curve.name + "' has " + std::to_string(curve.value.size()) +
                                 " values for " + std::to_string(data.size()) + " frequencies");
@@ -52,51 +52,24 @@ ComparedCurve compared(const FrequencyResponseData& data, const FixedCurve& curv
   result.free_parameters = curve.fitted_parameters;
   result.residuals = residual.size();
   result.condition = 1;
-  return {{curve.name, ModelClass::fixed_curve, std::move(result), 0, 0}, std::move(residual)};
-}
-
-/// (1 - r)/(1 + r) of the residuals, at most 1: the share of the points that carry news.
-double independent_share(const std::vector<double>& residual, std::size_t per_point) {
-  const double correlation = std::clamp(detail::autocorrelation(residual, per_point, 1), 0.0, 0.999);
-  return (1 - correlation) / (1 + correlation);
-}
-
-const RankedFit* best_of(const std::vector<RankedFit>& ranking, bool fractional) {
-  for (const RankedFit& ranked : ranking) {
-    if ((ranked.model_class == ModelClass::fractional) == fractional && std::isfinite(ranked.fit.aicc)) return &ranked;
-  }
-  return nullptr;
-}
-
-/// The order farthest (in intervals) from a whole number; none if every interval contains one.
-const ParameterEstimate* decided_order(const FitResult& fit, double share) {
-  const Structure structure(fit.model);
-  const ParameterEstimate* decided = nullptr;
-  double farthest = 1;
-  // The offset of a fit over time comes after the structure's own.
-  for (std::size_t i = 0; i < structure.parameter_names().size(); ++i) {
-    const ParameterEstimate& estimate = fit.parameters[i];
-    if (structure.parameter_roles()[i] != ParameterRole::order || estimate.at_bound) continue;
-    if (!estimate.fixed && !std::isfinite(estimate.standard_error)) continue;
-    const double distance = std::abs(estimate.value - std::round(estimate.value));
-    const bool whole_above = std::round(estimate.value) > estimate.value;
-    const double side = whole_above ? estimate.ci95_upper - estimate.value : estimate.value - estimate.ci95_lower;
-    const double half_width = estimate.fixed ? 0 : side / std::sqrt(share);
-    const double widths = half_width > 0 ? distance / half_width : (distance > 0 ? 1e300 : 0);
-    if (widths > farthest) {
-      farthest = widths;
-      decided = &estimate;
-    }
-  }
-  return decided;
+  LackOfFit lack = detail::residual_tests(residual, rule.per_point(), data.omega(), curve.fitted_parameters, told,
+                                          1e-12 * rule.unit);
+  NamedModel model{curve.name, curve.name, ModelClass::fixed_curve, "given curve", {}};
+  return {{curve.name, ModelClass::fixed_curve, std::move(result), 0, 0, std::move(model), std::move(lack)},
+          std::move(residual)};
 }
 
 /// The simplest of the converged fits that are as good as the best of them; the best of all where none converged.
+/// Those that follow the data go before those that do not.
 std::size_t chosen_of(const std::vector<RankedFit>& ranking) {
   std::optional<std::size_t> best;
   std::size_t chosen = 0;
+  const auto usable = [](const RankedFit& ranked) { return ranked.fit.termination == FitTermination::converged; };
+  const bool some_adequate = std::any_of(ranking.begin(), ranking.end(), [&](const RankedFit& ranked) {
+    return usable(ranked) && ranked.lack_of_fit.adequate;
+  });
   for (std::size_t i = 0; i < ranking.size(); ++i) {
-    if (ranking[i].fit.termination != FitTermination::converged) continue;
+    if (!usable(ranking[i]) || (some_adequate && !ranking[i].lack_of_fit.adequate)) continue;
     if (!best) best = chosen = i;
     const bool as_good = !(ranking[i].fit.aicc > ranking[*best].fit.aicc + simplest_within);
     if (as_good && ranking[i].fit.free_parameters < ranking[chosen].fit.free_parameters) chosen = i;
@@ -104,98 +77,74 @@ std::size_t chosen_of(const std::vector<RankedFit>& ranking) {
   return chosen;
 }
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
-
-/// @param share  independent_share() of the residuals of the best
-void judge(IdentificationResult& result, double share) {
-  const RankedFit* fractional = best_of(result.ranking, true);
-  const RankedFit* other = best_of(result.ranking, false);
-  result.verdict = Verdict::undecided;
-  result.evidence = nan;
-  if (!fractional || !other) {
-    result.verdict_sentence = fractional ? "Only fractional-order candidates could be ranked, so nothing is compared."
-                                         : "No fractional-order candidate could be ranked, so nothing is compared.";
-    return;
+/// The fit of a candidate that is a formula.
+template <class Data, class Options>
+void fit_candidate(const Data& data, const Options& options, Outcome& outcome) {
+  Options of_model = options;
+  try {
+    const bool rational = outcome.model.rational.has_value();
+    if (rational) {
+      outcome.model = resolved_model(data, outcome.model, options);
+      of_model.global_start = false;
+    }
+    const auto& own = outcome.model.constraints;
+    of_model.constraints.insert(of_model.constraints.end(), own.begin(), own.end());
+    const Structure structure(outcome.model.formula);
+    // Intervals that follow the cost decide about orders, which rational models have none of.
+    outcome.fit = rational ? detail::curvature_fit(data, structure, of_model) : fit(data, structure, of_model);
+    if (outcome.fit->termination == FitTermination::no_usable_start) {
+      outcome.reason = outcome.fit->message;
+      outcome.fit.reset();
+    }
+  } catch (const std::invalid_argument& error) {
+    outcome.reason = error.what();
   }
-  result.evidence = share * (other->fit.aicc - fractional->fit.aicc);
-  const std::string rivals = "'" + fractional->name + "' (rms " + number(fractional->fit.rms) + ") against '" +
-                             other->name + "' (rms " + number(other->fit.rms) + "), evidence " +
-                             number(result.evidence);
-  if (result.evidence < simplest_within) {
-    result.verdict = Verdict::fractional_not_supported;
-    result.verdict_sentence = "A fractional order is not supported: " + rivals + ".";
-    return;
-  }
-  const Structure structure(fractional->fit.model);
-  const bool has_free_order = std::find(structure.parameter_roles().begin(), structure.parameter_roles().end(),
-                                        ParameterRole::order) != structure.parameter_roles().end();
-  const ParameterEstimate* order = decided_order(fractional->fit, share);
-  if (result.evidence > supported_evidence && (order || !has_free_order)) {
-    result.verdict = Verdict::fractional_supported;
-    result.verdict_sentence =
-        "A fractional order is supported: " + rivals +
-        (order ? "; order " + order->name + " = " + number(order->value) + " (95 %: " + number(order->ci95_lower) +
-                     " to " + number(order->ci95_upper) + ")."
-               : ".");
-    return;
-  }
-  result.verdict_sentence = "Undecided: " + rivals +
-                            (result.evidence > supported_evidence ? ", but no order can be told from a whole number."
-                                                                  : ", which is too little.");
 }
 
 template <class Data, class Options>
 IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& models,
                             const std::vector<ComparedCurve>& curves, const Options& options, int threads) {
   if (models.empty() && curves.empty()) throw std::invalid_argument("identify needs at least one candidate");
-  std::vector<Outcome> outcomes(models.size());
-  parallel_for(models.size(), threads, [&](std::size_t i) {
-    Options of_model = options;
-    of_model.constraints.insert(of_model.constraints.end(), models[i].constraints.begin(), models[i].constraints.end());
-    try {
-      outcomes[i].fit = fit(data, Structure(models[i].formula), of_model);
-    } catch (const std::invalid_argument& error) {
-      outcomes[i].reason = error.what();
-    }
-  });
+  std::vector<Outcome> outcomes;
+  for (const NamedModel& model : models) outcomes.push_back({model, {}, {}});
+  parallel_for(outcomes.size(), threads, [&](std::size_t i) { fit_candidate(data, options, outcomes[i]); });
 
   IdentificationResult result{};
-  for (std::size_t i = 0; i < models.size(); ++i) {
-    if (!outcomes[i].fit) {
-      result.skipped.push_back(models[i].name + ": " + outcomes[i].reason);
-    } else if (outcomes[i].fit->termination == FitTermination::no_usable_start) {
-      result.skipped.push_back(models[i].name + ": " + outcomes[i].fit->message);
-    } else {
-      result.ranking.push_back({models[i].name, models[i].model_class, std::move(*outcomes[i].fit), 0, 0});
+  std::vector<detail::Competitor> competitors;
+  bool rival_skipped = false;
+  for (Outcome& outcome : outcomes) {
+    if (!outcome.fit) {
+      result.skipped.push_back(outcome.model.name + ": " + outcome.reason);
+      rival_skipped = rival_skipped || outcome.model.model_class != ModelClass::fractional;
+      continue;
     }
+    LackOfFit lack = lack_of_fit(data, options, *outcome.fit);
+    std::vector<double> residual = detail::weighted_residuals(data, options, *outcome.fit);
+    RankedFit ranked{outcome.model.name, outcome.model.model_class, std::move(*outcome.fit), 0, 0, outcome.model,
+                     std::move(lack)};
+    competitors.push_back({std::move(ranked), std::move(residual)});
   }
-  for (const ComparedCurve& curve : curves) result.ranking.push_back(curve.ranked);
-  if (result.ranking.empty()) {
+  competitors.insert(competitors.end(), curves.begin(), curves.end());
+  if (competitors.empty()) {
     throw NoCandidateFits("no candidate could be fitted; the first: " + result.skipped.front());
   }
-  std::stable_sort(result.ranking.begin(), result.ranking.end(),
-                   [](const RankedFit& a, const RankedFit& b) { return a.fit.aicc < b.fit.aicc; });
+  std::stable_sort(competitors.begin(), competitors.end(),
+                   [](const auto& a, const auto& b) { return a.ranked.fit.aicc < b.ranked.fit.aicc; });
 
-  const double best = result.ranking.front().fit.aicc;
+  const double best = competitors.front().ranked.fit.aicc;
   double total = 0;
-  for (RankedFit& ranked : result.ranking) {
+  for (detail::Competitor& competitor : competitors) {
+    RankedFit& ranked = competitor.ranked;
     ranked.delta_aicc = std::isfinite(best) ? ranked.fit.aicc - best : nan;
     ranked.akaike_weight = std::exp(-ranked.delta_aicc / 2);
     total += ranked.akaike_weight;
   }
-  for (RankedFit& ranked : result.ranking) ranked.akaike_weight /= total;
+  for (detail::Competitor& competitor : competitors) {
+    competitor.ranked.akaike_weight /= total;
+    result.ranking.push_back(competitor.ranked);
+  }
   result.chosen = chosen_of(result.ranking);
-  const RankedFit& front = result.ranking.front();
-  const auto curve = std::find_if(curves.begin(), curves.end(), [&](const ComparedCurve& each) {
-    return front.model_class == ModelClass::fixed_curve && each.ranked.name == front.name;
-  });
-  const std::vector<double> residual =
-      curve != curves.end() ? curve->residual : detail::weighted_residuals(data, options, front.fit);
-  judge(result, independent_share(residual, detail::residuals_per_point(data, options)));
+  detail::judge(result, data, options, competitors, rival_skipped);
   return result;
 }
 
@@ -209,6 +158,8 @@ std::string_view to_string(Verdict verdict) {
       return "not-supported";
     case Verdict::undecided:
       return "undecided";
+    case Verdict::no_adequate_model:
+      return "no-adequate-model";
   }
   return "unknown";
 }
@@ -218,7 +169,8 @@ IdentificationResult identify(const FrequencyResponseData& data, const std::vect
   // Refuses weights that do not go with the data once, before every candidate would be skipped for it.
   const detail::ResidualRule rule = detail::residual_rule(data, options.component, options.weight);
   std::vector<ComparedCurve> residuals;
-  for (const FixedCurve& curve : curves) residuals.push_back(compared(data, curve, rule));
+  const bool told = options.weight == Weight::given || options.weight == Weight::repeats;
+  for (const FixedCurve& curve : curves) residuals.push_back(compared(data, curve, rule, told));
   return ranked(data, models, residuals, options, threads);
 }
 

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "identification/data/fit_data.hpp"
+#include "identification/rational/rational_model.hpp"
 #include "identification/statistics/autocorrelation.hpp"
 #include "identification/statistics/curvature_fit.hpp"
 
@@ -70,7 +71,7 @@ std::string reason_against(const FitResult& simple, const FitResult& full, doubl
 template <class Data, class Options>
 Growth grown(const Data& data, GrowthFamily family, const Options& options, std::size_t most_terms) {
   const std::string enough = "The structure has as many terms as were allowed.";
-  Growth growth{{}, 0, enough};
+  Growth growth{{}, {}, 0, enough};
   const std::size_t residuals = detail::points(data) * detail::residuals_per_point(data, options);
   for (std::size_t terms = 1; terms <= most_terms; ++terms) {
     const NamedModel model = grown_model(family, terms);
@@ -82,6 +83,7 @@ Growth grown(const Data& data, GrowthFamily family, const Options& options, std:
     Options of_model = options;
     of_model.constraints.insert(of_model.constraints.end(), model.constraints.begin(), model.constraints.end());
     growth.fits.push_back(fit(data, structure, of_model));
+    growth.models.push_back(model);
     if (terms == 1) continue;
     const FitResult& simple = growth.fits[growth.chosen];
     const FitResult& full = growth.fits.back();
@@ -94,6 +96,21 @@ Growth grown(const Data& data, GrowthFamily family, const Options& options, std:
     growth.reason = enough;
     growth.chosen = growth.fits.size() - 1;
   }
+  return growth;
+}
+
+Growth grown_rational(const FrequencyResponseData& data, const FitOptions& options) {
+  const detail::RationalMembers members = detail::rational_members(data, {}, options);
+  Growth growth{{}, members.models, members.chosen, ""};
+  for (const NamedModel& model : members.models) {
+    FitOptions of_model = options;
+    of_model.constraints = model.constraints;
+    of_model.global_start = false;
+    growth.fits.push_back(detail::curvature_fit(data, Structure(model.formula), of_model));
+  }
+  growth.reason = members.chosen + 1 < members.models.size()
+                      ? "Further poles do not pay: BIC rises with them."
+                      : "The model has as many poles as were allowed, or meets the data to rounding.";
   return growth;
 }
 
@@ -154,6 +171,9 @@ NamedModel grown_model(GrowthFamily family, std::size_t terms) {
         formula += " + R" + n + "/(1 + R" + n + " Q" + n + " s^n" + n + ")";
         model.constraints.push_back({"n" + n, {}, 0, 1, {}});
         break;
+      case GrowthFamily::rational:
+        throw std::invalid_argument(
+            "grown_model: the form of a rational model follows from data, see resolved_model()");
     }
   }
   if (family == GrowthFamily::denominator) formula = "1/(b0" + formula + ")";
@@ -163,10 +183,14 @@ NamedModel grown_model(GrowthFamily family, std::size_t terms) {
 }
 
 Growth grow(const FrequencyResponseData& data, GrowthFamily family, const FitOptions& options, std::size_t most_terms) {
+  if (family == GrowthFamily::rational) return grown_rational(data, options);
   return grown(data, family, options, most_terms);
 }
 
 Growth grow(const TimeResponseData& data, GrowthFamily family, const TimeFitOptions& options, std::size_t most_terms) {
+  if (family == GrowthFamily::rational) {
+    throw std::invalid_argument("grow: rational models are grown on frequency responses only");
+  }
   return grown(data, family, options, most_terms);
 }
 

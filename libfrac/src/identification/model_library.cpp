@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frac/identification/model_library.hpp"
 
+#include <charconv>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "frac/structure.hpp"
+#include "identification/rational/rational_model.hpp"
 
 namespace frac {
 
@@ -17,6 +20,68 @@ ParameterConstraint sign_free(std::string name) {
 }
 ParameterConstraint within(std::string name, double lower, double upper) {
   return {std::move(name), {}, lower, upper, {}};
+}
+
+/// A whole number at the front of the text, which it is taken from.
+std::optional<std::size_t> take_count(std::string_view& text) {
+  std::size_t value = 0;
+  const auto [stop, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{}) return std::nullopt;
+  text.remove_prefix(static_cast<std::size_t>(stop - text.data()));
+  return value;
+}
+
+bool take(std::string_view& text, std::string_view what) {
+  if (!text.starts_with(what)) return false;
+  text.remove_prefix(what.size());
+  return true;
+}
+
+constexpr std::size_t most_poles = 12;
+
+/// The family a text names; none where it does not start like one.
+std::optional<RationalFamily> rational_family(std::string_view name) {
+  std::string_view text = name;
+  if (!take(text, "rational")) return std::nullopt;
+  const auto refuse = [&](const std::string& reason) {
+    throw std::invalid_argument("model '" + std::string(name) + "': " + reason +
+                                "; expected rational, rational:POLES, rational:ZEROS/POLES or rational:FROM..TO, and "
+                                "+delay behind it for a dead time");
+  };
+  RationalFamily family;
+  if (text.ends_with("+delay")) {
+    family.dead_time = true;
+    text.remove_suffix(std::string_view("+delay").size());
+  }
+  if (text.empty()) return family;
+  if (!take(text, ":")) return std::nullopt;
+  const std::optional<std::size_t> first = take_count(text);
+  if (!first) refuse("no number of poles");
+  family.fewest_poles = family.most_poles = *first;
+  if (take(text, "..") || take(text, "/")) {
+    const bool range = name.find("..") != std::string_view::npos;
+    const std::optional<std::size_t> second = take_count(text);
+    if (!second) refuse("no number of poles behind " + std::string(range ? ".." : "/"));
+    family.most_poles = *second;
+    if (!range) {
+      family.zeros = *first;
+      family.fewest_poles = *second;
+    }
+  }
+  if (!text.empty()) refuse("'" + std::string(text) + "' has no meaning here");
+  if (family.most_poles > most_poles) refuse("more than " + std::to_string(most_poles) + " poles");
+  if (family.fewest_poles > family.most_poles) refuse("the range is empty");
+  if (family.zeros && *family.zeros > family.most_poles + 1) refuse("more than one zero more than poles");
+  return family;
+}
+
+NamedModel named_family(std::string_view name, const RationalFamily& family) {
+  return {std::string(name),
+          std::string(name),
+          ModelClass::integer_order,
+          "ratio of polynomials in s, factored",
+          {},
+          family};
 }
 
 }  // namespace
@@ -124,7 +189,26 @@ const std::vector<NamedModel>& model_library() {
   return models;
 }
 
+std::vector<NamedModel> default_candidates() {
+  std::vector<NamedModel> candidates = model_library();
+  for (const char* name : {"rational", "rational+delay"}) candidates.push_back(find_model(name));
+  return candidates;
+}
+
+NamedModel resolved_model(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options) {
+  return model.rational ? detail::best_rational_model(data, *model.rational, options) : model;
+}
+
+NamedModel resolved_model(const TimeResponseData&, const NamedModel& model, const TimeFitOptions&) {
+  if (model.rational) {
+    throw std::invalid_argument("model '" + model.name +
+                                "' is grown on frequency responses only; over time write the fraction as a formula");
+  }
+  return model;
+}
+
 NamedModel find_model(std::string_view name_or_formula) {
+  if (const auto family = rational_family(name_or_formula)) return named_family(name_or_formula, *family);
   for (const NamedModel& model : model_library()) {
     // A preset written out is the preset, with its limits.
     if (model.name == name_or_formula || model.formula == name_or_formula) return model;

@@ -17,33 +17,38 @@ namespace frac {
 namespace {
 
 using Complex = std::complex<double>;
+using Extended = long double;
+using ExtendedComplex = std::complex<Extended>;
 constexpr double largest_root = 1000;
 
 // e^s s^-beta (1 - z s^-alpha)^-gamma: on the principal sheet the last power is cut along the segments from 0 to the
-// roots of s^alpha = z alone.
+// roots of s^alpha = z alone.  Extended precision, because the power multiplies the rounding of what it is taken of by
+// gamma |s|/(alpha distance to a root), and because for beta < 0 the path meets values up to Gamma(1 - beta) of which
+// the integral may be a small part.
 class Integrand {
  public:
   Integrand(double alpha, double beta, double gamma, Complex z) : alpha_(alpha), beta_(beta), gamma_(gamma), z_(z) {}
-  Complex operator()(Complex s) const {
-    const Complex log_s = std::log(s);
-    return std::exp(s - beta_ * log_s - gamma_ * std::log(1.0 - z_ * std::exp(-alpha_ * log_s)));
+  ExtendedComplex operator()(ExtendedComplex s) const { return std::exp(logarithm(s)); }
+  [[nodiscard]] ExtendedComplex logarithm(ExtendedComplex s) const {
+    const ExtendedComplex log_s = std::log(s);
+    return s - beta_ * log_s - gamma_ * std::log(Extended{1} - z_ * std::exp(-alpha_ * log_s));
   }
 
  private:
-  double alpha_, beta_, gamma_;
-  Complex z_;
+  Extended alpha_, beta_, gamma_;
+  ExtendedComplex z_;
 };
 
 // Panels of length 1 with no singularity nearer than 1: 20 Gauss points leave (2 + sqrt(5))^-40 = 1e-25.
 template <typename Function>
-Complex along(const Function& f, Complex from, Complex to) {
-  const double panels = std::ceil(std::abs(to - from));
-  const Complex half = (to - from) / (2 * panels);
-  const auto& node = boost::math::quadrature::gauss<double, 20>::abscissa();
-  const auto& weight = boost::math::quadrature::gauss<double, 20>::weights();
-  Complex sum = 0;
-  for (double panel = 0; panel < panels; ++panel) {
-    const Complex middle = from + half * (2 * panel + 1);
+ExtendedComplex along(const Function& f, ExtendedComplex from, ExtendedComplex to) {
+  const Extended panels = std::ceil(std::abs(to - from));
+  const ExtendedComplex half = (to - from) / (2 * panels);
+  const auto& node = boost::math::quadrature::gauss<Extended, 20>::abscissa();
+  const auto& weight = boost::math::quadrature::gauss<Extended, 20>::weights();
+  ExtendedComplex sum = 0;
+  for (Extended panel = 0; panel < panels; ++panel) {
+    const ExtendedComplex middle = from + half * (2 * panel + 1);
     for (std::size_t i = 0; i < node.size(); ++i) {
       sum += weight[i] * (f(middle + half * node[i]) + f(middle - half * node[i]));
     }
@@ -51,8 +56,36 @@ Complex along(const Function& f, Complex from, Complex to) {
   return sum * half;
 }
 
-// From -infinity below to -infinity above, right of all roots.  Distance gamma from them and from 0 balances e^s
-// against the growth of the power, as for 1/Gamma.
+// Re s at which |e^s s^-beta| has fallen to e^-45, below the rounding of a double.
+Extended left_end(double beta) {
+  constexpr Extended fall = 45;
+  Extended distance = fall;
+  for (int i = 0; i < 20; ++i) distance = fall + std::max(0.0, -beta) * std::log(distance);
+  return -distance;
+}
+
+// Right of all roots and of beta, above and below all roots.
+struct Rectangle {
+  Extended left, right, height;
+};
+
+// Largest ln|f| on the upper half of the path, which is where rounding comes from; sampled, since the integrand varies
+// over distances of the margin, at least 1.
+Extended log_peak(const Integrand& f, const Rectangle& path) {
+  Extended peak = f.logarithm({path.right, 0}).real();
+  constexpr int samples = 24;
+  for (int i = 0; i <= samples; ++i) {
+    const Extended share = static_cast<Extended>(i) / samples;
+    peak = std::max({peak, f.logarithm({path.right, share * path.height}).real(),
+                     f.logarithm({path.right + share * (path.left - path.right), path.height}).real(),
+                     f.logarithm({path.right, -share * path.height}).real(),
+                     f.logarithm({path.right + share * (path.left - path.right), -path.height}).real()});
+  }
+  return peak;
+}
+
+// From -infinity below to -infinity above, at the distance from the roots and from 0 that makes the integrand least
+// there: a larger one tames the power at the roots, up to some gamma, and pays with e^s and, for beta < 0, s^-beta.
 Complex contour_integral(double alpha, double beta, double gamma, Complex z) {
   double right = 0;
   double height = 0;
@@ -65,19 +98,29 @@ Complex contour_integral(double alpha, double beta, double gamma, Complex z) {
     right = std::max(right, poles.radius * std::cos(poles.argument[j]));
     height = std::max(height, std::abs(poles.radius * std::sin(poles.argument[j])));
   }
-  const double margin = std::max(1.0, gamma * std::min(1.0, std::abs(z)));
-  right = std::max(right + margin, beta);
-  height += margin;
-  const double left = -45;  // e^-45 is below the rounding
   const Integrand f(alpha, beta, gamma, z);
-  const Complex upper = along(f, {right, 0}, {right, height}) + along(f, {right, height}, {left, height});
-  Complex integral;
+  Rectangle path{};
+  Extended least = std::numeric_limits<Extended>::infinity();
+  const double widest = std::max(1.0, gamma * std::min(1.0, std::abs(z)));
+  for (double margin = widest;; margin = std::max(1.0, margin / 1.5)) {
+    const Rectangle next{left_end(beta), std::max(right + margin, beta), height + margin};
+    const Extended peak = log_peak(f, next);
+    if (peak < least) {
+      least = peak;
+      path = next;
+    }
+    if (margin <= 1) break;
+  }
+  const ExtendedComplex top_right(path.right, path.height);
+  const ExtendedComplex top_left(path.left, path.height);
+  const ExtendedComplex upper = along(f, path.right, top_right) + along(f, top_right, top_left);
+  ExtendedComplex integral;
   if (z.imag() == 0) {
     integral = upper - std::conj(upper);
   } else {
-    integral = upper + along(f, {left, -height}, {right, -height}) + along(f, {right, -height}, {right, 0});
+    integral = upper + along(f, std::conj(top_left), std::conj(top_right)) + along(f, std::conj(top_right), path.right);
   }
-  return integral / Complex(0, 2 * std::numbers::pi);
+  return Complex(integral / ExtendedComplex(0, 2 * std::numbers::pi_v<Extended>));
 }
 
 Complex series(double alpha, double beta, double gamma, Complex z) {

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "approximation/band_error.hpp"
 #include "frac/state_space.hpp"
 #include "model_on_band.hpp"
 
@@ -298,10 +299,9 @@ BalancedForm balanced_form(const RationalModel& system) {
     form.c.push_back(static_cast<double>(Real(c * root_centre)));
     result.hankel_singular_values.push_back(static_cast<double>(columns.length[i]));
   }
-  for (const double omega : on_band.grid(3)) {
-    result.max_relative_error =
-        std::max(result.max_relative_error, std::abs(form.response(omega) / on_band.response(omega) - 1.0));
-  }
+  result.max_relative_error = detail::band_error(on_band.grid(3), [&](double omega) {
+                                return form.response(omega) / on_band.response(omega);
+                              }).relative;
   return result;
 }
 

@@ -2,11 +2,10 @@
 #include "model_on_band.hpp"
 
 #include <algorithm>
-#include <boost/math/tools/minima.hpp>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 
+#include "approximation/band_error.hpp"
 #include "frac/stability.hpp"
 
 namespace frac::detail {
@@ -110,30 +109,14 @@ std::complex<double> modal_response(double direct, const std::vector<Mode>& mode
 }
 
 void measure(const ModelOnBand& model, double density, RationalModel& system) {
-  const auto ratio_at = [&](double omega) { return system.response(omega) / model.response(omega); };
   const std::vector<double> omega = model.grid(10 * density);
+  const BandError<double> error =
+      band_error(omega, [&](double each) { return system.response(each) / model.response(each); });
+  system.max_relative_error = error.relative;
+  system.omega_at_maximum = error.place;
+  system.max_decibels = error.decibels;
+  system.max_degrees = error.degrees;
   system.grid_points = static_cast<int>(omega.size());
-  system.max_relative_error = system.max_decibels = system.max_degrees = 0;
-  std::size_t place = 0;
-  for (std::size_t i = 0; i < omega.size(); ++i) {
-    const Complex ratio = ratio_at(omega[i]);
-    const double error = std::abs(ratio - 1.0);
-    if (!(error <= system.max_relative_error)) {
-      system.max_relative_error = error;
-      place = i;
-    }
-    system.max_decibels = std::max(system.max_decibels, std::abs(20 * std::log10(std::abs(ratio))));
-    system.max_degrees = std::max(system.max_degrees, std::abs(std::arg(ratio)) * 180 / std::numbers::pi);
-  }
-  system.omega_at_maximum = omega[place];
-  constexpr int bits = 20;
-  const auto [at, negative] = boost::math::tools::brent_find_minima(
-      [&](double each) { return -std::abs(ratio_at(each) - 1.0); }, omega[place == 0 ? 0 : place - 1],
-      omega[std::min(place + 1, omega.size() - 1)], bits);
-  if (-negative > system.max_relative_error) {
-    system.max_relative_error = -negative;
-    system.omega_at_maximum = at;
-  }
 }
 
 }  // namespace frac::detail

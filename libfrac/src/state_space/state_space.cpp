@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frac/state_space.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
 
 #include "base/number_text.hpp"
+#include "base/short_text.hpp"
+#include "base/spelling.hpp"
 #include "model_on_band.hpp"
 
 namespace frac {
@@ -17,11 +19,10 @@ namespace {
 using detail::ModalDesign;
 using detail::ModelOnBand;
 
-std::string short_text(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.3g", value);
-  return buffer;
-}
+constexpr detail::Spellings<RealisationMethod, 2> method_names{
+    {{RealisationMethod::joint, "joint"}, {RealisationMethod::term_by_term, "term-by-term"}}};
+constexpr detail::Spellings<RationalModelStatus, 2> status_names{
+    {{RationalModelStatus::met, "met"}, {RationalModelStatus::not_attainable, "not-attainable"}}};
 
 void check(const FractionalTransferFunction& model, FrequencyBand band, double tolerance) {
   const bool ordered = band.lower > 0 && band.lower < band.upper && std::isfinite(band.upper);
@@ -137,54 +138,31 @@ RationalModel smallest_term_by_term(const FractionalTransferFunction& model, con
 }  // namespace
 
 std::string_view to_string(RealisationMethod method) {
-  return method == RealisationMethod::joint ? "joint" : "term-by-term";
-}
-
-std::span<const RealisationMethod> realisation_methods() {
-  static constexpr RealisationMethod all[] = {RealisationMethod::joint, RealisationMethod::term_by_term};
-  return all;
+  return detail::spelling(method_names, method);
 }
 
 RealisationMethod realisation_method(std::string_view name) {
-  for (const RealisationMethod method : realisation_methods()) {
-    if (to_string(method) == name) return method;
-  }
-  throw std::invalid_argument("realisation method \"" + std::string(name) + "\": expected one of joint, term-by-term");
+  return detail::from_spelling(method_names, "realisation method", name);
+}
+
+std::span<const RealisationMethod> realisation_methods() {
+  static constexpr auto all = detail::enumerators(method_names);
+  return all;
 }
 
 std::string_view to_string(RationalModelStatus status) {
-  return status == RationalModelStatus::met ? "met" : "not-attainable";
+  return detail::spelling(status_names, status);
 }
 
 std::complex<double> StateSpace::response(double omega) const {
-  // (j omega - A) x = B by Gaussian elimination with partial pivoting.
-  using Complex = std::complex<double>;
-  const std::size_t n = states;
-  std::vector<Complex> matrix(n * n);
-  for (std::size_t i = 0; i < n * n; ++i) matrix[i] = -a[i];
-  for (std::size_t i = 0; i < n; ++i) matrix[i * n + i] += Complex(0, omega);
-  std::vector<Complex> x(b.begin(), b.end());
-  for (std::size_t k = 0; k < n; ++k) {
-    std::size_t pivot = k;
-    for (std::size_t i = k + 1; i < n; ++i) {
-      if (std::abs(matrix[i * n + k]) > std::abs(matrix[pivot * n + k])) pivot = i;
-    }
-    for (std::size_t j = 0; j < n; ++j) std::swap(matrix[k * n + j], matrix[pivot * n + j]);
-    std::swap(x[k], x[pivot]);
-    for (std::size_t i = k + 1; i < n; ++i) {
-      const Complex factor = matrix[i * n + k] / matrix[k * n + k];
-      if (factor == 0.0) continue;
-      for (std::size_t j = k; j < n; ++j) matrix[i * n + j] -= factor * matrix[k * n + j];
-      x[i] -= factor * x[k];
-    }
-  }
-  Complex y = d;
-  for (std::size_t k = n; k-- > 0;) {
-    for (std::size_t j = k + 1; j < n; ++j) x[k] -= matrix[k * n + j] * x[j];
-    x[k] /= matrix[k * n + k];
-    y += c[k] * x[k];
-  }
-  return y;
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const auto n = static_cast<Eigen::Index>(states);
+  if (n == 0) return d;
+  Eigen::MatrixXcd matrix = -Eigen::Map<const RowMajor>(a.data(), n, n).cast<std::complex<double>>();
+  matrix.diagonal().array() += std::complex<double>(0, omega);
+  const Eigen::VectorXcd x =
+      matrix.partialPivLu().solve(Eigen::Map<const Eigen::VectorXd>(b.data(), n).cast<std::complex<double>>());
+  return d + (Eigen::Map<const Eigen::VectorXd>(c.data(), n).array() * x.array()).sum();
 }
 
 std::complex<double> RationalModel::response(double omega) const {
@@ -209,10 +187,11 @@ RationalModel realise(const FractionalTransferFunction& model, FrequencyBand ban
   }
   result->status = met(*result) ? RationalModelStatus::met : RationalModelStatus::not_attainable;
   const std::string states = std::to_string(result->states) + (result->states == 1 ? " state" : " states");
-  result->message = met(*result) ? "Tolerance " + short_text(tolerance) + " is met with " + states +
-                                       ", largest relative error " + short_text(result->max_relative_error) + "."
-                                 : "Tolerance " + short_text(tolerance) + " is not attainable, best is " +
-                                       short_text(result->max_relative_error) + " with " + states + ".";
+  result->message = met(*result)
+                        ? "Tolerance " + detail::short_text(tolerance) + " is met with " + states +
+                              ", largest relative error " + detail::short_text(result->max_relative_error) + "."
+                        : "Tolerance " + detail::short_text(tolerance) + " is not attainable, best is " +
+                              detail::short_text(result->max_relative_error) + " with " + states + ".";
   return std::move(*result);
 }
 

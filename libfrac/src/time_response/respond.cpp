@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "base/dead_time.hpp"
 #include "base/number_text.hpp"
 #include "exponential_sum.hpp"
 #include "filter_bank.hpp"
@@ -63,19 +64,10 @@ Design design(const FractionalTransferFunction& model, double sample_time, doubl
     throw std::invalid_argument("respond: " + std::to_string(m) + " integrators; allowed is up to 8");
   const double at_infinity =
       high_order == 0 ? model.numerator().front().coefficient / model.denominator().front().coefficient : 0;
-  const double samples_late = model.delay() / sample_time;
+  const auto [samples_late, whole, fraction] = detail::sampled_dead_time(model.delay(), sample_time);
   if (!(samples_late <= 1e9)) {
     throw std::invalid_argument("respond: dead time of " + detail::number_text(samples_late) +
                                 " samples; allowed is up to 1e9");
-  }
-  // Within rounding of a whole number of samples it is one.
-  double whole = std::floor(samples_late);
-  double fraction = samples_late - whole;
-  if (fraction > 1 - 1e-9) {
-    whole += 1;
-    fraction = 0;
-  } else if (fraction < 1e-9) {
-    fraction = 0;
   }
   const double theta = 1 - fraction;
 
@@ -159,7 +151,7 @@ ResponseFilter& ResponseFilter::operator=(const ResponseFilter& other) {
 ResponseFilter::ResponseFilter(ResponseFilter&&) noexcept = default;
 ResponseFilter& ResponseFilter::operator=(ResponseFilter&&) noexcept = default;
 
-double ResponseFilter::operator()(double sample) noexcept {
+double ResponseFilter::step(double sample) noexcept {
   Filter& f = *filter_;
   if (f.now.dead == 0) return f.take(sample);
   if (f.waiting.size() < f.now.dead) {
@@ -171,7 +163,7 @@ double ResponseFilter::operator()(double sample) noexcept {
   return f.take(sample);
 }
 
-void ResponseFilter::operator()(std::span<const double> samples, std::span<double> output) {
+void ResponseFilter::run(std::span<const double> samples, std::span<double> output) {
   if (samples.size() != output.size()) {
     throw std::invalid_argument("respond: " + std::to_string(samples.size()) + " samples but room for " +
                                 std::to_string(output.size()) + " values");
@@ -212,7 +204,7 @@ std::vector<double> respond(const FractionalTransferFunction& model, std::span<c
   check_samples(samples, "respond");
   ResponseFilter filter(model, sample_time, tolerance, hold, static_cast<double>(samples.size()));
   std::vector<double> output(samples.size());
-  filter(samples, output);
+  filter.run(samples, output);
   return output;
 }
 

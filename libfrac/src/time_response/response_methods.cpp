@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "base/spelling.hpp"
 #include "event_response.hpp"
 #include "formula/power_sum.hpp"
 #include "sample_checks.hpp"
@@ -19,13 +20,12 @@ namespace {
 using Kind = ResponseInput::Kind;
 constexpr double finest = 1e-13;  // of a sum of exponentials
 
-constexpr std::array<std::pair<ResponseMethod, std::string_view>, 6> names{
-    {{ResponseMethod::automatic, "auto"},
-     {ResponseMethod::reference, "reference"},
-     {ResponseMethod::exponential_sum, "exponential-sum"},
-     {ResponseMethod::grunwald_letnikov, "grunwald-letnikov"},
-     {ResponseMethod::bdf2, "bdf2"},
-     {ResponseMethod::ladder, "ladder"}}};
+constexpr detail::Spellings<ResponseMethod, 6> method_names{{{ResponseMethod::automatic, "auto"},
+                                                             {ResponseMethod::reference, "reference"},
+                                                             {ResponseMethod::exponential_sum, "exponential-sum"},
+                                                             {ResponseMethod::grunwald_letnikov, "grunwald-letnikov"},
+                                                             {ResponseMethod::bdf2, "bdf2"},
+                                                             {ResponseMethod::ladder, "ladder"}}};
 
 [[noreturn]] void refuse(const std::string& reason) {
   throw std::invalid_argument("respond: " + reason);
@@ -247,8 +247,27 @@ double difference_from_reference(const FractionalTransferFunction& model, const 
 
 double difference(const std::vector<double>& a, const std::vector<double>& b) {
   double worst = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, std::abs(a[i] - b[i]));
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const double each = std::abs(a[i] - b[i]);
+    worst = std::isnan(each) ? std::numeric_limits<double>::infinity() : std::max(worst, each);
+  }
   return worst;
+}
+
+// A recursion that has outgrown a double goes on with NaN: these values become infinite, with the sign of the last
+// number.
+void mark_outgrown(std::vector<double>& output, ResponseMethod method) {
+  double last = 0;
+  for (std::size_t i = 0; i < output.size(); ++i) {
+    if (std::isnan(output[i])) {
+      if (last == 0) {
+        refuse("method " + std::string(to_string(method)) + " has no number at output[" + std::to_string(i) +
+               "]: its coefficients leave the range of a double");
+      }
+      output[i] = std::copysign(std::numeric_limits<double>::infinity(), last);
+    }
+    if (output[i] != 0) last = output[i];
+  }
 }
 
 // Methods that may meet the tolerance, the cheapest first, by seconds measured on one core of 2 GHz: only their ratios
@@ -272,6 +291,20 @@ std::vector<ResponseMethod> candidates(const FractionalTransferFunction& model, 
   return {ResponseMethod::exponential_sum, ResponseMethod::reference};
 }
 
+// Difference from a sum of a thousandth of the tolerance, plus what that one is good to.  The finest sum has only a
+// coarser one to be compared with, and both may owe much of their error to the same roundings: three times the
+// difference stands for that.
+double difference_from_finer_sum(const FractionalTransferFunction& model, const TimeInput& input,
+                                 const EvenSamples& even, std::span<const double> time, double tolerance,
+                                 const TimeResponse& response) {
+  if (response.method == ResponseMethod::exponential_sum && tolerance < 10 * finest) {
+    return 3 * difference(response.output, by_exponentials(model, input, even, time, 10 * finest));
+  }
+  const double finer = std::max(finest, 1e-3 * tolerance);
+  return difference(response.output, by_exponentials(model, input, even, time, finer)) +
+         finer * largest(response.output);
+}
+
 TimeResponse by_method(ResponseMethod method, const FractionalTransferFunction& model, const TimeInput& input,
                        const EvenSamples& even, std::span<const double> time, double tolerance) {
   TimeResponse response{{}, method, 0, true};
@@ -293,14 +326,12 @@ TimeResponse by_method(ResponseMethod method, const FractionalTransferFunction& 
       response.output = respond_ladder(model, even.value, even.step, std::clamp(tolerance, 1e-8, 0.1), even.hold);
       break;
   }
+  mark_outgrown(response.output, method);
   if (method != ResponseMethod::reference) {
     if (const auto* named = std::get_if<ResponseInput>(&input)) {
       response.error_estimate = difference_from_reference(model, *named, time, response.output);
     } else {
-      // A tolerance of a thousandth; the finest sum has only a coarser one to be compared with.
-      double other = std::max(finest, 1e-3 * tolerance);
-      if (method == ResponseMethod::exponential_sum && tolerance < 10 * finest) other = 10 * finest;
-      response.error_estimate = difference(response.output, by_exponentials(model, input, even, time, other));
+      response.error_estimate = difference_from_finer_sum(model, input, even, time, tolerance, response);
     }
   }
   response.meets_tolerance = response.error_estimate <= tolerance * largest(response.output);
@@ -334,27 +365,15 @@ TimeResponse by_cheapest(const FractionalTransferFunction& model, const TimeInpu
 }  // namespace
 
 std::string_view to_string(ResponseMethod method) noexcept {
-  for (const auto& [each, name] : names) {
-    if (each == method) return name;
-  }
-  return "";
+  return detail::spelling(method_names, method);
 }
 
-ResponseMethod response_method_from_string(std::string_view text) {
-  std::string known;
-  for (const auto& [each, name] : names) {
-    if (name == text) return each;
-    known += (known.empty() ? "" : ", ") + std::string(name);
-  }
-  refuse("method '" + std::string(text) + "'; known are " + known);
+ResponseMethod response_method_from_string(std::string_view name) {
+  return detail::from_spelling(method_names, "response method", name);
 }
 
 std::span<const ResponseMethod> response_methods() {
-  static constexpr auto all = [] {
-    std::array<ResponseMethod, names.size()> methods{};
-    for (std::size_t i = 0; i < names.size(); ++i) methods[i] = names[i].first;
-    return methods;
-  }();
+  static constexpr auto all = detail::enumerators(method_names);
   return all;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <complex>
+#include <limits>
 #include <span>
 #include <string>
 #include <string_view>
@@ -64,11 +65,22 @@ struct ApproximationError {
   int grid_points = 0;
 };
 
-/// H(s)/s^integer_order = direct + sum residue/(s - pole) over the poles and, for a conjugate pair, over both members.
+/// Partial fractions of H(s)/s^integer_order, for sections side by side.  Two forms share the residues; sums run over
+/// the poles and, for a conjugate pair, over both members:
+///   direct      + sum residue/(s - pole)             whose terms cancel at low frequency where the power rises,
+///   static_gain + sum (residue/pole) s/(s - pole)    whose terms cancel at high frequency where the power falls.
+/// The errors include the rounding of the stored numbers and of sums in double, taken in any order.
 struct ParallelForm {
   double direct = 0;
-  std::vector<double> residues;                     // one per real pole, in the order of ZeroPoleGain::poles
-  std::vector<std::complex<double>> pair_residues;  // of the pole in ZeroPoleGain::pole_pairs; its conjugate's follows
+  /// One per real pole, in the order of ZeroPoleGain::poles.
+  std::vector<double> residues;
+  /// Of the pole in ZeroPoleGain::pole_pairs; its conjugate has the conjugate residue.
+  std::vector<std::complex<double>> pair_residues;
+  /// Value at s = 0; NaN where the system has a pole there.
+  double static_gain = std::numeric_limits<double>::quiet_NaN();
+  /// Bounds of |H/(j omega)^order - 1| on the band, of the form with `direct` and of the one with `static_gain`.
+  double direct_error = 0;
+  double static_error = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// A rational stand-in for s^order and what to state about it.
@@ -90,7 +102,8 @@ struct Approximation {
 };
 
 /// Rational approximation of s^order on a band.  The whole part trunc(order) is exact (system.integer_order) and a
-/// whole order takes no poles.  All methods but carlson give real negative zeros and poles.
+/// whole order takes no poles.  All methods but carlson give real zeros and poles, negative but for one at exactly 0 of
+/// refined_oustaloup: a zero for 0 < a < 1, a pole for -1 < a < 0.
 /// Design work is done on the band scaled to have its geometric mean at 1 rad/s.
 /// @throws std::invalid_argument  order not finite or |order| > 20; band not 0 < lower < upper < infinity or not
 /// between 0.01 and 24 decades wide; poles not within 1 .. 200 (matsuda: 60), or a number the method cannot give

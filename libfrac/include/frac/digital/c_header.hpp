@@ -35,7 +35,8 @@ struct CHeaderOptions {
 ///   void <name>_reset_at(<name>_state *, double setpoint, double measured);  at rest at these values
 ///   double <name>_step(<name>_state *, double setpoint, double measured);
 ///   void <name>_track(<name>_state *, double output);             see FractionalPid
-/// Flags saturated and bad_input are members of the struct.  Outputs are those of FractionalPid, bit for bit, as long
+/// Flags saturated and bad_input are members of the struct.  A header for double is refused by compilers whose double
+/// has fewer than 53 bits (float.h is all it includes).  Outputs are those of FractionalPid, bit for bit, as long
 /// as the compiler keeps to IEEE arithmetic without fused or extended operations, which the header asks of GCC and
 /// Clang.
 /// @throws std::invalid_argument  the name is no C identifier, or too long.

@@ -3,7 +3,10 @@
 
 #include <complex>
 #include <cstddef>
+#include <limits>
+#include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "frac/digital/discretise.hpp"
@@ -61,6 +64,30 @@ struct DigitalFilterDesign {
 /// @throws std::invalid_argument  sample_time out of range; a pole not left of the imaginary axis, or multiple; a dead
 ///                                time that is no whole number of samples.
 [[nodiscard]] DigitalFilterDesign filter_design(const RationalModel& system, double sample_time);
+
+/// A design and what to state about it.
+struct FilterChoice {
+  DigitalFilterDesign design;
+  /// Largest |H/G - 1| on the band; NaN for a filter that holds at all frequencies.
+  double max_relative_error = std::numeric_limits<double>::quiet_NaN();
+  /// A sentence on what differs from what was asked; empty if nothing does.
+  std::string note = {};
+};
+
+/// c s^order on a band, by digital_power().
+/// @throws std::invalid_argument  the model has more than one term in its numerator or denominator, or a dead time; as
+///                                digital_power().
+[[nodiscard]] FilterChoice power_filter(const FractionalTransferFunction& model, FrequencyBand band,
+                                        ApproximationGoal goal, double sample_time,
+                                        Discretisation discretisation = Discretisation::direct);
+
+/// Any other model, for an input that is constant between samples: with a band the design of fewer states, one set of
+/// poles for the band or the filter for all frequencies.  The latter is also taken for a model that grows with
+/// frequency and, with a note, where one for the band is not possible.
+/// @param tolerance  on the band, or of the step response; see filter_design() and realise().
+/// @throws std::invalid_argument, std::domain_error  as filter_design() of the model, and realise().
+[[nodiscard]] FilterChoice model_filter(const FractionalTransferFunction& model, std::optional<FrequencyBand> band,
+                                        double sample_time, double tolerance, double horizon = 1e9);
 
 /// The recursion in work, Real float or double, from rest.  Memory is allocated by the constructor only.
 template <typename Real>

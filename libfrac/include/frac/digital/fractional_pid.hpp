@@ -4,7 +4,6 @@
 #include <array>
 #include <complex>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 #include <optional>
 #include <span>
@@ -153,12 +152,6 @@ class FractionalPid {
   /// output is returned, bad_input() is set, and nothing else changes.
   [[nodiscard]] Real step(Real setpoint, Real measured) noexcept;
 
-  /// The same for a given control error, all weights 1, for callers who hold that interface.
-  [[nodiscard]] Real compute_command(Real error) noexcept;
-  /// @param dt  s since the last call, compared with the sample time: the recursion is made for that one, so a
-  ///            deviation above 1 % is counted in dt_violations() and otherwise ignored.
-  [[nodiscard]] Real compute_command(Real error, Real dt) noexcept;
-
   /// The next output is `output` (within the limits): call it before every step while another source drives the plant,
   /// and the takeover is bumpless.  The memory of the fractional integral starts anew; without integral action the
   /// difference stays as a constant offset.  A number that is not finite is ignored and sets bad_input().
@@ -170,23 +163,17 @@ class FractionalPid {
   void reset(Real setpoint, Real measured) noexcept;
 
   /// New parameters.  Were the last inputs repeated, the next output would be what it would have been without the
-  /// change: states are carried over as low-pass filtered histories, the rest is put into the integrator.
+  /// change: states are carried over as low-pass filtered histories, the rest is put into the integrator.  The design
+  /// itself takes milliseconds and allocates, so a hard loop has it made elsewhere.
   void adopt(const FractionalPidDesign& design) noexcept;
-  /// Designs and adopts; the design takes milliseconds and allocates, so in a hard loop do it elsewhere and adopt().
-  /// @throws std::invalid_argument  with the sentence of validate(); the controller is then as before.
-  void retune(const FractionalPidConfig& config) { adopt(FractionalPidDesign(config)); }
 
   /// The last output was cut at a limit.
   [[nodiscard]] bool saturated() const noexcept { return saturated_; }
   /// The last input was refused.
   [[nodiscard]] bool bad_input() const noexcept { return bad_input_; }
-  [[nodiscard]] std::uint64_t dt_violations() const noexcept { return dt_violations_; }
   [[nodiscard]] Real output() const noexcept { return output_; }
   /// Output before the limits.
   [[nodiscard]] Real unlimited_output() const noexcept { return unlimited_; }
-  [[nodiscard]] Real proportional_part() const noexcept { return proportional_; }
-  [[nodiscard]] Real integral_part() const noexcept { return integral_part_; }
-  [[nodiscard]] Real derivative_part() const noexcept { return derivative_part_; }
 
  private:
   struct Filter {
@@ -236,9 +223,8 @@ class FractionalPid {
   bool is_tracking_ = false;
   Real track_output_ = 0;
   Inputs last_;
-  Real output_ = 0, unlimited_ = 0, proportional_ = 0, integral_part_ = 0, derivative_part_ = 0;
+  Real output_ = 0, unlimited_ = 0;
   bool saturated_ = false, bad_input_ = false;
-  std::uint64_t dt_violations_ = 0;
 };
 
 extern template struct PidCoefficients<float>;

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <complex>
+#include <cstddef>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "frac/identification/fit.hpp"
+#include "frac/identification/lack_of_fit.hpp"
 #include "frac/identification/model_library.hpp"
 #include "frac/identification/time_fit.hpp"
 
@@ -23,29 +26,55 @@ struct RankedFit {
   std::string name;
   ModelClass model_class;
   FitResult fit;
-  double delta_aicc;     // aicc minus the best one; 0 for the best
-  double akaike_weight;  // share of evidence among the ranked; they sum to 1
+  double delta_aicc;      // aicc minus the best one; 0 for the best
+  double akaike_weight;   // share of evidence among the ranked; they sum to 1
+  NamedModel model;        // as fitted: formula and constraints; a given curve has only its name
+  LackOfFit lack_of_fit;  // whether it follows the data to within their noise
 };
 
-enum class Verdict { fractional_supported, fractional_not_supported, undecided };
+enum class Verdict { fractional_supported, fractional_not_supported, undecided, no_adequate_model };
 [[nodiscard]] std::string_view to_string(Verdict verdict);
 
-/// Structures ranked by AICc on the same residuals, best first.  The chosen one is, of those whose fit converged, the
-/// simplest (fewest free parameters) with an AICc within 2 of the best.
+/// One of the two models a verdict compares.
+struct Finalist {
+  std::size_t index;       // into ranking
+  std::size_t parameters;  // adjusted to the data
+  /// rms of the weighted residuals with which fits to the rest predict blocks of neighbouring points, the two ends
+  /// among them; NaN where no verdict asked for it.
+  double prediction_rms;
+};
+
+/// Structures ranked by AICc on the same residuals, best first.  The chosen one is, of those that follow the data (all,
+/// if none does) and whose fit converged, the simplest with an AICc within 2 of the best.
 ///
-/// The verdict compares the best fractional candidate with the best of the others.  Where the best fit leaves residuals
-/// that follow each other along the axis of frequency or time (the model, not noise, is what is left), the points count
-/// for less: differences of AICc are multiplied by (1 - r)/(1 + r), r the lag-1 autocorrelation.  Supported: evidence
-/// above 10 and an order whose interval excludes every whole number; not supported: evidence below 2; undecided
-/// between.
+/// The verdict compares the best fractional with the best integer-order or given candidate among those that follow the
+/// data to within their noise, see LackOfFit; where none does it is no_adequate_model.  "Best" is least BIC: a family
+/// of nested or nearly equal members takes part with one of them, so that their number is no evidence.
+///
+/// Evidence is the difference of BIC, integer-order minus fractional, n ln(cost_i/cost_f) + (k_i - k_f) ln n, twice the
+/// logarithm of the posterior odds of the two classes to Schwarz's approximation.  It assumes equal odds beforehand and
+/// independent normal residuals.  Where the residuals of the better one follow each other (lag-one correlation r above
+/// 0), n is the number of points that carry news, n (1 - r)/(1 + r).
+///
+/// supported      evidence above 10, cross-validation no worse, an order whose interval (widened by the correlation)
+///                excludes every whole number, and no integer-order candidate that could not be fitted; or, with the
+///                same conditions on order and evidence, no integer-order candidate that follows the data.
+/// not supported  evidence below -4 and cross-validation of the integer-order one not clearly worse; or evidence below
+///                2 and every order of the fractional one known to be a whole number to 0.1; or no fractional
+///                candidate that follows the data while an integer-order one does.
+/// undecided      anything else.
 struct IdentificationResult {
   std::vector<RankedFit> ranking;
   std::vector<std::string> skipped;  // candidates that could not be fitted, with the reason
   std::size_t chosen;                // index into ranking
   Verdict verdict;
-  double evidence;  // AICc of the best integer-order or fixed candidate minus that of the best fractional one, so
-                    // multiplied; NaN when one side has no candidate
+  double evidence;  // NaN when one side has no candidate
   std::string verdict_sentence;
+  std::optional<Finalist> fractional, integer;  // what was compared; unset where the class has no candidate
+  double log10_odds;                            // of fractional to integer order, evidence/(2 ln 10)
+  /// Where within a decade outside the data the two finalists differ most, relative to the integer-order one: a
+  /// measurement there tells them apart.  NaN where there are not both, and over time.
+  double differ_most_omega, differ_most;
 };
 
 /// None of the candidates could be fitted; what() gives the reason of the first.

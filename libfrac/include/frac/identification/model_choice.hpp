@@ -48,6 +48,7 @@ enum class GrowthFamily {
   powers,       // K1 s^a1 + K2 s^a2 + ...
   denominator,  // 1/(b0 + b1 s^a1 + b2 s^a2 + ...)
   arcs,         // R0 + R1/(1 + R1 Q1 s^n1) + R2/(1 + R2 Q2 s^n2) + ...
+  rational,     // b(s)/a(s) with one pole more each time, see RationalFamily
 };
 /// Command-line spellings.  from_string throws std::invalid_argument naming the allowed ones.
 [[nodiscard]] std::string_view to_string(GrowthFamily family);
@@ -55,18 +56,21 @@ enum class GrowthFamily {
 [[nodiscard]] std::span<const GrowthFamily> growth_families();
 
 /// The member of a family with that many terms (at least 1), and the ranges of its parameters.
+/// @throws std::invalid_argument  for rational models, whose form follows from data
 [[nodiscard]] NamedModel grown_model(GrowthFamily family, std::size_t terms);
 
 /// The fits of a growing structure, simplest first; the one behind the chosen one did not pay for its term.
 struct Growth {
   std::vector<FitResult> fits;
-  std::size_t chosen;  // index into fits
-  std::string reason;  // one sentence: why it went no further
+  std::vector<NamedModel> models;  // of the fits
+  std::size_t chosen;              // index into fits
+  std::string reason;              // one sentence: why it went no further
 };
 
 /// Starts from one term and adds another only while the data pay for it: AICc must fall by more than 2 in the measure
 /// of identify(), the F test must reject the smaller one at 1 %, and every parameter of the larger one must be
-/// identified.
+/// identified.  Rational models of up to 12 poles grow until BIC has risen twice, and `most_terms` does not count
+/// there.
 [[nodiscard]] Growth grow(const FrequencyResponseData& data, GrowthFamily family, const FitOptions& options,
                           std::size_t most_terms = 4);
 [[nodiscard]] Growth grow(const TimeResponseData& data, GrowthFamily family, const TimeFitOptions& options,

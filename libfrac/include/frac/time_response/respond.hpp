@@ -38,9 +38,9 @@ class ResponseFilter {
 
   /// Takes u(n T), returns y(n T).  No allocation.  A sample that is not finite is not checked for and spoils the
   /// state.
-  double operator()(double sample) noexcept;
+  [[nodiscard]] double step(double sample) noexcept;
   /// The same for many samples, faster; continues where the last call ended.  In place too.
-  void operator()(std::span<const double> samples, std::span<double> output);
+  void run(std::span<const double> samples, std::span<double> output);
   /// Back to rest.
   void reset() noexcept;
 

@@ -39,12 +39,16 @@ struct SampledInput {
 using TimeInput = std::variant<ResponseInput, SampledInput>;
 
 struct TimeResponse {
+  /// Never NaN; infinite from the instant on at which it exceeds a double, with the sign that it had.
   std::vector<double> output;
-  ResponseMethod method;  // the one used
-  /// Absolute, in the unit of the output: of the reference from its rounding; else the largest difference from the
-  /// reference at some instants (named input), or from an exponential sum of finer tolerance (samples).
+  /// The one used.
+  ResponseMethod method;
+  /// Absolute, in the unit of the output.  An estimate, no bound: of the reference from its rounding; else the largest
+  /// difference from the reference at some twenty instants (named input), or from an exponential sum of finer tolerance
+  /// plus that tolerance (samples).  Infinite where the output has outgrown a double.
   double error_estimate;
-  bool meets_tolerance;  // error_estimate <= tolerance times the largest output
+  /// error_estimate <= tolerance times the largest output.
+  bool meets_tolerance;
 };
 
 /// Response from rest at rising instants, by the cheapest method that meets the tolerance or by the one asked for; by

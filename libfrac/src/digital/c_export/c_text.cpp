@@ -9,24 +9,30 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "base/spelling.hpp"
 #include "digital/section_kernel.hpp"
+#include "runtime_text.hpp"
 
 namespace frac {
 
-std::string_view to_string(Precision precision) {
-  return precision == Precision::float_type ? "float" : "double";
-}
+namespace {
 
-std::span<const Precision> precisions() {
-  static constexpr Precision all[] = {Precision::float_type, Precision::double_type};
-  return all;
+constexpr detail::Spellings<Precision, 2> precision_names{
+    {{Precision::float_type, "float"}, {Precision::double_type, "double"}}};
+
+}  // namespace
+
+std::string_view to_string(Precision value) {
+  return detail::spelling(precision_names, value);
 }
 
 Precision precision(std::string_view name) {
-  for (const Precision each : precisions()) {
-    if (to_string(each) == name) return each;
-  }
-  throw std::invalid_argument("precision \"" + std::string(name) + "\": expected float or double");
+  return detail::from_spelling(precision_names, "precision", name);
+}
+
+std::span<const Precision> precisions() {
+  static constexpr auto all = detail::enumerators(precision_names);
+  return all;
 }
 
 namespace {
@@ -69,6 +75,15 @@ std::string fingerprint(const std::string& text) {
   return std::string(digits.data(), end.ptr);
 }
 
+// Stands for the fingerprint until the whole text is known.
+constexpr const char* content_mark = "@content@";
+
+std::string capitals(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](char c) { return static_cast<char>(std::toupper(static_cast<unsigned char>(c))); });
+  return text;
+}
+
 template <typename Real>
 std::string shortest(Real value) {
   std::array<char, 40> buffer;
@@ -89,15 +104,64 @@ std::string CText::literal(double value) const {
   return is_float_ ? shortest(static_cast<float>(value)) + "f" : shortest(value);
 }
 
-std::string CText::filled(std::string text, const std::vector<std::pair<std::string, std::string>>& words) const {
-  for (const auto& [word, value] : words) replace_all(text, "@" + word + "@", value);
-  replace_all(text, "REAL", is_float_ ? "float" : "double");
+std::string CText::identifier(std::string_view word, const CWords& words) const {
+  if (word == "REAL") return is_float_ ? "float" : "double";
+  if (const auto known = words.find(word); known != words.end()) return known->second;
+  std::string text(word);
   replace_all(text, "NAME", name_);
+  if (const auto prefix = words.find("PREFIX"); prefix != words.end()) replace_all(text, "PREFIX", prefix->second);
   return text;
 }
 
+std::string CText::filled(std::string_view text, CWords words, const CConditions& conditions) const {
+  text.remove_prefix(text.find("\n\n") + 2);
+  words.emplace("ZERO", literal(0));
+  words.emplace("TINY", literal(is_float_ ? static_cast<double>(negligible_state<float>) : negligible_state<double>));
+  // Of the conditions around a line: whether it is ours, whether its present branch is kept, and whether one was.
+  struct Condition {
+    bool ours, kept, taken;
+  };
+  std::vector<Condition> open;
+  std::string result;
+  while (!text.empty()) {
+    const std::string_view line = text.substr(0, text.find('\n') + 1);
+    text.remove_prefix(line.size());
+    const auto condition_after = [&](std::string_view directive) {
+      return std::string(line.substr(directive.size(), line.size() - directive.size() - 1));
+    };
+    const bool is_ours = !open.empty() && open.back().ours;
+    if (line.starts_with("#if")) {
+      const auto known = line.starts_with("#if ") ? conditions.find(condition_after("#if ")) : conditions.end();
+      const bool ours = known != conditions.end();
+      open.push_back({ours, !ours || known->second, !ours || known->second});
+      if (ours) continue;
+    } else if (is_ours && (line.starts_with("#elif ") || line.starts_with("#else"))) {
+      Condition& here = open.back();
+      here.kept = !here.taken && (line.starts_with("#else") || conditions.at(condition_after("#elif ")));
+      here.taken = here.taken || here.kept;
+      continue;
+    } else if (line.starts_with("#endif")) {
+      // Those that the head of a header leaves open close in the text of its end.
+      if (!open.empty()) open.pop_back();
+      if (is_ours) continue;
+    }
+    if (!std::all_of(open.begin(), open.end(), [](const Condition& each) { return each.kept; })) continue;
+    for (std::size_t at = 0; at < line.size();) {
+      const auto is_part = [&](std::size_t i) {
+        return i < line.size() && (std::isalnum(static_cast<unsigned char>(line[i])) != 0 || line[i] == '_');
+      };
+      std::size_t end = at;
+      while (is_part(end)) ++end;
+      result += end > at ? identifier(line.substr(at, end - at), words) : std::string(1, line[at]);
+      at = std::max(end, at + 1);
+    }
+  }
+  return result;
+}
+
 std::string CText::array(const std::string& name, const std::vector<double>& values) const {
-  std::string text = filled("static const REAL NAME_" + name + "[" + std::to_string(values.size()) + "] = {");
+  std::string text = std::string("static const ") + (is_float_ ? "float " : "double ") + name_ + "_" + name + "[" +
+                     std::to_string(values.size()) + "] = {";
   constexpr std::size_t per_line = 4;
   for (std::size_t i = 0; i < values.size(); ++i) {
     text += i == 0 ? "\n    " : i % per_line == 0 ? ",\n    " : ", ";
@@ -112,132 +176,44 @@ std::string CText::opening(const std::string& comment) const {
   // What would end the comment early.
   replace_all(head, "*/", "* /");
   replace_all(head, "/*", "/ *");
-  std::string guard = name_ + "_H";
-  std::transform(guard.begin(), guard.end(), guard.begin(),
-                 [](char c) { return static_cast<char>(std::toupper(static_cast<unsigned char>(c))); });
-  std::string text = filled(R"(/*
-@comment@
- * C99, no heap, no mathematical library.  All state is in one struct.
- */
-#if defined(@guard@) && !defined(@guard@_@content@)
-#error "another controller with the name 'NAME' is already included; use --name"
-#endif
-#ifndef @guard@
-#define @guard@
-#define @guard@_@content@
-
-/* Products are not to be fused into sums: the last bits would differ. */
-#if defined(__clang__)
-#pragma STDC FP_CONTRACT OFF
-#elif defined(__GNUC__) && !defined(__STRICT_ANSI__) && (defined(__FP_FAST_FMA) || defined(__FP_FAST_FMAF))
-#pragma GCC push_options
-#pragma GCC optimize("fp-contract=off")
-#define @guard@_POP_OPTIONS
-#endif
-
-)",
-                            {{"guard", guard}});
-  replace_all(text, "@comment@", head);
-  return text;
+  return filled(runtime::guard_open,
+                {{"COMMENT", head},
+                 {"GUARD", guard()},
+                 {"GUARD_CONTENT", guard() + "_" + content_mark},
+                 {"GUARD_POP_OPTIONS", guard() + "_POP_OPTIONS"}},
+                {{"IS_DOUBLE", !is_float_}});
 }
 
 std::string CText::closed(std::string text) const {
-  std::string guard = name_ + "_H";
-  std::transform(guard.begin(), guard.end(), guard.begin(),
-                 [](char c) { return static_cast<char>(std::toupper(static_cast<unsigned char>(c))); });
-  text += "\n#ifdef " + guard + "_POP_OPTIONS\n#pragma GCC pop_options\n#undef " + guard +
-          "_POP_OPTIONS\n#endif\n\n#endif\n";
-  replace_all(text, "@content@", fingerprint(text));
+  text += filled(runtime::guard_close, {{"GUARD", guard()}, {"GUARD_POP_OPTIONS", guard() + "_POP_OPTIONS"}}, {});
+  replace_all(text, content_mark, fingerprint(text));
   return text;
 }
 
-std::string CText::section_members(const CSections& sections) const {
-  std::string text;
-  if (!sections.taps.empty()) text += "  REAL @prefix@_past[@taps@]; /* inputs, the newest first */\n";
-  if (!sections.rates.empty()) {
-    text += "  REAL @prefix@_v[@size@];    /* states */\n  REAL @prefix@_lost[@size@]; /* of them, to rounding */\n";
-  }
-  return filled(text, {{"prefix", sections.prefix},
-                       {"taps", std::to_string(sections.taps.size())},
-                       {"size", std::to_string(sections.rates.size())}});
+std::string CText::guard() const {
+  return capitals(name_) + "_H";
 }
 
-std::string CText::section_rest(const CSections& sections, const std::string& input) const {
-  const bool is_zero = input == literal(0);
-  std::string text;
-  if (!sections.taps.empty()) text += "  for (i = 0; i < @taps@; ++i) s->@prefix@_past[i] = @input@;\n";
-  if (!sections.rates.empty()) {
-    text += is_zero ? "  for (i = 0; i < @size@; ++i) s->@prefix@_v[i] = s->@prefix@_lost[i] = @input@;\n"
-                    : "  for (i = 0; i < @size@; ++i) {\n"
-                      "    s->@prefix@_v[i] = NAME_@prefix@_tapped(s, @input@) / NAME_@prefix@_rate[i];\n"
-                      "    s->@prefix@_lost[i] = @zero@;\n  }\n";
-  }
-  return filled(text, {{"prefix", sections.prefix},
-                       {"taps", std::to_string(sections.taps.size())},
-                       {"size", std::to_string(sections.rates.size())},
-                       {"input", input},
-                       {"zero", literal(0)}});
+void describe(const CSections& sections, CWords& words, CConditions& conditions) {
+  const std::string prefix = capitals(sections.prefix);
+  words[prefix + "_TAPS"] = std::to_string(sections.taps.size());
+  words[prefix + "_SIZE"] = std::to_string(sections.rates.size());
+  conditions["HAS_" + prefix + "_TAPS"] = !sections.taps.empty();
+  conditions["HAS_" + prefix + "_SECTIONS"] = !sections.rates.empty();
+  conditions["HAS_" + prefix + "_STATE"] = sections.has_state();
 }
 
 std::string CText::section_functions(const CSections& sections) const {
-  const bool has_sections = !sections.rates.empty();
-  const double tiny = is_float_ ? static_cast<double>(negligible_state<float>) : negligible_state<double>;
-  const std::string term = sections.output == SectionOutput::state
-                               ? "s->@prefix@_v[i + j]"
-                               : "(x - NAME_@prefix@_rate[i + j] * s->@prefix@_v[i + j])";
   std::string arrays;
   if (!sections.taps.empty()) arrays += array(sections.prefix + "_tap", sections.taps);
-  if (has_sections)
+  if (!sections.rates.empty())
     arrays += array(sections.prefix + "_rate", sections.rates) + array(sections.prefix + "_weight", sections.weights);
-  std::string text = "static inline REAL NAME_@prefix@_tapped(const NAME_state *s, REAL input)\n{\n";
-  text += sections.taps.empty() ? "  (void)s;\n  return input;\n}\n" : R"(  REAL even = NAME_@prefix@_tap[0] * input;
-  REAL odd = NAME_@prefix@_tap[1] * s->@prefix@_past[0];
-  int k;
-  for (k = 2; k < @taps@; k += 2) {
-    even += NAME_@prefix@_tap[k] * s->@prefix@_past[k - 1];
-    odd += NAME_@prefix@_tap[k + 1] * s->@prefix@_past[k];
-  }
-  return even + odd;
-}
-)";
-  text += "\nstatic inline REAL NAME_@prefix@_output(const NAME_state *s, REAL x)\n{\n";
-  text += !has_sections ? "  (void)s;\n  return @direct@ * x;\n}\n"
-                        : R"(  REAL lane[8] = {@zero@, @zero@, @zero@, @zero@, @zero@, @zero@, @zero@, @zero@};
-  int i, j;
-  for (i = 0; i < @size@; i += 8) {
-    for (j = 0; j < 8; ++j) {
-      lane[j] += NAME_@prefix@_weight[i + j] * )" +
-                              term + R"(;
-    }
-  }
-  return @direct@ * x + (((lane[0] + lane[4]) + (lane[2] + lane[6])) + ((lane[1] + lane[5]) + (lane[3] + lane[7])));
-}
-)";
-  if (sections.has_state()) {
-    text += "\nstatic inline void NAME_@prefix@_advance(NAME_state *s, REAL input, REAL x)\n{\n  int i;\n";
-    text += sections.taps.empty() ? "  (void)input;\n"
-                                  : R"(  for (i = @taps@ - 1; i > 0; --i) s->@prefix@_past[i] = s->@prefix@_past[i - 1];
-  s->@prefix@_past[0] = input;
-)";
-    text += !has_sections ? "  (void)x;\n}\n" : R"(  for (i = 0; i < @size@; ++i) {
-    const REAL v = s->@prefix@_v[i];
-    const REAL increment = (x - NAME_@prefix@_rate[i] * v) + s->@prefix@_lost[i];
-    const REAL sum = v + increment;
-    const REAL remainder = increment - (sum - v);
-    const int matters = sum > @tiny@ || sum < -@tiny@;
-    s->@prefix@_v[i] = matters ? sum : @zero@;
-    s->@prefix@_lost[i] = matters ? remainder : @zero@;
-  }
-}
-)";
-  }
-  return arrays + (arrays.empty() ? "" : "\n") +
-         filled(text + "\n", {{"prefix", sections.prefix},
-                              {"taps", std::to_string(sections.taps.size())},
-                              {"size", std::to_string(sections.rates.size())},
-                              {"direct", literal(sections.direct)},
-                              {"zero", literal(0)},
-                              {"tiny", literal(tiny)}});
+  CSections any = sections;
+  any.prefix = "prefix";
+  CWords words{{"PREFIX", sections.prefix}, {"PREFIX_DIRECT", literal(sections.direct)}};
+  CConditions conditions{{"PREFIX_GIVES_STATES", sections.output == SectionOutput::state}};
+  describe(any, words, conditions);
+  return arrays + (arrays.empty() ? "" : "\n") + filled(runtime::section_filter, words, conditions);
 }
 
 }  // namespace detail

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <map>
 #include <string>
-#include <utility>
+#include <string_view>
 #include <vector>
 
 #include "frac/digital/c_header.hpp"
@@ -20,17 +21,22 @@ struct CSections {
   [[nodiscard]] bool has_state() const { return !taps.empty() || !rates.empty(); }
 };
 
-/// Text of C code in one precision with one name.  In templates REAL stands for the type, NAME for the name, and
-/// {number} for a literal given by value.
+/// Values of the identifiers in a C text, e.g. KP, and truth of the conditions it is written with, e.g. HAS_PAIRS.
+using CWords = std::map<std::string, std::string, std::less<>>;
+using CConditions = std::map<std::string, bool, std::less<>>;
+
+/// Text of C code in one precision with one name.  The texts of runtime_text.hpp are C themselves: REAL stands for the
+/// type, NAME in an identifier for the name of the export, other identifiers in capitals for values.
 class CText {
  public:
   /// @throws std::invalid_argument  the name is no C identifier, or too long.
   explicit CText(const CHeaderOptions& options);
 
   [[nodiscard]] std::string literal(double value) const;
-  /// The text with REAL, NAME and the given words (written as @word@) put in.
-  [[nodiscard]] std::string filled(std::string text,
-                                   const std::vector<std::pair<std::string, std::string>>& words = {}) const;
+  /// The text, but for its head comment, which ends at the first empty line: identifiers replaced by their words, lines
+  /// between #if, #elif, #else and #endif kept as the conditions say.  Conditions that are no single identifier are for
+  /// the user's compiler and stay.
+  [[nodiscard]] std::string filled(std::string_view text, CWords words, const CConditions& conditions) const;
   [[nodiscard]] std::string array(const std::string& name, const std::vector<double>& values) const;
 
   /// Comment, include guard, and what keeps compilers from fusing operations.  closed() is to follow.
@@ -41,14 +47,16 @@ class CText {
   /// Arrays, and functions x = NAME_<prefix>_tapped(state, input), NAME_<prefix>_output(state, x),
   /// NAME_<prefix>_advance(state, input, x).
   [[nodiscard]] std::string section_functions(const CSections& sections) const;
-  /// Members of the struct for them.
-  [[nodiscard]] std::string section_members(const CSections& sections) const;
-  /// Statements that set them to what `input`, a C expression, at all times leaves; with an int i where has_state().
-  [[nodiscard]] std::string section_rest(const CSections& sections, const std::string& input) const;
 
  private:
+  [[nodiscard]] std::string guard() const;
+  [[nodiscard]] std::string identifier(std::string_view word, const CWords& words) const;
+
   std::string name_;
   bool is_float_;
 };
+
+/// Adds the sizes of a filter under its prefix in capitals, e.g. INTEGRAL_TAPS and HAS_INTEGRAL_TAPS.
+void describe(const CSections& sections, CWords& words, CConditions& conditions);
 
 }  // namespace frac::detail

@@ -72,7 +72,9 @@ class Profile {
 
   /// Square root of the rise of the objective above its minimum, in units of that of one standard error.
   double rise_at(double coordinate) {
-    held_.back().fixed = user(coordinate);
+    const double value = user(coordinate);
+    if (!std::isfinite(value) || (logarithmic_ && !(value > 0))) return infinity;
+    held_.back().fixed = value;
     const ParameterMap map(problem_.structure, held_, problem_.map.scale(),
                            problem_.options.component == Component::magnitude);
     const FrequencyResiduals residuals(problem_.data, problem_.structure, problem_.options.realisation, map,
@@ -131,7 +133,9 @@ double profile_end(const std::function<double(double)>& rise, const ProfileLine&
                    double tolerance, int steps) {
   const double limit = side < 0 ? line.lower : line.upper;
   double inside = line.centre, inside_rise = 0, outside = side * infinity, outside_rise = infinity;
-  double at = line.centre + side * line.step;
+  // A standard error of many e-folds says no more than that the interval is wide, and would overflow.
+  const double widest_step = line.logarithmic ? open_reach / 4 : infinity;
+  double at = line.centre + side * std::min(line.step, widest_step);
   for (int step = 0; step < steps; ++step) {
     if (side * at >= side * limit) at = limit;
     const double here = rise(at);

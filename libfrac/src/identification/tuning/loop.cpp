@@ -154,14 +154,14 @@ ErrorIntegrals LoopSimulation::operator()(const FractionalPidGains& gains, doubl
   for (int n = 0; n < samples_; ++n) {
     const double error = (load_step_ ? 0 : 1) - output;
     double control = gains.kp * error + (load_step_ ? 1 : 0);
-    if (integral) control += gains.ki * (*integral)(error);
+    if (integral) control += gains.ki * integral->step(error);
     if (derivative) {
-      filtered += share * ((*derivative)(error)-filtered);
+      filtered += share * (derivative->step(error) - filtered);
       control += gains.kd * filtered;
     }
     result.iae += std::abs(error) * step_;
     result.itae += std::abs(error) * step_ * (n * step_);
-    output = filter_(control);
+    output = filter_.step(control);
     if (!(std::abs(output) < run_away)) {
       constexpr double infinity = std::numeric_limits<double>::infinity();
       return {infinity, infinity};

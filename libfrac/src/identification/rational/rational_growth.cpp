@@ -1,0 +1,244 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "rational_growth.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace frac::detail {
+namespace {
+
+constexpr int scouting = 12, thorough = 60;  // iterations
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+bool exact(const RationalProblem& problem, const RationalFit& fit) {
+  return fit.cost <= problem.rounding_cost();
+}
+
+/// Evenly in the logarithm over the band and half a decade beyond.
+std::vector<double> places(const RationalProblem& problem, int count) {
+  constexpr double margin = 1.2;
+  const double first = problem.log_lower() - margin, last = problem.log_upper() + margin;
+  std::vector<double> result;
+  for (int i = 0; i < count; ++i) result.push_back(first + (last - first) * i / (count - 1));
+  return result;
+}
+
+/// Delays from which a search is started, in units of the middle of the band: a fifth of a turn at either end and
+/// between.
+std::vector<double> delays(const RationalProblem& problem) {
+  std::vector<double> result;
+  for (double at = problem.log_lower(); at <= problem.log_upper() + 0.1;
+       at += std::max(0.7, (problem.log_upper() - problem.log_lower()) / 12)) {
+    result.push_back(1.2 * std::exp(-at));
+  }
+  return result;
+}
+
+RationalFit best_refined(const RationalProblem& problem, std::vector<RationalFit> starts, std::size_t tried) {
+  std::stable_sort(starts.begin(), starts.end(),
+                   [](const RationalFit& a, const RationalFit& b) { return a.cost < b.cost; });
+  RationalFit best{{}, infinity, 0};
+  for (std::size_t i = 0; i < std::min(tried, starts.size()); ++i) {
+    if (!std::isfinite(starts[i].cost)) break;
+    RationalFit fit = problem.refine(starts[i].shape, scouting);
+    if (fit.cost < best.cost) best = std::move(fit);
+  }
+  if (std::isfinite(best.cost)) best = problem.refine(best.shape, thorough);
+  return best;
+}
+
+/// Keeps, of each run of neighbouring places, the lowest.
+void add_local_minima(std::vector<RationalFit> along, std::vector<RationalFit>& starts) {
+  for (std::size_t i = 0; i < along.size(); ++i) {
+    const bool below_left = i == 0 || along[i].cost <= along[i - 1].cost;
+    const bool below_right = i + 1 == along.size() || along[i].cost < along[i + 1].cost;
+    if (below_left && below_right) starts.push_back(along[i]);
+  }
+}
+
+/// The shape with its slowest pole at 0, if that lies below the band.
+std::optional<RationalShape> with_integrator(const RationalProblem& problem, const RationalShape& shape) {
+  if (shape.low > 0 || shape.factors.empty() || shape.factors.front().pair) return std::nullopt;
+  if (!(shape.factors.front().log_size < problem.log_lower() + 0.5)) return std::nullopt;
+  RationalShape result = shape;
+  result.factors.erase(result.factors.begin());
+  ++result.integrators;
+  return result;
+}
+
+}  // namespace
+
+double schwarz(const RationalProblem& problem, const RationalFit& fit) {
+  const auto n = static_cast<double>(problem.rows());
+  return n * std::log(std::max(fit.cost, problem.rounding_cost()) / n) +
+         static_cast<double>(fit.parameters) * std::log(n);
+}
+
+RationalGrowth::RationalGrowth(const RationalProblem& problem, bool delayed, std::size_t excess)
+    : problem_(problem), excess_(excess) {
+  RationalShape shape;
+  shape.degree = excess;
+  shape.delayed = delayed;
+  if (!delayed) {
+    members_.push_back(problem.at(shape));
+    return;
+  }
+  std::vector<RationalFit> starts;
+  for (const double delay : delays(problem)) {
+    shape.delay = delay;
+    starts.push_back(problem.at(shape));
+  }
+  members_.push_back(best_refined(problem, std::move(starts), 3));
+}
+
+void RationalGrowth::extend() {
+  const std::size_t order = members_.size();
+  const RationalShape last = members_.back().shape;
+  std::vector<RationalFit> starts;
+  const auto with = [&](const RationalShape& from, const PoleFactor& factor) {
+    RationalShape shape = from;
+    shape.factors.push_back(factor);
+    shape.degree = order + excess_;
+    return problem_.at(shape);
+  };
+  for (const double sign : {1.0, -1.0}) {
+    // One part alone does not tell a pole from its mirror image.
+    if (sign < 0 && problem_.one_part()) continue;
+    std::vector<RationalFit> along;
+    for (const double place : places(problem_, sign > 0 ? 14 : 6)) {
+      along.push_back(with(last, {false, place, 0, sign}));
+    }
+    add_local_minima(std::move(along), starts);
+  }
+  if (order >= 2) {
+    const RationalShape& before = members_[order - 2].shape;
+    // Resonances are narrow: a pair is also tried at the points the smaller model misses most.
+    std::vector<double> pair_places = places(problem_, 10);
+    const std::vector<double> missed = problem_.residual_sizes(before);
+    for (int peak = 0; peak < 3; ++peak) {
+      std::size_t most = 0;
+      double largest = -1;
+      for (std::size_t i = 0; i < missed.size(); ++i) {
+        const bool top =
+            (i == 0 || missed[i] >= missed[i - 1]) && (i + 1 == missed.size() || missed[i] > missed[i + 1]);
+        const bool taken =
+            std::find(pair_places.begin(), pair_places.end(), problem_.log_omega()[i]) != pair_places.end();
+        if (top && !taken && missed[i] > largest) {
+          largest = missed[i];
+          most = i;
+        }
+      }
+      if (largest >= 0) pair_places.push_back(problem_.log_omega()[most]);
+    }
+    std::sort(pair_places.begin(), pair_places.end());
+    for (const double damping : {0.02, 0.3}) {
+      std::vector<RationalFit> along;
+      for (const double place : pair_places) along.push_back(with(before, {true, place, damping, 1}));
+      add_local_minima(std::move(along), starts);
+    }
+  }
+  if (last.delayed) {
+    // A longer or shorter delay may suit the richer model better.
+    RationalShape shape = last;
+    shape.factors.push_back({false, 0, 0, 1});
+    shape.degree = order + excess_;
+    for (const double factor : {0.0, 0.3, 3.0}) {
+      shape.delay = last.delay * factor;
+      for (const double place : places(problem_, 4)) {
+        shape.factors.back().log_size = place;
+        starts.push_back(problem_.at(shape));
+      }
+    }
+  }
+  RationalFit best = best_refined(problem_, std::move(starts), 4);
+  // A member contains the one before, with a pole that a zero cancels.
+  if (!(best.cost <= members_.back().cost)) {
+    RationalFit same = with(last, {false, problem_.log_upper() + 2, 0, 1});
+    if (same.cost < best.cost) best = std::move(same);
+  }
+  members_.push_back(std::move(best));
+}
+
+RationalFit without_idle_parts(const RationalProblem& problem, const RationalFit& fit) {
+  RationalFit best = fit;
+  double value = schwarz(problem, best);
+  for (int round = 0; round < 30; ++round) {
+    std::vector<RationalShape> moves;
+    const RationalShape& shape = best.shape;
+    if (shape.degree > shape.low) {
+      moves.push_back(shape);
+      --moves.back().degree;
+      if (shape.integrators == 0) {
+        moves.push_back(shape);
+        ++moves.back().low;
+      }
+    }
+    if (shape.degree <= shape.order() && round == 0) {
+      moves.push_back(shape);
+      ++moves.back().degree;
+    }
+    if (const auto integrating = with_integrator(problem, shape)) moves.push_back(*integrating);
+    bool better = false;
+    RationalFit next = best;
+    for (const RationalShape& move : moves) {
+      RationalFit tried = problem.refine(move, scouting);
+      if (!(schwarz(problem, tried) < value)) continue;
+      value = schwarz(problem, tried);
+      next = std::move(tried);
+      better = true;
+    }
+    if (!better) break;
+    best = problem.refine(next.shape, thorough);
+    value = schwarz(problem, best);
+  }
+  return best;
+}
+
+RationalLadder grow_rational(const RationalProblem& problem, std::size_t fewest_poles, std::size_t most_poles,
+                             bool delayed) {
+  RationalLadder ladder;
+  RationalGrowth growth(problem, delayed);
+  double least = infinity;
+  std::size_t in_vain = 0;
+  for (std::size_t order = 0; order <= most_poles; ++order) {
+    if (order > 0) growth.extend();
+    const RationalFit& member = growth.members().back();
+    if (order < fewest_poles) continue;
+    if (2 * order + 2 >= problem.rows()) break;
+    RationalFit simple = without_idle_parts(problem, member);
+    const double value = schwarz(problem, simple);
+    ladder.fits.push_back(std::move(simple));
+    if (value < least) {
+      least = value;
+      ladder.chosen = ladder.fits.size() - 1;
+      in_vain = 0;
+    } else {
+      ++in_vain;
+    }
+    if (in_vain >= 2 || exact(problem, ladder.fits.back())) break;
+  }
+  return ladder;
+}
+
+RationalFit fit_rational(const RationalProblem& problem, std::size_t zeros, std::size_t poles, bool delayed) {
+  RationalGrowth growth(problem, delayed, zeros > poles ? zeros - poles : 0);
+  while (growth.members().size() <= poles) growth.extend();
+  RationalFit fit = growth.members().back();
+  while (fit.shape.degree > zeros) {
+    RationalShape shape = fit.shape;
+    --shape.degree;
+    fit = problem.refine(shape, thorough);
+  }
+  while (const auto shape = with_integrator(problem, fit.shape)) {
+    RationalFit integrating = problem.refine(*shape, thorough);
+    // The pole at 0 has one parameter less, so as much as noise gives a parameter is no reason to keep the other.
+    const double share = 1 + 4 / static_cast<double>(problem.rows());
+    if (!(integrating.cost <= fit.cost * share + problem.rounding_cost())) break;
+    fit = std::move(integrating);
+  }
+  return fit;
+}
+
+}  // namespace frac::detail

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "residual_tests.hpp"
+
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/fisher_f.hpp>
+#include <boost/math/distributions/normal.hpp>
+#include <cmath>
+#include <limits>
+
+#include "autocorrelation.hpp"
+#include "identification/data/fit_data.hpp"
+#include "identification/data/residual_rule.hpp"
+#include "identification/search/robust.hpp"
+
+namespace frac {
+
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double least_chance = 1e-3;
+constexpr std::size_t fewest_points = 10;
+
+/// Standard deviation of the noise from the distance of each residual to the middle of its two neighbours, which white
+/// noise makes sqrt(3/2) times as large; by the median, so that outliers do not count.
+double noise_from_neighbours(std::span<const double> residual, std::size_t per_point) {
+  std::vector<double> distance;
+  for (std::size_t i = per_point; i + per_point < residual.size(); ++i) {
+    distance.push_back(residual[i] - (residual[i - per_point] + residual[i + per_point]) / 2);
+  }
+  return distance.empty() ? 0 : detail::robust_spread(distance) / std::sqrt(1.5);
+}
+
+double chi_squared_chance(double statistic, double degrees) {
+  if (!(degrees > 0)) return nan;
+  if (!std::isfinite(statistic)) return 0;
+  return boost::math::cdf(boost::math::complement(boost::math::chi_squared(degrees), statistic));
+}
+
+std::vector<double> clipped(std::span<const double> residual) {
+  const double limit = 3 * detail::robust_spread(residual);
+  std::vector<double> result(residual.begin(), residual.end());
+  if (limit > 0) {
+    for (double& each : result) each = std::clamp(each, -limit, limit);
+  }
+  return result;
+}
+
+/// Runs of points over which the mean residual of five neighbours is far from 0.
+std::vector<LackOfFit::Band> missed_bands(std::span<const double> residual, std::size_t per_point,
+                                          std::span<const double> abscissa, double noise) {
+  constexpr std::size_t reach = 2;
+  constexpr double limit = 3;
+  std::vector<LackOfFit::Band> bands;
+  bool inside = false;
+  for (std::size_t i = 0; i < abscissa.size(); ++i) {
+    const std::size_t first = i > reach ? i - reach : 0, last = std::min(abscissa.size(), i + reach + 1);
+    const auto width = static_cast<double>(last - first);
+    bool far = false;
+    for (std::size_t part = 0; part < per_point; ++part) {
+      double sum = 0;
+      for (std::size_t k = first; k < last; ++k) sum += residual[k * per_point + part];
+      far = far || std::abs(sum) > limit * noise * std::sqrt(width);
+    }
+    if (far && !inside) bands.push_back({abscissa[i], abscissa[i]});
+    if (far) bands.back().upper = abscissa[i];
+    inside = far;
+  }
+  return bands;
+}
+
+/// Variance of the weighted residuals about the means of repeats, and its degrees of freedom.
+struct PureError {
+  double square = 0, degrees = 0;
+};
+PureError pure_error(const FrequencyResponseData& data, std::span<const double> residual, std::size_t per_point) {
+  PureError error;
+  for (std::size_t first = 0; first < data.size();) {
+    std::size_t last = first;
+    while (last < data.size() && data.omega()[last] == data.omega()[first]) ++last;
+    for (std::size_t part = 0; part < per_point && last - first > 1; ++part) {
+      double mean = 0;
+      for (std::size_t i = first; i < last; ++i) mean += residual[i * per_point + part];
+      mean /= static_cast<double>(last - first);
+      for (std::size_t i = first; i < last; ++i) {
+        const double distance = residual[i * per_point + part] - mean;
+        error.square += distance * distance;
+      }
+      error.degrees += static_cast<double>(last - first - 1);
+    }
+    first = last;
+  }
+  return error;
+}
+
+double sum_of_squares(std::span<const double> values) {
+  double sum = 0;
+  for (const double each : values) sum += each * each;
+  return sum;
+}
+
+}  // namespace
+
+LackOfFit detail::residual_tests(std::span<const double> residual, std::size_t per_point,
+                                 std::span<const double> abscissa, std::size_t parameters, bool told, double rounding) {
+  LackOfFit result{told ? NoiseSource::sigma : NoiseSource::data, 1, nan, nan, nan, nan, true, {}};
+  const auto count = static_cast<double>(residual.size());
+  const double degrees = count - static_cast<double>(parameters);
+  const double square = sum_of_squares(residual);
+  if (!std::isfinite(square)) {
+    result.adequate = false;
+    return result;
+  }
+  const std::vector<double> tame = clipped(residual);
+  if (!told) result.noise = noise_from_neighbours(residual, per_point);
+  if (degrees > 0) result.misfit = std::sqrt(square / degrees) / result.noise;
+  const bool exact = std::sqrt(square / count) <= rounding;
+  if (exact) {
+    result.misfit = 1;
+    return result;
+  }
+  if (told) {
+    result.p_value = chi_squared_chance(square, degrees);
+    result.adequate = !(result.p_value < least_chance);
+  }
+  result.correlation = autocorrelation(tame, per_point, 1);
+  if (abscissa.size() >= fewest_points) {
+    // Fitted parameters take their share of the slow changes: white noise then shows a correlation of about
+    // -parameters/count, with a variance of 1/count.
+    const double expected = -static_cast<double>(parameters) / count;
+    const double deviate = (result.correlation - expected) * std::sqrt(count);
+    const double chance = boost::math::cdf(boost::math::complement(boost::math::normal(), deviate));
+    const double of_all = whiteness(tame, per_point).p_value;
+    // Of two tests the smaller chance counts, twice.
+    result.correlation_p_value = std::min(1.0, 2 * (result.correlation > 0 ? std::min(chance, of_all) : chance));
+    result.adequate = result.adequate && !(result.correlation_p_value < least_chance);
+  }
+  if (!result.adequate) result.misses = missed_bands(tame, per_point, abscissa, result.noise);
+  return result;
+}
+
+std::string_view to_string(NoiseSource source) {
+  switch (source) {
+    case NoiseSource::sigma:
+      return "sigma";
+    case NoiseSource::repeats:
+      return "repeats";
+    case NoiseSource::data:
+      return "data";
+  }
+  return "unknown";
+}
+
+LackOfFit lack_of_fit(const FrequencyResponseData& data, const FitOptions& options, const FitResult& result) {
+  const detail::ResidualRule rule = detail::residual_rule(data, options.component, options.weight);
+  const std::vector<double> residual = detail::weighted_residuals(data, options, result);
+  const double rounding = 1e-12 * rule.unit;
+  const bool told = options.weight == Weight::given || options.weight == Weight::repeats;
+  LackOfFit test =
+      detail::residual_tests(residual, rule.per_point(), data.omega(), result.free_parameters, told, rounding);
+  if (options.weight == Weight::repeats) test.source = NoiseSource::repeats;
+  if (told) return test;
+  const PureError error = pure_error(data, residual, rule.per_point());
+  const double square = sum_of_squares(residual);
+  const double degrees =
+      static_cast<double>(residual.size()) - static_cast<double>(result.free_parameters) - error.degrees;
+  if (!(error.degrees >= 5) || !(degrees >= 1) || !(error.square > 0)) return test;
+  test.source = NoiseSource::repeats;
+  const double variance = error.square / error.degrees;
+  test.noise = std::sqrt(variance);
+  test.misfit = std::sqrt(square / (degrees + error.degrees) / variance);
+  const double statistic = std::max(0.0, square - error.square) / degrees / variance;
+  test.p_value = boost::math::cdf(
+      boost::math::complement(boost::math::fisher_f(degrees, error.degrees), std::min(statistic, 1e12)));
+  test.adequate = test.adequate && !(test.p_value < least_chance);
+  if (!test.adequate) test.misses = missed_bands(clipped(residual), rule.per_point(), data.omega(), test.noise);
+  return test;
+}
+
+LackOfFit lack_of_fit(const TimeResponseData& data, const TimeFitOptions& options, const FitResult& result) {
+  std::vector<double> times;
+  double size = 0;
+  for (const std::size_t i : data.observed()) {
+    times.push_back(data.time()[i]);
+    size = std::max(size, std::abs(data.output()[i]) / (data.sigma().empty() ? 1 : data.sigma()[i]));
+  }
+  return detail::residual_tests(detail::weighted_residuals(data, options, result), 1, times, result.free_parameters,
+                                !data.sigma().empty(), 1e-12 * size);
+}
+
+}  // namespace frac

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+
+#include "frac/identification/lack_of_fit.hpp"
+
+namespace frac::detail {
+
+/// lack_of_fit() of residuals that are at hand.
+/// @param residual  weighted, points in order, `per_point` of each
+/// @param abscissa  of the points
+/// @param parameters  fitted
+/// @param told  whether the weighted residuals are in units of a known standard deviation
+/// @param rounding  residuals below it are rounding
+[[nodiscard]] LackOfFit residual_tests(std::span<const double> residual, std::size_t per_point,
+                                       std::span<const double> abscissa, std::size_t parameters, bool told,
+                                       double rounding);
+
+}  // namespace frac::detail

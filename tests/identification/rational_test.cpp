@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "frac/identification/identify.hpp"
+#include "frac/identification/model_choice.hpp"
+#include "support/both_parts.hpp"
+#include "support/noisy_response.hpp"
+
+namespace {
+
+struct System {
+  const char* name;  // of the family that contains it
+  const char* formula;
+};
+
+// Real poles near each other and decades apart, resonances, a pole in the right half plane, an integrator, dead time.
+const std::vector<System> systems = {
+    {"rational:1/1", "(0.2 s + 3)/(s + 1)"},
+    {"rational:3/3", "1/((s + 1) (2 s + 1) (0.3 s + 1))"},
+    {"rational:4/4", "0.2 + 1/(0.03 s + 1) + 1/(0.3 s + 1) + 1/(3 s + 1) + 1/(30 s + 1)"},
+    {"rational:4/4", "1/(s^2 + 0.04 s + 1) + 0.3/(0.04 s^2 + 0.01 s + 1)"},
+    {"rational:2/2", "(s + 3)/((s - 1) (s + 10))"},
+    {"rational:3/2", "0.1 + 0.02 s + 1/(0.3 s + 1) + 1/(10 s)"},
+    {"rational:2/2+delay", "2 exp(-0.02 s)/((s + 1) (3 s + 1))"},
+};
+
+frac::FitResult fitted(const frac::FrequencyResponseData& data, const char* name, frac::FitOptions options) {
+  const frac::NamedModel model = frac::resolved_model(data, frac::find_model(name), options);
+  options.constraints = model.constraints;
+  options.global_start = false;
+  return frac::fit(data, frac::Structure(model.formula), options);
+}
+
+/// Sum of squared relative distances of the data from the system that made them.
+double cost_of_truth(const System& system, const frac::FrequencyResponseData& data, frac::Component component) {
+  const frac::Structure structure(system.formula);
+  double cost = 0;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    const auto distance = (structure.response({}, data.omega()[i]) - data.value()[i]) / std::abs(data.value()[i]);
+    cost += distance.imag() * distance.imag();
+    if (component == frac::Component::both) cost += distance.real() * distance.real();
+  }
+  return cost;
+}
+
+class RationalFamily : public testing::TestWithParam<System> {};
+
+// The family contains the truth, so its least cost cannot exceed that of the truth: a search that ends above it has
+// ended in another minimum.  A tenth of a per cent is left to where solvers stop.
+TEST_P(RationalFamily, FollowsTheDataAsCloselyAsTheSystemThatMadeThem) {
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    const auto data = support::noisy_response(GetParam().formula, {}, 0.01, seed);
+    const auto result = fitted(data, GetParam().name, support::both_parts());
+    EXPECT_LE(result.cost, 1.001 * cost_of_truth(GetParam(), data, frac::Component::both))
+        << seed << ": " << result.model;
+  }
+}
+
+TEST_P(RationalFamily, FollowsTheImaginaryPartAlone) {
+  const auto data = support::noisy_response(GetParam().formula, {}, 0.01, 4u);
+  frac::FitOptions options;
+  options.component = frac::Component::imaginary;
+  const auto result = fitted(data, GetParam().name, options);
+  EXPECT_LE(result.cost, 1.001 * cost_of_truth(GetParam(), data, frac::Component::imaginary)) << result.model;
+}
+
+INSTANTIATE_TEST_SUITE_P(Systems, RationalFamily, testing::ValuesIn(systems));
+
+// Without noise the model is met to rounding: relative residuals of 1e-9 leave five decades for the conditioning of
+// the poles.
+TEST(Rational, MeetsDataWithoutNoise) {
+  for (const System& system : systems) {
+    const auto data = support::noisy_response(system.formula, {}, 0, 1u);
+    EXPECT_LT(fitted(data, system.name, support::both_parts()).rms, 1e-9) << system.formula;
+  }
+}
+
+TEST(Rational, FindsThePoles) {
+  const auto data = support::noisy_response("1/((s+1) (2 s+1) (0.3 s+1))", {}, 0.01, 2u);
+  const auto result = fitted(data, "rational:0/3", support::both_parts());
+  const std::vector<double> truth{1, 0.5, 1, 1 / 0.3};
+  ASSERT_EQ(result.parameters.size(), truth.size());
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    // Five standard errors: a chance of 6e-7 each.
+    EXPECT_NEAR(result.parameters[i].value, truth[i], 5 * result.parameters[i].standard_error)
+        << result.parameters[i].name;
+  }
+}
+
+TEST(Rational, GrowsToTheOrderOfTheSystemAndNoFurther) {
+  const auto data =
+      support::noisy_response("0.2 + 1/(0.03 s + 1) + 1/(0.3 s + 1) + 1/(3 s + 1) + 1/(30 s + 1)", {}, 0.01, 5u);
+  const auto growth = frac::grow(data, frac::GrowthFamily::rational, support::both_parts());
+  EXPECT_EQ(growth.models.at(growth.chosen).name, "rational:4/4") << growth.reason;
+  EXPECT_EQ(growth.models.size(), growth.fits.size());
+}
+
+TEST(Rational, FamiliesAreReadFromTheirNames) {
+  const auto range = frac::find_model("rational:1..8+delay").rational;
+  ASSERT_TRUE(range.has_value());
+  EXPECT_EQ(range->fewest_poles, 1u);
+  EXPECT_EQ(range->most_poles, 8u);
+  EXPECT_TRUE(range->dead_time);
+  EXPECT_FALSE(range->zeros.has_value());
+  const auto one = frac::find_model("rational:3/4").rational;
+  ASSERT_TRUE(one.has_value());
+  EXPECT_EQ(one->zeros, 3u);
+  EXPECT_EQ(one->most_poles, 4u);
+  EXPECT_EQ(frac::find_model("rational").model_class, frac::ModelClass::integer_order);
+  for (const char* wrong :
+       {"rational:", "rational:13", "rational:4..2", "rational:5/3", "rational:2/x", "rational:3 "}) {
+    EXPECT_THROW((void)frac::find_model(wrong), std::invalid_argument) << wrong;
+  }
+}
+
+TEST(Rational, MagnitudesAloneAreRefused) {
+  const auto data = support::noisy_response("1/(s + 1)", {}, 0.01, 1u);
+  frac::FitOptions options;
+  options.component = frac::Component::magnitude;
+  EXPECT_THROW((void)frac::resolved_model(data, frac::find_model("rational:1"), options), std::invalid_argument);
+}
+
+}  // namespace

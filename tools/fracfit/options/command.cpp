@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "options/command.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <stdexcept>
+#include <utility>
+
+namespace fracfit {
+
+void complain(const std::string& message) {
+  std::fprintf(stderr, "fracfit: %s\n", message.c_str());
+}
+
+Command::Command(std::string name, std::string about) : name_(std::move(name)), about_(std::move(about)) {}
+
+void Command::add_common(const std::vector<std::string>& formats) {
+  constexpr std::size_t most_threads = 1024;
+  if (!formats.empty()) {
+    file_format_ = formats.front();
+    options_.text("--out", out_).also("-o").unsaid();
+    options_.text("--format", format_)
+        .one_of(formats)
+        .default_is(std::find(formats.begin(), formats.end(), "table") == formats.end()
+                        ? file_format_
+                        : file_format_ + "; table on a terminal")
+        .unsaid();
+  }
+  options_.count("--threads", threads_, 0, most_threads).unsaid();
+  options_.flag("--quiet", quiet_, "No progress and no notes on standard error").unsaid();
+}
+
+int Command::execute() {
+  options_.interpret();
+  try {
+    check();
+    for (const std::string& note : notes_) say(note);
+    output_.emplace(out_);
+    return run();
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(options_.in_their_words(error.what()));
+  } catch (const std::domain_error& error) {
+    throw std::invalid_argument(options_.in_their_words(error.what()));
+  }
+}
+
+void Command::say(const std::string& message) const {
+  if (!quiet_) complain(message);
+}
+
+std::string Command::format() const {
+  if (!format_.empty()) return format_;
+  return out_.empty() && ::isatty(STDOUT_FILENO) != 0 ? "table" : file_format_;
+}
+
+}  // namespace fracfit

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "io/output_file.hpp"
+#include "options/options.hpp"
+
+namespace fracfit {
+
+enum ExitCode : int { usable_result = 0, no_usable_result = 1, wrong_usage = 2, invalid_data = 3 };
+
+/// "fracfit: message" on standard error.
+void complain(const std::string& message);
+
+/// A subcommand.  Its constructor declares the options, whose variables are its members; run() does the work.
+class Command {
+ public:
+  Command(std::string name, std::string about);
+  Command(const Command&) = delete;
+  Command& operator=(const Command&) = delete;
+  virtual ~Command() = default;
+
+  /// Checks the options and runs. @return the exit code
+  int execute();
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const std::string& about() const { return about_; }
+  [[nodiscard]] const std::string& footer() const { return footer_; }
+  [[nodiscard]] Options& options() { return options_; }
+  [[nodiscard]] const Options& options() const { return options_; }
+
+  /// A note on standard error, unless --quiet.
+  void say(const std::string& message) const;
+  /// A note that is said when the work begins.
+  void add_note(std::string note) { notes_.push_back(std::move(note)); }
+  [[nodiscard]] int threads() const { return threads_; }
+  [[nodiscard]] bool is_quiet() const { return quiet_; }
+
+ protected:
+  /// Checks that the options fit together, where their declarations cannot say it, before anything is written or read.
+  virtual void check() {}
+  [[nodiscard]] virtual int run() = 0;
+
+  /// --threads and --quiet; --out and --format, the format of files first, where there are formats.
+  void add_common(const std::vector<std::string>& formats = {});
+  void set_footer(std::string text) { footer_ = std::move(text); }
+
+  [[nodiscard]] const std::string& out() const { return out_; }
+  void set_out(std::string path) { out_ = std::move(path); }
+  /// As asked for; if not, "table" on a terminal without --out, else that of files.
+  [[nodiscard]] virtual std::string format() const;
+  [[nodiscard]] std::string command_line() const { return options_.command_line(name_); }
+  /// Writes the result to --out, whole or not at all.
+  void write(std::string_view text) const { output_->write(text); }
+
+ private:
+  std::string name_, about_, footer_;
+  Options options_;
+  std::string out_, format_, file_format_;
+  int threads_ = 0;
+  bool quiet_ = false;
+  std::optional<io::OutputFile> output_;
+  std::vector<std::string> notes_;
+};
+
+/// Subcommands that belong together in --help.
+struct CommandGroup {
+  std::string name;
+  std::vector<std::unique_ptr<Command>> commands;
+};
+
+}  // namespace fracfit

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "options/fit_request.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+#include "io/data_error.hpp"
+#include "options/model_options.hpp"
+
+namespace fracfit {
+namespace {
+
+bool names_weight(const std::string& text) {
+  const auto weights = frac::weights();
+  return std::any_of(weights.begin(), weights.end(),
+                     [&](frac::Weight weight) { return text == frac::to_string(weight); });
+}
+
+frac::Realisation realisation_of(const FitRequest& request) {
+  if (request.realisation == "exact") return frac::ExactRealisation{};
+  if (request.realisation == "grunwald-letnikov")
+    return frac::GrunwaldLetnikovRealisation{*request.sample_time, request.memory};
+  const int poles = static_cast<int>(*request.poles);
+  if (request.realisation == "ladder") return frac::LadderRealisation(*request.band, poles);
+  return frac::OustaloupRealisation{*request.band, poles};
+}
+
+}  // namespace
+
+void add_data(Options& options, FitRequest& request) {
+  options
+      .text("DATA", request.data,
+            "CSV or TSV with a header naming columns and units: a frequency response, or samples over time "
+            "(time_s,input,output); - for standard input",
+            "FILE")
+      .required();
+}
+
+void add_residual_options(Options& options, FitRequest& request) {
+  constexpr std::size_t most_poles = 1000;
+  options.choice("--component", request.component, frac::components()).only_for(frequency_response);
+  options
+      .text("--weight", request.weight,
+            "relative |data|; absolute nothing; given the file's sigma or weight column, or any column by its name; "
+            "smoothed-relative |data| as up to eight neighbours tell it; log-complex: ln of the magnitude ratio and "
+            "angle; repeats: the spread of repeated values at each frequency")
+      .suggest(spellings(frac::weights()));
+  options.choice("--loss", request.loss, frac::losses(), "Robust loss", "LOSS");
+  const Condition rational{"--realisation", {"oustaloup", "ladder"}}, sampled{"--realisation", {"grunwald-letnikov"}};
+  options.text("--realisation", request.realisation, "How powers of s are evaluated", "R")
+      .one_of({"exact", "oustaloup", "ladder", "grunwald-letnikov"})
+      .only_for(frequency_response);
+  options.parsed("--band", request.band, band_of, "of the oustaloup or ladder realisation")
+      .only_for(frequency_response)
+      .only_with(rational)
+      .needed_with(rational);
+  options.count("--poles", request.poles, 1, most_poles, "of that realisation")
+      .only_for(frequency_response)
+      .only_with(rational)
+      .needed_with(rational);
+  options.number("--sample-time", request.sample_time, "of the Gruenwald-Letnikov realisation")
+      .only_for(frequency_response)
+      .only_with(sampled)
+      .needed_with(sampled);
+  options.count("--memory", request.memory, 0, largest_table, "Samples it keeps, 0 for all", "N")
+      .only_for(frequency_response)
+      .only_with(sampled);
+}
+
+void add_points_and_seed(Options& options, FitRequest& request) {
+  options.texts("--where", request.where, "of re, im, magnitude, omega or f; over time of t, input or output");
+  options.count("--seed", request.seed, 0, std::numeric_limits<std::uint64_t>::max());
+}
+
+frac::FitOptions fit_options(const FitRequest& request) {
+  frac::FitOptions options;
+  options.component = request.component;
+  options.weight = names_weight(request.weight) ? frac::weight_from_string(request.weight) : frac::Weight::given;
+  options.loss = request.loss;
+  options.realisation = realisation_of(request);
+  frac::validate(options.realisation);
+  options.seed = request.seed;
+  return options;
+}
+
+io::FrequencyResponseFile read_data(const FitRequest& request, const std::function<void(const std::string&)>& note) {
+  io::FrequencyResponseReadOptions options;
+  if (!names_weight(request.weight)) options.weight_column = request.weight;
+  for (const auto& text : request.where) options.where.emplace_back(text);
+  options.phase_may_miss = request.component == frac::Component::magnitude;
+  options.magnitude_may_miss = request.component == frac::Component::phase;
+  options.key_column = request.key_column;
+  options.curve = request.curve;
+  auto file = io::read_frequency_response(request.data, options);
+  if (request.weight == "given" && file.data.sigma().empty())
+    throw io::DataError(request.data, 0, 0, "has no column sigma or weight; expected one with --weight given");
+  for (const auto& text : file.notes) note(request.data + ": " + text);
+  return file;
+}
+
+std::string where_text(const FitRequest& request) {
+  std::string text;
+  for (const auto& test : request.where) text += (text.empty() ? "" : " and ") + test;
+  return text.empty() ? "all points" : text;
+}
+
+FitRun fit_run(const FitRequest& request, const Options& options, const io::FrequencyResponseFile& file,
+               std::string command) {
+  auto entries = options.entries({"--component", "--weight", "--loss", "--realisation", "--band", "--poles",
+                                  "--sample-time", "--memory", "--seed"});
+  entries.emplace_back("where", where_text(request));
+  return {std::move(command),       request.data,    file.data.size(), file.data.omega().front(),
+          file.data.omega().back(), file.value_unit, file.metadata,    std::move(entries)};
+}
+
+}  // namespace fracfit

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "fit_output.hpp"
+#include "frac/identification/fit.hpp"
+#include "io/frequency_response_file.hpp"
+#include "options/command.hpp"
+
+namespace fracfit {
+
+// Kinds of data, as messages name them; see Options::settle.
+constexpr const char* frequency_response = "a frequency response";
+constexpr const char* samples_over_time = "samples over time";
+
+/// What fit, identify and batch have in common: the data and how residuals are formed.
+struct FitRequest {
+  std::string data;
+  frac::Component component = frac::Component::imaginary;
+  std::string weight = "relative";
+  frac::Loss loss = frac::Loss::none;
+  std::string realisation = "exact";
+  std::optional<frac::FrequencyBand> band;
+  std::optional<std::size_t> poles;
+  std::optional<double> sample_time;
+  std::size_t memory = 0;
+  std::vector<std::string> where;
+  std::uint64_t seed = 1;
+  std::string key_column, curve;  // which curve of a file that holds several
+};
+
+void add_data(Options& options, FitRequest& request);
+void add_residual_options(Options& options, FitRequest& request);
+/// --where and --seed.
+void add_points_and_seed(Options& options, FitRequest& request);
+
+/// The options without constraints. @throws std::invalid_argument  naming the option.
+[[nodiscard]] frac::FitOptions fit_options(const FitRequest& request);
+
+/// Reads the data; `note` is told what was assumed.
+[[nodiscard]] io::FrequencyResponseFile read_data(const FitRequest& request,
+                                                  const std::function<void(const std::string&)>& note);
+
+/// Tests of --where as one text, the entry that outputs show.
+[[nodiscard]] std::string where_text(const FitRequest& request);
+
+/// What the outputs say of where a result came from.
+[[nodiscard]] FitRun fit_run(const FitRequest& request, const Options& options, const io::FrequencyResponseFile& file,
+                             std::string command);
+
+}  // namespace fracfit

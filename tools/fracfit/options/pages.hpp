@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "options/command.hpp"
+
+namespace fracfit {
+
+// Pages made from the declarations that the arguments are checked against.
+[[nodiscard]] std::string program_help(const std::vector<CommandGroup>& groups);
+[[nodiscard]] std::string command_help(const Command& command);
+/// Completion for bash.
+[[nodiscard]] std::string completion_script(const std::vector<CommandGroup>& groups);
+/// In troff.
+[[nodiscard]] std::string manual_page(const std::vector<CommandGroup>& groups);
+
+}  // namespace fracfit

@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "options/parser.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <deque>
+#include <optional>
+#include <stdexcept>
+
+#include "io/data_error.hpp"
+#include "io/sweep_file.hpp"
+#include "options/misspelling.hpp"
+#include "options/pages.hpp"
+
+namespace fracfit {
+namespace {
+
+[[noreturn]] void refuse(const std::string& message, const std::string& command = {}) {
+  throw std::invalid_argument(message + "\nSee 'fracfit " + (command.empty() ? "" : command + " ") + "--help'.");
+}
+
+Command* find_command(const std::vector<CommandGroup>& groups, const std::string& name) {
+  for (const auto& group : groups)
+    for (const auto& command : group.commands)
+      if (command->name() == name) return command.get();
+  return nullptr;
+}
+
+Command& command_named(const std::vector<CommandGroup>& groups, const std::string& name) {
+  if (Command* found = find_command(groups, name)) return *found;
+  std::vector<std::string> names;
+  for (const auto& group : groups)
+    for (const auto& command : group.commands) names.push_back(command->name());
+  refuse("unknown subcommand or option " + io::quoted(name) + suggestion(name, names) + "; expected one of " +
+         either(names));
+}
+
+// What CLI11 fills for one option: it splits the arguments, and all checks are ours.
+struct Slot {
+  Option* option;
+  std::string old_name;  // under which it was given; empty for today's
+  std::vector<std::string> texts;
+  CLI::Option* flag = nullptr;
+};
+
+void add_slots(CLI::App& app, Option& option, std::deque<Slot>& slots) {
+  const auto add = [&](const std::string& names, const std::string& old_name) {
+    Slot& slot = slots.emplace_back(Slot{&option, old_name, {}});
+    if (option.kind() == Option::Kind::flag) {
+      slot.flag = app.add_flag(names);
+      return;
+    }
+    CLI::Option* added = app.add_option(names, slot.texts);
+    if (option.is_argument() && option.kind() == Option::Kind::list) return;
+    // One text each time; that it is given twice is for our own check to refuse.
+    added->expected(1)->take_all()->allow_extra_args(false);
+  };
+  add(option.short_name().empty() ? option.name() : option.short_name() + "," + option.name(), {});
+  for (const std::string& old_name : option.old_names()) add(old_name, old_name);
+  if (option.takes_argument()) add(option.type(), {});
+}
+
+void check_extras(const Command& command, const std::vector<std::string>& extra) {
+  if (extra.empty()) return;
+  const auto unknown =
+      std::find_if(extra.begin(), extra.end(), [](const std::string& word) { return word.starts_with('-'); });
+  if (unknown == extra.end()) refuse("unexpected argument " + io::quoted(extra.front()), command.name());
+  std::vector<std::string> names;
+  for (const Option& option : command.options().all()) {
+    if (!option.is_argument()) names.push_back(option.name());
+    names.insert(names.end(), option.old_names().begin(), option.old_names().end());
+  }
+  const std::string name = unknown->substr(0, unknown->find('='));
+  refuse("unknown option " + io::quoted(name) + suggestion(name, names), command.name());
+}
+
+void hand_over(Command& command, std::deque<Slot>& slots) {
+  for (Slot& slot : slots) {
+    if (slot.flag != nullptr && slot.flag->count() > 0) slot.texts.emplace_back();
+    if (slot.texts.empty()) continue;
+    if (!slot.old_name.empty()) {
+      if (slot.option->is_given())
+        refuse(slot.old_name + " is the old name of " + slot.option->name() + "; give one of them", command.name());
+      command.add_note(slot.old_name + " is now " + slot.option->name() +
+                       "; the old name works in this version for the last time");
+    }
+    slot.option->given.insert(slot.option->given.end(), slot.texts.begin(), slot.texts.end());
+  }
+}
+
+}  // namespace
+
+Request parse(const std::vector<CommandGroup>& groups, const std::vector<std::string>& arguments) {
+  if (arguments.empty()) refuse("no subcommand; 'fracfit --help' lists them");
+  const std::string& first = arguments.front();
+  if (first == "--version" || first == "-V") return {nullptr, "fracfit " + std::string(io::version()) + "\n"};
+  if (first == "--help" || first == "-h" || first == "help") {
+    if (arguments.size() == 1) return {nullptr, program_help(groups)};
+    return {nullptr, command_help(command_named(groups, arguments[1]))};
+  }
+  Command& command = command_named(groups, first);
+  CLI::App app;
+  app.allow_extras();
+  std::deque<Slot> slots;
+  for (Option& option : command.options().all()) add_slots(app, option, slots);
+  try {
+    app.parse(std::vector<std::string>(arguments.rbegin(), std::prev(arguments.rend())));
+  } catch (const CLI::CallForHelp&) {
+    return {nullptr, command_help(command)};
+  } catch (const CLI::ArgumentMismatch& error) {
+    const std::string text = error.what();
+    refuse(text.substr(0, text.find(':')) + " needs a value", command.name());
+  } catch (const CLI::ParseError& error) {
+    refuse(error.what(), command.name());
+  }
+  check_extras(command, app.remaining());
+  hand_over(command, slots);
+  return {&command, {}};
+}
+
+}  // namespace fracfit

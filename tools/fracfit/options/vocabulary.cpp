@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "options/vocabulary.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <vector>
+
+namespace fracfit {
+
+const Meaning& meaning_of(std::string_view name) {
+  static const std::vector<Meaning> vocabulary{
+      // Two masses with backlash.
+      {"--force", "F", "Force amplitude on mass 2, N, > 0"},
+      {"--clearance", "DELTA", "Clearance, m"},
+      {"--restitution", "EPS", "Coefficient of restitution, 0 to 1"},
+      {"--mass1", "M1", "Mass 1, kg", "--m1"},
+      {"--mass2", "M2", "Mass 2, kg", "--m2"},
+      {"--omega", "W", "Angular frequency, rad/s"},
+      {"--body", "BODY", "Mass whose position is read", "--output"},
+      {"--protocol", "P", "Where the motion starts"},
+      {"--orbit-tolerance", "T", "Closure of an orbit, relative to the clearance", "--tolerance"},
+      {"--position", "Y", "x2 - x1 where the force is at its peak, m"},
+      {"--velocity", "V", "x2' - x1' there, m/s"},
+      {"--criterion", "C", "What counts as the jump"},
+      // Models and approximations.
+      {"--model", "MODEL", "Formula of s, e.g. '1/(0.8 s^2.2 + 0.5 s^0.9 + 1)'"},
+      {"--band", "LOW:HIGH", "Frequency band, rad/s"},
+      {"--tolerance", "T", "Largest relative error allowed"},
+      {"--poles", "N", "Number of poles per power of s"},
+      {"--sample-time", "TS", "Time between samples, s"},
+      {"--method", "METHOD", "How it is computed"},
+      {"--discretisation", "METHOD", "How the recursion in the samples is made"},
+      {"--hold", "HOLD", "How the input runs between samples"},
+      {"--lambda", "ORDER", "Order of integration"},
+      {"--mu", "ORDER", "Order of differentiation"},
+      {"--derivative-filter", "T", "Time constant of the lag before the derivative, s"},
+      // Fitting.
+      {"--models", "LIST", "Presets or formulas to rank, separated by commas"},
+      {"--component", "PART", "Part of the response that is fitted"},
+      {"--weight", "WEIGHT", "What residuals are divided by"},
+      {"--fix", "NAME=VALUE", "Hold a parameter at a value; repeatable"},
+      {"--bound", "NAME=LOW:HIGH", "Limits of a parameter, one side may be left out; repeatable"},
+      {"--start", "NAME=VALUE", "Start a parameter at a value; repeatable"},
+      {"--where", "TEST", "Use only points that satisfy a comparison with a number; repeatable"},
+      {"--seed", "N", "Seed of the random search; same seed, same result"},
+      // Every command.
+      {"--shard", "i/n", "Work on every n-th piece only, from the i-th; join with fracfit merge"},
+      {"--out", "FILE", "Output file; standard output if not given"},
+      {"--format", "FORMAT", "Output format"},
+      {"--threads", "N", "Threads, 0 for one per core; results do not depend on it"},
+  };
+  const auto found =
+      std::find_if(vocabulary.begin(), vocabulary.end(), [&](const Meaning& meaning) { return meaning.name == name; });
+  if (found == vocabulary.end()) throw std::logic_error("no meaning of " + std::string(name) + " is known");
+  return *found;
+}
+
+}  // namespace fracfit

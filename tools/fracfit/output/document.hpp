@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "io/text_table.hpp"
+
+namespace fracfit {
+
+using Cell = std::variant<double, std::int64_t, bool, std::string>;
+
+/// Rows that are made one at a time, so that a table of ten million of them never stands in memory twice.
+struct Rows {
+  std::vector<std::string> columns;
+  std::size_t count = 0;
+  std::function<void(std::size_t row, std::vector<Cell>& cells)> fill;  ///< appends the cells of a row
+};
+
+/// A result of rows: what it is, in the entries of its head, and the rows.
+struct Document {
+  io::Metadata head;
+  Rows rows;
+};
+
+/// In "csv", "json" or "table", the last for people.
+[[nodiscard]] std::string text_of(const Document& document, const std::string& format, const std::string& command);
+
+/// A document from the text of a CSV file with head, for writers of files that only know CSV.
+[[nodiscard]] Document document_of(const std::string& csv);
+
+}  // namespace fracfit
