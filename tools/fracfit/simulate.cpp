@@ -31,7 +31,8 @@ class Simulate : public Command {
     o.choice("--body", sweep_.output, backlash::outputs()).not_with(is_static, "whose closed form gives x1 alone");
     o.choice("--protocol", sweep_.protocol, backlash::protocols()).not_with(is_static, "which is a closed form");
     o.number("--orbit-tolerance", sweep_.tolerance).not_with(is_static, "which is a closed form");
-    o.flag("--diagnostics", diagnostics_, "More columns: even-harmonic ratio, energy defect, Lyapunov exponent, periods followed, transients")
+    o.flag("--diagnostics", diagnostics_,
+           "More columns: even-harmonic ratio, energy defect, Lyapunov exponent, periods followed, transients")
         .not_with(is_static, "which is a closed form");
     o.parsed("--shard", shard_, shard_of, "the pieces are scenes")
         .not_with(is_static, "which is a closed form of one scene")
