@@ -374,6 +374,30 @@ TEST(SteadyState, UncertaintyOfOrbitsLostToRoundingHoldsTheirScatter) {
   EXPECT_LT(apart, enough / 10);
 }
 
+// The same motions followed at a force a few last digits larger.  The sensitivity adds up what every impact makes of a
+// disturbance without regard to sign, so it lies above what a change of the force does, by a factor of 5 to 1000 in 25
+// such scenes; one in ten may be so far apart that the difference is no longer proportional to the change.
+TEST(SteadyState, SensitivityOfOrbitsLostToRoundingIsThatToTheForce) {
+  support::Random random(9);
+  const double change = 8 * std::numeric_limits<double>::epsilon();
+  int scenes = 0, above = 0, seen = 0;
+  while (scenes < 10) {
+    const double restitution = random.uniform(0, 0.7);
+    const double gamma = random.log_uniform(0.05, 0.2);
+    const GapMotion motion(gamma, restitution);
+    const SteadyState steady = find_steady_state(motion, state_at_peak(random.unit(), 0), 1e-10, usual_window);
+    if (!(steady.force_sensitivity > 6e8 && steady.force_sensitivity < 1e11)) continue;
+    ++scenes;
+    const Complex one = support::long_run(motion, steady.end, 0, 1600).u1;
+    const Complex two = support::long_run(GapMotion(gamma * (1 + change), restitution), steady.end, 0, 1600).u1;
+    const double observed = std::abs(two - one) / change;
+    above += observed > steady.force_sensitivity ? 1 : 0;
+    seen += observed > 1e-4 * steady.force_sensitivity ? 1 : 0;
+  }
+  EXPECT_LE(above, 2);
+  EXPECT_GE(seen, 8);
+}
+
 TEST(SteadyState, LongTimeMeanAgreesWithAnotherStartWithinItsUncertainty) {
   // A chaotic response: two starts give two independent means.  Each half width holds 95 % of the time, so five times
   // their sum is never left by normally distributed means (10 standard deviations of a difference).

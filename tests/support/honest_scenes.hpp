@@ -185,8 +185,6 @@ inline Tally listed_orbits(int orbits, std::uint64_t seed) {
     point.period = steady.period;
     point.impacts_per_period = steady.impacts_per_period;
     tally.add(steady, lists(diagram, omega, point));
-    std::printf("miss e %.6f w %.6f p%d i%g\n", restitution, omega, steady.period,
-                steady.impacts_per_period * steady.period);
   }
   return tally;
 }

@@ -82,9 +82,9 @@ struct DescribingFunctionPoint {
   /// The mean may be of a transient: chaotic motions of small dissipation can settle on an orbit after any time, 10^5
   /// periods for example.  `uncertainty` is then that of the mean over periods_followed alone.
   bool transient_possible = false;
-  /// Relative change of the value per relative change of the force, where a motion that sticks is so long that rounding
-  /// decides which orbit is computed: the value is then the mean over forces that differ in the last digits.  NaN
-  /// elsewhere.
+  /// Relative change of the value per relative change of the force, estimated from above, where a motion that sticks is
+  /// so long that rounding decides which orbit is computed: the value is then the mean over forces that differ in the
+  /// last digits.  NaN elsewhere.
   double force_sensitivity = std::numeric_limits<double>::quiet_NaN();
 };
 
