@@ -342,7 +342,7 @@ double h2_norm(const FractionalTransferFunction& model) {
     for (double offset = width; offset < 2; offset *= 3) {
       for (const double each : {-offset, offset}) {
         if (middle + each > first && middle + each < last) {
-          corners.push_back({middle + each, middle, width < 0.01});
+          corners.push_back({middle + each, middle, width < 0.01 && offset < 30 * width});
         }
       }
     }
