@@ -9,6 +9,7 @@
 #include <string>
 
 #include "frac/model/algebra.hpp"
+#include "support/dense_maximum.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/random.hpp"
 #include "support/relative_error.hpp"
@@ -93,7 +94,7 @@ TEST(Stability, ThePeakMayLieFarBelowTheCorners) {
   EXPECT_NEAR(peak.omega, 2.4175e-6, 1e-10);
 }
 
-// The golden maximum of |G| on a grid of a hundred points per decade from 1e-30 to 1e30, and the limits at both ends.
+// Against a dense search from 1e-30 to 1e30 rad/s and the limit at zero frequency.
 TEST(Stability, ThePeakIsThatOfADenseSearch) {
   support::Random random(4711);
   int stable = 0;
@@ -106,14 +107,13 @@ TEST(Stability, ThePeakIsThatOfADenseSearch) {
          {random.log_uniform(0.01, 20), 0}});
     if (frac::analyse_stability(system).stability != Stability::stable) continue;
     ++stable;
-    double largest = std::abs(system.numerator().back().coefficient / system.denominator().back().coefficient);
-    for (int i = -3000; i <= 3000; ++i) {
-      largest = std::max(largest, std::abs(system.response(std::pow(10, i / 100.0))));
-    }
-    // Between points of the grid a peak of orders below 1.8 is at most a part in ten thousand higher.
+    const double at_zero = std::abs(system.numerator().back().coefficient / system.denominator().back().coefficient);
+    const auto gain_at = [&](double omega) { return std::abs(system.response(omega)); };
+    const double largest = std::max(at_zero, support::dense_maximum(gain_at, 1e-30, 1e30, 0.023));
+    // Peaks of orders below 1.8 have a quality below 10: the second grid misses less than 3e-8 of them.
     const double gain = frac::h_infinity_norm(system).gain;
     EXPECT_GE(gain, largest * (1 - 1e-13)) << system.formula();
-    EXPECT_LE(gain, largest * (1 + 1e-4)) << system.formula();
+    EXPECT_LE(gain, largest * (1 + 1e-7)) << system.formula();
   }
   EXPECT_GT(stable, 100);
 }

@@ -252,7 +252,7 @@ TEST(WriteScript, AnyLabelIsDrawn) {
   for (int i = 0; i < 12; ++i) {
     Figure figure = small_figure("picture");
     std::string label;
-    for (int k = 0; k < 12; ++k) label += R"('"{}#\$@`%;,()[]|!)"[random.below(19)];
+    for (int k = 0; k < 12; ++k) label += R"('"{}#\$@`%;,()[]|!)"[random.below(18)];
     figure.panels.front().title = enhanced_escape(label);
     figure.panels.front().y.label = enhanced_escape("##'" + label);
     folder.write("picture.gp", gnuplot_script(figure));
