@@ -84,7 +84,7 @@ std::string family_colour(std::size_t index, std::size_t count) {
 std::string enhanced_escape(std::string_view text) {
   std::string safe;
   for (const char c : text) {
-    if (c == '\n' || c == '\r') {
+    if (static_cast<unsigned char>(c) < ' ') {
       safe += ' ';
       continue;
     }
