@@ -326,7 +326,9 @@ TEST_P(EveryMethod, ParallelFormsKeepTheirStatedErrors) {
       EXPECT_EQ(std::isfinite(result.parallel.static_error), has_static_gain);
       for (const double omega : support::log_grid(result.band.lower, result.band.upper, 301)) {
         EXPECT_LE(parallel_error_at(result, false, omega), result.parallel.direct_error) << omega;
-        if (has_static_gain) EXPECT_LE(parallel_error_at(result, true, omega), result.parallel.static_error) << omega;
+        if (has_static_gain) {
+          EXPECT_LE(parallel_error_at(result, true, omega), result.parallel.static_error) << omega;
+        }
       }
     }
   }

@@ -103,7 +103,9 @@ TEST(Conventions, TheHelpFitsAPageAndNamesExamples) {
     bool in_options = false;
     for (const std::string& line : lines_of(help)) {
       in_options = line == "Options:" || (in_options && !line.empty());
-      if (in_options) EXPECT_LE(line.size(), 100U) << name << ": " << line;
+      if (in_options) {
+        EXPECT_LE(line.size(), 100U) << name << ": " << line;
+      }
     }
   }
 }
