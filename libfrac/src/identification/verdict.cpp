@@ -166,6 +166,14 @@ const char* axis_unit(const TimeResponseData&) {
   return "s";
 }
 
+/// What shows that residuals are not noise: their size where it exceeds the noise, else that they follow each other.
+std::string how_far_off(const LackOfFit& lack) {
+  const std::string correlated = " are correlated by " + number(lack.correlation);
+  return lack.misfit > 1
+             ? "its residuals are " + number(lack.misfit) + " times the noise, and neighbouring ones" + correlated
+             : "its neighbouring residuals" + correlated;
+}
+
 std::string described(const RankedFit& ranked) {
   return "'" + ranked.name + "' (" + std::to_string(ranked.fit.free_parameters) + " parameters, rms " +
          number(ranked.fit.rms) + ")";
@@ -196,9 +204,8 @@ void judge_any(IdentificationResult& result, const Data& data, const Options& op
   if (!fractional_fits && !integer_fits) {
     result.verdict = Verdict::no_adequate_model;
     const RankedFit& best = result.ranking.at(result.chosen);
-    result.verdict_sentence = "No candidate describes these data to within their noise: the best, " + described(best) +
-                              ", leaves residuals " + number(best.lack_of_fit.misfit) +
-                              " times the noise, neighbours correlated by " + number(best.lack_of_fit.correlation) +
+    result.verdict_sentence = "No candidate describes these data to within their noise: the best is " +
+                              described(best) + "; " + how_far_off(best.lack_of_fit) +
                               list_of_bands(best.lack_of_fit, axis_unit(data)) + ".";
     return;
   }
@@ -238,7 +245,7 @@ void judge_any(IdentificationResult& result, const Data& data, const Options& op
     result.verdict = Verdict::fractional_not_supported;
     result.verdict_sentence = "A fractional order is not supported: only integer-order candidates follow the data, " +
                               described(i.ranked) + "; the best fractional one, " + described(f.ranked) +
-                              ", misses them by " + number(f.ranked.lack_of_fit.misfit) + " times the noise" +
+                              ", misses them: " + how_far_off(f.ranked.lack_of_fit) +
                               list_of_bands(f.ranked.lack_of_fit, axis_unit(data)) + ".";
     return;
   }
