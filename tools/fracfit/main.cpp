@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "commands/solver_log.hpp"
+#include "commands/subcommand.hpp"
 #include "io/data_error.hpp"
 #include "io/output_file.hpp"
 #include "io/termination.hpp"
 #include "options/parser.hpp"
-#include "solver_log.hpp"
-#include "subcommand.hpp"
 
 namespace {
 

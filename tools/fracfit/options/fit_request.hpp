@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "fit_output.hpp"
 #include "frac/identification/fit.hpp"
 #include "io/frequency_response_file.hpp"
 #include "options/command.hpp"
+#include "output/fit_output.hpp"
 
 namespace fracfit {
 

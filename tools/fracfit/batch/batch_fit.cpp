@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "batch/batch_fit.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <set>
+#include <stdexcept>
+
+#include "frac/structure.hpp"
+#include "io/data_error.hpp"
+#include "io/input_text.hpp"
+#include "io/number.hpp"
+#include "output/fit_statistics.hpp"
+
+namespace fracfit {
+namespace {
+
+constexpr const char* parameter_suffixes[] = {"", "_standard_error", "_ci95_lower", "_ci95_upper", "_state"};
+
+std::vector<std::string> parameter_names(const BatchTask& task) {
+  std::vector<std::string> names;
+  for (const auto& model : task.models)
+    for (const frac::Structure structure(model.formula); const auto& name : structure.parameter_names())
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  return names;
+}
+
+// Cells of a row by column; those not set stay empty.
+class RowBuilder {
+ public:
+  explicit RowBuilder(const std::vector<std::string>& columns) {
+    for (const auto& column : columns) row_.push_back({column, std::nullopt, std::nullopt});
+  }
+  void set(const std::string& column, double value) { cell(column).number = value; }
+  void set(const std::string& column, std::size_t value) { cell(column).number = static_cast<double>(value); }
+  void set(const std::string& column, std::string_view text) { cell(column).text = std::string(text); }
+  [[nodiscard]] BatchRow row() && { return std::move(row_); }
+
+ private:
+  BatchCell& cell(const std::string& column) {
+    return *std::find_if(row_.begin(), row_.end(), [&](const BatchCell& each) { return each.column == column; });
+  }
+  BatchRow row_;
+};
+
+const char* state_of(const frac::ParameterEstimate& parameter) {
+  if (parameter.fixed) return "fixed";
+  if (parameter.at_bound) return "at-bound";
+  return parameter.identified ? "identified" : "not-identified";
+}
+
+void set_fit(RowBuilder& row, const frac::FitResult& result) {
+  row.set("status", frac::to_string(result.termination));
+  row.set("model", std::string_view(result.model));
+  row.set("cost", result.cost);
+  row.set("rms", result.rms);
+  row.set("aicc", result.aicc);
+  row.set("bic", result.bic);
+  row.set("outliers", result.outliers.size());
+  row.set("message", std::string_view(result.message));
+  for (const auto& parameter : result.parameters) {
+    row.set(parameter.name, parameter.value);
+    row.set(parameter.name + "_standard_error", parameter.standard_error);
+    row.set(parameter.name + "_ci95_lower", parameter.ci95_lower);
+    row.set(parameter.name + "_ci95_upper", parameter.ci95_upper);
+    row.set(parameter.name + "_state", std::string_view(state_of(parameter)));
+  }
+}
+
+void set_data(RowBuilder& row, const BatchTask& task, const io::FrequencyResponseFile& file) {
+  for (const auto& variable : task.variables) {
+    const auto text = io::find_value(file.metadata, variable);
+    if (const auto value = text ? io::parse_number(*text) : std::nullopt) row.set(variable, *value);
+  }
+  row.set(std::string(fingerprint_column), std::string_view(file.fingerprint));
+  row.set("points", file.data.size());
+  row.set("omega_lower", file.data.omega().front());
+  row.set("omega_upper", file.data.omega().back());
+}
+
+io::FrequencyResponseFile data_of(const BatchTask& task, const BatchCurve& curve) {
+  auto request = task.request;
+  request.data = curve.file;
+  request.curve = curve.label;
+  return read_data(request, [](const std::string&) {});
+}
+
+void set_result(RowBuilder& row, const BatchTask& task, const io::FrequencyResponseFile& file) {
+  if (!task.ranked) {
+    const auto& model = task.models.front();
+    auto options = task.options;
+    options.constraints = model.constraints;
+    const auto result = frac::fit(file.data, frac::Structure(model.formula), options);
+    set_fit(row, result);
+    const auto statistics = fit_statistics(file.data, options, result, {}, 1);
+    row.set("lag_one_correlation", statistics.whiteness.lag_one_correlation);
+    row.set("whiteness_p_value", statistics.whiteness.p_value);
+    return;
+  }
+  // Files share the cores, so each works on one.
+  const auto result = frac::identify(file.data, task.models, {}, task.options, 1);
+  set_fit(row, result.ranking.at(result.chosen).fit);
+  row.set("chosen", std::string_view(result.ranking.at(result.chosen).name));
+  row.set("verdict", frac::to_string(result.verdict));
+  row.set("evidence", result.evidence);
+}
+
+}  // namespace
+
+std::vector<std::string> batch_columns(const BatchTask& task) {
+  std::vector<std::string> columns{"file", "status"};
+  columns.insert(columns.end(), task.variables.begin(), task.variables.end());
+  for (const char* name : {"points", "omega_lower", "omega_upper"}) columns.emplace_back(name);
+  if (task.ranked)
+    for (const char* name : {"chosen", "verdict", "evidence"}) columns.emplace_back(name);
+  for (const char* name : {"model", "cost", "rms", "aicc", "bic", "outliers"}) columns.emplace_back(name);
+  if (!task.ranked)
+    for (const char* name : {"lag_one_correlation", "whiteness_p_value"}) columns.emplace_back(name);
+  for (const auto& name : parameter_names(task))
+    for (const char* suffix : parameter_suffixes) columns.push_back(name + suffix);
+  columns.emplace_back("message");
+  columns.emplace_back(fingerprint_column);
+  std::set<std::string> seen;
+  for (const auto& column : columns)
+    if (!seen.insert(column).second)
+      throw std::invalid_argument("a batch would have two columns " + io::quoted(column) +
+                                  "; give the parameter another name in the formula");
+  return columns;
+}
+
+std::vector<BatchCurve> curves_of(const std::vector<std::string>& files, const std::string& key_column) {
+  std::vector<BatchCurve> curves;
+  for (const auto& file : files) {
+    std::vector<std::string> labels;
+    std::string fingerprint;
+    try {
+      fingerprint = io::fingerprint(*io::input_text(file));
+      labels = io::curve_labels(file, key_column);
+    } catch (const io::DataError&) {  // its row will say it
+    }
+    if (labels.empty()) curves.push_back({file, file, "", fingerprint});
+    for (const auto& label : labels) curves.push_back({file + "#" + label, file, label, fingerprint});
+  }
+  return curves;
+}
+
+std::vector<std::string> variables_of(const BatchTask& task, const std::vector<BatchCurve>& curves,
+                                      const std::string& wanted) {
+  std::vector<std::string> names;
+  const auto knows = [&](const std::string& name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  for (const auto& curve : curves) {
+    try {
+      for (const auto& [key, value] : data_of(task, curve).metadata)
+        if (io::parse_number(value) && !knows(key)) names.push_back(key);
+      for (const char* column : {"points", "omega_lower", "omega_upper"})
+        if (!knows(column)) names.emplace_back(column);
+    } catch (const io::DataError&) {  // its row will say it
+    } catch (const std::invalid_argument&) {
+    }
+    if (knows(wanted)) break;
+  }
+  return names;
+}
+
+std::string fault_of_command(const BatchTask& task, const std::vector<BatchCurve>& curves) {
+  std::string fault;
+  for (const auto& curve : curves) {
+    try {
+      static_cast<void>(data_of(task, curve));
+      return "";
+    } catch (const io::DataError&) {  // its row will say it
+    } catch (const std::invalid_argument& error) {
+      if (fault.empty()) fault = error.what();
+    }
+  }
+  return fault;
+}
+
+BatchRow batch_row(const BatchTask& task, const BatchCurve& curve) {
+  RowBuilder row(batch_columns(task));
+  row.set("file", std::string_view(curve.name));
+  try {
+    const auto data = data_of(task, curve);
+    set_data(row, task, data);
+    set_result(row, task, data);
+  } catch (const io::DataError& error) {
+    row.set("status", std::string_view("invalid-data"));
+    row.set("message", std::string_view(error.what()));
+  } catch (const std::invalid_argument& error) {
+    row.set("status", std::string_view("not-fitted"));
+    row.set("message", std::string_view(error.what()));
+  } catch (const frac::NoCandidateFits& error) {
+    row.set("status", std::string_view("not-fitted"));
+    row.set("message", std::string_view(error.what()));
+  }
+  return std::move(row).row();
+}
+
+}  // namespace fracfit

@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "batch/batch_table.hpp"
+#include "frac/identification/identify.hpp"
+#include "options/fit_request.hpp"
+
+namespace fracfit {
+
+/// One curve of a batch: a file, or one of the curves in it.
+struct BatchCurve {
+  std::string name;  // the file, and after a # the label
+  std::string file;
+  std::string label;        // empty: the only curve of the file
+  std::string fingerprint;  // of the file; empty where it cannot be read
+};
+
+/// The curves of the files, see io::curve_labels; a file that cannot be read counts as one.
+[[nodiscard]] std::vector<BatchCurve> curves_of(const std::vector<std::string>& files, const std::string& key_column);
+
+/// What is done with each curve of a batch.
+struct BatchTask {
+  FitRequest request;  // its data are set curve by curve
+  frac::FitOptions options;
+  std::vector<frac::NamedModel> models;  // with the constraints of the user; one is fitted, several are ranked
+  std::vector<std::string> variables;    // entries of the file headers that become columns
+  bool ranked = false;
+};
+
+/// Columns of the rows below.
+/// @throws std::invalid_argument  a parameter has the name of another column.
+[[nodiscard]] std::vector<std::string> batch_columns(const BatchTask& task);
+
+/// Entries with a number in the headers of those curves that can be read, and the columns that a row has anyway; one
+/// curve is enough where it has `wanted`.  Nothing where no curve can be read.
+[[nodiscard]] std::vector<std::string> variables_of(const BatchTask& task, const std::vector<BatchCurve>& curves,
+                                                    const std::string& wanted);
+
+/// Why the command can read none of the curves, where the command is at fault with the first of them: a condition on a
+/// column that they do not have, or several scenes in one file.  Empty where it can read one.
+[[nodiscard]] std::string fault_of_command(const BatchTask& task, const std::vector<BatchCurve>& curves);
+
+/// One row; a curve that cannot be read or fitted gives one that says why.
+[[nodiscard]] BatchRow batch_row(const BatchTask& task, const BatchCurve& curve);
+
+}  // namespace fracfit

@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+#include <optional>
+#include <stdexcept>
+
+#include "commands/subcommand.hpp"
+#include "frac/model/algebra.hpp"
+#include "frac/stability.hpp"
+#include "options/model_options.hpp"
+#include "output/aligned_table.hpp"
+#include "output/json.hpp"
+#include "report/model_figures.hpp"
+#include "report/staged_folder.hpp"
+
+namespace fracfit {
+namespace {
+
+struct Analysis {
+  frac::FractionalTransferFunction model;
+  frac::StabilityAnalysis stability;
+  frac::PeakGain peak;
+  double h2;
+  frac::Margins margins;
+  std::optional<frac::ClosedLoopStability> closed_loop;  // empty where the loop does not fall below 1
+};
+
+Analysis analysis_of(const frac::FractionalTransferFunction& model) {
+  Analysis result{model,
+                  frac::analyse_stability(model),
+                  frac::h_infinity_norm(model),
+                  frac::h2_norm(model),
+                  frac::margins(model),
+                  std::nullopt};
+  try {
+    result.closed_loop = frac::analyse_closed_loop(model);
+  } catch (const std::invalid_argument&) {
+    result.closed_loop.reset();
+  }
+  return result;
+}
+
+Json complex_number(std::complex<double> value) {
+  return {{"re", value.real()}, {"im", value.imag()}};
+}
+
+Json crossovers(const std::vector<frac::Crossover>& list, const char* margin) {
+  Json array = Json::array();
+  for (const auto& crossover : list) array.push_back({{"omega", crossover.omega}, {margin, crossover.margin}});
+  return array;
+}
+
+std::string json_text(const Analysis& result, const std::string& command) {
+  Json json = origin(command);
+  json["model"] = result.model.formula();
+  json["stability"] = frac::to_string(result.stability.stability);
+  if (!result.stability.remark.empty()) json["stability_remark"] = result.stability.remark;
+  Json& poles = json["poles"] = Json::array();
+  for (const auto& pole : result.stability.poles) {
+    Json entry = complex_number(pole.value);
+    entry["multiplicity"] = pole.multiplicity;
+    entry["cancelled"] = pole.cancelled;
+    poles.push_back(entry);
+  }
+  json["commensurate_order"] = result.stability.commensurate_order;
+  Json& sheet_roots = json["sheet_roots"] = Json::array();
+  for (const auto& root : result.stability.sheet_roots) {
+    Json entry = complex_number(root.lambda);
+    entry["multiplicity"] = root.multiplicity;
+    entry["on_principal_sheet"] = root.on_principal_sheet;
+    entry["stable"] = root.stable;
+    sheet_roots.push_back(entry);
+  }
+  json["h2_norm"] = result.h2;
+  json["h_infinity_norm"] = {{"gain", result.peak.gain}, {"omega", result.peak.omega}};
+  json["margins"] = {{"gain_margin", result.margins.gain_margin},
+                     {"gain_reduction", result.margins.gain_reduction},
+                     {"phase_margin_rad", result.margins.phase_margin},
+                     {"delay_margin_s", result.margins.delay_margin},
+                     {"gain_crossovers", crossovers(result.margins.phase, "phase_margin_rad")},
+                     {"phase_crossovers", crossovers(result.margins.gain, "gain_margin")},
+                     {"remark", result.margins.remark}};
+  json["unity_feedback"] = nullptr;
+  if (result.closed_loop) {
+    json["unity_feedback"] = {{"stability", frac::to_string(result.closed_loop->stability)},
+                              {"unstable_poles", result.closed_loop->unstable_poles}};
+  }
+  return json.dump() + "\n";
+}
+
+std::string complex_text(std::complex<double> value) {
+  std::string text = short_number(value.real());
+  if (value.imag() != 0) text += " +- " + short_number(value.imag()) + " i";
+  return text;
+}
+
+std::string table_text(const Analysis& result) {
+  std::string text = result.model.formula() +
+                     "\nstability: " + std::string(frac::to_string(result.stability.stability)) + "\n" +
+                     (result.stability.remark.empty() ? "" : result.stability.remark + "\n") + "\n";
+  if (result.stability.poles.empty()) {
+    text += "no poles on the principal sheet\n";
+  } else {
+    AlignedTable table({"pole [rad/s]", "natural frequency [rad/s]", "damping ratio", "multiplicity", ""});
+    for (const auto& pole : result.stability.poles) {
+      const double modulus = std::abs(pole.value);
+      table.add({complex_text(pole.value), short_number(modulus), short_number(-pole.value.real() / modulus),
+                 std::to_string(pole.multiplicity), pole.cancelled ? "cancelled" : ""});
+    }
+    text += table.text();
+  }
+  if (result.stability.commensurate_order) {
+    text += "commensurate order: " + short_number(*result.stability.commensurate_order) + ", " +
+            std::to_string(result.stability.sheet_roots.size()) + " roots in the upper half of all sheets\n";
+  } else {
+    text += "orders not commensurate above 1/1000\n";
+  }
+  text += "\nH2 norm: " + short_number(result.h2) + "\nH-infinity norm: " + short_number(result.peak.gain);
+  if (std::isfinite(result.peak.omega)) text += " at " + short_number(result.peak.omega) + " rad/s";
+  text += "\n\nas a loop under unity feedback: ";
+  text += result.closed_loop ? std::string(frac::to_string(result.closed_loop->stability))
+                             : "not judged, |L| does not fall below 1 at high frequency";
+  if (result.closed_loop && result.closed_loop->stability == frac::Stability::unstable) {
+    text += "\nthe closed loop is unstable: the margins below are those of an unstable loop, no reserve of stability";
+  }
+  text += "\ngain margin: factor " + short_number(result.margins.gain_margin) + " up, " +
+          short_number(result.margins.gain_reduction) +
+          " down\nphase margin: " + short_number(result.margins.phase_margin * 180 / std::numbers::pi) +
+          " deg\ndelay margin: " + short_number(result.margins.delay_margin) + " s\n";
+  if (!result.margins.remark.empty()) text += result.margins.remark + "\n";
+  return text;
+}
+
+// Scripts, SVG and PNG of the diagrams, into the folder. @return false with a message where gnuplot is missing or
+// fails.
+bool draw_pictures(const Command& command, const std::filesystem::path& target,
+                   const frac::FractionalTransferFunction& model) {
+  report::StagedFolder folder(target);
+  std::string script;
+  const auto gnuplot = report::find_gnuplot();
+  std::string trouble = gnuplot ? "" : "gnuplot was not found; the scripts are written";
+  for (const report::Figure& figure : report::model_figures(model, "model")) {
+    script = figure.name + ".gp";
+    folder.write(script, report::gnuplot_script(figure));
+    if (gnuplot && trouble.empty()) trouble = report::draw(*gnuplot, folder.path(), figure.name);
+  }
+  folder.publish(script);
+  if (!trouble.empty()) command.say(trouble);
+  return trouble.empty();
+}
+
+void make_folder(const std::string& path) {
+  std::error_code trouble;
+  std::filesystem::create_directories(path, trouble);
+  // Where a file stands in its place, creating nothing is no error to the library.
+  if (!trouble && !std::filesystem::is_directory(path)) trouble = std::make_error_code(std::errc::not_a_directory);
+  if (trouble) throw std::invalid_argument("--pictures " + path + ": cannot be made a folder: " + trouble.message());
+}
+
+class Analyse : public Command {
+ public:
+  Analyse() : Command("analyse", "Poles, stability, norms and margins of a fractional transfer function") {
+    Options& o = options();
+    add_model(o, model_).required();
+    o.parsed("--feedback", feedback_, formula_of,
+             "Analyse the closed loop model/(1 + model FORMULA) in place of the model; with dead time, give the loop "
+             "as the model: its analysis says whether it is stable when closed",
+             "FORMULA");
+    o.text("--pictures", pictures_,
+           "Draw Bode, Nyquist and Nichols diagrams and the step response into this folder (SVG, PNG, gnuplot)",
+           "FOLDER")
+        .unsaid();
+    add_common({"json", "table"});
+    set_footer(
+        "Examples:\n"
+        "  fracfit analyse \"1/(0.8 s^2.2 + 0.5 s^0.9 + 1)\" --format table\n"
+        "  fracfit analyse --model \"exp(-0.5 s)*2/(s^0.8 (s + 1))\" --out loop.json\n"
+        "  fracfit analyse --model \"(2 + 1/s^0.9)/(s^1.5 + s)\" --feedback 1");
+  }
+
+ private:
+  int run() override {
+    if (!pictures_.empty()) make_folder(pictures_);
+    const Analysis result = analysis_of(feedback_ ? frac::simplified(frac::feedback(*model_, *feedback_)) : *model_);
+    write(format() == "table" ? table_text(result) : json_text(result, command_line()));
+    if (result.stability.stability == frac::Stability::undetermined)
+      say("the stability is undetermined: the " + std::to_string(result.stability.poles.size()) +
+          " poles found are not as many as the argument principle counts, as where poles lie too close together to be "
+          "told apart");
+    const bool drawn = pictures_.empty() || draw_pictures(*this, pictures_, result.model);
+    return drawn && result.stability.stability != frac::Stability::undetermined ? usable_result : no_usable_result;
+  }
+
+  std::optional<frac::FractionalTransferFunction> model_, feedback_;
+  std::string pictures_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_analyse() {
+  return std::make_unique<Analyse>();
+}
+
+}  // namespace fracfit

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <set>
+#include <stdexcept>
+
+#include "batch/batch_fit.hpp"
+#include "batch/batch_power_law.hpp"
+#include "commands/subcommand.hpp"
+#include "frac/parallel_for.hpp"
+#include "frac/structure.hpp"
+#include "io/data_error.hpp"
+#include "io/input_files.hpp"
+#include "io/progress_bar.hpp"
+#include "io/result_stream.hpp"
+#include "io/sweep_file.hpp"
+#include "options/model_choice.hpp"
+#include "output/document.hpp"
+
+namespace fracfit {
+namespace {
+
+namespace fs = std::filesystem;
+
+void check_names(const frac::NamedModel& model) {
+  const auto names = frac::Structure(model.formula).parameter_names();
+  for (const auto& constraint : model.constraints) {
+    if (std::find(names.begin(), names.end(), constraint.name) == names.end())
+      throw std::invalid_argument("parameter " + io::quoted(constraint.name) + " does not occur in " + model.formula);
+    if (constraint.lower && constraint.upper && *constraint.lower > *constraint.upper)
+      throw std::invalid_argument("--bound " + constraint.name + ": the lower limit lies above the upper one");
+  }
+}
+
+// Rows that an interrupted run of the same command has left in the output and that still hold: fits of files that have
+// not changed since.
+std::map<std::string, std::string> finished_rows(const std::string& out, BatchFormat format,
+                                                 const BatchManifest& manifest, const std::vector<std::string>& files,
+                                                 const std::map<std::string, BatchCurve>& curves) {
+  std::map<std::string, std::string> rows;
+  std::error_code ignored;
+  if (!fs::is_regular_file(out, ignored) || fs::file_size(out, ignored) == 0) return rows;
+  const auto table = read_batch_table(out);
+  if (table.format != format || table.manifest.version != manifest.version ||
+      table.manifest.command != manifest.command || table.manifest.shard != manifest.shard ||
+      table.manifest.columns != manifest.columns)
+    throw std::invalid_argument("--out " + out + " holds the results of another command: " + table.manifest.command +
+                                (table.manifest.shard.empty() ? "" : " --shard " + table.manifest.shard) +
+                                " (fracfit " + table.manifest.version + "); remove it or choose another file");
+  const std::set<std::string> known(files.begin(), files.end());
+  for (const auto& [file, line] : table.rows) {
+    if (!known.contains(file))
+      throw std::invalid_argument("--out " + out + " holds a result for " + file +
+                                  ", which is not among the data; remove it or choose another file");
+    const auto row = read_row(format, manifest.columns, line).value();
+    const auto made_from = row.find(std::string(fingerprint_column));
+    if (row.at("status") == "converged" && made_from != row.end() && made_from->second == curves.at(file).fingerprint)
+      rows.emplace(file, line);
+  }
+  return rows;
+}
+
+// A law needs a variable that the data, or a column of every row, know.
+void check_variables(const std::vector<std::string>& laws, const BatchTask& task,
+                     const std::vector<BatchCurve>& curves) {
+  for (const auto& law : laws) {
+    const auto variable = power_law_request(law).variable;
+    const auto columns = batch_columns(task);
+    const bool of_headers = std::find(task.variables.begin(), task.variables.end(), variable) != task.variables.end();
+    if (!of_headers && std::find(columns.begin(), columns.end(), variable) != columns.end()) continue;
+    const auto known = variables_of(task, curves, variable);
+    if (known.empty() || std::find(known.begin(), known.end(), variable) != known.end()) continue;
+    std::vector<std::string> list = known;
+    for (const auto& model : task.models)
+      for (const frac::Structure structure(model.formula); const auto& name : structure.parameter_names())
+        list.push_back(name);
+    throw std::invalid_argument("--power-law " + io::quoted(law) + ": " + io::quoted(variable) +
+                                " is no number in the header of any file and no column of the rows; known are " +
+                                io::shortened_list(list));
+  }
+}
+
+// The trouble with data of which none can be read, as the rows tell it.
+void complain_of_data(BatchFormat format, const BatchManifest& manifest, const std::vector<std::string>& lines) {
+  const auto row = read_row(format, manifest.columns, lines.front()).value();
+  complain(row.at("message") +
+           (lines.size() > 1 ? "; nor can the other " + std::to_string(lines.size() - 1) + " curves be read" : ""));
+}
+
+std::string status_of(BatchFormat format, const BatchManifest& manifest, const std::string& line) {
+  return read_row(format, manifest.columns, line).value().at("status");
+}
+
+class Batch : public Command {
+ public:
+  Batch() : Command("batch", "Fits or identifies many curves, one row each") {
+    Options& o = options();
+    o.texts("DATA", data_, "Frequency responses, or folders of them (.csv, .tsv, .txt, .dat)", "FILE|FOLDER")
+        .required()
+        .unsaid();
+    o.text("--model", model_, "or a preset; letters other than s are parameters").suggest(preset_names());
+    o.text("--models", models_);
+    o.exactly_one({"--model", "--models"}, "the structure, which is fitted, or several, which are ranked");
+    add_residual_options(o, request_);
+    add_points_and_seed(o, request_);
+    add_parameter_options(o, parameters_);
+    for (const char* name : {"--fix", "--bound", "--start"}) o[name].not_with({"--models"});
+    o.text("--by", request_.key_column,
+           "Column whose value tells apart the curves that follow each other in one file, e.g. force_n", "COLUMN");
+    o.texts("--power-law", laws_,
+            "Parameter as a power of an entry of the file headers, of the --by column, or of the labels of columns "
+            "(curve), e.g. a:force_n; repeatable",
+            "PARAMETER:VARIABLE")
+        .not_with({"--models"}, "as parameters of different structures form no law");
+    o.text("--shard", shard_, "the pieces are curves").unsaid();
+    add_common({"csv", "jsonl", "table"});
+    set_footer(
+        "Several curves in one file: columns re_<label>,im_<label> (or magnitude_<label>,phase_deg_<label>) for each, "
+        "or\n"
+        "rows told apart by the column --by names.  Their rows are named FILE#LABEL.\n"
+        "With --out each row reaches the file as soon as it is finished; the same command again does what is left "
+        "over\n"
+        "from an interrupted run, and again what failed or whose file has changed since.\n"
+        "Examples:\n"
+        "  fracfit batch sweeps --model power-law --where 'omega<4' --power-law K:force_n --out fits.csv\n"
+        "  fracfit batch sweeps --models power-law,lag,gain --shard 2/4 --out part2.csv\n"
+        "  fracfit batch all.csv --by force_n --model power-law --power-law K:force_n\n"
+        "  fracfit merge part1.csv part2.csv part3.csv part4.csv --out all.csv");
+  }
+
+ private:
+  [[nodiscard]] std::string format() const override {
+    return !options()["--format"].is_given() && out().ends_with(".jsonl") ? "jsonl" : Command::format();
+  }
+  // A table for people is made from CSV.
+  [[nodiscard]] BatchFormat row_format() const { return format() == "jsonl" ? BatchFormat::jsonl : BatchFormat::csv; }
+
+  void check() override {
+    static_cast<void>(shard_of("--shard", shard_));
+    for (const auto& text : request_.where) static_cast<void>(io::PointFilter(text));
+    const bool ranked = model_.empty();
+    task_ = {request_, fit_options(request_), {}, {"force_n", "clearance_m", "restitution"}, ranked};
+    if (ranked) {
+      task_.models = chosen_models(models_);
+    } else {
+      task_.models = {chosen_model(model_)};
+      task_.models.front().constraints = constraints_of(task_.models.front(), parameters_);
+    }
+    const auto has = [](const std::vector<std::string>& list, const std::string& name) {
+      return std::find(list.begin(), list.end(), name) != list.end();
+    };
+    const auto& key = request_.key_column;
+    if (!key.empty() && !has(task_.variables, key)) task_.variables.push_back(key);
+    for (const auto& model : task_.models) check_names(model);
+    for (const auto& law : laws_) {
+      const auto request = power_law_request(law);
+      const std::string& formula = task_.models.front().formula;
+      if (!has(frac::Structure(formula).parameter_names(), request.parameter))
+        throw std::invalid_argument("--power-law " + io::quoted(law) + ": " + io::quoted(request.parameter) +
+                                    " is no parameter of " + formula);
+      if (!has(batch_columns(task_), request.variable)) task_.variables.push_back(request.variable);
+    }
+  }
+
+  [[nodiscard]] std::vector<std::string> inputs() const override { return data_; }
+
+  int run() override {
+    const auto rows_format = row_format();
+    const bool to_file = !out().empty() && out() != "-";
+    std::vector<std::string> inputs;
+    std::map<std::string, BatchCurve> curves;
+    for (auto& curve : curves_of(io::input_files(data_, to_file ? out() : ""), request_.key_column)) {
+      inputs.push_back(curve.name);
+      if (!curves.emplace(curve.name, curve).second)
+        throw std::invalid_argument("two curves have the name " + io::quoted(curve.name) +
+                                    "; rename a file or a column");
+    }
+    const auto files = io::part_of(inputs, shard_of("--shard", shard_));
+    std::vector<BatchCurve> in_order;
+    for (const auto& name : inputs) in_order.push_back(curves.at(name));
+    if (const auto fault = fault_of_command(task_, in_order); !fault.empty()) throw std::invalid_argument(fault);
+    check_variables(laws_, task_, in_order);
+    const BatchManifest manifest{std::string(io::version()), command_line(), shard_, laws_, inputs,
+                                 batch_columns(task_)};
+    const auto header = header_text(rows_format, manifest);
+
+    std::unique_ptr<io::ResultStream> stream;
+    if (to_file)
+      stream =
+          std::make_unique<io::ResultStream>(out(), header, finished_rows(out(), rows_format, manifest, files, curves));
+    std::vector<std::string> lines(files.size());
+    frac::Progress progress;
+    progress.total = files.size();
+    {
+      const io::ProgressBar bar("batch", progress, !is_quiet());
+      frac::parallel_for(files.size(), threads(), [&](std::size_t i) {
+        if (stream && stream->contains(files[i])) {
+          lines[i] = stream->line(files[i]);
+        } else {
+          lines[i] = row_line(rows_format, batch_row(task_, curves.at(files[i])));
+          if (stream) stream->append(files[i], lines[i]);
+        }
+        ++progress.done;
+      });
+    }
+    std::string text = header;
+    for (const auto& line : lines) text += line + "\n";
+    const auto laws = shard_.empty() ? power_law_remarks(rows_format, manifest, lines) : PowerLawRemarks{};
+    const std::string end = shard_.empty() ? laws.text : shard_end(rows_format, text);
+    if (stream)
+      stream->finish(text + end);
+    else
+      write(format() == "table" ? text_of(document_of(text), "table", command_line()) : text + end);
+    std::size_t converged = 0, unreadable = 0;
+    for (const auto& line : lines) {
+      const auto status = status_of(rows_format, manifest, line);
+      converged += status == "converged" ? 1U : 0U;
+      unreadable += status == "invalid-data" ? 1U : 0U;
+    }
+    if (!files.empty() && unreadable == files.size()) {
+      complain_of_data(rows_format, manifest, lines);
+      return invalid_data;
+    }
+    for (const auto& note : laws.notes) say(note);
+    if (converged < files.size())
+      say(std::to_string(files.size() - converged) + " of " + std::to_string(files.size()) +
+          " curves gave no result; see column status");
+    return converged > 0 || files.empty() ? usable_result : no_usable_result;
+  }
+
+  FitRequest request_;
+  std::vector<std::string> data_, laws_;
+  std::string model_, models_, shard_;
+  ParameterOptions parameters_;
+  BatchTask task_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_batch() {
+  return std::make_unique<Batch>();
+}
+
+}  // namespace fracfit

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <optional>
+#include <stdexcept>
+
+#include "commands/subcommand.hpp"
+#include "frac/structure.hpp"
+#include "io/time_series_file.hpp"
+#include "options/fit_request.hpp"
+#include "options/model_choice.hpp"
+#include "options/time_request.hpp"
+#include "output/fit_output.hpp"
+#include "output/fit_statistics.hpp"
+
+namespace fracfit {
+namespace {
+
+struct Fitted {
+  frac::FitResult result;
+  std::optional<frac::Growth> growth;
+};
+
+class Fit : public Command {
+ public:
+  Fit() : Command("fit", "Fits one structure to a frequency response, or to samples of input and output over time") {
+    constexpr std::size_t fewest_samples = 20;
+    Options& o = options();
+    add_data(o, request_);
+    o.text("--model", model_, "or a preset; letters other than s are parameters").suggest(preset_names()).or_argument();
+    o.choice("--grow", grow_, frac::growth_families(),
+             "Instead of --model a family, grown by a term at a time while the data pay for it", "FAMILY");
+    o.exactly_one({"--model", "--grow"}, "the structure, or the family to grow it in");
+    add_residual_options(o, request_);
+    add_time_options(o, over_time_);
+    add_points_and_seed(o, request_);
+    add_parameter_options(o, parameters_);
+    for (const char* name : {"--fix", "--bound", "--start"})
+      o[name].not_with({"--grow"}, "whose parameters differ from structure to structure");
+    o.flag("--profile", statistics_.profile,
+           "Add profile-likelihood intervals of every parameter: they follow the cost itself");
+    o.count("--bootstrap", bootstrap_, fewest_samples, largest_table,
+            "Add intervals from N refits to resampled residuals, N >= 20", "N");
+    add_common({"json", "csv", "table"});
+    set_footer(
+        "Samples over time take --weight given (the default where the file has a column sigma) or absolute, --where\n"
+        "with t (s), input or output (the input drives the model throughout), and none of --component, --realisation,\n"
+        "--band, --poles, --sample-time and --memory.\n"
+        "Presets:\n" +
+        preset_list() +
+        "Examples:\n"
+        "  fracfit fit curve.csv --model power-law --where 'omega<4'\n"
+        "  fracfit fit cell.csv --model 'R0 + R1/(1 + R1 Q1 s^n1)' --component both --bound n1=:1 --profile\n"
+        "  fracfit fit cell.csv --grow arcs --component both\n"
+        "  fracfit fit step.csv --model 'K exp(-L s)/(T s^a + 1)'      # columns time_s,input,output\n"
+        "  fracfit fit curve.csv --model 'K/(T s^a + 1)' --where 'omega<4' --realisation oustaloup --band 0.01:1000 "
+        "--poles 9 --out fit.json");
+  }
+
+ private:
+  void check() override {
+    if (!grow_) {
+      chosen_ = chosen_model(model_);
+      // Names and ranges of the parameters of a rational family are known with the data only.
+      if (!chosen_.rational) {
+        const frac::Structure parsed(chosen_.formula);
+        chosen_.constraints = constraints_of(chosen_, parameters_);
+      }
+    }
+    statistics_.bootstrap_samples = bootstrap_.value_or(0);
+  }
+
+  // Leaves in `options` the constraints the fit was made with.
+  template <class Data, class FitOptions>
+  Fitted fitted(const Data& data, FitOptions& fit) const {
+    if (!grow_ && chosen_.rational) {
+      const auto model = frac::resolved_model(data, chosen_, fit);
+      fit.constraints = constraints_of(model, parameters_);
+      fit.global_start = false;
+      return {frac::fit(data, frac::Structure(model.formula), fit), std::nullopt};
+    }
+    if (!grow_) return {frac::fit(data, frac::Structure(chosen_.formula), fit), std::nullopt};
+    auto growth = frac::grow(data, *grow_, fit);
+    fit.constraints = growth.models.at(growth.chosen).constraints;
+    auto result = growth.fits.at(growth.chosen);
+    return {std::move(result), std::move(growth)};
+  }
+
+  template <class Data, class FitOptions>
+  int fit_and_write(const Data& data, FitOptions fit, const FitRun& run) {
+    const auto [result, growth] = fitted(data, fit);
+    auto statistics = fit_statistics(data, fit, result, statistics_, threads());
+    statistics.growth = growth;
+    write(format() == "json"  ? fit_json(run, result, statistics)
+          : format() == "csv" ? fit_csv(run, result, statistics)
+                              : fit_table(run, result, statistics));
+    if (result.termination == frac::FitTermination::converged) return usable_result;
+    say("no usable result: " + result.message);
+    return no_usable_result;
+  }
+
+  [[nodiscard]] std::vector<std::string> inputs() const override { return {request_.data}; }
+
+  int run() override {
+    const auto note = [this](const std::string& text) { say(text); };
+    if (io::holds_time_response(request_.data)) {
+      options().settle(samples_over_time);
+      const auto fit = time_fit_options(request_, over_time_, options(), chosen_.constraints);
+      const auto record = read_time_record(request_, over_time_, options(), note);
+      return fit_and_write(record.data, fit, time_fit_run(request_, record, options(), command_line()));
+    }
+    options().settle(frequency_response);
+    auto fit = fit_options(request_);
+    fit.constraints = chosen_.constraints;
+    const auto file = read_data(request_, note);
+    return fit_and_write(file.data, fit, fit_run(request_, options(), file, command_line()));
+  }
+
+  FitRequest request_;
+  std::string model_;
+  std::optional<frac::GrowthFamily> grow_;
+  frac::NamedModel chosen_{};
+  ParameterOptions parameters_;
+  TimeRequest over_time_;
+  StatisticsRequest statistics_;
+  std::optional<std::size_t> bootstrap_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_fit() {
+  return std::make_unique<Fit>();
+}
+
+}  // namespace fracfit

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "frac/identification/identify.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+
+#include "backlash/static_backlash.hpp"
+#include "commands/subcommand.hpp"
+#include "frac/identification/model_choice.hpp"
+#include "frac/parallel_for.hpp"
+#include "io/time_series_file.hpp"
+#include "options/fit_request.hpp"
+#include "options/model_choice.hpp"
+#include "options/time_request.hpp"
+#include "output/fit_output.hpp"
+
+namespace fracfit {
+namespace {
+
+// rms of cross-validation for each candidate; that of a fixed curve, which nothing was fitted to, is its own.
+template <class Data, class Options>
+std::vector<double> prediction_rms(const Data& data, const Options& options, const frac::IdentificationResult& result,
+                                   std::size_t folds, const Command& command) {
+  std::vector<double> rms(result.ranking.size(), std::numeric_limits<double>::quiet_NaN());
+  std::vector<std::string> notes(rms.size());
+  frac::parallel_for(rms.size(), command.threads(), [&](std::size_t i) {
+    const auto& candidate = result.ranking[i];
+    if (candidate.model_class == frac::ModelClass::fixed_curve) {
+      rms[i] = candidate.fit.rms;
+      return;
+    }
+    auto of_model = options;
+    of_model.constraints = candidate.model.constraints;
+    // A rational model stands where its search ended.
+    of_model.global_start = !candidate.name.starts_with("rational:");
+    try {
+      rms[i] = frac::cross_validation(data, frac::Structure(candidate.fit.model), of_model, folds);
+    } catch (const std::invalid_argument& error) {
+      notes[i] = "no cross-validation of " + candidate.name + ": " + error.what();
+    }
+  });
+  for (const auto& note : notes)
+    if (!note.empty()) command.say(note);
+  return rms;
+}
+
+class Identify : public Command {
+ public:
+  Identify()
+      : Command("identify",
+                "Ranks fractional, integer-order and static-backlash structures on a frequency response, or the first "
+                "two on samples of input and output over time") {
+    Options& o = options();
+    add_data(o, request_);
+    o.text("--models", models_text_, "and rational families such as rational:1..8, rational:2/4, rational:1..4+delay")
+        .default_is("all presets, rational and rational+delay");
+    add_residual_options(o, request_);
+    add_time_options(o, over_time_);
+    add_points_and_seed(o, request_);
+    const auto of_static_backlash = [&](const char* name, std::optional<double>& value) -> Option& {
+      return o.number(name, value, "of the static-backlash candidate").only_for(frequency_response);
+    };
+    of_static_backlash("--clearance", clearance_);
+    of_static_backlash("--force", force_);
+    of_static_backlash("--mass1", mass1_).default_is("1");
+    of_static_backlash("--mass2", mass2_).default_is("1");
+    o.count("--folds", folds_, 2, largest_table,
+            "Cross-validate each candidate: predict each of K blocks of neighbouring points from the others", "K");
+    add_common({"json", "csv", "table"});
+    set_footer(
+        "Samples over time take and refuse the same options as in fit, and none of --clearance, --force, --mass1 and "
+        "--mass2.\n"
+        "Examples:\n"
+        "  fracfit identify curve.csv --where 'omega<4'\n"
+        "  fracfit identify step.csv --models 'lag,lag-delay,oscillator,fractional-lag,fractional-lag-delay'\n"
+        "  fracfit identify cell.csv --component both --models 'zarc,two-zarc,r-rc,two-rc' --out ranking.json\n"
+        "  fracfit identify curve.csv --where 'omega<4' --clearance 0.3 --force 40 --format table");
+  }
+
+ private:
+  void check() override { models_ = chosen_models(models_text_); }
+
+  // Takes from the header that `simulate` writes what the options leave open.
+  // @return whether there is a static-backlash candidate
+  bool complete_scene(const io::Metadata& header) {
+    if (!force_ && !clearance_ && !io::find_value(header, "force_n") && !io::find_value(header, "clearance_m")) {
+      if (mass1_ || mass2_)
+        throw std::invalid_argument(
+            "--mass1 and --mass2 have no meaning without --force and --clearance, which add the static-backlash curve");
+      return false;
+    }
+    std::string taken;
+    const auto complete = [&](const char* name, std::optional<double>& value, const char* key) {
+      if (value) return;
+      const auto found = io::find_value(header, key);
+      if (!found) return;
+      value = number_of(name, std::string(*found));
+      options()[name].say(std::string(*found));
+      taken += (taken.empty() ? "" : ", ") + std::string(key) + " = " + std::string(*found);
+    };
+    complete("--force", force_, "force_n");
+    complete("--clearance", clearance_, "clearance_m");
+    complete("--mass1", mass1_, "mass1_kg");
+    complete("--mass2", mass2_, "mass2_kg");
+    if (!force_) throw std::invalid_argument("--clearance needs --force for the static-backlash curve");
+    if (!clearance_) throw std::invalid_argument("--force needs --clearance for the static-backlash curve");
+    for (const auto& [name, value] : {std::pair{"--mass1", &mass1_}, std::pair{"--mass2", &mass2_}}) {
+      if (*value) continue;
+      *value = 1;
+      options()[name].say("1");
+    }
+    if (!taken.empty()) say(request_.data + ": the static-backlash curve takes from the header " + taken);
+    return true;
+  }
+
+  template <class Data, class FitOptions>
+  int write_ranking(const Data& data, const FitOptions& fit, const frac::IdentificationResult& result,
+                    const FitRun& run) {
+    for (const auto& skipped : result.skipped) say("skipped " + skipped);
+    const auto predictions = folds_ ? prediction_rms(data, fit, result, *folds_, *this) : std::vector<double>{};
+    write(format() == "json"  ? identification_json(run, result, predictions)
+          : format() == "csv" ? identification_csv(run, result, predictions)
+                              : identification_table(run, result, predictions));
+    if (result.ranking.at(result.chosen).fit.termination == frac::FitTermination::converged) return usable_result;
+    say("no usable result: " + result.ranking.at(result.chosen).fit.message);
+    return no_usable_result;
+  }
+
+  void check_folds(std::size_t points) const {
+    if (folds_ && *folds_ > points)
+      throw std::invalid_argument("--folds " + std::to_string(*folds_) + ": more than the " + std::to_string(points) +
+                                  " points of " + request_.data);
+  }
+
+  int run_over_time() {
+    options().settle(samples_over_time);
+    const auto fit = time_fit_options(request_, over_time_, options(), {});
+    const auto record =
+        read_time_record(request_, over_time_, options(), [this](const std::string& note) { say(note); });
+    check_folds(record.data.observed().size());
+    // Rational families are grown on frequency responses only.
+    if (models_text_.empty()) std::erase_if(models_, [](const auto& model) { return model.rational.has_value(); });
+    const auto result = frac::identify(record.data, models_, fit, threads());
+    return write_ranking(record.data, fit, result, time_fit_run(request_, record, options(), command_line()));
+  }
+
+  [[nodiscard]] std::vector<std::string> inputs() const override { return {request_.data}; }
+
+  int run() override {
+    if (io::holds_time_response(request_.data)) return run_over_time();
+    options().settle(frequency_response);
+    const auto fit = fit_options(request_);
+    const auto file = read_data(request_, [this](const std::string& note) { say(note); });
+    check_folds(file.data.size());
+    std::vector<frac::FixedCurve> curves;
+    if (complete_scene(file.metadata)) {
+      curves.push_back({"static-backlash", backlash::static_describing_function(*mass1_, *mass2_, *clearance_, *force_,
+                                                                                file.data.omega())});
+      if (io::find_value(file.metadata, "output") == "x2")
+        say(request_.data + ": the data are of x2, while the static-backlash curve describes x1");
+    }
+    const auto result = frac::identify(file.data, models_, curves, fit, threads());
+    return write_ranking(file.data, fit, result, fit_run(request_, options(), file, command_line()));
+  }
+
+  FitRequest request_;
+  TimeRequest over_time_;
+  std::string models_text_;
+  std::vector<frac::NamedModel> models_;
+  std::optional<double> force_, clearance_, mass1_, mass2_;
+  std::optional<std::size_t> folds_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_identify() {
+  return std::make_unique<Identify>();
+}
+
+}  // namespace fracfit

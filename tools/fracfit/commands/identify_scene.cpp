@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+
+#include "backlash/identification/scene_identification.hpp"
+#include "commands/subcommand.hpp"
+#include "io/data_error.hpp"
+#include "io/frequency_response_file.hpp"
+#include "io/number.hpp"
+#include "output/identify_scene_output.hpp"
+
+namespace fracfit {
+namespace {
+
+// NAME=TEXT; m1 and m2 stand for mass1 and mass2.
+std::pair<std::string, std::string> assignment(const char* option, const std::string& text) {
+  const auto equals = text.find('=');
+  if (equals == std::string::npos || equals == 0)
+    throw std::invalid_argument(std::string(option) + " " + io::quoted(text) +
+                                ": expected NAME=" + (option == std::string("--fix") ? "VALUE" : "LOW:HIGH"));
+  std::string name = text.substr(0, equals);
+  if (name == "m1") name = "mass1";
+  if (name == "m2") name = "mass2";
+  return {name, text.substr(equals + 1)};
+}
+
+std::vector<frac::ParameterConstraint> constraints_of(const std::vector<std::string>& fix,
+                                                      const std::vector<std::string>& bound) {
+  std::vector<frac::ParameterConstraint> constraints;
+  for (const auto& text : fix) {
+    const auto [name, value] = assignment("--fix", text);
+    constraints.push_back({name, number_of("--fix " + name, value), {}, {}, {}});
+  }
+  for (const auto& text : bound) {
+    const auto [name, range] = assignment("--bound", text);
+    const auto [lower, upper] = pair_of("--bound", range);
+    frac::ParameterConstraint constraint{name, {}, {}, {}, {}};
+    if (!lower.empty()) constraint.lower = number_of("--bound " + name, lower);
+    if (!upper.empty()) constraint.upper = number_of("--bound " + name, upper);
+    constraints.push_back(constraint);
+  }
+  return constraints;
+}
+
+// One curve of the data: a file, or the rows of a scene in it.
+struct CurveSource {
+  std::string file;
+  io::Metadata rows;
+};
+
+class IdentifyScene : public Command {
+ public:
+  IdentifyScene()
+      : Command("identify-scene",
+                "Estimates clearance, restitution and masses from describing functions of two masses") {
+    Options& o = options();
+    o.texts("DATA", data_,
+            "Frequency responses in m/N, one per force amplitude: CSV or TSV as for `fit`, or tables of several "
+            "forces as simulate writes them",
+            "FILE")
+        .required();
+    o.numbers("--force", force_, "one per file or one for all").default_is("the files' lines '# force_n: VALUE'");
+    o.choice("--body", body_, backlash::outputs()).default_is("as the files say, else x1");
+    o.choice("--component", scene_.component,
+             std::array{frac::Component::both, frac::Component::real, frac::Component::imaginary});
+    o.choice("--weight", scene_.weight, std::array{frac::Weight::relative, frac::Weight::given, frac::Weight::absolute},
+             "relative |data|; given the files' sigma or weight column; absolute nothing");
+    o.texts("--fix", fix_, "of mass1, mass2, clearance and restitution; x1 needs a mass or the clearance");
+    o.texts("--bound", bound_);
+    o.texts("--where", where_, "of re, im, magnitude, omega or f, or of any column of the files");
+    o.flag("--compare", compare_,
+           "Also rank static backlash, fractional and integer-order structures on the same points");
+    add_common({"json", "table"});
+    set_footer(
+        "Examples:\n"
+        "  fracfit identify-scene f10.csv f30.csv f50.csv --fix mass1=1\n"
+        "  fracfit identify-scene a.csv b.csv --force 10,50 --body x2 --component imaginary --fix mass1=1\n"
+        "  fracfit identify-scene f*.csv --fix mass1=1 --fix mass2=1 --compare --format table");
+  }
+
+ private:
+  void check() override {
+    scene_.constraints = constraints_of(fix_, bound_);
+    for (const auto& text : where_) reading_.where.emplace_back(text);
+    if (force_.size() > 1 && force_.size() != data_.size())
+      throw std::invalid_argument("--force names " + std::to_string(force_.size()) + " amplitudes for " +
+                                  std::to_string(data_.size()) + " files; expected one for all or one per file");
+  }
+
+  [[nodiscard]] std::vector<std::string> inputs() const override { return data_; }
+
+  [[nodiscard]] std::vector<CurveSource> sources() const {
+    std::vector<CurveSource> all;
+    for (const auto& file : data_) {
+      const auto scenes = io::scenes_in(file, reading_.where);
+      if (scenes.empty()) all.push_back({file, {}});
+      for (const auto& scene : scenes) {
+        for (const auto& [column, value] : scene)
+          if (column != "force_n")
+            throw std::invalid_argument(file + " holds curves of different pairs of masses, told apart by column " +
+                                        column + "; take one pair by --where '" + column + "==" + value + "'");
+        all.push_back({file, scene});
+      }
+      if (!scenes.empty() && !force_.empty())
+        throw std::invalid_argument("--force has no meaning with " + file + ", whose column force_n tells the forces");
+    }
+    return all;
+  }
+
+  [[nodiscard]] double force_of(std::size_t i, const std::string& name, const io::FrequencyResponseFile& file) const {
+    if (!force_.empty()) return force_.size() == 1 ? force_.front() : force_[i];
+    const auto header = io::find_value(file.metadata, "force_n");
+    if (!header)
+      throw std::invalid_argument(name + " has no line '# force_n: VALUE'; give the force amplitudes by --force");
+    const auto value = io::parse_number(*header);
+    if (!value || !(*value > 0) || *value == std::numeric_limits<double>::infinity())
+      throw io::DataError(name, 0, 0, "has force_n " + io::quoted(*header) + "; expected a positive number of newtons");
+    return *value;
+  }
+
+  // Reads the files; completes the curves, their force amplitudes and the body measured.
+  std::vector<backlash::MeasuredDescribingFunction> read(SceneRun& run) {
+    std::vector<backlash::MeasuredDescribingFunction> curves;
+    std::string body = body_ ? std::string(backlash::to_string(*body_)) : "";
+    for (const auto& [name, rows] : sources()) {
+      reading_.rows = rows;
+      auto file = io::read_frequency_response(name, reading_);
+      for (const auto& note : file.notes) say(name + ": " + note);
+      if (scene_.weight == frac::Weight::given && file.data.sigma().empty())
+        throw io::DataError(name, 0, 0, "has no column sigma or weight; expected one with --weight given");
+      const std::string measured{io::find_value(file.metadata, "output").value_or(std::string_view{})};
+      if (!measured.empty() && body.empty()) body = measured;
+      if (!measured.empty() && measured != body)
+        throw std::invalid_argument(name + " is of " + measured + ", not of " + body +
+                                    "; all files must be of the same mass");
+      run.files.push_back(name);
+      run.forces.push_back(force_of(curves.size(), name, file));
+      curves.push_back({std::move(file.data), run.forces.back()});
+    }
+    scene_.output = backlash::output_from_string(body.empty() ? "x1" : body);
+    return curves;
+  }
+
+  int run() override {
+    scene_.threads = threads();
+    SceneRun run{"", {}, {}, {}};
+    const auto curves = read(run);
+    const auto result = backlash::identify_scene(curves, scene_);
+    std::optional<backlash::SceneComparison> comparison;
+    if (compare_ && result.termination != frac::FitTermination::no_usable_start)
+      comparison = backlash::compare_explanations(curves, scene_, result);
+
+    std::string forces;
+    for (const double force : run.forces) forces += (forces.empty() ? "" : ",") + io::format_number(force);
+    const std::string body(backlash::to_string(scene_.output));
+    // A table of several forces tells them itself.
+    if (run.files.size() == data_.size()) options()["--force"].say(forces);
+    options()["--body"].say(body);
+    run.command = command_line();
+    run.options = {{"output", body}};
+    for (auto& entry : options().entries({"--component", "--weight"})) run.options.push_back(std::move(entry));
+    write(format() == "json" ? scene_json(run, result, comparison) : scene_table(run, result, comparison));
+    const bool found = result.termination == frac::FitTermination::converged &&
+                       std::any_of(result.parameters.begin(), result.parameters.end(),
+                                   [](const auto& parameter) { return parameter.identified; });
+    if (!found) say("no usable result: " + result.message);
+    return found ? usable_result : no_usable_result;
+  }
+
+  std::vector<std::string> data_, fix_, bound_, where_;
+  std::vector<double> force_;
+  std::optional<backlash::Output> body_;
+  backlash::SceneIdentificationOptions scene_;
+  io::FrequencyResponseReadOptions reading_;
+  bool compare_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_identify_scene() {
+  return std::make_unique<IdentifyScene>();
+}
+
+}  // namespace fracfit

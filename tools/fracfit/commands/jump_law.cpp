@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "backlash/identification/jump_law.hpp"
+
+#include <algorithm>
+
+#include "commands/subcommand.hpp"
+#include "io/progress_bar.hpp"
+#include "options/scene_options.hpp"
+#include "output/jump_law_output.hpp"
+
+namespace fracfit {
+namespace {
+
+class JumpLaw : public Command {
+ public:
+  JumpLaw() : Command("jump-law", "Jump frequency over force and clearance, and its power laws") {
+    Options& o = options();
+    o.flag("--constants", constants_,
+           "Instead of the laws c = w_J/sqrt(F/(M2 Delta)) over restitution, with what happens at each jump");
+    // By default the grid of the paper's figs. 9 and 10.
+    o.parsed("--restitution", restitution_, scene_values_of, "averaged over: list or grid")
+        .otherwise("0,0.2,0.4,0.6,0.8,1");
+    o.choice("--criterion", criterion_, backlash::jump_criteria());
+    o.parsed("--force", force_, scene_values_of, "list or grid").otherwise("10,20,30,40,50");
+    o.parsed("--clearance", clearance_, scene_values_of, "list or grid")
+        .otherwise("0.01,0.025,0.05,0.1,0.2,0.3,0.4,0.5");
+    add_masses(o, mass1_, mass2_);
+    add_common({"json", "csv", "table"});
+    set_footer(
+        "Examples:\n"
+        "  fracfit jump-law\n"
+        "  fracfit jump-law --criterion symmetry-loss --restitution 0.2,0.4,0.6,0.8 --out law.json\n"
+        "  fracfit jump-law --force 10:50:9 --clearance 0.01:0.5:12log --format table\n"
+        "  fracfit jump-law --constants --restitution 0:1:101 --format csv --out constants.csv");
+  }
+
+ private:
+  template <class Function>
+  auto over_grid(Function function) const {
+    require_table_size(
+        {{"--force", force_.size()}, {"--clearance", clearance_.size()}, {"--restitution", restitution_.size()}});
+    frac::Progress progress;
+    const io::ProgressBar bar("jump-law", progress, !is_quiet());
+    return function(mass1_, mass2_, force_, clearance_, restitution_, criterion_, threads(), &progress);
+  }
+
+  // Constants that depend on restitution alone are those of any scene; their command line names none.
+  void leave_out_scene() {
+    if (criterion_ == backlash::JumpCriterion::largest_discontinuity) return;
+    bool scene_given = false;
+    for (const char* name : {"--force", "--clearance", "--mass1", "--mass2"}) {
+      scene_given |= options()[name].is_given();
+      options()[name].say("");
+    }
+    if (scene_given)
+      say("by criterion " + std::string(backlash::to_string(criterion_)) +
+          " the constants depend on restitution alone; --force, --clearance, --mass1 and --mass2 do not change them");
+  }
+
+  int run_constants() {
+    leave_out_scene();
+    const auto grid = over_grid(backlash::jump_grid);
+    write(format() == "json"  ? jump_constants_json(command_line(), grid)
+          : format() == "csv" ? jump_constants_csv(command_line(), grid)
+                              : jump_constants_table(grid));
+    if (averaged_count(grid) > 0) return usable_result;
+    say("no restitution has a jump by this criterion");
+    return no_usable_result;
+  }
+
+  int run_laws() {
+    const JumpLawRun run{command_line(), mass1_, mass2_};
+    const auto law = over_grid(backlash::fit_jump_law);
+    if (law.message.empty() || format() != "table")
+      write(format() == "json"  ? jump_law_json(run, law)
+            : format() == "csv" ? jump_law_csv(run, law)
+                                : jump_law_table(run, law));
+    if (law.message.empty()) return usable_result;
+    say(law.message);
+    return no_usable_result;
+  }
+
+  int run() override { return constants_ ? run_constants() : run_laws(); }
+
+  bool constants_ = false;
+  std::vector<double> restitution_, force_, clearance_;
+  backlash::JumpCriterion criterion_ = backlash::JumpCriterion::two_impact_loss;
+  double mass1_ = 1, mass2_ = 1;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_jump_law() {
+  return std::make_unique<JumpLaw>();
+}
+
+}  // namespace fracfit

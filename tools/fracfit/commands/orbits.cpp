@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+
+#include "backlash/orbit_continuation.hpp"
+#include "commands/subcommand.hpp"
+#include "io/progress_bar.hpp"
+#include "options/scene_options.hpp"
+#include "output/orbits_output.hpp"
+
+namespace fracfit {
+namespace {
+
+class Orbits : public Command {
+ public:
+  Orbits()
+      : Command("orbits",
+                "Branches of periodic orbits over frequency, force, clearance or restitution, stable and unstable, "
+                "with their bifurcations") {
+    constexpr std::size_t most = 1000;
+    constexpr const char* why = "which is what changes from --from to --to; leave it out";
+    const auto changes = [](const char* parameter) { return Condition{"--parameter", {parameter}}; };
+    Options& o = options();
+    add_scene(o, scene_);
+    o["--force"].not_with(changes("force"), why);
+    o["--clearance"].not_with(changes("clearance"), why);
+    o.choice("--parameter", parameter_, backlash::orbit_parameters(), "What changes", "NAME");
+    o.number("--from", from_, "Its lowest value (rad/s, N, m or 1)", "VALUE").required();
+    o.number("--to", to_, "Its highest value", "VALUE").required();
+    o.one_number("--omega", omega_, "unless it changes")
+        .not_with(changes("omega"), why)
+        .needed_with({"--parameter", {"force", "clearance", "restitution"}});
+    o.one_number("--restitution", restitution_, "unless it changes")
+        .not_with(changes("restitution"), why)
+        .needed_with({"--parameter", {"omega", "force", "clearance"}});
+    o.choice("--body", continuation_.output, backlash::outputs());
+    o.count("--longest-period", continuation_.longest_period, 1, most, "Force periods of the longest orbits kept", "N");
+    o.count("--most-impacts", continuation_.most_impacts, 2, most, "Impacts of the longest orbits kept", "N");
+    add_common({"csv", "json", "table"});
+    set_footer(
+        "With force, clearance and masses 1 the frequency is that over sqrt(F/(M2 Delta)).\n"
+        "Not every orbit is promised: one that attracts few starts and does not hang together with the others by\n"
+        "bifurcations may be missed; fracfit basins shows what the starts of one scene settle on.\n"
+        "Orbits in which the masses rest in contact are not followed: a branch ends at the grazing before; simulate "
+        "and\nmap give them (regime chatter), each the only one that its stick leaves.\n"
+        "Examples:\n"
+        "  fracfit orbits --restitution 0.6 --from 1.3 --to 2.5\n"
+        "  fracfit orbits --parameter restitution --omega 1.6 --from 0.1 --to 0.95\n"
+        "  fracfit orbits --restitution 0.6 --force 40 --clearance 0.3 --from 14 --to 25 --format json --out "
+        "orbits.json");
+  }
+
+ private:
+  int run() override {
+    const bool over_restitution = parameter_ == backlash::OrbitParameter::restitution;
+    const backlash::TwoMassSystem system = scene_.system(over_restitution ? 0 : restitution_);
+    const double omega = parameter_ == backlash::OrbitParameter::omega ? from_ : omega_;
+    continuation_.threads = threads();
+    frac::Progress progress;
+    const auto diagram = [&] {
+      const io::ProgressBar bar("orbits", progress, !is_quiet());
+      return backlash::orbit_diagram(system, scene_.force, omega, parameter_, from_, to_, continuation_, &progress);
+    }();
+    write(format() == "json" ? orbits_json(diagram, command_line()) : orbits_text(diagram, format(), command_line()));
+    if (diagram.branches.empty()) {
+      say("no periodic orbit without rests between these values");
+      return no_usable_result;
+    }
+    const auto lost = std::count_if(diagram.branches.begin(), diagram.branches.end(), [](const auto& branch) {
+      const auto failed = [](backlash::BranchEnd end) {
+        return end == backlash::BranchEnd::lost || end == backlash::BranchEnd::too_long;
+      };
+      return failed(branch.begin) || failed(branch.end);
+    });
+    if (lost > 0) say(std::to_string(lost) + " branches could not be followed to their end");
+    return usable_result;
+  }
+
+  Scene scene_;
+  backlash::OrbitParameter parameter_ = backlash::OrbitParameter::omega;
+  double from_ = NAN, to_ = NAN, omega_ = NAN, restitution_ = NAN;
+  backlash::OrbitContinuationOptions continuation_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_orbits() {
+  return std::make_unique<Orbits>();
+}
+
+}  // namespace fracfit

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/report.hpp"
+
+#include <optional>
+
+#include "commands/subcommand.hpp"
+#include "io/progress_bar.hpp"
+
+namespace fracfit {
+namespace {
+
+class Report : public Command {
+ public:
+  Report() : Command("report", "Writes the whole study as one page with figures, tables and numbers") {
+    Options& o = options();
+    o.texts("DATA", data_,
+            "Measured frequency responses, or samples over time (time_s,input,output); without any, the paper's scenes",
+            "FILE");
+    o.text("--scene", scene_, "Scene as JSON: m1, m2, clearance, restitution, force, omega", "FILE").not_with({"DATA"});
+    o.text("--out", folder_, "Folder to write, made if missing", "DIR").also("-o").required();
+    add_common();
+    set_footer(
+        "Examples:\n"
+        "  fracfit report --out report\n"
+        "  fracfit report cell.csv --out cell-report\n"
+        "  fracfit report step.csv --out step-report      # columns time_s,input,output\n"
+        "  fracfit report --scene scene.json --out scene-report");
+  }
+
+ private:
+  int run() override {
+    frac::Progress progress;
+    std::optional<io::ProgressBar> bar;
+    report::ReportOptions options;
+    options.out = folder_;
+    options.data.assign(data_.begin(), data_.end());
+    if (!scene_.empty()) options.scene = scene_;
+    options.command = command_line();
+    options.threads = threads();
+    options.progress = &progress;
+    options.stage = [&](std::string_view name) {
+      bar.reset();
+      say(std::string(name));
+      bar.emplace(std::string(name), progress, !is_quiet());
+    };
+    const auto outcome = report::write_report(options);
+    bar.reset();
+    complain(outcome.message);
+    return outcome.pictures ? usable_result : no_usable_result;
+  }
+
+  std::vector<std::string> data_;
+  std::string scene_, folder_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_report() {
+  return std::make_unique<Report>();
+}
+
+}  // namespace fracfit

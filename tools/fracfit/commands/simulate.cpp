@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "backlash/describing_function.hpp"
+#include "backlash/static_backlash.hpp"
+#include "commands/subcommand.hpp"
+#include "io/progress_bar.hpp"
+#include "io/sweep_file.hpp"
+#include "options/scene_options.hpp"
+#include "output/document.hpp"
+#include "output/sweep_json.hpp"
+
+namespace fracfit {
+namespace {
+
+class Simulate : public Command {
+ public:
+  Simulate() : Command("simulate", "Describing function N(F, w) of two masses with backlash on a frequency grid") {
+    Options& o = options();
+    o.parsed("--force", force_, scene_values_of, "several: FROM:TO:COUNT or a list").required();
+    o.parsed("--clearance", clearance_, scene_values_of, ">= 0; several too").required();
+    o.parsed("--restitution", restitution_, scene_values_of, "several too").needed_with({"--motion", {"dynamic"}});
+    add_masses(o, mass1_, mass2_);
+    o.numbers("--omega", omega_, "several: FROM:TO:COUNT, FROM:TO:COUNTlog or a list").required();
+    o.text("--motion", motion_, "Motion with impacts, or the closed form without inertia", "MOTION")
+        .one_of({"dynamic", "static"})
+        .was("--model");
+    const Condition is_static{"--motion", {"static"}};
+    o.choice("--body", sweep_.output, backlash::outputs()).not_with(is_static, "whose closed form gives x1 alone");
+    o.choice("--protocol", sweep_.protocol, backlash::protocols()).not_with(is_static, "which is a closed form");
+    o.number("--orbit-tolerance", sweep_.tolerance).not_with(is_static, "which is a closed form");
+    o.flag("--diagnostics", diagnostics_,
+           "More columns: even-harmonic ratio, energy defect, Lyapunov exponent, periods followed, whether it may be a "
+           "transient, sensitivity to the force")
+        .not_with(is_static, "which is a closed form");
+    o.parsed("--shard", shard_, shard_of, "the pieces are scenes")
+        .not_with(is_static, "which is a closed form of one scene")
+        .not_with({"--format", {"json"}}, "as fracfit merge joins CSV")
+        .unsaid();
+    add_common({"csv", "json", "table"});
+    set_footer(
+        "Several forces, clearances or restitutions give every combination in one table, with columns force_n, "
+        "clearance_m, restitution in front.\n"
+        "Examples:\n"
+        "  fracfit simulate --force 40 --clearance 0.3 --restitution 0.6 --omega 5:35:200log\n"
+        "  fracfit simulate --force 40 --clearance 0.3 --restitution 0.6 --omega 0.5:25:200log --body x2 --out "
+        "curve.csv\n"
+        "  fracfit simulate --force 40 --clearance 0.3 --omega 0.5:25:200log --motion static --format json\n"
+        "  fracfit simulate --force 10:50:5 --clearance 0.1:0.3:2 --restitution 0.6 --omega 5:35:200log --shard 1/2 "
+        "--out part1.csv");
+  }
+
+ private:
+  int run() override { return motion_ == "static" ? run_static() : run_dynamic(); }
+
+  void write_csv(const std::string& csv) {
+    write(format() == "table" ? text_of(document_of(csv), "table", command_line()) : csv);
+  }
+
+  int run_static() {
+    for (const auto& [name, values] : {std::pair{"--force", &force_}, std::pair{"--clearance", &clearance_}})
+      if (values->size() > 1)
+        throw std::invalid_argument(std::string(name) + " has several values; --motion static takes a single one");
+    io::StaticCurve curve{mass1_, mass2_, clearance_.front(), force_.front(), omega_, {}};
+    curve.value = backlash::static_describing_function(mass1_, mass2_, curve.clearance, curve.force_amplitude, omega_);
+    if (format() == "json") {
+      write(static_curve_json(curve, command_line()));
+    } else {
+      write_csv(io::static_curve_csv(curve, command_line()));
+    }
+    return usable_result;
+  }
+
+  // Every combination, force slowest.
+  [[nodiscard]] std::vector<backlash::SweepScene> scenes() const {
+    require_table_size(
+        {{"--force", force_.size()}, {"--clearance", clearance_.size()}, {"--restitution", restitution_.size()}});
+    std::vector<backlash::SweepScene> scenes;
+    for (const double force : force_) {
+      for (const double clearance : clearance_) {
+        for (const double restitution : restitution_)
+          scenes.push_back({backlash::TwoMassSystem(mass1_, mass2_, clearance, restitution), force});
+      }
+    }
+    return scenes;
+  }
+
+  void write_sweeps(const std::vector<backlash::DescribingFunctionSweep>& sweeps, bool single) {
+    const auto columns = diagnostics_ ? io::PointColumns::with_diagnostics : io::PointColumns::basic;
+    if (format() == "json") {
+      write(single ? sweep_json(sweeps.front(), command_line()) : sweeps_json(sweeps, command_line()));
+    } else {
+      write_csv(single ? io::sweep_csv(sweeps.front(), command_line(), columns)
+                       : io::sweeps_csv(sweeps, command_line(), columns, shard_));
+    }
+  }
+
+  int run_dynamic() {
+    sweep_.threads = threads();
+    const std::vector<backlash::SweepScene> all = scenes();
+    if (shard_.index > all.size())
+      throw std::invalid_argument("--shard " + io::text_of(shard_) + ": there are only " + std::to_string(all.size()) +
+                                  " scenes to share");
+    const std::vector<backlash::SweepScene> part = io::part_of(all, shard_);
+    require_table_size({{"scenes", part.size()}, {"--omega", omega_.size()}});
+    frac::Progress progress;
+    const auto sweeps = [&] {
+      const io::ProgressBar bar("simulate", progress, !is_quiet());
+      return backlash::describing_function_sweeps(part, omega_, sweep_, &progress);
+    }();
+    write_sweeps(sweeps, all.size() == 1);
+    const bool usable = std::all_of(sweeps.begin(), sweeps.end(), [](const auto& sweep) {
+      return std::all_of(sweep.points.begin(), sweep.points.end(), [](const auto& point) {
+        return std::isfinite(point.value.real()) && std::isfinite(point.value.imag());
+      });
+    });
+    if (!usable) say("some points have no finite value, see the output");
+    return usable ? usable_result : no_usable_result;
+  }
+
+  std::vector<double> force_, clearance_, restitution_, omega_;
+  double mass1_ = 1, mass2_ = 1;
+  std::string motion_ = "dynamic";
+  backlash::SweepOptions sweep_;
+  bool diagnostics_ = false;
+  io::Shard shard_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_simulate() {
+  return std::make_unique<Simulate>();
+}
+
+}  // namespace fracfit

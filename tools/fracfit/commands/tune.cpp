@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "frac/identification/tune.hpp"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+#include "commands/subcommand.hpp"
+#include "options/model_options.hpp"
+#include "output/aligned_table.hpp"
+#include "output/json.hpp"
+
+namespace fracfit {
+namespace {
+
+constexpr double degree = std::numbers::pi / 180;
+
+// Degrees of the command line in rad.
+double angle_of(std::string_view name, const std::string& text) {
+  const double value = number_of(name, text);
+  constexpr double straight = 180;
+  if (!(value > 0 && value < straight))
+    throw std::invalid_argument(std::string(name) + " " + text + ": expected an angle above 0 and below 180 degrees");
+  return degree * value;
+}
+
+frac::GainBound gain_bound_of(std::string_view name, const std::string& text) {
+  const auto [omega, gain] = pair_of(name, text, "W:GAIN");
+  return {number_of(name, omega), number_of(name, gain)};
+}
+
+// One number holds the order.
+frac::OrderRange order_range_of(std::string_view name, const std::string& text) {
+  if (text.find(':') == std::string::npos) {
+    const double order = number_of(name, text);
+    return {order, order};
+  }
+  const auto [lower, upper] = pair_of(name, text);
+  return {number_of(name, lower), number_of(name, upper)};
+}
+
+std::string tuning_json(const frac::TuningResult& result, const std::string& plant, const std::string& command) {
+  Json json = origin(command);
+  json["plant"] = plant;
+  json["status"] = frac::to_string(result.status);
+  json["message"] = result.message;
+  json["controller"] = {{"kp", result.gains.kp}, {"ki", result.gains.ki},
+                        {"kd", result.gains.kd}, {"lambda", result.gains.lambda},
+                        {"mu", result.gains.mu}, {"derivative_filter_time", result.derivative_filter_time}};
+  Json& specification = json["specification"] = Json::array();
+  for (const auto& line : result.specification) {
+    specification.push_back({{"name", line.name}, {"asked", line.asked}, {"reached", line.reached}, {"met", line.met}});
+  }
+  json["closed_loop"] = frac::to_string(result.closed_loop);
+  json["crossover"] = result.crossover;
+  json["phase_margin_deg"] = result.phase_margin / degree;
+  json["phase_slope_deg_per_e_fold"] = result.phase_slope / degree;
+  json["gain_margin"] = result.gain_margin;
+  json["max_sensitivity"] = result.max_sensitivity;
+  json["omega_at_max_sensitivity"] = result.omega_max_sensitivity;
+  json["max_complementary_sensitivity"] = result.max_complementary_sensitivity;
+  json["omega_at_max_complementary_sensitivity"] = result.omega_max_complementary_sensitivity;
+  json["iae"] = result.iae;
+  json["itae"] = result.itae;
+  json["evaluations"] = result.evaluations;
+  return json.dump() + "\n";
+}
+
+std::string tuning_table(const frac::TuningResult& result, const std::string& plant) {
+  std::string text = "plant " + plant + "\n\n";
+  AlignedTable controller({"", "value"});
+  controller.add({"kp", short_number(result.gains.kp)});
+  controller.add({"ki", short_number(result.gains.ki)});
+  controller.add({"kd", short_number(result.gains.kd)});
+  controller.add({"lambda", short_number(result.gains.lambda)});
+  controller.add({"mu", short_number(result.gains.mu)});
+  if (result.derivative_filter_time > 0) {
+    controller.add({"derivative filter, s", short_number(result.derivative_filter_time)});
+  }
+  text += controller.text() + "\n";
+  if (!result.specification.empty()) {
+    AlignedTable asked({"asked for", "value", "reached", "kept"});
+    for (const auto& line : result.specification) {
+      asked.add({line.name, short_number(line.asked), short_number(line.reached), line.met ? "yes" : "no"});
+    }
+    text += asked.text() + "\n";
+  }
+  AlignedTable loop({"loop", "value", "at, rad/s"});
+  loop.add({"crossover, rad/s", short_number(result.crossover), ""});
+  loop.add({"phase margin, deg", short_number(result.phase_margin / degree), ""});
+  loop.add({"phase slope, deg per e-fold", short_number(result.phase_slope / degree), ""});
+  loop.add({"gain margin", std::isinf(result.gain_margin) ? "infinite" : short_number(result.gain_margin), ""});
+  loop.add({"max |S|", short_number(result.max_sensitivity), short_number(result.omega_max_sensitivity)});
+  loop.add({"max |T|", short_number(result.max_complementary_sensitivity),
+            short_number(result.omega_max_complementary_sensitivity)});
+  if (std::isfinite(result.iae)) {
+    loop.add({"IAE", short_number(result.iae), ""});
+    loop.add({"ITAE", short_number(result.itae), ""});
+  }
+  return text + loop.text() + "\n" + paragraph(result.message);
+}
+
+class Tune : public Command {
+ public:
+  Tune() : Command("tune", "Gains and orders of a fractional PID for a plant") {
+    Options& o = options();
+    add_model(o, plant_, "the plant").required().was("--plant");
+    o.number("--crossover", asked_.crossover, "Angular frequency at which |L| = 1, rad/s", "W");
+    o.parsed("--phase-margin", asked_.phase_margin, angle_of, "At the crossover, degrees", "DEG");
+    o.flag("--flat-phase", asked_.flat_phase, "No slope of the phase at the crossover (iso-damping)");
+    o.parsed("--max-sensitivity", asked_.max_sensitivity, number_of, "Largest |S| = |1/(1 + L)|", "MS");
+    o.parsed("--max-complementary-sensitivity", asked_.max_complementary_sensitivity, number_of,
+             "Largest |T| = |L/(1 + L)|", "MT");
+    o.parsed("--high-frequency", asked_.high_frequency, gain_bound_of, "|T| <= GAIN from W on (noise)", "W:GAIN");
+    o.parsed("--low-frequency", asked_.low_frequency, gain_bound_of, "|S| <= GAIN up to W (disturbances)", "W:GAIN");
+    o.choice("--structure", tuning_.structure, frac::controller_structures(), "Terms of the controller", "NAME");
+    o.parsed("--lambda", tuning_.lambda, order_range_of, "or its range LOW:HIGH").default_is("0.1:1.9");
+    o.parsed("--mu", tuning_.mu, order_range_of,
+             "or its range LOW:HIGH. Never above what leaves the loop falling as s^-0.2 at high frequency: beyond that "
+             "no dead time or lag is small enough to be left out of the plant; a derivative filter adds 1")
+        .default_is("0.1:1.9");
+    o.number("--derivative-filter", tuning_.derivative_filter_time);
+    o.choice("--minimise", tuning_.criterion, frac::tuning_criteria(),
+             "What is made least, max |S| or the integral of |error| or of t |error|", "NAME")
+        .was("--criterion");
+    o.number("--horizon", horizon_, "Length of the step response of iae and itae, s", "T");
+    o.text("--step", step_, "Where that step enters", "PLACE").one_of({"setpoint", "load"});
+    o.count("--seed", tuning_.seed, 0, std::numeric_limits<std::uint64_t>::max());
+    add_common({"json", "table"});
+    set_footer(
+        "Examples:\n"
+        "  fracfit tune --model \"3.13 exp(-50 s)/(433.33 s + 1)\" --crossover 0.008 --phase-margin 60 --flat-phase\n"
+        "  fracfit tune --model \"1/(0.8 s^2.2 + 0.5 s^0.9 + 1)\" --crossover 2 --phase-margin 60 "
+        "--max-sensitivity 1.4\n"
+        "  fracfit tune --model \"exp(-0.1 s)/(s + 1)\" --minimise iae --horizon 10 --step load "
+        "--max-sensitivity 1.6");
+  }
+
+ private:
+  int run() override {
+    tuning_.horizon = horizon_.value_or(0);
+    tuning_.load_step = step_ == "load";
+    const frac::TuningResult result = frac::tune(*plant_, asked_, tuning_);
+    write(format() == "json" ? tuning_json(result, plant_->formula(), command_line())
+                             : tuning_table(result, plant_->formula()));
+    if (result.status == frac::TuningStatus::met) {
+      if (result.mu_at_limit && format() != "table") say(result.message);
+      return usable_result;
+    }
+    say(result.message);
+    return no_usable_result;
+  }
+
+  std::optional<frac::FractionalTransferFunction> plant_;
+  frac::LoopSpecification asked_;
+  frac::TuningOptions tuning_;
+  std::optional<double> horizon_;
+  std::string step_ = "setpoint";
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_tune() {
+  return std::make_unique<Tune>();
+}
+
+}  // namespace fracfit

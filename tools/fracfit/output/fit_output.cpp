@@ -1,0 +1,355 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "output/fit_output.hpp"
+
+#include <limits>
+
+#include "io/number.hpp"
+#include "output/aligned_table.hpp"
+#include "output/document.hpp"
+#include "output/json.hpp"
+
+namespace fracfit {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+std::string interval(double lower, double upper) {
+  return short_number(lower) + " .. " + short_number(upper);
+}
+
+std::string option_of(const FitRun& run, std::string_view key) {
+  return std::string(io::find_value(run.options, key).value_or(std::string_view{}));
+}
+
+std::string heading(const FitRun& run) {
+  std::string text = "data       " + run.file + ", " + std::to_string(run.points) + " points, " +
+                     interval(run.lower, run.upper) + (run.over_time ? " s" : " rad/s");
+  if (!run.value_unit.empty()) text += ", values in " + run.value_unit;
+  if (run.over_time) {
+    text += "\nresiduals  of the output, " + option_of(run, "weight") + " weight";
+    if (option_of(run, "loss") != "none") text += ", " + option_of(run, "loss") + " loss";
+    return text + "; input " + option_of(run, "hold") + " hold, offset " + option_of(run, "offset") + "\n";
+  }
+  text += "\nresiduals  " + option_of(run, "component") + ", " + option_of(run, "weight") + " weight";
+  if (option_of(run, "loss") != "none") text += ", " + option_of(run, "loss") + " loss";
+  if (option_of(run, "realisation") != "exact") text += ", powers of s through " + option_of(run, "realisation");
+  return text + "\n";
+}
+
+std::string state_of(const frac::ParameterEstimate& parameter) {
+  if (parameter.fixed) return "fixed";
+  if (parameter.at_bound) return "at its bound";
+  if (!parameter.identified) return "not identified";
+  return "";
+}
+
+std::string note_on_profiles(const frac::FitResult& result) {
+  std::string names;
+  for (const auto& parameter : result.parameters) {
+    if (parameter.interval == frac::IntervalKind::profile) names += (names.empty() ? "" : ", ") + parameter.name;
+  }
+  if (names.empty()) return {};
+  return "Wide intervals follow the cost itself (profile likelihood), not its curvature: " + names + ".\n";
+}
+
+std::string parameter_table(const frac::FitResult& result) {
+  AlignedTable table({"parameter", "value", "standard error", "95 % interval", ""}, AlignedTable::Last::remark);
+  for (const auto& parameter : result.parameters) {
+    const bool has_interval = parameter.ci95_lower == parameter.ci95_lower && !parameter.fixed;
+    table.add({parameter.name, short_number(parameter.value),
+               parameter.fixed ? "-" : short_number(parameter.standard_error),
+               has_interval ? interval(parameter.ci95_lower, parameter.ci95_upper) : "-", state_of(parameter)});
+  }
+  return table.text() + note_on_profiles(result);
+}
+
+std::string added_intervals(const frac::FitResult& result, const FitStatistics& statistics) {
+  if (statistics.profile.empty() && statistics.bootstrap.empty()) return {};
+  std::vector<std::string> names{"95 % intervals"};
+  if (!statistics.profile.empty()) names.emplace_back("profile likelihood");
+  if (!statistics.bootstrap.empty()) names.push_back("bootstrap of " + std::to_string(statistics.bootstrap_samples));
+  names.emplace_back("");
+  AlignedTable table(names, AlignedTable::Last::remark);
+  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+    std::vector<std::string> row{result.parameters[i].name};
+    std::string remark;
+    if (!statistics.profile.empty()) {
+      const auto& profile = statistics.profile[i];
+      row.push_back(profile ? interval(profile->lower, profile->upper) : "-");
+      if (profile && profile->better_minimum_found) remark = "the profile found a better minimum";
+    }
+    if (!statistics.bootstrap.empty())
+      row.push_back(interval(statistics.bootstrap[i].lower, statistics.bootstrap[i].upper));
+    row.push_back(remark);
+    table.add(row);
+  }
+  return table.text() + "\n";
+}
+
+std::string residual_remarks(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
+  if (result.confidence_of_optimum == 1) return "residuals: rounding only\n";
+  std::string text = "residuals: correlation of neighbours " + short_number(statistics.whiteness.lag_one_correlation) +
+                     ", chance of that from noise alone " + short_number(statistics.whiteness.p_value) + "\n";
+  if (statistics.outlier_at.empty()) return text;
+  text += std::to_string(statistics.outlier_at.size()) + " outliers at " + (run.over_time ? "t =" : "omega =");
+  for (const double at : statistics.outlier_at) text += " " + short_number(at);
+  return text + (run.over_time ? " s\n" : " rad/s\n");
+}
+
+std::string growth_table(const frac::Growth& growth) {
+  AlignedTable table({"structures tried", "free", "rms", "AICc", ""}, AlignedTable::Last::remark);
+  for (std::size_t i = 0; i < growth.fits.size(); ++i) {
+    const auto& fit = growth.fits[i];
+    table.add({fit.model, std::to_string(fit.free_parameters), short_number(fit.rms), short_number(fit.aicc),
+               i == growth.chosen ? "chosen" : ""});
+  }
+  return table.text() + growth.reason + "\n\n";
+}
+
+std::string closing(const frac::FitResult& result) {
+  std::string text = "cost " + short_number(result.cost) + " (sum of " + std::to_string(result.residuals) +
+                     " squared residuals), rms " + short_number(result.rms) + ", largest " +
+                     short_number(result.max_residual) + "\n";
+  text += "AICc " + short_number(result.aicc) + ", BIC " + short_number(result.bic) + "\n";
+  return text + paragraph(std::string(frac::to_string(result.termination)) + ": " + result.message + " " +
+                          short_number(result.seconds) + " s.");
+}
+
+io::Metadata head_of(const FitRun& run) {
+  io::Metadata head{{"data", run.file}};
+  head.insert(head.end(), run.options.begin(), run.options.end());
+  return head;
+}
+
+Json parameter_json(const frac::ParameterEstimate& parameter) {
+  return {{"name", parameter.name},
+          {"value", parameter.value},
+          {"standard_error", parameter.standard_error},
+          {"ci95", {parameter.ci95_lower, parameter.ci95_upper}},
+          {"interval", frac::to_string(parameter.interval)},
+          {"identified", parameter.identified},
+          {"at_bound", parameter.at_bound},
+          {"fixed", parameter.fixed}};
+}
+
+void append_fit(Json& json, const frac::FitResult& result) {
+  json["model"] = result.model;
+  json["parameters"] = Json::array();
+  for (const auto& parameter : result.parameters) json["parameters"].push_back(parameter_json(parameter));
+  json["cost"] = result.cost;
+  json["rms"] = result.rms;
+  json["gain_factor"] = result.gain_factor;
+  json["max_residual"] = result.max_residual;
+  json["aicc"] = result.aicc;
+  json["bic"] = result.bic;
+  json["termination"] = frac::to_string(result.termination);
+  json["message"] = result.message;
+  json["residuals"] = result.residuals;
+  json["free_parameters"] = result.free_parameters;
+  json["starts"] = result.starts;
+  json["starts_at_best"] = result.starts_at_best;
+  json["distinct_minima"] = result.distinct_minima;
+  json["confidence_of_optimum"] = result.confidence_of_optimum;
+  json["condition"] = result.condition;
+  json["seconds"] = result.seconds;
+}
+
+Json lack_of_fit_json(const frac::LackOfFit& lack) {
+  Json json{{"noise_from", frac::to_string(lack.source)},
+            {"noise", lack.noise},
+            {"misfit", lack.misfit},
+            {"p_value", lack.p_value},
+            {"correlation", lack.correlation},
+            {"correlation_p_value", lack.correlation_p_value},
+            {"adequate", lack.adequate},
+            {"misses", Json::array()}};
+  for (const auto& band : lack.misses) json["misses"].push_back({band.lower, band.upper});
+  return json;
+}
+
+Json finalist_json(const frac::IdentificationResult& result, const std::optional<frac::Finalist>& finalist) {
+  if (!finalist) return nullptr;
+  return {{"name", result.ranking.at(finalist->index).name},
+          {"parameters", finalist->parameters},
+          {"prediction_rms", finalist->prediction_rms}};
+}
+
+void append_statistics(Json& json, const frac::FitResult& result, const FitStatistics& statistics, bool over_time) {
+  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+    const auto& estimate = result.parameters[i];
+    Json& parameter = json["parameters"][i];
+    parameter["centre"] = {{"value", estimate.centre_value}, {"standard_error", estimate.centre_standard_error}};
+    if (!statistics.profile.empty()) {
+      const auto& profile = statistics.profile[i];
+      parameter["profile_ci95"] = profile ? Json{profile->lower, profile->upper} : Json();
+      if (profile) parameter["profile_found_better_minimum"] = profile->better_minimum_found;
+    }
+    if (!statistics.bootstrap.empty()) {
+      const auto& bootstrap = statistics.bootstrap[i];
+      parameter["bootstrap_ci95"] = {bootstrap.lower, bootstrap.upper};
+      parameter["bootstrap_standard_error"] = bootstrap.standard_error;
+    }
+  }
+  json["centre_omega"] = result.centre_omega;
+  json["correlation"] = statistics.correlation;
+  json["outliers"] = Json::array();
+  for (std::size_t i = 0; i < statistics.outlier_at.size(); ++i)
+    json["outliers"].push_back(
+        {{"index", result.outliers[i]}, {over_time ? "time_s" : "omega", statistics.outlier_at[i]}});
+  json["lack_of_fit"] = lack_of_fit_json(statistics.lack_of_fit);
+  json["whiteness"] = {{"lag_one_correlation", statistics.whiteness.lag_one_correlation},
+                       {"p_value", statistics.whiteness.p_value}};
+  if (statistics.bootstrap_samples > 0) json["bootstrap_samples"] = statistics.bootstrap_samples;
+  if (!statistics.growth) return;
+  json["growth"] = {
+      {"chosen", statistics.growth->chosen}, {"reason", statistics.growth->reason}, {"fits", Json::array()}};
+  for (const auto& fit : statistics.growth->fits) {
+    Json grown;
+    append_fit(grown, fit);
+    json["growth"]["fits"].push_back(std::move(grown));
+  }
+}
+
+Json origin_of_fit(const FitRun& run) {
+  Json json = origin(run.command);
+  json["data"] = {{"file", run.file},
+                  {"points", run.points},
+                  {run.over_time ? "time_from_s" : "omega_lower", run.lower},
+                  {run.over_time ? "time_to_s" : "omega_upper", run.upper},
+                  {"value_unit", run.value_unit.empty() ? Json(nullptr) : Json(run.value_unit)},
+                  {"header", object_of(run.file_header)}};
+  json["options"] = object_of(run.options);
+  return json;
+}
+
+}  // namespace
+
+std::string fit_table(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
+  return "model      " + result.model + "\n" + heading(run) + "\n" +
+         (statistics.growth ? growth_table(*statistics.growth) : "") + parameter_table(result) + "\n" +
+         added_intervals(result, statistics) + residual_remarks(run, result, statistics) + closing(result);
+}
+
+std::string identification_table(const FitRun& run, const frac::IdentificationResult& result,
+                                 const std::vector<double>& prediction_rms) {
+  std::vector<std::string> names{"model", "class", "free", "rms", "delta AICc", "Akaike weight"};
+  if (!prediction_rms.empty()) names.emplace_back("rms of predictions");
+  names.emplace_back("");
+  AlignedTable ranking(names, AlignedTable::Last::remark);
+  std::size_t index = 0;
+  for (const auto& candidate : result.ranking) {
+    std::string remark = candidate.lack_of_fit.adequate ? "" : "misses the data";
+    if (candidate.fit.termination != frac::FitTermination::converged)
+      remark = frac::to_string(candidate.fit.termination);
+    if (&candidate == &result.ranking.at(result.chosen)) remark = "chosen";
+    std::vector<std::string> row{candidate.name,
+                                 std::string(frac::to_string(candidate.model_class)),
+                                 std::to_string(candidate.fit.free_parameters),
+                                 short_number(candidate.fit.rms),
+                                 short_number(candidate.delta_aicc),
+                                 short_number(candidate.akaike_weight)};
+    if (!prediction_rms.empty()) row.push_back(short_number(prediction_rms[index++]));
+    row.push_back(remark);
+    ranking.add(row);
+  }
+  const auto& chosen = result.ranking.at(result.chosen);
+  std::string text = heading(run) + "\n" + ranking.text() +
+                     "chosen: the simplest within 2 of the least AICc of those that follow the data\n\n" + chosen.name;
+  if (chosen.fit.model != chosen.name) text += "   " + chosen.fit.model;
+  text += "\n" + parameter_table(chosen.fit) + "\n";
+  return text + paragraph("verdict: " + std::string(frac::to_string(result.verdict)) + ". " + result.verdict_sentence);
+}
+
+std::string fit_csv(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
+  Document document{head_of(run), {{}, result.parameters.size(), {}}};
+  for (const auto& [key, value] :
+       io::Metadata{{"formula", result.model},
+                    {"cost", io::format_number(result.cost)},
+                    {"rms", io::format_number(result.rms)},
+                    {"aicc", io::format_number(result.aicc)},
+                    {"bic", io::format_number(result.bic)},
+                    {"termination", std::string(frac::to_string(result.termination))},
+                    {"lag_one_correlation", io::format_number(statistics.whiteness.lag_one_correlation)},
+                    {"whiteness_p_value", io::format_number(statistics.whiteness.p_value)}})
+    document.head.emplace_back(key, value);
+  auto& columns = document.rows.columns;
+  columns = {"name", "value", "standard_error", "ci95_lower", "ci95_upper", "identified", "at_bound", "fixed"};
+  if (!statistics.profile.empty()) columns.insert(columns.end(), {"profile_lower", "profile_upper"});
+  if (!statistics.bootstrap.empty())
+    columns.insert(columns.end(), {"bootstrap_lower", "bootstrap_upper", "bootstrap_standard_error"});
+  document.rows.fill = [&](std::size_t i, std::vector<Cell>& cells) {
+    const auto& parameter = result.parameters[i];
+    cells.emplace_back(parameter.name);
+    for (const double value : {parameter.value, parameter.standard_error, parameter.ci95_lower, parameter.ci95_upper})
+      cells.emplace_back(value);
+    for (const bool flag : {parameter.identified, parameter.at_bound, parameter.fixed}) cells.emplace_back(flag);
+    if (!statistics.profile.empty()) {
+      const auto profile = statistics.profile[i].value_or(frac::ProfileInterval{nan, nan, false});
+      for (const double value : {profile.lower, profile.upper}) cells.emplace_back(value);
+    }
+    if (!statistics.bootstrap.empty()) {
+      const auto& bootstrap = statistics.bootstrap[i];
+      for (const double value : {bootstrap.lower, bootstrap.upper, bootstrap.standard_error}) cells.emplace_back(value);
+    }
+  };
+  return text_of(document, "csv", run.command);
+}
+
+std::string identification_csv(const FitRun& run, const frac::IdentificationResult& result,
+                               const std::vector<double>& prediction_rms) {
+  Document document{head_of(run), {{}, result.ranking.size(), {}}};
+  document.head.emplace_back("verdict", frac::to_string(result.verdict));
+  document.head.emplace_back("evidence", io::format_number(result.evidence));
+  document.head.emplace_back("chosen", result.ranking.at(result.chosen).name);
+  auto& columns = document.rows.columns;
+  columns = {"name", "class", "model",      "free_parameters", "cost",       "rms",
+             "aicc", "bic",   "delta_aicc", "akaike_weight",   "termination"};
+  if (!prediction_rms.empty()) columns.emplace_back("prediction_rms");
+  document.rows.fill = [&](std::size_t i, std::vector<Cell>& cells) {
+    const auto& candidate = result.ranking[i];
+    const auto& fit = candidate.fit;
+    cells.emplace_back(candidate.name);
+    cells.emplace_back(std::string(frac::to_string(candidate.model_class)));
+    cells.emplace_back(fit.model);
+    cells.emplace_back(static_cast<std::int64_t>(fit.free_parameters));
+    for (const double value : {fit.cost, fit.rms, fit.aicc, fit.bic, candidate.delta_aicc, candidate.akaike_weight})
+      cells.emplace_back(value);
+    cells.emplace_back(std::string(frac::to_string(fit.termination)));
+    if (!prediction_rms.empty()) cells.emplace_back(prediction_rms[i]);
+  };
+  return text_of(document, "csv", run.command);
+}
+
+std::string fit_json(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
+  Json json = origin_of_fit(run);
+  append_fit(json, result);
+  append_statistics(json, result, statistics, run.over_time);
+  return json.dump() + "\n";
+}
+
+std::string identification_json(const FitRun& run, const frac::IdentificationResult& result,
+                                const std::vector<double>& prediction_rms) {
+  Json json = origin_of_fit(run);
+  json["ranking"] = Json::array();
+  for (const auto& candidate : result.ranking) {
+    Json ranked{{"name", candidate.name}, {"class", frac::to_string(candidate.model_class)}};
+    append_fit(ranked, candidate.fit);
+    ranked["delta_aicc"] = candidate.delta_aicc;
+    ranked["akaike_weight"] = candidate.akaike_weight;
+    ranked["lack_of_fit"] = lack_of_fit_json(candidate.lack_of_fit);
+    if (!prediction_rms.empty()) ranked["prediction_rms"] = prediction_rms[json["ranking"].size()];
+    json["ranking"].push_back(std::move(ranked));
+  }
+  json["chosen"] = result.ranking.at(result.chosen).name;
+  json["verdict"] = frac::to_string(result.verdict);
+  json["evidence"] = result.evidence;
+  json["verdict_sentence"] = result.verdict_sentence;
+  json["log10_odds"] = result.log10_odds;
+  json["fractional"] = finalist_json(result, result.fractional);
+  json["integer"] = finalist_json(result, result.integer);
+  json["differ_most"] = {{"omega", result.differ_most_omega}, {"relative", result.differ_most}};
+  json["skipped"] = result.skipped;
+  return json.dump() + "\n";
+}
+
+}  // namespace fracfit

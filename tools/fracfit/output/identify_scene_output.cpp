@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "output/identify_scene_output.hpp"
+
+#include <cmath>
+
+#include "io/sweep_file.hpp"
+#include "output/aligned_table.hpp"
+#include "output/json.hpp"
+
+namespace fracfit {
+namespace {
+
+Json estimate_json(const backlash::SceneEstimate& estimate) {
+  return {{"name", estimate.name},
+          {"unit", estimate.unit},
+          {"value", estimate.value},
+          {"standard_error", estimate.standard_error},
+          {"ci95", {estimate.ci95_lower, estimate.ci95_upper}},
+          {"identified", estimate.identified},
+          {"at_bound", estimate.at_bound},
+          {"fixed", estimate.fixed}};
+}
+
+std::string state_of(const backlash::SceneEstimate& estimate) {
+  if (estimate.fixed) return "fixed";
+  if (estimate.at_bound) return "at its bound";
+  return estimate.identified ? "" : "not identified";
+}
+
+template <typename Estimates>
+std::string estimate_table(const std::string& heading, const Estimates& estimates) {
+  AlignedTable table({heading, "unit", "value", "standard error", "95 % interval", ""}, AlignedTable::Last::remark);
+  for (const auto& estimate : estimates) {
+    const bool has_interval = std::isfinite(estimate.standard_error) && !estimate.fixed;
+    table.add({estimate.name, estimate.unit, short_number(estimate.value),
+               has_interval ? short_number(estimate.standard_error) : "-",
+               has_interval ? short_number(estimate.ci95_lower) + " .. " + short_number(estimate.ci95_upper) : "-",
+               state_of(estimate)});
+  }
+  return table.text();
+}
+
+}  // namespace
+
+std::string scene_json(const SceneRun& run, const backlash::SceneIdentification& result,
+                       const std::optional<backlash::SceneComparison>& comparison) {
+  Json json = origin(run.command);
+  json["data"] = Json::array();
+  for (std::size_t i = 0; i < run.files.size(); ++i)
+    json["data"].push_back({{"file", run.files[i]}, {"force_n", run.forces[i]}});
+  json["options"] = Json::object();
+  for (const auto& [key, value] : run.options) json["options"][key] = value;
+  json["parameters"] = Json::array();
+  for (const auto& parameter : result.parameters) json["parameters"].push_back(estimate_json(parameter));
+  json["combinations"] = Json::array();
+  for (const auto& combination : result.combinations) json["combinations"].push_back(estimate_json(combination));
+  json["free_directions"] = result.free_directions;
+  json["cost"] = result.cost;
+  json["rms"] = result.rms;
+  json["max_residual"] = result.max_residual;
+  json["termination"] = frac::to_string(result.termination);
+  json["message"] = result.message;
+  json["residuals"] = result.residuals;
+  json["free_parameters"] = result.free_parameters;
+  json["condition"] = result.condition;
+  json["starts"] = result.starts;
+  json["starts_at_best"] = result.starts_at_best;
+  json["seconds"] = result.seconds;
+  json["points_used"] = result.points_used;
+  json["points"] = Json::array();
+  for (const auto& point : result.points)
+    json["points"].push_back({{"curve", point.curve},
+                              {"omega_rad_s", point.omega},
+                              {"status", backlash::to_string(point.status)},
+                              {"regime", backlash::to_string(point.regime)},
+                              {"model_re_m_per_n", point.model.real()},
+                              {"model_im_m_per_n", point.model.imag()},
+                              {"residual_re", point.residual.real()},
+                              {"residual_im", point.residual.imag()}});
+  if (comparison) {
+    Json ranking = Json::array();
+    for (const auto& fit : comparison->ranking)
+      ranking.push_back({{"explanation", backlash::to_string(fit.explanation)},
+                         {"name", fit.name},
+                         {"cost", fit.cost},
+                         {"rms", fit.rms},
+                         {"free_parameters", fit.free_parameters},
+                         {"aicc", fit.aicc},
+                         {"delta_aicc", fit.delta_aicc}});
+    json["comparison"] = {{"ranking", std::move(ranking)},
+                          {"points", comparison->points},
+                          {"residuals", comparison->residuals},
+                          {"skipped", comparison->skipped},
+                          {"sentence", comparison->sentence}};
+  }
+  return json.dump() + "\n";
+}
+
+std::string scene_table(const SceneRun& run, const backlash::SceneIdentification& result,
+                        const std::optional<backlash::SceneComparison>& comparison) {
+  AlignedTable data({"data", "force/N", "points", "used", "off branch", "irregular"});
+  for (std::size_t curve = 0; curve < run.files.size(); ++curve) {
+    std::size_t all = 0, used = 0, off_branch = 0;
+    for (const auto& point : result.points) {
+      if (point.curve != curve) continue;
+      ++all;
+      used += point.status == backlash::PointStatus::used ? 1 : 0;
+      off_branch += point.status == backlash::PointStatus::off_branch ? 1 : 0;
+    }
+    data.add({run.files[curve], short_number(run.forces[curve]), std::to_string(all), std::to_string(used),
+              std::to_string(off_branch), std::to_string(all - used - off_branch)});
+  }
+  std::string text = data.text() + "\n" + estimate_table("parameter", result.parameters) + "\n" +
+                     estimate_table("combination", result.combinations) + "\n";
+  for (const auto& direction : result.free_directions) text += direction + "\n";
+  text += paragraph(std::string(frac::to_string(result.termination)) + ": " + result.message + " " +
+                    short_number(result.seconds) + " s.");
+  if (comparison) {
+    AlignedTable ranking({"explanation", "model", "free", "rms", "AICc above best"});
+    for (const auto& fit : comparison->ranking)
+      ranking.add({std::string(backlash::to_string(fit.explanation)), fit.name, std::to_string(fit.free_parameters),
+                   short_number(fit.rms), short_number(fit.delta_aicc)});
+    text += "\n" + ranking.text() + paragraph(comparison->sentence);
+  }
+  return text;
+}
+
+}  // namespace fracfit
