@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "loops/gap_response.hpp"
+#include "loops/power_train.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/random.hpp"
 
@@ -199,33 +199,38 @@ TEST(LimitCycles, TakeFromTheControllerWhatTheImpactsCost) {
   }
 }
 
-// Half-period map of a PID loop by the saltation matrix: state (x1, x1', x2, x2', integral of x1).
+// Half-period map of a PID loop by the saltation matrix: state (x1, x1', x2, x2', integral of the measured position).
 std::vector<Complex> multipliers_by_saltation(const ControlLoop& loop, double kp, double ki, double kd, double omega) {
   const double mass1 = loop.system().mass1(), mass2 = loop.system().mass2(), eps = loop.system().restitution();
-  Eigen::Matrix<double, 5, 5> a = Eigen::Matrix<double, 5, 5>::Zero();
-  a(0, 1) = a(2, 3) = a(4, 0) = 1;
-  a.row(3) << -kp / mass2, -kd / mass2, 0, 0, -ki / mass2;
-  // The flight is a polynomial in time.
-  Eigen::Matrix<double, 5, 5> flight = Eigen::Matrix<double, 5, 5>::Identity();
-  Eigen::Matrix<double, 5, 5> power = flight;
-  for (int i = 1; i < 6; ++i) {
-    power = power * a * (pi / omega / i);
+  using Matrix = Eigen::Matrix<double, 5, 5>;
+  const int measured = loop.measured() == Output::x1 ? 0 : 2;
+  Matrix a = Matrix::Zero();
+  a(0, 1) = a(2, 3) = a(4, measured) = 1;
+  a(3, measured) = -kp / mass2;
+  a(3, measured + 1) = -kd / mass2;
+  a(3, 4) = -ki / mass2;
+  // e^{a tau} by its series over a 256th of it, squared eight times.
+  Matrix flight = Matrix::Identity();
+  Matrix power = flight;
+  for (int i = 1; i < 20; ++i) {
+    power = power * a * (pi / omega / 256 / i);
     flight += power;
   }
+  for (int i = 0; i < 8; ++i) flight = (flight * flight).eval();
   const double m = mass1 * mass2 / (mass1 + mass2);
-  Eigen::Matrix<double, 5, 5> impact = Eigen::Matrix<double, 5, 5>::Identity();
+  Matrix impact = Matrix::Identity();
   impact(1, 1) -= (1 + eps) * m / mass1;
   impact(1, 3) += (1 + eps) * m / mass1;
   impact(3, 1) += (1 + eps) * m / mass2;
   impact(3, 3) -= (1 + eps) * m / mass2;
-  // State before the impact: flight after impact gives its mirror image.
-  const Eigen::Matrix<double, 5, 5> repeat = flight * impact + Eigen::Matrix<double, 5, 5>::Identity();
-  const Eigen::Matrix<double, 5, 1> before = repeat.fullPivLu().kernel().col(0);
+  // State before the impact: the flight after it gives its mirror image.
+  Eigen::FullPivLU<Matrix> repeat(flight * impact + Matrix::Identity());
+  repeat.setThreshold(1e-9);
+  const Eigen::Matrix<double, 5, 1> before = repeat.kernel().col(0);
   Eigen::Matrix<double, 1, 5> gap;
   gap << -1, 0, 1, 0, 0;
   const Eigen::Matrix<double, 5, 1> rate = a * before;
-  const Eigen::Matrix<double, 5, 5> saltation =
-      impact + (a * (impact * before) - impact * rate) * gap / (gap * rate).value();
+  const Matrix saltation = impact + (a * (impact * before) - impact * rate) * gap / (gap * rate).value();
   const Eigen::VectorXcd all = (-(flight * saltation)).eval().eigenvalues();
   return {all.data(), all.data() + all.size()};
 }
@@ -269,6 +274,47 @@ TEST(LimitCycles, StabilityIsThatOfTheSaltationMatrix) {
   EXPECT_GT(stable, 50);
 }
 
+// The half periods of this loop are known from det(exp(A T/2) R + I) = 0, R the matrix of an impact, to the digits
+// given.
+TEST(LimitCycles, WithTheDrivenBodyMeasuredAreThoseOfTheImpactMatrix) {
+  const ControlLoop loop({1, 1, 1, .9}, frac::FractionalTransferFunction::parse("4 + 3/s + s"), Output::x2);
+  const LimitCycles found = symmetric_cycles(loop);
+  ASSERT_EQ(found.cycles.size(), 2U);
+  EXPECT_NEAR(pi / found.cycles[0].omega, 2.331220, 5e-7);
+  EXPECT_NEAR(pi / found.cycles[1].omega, 1.881119, 5e-7);
+  for (const SymmetricCycle& cycle : found.cycles) {
+    std::vector<Complex> expected = multipliers_by_saltation(loop, 4, 3, 1, cycle.omega);
+    std::sort(expected.begin(), expected.end(), [](Complex a, Complex b) { return std::abs(a) > std::abs(b); });
+    EXPECT_LT(std::abs(cycle.stability.dominant - expected.front()), 1e-7);
+    const auto outside = std::count_if(expected.begin(), expected.end(),
+                                       [](Complex multiplier) { return std::abs(multiplier) > 1 + 1e-6; });
+    EXPECT_EQ(cycle.stability.unstable_multipliers, outside);
+  }
+}
+
+// A factor that cancels sends the same controller through the inverse Laplace transform, which is asked for 1e-12.
+TEST(LimitCycles, OfARatioAreThoseOfTheSumOfPowersThatItIs) {
+  for (const double delay : {0.0, 0.05}) {
+    const std::vector<frac::PowerTerm> sum{{1, .5}, {1, 0}};
+    const ControlLoop plain({1, 2, 1, .6}, frac::FractionalTransferFunction(sum, {{1, 0}}, delay));
+    const ControlLoop ratio(
+        {1, 2, 1, .6}, frac::FractionalTransferFunction({{1, 1.5}, {1, 1}, {2, .5}, {2, 0}}, {{1, 1}, {2, 0}}, delay));
+    LimitCycleOptions options;
+    options.range = FrequencyRange{.1, 10};
+    const LimitCycles expected = symmetric_cycles(plain, options);
+    const LimitCycles found = symmetric_cycles(ratio, options);
+    ASSERT_EQ(found.cycles.size(), expected.cycles.size());
+    ASSERT_FALSE(found.cycles.empty());
+    for (std::size_t i = 0; i < found.cycles.size(); ++i) {
+      EXPECT_NEAR(found.cycles[i].omega, expected.cycles[i].omega, 1e-12 * expected.cycles[i].omega);
+      EXPECT_NEAR(found.cycles[i].impulse, expected.cycles[i].impulse, 1e-12 * expected.cycles[i].impulse);
+      EXPECT_EQ(found.cycles[i].admissible, expected.cycles[i].admissible);
+      EXPECT_EQ(found.cycles[i].stability.unstable_multipliers, expected.cycles[i].stability.unstable_multipliers);
+      EXPECT_NEAR(std::abs(found.cycles[i].stability.dominant), std::abs(expected.cycles[i].stability.dominant), 1e-8);
+    }
+  }
+}
+
 TEST(LimitCycles, HardCasesAreSaid) {
   // Nothing makes up for the loss: proportional action and pure integral action have no cycle.
   EXPECT_TRUE(symmetric_cycles(loop_of("3", .6)).cycles.empty());
@@ -279,7 +325,8 @@ TEST(LimitCycles, HardCasesAreSaid) {
   EXPECT_FALSE(symmetric_cycles(loop_of("3 + s", 1)).any_frequency);
   support::expect_invalid_argument([] { (void)loop_of("s^2 + 1", .6); }, {"s^2", "slower"});
   support::expect_invalid_argument([] { (void)loop_of("s + 1", .6, 0); }, {"clearance"});
-  support::expect_invalid_argument([] { (void)symmetric_cycles(loop_of("1/(s + 1)", .6)); }, {"sum of powers"});
+  const ControlLoop late({1, 1, 1, .6}, frac::FractionalTransferFunction::parse("exp(-s) (1 + s)"), Output::x2);
+  support::expect_invalid_argument([&] { (void)symmetric_cycles(late); }, {"x2", "dead time"});
   LimitCycleOptions backwards;
   backwards.range = FrequencyRange{2, 1};
   support::expect_invalid_argument([&] { (void)symmetric_cycles(loop_of("1 + s", .6), backwards); }, {"from 2 to 1"});

@@ -24,6 +24,11 @@ class Characteristic {
   Characteristic(const ImpulseTrain& train, double exchange)
       : train_(train), exchange_(exchange), acceleration_(train.sums({0, pi / train.half_period()})[2].real()) {}
 
+  /// Poles of D with Re ln(-z) > edge, those at z = -1 left out: those of the flights between impacts.
+  [[nodiscard]] int poles_beyond(double edge) const {
+    const std::vector<double>& rates = train_.growth_rates();
+    return static_cast<int>(std::count_if(rates.begin(), rates.end(), [&](double rate) { return rate > edge; }));
+  }
   /// Its value at infinity.
   [[nodiscard]] double scale() const noexcept { return exchange_ * exchange_; }
 
@@ -80,7 +85,7 @@ int roots_beyond(const Characteristic& d, double edge) {
     before = after;
   }
   if (!std::isfinite(total)) return -1;
-  return static_cast<int>(std::lround(total / pi));
+  return static_cast<int>(std::lround(total / pi)) + d.poles_beyond(edge);
 }
 
 // Muller's iteration from three points about the start; NaN where it leaves the strip or does not settle at a root.

@@ -3,8 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
+#include <string>
+#include <utility>
 
+#include "formula/power_sum.hpp"
 #include "special/reciprocal_gamma.hpp"
 
 namespace backlash::detail {
@@ -29,12 +33,12 @@ std::array<double, boole_order> boole_coefficients() {
 }
 
 // What remains of sum (-1)^n (n + v)^power from n = 0 on where v is large: Boole's expansion.
-double boole_rest(double power, double v, double v_to_the_power) {
+long double boole_rest(double power, long double v, long double v_to_the_power) {
   static const std::array<double, boole_order> e = boole_coefficients();
-  double derivative = v_to_the_power;
-  double sum = e[0] * derivative;
+  long double derivative = v_to_the_power;
+  long double sum = e[0] * derivative;
   for (std::size_t i = 1; i < boole_order; ++i) {
-    derivative *= (power + 1 - static_cast<double>(i)) / v;
+    derivative *= (power + 1 - static_cast<long double>(i)) / v;
     if (i % 2 == 1) sum += e[i] * derivative;
   }
   return sum;
@@ -42,16 +46,19 @@ double boole_rest(double power, double v, double v_to_the_power) {
 
 constexpr int direct_terms = 20;  // an even number; the rest then errs by about 18!/(20 pi)^18
 
-// The first `direct_terms` instants from `v` on, to a falling sequence of powers.
+// The first `direct_terms` instants from `v` on, to a falling sequence of powers.  In long double, as their squares and
+// cubes are much larger than what they leave.
 class AlternatingSums {
  public:
   AlternatingSums(double power, double v) : power_(power), v_(v) {
-    for (int n = 0; n <= direct_terms; ++n) value_[static_cast<std::size_t>(n)] = std::pow(n + v, power);
+    for (int n = 0; n <= direct_terms; ++n) {
+      value_[static_cast<std::size_t>(n)] = std::pow(static_cast<long double>(n) + v, static_cast<long double>(power));
+    }
   }
   [[nodiscard]] double sum() const {
-    double sum = 0;
+    long double sum = 0;
     for (std::size_t n = direct_terms; n-- > 0;) sum += n % 2 == 0 ? value_[n] : -value_[n];
-    return sum + boole_rest(power_, direct_terms + v_, value_[direct_terms]);
+    return static_cast<double>(sum + boole_rest(power_, direct_terms + v_, value_[direct_terms]));
   }
   void lower_power() {
     for (int n = 0; n <= direct_terms; ++n) value_[static_cast<std::size_t>(n)] /= n + v_;
@@ -60,8 +67,8 @@ class AlternatingSums {
 
  private:
   double power_;
-  double v_;
-  std::array<double, direct_terms + 1> value_;
+  long double v_;
+  std::array<long double, direct_terms + 1> value_;
 };
 
 std::array<double, 36> older_pulses(double power) {
@@ -94,16 +101,39 @@ double alternating_sum(double power, double v) {
 
 GapResponse gap_response(const ControlLoop& loop) {
   const frac::FractionalTransferFunction& controller = loop.controller();
-  if (loop.measured() != Output::x1 || controller.denominator().size() != 1) {
-    throw std::invalid_argument(
-        "exact cycles are computed for the load measured (x1) and a controller that is a sum of powers of s with a "
-        "dead time");
-  }
   const double mass1 = loop.system().mass1();
   const double mass2 = loop.system().mass2();
-  GapResponse response{{}, 1 / mass1 + 1 / mass2};
-  // G1 + G2 and C G1 G2: 1/s^p is t^(p - 1)/Gamma(p).
+  GapResponse response{{}, {}, 1 / mass1 + 1 / mass2};
+  const auto set_image = [&](frac::detail::PowerProduct numerator, frac::detail::PowerProduct denominator,
+                             double delay) {
+    response.image =
+        ImagePart{std::make_shared<frac::detail::LaplaceImage>(std::move(numerator), std::move(denominator)), delay};
+    if (!response.image->image->poles().complete) {
+      throw std::invalid_argument("the poles of the loop between impacts could not be counted: " +
+                                  std::string(response.image->image->poles().trouble));
+    }
+  };
+  if (loop.measured() == Output::x2) {
+    if (controller.delay() > 0) {
+      throw std::invalid_argument(
+          "exact cycles with the driven body measured (x2) and a dead time are not computed; measure the load (x1) or "
+          "leave the dead time out");
+    }
+    // G1, and G2/(1 + C G2) with C = N/D.
+    response.parts.push_back({1 / mass1, 1, 0});
+    set_image(
+        {{}, controller.denominator()},
+        {{}, frac::detail::merged(frac::detail::scaled(controller.denominator(), mass2, 2), controller.numerator())},
+        0);
+    return response;
+  }
+  // G1 + G2 and C G1 G2; 1/s^p is t^(p - 1)/Gamma(p).
   response.parts.push_back({response.jump, 1, 0});
+  if (controller.denominator().size() != 1) {
+    set_image({{}, controller.numerator()}, {{}, frac::detail::scaled(controller.denominator(), mass1 * mass2, 4)},
+              controller.delay());
+    return response;
+  }
   for (const frac::PowerTerm& term : controller.numerator()) {
     const double p = 4 - (term.order - controller.denominator().front().order);
     response.parts.push_back(
@@ -118,6 +148,15 @@ ImpulseTrain::ImpulseTrain(const GapResponse& response, double half_period) : ta
     parts_.push_back({part.coefficient * std::pow(tau_, part.exponent), part.exponent, first.index, first.age,
                       PowerTrain(part.exponent, first.age), older_pulses(part.exponent)});
   }
+  if (!response.image) return;
+  // Before a thousandth of the half period has gone by, the controller has not answered to the impact.
+  constexpr double earliest = 1e-3;
+  image_.emplace(*response.image, tau_, earliest);
+  for (const frac::detail::RootCluster& pole : response.image->image->poles().clusters) {
+    if (pole.log_s.imag() > std::numbers::pi) continue;
+    const int count = pole.multiplicity * (pole.is_conjugate ? 1 : 2);
+    growth_rates_.insert(growth_rates_.end(), static_cast<std::size_t>(count), std::exp(pole.log_s).real() * tau_);
+  }
 }
 
 std::array<Complex, 3> ImpulseTrain::sums(Complex s) const {
@@ -130,6 +169,10 @@ std::array<Complex, 3> ImpulseTrain::sums(Complex s) const {
     total[0] += scale * train[0];
     total[1] += scale * by_time * train[1];
     total[2] += scale * (by_time * (part.exponent - 1) / tau_) * train[2];
+  }
+  if (image_) {
+    const std::array<Complex, 3> others = image_->sums(s);
+    for (std::size_t j = 0; j < 3; ++j) total[j] += others[j];
   }
   return total;
 }
@@ -155,12 +198,17 @@ ImpulseTrain::Wave ImpulseTrain::wave(double t) const {
     wave.value += sign * (value + young);
     wave.slope += sign / tau_ * (slope + (age > 0 ? part.exponent * young / age : 0));
   }
+  if (image_) {
+    const ImageTrain::Wave other = image_->wave(t);
+    wave.value += other.value;
+    wave.slope += other.slope;
+  }
   return wave;
 }
 
 bool ImpulseTrain::has_whole_powers() const noexcept {
-  return std::all_of(parts_.begin(), parts_.end(),
-                     [](const Part& part) { return part.exponent == std::round(part.exponent); });
+  return !image_ && std::all_of(parts_.begin(), parts_.end(),
+                                [](const Part& part) { return part.exponent == std::round(part.exponent); });
 }
 
 double rate_before_impact(const GapResponse& response, double half_period) {
@@ -171,6 +219,7 @@ double rate_before_impact(const GapResponse& response, double half_period) {
                        alternating_sum(part.exponent - 1, first.age);
     rate += first.index % 2 == 0 ? sum : -sum;
   }
+  if (response.image) rate += ImageTrain::rate(*response.image, half_period);
   return rate;
 }
 

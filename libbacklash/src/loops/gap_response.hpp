@@ -3,9 +3,11 @@
 
 #include <array>
 #include <complex>
+#include <optional>
 #include <vector>
 
 #include "backlash/loops/control_loop.hpp"
+#include "image_train.hpp"
 #include "power_train.hpp"
 
 namespace backlash::detail {
@@ -18,13 +20,15 @@ struct PowerPart {
 };
 
 /// What the gap does after an impact: a unit impulse on mass 1 and its opposite on mass 2 make x2 - x1 = -g(t), with
-/// the controller's answer in it.  A sum of powers for free masses, the load measured and a controller that is a sum of
-/// powers with a dead time.
+/// the controller's answer in it.  With the load measured and a controller that is a sum of powers g is one too;
+/// otherwise the original of an image is added.
 struct GapResponse {
   std::vector<PowerPart> parts;
+  std::optional<ImagePart> image;
   double jump;  // 1/M1 + 1/M2: g' right after the impulse
 };
-/// @throws std::invalid_argument  a loop whose g is no sum of powers.
+/// @throws std::invalid_argument  dead time with the driven body measured: g has then no image of finitely many powers;
+///                                poles that could not be counted.
 [[nodiscard]] GapResponse gap_response(const ControlLoop& loop);
 
 /// Alternating impulses at all t = l tau, l = ..., -1, 0: what is left of them.
@@ -46,6 +50,8 @@ class ImpulseTrain {
   [[nodiscard]] Wave wave(double t) const;
 
   [[nodiscard]] double half_period() const noexcept { return tau_; }
+  /// Real parts of the poles of g's image, times tau, each as often as it counts, conjugates too.
+  [[nodiscard]] const std::vector<double>& growth_rates() const noexcept { return growth_rates_; }
   /// g is a polynomial after each delay: the sums have poles where else they have a cut.
   [[nodiscard]] bool has_whole_powers() const noexcept;
 
@@ -61,6 +67,8 @@ class ImpulseTrain {
   };
   double tau_;
   std::vector<Part> parts_;
+  std::optional<ImageTrain> image_;
+  std::vector<double> growth_rates_;
 };
 
 /// sum_(l >= 1) (-1)^l g'(l tau): the cheap part of `sums` at z = 1 that decides the frequency of a cycle.

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/math/special_functions/zeta.hpp>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -14,8 +13,8 @@
 #include "base/spelling.hpp"
 #include "cycle_frequencies.hpp"
 #include "cycle_stability.hpp"
+#include "frequency_search.hpp"
 #include "gap_response.hpp"
-#include "special/exact_power.hpp"
 
 namespace backlash {
 namespace {
@@ -31,54 +30,6 @@ constexpr std::array<std::pair<StabilityLoss, std::string_view>, 4> loss_names{
 
 double exchange(const TwoMassSystem& system) {
   return (1 / system.mass1() + 1 / system.mass2()) / (1 + system.restitution());
-}
-
-// sum over odd k of k^-p
-double dirichlet_lambda(double p) {
-  return -std::expm1(-p * std::numbers::ln2) * boost::math::zeta(p);
-}
-
-// The equation for the frequency of a controller sum c s^q without dead time:
-//   sum c w^q sin(q pi/2) lambda(3 - q) = (pi/4) (M1 + M2) w^2 (1 - eps)/(1 + eps).
-std::vector<frac::PowerTerm> frequency_equation(const ControlLoop& loop) {
-  const TwoMassSystem& system = loop.system();
-  const double divisor_order = loop.controller().denominator().front().order;
-  std::vector<frac::PowerTerm> equation;
-  for (const frac::PowerTerm& term : loop.controller().numerator()) {
-    const double order = term.order - divisor_order;
-    equation.push_back(
-        {term.coefficient * frac::detail::quarter_turns(order).imag() * dirichlet_lambda(3 - order), order});
-  }
-  const double loss = (1 - system.restitution()) / (1 + system.restitution());
-  equation.push_back({-pi / 4 * (system.mass1() + system.mass2()) * loss, 2});
-  return equation;
-}
-
-// Above it the controller, whatever its phase, cannot make up for the loss in the impacts; 0 where no bound exists.
-double highest_frequency(const ControlLoop& loop) {
-  std::vector<frac::PowerTerm> bound = frequency_equation(loop);
-  const double divisor_order = loop.controller().denominator().front().order;
-  for (std::size_t i = 0; i + 1 < bound.size(); ++i) {
-    const frac::PowerTerm& term = loop.controller().numerator()[i];
-    bound[i].coefficient = std::abs(term.coefficient) * dirichlet_lambda(3 - (term.order - divisor_order));
-  }
-  const std::vector<double> roots = detail::positive_roots(bound);
-  return roots.empty() ? 0 : roots.back();
-}
-
-std::vector<double> search_grid(const FrequencyRange& range, double delay) {
-  std::vector<double> grid{range.from};
-  while (grid.back() < range.to) {
-    double step = grid.back() * 0.0115;  // 200 per decade
-    if (delay > 0) step = std::min(step, 2 * pi / delay / 200);
-    grid.push_back(std::min(range.to, grid.back() + step));
-    if (grid.size() > 1'000'000) {
-      throw std::invalid_argument(
-          "the range of omega holds too many turns of the dead time to be searched; make it "
-          "narrower");
-    }
-  }
-  return grid;
 }
 
 // Largest excursion towards either wall between the impacts, in units of the clearance, and when.
@@ -178,32 +129,23 @@ std::string_view to_string(StabilityLoss loss) {
 }
 
 LimitCycles symmetric_cycles(const ControlLoop& loop, const LimitCycleOptions& options) {
-  if (options.range) {
-    detail::require_positive("lower end of the range of omega", "rad/s", options.range->from);
-    detail::require_positive("upper end of the range of omega", "rad/s", options.range->to);
-    if (!(options.range->from < options.range->to)) {
-      throw std::invalid_argument("the range of omega runs from " + detail::text(options.range->from) + " to " +
-                                  detail::text(options.range->to) + "; the first must be the lower one");
-    }
-  }
+  detail::require_range(options.range);
   if (options.harmonics < 1) throw std::invalid_argument("harmonics is less than 1");
   const detail::GapResponse response = detail::gap_response(loop);
   LimitCycles result{{}, {0, std::numeric_limits<double>::infinity()}, true, false};
   std::vector<double> frequencies;
-  if (loop.controller().delay() == 0) {
-    const std::vector<frac::PowerTerm> equation = frequency_equation(loop);
+  if (loop.controller().delay() == 0 && !response.image) {
+    const std::vector<frac::PowerTerm> equation = detail::frequency_equation(loop, detail::Harmonics::all);
     result.any_frequency = std::all_of(equation.begin(), equation.end(),
                                        [](const frac::PowerTerm& term) { return term.coefficient == 0; });
     frequencies = detail::positive_roots(equation);
   } else {
-    const double highest = highest_frequency(loop);
-    result.searched = {highest > 0 ? 1e-4 * highest : 1e-4, highest > 0 ? 1.01 * highest : 1e4};
+    result.searched = detail::search_range(loop, options.range);
     result.certain = false;
-    if (options.range) result.searched = *options.range;
     const double q = exchange(loop.system());
     frequencies =
         detail::roots_on_grid([&](double omega) { return 1 + detail::rate_before_impact(response, pi / omega) / q; },
-                              search_grid(result.searched, loop.controller().delay()));
+                              detail::search_grid(result.searched, loop.controller().delay()));
   }
   if (options.range) {
     result.searched = *options.range;

@@ -59,7 +59,8 @@ struct FrequencyRange {
 };
 
 struct LimitCycleOptions {
-  /// Where cycles are looked for; by default wherever they can be.
+  /// Where cycles are looked for; by default wherever they can be, for a ratio of sums of powers from 1e-4 to 1e4
+  /// rad/s.
   std::optional<FrequencyRange> range;
   int harmonics = 5;  // odd harmonics listed, 1 or more
 };
@@ -77,8 +78,11 @@ struct LimitCycles {
 };
 
 /// All symmetric cycles with two impacts per period, exact to rounding, with the whole memory of fractional orders.
-/// The load is measured and the controller is a sum of powers of s with a dead time.
-/// @throws std::invalid_argument  another kind of loop; a range that is none; fewer than one harmonic.
+/// Where the load is measured and the controller is a sum of powers of s, the sums over all earlier impacts are closed
+/// forms, with dead time too; a ratio of sums of powers, or the driven body measured, costs an inverse Laplace
+/// transform.
+/// @throws std::invalid_argument  dead time with the driven body measured; a range that is none; fewer than one
+///                                harmonic.
 [[nodiscard]] LimitCycles symmetric_cycles(const ControlLoop& loop, const LimitCycleOptions& options = {});
 
 }  // namespace backlash
