@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Records over time: the step response of a system by numerical inversion of the Laplace transform, inputs held between
+// samples, and noise.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "benchmarks/judging/random_numbers.hpp"
+#include "benchmarks/judging/systems.hpp"
+
+namespace judging {
+
+/// How a record is measured.
+struct RecordSetting {
+  int samples = 150;
+  /// `step`, `pulse` or `staircase`.
+  std::string input = "step";
+  /// `none`, `white` or `correlated`.
+  std::string noise = "none";
+  /// Standard deviation over the largest output.
+  double level = 0;
+};
+
+struct Record {
+  std::vector<double> time;
+  std::vector<double> input;
+  std::vector<double> output;
+};
+
+/// True for kinds whose step response the inversion reaches: stable or integrating, without many periods of ringing.
+bool has_record(const Kind& kind);
+
+/// Response to a unit step at time t after it, 0 before and during a dead time.  Talbot's contour with 32 nodes in
+/// double gives 1e-9 of the largest value where oscillating poles have turned by less than 20 rad.
+double step_response(const System& system, double t);
+
+Record record(const System& system, const RecordSetting& setting, RandomNumbers& random);
+
+}  // namespace judging
