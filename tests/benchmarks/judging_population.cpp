@@ -187,6 +187,9 @@ bool smoke() {
   half.order = 0.5;
   const System ringing{
       [](const auto& p, double, judging::Complex s) { return 1.0 / (1.0 + 2 * p[0] * s + s * s); }, "zeta", {0.05}};
+  const System direct{
+      [](const auto& p, double, judging::Complex s) { return (p[0] * s + 1.0) / (s + 1.0); }, "d", {0.3}};
+  good &= expect(std::abs(judging::step_response(direct, 0) - 0.3) < 1e-8, "step response at its first sample");
   for (const double t : {0.01, 0.7, 3.0, 14.0}) {
     const double damped = std::sqrt(1 - 0.05 * 0.05);
     const double rung = 1 - std::exp(-0.05 * t) * (std::cos(damped * t) + 0.05 / damped * std::sin(damped * t));

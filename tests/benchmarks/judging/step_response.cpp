@@ -46,7 +46,9 @@ bool has_record(const Kind& kind) {
 
 double step_response(const System& system, double t) {
   t -= system.delay;
-  if (t <= 0) return 0;
+  if (t < 0) return 0;
+  // An input held from a sample on acts at that sample: the limit from the right.
+  t = std::fmax(t, 1e-30);
   std::vector<double> parameters = system.parameters;
   // The dead time is the last parameter, and is in t already.
   if (system.delay > 0) parameters.back() = 0;

@@ -31,8 +31,9 @@ struct Record {
 /// True for kinds whose step response the inversion reaches: stable or integrating, without many periods of ringing.
 bool has_record(const Kind& kind);
 
-/// Response to a unit step at time t after it, 0 before and during a dead time.  Talbot's contour with 32 nodes in
-/// double gives 1e-9 of the largest value where oscillating poles have turned by less than 20 rad.
+/// Response to a unit step at time t after it, 0 before and during a dead time, at 0 the limit from the right. Talbot's
+/// contour with 32 nodes in double gives 1e-9 of the largest value where oscillating poles have turned by less than 20
+/// rad.
 double step_response(const System& system, double t);
 
 Record record(const System& system, const RecordSetting& setting, RandomNumbers& random);
