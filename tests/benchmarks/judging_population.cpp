@@ -56,7 +56,7 @@ std::string listed(const std::vector<double>& values) {
 }
 
 constexpr const char* kTruthHeader =
-    "file,kind,class,rational,noise,level,points,decades,component,gain,time_unit,order,names,parameters,"
+    "file,kind,class,within_family,noise,level,points,decades,component,gain,time_unit,order,names,parameters,"
     "theory,log_odds,deviation,rational_order,rational_delay,rational_loss,fractional_rival,fractional_loss\n";
 
 /// One file per line of the truth: the kind, the draw of the system and of its measurement come from one seed.
@@ -85,8 +85,8 @@ void write_files(const std::filesystem::path& folder, std::uint64_t seed, int re
       }
       const judging::Bound bound = judging::evidence_bound(kind, system, curve);
       truth << name << ',' << kind.name << ',' << (kind.fractional ? "fractional" : "integer") << ','
-            << (kind.rational ? 1 : 0) << ',' << setting.noise << ',' << setting.level << ',' << setting.points << ','
-            << setting.decades << ',' << (setting.imaginary_only ? "imaginary" : "both") << ',' << gain << ','
+            << (kind.within_family ? 1 : 0) << ',' << setting.noise << ',' << setting.level << ',' << setting.points
+            << ',' << setting.decades << ',' << (setting.imaginary_only ? "imaginary" : "both") << ',' << gain << ','
             << time_unit << ',' << system.order << ',' << system.names << ',' << listed(system.parameters) << ','
             << bound.word() << ',' << bound.log_odds << ',' << bound.deviation << ',' << bound.rational_order << ','
             << bound.rational_delay << ',' << bound.rational_loss << ',' << bound.fractional_name << ','
@@ -125,9 +125,9 @@ void write_records(const std::filesystem::path& folder, std::uint64_t seed, int 
              << number(gain * record.output[i]) << '\n';
       }
       truth << name << ',' << kind.name << ',' << (kind.fractional ? "fractional" : "integer") << ','
-            << (kind.rational ? 1 : 0) << ',' << setting.noise << ' ' << setting.input << ',' << setting.level << ','
-            << setting.samples << ",0,output," << gain << ',' << time_unit << ',' << system.order << ',' << system.names
-            << ',' << listed(system.parameters) << ",unknown,,,,,,,\n";
+            << (kind.within_family ? 1 : 0) << ',' << setting.noise << ' ' << setting.input << ',' << setting.level
+            << ',' << setting.samples << ",0,output," << gain << ',' << time_unit << ',' << system.order << ','
+            << system.names << ',' << listed(system.parameters) << ",unknown,,,,,,,\n";
     }
   }
 }

@@ -518,10 +518,10 @@ Bound evidence_bound(const Kind& kind, const System& system, const Curve& curve)
     bound.deviation = std::sqrt(2 * rational.loss);
     return bound;
   }
-  const double own = kind.rational ? std::min(rational.energy, own_price) : rational.energy;
+  const double own = kind.within_family ? std::min(rational.energy, own_price) : rational.energy;
   bound.log_odds = other.energy - own;
   bound.deviation = std::sqrt(2 * other.loss);
-  if (kind.rational) {
+  if (kind.within_family) {
     const double nested = own_price - own + price_of_the_order(target, system);
     if (nested < bound.log_odds) {
       bound.log_odds = nested;
