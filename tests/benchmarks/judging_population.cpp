@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Population on which verdicts are judged: frequency responses, or records over time, of integer-order and fractional
-// systems with many kinds of noise, as CSV files, and truth.csv, which says what each is and, over frequency, what
-// theory can decide on it (the bound is defined in judging/evidence_bound.hpp).  It shares no code with the library:
-// neither responses, nor fits, nor random numbers. Usage: judging_population DIRECTORY SEED REPEATS [time] |
-// judging_population --smoke
+// systems with many kinds of noise, as CSV files, and truth.csv, which says what each is and what theory can decide on
+// it (the bound is defined in judging/evidence_bound.hpp, for records in judging/record_bound.hpp).  It shares no code
+// with the library: neither responses, nor fits, nor random numbers.
+//
+// Usage: judging_population DIRECTORY SEED REPEATS [time]
+//        judging_population --smoke
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -18,6 +20,7 @@
 #include "benchmarks/judging/evidence_bound.hpp"
 #include "benchmarks/judging/measurement.hpp"
 #include "benchmarks/judging/random_numbers.hpp"
+#include "benchmarks/judging/record_bound.hpp"
 #include "benchmarks/judging/step_response.hpp"
 #include "benchmarks/judging/systems.hpp"
 
@@ -55,6 +58,14 @@ std::string listed(const std::vector<double>& values) {
   return text.str();
 }
 
+std::string listed(const judging::Bound& bound) {
+  std::ostringstream text;
+  text << bound.word() << ',' << bound.log_odds << ',' << bound.deviation << ',' << bound.rational_order << ','
+       << bound.rational_delay << ',' << bound.rational_loss << ',' << bound.fractional_name << ','
+       << bound.fractional_loss;
+  return text.str();
+}
+
 constexpr const char* kTruthHeader =
     "file,kind,class,within_family,noise,level,points,decades,component,gain,time_unit,order,names,parameters,"
     "theory,log_odds,deviation,rational_order,rational_delay,rational_loss,fractional_rival,fractional_loss\n";
@@ -88,15 +99,13 @@ void write_files(const std::filesystem::path& folder, std::uint64_t seed, int re
             << (kind.within_family ? 1 : 0) << ',' << setting.noise << ',' << setting.level << ',' << setting.points
             << ',' << setting.decades << ',' << (setting.imaginary_only ? "imaginary" : "both") << ',' << gain << ','
             << time_unit << ',' << system.order << ',' << system.names << ',' << listed(system.parameters) << ','
-            << bound.word() << ',' << bound.log_odds << ',' << bound.deviation << ',' << bound.rational_order << ','
-            << bound.rational_delay << ',' << bound.rational_loss << ',' << bound.fractional_name << ','
-            << bound.fractional_loss << '\n';
+            << listed(bound) << '\n';
     }
     truth.flush();
   }
 }
 
-/// Records over time; `decades` in the truth is left at 0, and what theory can decide is not computed.
+/// Records over time; `decades` in the truth is left at 0.
 void write_records(const std::filesystem::path& folder, std::uint64_t seed, int repeats) {
   std::filesystem::create_directories(folder);
   std::ofstream truth(folder / "truth.csv");
@@ -127,7 +136,8 @@ void write_records(const std::filesystem::path& folder, std::uint64_t seed, int 
       truth << name << ',' << kind.name << ',' << (kind.fractional ? "fractional" : "integer") << ','
             << (kind.within_family ? 1 : 0) << ',' << setting.noise << ' ' << setting.input << ',' << setting.level
             << ',' << setting.samples << ",0,output," << gain << ',' << time_unit << ',' << system.order << ','
-            << system.names << ',' << listed(system.parameters) << ",unknown,,,,,,,\n";
+            << system.names << ',' << listed(system.parameters) << ','
+            << listed(judging::record_bound(kind, system, record)) << '\n';
     }
   }
 }

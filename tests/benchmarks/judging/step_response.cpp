@@ -45,13 +45,15 @@ bool has_record(const Kind& kind) {
 }
 
 double step_response(const System& system, double t) {
-  t -= system.delay;
+  // The dead time is the last parameter; the inversion is that of the rest.
+  std::vector<double> parameters = system.parameters;
+  if (system.delay > 0) {
+    t -= parameters.back();
+    parameters.back() = 0;
+  }
   if (t < 0) return 0;
   // An input held from a sample on acts at that sample: the limit from the right.
   t = std::fmax(t, 1e-30);
-  std::vector<double> parameters = system.parameters;
-  // The dead time is the last parameter, and is in t already.
-  if (system.delay > 0) parameters.back() = 0;
   constexpr int nodes = 32;
   const double radius = 2.0 * nodes / (5 * t);
   const auto transform = [&](Complex s) { return system.response(parameters, system.order, s) / s; };
@@ -66,44 +68,49 @@ double step_response(const System& system, double t) {
   return sum * radius / nodes;
 }
 
+std::vector<double> respond(const Record& record, const std::function<double(double)>& response) {
+  std::vector<double> output(record.time.size(), 0);
+  for (const auto& [first, height] : record.steps) {
+    for (std::size_t i = first; i < output.size(); ++i) {
+      output[i] += height * response(record.time[i] - record.time[first]);
+    }
+  }
+  return output;
+}
+
 Record record(const System& system, const RecordSetting& setting, RandomNumbers& random) {
   Record result;
   const double length = random.log_uniform(5, 14);
   const auto count = static_cast<std::size_t>(setting.samples);
-  std::vector<std::size_t> changes = {0};
-  std::vector<double> levels = {1};
+  result.steps = {{0, 1}};
   const auto later = [&](double low, double high) {
     return static_cast<std::size_t>(random.uniform(low, high) * static_cast<double>(count));
   };
   if (setting.input == "pulse") {
-    changes.push_back(later(0.3, 0.6));
-    levels.push_back(0);
+    result.steps.emplace_back(later(0.3, 0.6), -1);
   } else if (setting.input == "staircase") {
+    double level = 1;
     for (const double part : {0.25, 0.5, 0.75}) {
-      changes.push_back(later(part - 0.1, part + 0.1));
-      levels.push_back(random.uniform(-1, 1));
+      const std::size_t sample = later(part - 0.1, part + 0.1);
+      const double next = random.uniform(-1, 1);
+      result.steps.emplace_back(sample, next - level);
+      level = next;
     }
   }
   for (std::size_t i = 0; i < count; ++i) {
     result.time.push_back(length * static_cast<double>(i) / static_cast<double>(count - 1));
-    double input = 0;
-    double output = 0;
-    for (std::size_t k = 0; k < changes.size(); ++k) {
-      if (i < changes[k]) break;
-      input = levels[k];
-      const double jump = levels[k] - (k == 0 ? 0 : levels[k - 1]);
-      output += jump * step_response(system, result.time[i] - result.time[changes[k]]);
-    }
-    result.input.push_back(input);
-    result.output.push_back(output);
   }
+  result.input = respond(result, [](double) { return 1.0; });
+  result.exact = respond(result, [&](double t) { return step_response(system, t); });
+  result.output = result.exact;
   double largest = 0;
-  for (const double y : result.output) largest = std::fmax(largest, std::abs(y));
-  const double correlation = setting.noise == "correlated" ? random.uniform(0.5, 0.9) : 0;
+  for (const double y : result.exact) largest = std::fmax(largest, std::abs(y));
+  result.sigma = setting.level * largest;
+  result.correlation = setting.noise == "correlated" ? random.uniform(0.5, 0.9) : 0;
   double error = random.normal();
   for (double& y : result.output) {
-    error = correlation * error + std::sqrt(1 - correlation * correlation) * random.normal();
-    if (setting.level > 0) y += setting.level * largest * error;
+    error = result.correlation * error + std::sqrt(1 - result.correlation * result.correlation) * random.normal();
+    y += result.sigma * error;
   }
   return result;
 }

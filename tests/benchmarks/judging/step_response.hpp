@@ -3,7 +3,10 @@
 // samples, and noise.
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "benchmarks/judging/random_numbers.hpp"
@@ -25,7 +28,14 @@ struct RecordSetting {
 struct Record {
   std::vector<double> time;
   std::vector<double> input;
+  /// Output with noise, and without.
   std::vector<double> output;
+  std::vector<double> exact;
+  /// Steps of the input: the sample at which each comes, and its height.
+  std::vector<std::pair<std::size_t, double>> steps;
+  /// Standard deviation of the noise, and correlation of neighbours.
+  double sigma = 0;
+  double correlation = 0;
 };
 
 /// True for kinds whose step response the inversion reaches: stable or integrating, without many periods of ringing.
@@ -35,6 +45,9 @@ bool has_record(const Kind& kind);
 /// contour with 32 nodes in double gives 1e-9 of the largest value where oscillating poles have turned by less than 20
 /// rad.
 double step_response(const System& system, double t);
+
+/// Sum over the steps of the input of `response`(time since the step).
+std::vector<double> respond(const Record& record, const std::function<double(double)>& response);
 
 Record record(const System& system, const RecordSetting& setting, RandomNumbers& random);
 
