@@ -70,12 +70,22 @@ double rms_of_predictions(const Data& data, const Options& options, const Compet
   return std::isfinite(square) ? std::sqrt(square / count) : infinity;
 }
 
-}  // namespace
-
 std::vector<Block> even_blocks(std::size_t points, std::size_t count) {
   std::vector<Block> blocks;
   for (std::size_t i = 0; i < count; ++i) blocks.emplace_back(i * points / count, (i + 1) * points / count);
   return blocks;
+}
+
+}  // namespace
+
+std::vector<Block> blocks_of(const FrequencyResponseData& data) {
+  // Over a longer gap structures of many parameters say nothing.
+  const double half_decades = 2 * std::log10(data.omega().back() / data.omega().front());
+  return even_blocks(data.size(), static_cast<std::size_t>(std::clamp(std::round(half_decades), 5.0, 10.0)));
+}
+
+std::vector<Block> blocks_of(const TimeResponseData& data) {
+  return even_blocks(points(data), 5);
 }
 
 std::vector<Block> end_blocks(const FrequencyResponseData& data) {

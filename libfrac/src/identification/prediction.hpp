@@ -12,8 +12,9 @@ namespace frac::detail {
 /// Points [first, last) that are left out together.
 using Block = std::pair<std::size_t, std::size_t>;
 
-/// `count` blocks of neighbouring points, all of them in one.
-[[nodiscard]] std::vector<Block> even_blocks(std::size_t points, std::size_t count);
+/// Blocks of neighbouring points, each point in one: of half a decade, but five to ten of them; five over time.
+[[nodiscard]] std::vector<Block> blocks_of(const FrequencyResponseData& data);
+[[nodiscard]] std::vector<Block> blocks_of(const TimeResponseData& data);
 /// The points within half a decade of either end; none where that takes more than a third of them, and over time.
 [[nodiscard]] std::vector<Block> end_blocks(const FrequencyResponseData& data);
 [[nodiscard]] inline std::vector<Block> end_blocks(const TimeResponseData&) {

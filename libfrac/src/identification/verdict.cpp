@@ -26,7 +26,6 @@ constexpr double whole_order = 0.1;    // half width of an interval that tells a
 constexpr double nearly_whole = 0.02;  // an order that is known to be so near a whole number counts as one
 constexpr double worse = 1.05, clearly_worse = 1.5;  // rms of predictions
 constexpr double most_model_error = 0.05;            // of the data
-constexpr std::size_t folds = 5;
 
 std::string number(double value) {
   char text[32];
@@ -321,7 +320,7 @@ void judge_any(IdentificationResult& result, const Data& data, const Options& op
   if (f.ranked.model_class == ModelClass::fractional && i.ranked.model_class == ModelClass::integer_order) {
     differ_most(result, data, options, f.ranked.fit, i.ranked.fit);
   }
-  const auto blocks = even_blocks(points(data), folds), ends = end_blocks(data);
+  const auto blocks = blocks_of(data), ends = end_blocks(data);
   for (const auto& [finalist_of, competitor] : {std::pair(&*result.fractional, &f), std::pair(&*result.integer, &i)}) {
     finalist_of->prediction_rms = prediction_rms(data, options, *competitor, blocks);
     finalist_of->extrapolation_rms = prediction_rms(data, options, *competitor, ends);
