@@ -95,7 +95,7 @@ class IdentifyScene : public Command {
   [[nodiscard]] std::vector<CurveSource> sources() const {
     std::vector<CurveSource> all;
     for (const auto& file : data_) {
-      const auto scenes = io::scenes_in(file, reading_.where);
+      const auto scenes = io::scenes_in(io::read_measurement(file), reading_.where);
       if (scenes.empty()) all.push_back({file, {}});
       for (const auto& scene : scenes) {
         for (const auto& [column, value] : scene)
