@@ -61,7 +61,7 @@ struct Base {
   bool angular = false;  // a frequency that is angular by its name
 };
 
-// Longer names stand before their own beginnings.
+// A name stands before every name that it begins with, because the first match is taken.
 constexpr std::array<Base, 34> bases{{{"angular_frequency", Quantity::frequency, true},
                                       {"ang_freq", Quantity::frequency, true},
                                       {"omega", Quantity::frequency, true},

@@ -60,7 +60,7 @@ std::optional<std::size_t> position_of(const TextTable& table, const std::string
 
 class Planner {
  public:
-  // Of the columns of a labelled curve, all others mean nothing.
+  // With a label, columns that belong to other curves are ignored.
   Planner(const TextTable& table, const std::string& label, const MeasurementOptions& how,
           std::vector<std::string>& notes)
       : table_(table), notes_(notes) {
@@ -143,7 +143,7 @@ class Planner {
     }
   }
 
-  // Of a file with an impedance and an admittance the impedance is read.
+  // A file may hold impedance and admittance; the impedance is read.
   void keep_one_symbol() {
     const auto has = [&](std::string_view symbol) {
       return std::any_of(meanings_.begin(), meanings_.end(), [&](const auto& each) { return each.symbol == symbol; });
@@ -183,7 +183,7 @@ class Planner {
     return found;
   }
 
-  // The only column of that quantity, if there is one; two of them leave open which is meant.
+  // The only column of that quantity, if there is one.  Refuses two, because it is open which is meant.
   [[nodiscard]] std::optional<std::size_t> single(Quantity quantity) const {
     const auto found = columns_with(quantity);
     if (found.size() > 1)
@@ -321,7 +321,7 @@ class RowReader {
       fail(row, *plan_.spread,
            plan_.spread_is_weight ? "a weight must be > 0; leave points out with --where"
                                   : "a standard deviation must be > 0");
-    // Of a phase alone in the unit of the phase, so that sigma/|value| is an angle.
+    // A phase alone has |value| = 1, so sigma becomes an angle in rad.
     points.sigma.push_back(plan_.form == ValueForm::phase_alone ? sigma * to_radians_ : sigma);
     return true;
   }
@@ -605,7 +605,7 @@ FrequencyResponseFile read_table(const Measurement& measurement, const TextTable
   Metadata metadata = table.metadata();
   metadata.insert(metadata.end(), options.rows.begin(), options.rows.end());
   if (!options.curve.empty()) metadata.emplace_back("curve", options.curve);
-  // A force alone is no scene: others would miss the clearance.
+  // A scene needs the clearance too, so a force alone is not reported.
   Metadata told = scene.entries();
   if (find_value(metadata, "clearance_m") || find_value(told, "clearance_m")) {
     for (auto& entry : told)
@@ -682,7 +682,7 @@ std::string selected(const Measurement& measurement, const std::string& choice) 
 std::vector<std::string> column_labels(const TextTable& table) {
   std::vector<std::string> labels;
   std::set<std::string> seen;
-  // Whichever quantity stands in several columns tells the curves apart.
+  // The first of these quantities that stands in several columns tells the curves apart.
   for (const auto wanted : {Quantity::real, Quantity::magnitude, Quantity::phase}) {
     for (const auto& field : table.header()) {
       const ColumnMeaning whole = column_meaning(field.text);

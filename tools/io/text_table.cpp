@@ -111,7 +111,7 @@ void TextTable::take_header(std::string_view line, std::string_view names, std::
   separator_ = separator_of(names);
   std::vector<std::string_view> fields;
   split_by(names, separator_, fields);
-  // Counted on from name to name: a file may have very many.
+  // Counts on from name to name, because a file may have very many.
   std::size_t column = 1;
   const char* counted = line.data();
   for (const auto field : fields) {

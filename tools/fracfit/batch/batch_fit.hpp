@@ -41,8 +41,8 @@ struct BatchTask {
 [[nodiscard]] std::vector<std::string> variables_of(const BatchTask& task, const std::vector<BatchCurve>& curves,
                                                     const std::string& wanted);
 
-/// Why the command can read none of the curves, where the command is at fault with the first of them: a condition on a
-/// column that they do not have, or several scenes in one file.  Empty where it can read one.
+/// Why the options of the command fit none of the curves: a condition on a column that they do not have, or several
+/// scenes in one file.  Empty if one curve can be read.
 [[nodiscard]] std::string fault_of_command(const BatchTask& task, const std::vector<BatchCurve>& curves);
 
 /// One row; a curve that cannot be read or fitted gives one that says why.

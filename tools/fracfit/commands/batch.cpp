@@ -82,7 +82,7 @@ void check_variables(const std::vector<std::string>& laws, const BatchTask& task
   }
 }
 
-// The trouble with data of which none can be read, as the rows tell it.
+// Prints the messages of the rows when no file could be read.
 void complain_of_data(BatchFormat format, const BatchManifest& manifest, const std::vector<std::string>& lines) {
   const auto row = read_row(format, manifest.columns, lines.front()).value();
   complain(row.at("message") +

@@ -156,7 +156,7 @@ class IdentifyScene : public Command {
     std::string forces;
     for (const double force : run.forces) forces += (forces.empty() ? "" : ",") + io::format_number(force);
     const std::string body(backlash::to_string(scene_.output));
-    // A table of several forces tells them itself.
+    // A table of several forces has them in its column.
     if (run.files.size() == data_.size()) options()["--force"].say(forces);
     options()["--body"].say(body);
     run.command = command_line();

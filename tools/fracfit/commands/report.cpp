@@ -20,7 +20,8 @@ class Report : public Command {
             "FILE");
     add_file_options(o, how_);
     add_select(o, how_);
-    o.text("--scene", scene_, "Scene as JSON: mass1, mass2, clearance, restitution, force, omega", "FILE").not_with({"DATA"});
+    o.text("--scene", scene_, "Scene as JSON: mass1, mass2, clearance, restitution, force, omega", "FILE")
+        .not_with({"DATA"});
     o.text("--out", folder_, "Folder to write, made if missing", "DIR").also("-o").required();
     add_common();
     set_footer(

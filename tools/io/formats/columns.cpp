@@ -13,7 +13,7 @@ std::vector<TextLayout::Column> named_columns(std::string_view names, char separ
   split_by(trimmed(names), separator, fields);
   if (!units.empty()) split_by(trimmed(units), separator, below);
   std::vector<TextLayout::Column> columns;
-  // Counted on from name to name: a file may have very many.
+  // Counts on from name to name, because a file may have very many.
   std::size_t place = 1;
   const char* counted = names.data();
   for (std::size_t i = 0; i < fields.size(); ++i) {
