@@ -131,6 +131,32 @@ const std::string universal_doubles =
     universal_head("    58b     1     2          11          48     0     0           0           0", 4, 6, 2, false) +
     bytes_of<double>({3, 0.1, -0.2, 7, 1e-300, 5}, false) + "\n    -1\n";
 
+// A variable of level 5: tag 14 around flags, dimensions, name and the parts, each padded to 8 bytes.
+std::string matlab_variable(const std::string& name, const std::vector<double>& real,
+                            const std::vector<double>& imaginary = {}) {
+  const auto element = [](std::uint32_t type, std::string bytes) {
+    std::string tagged = bytes_of<std::uint32_t>({type, static_cast<std::uint32_t>(bytes.size())}, false) + bytes;
+    tagged.resize((tagged.size() + 7) / 8 * 8, '\0');
+    return tagged;
+  };
+  const auto numbers = [](const std::vector<double>& values) {
+    std::string bytes;
+    for (const double value : values) bytes += bytes_of<double>({value}, false);
+    return bytes;
+  };
+  std::string content = element(6, bytes_of<std::uint32_t>({imaginary.empty() ? 6U : 6U + 0x800U, 0U}, false)) +
+                        element(5, bytes_of<std::int32_t>({static_cast<std::int32_t>(real.size()), 1}, false)) +
+                        element(1, name) + element(9, numbers(real));
+  if (!imaginary.empty()) content += element(9, numbers(imaginary));
+  return element(14, content);
+}
+std::string matlab_file(const std::string& variables) {
+  std::string head = "MATLAB 5.0 MAT-file, made by hand";
+  head.resize(116, ' ');
+  head.resize(124, '\0');
+  return head + bytes_of<std::uint16_t>({0x0100, 0x4D49}, false) + variables;
+}
+
 class MeasurementTest : public testing::Test {
  protected:
   io::FrequencyResponseFile read(const std::string& content, const io::MeasurementOptions& how = {}) {
@@ -207,8 +233,8 @@ TEST_F(MeasurementTest, TouchstoneFormsAndElements) {
   EXPECT_EQ(impedance.value_unit, "ohm");
   EXPECT_EQ(labels(two_port), (std::vector<std::string>{"S11", "S12", "S21", "S22"}));
   expect(two_port, "Touchstone, 2 points, S21", {{1e3, .3 + .4i}, {2e3, 3.0 + 4i}}, {"", "", "S21"});
-  expect("# Hz Z DB R 50\n10 20 0\n", "Touchstone, 1 points, Z11 in ohm", {{10, 500.0}});
-  expect("# GHz Y RI R 50\n1 2 -4\n", "Touchstone, 1 points, Y11 in S", {{1e9, .04 - .08i}});
+  expect("# Hz Z DB R 50\n10 20 0\n", "Touchstone, 1 point, Z11 in ohm", {{10, 500.0}});
+  expect("# GHz Y RI R 50\n1 2 -4\n", "Touchstone, 1 point, Y11 in S", {{1e9, .04 - .08i}});
   refuses("# GHz S RI R 50\n1 2 3 4\n", "expected a frequency");
   refuses("# GHz S RI R 50\n1 2 x\n", ":2:5: found 'x'");
 }
@@ -218,7 +244,7 @@ TEST_F(MeasurementTest, UniversalFilesInTextAndBinary) {
   expect(universal, said, {{0.5, -3.0 - 4i}, {1, 5.0 + 6i}});
   expect(universal_uneven, said, {{1, 2.5 - 3.5i}, {4, .5 + 6i}});
   for (const bool big_endian : {false, true})
-    expect(universal_binary(big_endian), "universal file, dataset 58, 1 points, response 5+Z/2+X in m/N",
+    expect(universal_binary(big_endian), "universal file, dataset 58, 1 point, response 5+Z/2+X in m/N",
            {{0.5, {static_cast<double>(1e-3F), static_cast<double>(4e8F)}}});
   expect(universal_doubles, said, {{3, .1 - .2i}, {7, 1e-300 + 5i}});
   EXPECT_EQ(labels(universal + universal), (std::vector<std::string>{"5+Z/2+X", "5+Z/2+X (2)"}));
@@ -227,6 +253,35 @@ TEST_F(MeasurementTest, UniversalFilesInTextAndBinary) {
       universal_head("    58b     1     2          11  8000000000     0     0           0           0", 4, 5, 2, true),
       "declares 8000000000 bytes");
   refuses(universal_head("    58", 1, 5, 1, true) + "  1.0e+00  1.0e+00\n    -1\n", "without a frequency response");
+}
+
+TEST_F(MeasurementTest, MatFilesOfLevelFive) {
+  const std::string frequency = matlab_variable("f_Hz", {10, 20});
+  try {
+    (void)read(matlab_file(frequency + matlab_variable("H", {1, 2}, {3, 4})));
+  } catch (const io::DataError& error) {
+    if (std::string(error.what()).find("without libmatio") != std::string::npos) GTEST_SKIP() << error.what();
+    throw;
+  }
+  const std::vector<Point> points{{10, 1.5 - 2.5i}, {20, 3.0 + 4i}};
+  const std::string whole = matlab_file(frequency + matlab_variable("H", {1.5, 3}, {-2.5, 4}));
+  expect(whole, "MAT-file, 2 points, H", points);
+  expect(matlab_file(matlab_variable("freq", {10, 20}) + matlab_variable("re_ohm", {1.5, 3}) +
+                     matlab_variable("im_ohm", {-2.5, 4})),
+         "MAT-file, 2 points, re_ohm/im_ohm in ohm", points, {"", "Hz", ""});
+  EXPECT_EQ(
+      labels(matlab_file(frequency + matlab_variable("A", {1, 2}, {1, 2}) + matlab_variable("B", {1, 2}, {1, 2}))),
+      (std::vector<std::string>{"A", "B"}));
+  refuses(matlab_file(matlab_variable("freq", {10}) + matlab_variable("H", {1}, {2})), "--frequency-unit");
+  refuses(matlab_file(matlab_variable("H", {1}, {2})), "no vector of frequencies");
+  refuses(matlab_file(frequency), "no response of 2 values");
+  for (std::size_t length = 0; length < whole.size(); ++length) {
+    try {
+      (void)read(whole.substr(0, length));
+    } catch (const io::DataError&) {
+    } catch (const std::invalid_argument&) {
+    }
+  }
 }
 
 TEST_F(MeasurementTest, TablesOfAnyProgram) {
@@ -240,9 +295,9 @@ TEST_F(MeasurementTest, TablesOfAnyProgram) {
       "\xEF\xBB\xBF"
       "f_Hz,G',G''\n10,1.5,-2.5\n20,3,4\n",
       "table, 2 points, G'/G''", points);
-  expect("freq/Hz,|Z|/ohm,theta\n10,2,-90\n", "table, 1 points, |Z|/theta in ohm",
+  expect("freq/Hz,|Z|/ohm,theta\n10,2,-90\n", "table, 1 point, |Z|/theta in ohm",
          {{10, {2 * std::cos(-std::numbers::pi / 2), -2.0}}});
-  expect("f [Hz],eps',eps''\n10,5,0.25\n", "table, 1 points, eps'/eps''", {{10, 5.0 - .25i}});
+  expect("f [Hz],eps',eps''\n10,5,0.25\n", "table, 1 point, eps'/eps''", {{10, 5.0 - .25i}});
   expect("Hz;a;b;c\n10;9;1.5;2.5\n20;9;3;-4\n", "table, 2 points", points, {"f=1,re=3,-im=4", "Hz", ""});
   expect("10 1.5 2.5\n20 3 -4\n", "table, 2 points", points, {"f=1,re=2,-im=3", "Hz", ""});
   expect("f,Z',Z''\n10,1.5,-2.5\n20,3,4\n", "table, 2 points, Z'/Z''", points, {"", "Hz", ""});

@@ -2,6 +2,7 @@
 #include "io/fields.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "io/number.hpp"
 
@@ -48,6 +49,21 @@ void split_by(std::string_view line, char separator, std::vector<std::string_vie
     if (end == std::string_view::npos) return;
     begin = end + 1;
   }
+}
+
+bool append_numbers(std::string_view line, std::vector<double>& numbers) {
+  const std::size_t before = numbers.size();
+  for (line = trimmed(line); !line.empty();) {
+    const auto end = std::min(line.find_first_of(blanks), line.size());
+    const auto number = parse_number(line.substr(0, end));
+    if (!number || !std::isfinite(*number)) {
+      numbers.resize(before);
+      return false;
+    }
+    numbers.push_back(*number);
+    line.remove_prefix(std::min(line.find_first_not_of(blanks, end), line.size()));
+  }
+  return true;
 }
 
 bool holds_a_number(const std::vector<std::string_view>& fields) {

@@ -18,6 +18,9 @@ namespace io {
 /// The fields of a line, unquoted.  A blank as separator stands for any number of them.
 void split_by(std::string_view line, char separator, std::vector<std::string_view>& fields);
 
+/// Appends all words of a line as numbers.  Returns false, and appends nothing, if one is no finite number.
+[[nodiscard]] bool append_numbers(std::string_view line, std::vector<double>& numbers);
+
 [[nodiscard]] bool holds_a_number(const std::vector<std::string_view>& fields);
 [[nodiscard]] bool is_comment(std::string_view trimmed_line);
 

@@ -554,7 +554,8 @@ void say_what_was_taken(const Measurement& measurement, const std::string& what,
                         std::vector<std::string>& notes) {
   if (measurement.format.empty() && what.empty()) return;
   notes.insert(notes.begin(), (measurement.format.empty() ? "table" : measurement.format) + ", " +
-                                  std::to_string(points) + " points" + (what.empty() ? "" : ", " + what));
+                                  std::to_string(points) + (points == 1 ? " point" : " points") +
+                                  (what.empty() ? "" : ", " + what));
 }
 
 FrequencyResponseFile read_table(const Measurement& measurement, const TextTable& table,
@@ -630,7 +631,7 @@ FrequencyResponseFile read_curve(const Measurement& measurement, const Measureme
   if (options.weight_column)
     throw std::invalid_argument("weight " + quoted(*options.weight_column) + " is no column of " + measurement.file +
                                 "; expected relative or absolute");
-  if (!measurement.how.frequency_unit.empty())
+  if (!measurement.how.frequency_unit.empty() && measurement.format != "MAT-file")
     throw std::invalid_argument("--frequency-unit: a " + measurement.format + " file gives the unit itself");
   std::vector<std::string> notes = measurement.notes;
   Points points;

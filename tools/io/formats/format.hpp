@@ -18,6 +18,7 @@ struct Source {
   std::string file;                         // for messages
   std::string_view bytes;                   // as they stand in the file
   std::shared_ptr<const std::string> text;  // as UTF-8
+  std::string frequency_unit = {};          // that the caller tells; empty where the file has to
 };
 
 /// A curve of a format that is no table of named columns.
@@ -52,6 +53,7 @@ struct Recognised {
 [[nodiscard]] std::optional<Recognised> read_versastudio(const Source& source);
 [[nodiscard]] std::optional<Recognised> read_touchstone(const Source& source);
 [[nodiscard]] std::optional<Recognised> read_universal58(const Source& source);
+[[nodiscard]] std::optional<Recognised> read_matlab(const Source& source);
 /// Any table whose names stand above the rows, wherever in the file.
 [[nodiscard]] std::optional<Recognised> read_plain_table(const Source& source);
 /// A table whose columns the caller tells by their numbers; it needs no names.

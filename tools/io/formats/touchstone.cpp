@@ -66,29 +66,43 @@ std::complex<double> value_of(const Settings& settings, double first, double sec
   return {magnitude * std::cos(angle), magnitude * std::sin(angle)};
 }
 
-struct Record {
-  std::size_t line = 0;
-  std::vector<double> numbers;
+struct Records {
+  std::vector<double> numbers;      // of all records, one after another
+  std::vector<std::size_t> begins;  // where each begins
+  std::vector<std::size_t> lines;
+
+  [[nodiscard]] std::size_t size() const { return begins.size(); }
+  [[nodiscard]] std::size_t width(std::size_t i) const {
+    return (i + 1 < size() ? begins[i + 1] : numbers.size()) - begins[i];
+  }
+  [[nodiscard]] const double* operator[](std::size_t i) const { return numbers.data() + begins[i]; }
 };
 
+[[noreturn]] void fail_at_word(const Source& source, std::size_t number, std::string_view line,
+                               std::string_view content) {
+  std::vector<std::string_view> words;
+  split_by(content, ' ', words);
+  const auto bad = std::find_if(words.begin(), words.end(), [](std::string_view word) {
+    const auto value = parse_number(word);
+    return !value || !std::isfinite(*value);
+  });
+  throw DataError(source.file, number, column_in(line, *bad), "found " + quoted(*bad) + "; expected a number");
+}
+
 // The records of the file: a line of an odd number of numbers begins one.
-std::vector<Record> records_in(const Source& source, LineReader& lines) {
-  std::vector<Record> records;
-  std::vector<std::string_view> fields;
+Records records_in(const Source& source, LineReader& lines) {
+  Records records;
   for (std::string_view line; lines.next(line);) {
     const auto content = trimmed(line.substr(0, line.find('!')));
     if (content.empty() || content.starts_with('#')) continue;
-    split_by(content, ' ', fields);
-    if (fields.size() % 2 == 1) records.push_back({lines.number(), {}});
-    if (records.empty())
+    const std::size_t before = records.numbers.size();
+    if (!append_numbers(content, records.numbers)) fail_at_word(source, lines.number(), line, content);
+    if ((records.numbers.size() - before) % 2 == 1) {
+      records.begins.push_back(before);
+      records.lines.push_back(lines.number());
+    } else if (records.size() == 0) {
       throw DataError(source.file, lines.number(), 1,
                       "found " + quoted(content) + "; expected a frequency and pairs of numbers");
-    for (const auto field : fields) {
-      const auto number = parse_number(field);
-      if (!number || !std::isfinite(*number))
-        throw DataError(source.file, lines.number(), column_in(line, field),
-                        "found " + quoted(field) + "; expected a number");
-      records.back().numbers.push_back(*number);
     }
   }
   return records;
@@ -112,25 +126,26 @@ std::optional<Recognised> read_touchstone(const Source& source) {
     if (!settings) return std::nullopt;
   }
   if (!settings) return std::nullopt;
-  auto records = records_in(source, lines);
-  if (records.empty()) throw DataError(source.file, lines.number(), 0, "holds no data below its line of options");
-  const std::size_t width = records.front().numbers.size();
+  const Records records = records_in(source, lines);
+  std::size_t count = records.size();
+  if (count == 0) throw DataError(source.file, lines.number(), 0, "holds no data below its line of options");
+  const std::size_t width = records.width(0);
   const auto ports = static_cast<std::size_t>(std::lround(std::sqrt(static_cast<double>(width - 1) / 2)));
   if (ports == 0 || 2 * ports * ports + 1 != width)
     throw DataError(
-        source.file, records.front().line, 1,
+        source.file, records.lines.front(), 1,
         "found a record of " + std::to_string(width) + " numbers; expected a frequency and n*n pairs for n ports");
   Recognised found{"Touchstone", {}};
-  for (std::size_t i = 1; i < records.size(); ++i) {
-    if (ports == 2 && records[i].numbers.size() == 5 && records[i].numbers[0] <= records[i - 1].numbers[0]) {
-      found.notes.push_back("the noise table of " + std::to_string(records.size() - i) + " rows is not used");
-      records.resize(i);
-      break;
+  for (std::size_t i = 1; i < count; ++i) {
+    constexpr std::size_t numbers_of_noise = 5;
+    if (ports == 2 && records.width(i) == numbers_of_noise && records[i][0] <= records[i - 1][0]) {
+      found.notes.push_back("the noise table of " + std::to_string(count - i) + " rows is not used");
+      count = i;
+    } else if (records.width(i) != width) {
+      throw DataError(source.file, records.lines[i], 1,
+                      "found a record of " + std::to_string(records.width(i)) + " numbers; expected " +
+                          std::to_string(width) + " as in line " + std::to_string(records.lines.front()));
     }
-    if (records[i].numbers.size() != width)
-      throw DataError(source.file, records[i].line, 1,
-                      "found a record of " + std::to_string(records[i].numbers.size()) + " numbers; expected " +
-                          std::to_string(width) + " as in line " + std::to_string(records.front().line));
   }
   const double turn = 2 * std::numbers::pi * settings->hertz;
   const std::string unit = settings->parameter == 'Z' ? "ohm" : settings->parameter == 'Y' ? "S" : "1";
@@ -142,9 +157,9 @@ std::optional<Recognised> read_touchstone(const Source& source) {
       // Two-ports alone are written column by column.
       const std::size_t place = 1 + 2 * (ports == 2 ? column * 2 + row : row * ports + column);
       SampledCurve curve{{}, {}, unit, element_name(settings->parameter, row, column)};
-      for (const auto& record : records) {
-        curve.omega.push_back(record.numbers[0] * turn);
-        curve.value.push_back(scale * value_of(*settings, record.numbers[place], record.numbers[place + 1]));
+      for (std::size_t i = 0; i < count; ++i) {
+        curve.omega.push_back(records[i][0] * turn);
+        curve.value.push_back(scale * value_of(*settings, records[i][place], records[i][place + 1]));
       }
       found.sweeps.push_back({curve.quantity, std::move(curve)});
     }

@@ -148,10 +148,8 @@ class Reader {
       if (!lines_.next(line) || trimmed(line) == "-1")
         fail(lines_.number(), "ends after " + std::to_string(values.size() / per_point(numbers)) + " of " +
                                   std::to_string(numbers.points) + " points; the file is cut off");
-      split_by(trimmed(line), ' ', words);
-      const bool is_spaced =
-          std::all_of(words.begin(), words.end(), [](std::string_view word) { return parse_number(word).has_value(); });
-      if (!is_spaced) cut_into_columns(line, numbers, values.size(), words);
+      if (append_numbers(line, values)) continue;
+      cut_into_columns(line, numbers, values.size(), words);
       for (const auto word : words) {
         const auto number = parse_number(word);
         if (!number || !std::isfinite(*number)) fail(lines_.number(), "found " + quoted(word) + "; expected a number");
