@@ -105,7 +105,7 @@ class Fit : public Command {
 
   int run() override {
     const auto note = [this](const std::string& text) { say(text); };
-    if (io::holds_time_response(request_.data)) {
+    if (io::holds_time_response(request_.data, request_.how)) {
       options().settle(samples_over_time);
       const auto fit = time_fit_options(request_, over_time_, options(), chosen_.constraints);
       const auto record = read_time_record(request_, over_time_, options(), note);
