@@ -76,8 +76,8 @@ TEST(LimitCyclesCommand, SaysThatTheLoopIsUnstableWithoutClearance) {
 // A step of the set-point by 1 meets C = e^{-0.1 s} (2 + s): from 0.1 s on mass 2 has speed 1 from the derivative and
 // acceleration 2, so it meets the wall half a clearance away after 0.1 + (sqrt(3) - 1)/2 s.
 TEST(LoopCommand, WritesTheMotionWithItsImpacts) {
-  const auto result = run_fracfit({"loop", "--controller", "exp(-0.1 s) (2 + s)", "--restitution", "0.6", "--step", "1",
-                                   "--duration", "5", "--format", "json"});
+  const auto result = run_fracfit({"loop", "--controller", "exp(-0.1 s) (2 + s)", "--restitution", "0.6",
+                                   "--setpoint-step", "1", "--duration", "5", "--format", "json"});
   ASSERT_EQ(result.code, 0) << result.error;
   const auto json = nlohmann::json::parse(result.output);
   EXPECT_EQ(result.error, "");

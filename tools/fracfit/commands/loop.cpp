@@ -25,8 +25,8 @@ class LoopCommand : public Command {
     add_masses(o, mass1_, mass2_);
     o.number("--clearance", clearance_);
     o.one_number("--restitution", restitution_).required();
-    o.number("--step", set_point_.step, "Step of the set-point of x1 at t = 0, m", "R");
-    o.number("--ramp", set_point_.ramp, "Its rate from t = 0 on, m/s", "RATE");
+    o.number("--setpoint-step", set_point_.step, "Step of the set-point of x1 at t = 0, m", "R");
+    o.number("--setpoint-ramp", set_point_.ramp, "Its rate from t = 0 on, m/s", "RATE");
     o.number("--velocity1", start_.v1, "x1' at the start, m/s", "V");
     o.number("--velocity2", start_.v2, "x2' at the start, m/s", "V");
     o.number("--duration", options_of_run_.duration, "Time to follow, s", "T");
@@ -39,7 +39,8 @@ class LoopCommand : public Command {
         "Column event: sample, before-impact, after-impact.\n"
         "Examples:\n"
         "  fracfit loop --controller '1 + s^0.5' --restitution 0.6 --velocity2 1 --duration 60\n"
-        "  fracfit loop --controller 'exp(-0.1 s) (2 + s)' --restitution 0.6 --step 1 --every 0.05 --out loop.csv");
+        "  fracfit loop --controller 'exp(-0.1 s) (2 + s)' --restitution 0.6 --setpoint-step 1 --every 0.05 --out "
+        "loop.csv");
   }
 
  private:
