@@ -87,7 +87,11 @@ TEST(RegimeMap, GivesTheClosedFormInTheBandOfTheSymmetricOrbit) {
 }
 
 // 200 starts each; the mean of a hundred full windows stands for the true one, good to a fifth of the half width of a
-// mean that ended at 1 %.  Of the 95 % intervals 90 to 99 % must hold: the share of all 1000 scatters by 0.7 %.
+// mean that ended at 1 %.  On another processor rounding makes other motions of the same starts, so the limits leave
+// five standard deviations to the scatter of the counts: of 1000 intervals of 95 % that is 0.7 %, of 200 1.6 % (and 1.5
+// % are left to the differences between scenes). Nor may intervals hold because they are wide: errors of a 95 %
+// interval have an rms of 1/1.96 of its half width along a line and more in the plane.  The wider of two estimates and
+// the drift that is added may double the width, no more; an rms of 200 scatters by 5 %.
 constexpr MeanGoal usual_window{0, 0, Transients::ignored};
 
 TEST(RegimeMap, IntervalsOfMeansThatEndEarlyHoldTheirShareOfRepeats) {
@@ -109,19 +113,24 @@ TEST(RegimeMap, IntervalsOfMeansThatEndEarlyHoldTheirShareOfRepeats) {
     }
     const MeanGoal goal{0.01, -gamma, Transients::ignored};
     int held_here = 0;
+    double squared_error = 0;
+    double squared_width = 0;
     for (int i = 0; i < starts; ++i) {
       const SteadyState steady = find_steady_state(motion, start(), 1e-10, goal);
       ASSERT_EQ(steady.regime, Regime::averaged);
       // Met, or the whole window followed.
       EXPECT_LT(steady.uncertainty, 0.05 * std::abs(mean + gamma));
-      held_here += std::abs(steady.harmonics.u[0] - mean) <= steady.uncertainty ? 1 : 0;
+      const double error = std::abs(steady.harmonics.u[0] - mean);
+      held_here += error <= steady.uncertainty ? 1 : 0;
+      squared_error += error * error;
+      squared_width += steady.uncertainty * steady.uncertainty;
     }
     EXPECT_GE(held_here, 0.855 * starts);
+    EXPECT_GT(std::sqrt(squared_error / squared_width), 0.25);
     held += held_here;
     all += starts;
   }
-  EXPECT_GE(held, 0.90 * all);
-  EXPECT_LE(held, 0.99 * all);
+  EXPECT_GE(held, 0.915 * all);
 }
 
 // What a mean that ends early may not do: pass a slow transient for chaos.  Every orbit that the full window closes

@@ -31,9 +31,13 @@ BranchCut best_cut(const LaplaceImage& image, double enough, double advantage, A
   const BranchCut plain{pi, half_width(pi)};
   if (plain.half_width > enough) return plain;
   BranchCut best = plain;
+  // Of integer orders the poles lie alike on either side of pi, and so do the widths.  The ray before pi is then taken,
+  // whatever the rounding: close poles beyond it add nothing, those before it large residues of either sign.
+  constexpr double rounding = 1e-12;
   for (int i = 1; i < 400; ++i) {
     const double angle = pi / 2 + pi * i / 400;
-    if (half_width(angle) > std::max(advantage * plain.half_width, best.half_width)) best = {angle, half_width(angle)};
+    const double width = half_width(angle);
+    if (width > std::max(advantage * plain.half_width, best.half_width + rounding)) best = {angle, width};
   }
   return best;
 }
