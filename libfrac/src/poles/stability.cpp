@@ -93,7 +93,9 @@ std::string_view to_string(Stability stability) noexcept {
 StabilityAnalysis analyse_stability(const FractionalTransferFunction& model) {
   StabilityAnalysis result{};
   const detail::PowerProduct numerator = detail::numerator_of(model);
-  const detail::PowerSumRoots roots = detail::power_sum_roots(detail::denominator_of(model), pi);
+  // Roots of different factors are told apart as far as rounding allows.
+  constexpr double same = 1e-13;
+  const detail::PowerSumRoots roots = detail::power_sum_roots(detail::denominator_of(model), pi, same);
   bool unstable = false;
   bool marginal = false;
   for (const RootCluster& root : roots.clusters) {
@@ -111,7 +113,7 @@ StabilityAnalysis analyse_stability(const FractionalTransferFunction& model) {
   if (result.commensurate_order) {
     const double q = *result.commensurate_order;
     const detail::PowerProduct polynomial = in_lambda(model, q);
-    for (const RootCluster& root : detail::power_sum_roots(polynomial, pi).clusters) {
+    for (const RootCluster& root : detail::power_sum_roots(polynomial, pi, same).clusters) {
       const double argument = root.log_s.imag();
       const Complex lambda = std::exp(root.log_s);
       result.sheet_roots.push_back({root.is_conjugate || argument > pi - 1e-12 ? Complex(lambda.real()) : lambda,
