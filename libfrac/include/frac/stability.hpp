@@ -51,6 +51,11 @@ enum class Stability {
 [[nodiscard]] std::string_view to_string(Stability stability) noexcept;
 
 struct StabilityAnalysis {
+  /// The poles could be counted.
+  [[nodiscard]] bool usable() const noexcept { return stability != Stability::undetermined; }
+  /// Stability and poles.
+  [[nodiscard]] std::string summary() const;
+
   Stability stability;
   /// All with |arg s| <= pi, counted by the argument principle.
   std::vector<Pole> poles;

@@ -23,7 +23,7 @@ enum class RealisationMethod {
 /// joint, term-by-term.
 [[nodiscard]] std::string_view to_string(RealisationMethod method);
 /// @throws std::invalid_argument  unknown name; the text lists the known ones.
-[[nodiscard]] RealisationMethod realisation_method(std::string_view name);
+[[nodiscard]] RealisationMethod realisation_method_from_string(std::string_view text);
 [[nodiscard]] std::span<const RealisationMethod> realisation_methods();
 
 /// sum_k residues[k]/(s - pole)^(k+1), for a complex pole (above the real axis) together with the conjugate.
@@ -63,6 +63,11 @@ enum class RationalModelStatus {
 
 /// A rational stand-in for G(s) without its dead time, and what to state about it.
 struct RationalModel {
+  /// The tolerance is kept.
+  [[nodiscard]] bool usable() const noexcept { return status == RationalModelStatus::met; }
+  /// Model, band, states and error.
+  [[nodiscard]] std::string summary() const;
+
   FractionalTransferFunction model;
   FrequencyBand band;
   double tolerance;

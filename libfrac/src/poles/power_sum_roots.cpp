@@ -406,7 +406,7 @@ PowerSumRoots power_sum_roots(const std::vector<PowerTerm>& sum, double largest_
                   [&](const RootCluster& cluster) { return cluster.log_s.imag() > largest_argument + 1e-9; });
     result.complete = search.complete() && !search.gave_up() && !cut_off;
     if (search.gave_up()) {
-      result.trouble = "their search was given up after some seconds";
+      result.trouble = "their search was given up at its limit of 40 million terms evaluated";
     } else if (cut_off) {
       result.trouble = "two orders are so nearly equal that roots may lie beyond e^20000 rad/s";
     } else if (!search.complete()) {
@@ -415,7 +415,7 @@ PowerSumRoots power_sum_roots(const std::vector<PowerTerm>& sum, double largest_
     return result;
   }
   result.complete = false;
-  result.trouble = search.gave_up() ? "their search was given up after some seconds"
+  result.trouble = search.gave_up() ? "their search was given up at its limit of 40 million terms evaluated"
                                     : "rounding of the coefficients hides how many there are";
   return result;
 }

@@ -264,7 +264,7 @@ std::string_view to_string(RealisationMethod method) {
   return detail::spelling(method_names, method);
 }
 
-RealisationMethod realisation_method(std::string_view name) {
+RealisationMethod realisation_method_from_string(std::string_view name) {
   return detail::from_spelling(method_names, "realisation method", name);
 }
 
@@ -410,6 +410,12 @@ StateSpace modal_form(const RationalModel& system) {
   StateSpace form = modal_stage(system.direct, system.modes);
   for (const RationalStage& stage : system.series) form = series_of(form, modal_stage(stage.direct, stage.modes));
   return form;
+}
+
+std::string RationalModel::summary() const {
+  using detail::short_text;
+  return model.formula() + " on " + short_text(band.lower) + " .. " + short_text(band.upper) + " rad/s by " +
+         std::string(to_string(method)) + (stable ? ", stable. " : ", not stable. ") + message;
 }
 
 }  // namespace frac

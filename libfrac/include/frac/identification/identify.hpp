@@ -28,7 +28,7 @@ struct RankedFit {
   FitResult fit;
   double delta_aicc;      // aicc minus the best one; 0 for the best
   double akaike_weight;   // share of evidence among the ranked; they sum to 1
-  NamedModel model;        // as fitted: formula and constraints; a given curve has only its name
+  NamedModel model;       // as fitted: formula and constraints; a given curve has only its name
   LackOfFit lack_of_fit;  // whether it follows the data to within their noise
 };
 
@@ -64,6 +64,11 @@ struct Finalist {
 ///                candidate that follows the data while an integer-order one does.
 /// undecided      anything else.
 struct IdentificationResult {
+  /// The fit of the chosen candidate converged.
+  [[nodiscard]] bool usable() const { return ranking.at(chosen).fit.usable(); }
+  /// The verdict and the chosen fit.
+  [[nodiscard]] std::string summary() const;
+
   std::vector<RankedFit> ranking;
   std::vector<std::string> skipped;  // candidates that could not be fitted, with the reason
   std::size_t chosen;                // index into ranking
