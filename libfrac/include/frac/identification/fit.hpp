@@ -99,6 +99,12 @@ enum class FitTermination {
 
 /// One structure fitted to data.  cost is the plain sum of squared (weighted) residuals, without the loss.
 struct FitResult {
+  /// Converged.  Every result with a judgement of its own has usable(), which is true where it is what was asked for,
+  /// and summary(), a few plain lines for a person.
+  [[nodiscard]] bool usable() const noexcept { return termination == FitTermination::converged; }
+  /// Formula, parameters with their 95 % intervals, rms residual and what became of the search.
+  [[nodiscard]] std::string summary() const;
+
   std::string model;  // the formula
   std::vector<ParameterEstimate> parameters;
   double cost;
