@@ -14,6 +14,8 @@ namespace fracfit {
 [[nodiscard]] std::unique_ptr<Command> make_basins();
 [[nodiscard]] std::unique_ptr<Command> make_batch();
 [[nodiscard]] std::unique_ptr<Command> make_controller();
+[[nodiscard]] std::unique_ptr<Command> make_convert();
+[[nodiscard]] std::unique_ptr<Command> make_evaluate();
 [[nodiscard]] std::unique_ptr<Command> make_fit();
 [[nodiscard]] std::unique_ptr<Command> make_history();
 [[nodiscard]] std::unique_ptr<Command> make_identify();
