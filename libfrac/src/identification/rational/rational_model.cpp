@@ -121,7 +121,8 @@ RationalMembers rational_members(const FrequencyResponseData& data, const Ration
   }
   // Logarithmic residuals are relative ones as long as they are small, and linear in the numerator only so.
   const bool logarithmic = options.weight == Weight::log_complex;
-  const ResidualRule rule = residual_rule(data, options.component, logarithmic ? Weight::relative : options.weight);
+  const ResidualRule rule =
+      logarithmic ? residual_rule(data, options.component, Weight::relative) : residual_rule(data, options);
   const RationalProblem problem(data, rule);
   if (2 * family.fewest_poles + 2 > problem.rows()) {
     throw std::invalid_argument(std::to_string(problem.rows()) + " residuals cannot determine " +
