@@ -5,10 +5,10 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <numbers>
 #include <vector>
 
 #include "benchmarks/judging/least_squares.hpp"
+#include "benchmarks/judging/price_of_an_order.hpp"
 
 namespace judging {
 namespace {
@@ -466,32 +466,14 @@ Rival best_fractional(const Target& target) {
   return best;
 }
 
-/// ln(1/(sqrt(2 pi) sigma_a)) from the Cramer-Rao bound of the order beside all parameters and the gain.
+/// Price of the order of the system over frequency.
 double price_of_the_order(const Target& target, const System& system) {
   const auto curve = [&](const std::vector<double>& p, double order) {
     std::vector<Complex> value;
     for (const Complex& s : target.s()) value.push_back(system.response(p, order, s * target.unit()));
     return target.rows(value);
   };
-  const auto difference = [](const std::vector<double>& high, const std::vector<double>& low, double step) {
-    std::vector<double> result(high.size());
-    for (std::size_t i = 0; i < high.size(); ++i) result[i] = (high[i] - low[i]) / (2 * step);
-    return result;
-  };
-  Columns nuisance = {target.rows()};
-  for (std::size_t i = 0; i < system.parameters.size(); ++i) {
-    std::vector<double> high = system.parameters;
-    std::vector<double> low = system.parameters;
-    const double step = 1e-5 * std::abs(system.parameters[i]);
-    high[i] += step;
-    low[i] -= step;
-    nuisance.push_back(difference(curve(high, 1), curve(low, 1), step));
-  }
-  const double step = 1e-5;
-  const std::vector<double> order =
-      difference(curve(system.parameters, 1 + step), curve(system.parameters, 1 - step), step);
-  const double information = target.scale() * std::pow(norm_of(solve_least_squares(nuisance, order).second), 2);
-  return 0.5 * std::log(information / (2 * std::numbers::pi));
+  return price_of_an_order(curve, system.parameters, {target.rows()}, target.scale());
 }
 
 }  // namespace
@@ -518,10 +500,10 @@ Bound evidence_bound(const Kind& kind, const System& system, const Curve& curve)
     bound.deviation = std::sqrt(2 * rational.loss);
     return bound;
   }
-  const double own = kind.rational ? std::min(rational.energy, own_price) : rational.energy;
+  const double own = kind.within_family ? std::min(rational.energy, own_price) : rational.energy;
   bound.log_odds = other.energy - own;
   bound.deviation = std::sqrt(2 * other.loss);
-  if (kind.rational) {
+  if (kind.within_family) {
     const double nested = own_price - own + price_of_the_order(target, system);
     if (nested < bound.log_odds) {
       bound.log_odds = nested;

@@ -10,8 +10,7 @@
 //   - over seven fractional structures of at most seven parameters, in the same way,
 //   - and the truth itself has D = 0.
 // Where the integer-order truth lies inside a fractional structure with a = 1, the price of the one order more is that
-// of Savage and Dickey, ln(W / (sqrt(2 pi) sigma_a)) with sigma_a the Cramer-Rao bound of a and W = 1 the width of its
-// prior: an order is then as likely a priori anywhere within half a unit of 1.
+// of price_of_an_order.hpp: an order is a priori as likely anywhere within half a unit of 1.
 // The expected log odds of the true class are the least E of the other class minus the least E of its own.  Nobody
 // knows the noise better than this bound does, so that no method can decide more on average under these prices.
 #pragma once

@@ -102,6 +102,11 @@ Kind beyond(std::string name, std::function<System(RandomNumbers&)> draw) {
 }
 
 Kind fractional(std::string name, std::function<System(RandomNumbers&)> draw) {
+  return {std::move(name), true, true, std::move(draw)};
+}
+
+/// Fractional systems whose structure has no common name.
+Kind nameless(std::string name, std::function<System(RandomNumbers&)> draw) {
   return {std::move(name), true, false, std::move(draw)};
 }
 
@@ -374,7 +379,7 @@ void add_fractional_kinds(std::vector<Kind>& all) {
                   {r.log_uniform(0.02, 0.5), 3},
                   0.5};
   }));
-  all.push_back(fractional("warburg-open-with-arc", [](RandomNumbers& r) {
+  all.push_back(nameless("warburg-open-with-arc", [](RandomNumbers& r) {
     return System{[](const Parameters& p, double a, Complex s) {
                     const Complex x = power(p[1] * s, a);
                     return p[0] + 1.0 / (x * x * tanh_over(x)) + p[2] * lag(p[3], s);
@@ -389,7 +394,7 @@ void add_fractional_kinds(std::vector<Kind>& all) {
                   {r.log_uniform(0.1, 2), r.log_uniform(0.01, 0.3)},
                   r.uniform(0.4, 0.9)};
   }));
-  all.push_back(fractional("randles-with-constant-phase", [](RandomNumbers& r) {
+  all.push_back(nameless("randles-with-constant-phase", [](RandomNumbers& r) {
     return System{[](const Parameters& p, double a, Complex s) {
                     const Complex faradaic = p[1] + p[3] / std::sqrt(s);
                     return p[0] + 1.0 / (power(p[2] * s, a) + 1.0 / faradaic);
@@ -398,7 +403,7 @@ void add_fractional_kinds(std::vector<Kind>& all) {
                   {r.log_uniform(0.05, 0.5), 1, r.log_uniform(0.05, 0.5), r.log_uniform(0.05, 0.5)},
                   r.uniform(0.7, 0.95)};
   }));
-  all.push_back(fractional("fractional-controller", [](RandomNumbers& r) {
+  all.push_back(nameless("fractional-controller", [](RandomNumbers& r) {
     return System{
         [](const Parameters& p, double a, Complex s) { return 1.0 + p[0] / power(s, a) + p[1] * power(s, p[2]); },
         "Ki Kd mu",
@@ -418,7 +423,7 @@ void add_fractional_kinds(std::vector<Kind>& all) {
                   {r.log_uniform(0.1, 1)},
                   r.uniform(0.3, 0.75)};
   }));
-  all.push_back(fractional("sum-of-foreign-powers", [](RandomNumbers& r) {
+  all.push_back(nameless("sum-of-foreign-powers", [](RandomNumbers& r) {
     return System{[](const Parameters& p, double a, Complex s) {
                     return power(s, a) + p[0] * std::pow(s, -p[1]) + p[2] * std::pow(s, p[3]);
                   },
@@ -426,7 +431,7 @@ void add_fractional_kinds(std::vector<Kind>& all) {
                   {r.log_uniform(0.3, 3), r.uniform(0.25, 0.75), r.log_uniform(0.05, 0.3), r.uniform(1.15, 1.4)},
                   r.uniform(0.15, 0.45)};
   }));
-  all.push_back(fractional("fractional-lead", [](RandomNumbers& r) {
+  all.push_back(nameless("fractional-lead", [](RandomNumbers& r) {
     return System{[](const Parameters& p, double a, Complex s) {
                     return (1.0 + power(p[0] * s, a)) / (1.0 + power(p[1] * s, p[2]));
                   },
@@ -434,23 +439,23 @@ void add_fractional_kinds(std::vector<Kind>& all) {
                   {r.log_uniform(3, 10), r.log_uniform(0.1, 0.3), r.uniform(0.5, 0.9)},
                   r.uniform(0.5, 0.9)};
   }));
-  all.push_back(fractional("lead-to-a-power", [](RandomNumbers& r) {
+  all.push_back(nameless("lead-to-a-power", [](RandomNumbers& r) {
     return System{[](const Parameters& p, double a, Complex s) { return std::pow((1.0 + p[0] * s) * lag(p[1], s), a); },
                   "T1 T2",
                   {r.log_uniform(4, 20), r.log_uniform(0.05, 0.25)},
                   r.uniform(0.35, 0.7)};
   }));
-  all.push_back(fractional("gerischer-with-resistance", [](RandomNumbers& r) {
+  all.push_back(nameless("gerischer-with-resistance", [](RandomNumbers& r) {
     return System{[](const Parameters& p, double a, Complex s) { return p[1] + std::pow(1.0 + p[0] * s, -a); },
                   "T R",
                   {1, r.log_uniform(0.03, 0.5)},
                   0.5};
   }));
-  all.push_back(fractional("half-space-diffusion", [](RandomNumbers&) {
+  all.push_back(nameless("half-space-diffusion", [](RandomNumbers&) {
     return System{
         [](const Parameters& p, double a, Complex s) { return std::exp(-power(p[0] * s, a)); }, "T", {1}, 0.5};
   }));
-  all.push_back(fractional("heated-rod", [](RandomNumbers& r) {
+  all.push_back(nameless("heated-rod", [](RandomNumbers& r) {
     return System{[](const Parameters& p, double a, Complex s) {
                     const Complex x = power(p[0] * s, a);
                     const Complex e = std::exp(-x);
@@ -460,7 +465,7 @@ void add_fractional_kinds(std::vector<Kind>& all) {
                   {3, r.log_uniform(0.02, 0.3)},
                   0.5};
   }));
-  all.push_back(fractional("distributed-order", [](RandomNumbers&) {
+  all.push_back(nameless("distributed-order", [](RandomNumbers&) {
     // 1/(the integral of s^a over a from 0 to 1): every order between 0 and 1 at once.
     System system{[](const Parameters& p, double, Complex s) {
                     const Complex x = p[0] * s;
@@ -471,7 +476,7 @@ void add_fractional_kinds(std::vector<Kind>& all) {
     system.has_order = false;
     return system;
   }));
-  all.push_back(fractional("coil-with-eddy-currents", [](RandomNumbers& r) {
+  all.push_back(nameless("coil-with-eddy-currents", [](RandomNumbers& r) {
     // A loudspeaker: resistance, an inductance of order .5 to .8 and the mechanical resonance in parallel form.
     return System{[](const Parameters& p, double a, Complex s) {
                     return p[0] + p[1] * power(s, a) + p[2] * s / mode(p[3], p[4], 1, s);
@@ -480,7 +485,7 @@ void add_fractional_kinds(std::vector<Kind>& all) {
                   {1, r.log_uniform(0.1, 1), r.log_uniform(0.5, 5), r.uniform(0.3, 0.7), r.log_uniform(0.05, 0.4)},
                   r.uniform(0.5, 0.8)};
   }));
-  all.push_back(fractional("product-of-fractional-lags", [](RandomNumbers& r) {
+  all.push_back(nameless("product-of-fractional-lags", [](RandomNumbers& r) {
     return System{[](const Parameters& p, double a, Complex s) {
                     return 1.0 / ((1.0 + power(p[0] * s, a)) * (1.0 + power(p[1] * s, p[2])));
                   },
@@ -488,7 +493,7 @@ void add_fractional_kinds(std::vector<Kind>& all) {
                   {r.log_uniform(1.5, 5), r.log_uniform(0.1, 0.7), r.uniform(0.6, 0.95)},
                   r.uniform(0.6, 0.9)};
   }));
-  all.push_back(fractional("closed-loop-of-fractional-plant", [](RandomNumbers& r) {
+  all.push_back(nameless("closed-loop-of-fractional-plant", [](RandomNumbers& r) {
     return System{[](const Parameters& p, double a, Complex s) {
                     const Complex plant = p[0] / (s * (1.0 + power(p[1] * s, a)));
                     return plant / (1.0 + plant);

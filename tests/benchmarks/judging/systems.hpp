@@ -39,9 +39,9 @@ struct System {
 struct Kind {
   std::string name;
   bool fractional;
-  /// An integer-order kind that a ratio of polynomials of order 12 at most, with or without a dead time in front,
-  /// writes exactly.
-  bool rational;
+  /// Whether a list of structures can be expected to hold it.  Integer order: a ratio of polynomials of order 12 at
+  /// most, with or without a dead time in front, writes it exactly.  Fractional: it has a common name.
+  bool within_family;
   std::function<System(RandomNumbers&)> draw;
 };
 
