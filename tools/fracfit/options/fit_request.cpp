@@ -46,7 +46,8 @@ void add_residual_options(Options& options, FitRequest& request) {
       .text("--weight", request.weight,
             "relative |data|; absolute nothing; given the file's sigma or weight column, or any column by its name; "
             "smoothed-relative |data| as up to eight neighbours tell it; log-complex: ln of the magnitude ratio and "
-            "angle; repeats: the spread of repeated values at each frequency")
+            "angle; repeats: the spread of repeated values at each frequency; learned: relative above a floor that the "
+            "residuals tell, absolute below it")
       .suggest(spellings(frac::weights()));
   options.choice("--loss", request.loss, frac::losses(), "Robust loss", "LOSS");
   const Condition rational{"--realisation", {"oustaloup", "ladder"}}, sampled{"--realisation", {"grunwald-letnikov"}};
