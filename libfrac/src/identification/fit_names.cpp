@@ -41,7 +41,8 @@ constexpr std::array<std::string_view, 6> weight_names = {"relative",          "
 constexpr std::array<std::string_view, 3> loss_names = {"none", "huber", "cauchy"};
 constexpr std::array<std::string_view, 3> termination_names = {"converged", "not-converged", "no-usable-start"};
 constexpr std::array<std::string_view, 2> interval_names = {"curvature", "profile"};
-constexpr std::array<std::string_view, 4> family_names = {"powers", "denominator", "arcs", "rational"};
+constexpr std::array<std::string_view, 6> family_names = {"powers",   "denominator",  "arcs",
+                                                          "rational", "commensurate", "terms"};
 
 }  // namespace
 

@@ -33,8 +33,6 @@ class Fit : public Command {
     add_time_options(o, over_time_);
     add_points_and_seed(o, request_);
     add_parameter_options(o, parameters_);
-    for (const char* name : {"--fix", "--bound", "--start"})
-      o[name].not_with({"--grow"}, "whose parameters differ from structure to structure");
     o.flag("--profile", statistics_.profile,
            "Add profile-likelihood intervals of every parameter: they follow the cost itself");
     o.count("--bootstrap", bootstrap_, fewest_samples, largest_table,
@@ -57,10 +55,16 @@ class Fit : public Command {
 
  private:
   void check() override {
-    if (!grow_) {
+    if (grow_) {
+      chosen_.constraints = constraints_of(chosen_, parameters_);
+      if (!chosen_.constraints.empty() && !frac::names_persist(*grow_))
+        throw std::invalid_argument("--fix, --bound and --start have no meaning with --grow " +
+                                    std::string(frac::to_string(*grow_)) +
+                                    ", whose parameters differ from structure to structure");
+    } else {
       chosen_ = chosen_model(model_);
-      // Names and ranges of the parameters of a rational family are known with the data only.
-      if (!chosen_.rational) {
+      // Names and ranges of the parameters of a family are known with the data only.
+      if (!chosen_.is_family()) {
         const frac::Structure parsed(chosen_.formula);
         chosen_.constraints = constraints_of(chosen_, parameters_);
       }
@@ -71,7 +75,7 @@ class Fit : public Command {
   // Leaves in `options` the constraints the fit was made with.
   template <class Data, class FitOptions>
   Fitted fitted(const Data& data, FitOptions& fit) const {
-    if (!grow_ && chosen_.rational) {
+    if (!grow_ && chosen_.is_family()) {
       const auto model = frac::resolved_model(data, chosen_, fit);
       fit.constraints = constraints_of(model, parameters_);
       fit.global_start = false;
@@ -101,7 +105,7 @@ class Fit : public Command {
 
   int run() override {
     const auto note = [this](const std::string& text) { say(text); };
-    if (io::holds_time_response(request_.data)) {
+    if (io::holds_time_response(request_.data, request_.how)) {
       options().settle(samples_over_time);
       const auto fit = time_fit_options(request_, over_time_, options(), chosen_.constraints);
       const auto record = read_time_record(request_, over_time_, options(), note);

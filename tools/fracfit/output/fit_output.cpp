@@ -173,7 +173,17 @@ Json finalist_json(const frac::IdentificationResult& result, const std::optional
   if (!finalist) return nullptr;
   return {{"name", result.ranking.at(finalist->index).name},
           {"parameters", finalist->parameters},
-          {"prediction_rms", finalist->prediction_rms}};
+          {"prediction_rms", finalist->prediction_rms},
+          {"extrapolation_rms", finalist->extrapolation_rms}};
+}
+
+Json next_measurement_json(const std::optional<frac::NextMeasurement>& next) {
+  if (!next) return nullptr;
+  return {{"lower", next->lower},
+          {"upper", next->upper},
+          {"points", next->points},
+          {"accuracy", next->accuracy},
+          {"expected_evidence", next->expected_evidence}};
 }
 
 void append_statistics(Json& json, const frac::FitResult& result, const FitStatistics& statistics, bool over_time) {
@@ -350,6 +360,8 @@ std::string identification_json(const FitRun& run, const frac::IdentificationRes
   json["fractional"] = finalist_json(result, result.fractional);
   json["integer"] = finalist_json(result, result.integer);
   json["differ_most"] = {{"omega", result.differ_most_omega}, {"relative", result.differ_most}};
+  json["model_error"] = result.model_error;
+  json["next_measurement"] = next_measurement_json(result.next);
   json["skipped"] = result.skipped;
   return json.dump() + "\n";
 }
