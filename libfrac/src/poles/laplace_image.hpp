@@ -57,8 +57,8 @@ class LaplaceImage {
   /// ln|s| below which one term dominates each sum.
   [[nodiscard]] double lowest_corner() const noexcept { return lowest_corner_; }
   [[nodiscard]] double highest_corner() const noexcept { return highest_corner_; }
-  /// The lowest ln|s| that a step response up to `latest` notices at a relative tolerance: that of the record, or a
-  /// corner below it that adds to the response.  An order near 0 has corners so low that nothing ever does.
+  /// Lowest ln|s| that matters for a step response up to `latest` at a relative tolerance: that of 1/latest, or a
+  /// corner below it that still contributes.  Orders near 0 have corners so low that they never do.
   [[nodiscard]] double lowest_noticed(double latest, double tolerance) const;
 
   /// Terms c s^q with q <= limit that Y has at the origin, and the numerator of what remains; their leading terms
@@ -73,9 +73,10 @@ class LaplaceImage {
     double value = 0;
     double rounding = 0;  // bound of the error in units of the rounding unit
   };
-  /// Sum over pole k and, unless it is its own, its conjugate of the residues of Y(s) weight.  weight(zeta, offset) is
-  /// taken at ln s = zeta + offset, zeta the middle of the cluster, analytic there and real on the real axis;
-  /// |d ln weight / d ln s| is about `weight_rate`.
+  /// Sum of the residues of Y(s) weight(s) at pole k and at its conjugate; a real pole counts once.
+  /// @param weight       called as weight(zeta, offset) for ln s = zeta + offset, zeta the middle of the cluster;
+  ///                     analytic there and real on the real axis
+  /// @param weight_rate  about |d ln weight / d ln s|
   template <typename Weight>
   [[nodiscard]] Sum residue(std::size_t k, const Weight& weight, double weight_rate) const;
 
@@ -115,7 +116,8 @@ LaplaceImage::Sum LaplaceImage::residue(std::size_t k, const Weight& weight, dou
     const double farthest = std::min({0.7 * clearance, 0.9, 3 / weight_rate});
     const bool is_factored = denominator_.is_factored();
     const bool coincide = spread == 0 && !is_factored;
-    // The parts on it cancel least where weight/offset^m is flat; coefficients in doubt want it wide.
+    // The parts on the circle cancel least where |weight/offset^m| hardly varies.  A wide circle is better where
+    // rounding of the coefficients hides where the members lie.
     const double flat = is_factored ? multiplicity / weight_rate : 1 / weight_rate;
     const double narrow = pole.is_exact || is_factored ? flat : widest;
     const double radius = std::max(std::min(widest, narrow), is_factored ? std::min(4 * spread, farthest) : 4 * spread);
@@ -159,7 +161,7 @@ LaplaceImage::Sum LaplaceImage::residue(std::size_t k, const Weight& weight, dou
     add_circle(0, pole.multiplicity, pole.spread, clearance_[k]);
     return sum;
   }
-  // No such circle: the weight tells the members from each other.
+  // The weight changes between the members, so that no circle about all of them will do: each has its own.
   for (std::size_t i = 0; i < pole.members.size(); ++i) {
     const auto [offset, multiplicity] = pole.members[i];
     double clearance = clearance_[k];

@@ -53,8 +53,8 @@ struct RootCluster {
   double spread = 0;
   /// Its own complex conjugate: real, or a pair about the positive real axis.
   bool is_conjugate = false;
-  /// The members coincide by the coefficients as they stand, shown without rounding: a root of several orders of a
-  /// polynomial on the imaginary axis.
+  /// The members coincide exactly, which was shown without rounding: a multiple root of a polynomial on the imaginary
+  /// axis, or a root of a factor to a power.
   bool is_exact = false;
   /// Empty for one root and where they coincide to rounding.
   std::vector<ClusterMember> members = {};
@@ -78,9 +78,9 @@ struct PowerSumRoots {
 [[nodiscard]] PowerSumRoots power_sum_roots(const PowerProduct& product, double largest_argument,
                                             double together = 1e-3);
 
-/// The same roots with clusters put together until the parts that a partial fraction expansion has at each of them are
-/// not much larger than what they add up to: a circle about a cluster has no pole near it then.  Roots on the negative
-/// axis stay apart from those beside it.
+/// The same roots, with clusters merged until the partial fractions of the rest are not much larger than their sum.  A
+/// circle about a cluster then has no other pole near it.  Roots on the negative axis are not merged with those beside
+/// it.
 [[nodiscard]] std::vector<RootCluster> without_crowds(std::vector<RootCluster> clusters);
 
 }  // namespace frac::detail

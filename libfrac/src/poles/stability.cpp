@@ -126,7 +126,7 @@ StabilityAnalysis detail::analyse_principal_sheet(const FractionalTransferFuncti
 
 StabilityAnalysis analyse_stability(const FractionalTransferFunction& model) {
   StabilityAnalysis result = detail::analyse_principal_sheet(model);
-  // Finer ones have more sheets than anyone would look at.
+  // A finer one makes thousands of sheets, which take long and say nothing that a person could use.
   const auto common = commensurate_order(model);
   if (common && common->value() >= 1e-3) result.commensurate_order = common->value();
   if (result.commensurate_order) {

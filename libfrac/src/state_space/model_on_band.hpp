@@ -24,7 +24,6 @@ class ModelOnBand {
   [[nodiscard]] const FractionalTransferFunction& model() const { return model_; }
   [[nodiscard]] FrequencyBand band() const { return band_; }
   /// Rising frequencies: `density` per unit of ln omega, more at the ends of the band and about lightly damped poles.
-  /// @param ends  number of poles the design spends per unit of ln omega, which sets how close to the ends it varies.
   [[nodiscard]] std::vector<double> grid(double density) const;
   [[nodiscard]] std::complex<double> response(double omega) const { return model_.response(omega); }
 

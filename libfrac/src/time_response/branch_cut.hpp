@@ -7,15 +7,15 @@
 
 namespace frac::detail {
 
-/// A ray arg s = angle in (pi/2, 3 pi/2) to which the branch cut is turned, and the half width of the strip of ln s
-/// about it that holds no pole and no growth of e^{st}: the trapezoidal rule in ln|s| with step h errs by e^{-2 pi
-/// width/h}.
+/// The ray arg s = angle, in (pi/2, 3 pi/2), along which the branch cut runs.  half_width is that of the strip of ln s
+/// about it that holds no pole and where e^{st} does not grow: the trapezoidal rule in ln|s| with step h has an error
+/// of e^{-2 pi half_width/h}.
 struct BranchCut {
   double angle;
   double half_width;
 };
 
-/// Poles that the strip must not hold: all, or those of several orders and those close to each other.
+/// Poles that the strip must not hold: all of them, or only multiple ones and those close to each other.
 enum class Avoided { all, crowded };
 
 /// The negative axis, where nothing oscillates, unless its strip is narrower than `enough` and another ray's wider by
@@ -23,10 +23,10 @@ enum class Avoided { all, crowded };
 [[nodiscard]] BranchCut best_cut(const LaplaceImage& image, double enough, double advantage,
                                  Avoided avoided = Avoided::all);
 
-/// The trapezoidal rule in ln s along a cut for lags of at least `earliest`.  Single poles may lie in its strip, even
-/// on the cut: by the residues of 1/(e^w - 1) at the nodes and at the pole, w = 2 pi i (ln s - node)/step, what the
-/// rule makes of one is short of the truth by the share 1/(1 - e^{-w}) of its residue, all of it for a pole well before
-/// the cut, next to nothing for one well beyond.
+/// The trapezoidal rule in ln s along a cut, for lags of at least `earliest`.  A simple pole may lie in its strip, even
+/// on the cut.  The rule then misses the share 1/(1 - e^{-w}) of the residue of that pole, w = 2 pi i (ln s -
+/// node)/step: all of it where the pole lies well before the cut, almost nothing where it lies well beyond.  The share
+/// follows from the residues of 1/(e^w - 1) at the nodes and at the pole.
 class CutRule {
  public:
   /// @param tolerance  what the rule errs by, relative to its largest parts

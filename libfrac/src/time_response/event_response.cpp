@@ -96,9 +96,9 @@ struct QuadratureNode {
   Complex factor;  // weight over H
 };
 
-// On a circle about each pole that contributes besides the rule, so small that e^{st} neither outgrows its value at the
-// middle over the time it lasts nor outlasts it: with radius a quarter of the way to whatever is next, n points leave
-// 4^-n.
+// Nodes on a circle about each pole that the rule does not account for.  The circle is so small that e^{st} on it does
+// not grow far beyond its value at the middle and decays about as fast.  Its radius is at most a quarter of the way to
+// the next pole or node, so that n points leave an error of 4^-n.
 void add_circles(const LaplaceImage& image, const CutRule& rule, double latest, double tolerance,
                  std::vector<QuadratureNode>& nodes) {
   const int fewest = 2 * static_cast<int>(std::ceil(0.5 * std::log(1 / tolerance) / std::log(4.0)) + 2);

@@ -15,12 +15,14 @@ struct Exponential {
   bool is_direct = false;  // see ExponentialSum
 };
 
-/// With y the original of `image`, for lags of at least `earliest` its j-fold integral is
-///   sum_(i<=j) constants_i t^(j-i)/(j-i)! + Re sum weight rate^-j (e^{rate t} - 1 - ... - (rate t)^j/j!):
-/// the constants beyond the first are what nodes too fast for `earliest` have left.  Where the m-fold integral is all
-/// that counts, terms that decay within the horizon may be direct: their weight is then that of the m-fold integral,
-///   Re sum weight (e^{rate t} - 1),
-/// and what they would have left of its polynomials, much more than the response, is among the first m constants.
+/// y is the function of time whose Laplace transform is `image`.  For lags of at least `earliest` its j-fold integral
+/// is
+///   sum_(i<=j) constants_i t^(j-i)/(j-i)! + Re sum weight rate^-j (e^{rate t} - 1 - ... - (rate t)^j/j!).
+/// Nodes that have decayed before `earliest` leave only the constants beyond the first.
+///
+/// A direct term contributes Re weight (e^{rate t} - 1) to the m-fold integral.  Terms that decay within the horizon
+/// may be direct where only that integral counts: integrated m times they would leave polynomials much larger than the
+/// response.  These are part of the first m constants then.
 struct ExponentialSum {
   std::vector<Exponential> terms;
   std::vector<double> constants;
