@@ -71,6 +71,7 @@ TEST(LimitCyclesCommand, SaysThatTheLoopIsUnstableWithoutClearance) {
   EXPECT_EQ(result.code, 0);
   EXPECT_NE(result.error.find("unstable even without clearance"), std::string::npos);
   EXPECT_NE(result.output.find("No symmetric limit cycle"), std::string::npos);
+  EXPECT_EQ(result.output.find("omega in rad/s"), std::string::npos) << "a legend without a table";
 }
 
 // A step of the set-point by 1 meets C = e^{-0.1 s} (2 + s): from 0.1 s on mass 2 has speed 1 from the derivative and

@@ -226,10 +226,10 @@ std::string limit_cycles_table(const std::vector<LoopCycles>& loops) {
   if (listed > 0) text += table.text();
   if (!remarks.empty()) text += "\n" + remarks;
   if (loops.size() == 1 && !loops.front().exact.certain) {
-    if (listed == 0) return text;
     text += "\n" + paragraph("Searched on a grid from " + short_number(loops.front().exact.searched.from) + " to " +
                              short_number(loops.front().exact.searched.to) + " rad/s.");
   }
+  if (listed == 0) return text;
   text += "\n" +
           paragraph(
               "omega in rad/s, exact; |z|: largest multiplier per half period; speed: of the impacts, m/s; x1, x2 (m) "

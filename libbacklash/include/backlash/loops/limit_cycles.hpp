@@ -25,7 +25,8 @@ enum class StabilityLoss {
 /// Growth of small disturbances from one impact to the next, the whole memory of the controller included.
 struct CycleStability {
   bool stable;
-  /// Multipliers of modulus above 1 per half period, the one of a shift in time left out.
+  /// Multipliers of modulus above 1 per half period, the one of a shift in time left out; -1 where one is so near the
+  /// unit circle that it cannot be told.
   int unstable_multipliers;
   /// The multiplier of largest modulus; 0 where none is larger than 0.05 in modulus.  A fractional controller remembers
   /// by powers of time besides, so that disturbances of a stable cycle vanish no faster than those.
