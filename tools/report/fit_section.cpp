@@ -78,7 +78,7 @@ Figure fit_figure(const std::string& name, const std::string& caption,
   values.y = {"Im N in m/N", true};
   values.key = true;
   residuals.title = "Distance from the data";
-  residuals.y = {"|model / data − 1| in %", true, 1e-3, {}};
+  residuals.y = {"|model / data − 1| in %", true, 1e-8, {}};
   const std::vector<double> measured = imaginary_of(points);
   // Draws every fourth point only, so that the lines below stay visible.
   std::vector<double> sparse_omega, sparse_value;
