@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "backlash/static_backlash.hpp"
+#include "frac/identification/model_choice.hpp"
 #include "frac/identification/model_library.hpp"
 #include "report/bands.hpp"
 #include "report/html.hpp"
@@ -34,8 +35,13 @@ constexpr std::string_view candidates[] = {"power-law",
                                            "lag",
                                            "oscillator"};
 
+// Rivals of equal power: both classes grow as far as it pays.
+constexpr frac::GrowthFamily families[] = {frac::GrowthFamily::rational, frac::GrowthFamily::commensurate,
+                                           frac::GrowthFamily::terms};
+
 std::vector<frac::NamedModel> imaginary_candidates() {
   std::vector<frac::NamedModel> models;
+  for (const frac::GrowthFamily family : families) models.push_back(frac::find_model(frac::to_string(family)));
   for (const auto& model : frac::model_library()) {
     if (std::find(std::begin(candidates), std::end(candidates), model.name) != std::end(candidates))
       models.push_back(model);
@@ -72,7 +78,7 @@ Figure fit_figure(const std::string& name, const std::string& caption,
   values.y = {"Im N in m/N", true};
   values.key = true;
   residuals.title = "Distance from the data";
-  residuals.y = {"|model / data − 1| in %", true, 1e-3, {}};
+  residuals.y = {"|model / data − 1| in %", true, 1e-8, {}};
   const std::vector<double> measured = imaginary_of(points);
   // Draws every fourth point only, so that the lines below stay visible.
   std::vector<double> sparse_omega, sparse_value;
@@ -185,6 +191,70 @@ std::string percent(double share) {
   return html_number(100 * share, 2) + " %";
 }
 
+/// The members of each family, simplest first.
+std::vector<frac::Growth> grown_rivals(const frac::FrequencyResponseData& data, int threads) {
+  std::vector<frac::Growth> grown(std::size(families));
+  frac::parallel_for(grown.size(), threads,
+                     [&](std::size_t i) { grown[i] = frac::grow(data, families[i], imaginary_options()); });
+  return grown;
+}
+
+Table rival_table(const std::string& name, const std::vector<frac::Growth>& grown) {
+  Table table{name,
+              prose("fits", "rivals"),
+              {{"family", "family"},
+               {"model", "structure", 0, true, true},
+               {"free_parameters", "parameters"},
+               {"rms_relative", "rms residual", 3},
+               {"remark", "remark"}}};
+  for (std::size_t i = 0; i < grown.size(); ++i) {
+    for (std::size_t k = 0; k < grown[i].fits.size(); ++k) {
+      table.rows.push_back({std::string(frac::to_string(families[i])), grown[i].models[k].name,
+                            static_cast<double>(grown[i].fits[k].free_parameters), grown[i].fits[k].rms,
+                            std::string(k == grown[i].chosen ? "chosen" : "")});
+    }
+  }
+  return table;
+}
+
+/// What a rational model needs to follow the data as closely as a fractional fit.
+std::string rational_price(const frac::RankedFit& fractional, const frac::Growth& rational) {
+  const frac::FitResult* needed = nullptr;
+  std::size_t closest = 0;
+  std::string name;
+  for (std::size_t i = 0; i < rational.fits.size(); ++i) {
+    if (rational.fits[i].rms < rational.fits[closest].rms) closest = i;
+    if (!(rational.fits[i].rms <= fractional.fit.rms)) continue;
+    if (needed != nullptr && needed->free_parameters <= rational.fits[i].free_parameters) continue;
+    needed = &rational.fits[i];
+    name = rational.models[i].name;
+  }
+  const std::string model = escape_html(fractional.name);
+  const std::string parameters = std::to_string(fractional.fit.free_parameters);
+  if (needed != nullptr) {
+    return prose("fits", "rational-needs",
+                 {{"model", model},
+                  {"parameters", parameters},
+                  {"rms", percent(fractional.fit.rms)},
+                  {"rational", name},
+                  {"needed", std::to_string(needed->free_parameters)},
+                  {"reached", percent(needed->rms)}});
+  }
+  return prose("fits", "rational-fails",
+               {{"model", model},
+                {"parameters", parameters},
+                {"rms", percent(fractional.fit.rms)},
+                {"rational", rational.models.at(closest).name},
+                {"needed", std::to_string(rational.fits.at(closest).free_parameters)},
+                {"reached", percent(rational.fits.at(closest).rms)}});
+}
+
+/// A formula, or the name of a structure whose formula would fill the line.
+std::string short_formula(const frac::RankedFit& fit) {
+  constexpr std::size_t longest = 50;
+  return fit.fit.model.size() > longest ? escape_html(fit.name) : html_formula(fit.fit.model);
+}
+
 std::string verdict_words(frac::Verdict verdict) {
   switch (verdict) {
     case frac::Verdict::fractional_supported:
@@ -230,16 +300,19 @@ void add_band(Section& section, const Work& work, const std::vector<DescribingFu
   if (best != nullptr) {
     const auto* whole = best_of(result, frac::ModelClass::integer_order);
     const auto* fixed = best_of(result, frac::ModelClass::fixed_curve);
-    finding += " " + prose("fits", "best-fractional",
-                           {{"model", html_formula(best->fit.model)}, {"rms", percent(best->fit.rms)}});
+    finding +=
+        " " + prose("fits", "best-fractional", {{"model", short_formula(*best)}, {"rms", percent(best->fit.rms)}});
     if (whole != nullptr) {
-      finding +=
-          prose("fits", "best-whole", {{"model", html_formula(whole->fit.model)}, {"rms", percent(whole->fit.rms)}});
+      finding += prose("fits", "best-whole", {{"model", short_formula(*whole)}, {"rms", percent(whole->fit.rms)}});
     }
     if (fixed != nullptr) finding += prose("fits", "static", {{"rms", percent(fixed->fit.rms)}});
     finding += ".";
   }
+  const std::vector<frac::Growth> grown = grown_rivals(data, work.threads);
+  if (power_law != result.ranking.end()) finding += " " + rational_price(*power_law, grown.front());
+  if (best != nullptr && best->name != "power-law") finding += " " + rational_price(*best, grown.front());
   section.finding(finding);
+  section.add(rival_table("rivals-" + band.id, grown));
 
   if (power_law != result.ranking.end()) {
     if (const auto* order = find_parameter(power_law->fit, "a")) {

@@ -107,25 +107,26 @@ Thinned thinned(const FrequencyResponseData& data, const detail::ResidualRule& r
 }
 
 detail::GlobalSolution search(const detail::Residuals& residuals, const detail::ResidualRule& rule,
-                              const FrequencyResponseData& data, const Structure& structure,
-                              const FitOptions& options) {
+                              const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
+                              double hopeless) {
   // So few that scouting is quick and so many that they show the shape of most curves; see global_search().
   const std::size_t scouted = std::max<std::size_t>(64, 8 * residuals.map().free().size());
   const std::vector<double> orders = detail::suggested_orders(data);
-  if (2 * data.size() < 3 * scouted) return global_search(residuals, residuals, orders, options.seed);
+  if (2 * data.size() < 3 * scouted) return global_search(residuals, residuals, orders, options.seed, hopeless);
   const Thinned few = thinned(data, rule, scouted);
   const detail::FrequencyResiduals scouting(few.data, structure, options.realisation, residuals.map(), few.rule);
-  return global_search(scouting, residuals, orders, options.seed);
+  return global_search(scouting, residuals, orders, options.seed, hopeless);
 }
 
 detail::GlobalSolution solve(const detail::Residuals& residuals, const detail::ResidualRule& rule,
-                             const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
+                             const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
+                             double hopeless) {
   // First iterations stay quick on so many points, and see the same shape.
   const Thinned thin = thinned(data, rule, 500);
   const detail::FrequencyResiduals few(thin.data, structure, options.realisation, residuals.map(), thin.rule);
   detail::GlobalSolution result;
   if (options.global_start && !residuals.map().free().empty()) {
-    result = search(few, thin.rule, thin.data, structure, options);
+    result = search(few, thin.rule, thin.data, structure, options, hopeless);
     if (result.starts_at_best == 0) return result;
   } else {
     check_start(residuals.map(), structure);
@@ -174,6 +175,8 @@ Component other_component(Component component) {
 struct Extent {
   bool recover;   // looks at the other component for what the fitted one is blind to
   bool profiles;  // follows the cost where intervals are wide
+  /// Cost, in the unit of FitResult, above which nobody looks closely: the search ends early, and without profiles.
+  double hopeless = std::numeric_limits<double>::infinity();
 };
 FitResult fit_component(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
                         Extent extent);
@@ -343,7 +346,9 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   }
 
   const bool empty = is_empty(data, options.component);
-  detail::GlobalSolution solution = empty ? detail::GlobalSolution{} : solve(residuals, rule, data, structure, options);
+  detail::GlobalSolution solution =
+      empty ? detail::GlobalSolution{}
+            : solve(residuals, rule, data, structure, options, extent.hopeless / (rule.unit * rule.unit));
   FitResult result = describe_search(structure, residuals, solution);
   const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
   if (solution.starts_at_best == 0) {
@@ -376,7 +381,8 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   const detail::Confidence found = confidence(residuals, solution.best, local);
   result.message = ending(solution);
   describe_estimates(result, structure, residuals, options.constraints, found, solution.best.theta);
-  if (extent.profiles) follow_cost(result, problem, solution.best, found);
+  const bool closely = solution.best.cost * rule.unit * rule.unit <= extent.hopeless;
+  if (extent.profiles && closely) follow_cost(result, problem, solution.best, found);
   if (extent.recover) {
     recover_unseen(result, found, residuals, solution.best.cost, data, structure, options, extent.profiles);
   }
@@ -472,6 +478,11 @@ FitResult fit(const FrequencyResponseData& data, const Structure& structure, con
 FitResult detail::curvature_fit(const FrequencyResponseData& data, const Structure& structure,
                                 const FitOptions& options) {
   return fit_with_floor(data, structure, options, {true, false});
+}
+
+FitResult detail::fit_in_reach(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
+                               double hopeless) {
+  return fit_component(data, structure, options, {true, true, hopeless});
 }
 
 std::vector<std::complex<double>> fitted_response(const FitResult& result, const Realisation& realisation,

@@ -21,6 +21,7 @@ namespace frac {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double by_far = 10;          // times the cost: evidence above 90 from 20 points on
 constexpr double simplest_within = 2;  // AICc differences the data cannot tell apart
 
 /// A candidate with the constraints that are its own, and what became of it.
@@ -81,7 +82,7 @@ std::size_t chosen_of(const std::vector<RankedFit>& ranking) {
 
 /// The fit of a candidate that is a formula.
 template <class Data, class Options>
-void fit_candidate(const Data& data, const Options& options, Outcome& outcome) {
+void fit_candidate(const Data& data, const Options& options, double hopeless, Outcome& outcome) {
   Options of_model = options;
   try {
     outcome.from_family = outcome.model.is_family();
@@ -94,7 +95,8 @@ void fit_candidate(const Data& data, const Options& options, Outcome& outcome) {
     const Structure structure(outcome.model.formula);
     // Intervals that follow the cost decide about orders, which rational models have none of.
     const bool rational = outcome.from_family && outcome.model.model_class == ModelClass::integer_order;
-    outcome.fit = rational ? detail::curvature_fit(data, structure, of_model) : fit(data, structure, of_model);
+    outcome.fit = rational ? detail::curvature_fit(data, structure, of_model)
+                           : detail::fit_in_reach(data, structure, of_model, hopeless);
     if (outcome.fit->termination == FitTermination::no_usable_start) {
       outcome.reason = outcome.fit->message;
       outcome.fit.reset();
@@ -157,7 +159,17 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
   if (models.empty() && curves.empty()) throw std::invalid_argument("identify needs at least one candidate");
   std::vector<Outcome> outcomes;
   for (const NamedModel& model : models) outcomes.push_back({model, {}, {}});
-  parallel_for(outcomes.size(), threads, [&](std::size_t i) { fit_candidate(data, options, outcomes[i]); });
+  // Families first: presets that miss by far more than they do need no thorough search.
+  const auto first_preset = std::stable_partition(outcomes.begin(), outcomes.end(),
+                                                  [](const Outcome& outcome) { return outcome.model.is_family(); });
+  const auto families = static_cast<std::size_t>(first_preset - outcomes.begin());
+  double hopeless = std::numeric_limits<double>::infinity();
+  parallel_for(families, threads, [&](std::size_t i) { fit_candidate(data, options, hopeless, outcomes[i]); });
+  for (std::size_t i = 0; i < families; ++i) {
+    if (outcomes[i].fit) hopeless = std::min(hopeless, by_far * outcomes[i].fit->cost);
+  }
+  parallel_for(outcomes.size() - families, threads,
+               [&](std::size_t i) { fit_candidate(data, options, hopeless, outcomes[families + i]); });
   start_from_contained(data, options, outcomes);
 
   IdentificationResult result{};

@@ -38,8 +38,6 @@ bool take(std::string_view& text, std::string_view what) {
 }
 
 constexpr std::size_t most_poles = 12;
-// Six poles in s^a have as many parameters as a rational model of seven.
-constexpr std::size_t most_commensurate_poles = 6;
 
 /// The family a text names; none where it does not start like one.
 std::optional<RationalFamily> rational_family(std::string_view name) {
@@ -53,10 +51,7 @@ std::optional<RationalFamily> rational_family(std::string_view name) {
                                 ":POLES, " + kind + ":ZEROS/POLES or " + kind +
                                 ":FROM..TO, and +delay behind it for a dead time");
   };
-  if (family.free_order) {
-    family.fewest_poles = 1;
-    family.most_poles = most_commensurate_poles;
-  }
+  if (family.free_order) family.fewest_poles = 1;
   if (text.ends_with("+delay")) {
     family.dead_time = true;
     text.remove_suffix(std::string_view("+delay").size());

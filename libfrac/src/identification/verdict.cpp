@@ -185,6 +185,11 @@ struct Comparison {
 
 double evidence_of(const Comparison& pair) {
   const double n = static_cast<double>(pair.fractional.residual.size());
+  // Where both meet the data to rounding, what each needed for it is all that tells them apart.
+  if (meets_exactly(pair.fractional.ranked) && meets_exactly(pair.integer.ranked)) {
+    return price_of_parameters(parameters(pair.integer.ranked), n) -
+           price_of_parameters(parameters(pair.fractional.ranked), n);
+  }
   const double news = std::log(std::max(pair.share * n, 2.0)) / std::log(n);
   const auto price = [&](const Competitor& each) { return news * price_of_parameters(parameters(each.ranked), n); };
   return pair.share * (misfit_term(pair.integer.ranked, n) - misfit_term(pair.fractional.ranked, n)) +

@@ -50,8 +50,8 @@ struct NamedModel {
 /// havriliak-negami, ... and the integer-order counterparts they are compared with.
 [[nodiscard]] const std::vector<NamedModel>& model_library();
 
-/// What `identify` compares unless told otherwise: all presets, rational models of up to 12 poles and commensurate ones
-/// of up to 6, with and without dead time, and sums of terms.
+/// What `identify` compares unless told otherwise: all presets, rational and commensurate models of up to 12 poles,
+/// with and without dead time, and sums of terms.
 [[nodiscard]] std::vector<NamedModel> default_candidates();
 
 /// The preset of that name, a rational family, or the text taken as a formula (class by its orders, name = formula).

@@ -86,7 +86,7 @@ std::vector<double> ProjectedData::sizes(const Linear& linear) const {
 
 double schwarz(const ProjectedData& data, double cost, std::size_t parameters) {
   const auto n = static_cast<double>(data.rows());
-  return n * std::log(std::max(cost, data.rounding_cost()) / n) +
+  return n * std::log(std::max(cost, data.negligible_cost()) / n) +
          price_of_parameters(static_cast<double>(parameters), n);
 }
 

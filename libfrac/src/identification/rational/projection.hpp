@@ -35,6 +35,8 @@ class ProjectedData {
   [[nodiscard]] double data_power() const { return target_.squaredNorm(); }
   /// Costs below it are rounding.
   [[nodiscard]] double rounding_cost() const { return 1e-28 * static_cast<double>(rows()); }
+  /// Costs below it, residuals of 1e-9 of the data, are no reason to grow: the data themselves are seldom better.
+  [[nodiscard]] double negligible_cost() const { return 1e-18 * static_cast<double>(rows()); }
 
   /// The best coefficients of given columns.
   struct Linear {
@@ -59,7 +61,7 @@ class ProjectedData {
   Eigen::VectorXcd s_, log_s_;
 };
 
-/// n ln(cost/n) and price_of_parameters().  Costs of rounding count as rounding.
+/// n ln(cost/n) and price_of_parameters().  Negligible costs are equally good.
 [[nodiscard]] double schwarz(const ProjectedData& data, double cost, std::size_t parameters);
 
 /// How far beyond the band poles and arcs are looked for: half a decade, in e-folds.

@@ -13,7 +13,7 @@ constexpr int scouting = 12, thorough = 60;  // iterations
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 bool exact(const RationalProblem& problem, const RationalFit& fit) {
-  return fit.cost <= problem.rounding_cost();
+  return fit.cost <= problem.negligible_cost();
 }
 
 /// Whether the fit misses the data by more than a tenth: it has not found their shape.

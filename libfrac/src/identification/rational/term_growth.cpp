@@ -147,7 +147,7 @@ TermLadder grow_terms(const TermProblem& problem, std::size_t most_terms) {
     if (sums.empty()) break;
     if (!best) continue;
     const double value = value_of(problem, *best);
-    const bool exact = best->cost <= problem.rounding_cost();
+    const bool exact = best->cost <= problem.negligible_cost();
     ladder.fits.push_back(std::move(*best));
     in_vain = value < least ? 0 : in_vain + 1;
     if (value < least) {

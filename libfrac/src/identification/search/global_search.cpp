@@ -19,6 +19,7 @@ constexpr int starts_per_round = 5;
 constexpr int draws_per_start = 12;
 constexpr int rounds = 24;
 constexpr int least_rounds = 4;
+constexpr int rounds_of_hope = 2;  // for a structure that something else beats by far
 constexpr std::size_t agreement = 4;
 constexpr double enough_confidence = 0.9;
 // A scout that was stopped early goes on only if it came within the first factor of the best cost so far, and one that
@@ -238,8 +239,13 @@ std::vector<double> controlled_random_search(const Residuals& residuals, const s
 class Search {
  public:
   Search(const Residuals& scouting, const Residuals& residuals, const std::vector<double>& suggested_orders,
-         std::uint64_t seed)
-      : scouting_(scouting), residuals_(residuals), suggested_orders_(suggested_orders), seed_(seed), generator_(seed) {
+         std::uint64_t seed, double hopeless)
+      : scouting_(scouting),
+        residuals_(residuals),
+        suggested_orders_(suggested_orders),
+        seed_(seed),
+        hopeless_(hopeless),
+        generator_(seed) {
     result_.best.cost = std::numeric_limits<double>::infinity();
   }
 
@@ -254,12 +260,13 @@ class Search {
     independent_ = 0;
     for (int round = 0; round < rounds && !exact(); ++round) {
       scout_from(screened_draws(scouting_, suggested_orders_, generator_, start_given && round == 0));
+      if (round + 1 == rounds_of_hope && is_hopeless()) break;
       if (round + 1 < least_rounds) continue;
       finish_promising();
       if (settled() && !walk_to_lower_cost() && settled()) break;
     }
     finish_promising();
-    if (at_best() == 1 && !exact()) {
+    if (at_best() == 1 && !exact() && !is_hopeless()) {
       const std::size_t independent = independent_;
       scout_from({controlled_random_search(scouting_, result_.best.theta, seed_)});
       finish_promising();
@@ -291,6 +298,9 @@ class Search {
 
   [[nodiscard]] bool exact() const { return result_.best.cost <= residuals_.rounding_cost(); }
   [[nodiscard]] double confidence() const { return confidence_of_optimum(independent_, minima()); }
+  [[nodiscard]] bool is_hopeless() const {
+    return std::all_of(scouts_.begin(), scouts_.end(), [&](const Scout& scout) { return scout.end > hopeless_; });
+  }
   [[nodiscard]] bool settled() const { return at_best() >= agreement && confidence() >= enough_confidence; }
   [[nodiscard]] bool same(double cost, double least) const {
     return cost <= least * (1 + equally_good) + residuals_.rounding_cost();
@@ -437,6 +447,7 @@ class Search {
   const Residuals& residuals_;
   const std::vector<double>& suggested_orders_;
   std::uint64_t seed_;
+  double hopeless_;
   std::mt19937_64 generator_;
   GlobalSolution result_;
   std::vector<Scout> scouts_;
@@ -478,15 +489,17 @@ double confidence_of_optimum(std::size_t starts, std::size_t minima) {
 }
 
 GlobalSolution global_search(const Residuals& scouting, const Residuals& residuals,
-                             const std::vector<double>& suggested_orders, std::uint64_t seed) {
-  GlobalSolution found = Search(scouting, residuals, suggested_orders, seed).run();
+                             const std::vector<double>& suggested_orders, std::uint64_t seed, double hopeless) {
+  GlobalSolution found = Search(scouting, residuals, suggested_orders, seed, hopeless).run();
   if (&scouting == &residuals) return found;
   const auto mean = [&](const Residuals& of) {
     return of.cost(found.best.theta) / static_cast<double>(of.count()) + of.rounding_cost();
   };
-  if (found.starts_at_best > 0 && mean(residuals) <= missed_feature * mean(scouting)) return found;
+  if (found.starts_at_best > 0 && (found.best.cost > hopeless || mean(residuals) <= missed_feature * mean(scouting))) {
+    return found;
+  }
   const std::size_t in_vain = found.starts;
-  found = Search(residuals, residuals, suggested_orders, seed).run();
+  found = Search(residuals, residuals, suggested_orders, seed, hopeless).run();
   found.starts += in_vain;
   return found;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "local_solve.hpp"
@@ -34,7 +35,9 @@ struct GlobalSolution {
 /// search tries the whole box.
 /// @param scouting  residuals of the same kind at fewer points, or `residuals` itself.  Where what it leaves out turns
 ///                  out to be fitted worse than what it has, it misses a feature, and the search is made again without.
+/// @param hopeless  cost above which the search ends after two rounds: something else follows the data far better
 [[nodiscard]] GlobalSolution global_search(const Residuals& scouting, const Residuals& residuals,
-                                           const std::vector<double>& suggested_orders, std::uint64_t seed);
+                                           const std::vector<double>& suggested_orders, std::uint64_t seed,
+                                           double hopeless = std::numeric_limits<double>::infinity());
 
 }  // namespace frac::detail

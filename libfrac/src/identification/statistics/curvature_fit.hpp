@@ -15,4 +15,13 @@ namespace frac::detail {
   return fit(data, structure, options);
 }
 
+/// fit() of one candidate among others: above a cost that another beats by far, the search ends early and intervals are
+/// from the curvature.
+[[nodiscard]] FitResult fit_in_reach(const FrequencyResponseData& data, const Structure& structure,
+                                     const FitOptions& options, double hopeless);
+[[nodiscard]] inline FitResult fit_in_reach(const TimeResponseData& data, const Structure& structure,
+                                            const TimeFitOptions& options, double) {
+  return fit(data, structure, options);
+}
+
 }  // namespace frac::detail
