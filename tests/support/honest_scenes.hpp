@@ -217,6 +217,18 @@ struct Properties {
   int dishonest = 0;    // of every `compared_each`-th scene: a stated interval misses a long run
   int compared = 0;
   int flagged = 0;
+
+  Properties& operator+=(const Properties& other) {
+    scenes += other.scenes;
+    not_finite += other.not_finite;
+    not_passive += other.not_passive;
+    energy_unbalanced += other.energy_unbalanced;
+    not_similar += other.not_similar;
+    dishonest += other.dishonest;
+    compared += other.compared;
+    flagged += other.flagged;
+    return *this;
+  }
 };
 
 /// @param compared_each  scenes from one comparison with a long run to the next, which costs most of the time
