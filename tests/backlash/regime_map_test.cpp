@@ -111,7 +111,7 @@ TEST(RegimeMap, IntervalsOfMeansThatEndEarlyHoldTheirShareOfRepeats) {
       ASSERT_EQ(steady.regime, Regime::averaged);
       mean += steady.harmonics.u[0] / static_cast<double>(full);
     }
-    const MeanGoal goal{0.01, -gamma, Transients::ignored};
+    const MeanGoal goal{0.01, -gamma};
     int held_here = 0;
     double squared_error = 0;
     double squared_width = 0;
@@ -145,7 +145,7 @@ TEST(RegimeMap, EndingEarlyKeepsTheRegimes) {
     const GapMotion motion(gamma, restitution);
     const auto start = state_at_peak(random.unit(), random.uniform(-0.5, 0.5));
     const SteadyState full = find_steady_state(motion, start, 1e-10, usual_window);
-    const SteadyState quick = find_steady_state(motion, start, 1e-10, {0.01, -gamma, Transients::ignored});
+    const SteadyState quick = find_steady_state(motion, start, 1e-10, {0.01, -gamma});
     (full.regime == Regime::averaged ? averaged : orbits) += 1;
     if (full.regime == Regime::averaged) continue;
     // Transient chaos, which settles on an orbit after a long while, is the one exception.

@@ -385,7 +385,7 @@ TEST(SteadyState, SensitivityOfOrbitsLostToRoundingIsThatToTheForce) {
     const double restitution = random.uniform(0, 0.7);
     const double gamma = random.log_uniform(0.05, 0.2);
     const GapMotion motion(gamma, restitution);
-    const SteadyState steady = find_steady_state(motion, state_at_peak(random.unit(), 0), 1e-10, usual_window);
+    const SteadyState steady = find_steady_state(motion, state_at_peak(random.unit(), 0), 1e-10);
     if (!(steady.force_sensitivity > 6e8 && steady.force_sensitivity < 1e11)) continue;
     ++scenes;
     const Complex one = support::long_run(motion, steady.end, 0, 1600).u1;

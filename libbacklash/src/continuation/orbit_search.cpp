@@ -46,6 +46,7 @@ GapState state_of(const SearchStart& start, const GapMotion& motion) {
 
 std::optional<OrbitSegment> settled_orbit(const OrbitSegment& at, const GapState& start) {
   const GapMotion motion(at.gamma(), at.restitution);
+  // Only closed orbits count here.  What a motion passes on a long transient orbits_passed finds sooner.
   const SteadyState steady = find_steady_state(motion, start, tolerance, {0, 0, Transients::ignored});
   if (steady.regime != Regime::periodic && steady.regime != Regime::symmetric) return std::nullopt;
   const auto impacts = static_cast<int>(std::lround(steady.impacts_per_period * steady.period));

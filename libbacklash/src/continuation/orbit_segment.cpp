@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "orbit_segment.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 namespace backlash::detail {
 namespace {
@@ -54,57 +54,153 @@ FlightEquations equations(double gamma, double restitution, const SegmentImpact&
   return e;
 }
 
-Eigen::Index index_of(std::size_t i) {
-  return static_cast<Eigen::Index>(i);
-}
+// An equation in the unknowns of the first impact, of one impact and the next one, and in the parameter.
+struct Row {
+  std::array<double, 2> first{}, here{}, next{};
+  double parameter = 0;
+  double right = 0;
 
-// Residuals and their Jacobian, bordered by a last row.
-struct System {
-  Eigen::MatrixXd matrix;
-  Eigen::VectorXd residual;
-  double scale;  // size of the terms that the residuals are sums of
+  void subtract(double factor, const Row& other) noexcept {
+    for (std::size_t i = 0; i < 2; ++i) {
+      first[i] -= factor * other.first[i];
+      here[i] -= factor * other.here[i];
+      next[i] -= factor * other.next[i];
+    }
+    parameter -= factor * other.parameter;
+    right -= factor * other.right;
+  }
 };
 
-System bordered(const OrbitSegment& orbit, const Direction& border) {
-  const std::size_t n = orbit.impacts.size();
-  const Eigen::Index size = index_of(2 * n + 1);
-  System system{Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size), 1};
-  const double gamma = orbit.gamma();
-  for (std::size_t i = 0; i < n; ++i) {
-    const SegmentImpact from = orbit.impact(i);
-    const SegmentImpact to = orbit.impact(i + 1);
-    const FlightEquations e = equations(gamma, orbit.restitution, from, to);
-    const Eigen::Index row = index_of(2 * i);
-    const Eigen::Index first = row;
-    const Eigen::Index next = index_of(2 * ((i + 1) % n));
-    // An orbit of one impact meets itself: derivatives add.
-    system.matrix(row, first) += e.place_phase0;
-    system.matrix(row, first + 1) += e.place_speed0;
-    system.matrix(row, next) += e.place_phase1;
+// The linearised equations of the flights of an orbit, bordered by a last one.
+class BorderedSystem {
+ public:
+  BorderedSystem(const OrbitSegment& orbit, const Direction& border) : border_(border) {
+    const double gamma = orbit.gamma();
     const bool by_gamma = orbit.along == BranchParameter::log_gamma;
-    system.matrix(row, size - 1) = by_gamma ? e.place_log_gamma : e.place_restitution;
-    system.matrix(row + 1, first) += e.velocity_phase0;
-    system.matrix(row + 1, first + 1) += e.velocity_speed0;
-    system.matrix(row + 1, next) += e.velocity_phase1;
-    system.matrix(row + 1, next + 1) += e.velocity_speed1;
-    system.matrix(row + 1, size - 1) = by_gamma ? e.velocity_log_gamma : e.velocity_restitution;
-    system.residual(row) = e.place;
-    system.residual(row + 1) = e.velocity;
-    system.scale = std::max(system.scale, (gamma + std::abs(from.speed)) * std::max(1.0, to.phase - from.phase));
+    rows_.reserve(2 * orbit.impacts.size());
+    for (std::size_t i = 0; i < orbit.impacts.size(); ++i) {
+      const SegmentImpact from = orbit.impact(i);
+      const SegmentImpact to = orbit.impact(i + 1);
+      const FlightEquations e = equations(gamma, orbit.restitution, from, to);
+      rows_.push_back({{},
+                       {e.place_phase0, e.place_speed0},
+                       {e.place_phase1, 0},
+                       by_gamma ? e.place_log_gamma : e.place_restitution,
+                       -e.place});
+      rows_.push_back({{},
+                       {e.velocity_phase0, e.velocity_speed0},
+                       {e.velocity_phase1, e.velocity_speed1},
+                       by_gamma ? e.velocity_log_gamma : e.velocity_restitution,
+                       -e.velocity});
+      residual_ = std::max({residual_, std::abs(e.place), std::abs(e.velocity)});
+      scale_ = std::max(scale_, (gamma + std::abs(from.speed)) * std::max(1.0, to.phase - from.phase));
+    }
   }
-  for (Eigen::Index j = 0; j < size; ++j) system.matrix(size - 1, j) = border[static_cast<std::size_t>(j)];
-  return system;
-}
 
-OrbitSegment moved_by(const OrbitSegment& from, const Eigen::VectorXd& step) {
-  OrbitSegment result = from;
-  for (std::size_t i = 0; i < from.impacts.size(); ++i) {
-    result.impacts[i].phase += step(index_of(2 * i));
-    result.impacts[i].speed += step(index_of(2 * i + 1));
+  [[nodiscard]] double residual() const noexcept { return residual_; }
+  /// Size of the terms that the residuals are sums of.
+  [[nodiscard]] double scale() const noexcept { return scale_; }
+  /// Newton's step, with which the border becomes `border_right`.
+  [[nodiscard]] Direction step(double border_right) const { return solved(1, border_right); }
+  /// The solution without residuals.
+  [[nodiscard]] Direction tangent() const { return solved(0, 1); }
+
+ private:
+  // Gaussian elimination of one impact after the other, from the second one on, with the pivots of its two unknowns
+  // among the four equations that hold them.  What is left of these goes on to the next impact, and in the end three
+  // equations in the unknowns of the first impact and the parameter are left.
+  [[nodiscard]] Direction solved(double residuals, double border_right) const {
+    const std::size_t n = rows_.size() / 2;
+    const auto flight = [&](std::size_t i, std::size_t which) {
+      Row row = rows_[2 * i + which];
+      row.right *= residuals;
+      return row;
+    };
+    // The last flight ends at the first impact.
+    const auto close = [](Row& row) {
+      row.first = {row.first[0] + row.next[0], row.first[1] + row.next[1]};
+      row.next = {};
+    };
+    // Equations 0 and 1 are left of the flights before, 2 and 3 are those of the next flight, 4 is the border.
+    std::array<Row, 5> at{};
+    for (std::size_t which = 0; which < 2; ++which) {
+      at[which] = flight(0, which);
+      at[which].first = at[which].here;
+      at[which].here = {};
+      if (n == 1) close(at[which]);
+    }
+    at[4].first = {border_[0], border_[1]};
+    at[4].parameter = border_.back();
+    at[4].right = border_right;
+    std::vector<Row> pivots;
+    pivots.reserve(2 * n);
+    for (std::size_t k = 1; k < n; ++k) {
+      for (std::size_t i = 0; i < 2; ++i) at[i].here = std::exchange(at[i].next, {});
+      for (std::size_t which = 0; which < 2; ++which) {
+        at[2 + which] = flight(k, which);
+        if (k + 1 == n) close(at[2 + which]);
+      }
+      // Eliminations before this one have filled in what the border holds of this impact.
+      at[4].here = {border_[2 * k] + at[4].next[0], border_[2 * k + 1] + at[4].next[1]};
+      at[4].next = {};
+      for (std::size_t column = 0; column < 2; ++column) {
+        const auto remaining = at.begin() + static_cast<std::ptrdiff_t>(column);
+        std::iter_swap(remaining, std::max_element(remaining, at.end() - 1, [&](const Row& a, const Row& b) {
+                         return std::abs(a.here[column]) < std::abs(b.here[column]);
+                       }));
+        const Row& pivot = *remaining;
+        for (std::size_t i = column + 1; i < at.size(); ++i)
+          at[i].subtract(at[i].here[column] / pivot.here[column], pivot);
+        pivots.push_back(pivot);
+      }
+      at[0] = at[2];
+      at[1] = at[3];
+    }
+
+    Direction solution(2 * n + 1);
+    const auto [phase, speed, parameter] = last_unknowns({at[0], at[1], at[4]});
+    solution[0] = phase;
+    solution[1] = speed;
+    solution.back() = parameter;
+    for (std::size_t k = n - 1; k > 0; --k) {
+      for (std::size_t column = 2; column-- > 0;) {
+        const Row& row = pivots[2 * (k - 1) + column];
+        double right = row.right - row.first[0] * phase - row.first[1] * speed - row.parameter * parameter;
+        if (k + 1 < n) right -= row.next[0] * solution[2 * k + 2] + row.next[1] * solution[2 * k + 3];
+        if (column == 0) right -= row.here[1] * solution[2 * k + 1];
+        solution[2 * k + column] = right / row.here[column];
+      }
+    }
+    return solution;
   }
-  result.set_parameter(from.parameter() + step(step.size() - 1));
-  return result;
-}
+
+  static std::array<double, 3> last_unknowns(const std::array<Row, 3>& rows) {
+    std::array<std::array<double, 4>, 3> m{};
+    for (std::size_t i = 0; i < 3; ++i) m[i] = {rows[i].first[0], rows[i].first[1], rows[i].parameter, rows[i].right};
+    for (std::size_t column = 0; column < 3; ++column) {
+      const auto remaining = m.begin() + static_cast<std::ptrdiff_t>(column);
+      std::iter_swap(remaining, std::max_element(remaining, m.end(), [&](const auto& a, const auto& b) {
+                       return std::abs(a[column]) < std::abs(b[column]);
+                     }));
+      for (std::size_t i = column + 1; i < 3; ++i) {
+        const double factor = m[i][column] / m[column][column];
+        for (std::size_t j = column; j < 4; ++j) m[i][j] -= factor * m[column][j];
+      }
+    }
+    std::array<double, 3> x{};
+    for (std::size_t i = 3; i-- > 0;) {
+      x[i] = m[i][3];
+      for (std::size_t j = i + 1; j < 3; ++j) x[i] -= m[i][j] * x[j];
+      x[i] /= m[i][i];
+    }
+    return x;
+  }
+
+  const Direction& border_;
+  std::vector<Row> rows_;
+  double residual_ = 0;
+  double scale_ = 1;
+};
 
 bool phases_rise(const OrbitSegment& orbit) {
   for (std::size_t i = 0; i < orbit.impacts.size(); ++i) {
@@ -172,20 +268,22 @@ std::optional<OrbitSegment> corrected(const OrbitSegment& guess, const Direction
   OrbitSegment orbit = guess;
   double last_step = std::numeric_limits<double>::infinity();
   for (int iteration = 0; iteration < 12; ++iteration) {
-    System system = bordered(orbit, normal);
-    system.residual(system.residual.size() - 1) = dot(normal, difference(orbit, guess));
-    const Eigen::VectorXd step = system.matrix.partialPivLu().solve(-system.residual);
-    const double size = step.lpNorm<Eigen::Infinity>();
+    const BorderedSystem system(orbit, normal);
+    const Direction step = system.step(-dot(normal, difference(orbit, guess)));
+    double size = 0;
+    for (const double value : step) {
+      // Where the system is singular the step is not a number.
+      size = std::isnan(value) ? std::numeric_limits<double>::infinity() : std::max(size, std::abs(value));
+    }
     if (!(size < 0.5)) return std::nullopt;
-    const OrbitSegment next = moved_by(orbit, step);
+    const OrbitSegment next = moved(orbit, step, 1);
     if (!phases_rise(next)) return std::nullopt;
     orbit = next;
     // Quadratic convergence: the step after this one is lost in rounding.
-    if (size <= 1e-9 * std::min(1.0, 1 / system.scale)) return orbit;
+    if (size <= 1e-9 * std::min(1.0, 1 / system.scale())) return orbit;
     // Near a singular point Newton stalls at rounding times the condition of the system.
     if (size > 0.5 * last_step && size < 1e-7) {
-      return system.residual.lpNorm<Eigen::Infinity>() <= 64 * rounding * system.scale ? std::optional(orbit)
-                                                                                       : std::nullopt;
+      return system.residual() <= 64 * rounding * system.scale() ? std::optional(orbit) : std::nullopt;
     }
     last_step = size;
   }
@@ -193,14 +291,11 @@ std::optional<OrbitSegment> corrected(const OrbitSegment& guess, const Direction
 }
 
 std::optional<Direction> tangent(const OrbitSegment& orbit, const Direction& along) {
-  const System system = bordered(orbit, along);
-  Eigen::VectorXd right = Eigen::VectorXd::Zero(system.residual.size());
-  right(right.size() - 1) = 1;
-  Eigen::VectorXd solution = system.matrix.partialPivLu().solve(right);
-  const double norm = solution.norm();
+  Direction solution = BorderedSystem(orbit, along).tangent();
+  const double norm = std::sqrt(dot(solution, solution));
   if (!std::isfinite(norm) || !(norm > 0)) return std::nullopt;
-  solution /= norm;
-  return Direction(solution.data(), solution.data() + solution.size());
+  for (double& value : solution) value /= norm;
+  return solution;
 }
 
 bool ScaledReturnMap::stable() const noexcept {

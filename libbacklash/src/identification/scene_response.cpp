@@ -105,6 +105,7 @@ std::optional<GapResponse> two_impact_response(double gamma, double restitution)
 }
 
 std::optional<Complex> sticking_h(double gamma, double restitution) {
+  // A motion that has not stuck within the usual window is none that sticks every period.
   const SteadyState steady =
       find_steady_state(GapMotion(gamma, restitution), contact_at_rest_state(), tolerance, {0, 0, Transients::ignored});
   // Its multiplier is exactly 0.

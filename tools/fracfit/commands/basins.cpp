@@ -50,7 +50,11 @@ Document document(const backlash::BasinMap& map, backlash::Output output) {
             " j m/N, uncertainty " + io::format_number(point.uncertainty) +
             (point.transient_possible
                  ? ", transient not excluded after " + io::format_number(point.periods_followed) + " periods"
-                 : ""));
+                 : "") +
+            (std::isnan(point.force_sensitivity)
+                 ? ""
+                 : ", lost in rounding: mean over forces that differ in the last digits, N changes by up to " +
+                       io::format_number(point.force_sensitivity) + " times the relative change of the force"));
   }
   result.rows.fill = [&map](std::size_t i, std::vector<Cell>& cells) {
     cells.emplace_back(map.position[i / map.velocity.size()]);
@@ -80,7 +84,8 @@ std::string json(const backlash::BasinMap& map, backlash::Output output, const s
                        {"uncertainty_m_per_n", attractor.point.uncertainty},
                        {"lyapunov_exponent", attractor.point.lyapunov_exponent},
                        {"periods_followed", attractor.point.periods_followed},
-                       {"transient_possible", attractor.point.transient_possible}});
+                       {"transient_possible", attractor.point.transient_possible},
+                       {"force_sensitivity", attractor.point.force_sensitivity}});
   result["position_m"] = map.position;
   result["velocity_m_s"] = map.velocity;
   result[motion_name(map)] = map.attractor;

@@ -108,6 +108,17 @@ class Simulate : public Command {
       });
     });
     if (!usable) say("some points have no finite value, see the output");
+    const auto warn = [&](const auto& concerns, const std::string& what) {
+      std::ptrdiff_t count = 0;
+      for (const auto& sweep : sweeps) count += std::count_if(sweep.points.begin(), sweep.points.end(), concerns);
+      if (count > 0) say(std::to_string(count) + " of the points " + what);
+    };
+    using Point = backlash::DescribingFunctionPoint;
+    warn([](const Point& point) { return point.transient_possible; },
+         "may be means of a transient; --diagnostics shows which (transient_possible)");
+    warn([](const Point& point) { return !std::isnan(point.force_sensitivity); },
+         "follow orbits that rounding decides on and are means over forces that differ in the last digits; "
+         "--diagnostics shows which (force_sensitivity)");
     return usable ? usable_result : no_usable_result;
   }
 
