@@ -50,7 +50,7 @@ double gamma_of(const PeriodicOrbit& orbit) {
 }
 
 const OrbitBranch* find_branch(const OrbitDiagram& diagram, int period, int impacts, bool symmetric) {
-  for (const OrbitBranch& branch : diagram.branches) {
+  for (const backlash::OrbitBranch& branch : diagram.branches) {
     if (branch.period == period && branch.impacts == impacts && branch.symmetric == symmetric) return &branch;
   }
   return nullptr;
@@ -171,7 +171,7 @@ TEST(OrbitDiagram, StableOrbitsHaveTheDescribingFunctionOfTheSweep) {
       if (point.period < 1 || point.period > 4 || point.impacts_per_period * point.period > 16) continue;
       // Some branch of that pattern passes this value: compare with the parabola through three neighbouring orbits.
       double nearest = 1;
-      for (const OrbitBranch& branch : diagram.branches) {
+      for (const backlash::OrbitBranch& branch : diagram.branches) {
         if (branch.period != point.period || branch.impacts != point.impacts_per_period * point.period) continue;
         for (std::size_t i = 0; i + 1 < branch.orbits.size(); ++i) {
           const PeriodicOrbit& a = branch.orbits[i];
@@ -219,6 +219,30 @@ TEST(OrbitDiagram, ListsTheStableOrbitsThatRandomStartsSettleOn) {
   const support::Tally tally = support::listed_orbits(12, 91, 4, 1.3);
   EXPECT_GE(tally.scenes, 12);
   EXPECT_LE(tally.missed, 1);
+}
+
+// The window of restitution 0.6 in which starts also close on three rounds of an orbit of one force period.
+TEST(OrbitDiagram, ListsNoOrbitThatGoesSeveralTimesThroughTheSameMotion) {
+  const backlash::OrbitDiagram diagram = backlash::orbit_diagram({1, 1, 0.2, 0.6}, 20, 1, 30);
+  ASSERT_GT(diagram.branches.size(), 10U);
+  for (const backlash::OrbitBranch& branch : diagram.branches) {
+    const backlash::PeriodicOrbit& orbit = branch.orbits[branch.orbits.size() / 2];
+    for (int rounds = 2; rounds <= branch.period; ++rounds) {
+      if (branch.period % rounds != 0 || branch.impacts % rounds != 0) continue;
+      const auto part = orbit.impacts.size() / static_cast<std::size_t>(rounds);
+      double greatest = 0;
+      for (std::size_t i = 0; i + part < orbit.impacts.size(); ++i) {
+        const backlash::OrbitImpact& one = orbit.impacts[i];
+        const backlash::OrbitImpact& again = orbit.impacts[i + part];
+        const double phase = again.phase - one.phase - 2 * std::numbers::pi * branch.period / rounds;
+        greatest = std::max({greatest, std::abs(phase), std::abs(again.speed / one.speed - 1)});
+        if (one.wall != again.wall) greatest = 1;
+      }
+      // Newton's iteration ends far below 1e-9; orbits that a doubling has parted differ by more than 1e-5 half way
+      // along their branch.
+      EXPECT_GT(greatest, 1e-7) << branch.period << " periods, " << branch.impacts << " impacts, omega " << orbit.omega;
+    }
+  }
 }
 
 TEST(OrbitDiagram, BothSidesOfTheHysteresisEndWhereTheSweepsJump) {
@@ -342,7 +366,7 @@ TEST(OrbitDiagram, FollowsRestitutionToTheBifurcationsOfFrequency) {
     SCOPED_TRACE(gamma);
     const OrbitDiagram diagram = over_restitution(gamma, restitution - 0.2, restitution + 0.1);
     double nearest = std::numeric_limits<double>::infinity();
-    for (const OrbitBranch& branch : diagram.branches) {
+    for (const backlash::OrbitBranch& branch : diagram.branches) {
       if (branch.impacts != impacts || branch.symmetric != symmetric || branch.period != 1) continue;
       for (const BifurcationPoint& point : branch.bifurcations) {
         if (point.kind == kind) nearest = std::min(nearest, std::abs(point.orbit.parameter - restitution));

@@ -19,11 +19,6 @@ std::array<std::size_t, 3> key(const OrbitSegment& orbit) {
   return {halves * static_cast<std::size_t>(orbit.half_periods), halves * orbit.impacts.size(), 2 - halves};
 }
 
-bool is_repeated(const OrbitSegment& orbit) {
-  const std::optional<Halves> parts = halves(orbit);
-  return parts && dot(parts->difference, parts->difference) < 1e-12;
-}
-
 bool holds(const std::vector<SegmentBranch>& branches, const OrbitSegment& orbit) {
   return std::any_of(branches.begin(), branches.end(),
                      [&](const SegmentBranch& branch) { return contains(branch, orbit); });
@@ -73,7 +68,7 @@ void BranchExplorer::follow_queue() {
     std::optional<SegmentBranch> branch = branch_from(start.orbit, start.direction, start.begin, range_);
     if (!branch) continue;
     const OrbitSegment& middle = branch->points[branch->points.size() / 2].orbit;
-    if (is_repeated(middle)) {
+    if (repeated_round(middle)) {
       follow_if_new(middle);
       continue;
     }
@@ -140,8 +135,8 @@ void BranchExplorer::add(Start start) {
 }
 
 void BranchExplorer::follow_if_new(const OrbitSegment& found) {
-  OrbitSegment orbit = found;
-  while (is_repeated(orbit)) orbit = halves(orbit)->mean;
+  const std::optional<OrbitSegment> round = repeated_round(found);
+  const OrbitSegment& orbit = round ? *round : found;
   if (!is_wanted(orbit) || is_known(orbit)) return;
   if (std::optional<SegmentBranch> branch = branch_through(orbit, range_)) keep(std::move(*branch));
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 namespace backlash::detail {
@@ -463,14 +464,33 @@ OrbitSegment without_impact(const OrbitSegment& orbit, std::size_t index) {
   return with_reduced_phase(result);
 }
 
-std::optional<OrbitSegment> corrected_to_shortest(const OrbitSegment& guess) {
-  std::optional<OrbitSegment> found = corrected(with_reduced_phase(guess), parameter_direction(guess));
-  while (found) {
-    const std::optional<Halves> parts = halves(*found);
-    if (!parts || !(std::sqrt(dot(parts->difference, parts->difference)) < 1e-6)) return found;
-    found = corrected(parts->mean, parameter_direction(parts->mean));
+std::optional<OrbitSegment> repeated_round(const OrbitSegment& orbit) {
+  const auto impacts = static_cast<int>(orbit.impacts.size());
+  for (int rounds = std::gcd(impacts, orbit.half_periods); rounds > 1; --rounds) {
+    if (impacts % rounds != 0 || orbit.half_periods % rounds != 0) continue;
+    OrbitSegment round = orbit;
+    round.half_periods /= rounds;
+    round.impacts.resize(orbit.impacts.size() / static_cast<std::size_t>(rounds));
+    double squares = 0;
+    for (std::size_t i = 0; i < orbit.impacts.size(); ++i) {
+      const SegmentImpact& first = round.impacts[i % round.impacts.size()];
+      const auto turn = static_cast<int>(i / round.impacts.size());
+      const SegmentImpact& again = orbit.impacts[i];
+      const int wall = round.symmetric() && turn % 2 != 0 ? 1 - first.wall : first.wall;
+      const double phase = again.phase - first.phase - turn * round.half_periods * pi;
+      const double speed = again.speed - first.speed;
+      squares += wall == again.wall ? phase * phase + speed * speed : 1;
+    }
+    if (squares < 1e-12) return round;
   }
   return std::nullopt;
+}
+
+std::optional<OrbitSegment> corrected_to_shortest(const OrbitSegment& guess) {
+  const std::optional<OrbitSegment> found = corrected(with_reduced_phase(guess), parameter_direction(guess));
+  if (!found) return std::nullopt;
+  const std::optional<OrbitSegment> round = repeated_round(*found);
+  return round ? corrected(*round, parameter_direction(*round)) : found;
 }
 
 std::optional<OrbitSegment> orbit_through(const GapMotion& motion, const GapState& on_orbit, int impacts,

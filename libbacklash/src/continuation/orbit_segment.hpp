@@ -101,6 +101,9 @@ struct Halves {
 [[nodiscard]] OrbitSegment with_impact(const OrbitSegment& orbit, std::size_t before, const SegmentImpact& impact);
 [[nodiscard]] OrbitSegment without_impact(const OrbitSegment& orbit, std::size_t index);
 
+/// One round of an orbit that goes several times through the same motion, or through it and its mirror image in turn;
+/// empty for any other orbit.
+[[nodiscard]] std::optional<OrbitSegment> repeated_round(const OrbitSegment& orbit);
 /// The orbit near a guess at its parameter, reduced to its mirror half or to one of several repeats.  Empty when
 /// Newton's iteration finds none there.
 [[nodiscard]] std::optional<OrbitSegment> corrected_to_shortest(const OrbitSegment& guess);
