@@ -344,6 +344,35 @@ TEST_F(MeasurementTest, SweepsBelowOneAnotherAreToldApart) {
   EXPECT_EQ(read("f_Hz,re,im\n1,1,1\n2,2,2\n1,3,3\n2,4,4\n").data.size(), 4U);
 }
 
+TEST_F(MeasurementTest, CurvesInColumnsAreTheSameCutOrWhole) {
+  auto measurement = io::read_measurement(folder.write("file",
+                                                       "f_Hz,re_a,im_a,sigma_a,magnitude_b,re_b,im_b,note\n1,1,2,0.5,9,"
+                                                       "3,4,x\n3,5,6,0.25,9,7,8,y\n2,9,1,0.125,9,2,3,z\n"));
+  const auto names = io::curve_labels(measurement, "");
+  ASSERT_EQ(names, (std::vector<std::string>{"a", "b"}));
+  const auto read_all = [&] {
+    std::vector<io::FrequencyResponseFile> files;
+    for (const auto& name : names) {
+      io::FrequencyResponseReadOptions options;
+      options.curve = name;
+      files.push_back(io::read_frequency_response(measurement, options));
+    }
+    return files;
+  };
+  const auto whole = read_all();
+  io::prepare_curves(measurement);
+  EXPECT_EQ(measurement.narrow.size(), 2U);
+  const auto cut = read_all();
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    EXPECT_EQ(cut[i].data.omega(), whole[i].data.omega());
+    EXPECT_EQ(cut[i].data.value(), whole[i].data.value());
+    EXPECT_EQ(cut[i].data.sigma(), whole[i].data.sigma());
+    EXPECT_EQ(cut[i].metadata, whole[i].metadata);
+  }
+  EXPECT_EQ(cut[0].data.value()[1], 9.0 + 1i);
+  EXPECT_EQ(cut[1].data.value()[2], 7.0 + 8i);
+}
+
 TEST_F(MeasurementTest, AFileCutAtAnyByteIsReadInPartOrRefused) {
   for (const auto& whole :
        {gamry, gamry_comma, biologic, biologic_cycles, zview_sweep + zview_sweep, versastudio, ch_instruments,

@@ -33,15 +33,13 @@ TextTable::TextTable(std::string file, std::shared_ptr<const std::string> conten
   layout_.text = std::move(content);
   content_ = *layout_.text;
   if (content_.empty()) throw DataError(file_, 0, 0, std::string("is empty; ") + expected_header);
-  std::size_t position = 0;
-  if (content_.find('\n') == std::string::npos && content_.find('\r') != std::string::npos) line_end_ = '\r';
-
   std::string_view last_comment;  // without the '#'
   std::string_view last_comment_row;
   std::size_t last_comment_line = 0;
-  std::string_view line;
   std::vector<std::string_view> fields;
-  for (std::size_t number = 1, begin = position; next_line(position, line); ++number, begin = position) {
+  LineReader lines(content_);
+  for (std::string_view line; lines.next(line);) {
+    const std::size_t number = lines.number(), begin = lines.begin();
     const auto text = trimmed(line);
     if (text.empty()) continue;
     if (is_comment(text)) {
@@ -87,24 +85,15 @@ TextTable::TextTable(std::string file, TextLayout layout)
       metadata_(layout_.metadata),
       data_position_(layout_.begin),
       data_line_(layout_.first_line) {
-  if (content_.find('\n') == std::string::npos && content_.find('\r') != std::string::npos) line_end_ = '\r';
   for (const auto& column : layout_.columns) header_.push_back({column.name, column.line, column.column});
-  std::size_t position = data_position_;
-  for (std::string_view line; next_line(position, line);) {
+  LineReader lines(content_);
+  lines.skip_to(data_position_);
+  for (std::string_view line; lines.next(line);) {
     if (trimmed(line).empty() || is_comment(trimmed(line))) continue;
     row_estimate_ = (content_.size() - data_position_) / std::max<std::size_t>(line.size() / 2, 4) + 1;
     return;
   }
   throw DataError(file_, header_.front().line, 0, "found a header row but no data rows below");
-}
-
-bool TextTable::next_line(std::size_t& position, std::string_view& line) const {
-  if (position >= content_.size()) return false;
-  const auto end = std::min(content_.find(line_end_, position), content_.size());
-  line = content_.substr(position, end - position);
-  if (line.ends_with('\r')) line.remove_suffix(1);
-  position = end + 1;
-  return true;
 }
 
 void TextTable::take_header(std::string_view line, std::string_view names, std::size_t number) {
@@ -151,9 +140,10 @@ void TextTable::for_each_row(const std::function<void(const Row&)>& body) const 
     }
     return;
   }
-  std::string_view line;
-  std::size_t position = data_position_;
-  for (std::size_t number = data_line_; next_line(position, line); ++number) {
+  LineReader lines(content_);
+  lines.skip_to(data_position_);
+  for (std::string_view line; lines.next(line);) {
+    const std::size_t number = data_line_ + lines.number() - 1;
     const auto text = trimmed(line);
     if (text.empty() || is_comment(text)) continue;
     split_by(text, separator_, fields);

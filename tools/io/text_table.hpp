@@ -85,13 +85,11 @@ class TextTable {
     std::vector<std::string_view> fields;
   };
   TextTable() = default;
-  [[nodiscard]] bool next_line(std::size_t& position, std::string_view& line) const;
   void take_header(std::string_view line, std::string_view names, std::size_t number);
 
   std::string file_;
   TextLayout layout_;
   std::string_view content_;  // of layout_.text
-  char line_end_ = '\n';
   char separator_ = ',';
   Metadata metadata_;
   std::vector<Field> header_;
