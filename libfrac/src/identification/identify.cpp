@@ -230,7 +230,7 @@ std::string_view to_string(Verdict verdict) {
 IdentificationResult identify(const FrequencyResponseData& data, const std::vector<NamedModel>& models,
                               const std::vector<FixedCurve>& curves, const FitOptions& options, int threads) {
   // Refuses weights that do not go with the data once, before every candidate would be skipped for it.
-  const detail::ResidualRule rule = detail::residual_rule(data, options.component, options.weight);
+  const detail::ResidualRule rule = detail::residual_rule(data, options);
   std::vector<ComparedCurve> residuals;
   const bool told = options.weight == Weight::given || options.weight == Weight::repeats;
   for (const FixedCurve& curve : curves) residuals.push_back(compared(data, curve, rule, told));

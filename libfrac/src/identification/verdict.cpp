@@ -232,7 +232,7 @@ void suggest_next(IdentificationResult& result, const FrequencyResponseData& dat
 void suggest_next(IdentificationResult&, const TimeResponseData&, const TimeFitOptions&, const Comparison&) {}
 
 bool within_model_error(const FrequencyResponseData& data, const FitOptions& options, const FitResult& fit) {
-  return fit.rms <= most_model_error * residual_rule(data, options.component, options.weight).unit;
+  return fit.rms <= most_model_error * residual_rule(data, options).unit;
 }
 /// Over time the unit is the rms of the output.
 bool within_model_error(const TimeResponseData& data, const TimeFitOptions&, const FitResult& fit) {

@@ -24,6 +24,7 @@ class Fit : public Command {
   Fit() : Command("fit", "Fits one structure to a frequency response, or to samples of input and output over time") {
     constexpr std::size_t fewest_samples = 20;
     Options& o = options();
+    request_.weight = "learned";
     add_data(o, request_);
     o.text("--model", model_, "or a preset; letters other than s are parameters").suggest(preset_names()).or_argument();
     o.choice("--grow", grow_, frac::growth_families(),
@@ -72,6 +73,21 @@ class Fit : public Command {
     statistics_.bootstrap_samples = bootstrap_.value_or(0);
   }
 
+  // Structures are compared under one weight: that which the residuals of the structure grown first have told.
+  frac::Growth grown(const frac::FrequencyResponseData& data, frac::FitOptions& fit) const {
+    if (fit.weight != frac::Weight::learned) return frac::grow(data, *grow_, fit);
+    fit.noise_floor = 0;
+    auto growth = frac::grow(data, *grow_, fit);
+    auto told = fit;
+    told.noise_floor.reset();
+    told.constraints = growth.models.at(growth.chosen).constraints;
+    fit.noise_floor = frac::fit(data, frac::Structure(growth.fits.at(growth.chosen).model), told).noise_floor;
+    return *fit.noise_floor > 0 ? frac::grow(data, *grow_, fit) : growth;
+  }
+  frac::Growth grown(const frac::TimeResponseData& data, const frac::TimeFitOptions& fit) const {
+    return frac::grow(data, *grow_, fit);
+  }
+
   // Leaves in `options` the constraints the fit was made with.
   template <class Data, class FitOptions>
   Fitted fitted(const Data& data, FitOptions& fit) const {
@@ -82,7 +98,7 @@ class Fit : public Command {
       return {frac::fit(data, frac::Structure(model.formula), fit), std::nullopt};
     }
     if (!grow_) return {frac::fit(data, frac::Structure(chosen_.formula), fit), std::nullopt};
-    auto growth = frac::grow(data, *grow_, fit);
+    auto growth = grown(data, fit);
     fit.constraints = growth.models.at(growth.chosen).constraints;
     auto result = growth.fits.at(growth.chosen);
     return {std::move(result), std::move(growth)};
@@ -105,7 +121,7 @@ class Fit : public Command {
 
   int run() override {
     const auto note = [this](const std::string& text) { say(text); };
-    if (io::holds_time_response(request_.data)) {
+    if (io::holds_time_response(request_.data, request_.how)) {
       options().settle(samples_over_time);
       const auto fit = time_fit_options(request_, over_time_, options(), chosen_.constraints);
       const auto record = read_time_record(request_, over_time_, options(), note);

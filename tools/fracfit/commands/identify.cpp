@@ -150,7 +150,7 @@ class Identify : public Command {
   [[nodiscard]] std::vector<std::string> inputs() const override { return {request_.data}; }
 
   int run() override {
-    if (io::holds_time_response(request_.data)) return run_over_time();
+    if (io::holds_time_response(request_.data, request_.how)) return run_over_time();
     options().settle(frequency_response);
     const auto fit = fit_options(request_);
     const auto file = read_data(request_, [this](const std::string& note) { say(note); });

@@ -36,6 +36,16 @@ std::string heading(const FitRun& run) {
   return text + "\n";
 }
 
+// The formula as it was understood, where its spelling leaves it open.
+std::string reading(const std::string& formula) {
+  const std::string grouped = frac::Structure(formula).grouped();
+  const auto bare = [](std::string text) {
+    std::erase_if(text, [](char c) { return c == ' ' || c == '*'; });
+    return text;
+  };
+  return bare(grouped) == bare(formula) ? "" : "read as    " + grouped + "\n";
+}
+
 std::string state_of(const frac::ParameterEstimate& parameter) {
   if (parameter.fixed) return "fixed";
   if (parameter.at_bound) return "at its bound";
@@ -153,6 +163,7 @@ void append_fit(Json& json, const frac::FitResult& result) {
   json["confidence_of_optimum"] = result.confidence_of_optimum;
   json["condition"] = result.condition;
   json["noise_correlation"] = result.noise_correlation;
+  json["noise_floor"] = result.noise_floor;
   json["seconds"] = result.seconds;
 }
 
@@ -237,7 +248,7 @@ Json origin_of_fit(const FitRun& run) {
 }  // namespace
 
 std::string fit_table(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
-  return "model      " + result.model + "\n" + heading(run) + "\n" +
+  return "model      " + result.model + "\n" + reading(result.model) + heading(run) + "\n" +
          (statistics.growth ? growth_table(*statistics.growth) : "") + parameter_table(result) + "\n" +
          added_intervals(result, statistics) + residual_remarks(run, result, statistics) + closing(result);
 }

@@ -84,6 +84,11 @@ struct NextMeasurement {
 /// evidence counts smooth residuals as few; but the winner must come within 5 % of the data (rms), or the verdict is
 /// no_adequate_model.
 struct IdentificationResult {
+  /// The fit of the chosen candidate converged.
+  [[nodiscard]] bool usable() const { return ranking.at(chosen).fit.usable(); }
+  /// The verdict and the chosen fit.
+  [[nodiscard]] std::string summary() const;
+
   std::vector<RankedFit> ranking;
   std::vector<std::string> skipped;  // candidates that could not be fitted, with the reason
   std::size_t chosen;                // index into ranking

@@ -20,7 +20,7 @@ ResidualRule rule_of(const FrequencyResponseData& data, const FitOptions& option
   }
   // Logarithmic residuals are relative ones as long as they are small, and linear in coefficients only so.
   const bool logarithmic = options.weight == Weight::log_complex;
-  return residual_rule(data, options.component, logarithmic ? Weight::relative : options.weight);
+  return logarithmic ? residual_rule(data, options.component, Weight::relative) : residual_rule(data, options);
 }
 
 FamilyMembers rational_members(const RationalProblem& problem, const RationalFamily& family, Component component) {

@@ -152,7 +152,7 @@ std::string_view to_string(NoiseSource source) {
 }
 
 LackOfFit lack_of_fit(const FrequencyResponseData& data, const FitOptions& options, const FitResult& result) {
-  const detail::ResidualRule rule = detail::residual_rule(data, options.component, options.weight);
+  const detail::ResidualRule rule = detail::residual_rule(data, detail::settled(options, result));
   const std::vector<double> residual = detail::weighted_residuals(data, options, result);
   // What ratios of order ten leave of exact data: their coefficients differ by ten decades.
   const double rounding = 1e-9 * rule.unit;
