@@ -15,6 +15,9 @@
 #include "motion/gap_motion.hpp"
 #include "steady_state/two_impact_orbit.hpp"
 #include "support/expect_invalid_argument.hpp"
+#include "support/honest_scenes.hpp"
+#include "support/random.hpp"
+#include "support/stable_orbits.hpp"
 
 namespace {
 
@@ -184,6 +187,38 @@ TEST(OrbitDiagram, StableOrbitsHaveTheDescribingFunctionOfTheSweep) {
     }
     EXPECT_GT(met, 30);
   }
+}
+
+// Windows 2e-4 to 2e-2 of the frequency wide, one of them reached by 1 % of the starts.
+TEST(OrbitDiagram, ListsStableOrbitsOfNarrowWindowsAndSmallBasins) {
+  struct Case {
+    double restitution, omega, from, to;
+    int period, impacts;
+  };
+  for (const Case& scene :
+       {Case{0.599026, 1.181058, 0.8261, 1.6419, 3, 9}, Case{0.596857, 1.110632, 1.0351, 2.0323, 4, 11},
+        Case{0.173517, 2.666616, 2.0515, 2.9729, 3, 4}, Case{0.521749, 3.352770, 2.7087, 5.3383, 2, 2}}) {
+    SCOPED_TRACE(scene.omega);
+    const backlash::TwoMassSystem system(1, 1, 1, scene.restitution);
+    const GapMotion motion(1 / (scene.omega * scene.omega), scene.restitution);
+    support::Random random(1);
+    std::vector<support::StableOrbit> orbits;
+    for (int i = 0; i < 400 && orbits.empty(); ++i) {
+      const auto orbit = support::settle(motion, motion.peak_state(0, {random.unit(), random.uniform(-2, 2)}), 4);
+      if (orbit && orbit->period == scene.period && orbit->impacts == scene.impacts) orbits.push_back(*orbit);
+    }
+    ASSERT_FALSE(orbits.empty());
+    const OrbitDiagram diagram = orbit_diagram(system, 1, scene.from, scene.to);
+    EXPECT_TRUE(support::lists(diagram, scene.omega, orbits.front(),
+                               support::value_of(orbits.front(), system, scene.omega, motion.gamma())));
+  }
+}
+
+// tests/benchmarks/honest_describing_function measures the rate over 400 orbits; here chance alone may miss one.
+TEST(OrbitDiagram, ListsTheStableOrbitsThatRandomStartsSettleOn) {
+  const support::Tally tally = support::listed_orbits(12, 91, 4, 1.3);
+  EXPECT_GE(tally.scenes, 12);
+  EXPECT_LE(tally.missed, 1);
 }
 
 TEST(OrbitDiagram, BothSidesOfTheHysteresisEndWhereTheSweepsJump) {

@@ -67,21 +67,12 @@ TEST(Stability, NormsOfTheOscillator) {
     const FractionalTransferFunction oscillator({{1, 0}}, {{1, 2}, {2 * z, 1}, {1, 0}});
     const frac::PeakGain peak = frac::h_infinity_norm(oscillator);
     const bool resonant = 2 * z * z < 1;
-    // At z = 1e-6 the rounding of omega^2 - 1 is 1e-10 of 2 z omega.
-    EXPECT_NEAR(peak.gain / (resonant ? 1 / (2 * z * std::sqrt(1 - z * z)) : 1), 1, 1e-9) << z;
+    EXPECT_NEAR(peak.gain / (resonant ? 1 / (2 * z * std::sqrt(1 - z * z)) : 1), 1, 1e-13) << z;
     if (resonant) {
       EXPECT_NEAR(peak.omega, std::sqrt(1 - 2 * z * z), 1e-6 * z + 1e-7) << z;
     } else {
       EXPECT_EQ(peak.omega, 0);
     }
-    EXPECT_NEAR(frac::h2_norm(oscillator) * std::sqrt(4 * z), 1, z < 1e-4 ? 1e-9 : 1e-12) << z;
-  }
-}
-
-// The square norm of 1/(s^2 + 2 z s + 1) is 1/(4 z).
-TEST(Stability, SquareNormOfALightlyDampedOscillator) {
-  for (const double z : {0x1p-4, 0x1p-10, 0x1p-14, 0x1p-17}) {
-    const FractionalTransferFunction oscillator({{1, 0}}, {{1, 2}, {2 * z, 1}, {1, 0}});
     EXPECT_NEAR(frac::h2_norm(oscillator) * std::sqrt(4 * z), 1, 1e-12) << z;
   }
 }

@@ -16,7 +16,6 @@
 #include "io/number_list.hpp"
 #include "io/point_filter.hpp"
 #include "io/shard_file.hpp"
-#include "io/sweep_file.hpp"
 #include "io/time_series_file.hpp"
 
 namespace {
@@ -46,7 +45,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   take([] { static_cast<void>(io::curve_labels(file, "")); });
   take([] { static_cast<void>(io::scenes_in(file)); });
   take([] { static_cast<void>(io::read_time_response(file)); });
-  take([] { static_cast<void>(io::read_sweep(file)); });
   take([] { static_cast<void>(io::joined_block_table({file})); });
   const std::string text(reinterpret_cast<const char*>(data), size);
   static_cast<void>(io::split_csv_line(text));

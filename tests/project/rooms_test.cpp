@@ -127,6 +127,37 @@ TEST_P(Library, EveryHeaderNamedInTheReadmeExists) {
   }
 }
 
+// The rooms of the program stand in order in the line of tools/README.md that tells what tools/fracfit holds.
+TEST(Program, ARoomIncludesOnlyTheRoomsBeforeIt) {
+  const fs::path root = fs::path(FRACFIT_SOURCE_DIR) / "tools";
+  const std::string readme = content_of(root / "README.md");
+  const auto row = readme.find("\n| `fracfit` |");
+  ASSERT_NE(row, std::string::npos);
+  const std::string text = readme.substr(row, readme.find('\n', row + 1) - row);
+  const std::regex name("`([a-z_]+)/`");
+  std::vector<std::string> order;
+  for (std::sregex_iterator at(text.begin(), text.end(), name), end; at != end; ++at) order.push_back((*at)[1]);
+  ASSERT_GE(order.size(), 4u);
+  const auto place = [&](const std::string& room) { return std::find(order.begin(), order.end(), room); };
+  const std::regex include(R"rx(^\s*#include\s+"([a-z_]+)/)rx");
+  std::size_t checked = 0;
+  for (const auto& folder : fs::directory_iterator(root / "fracfit")) {
+    if (!folder.is_directory()) continue;
+    const auto room = place(folder.path().filename().string());
+    EXPECT_NE(room, order.end()) << folder.path() << " is not in tools/README.md";
+    for (const auto& file : fs::directory_iterator(folder)) {
+      std::istringstream lines(content_of(file.path()));
+      std::smatch match;
+      for (std::string line; std::getline(lines, line);) {
+        if (!std::regex_search(line, match, include) || place(match[1]) == order.end()) continue;
+        ++checked;
+        EXPECT_LE(place(match[1]), room) << file.path() << " includes " << match[1] << "/, which comes after it";
+      }
+    }
+  }
+  EXPECT_GT(checked, 100u);  // the pattern has found the includes
+}
+
 INSTANTIATE_TEST_SUITE_P(Rooms, Library,
                          testing::Values(std::pair{"libfrac", "frac"}, std::pair{"libbacklash", "backlash"}),
                          [](const auto& each) { return std::string(each.param.second); });

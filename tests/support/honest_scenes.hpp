@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <complex>
 #include <cstdint>
+#include <optional>
+#include <vector>
 
 #include "backlash/describing_function.hpp"
 #include "backlash/orbit_continuation.hpp"
@@ -13,6 +16,7 @@
 #include "steady_state/two_impact_orbit.hpp"
 #include "support/long_run.hpp"
 #include "support/random.hpp"
+#include "support/stable_orbits.hpp"
 
 namespace support {
 
@@ -138,53 +142,67 @@ inline Tally saddle_nodes(int scenes, std::uint64_t seed) {
   return tally;
 }
 
-/// True where a branch of the diagram holds a stable orbit of that pattern and value at omega, between two neighbouring
-/// orbits.  A step along a branch changes phases and speeds by 0.03 at most, and the value between two by the square of
-/// that.
-inline bool lists(const backlash::OrbitDiagram& diagram, double omega, const backlash::DescribingFunctionPoint& point) {
-  const auto impacts = static_cast<int>(std::lround(point.impacts_per_period * point.period));
+/// True where a branch of the diagram holds a stable orbit of that pattern and describing function at a value of its
+/// parameter, between two neighbouring orbits.  A step along a branch changes phases and speeds by 0.03 at most, and
+/// the value between two by the square of that.
+inline bool lists(const backlash::OrbitDiagram& diagram, double parameter, const StableOrbit& orbit,
+                  std::complex<double> value) {
   for (const backlash::OrbitBranch& branch : diagram.branches) {
-    if (branch.period != point.period || branch.impacts != impacts) continue;
+    if (branch.period != orbit.period || branch.impacts != orbit.impacts) continue;
     for (std::size_t i = 0; i + 1 < branch.orbits.size(); ++i) {
       const backlash::PeriodicOrbit& a = branch.orbits[i];
       const backlash::PeriodicOrbit& b = branch.orbits[i + 1];
-      if ((a.omega - omega) * (b.omega - omega) > 0 || !(a.stable || b.stable)) continue;
-      const double share = a.omega == b.omega ? 0 : (omega - a.omega) / (b.omega - a.omega);
+      if ((a.parameter - parameter) * (b.parameter - parameter) > 0 || !(a.stable || b.stable)) continue;
+      const double share = a.parameter == b.parameter ? 0 : (parameter - a.parameter) / (b.parameter - a.parameter);
       const std::complex<double> there = a.value + share * (b.value - a.value);
-      if (std::abs(there - point.value) < 1e-3 * std::abs(point.value) + 0.1 * std::abs(b.value - a.value)) return true;
+      if (std::abs(there - value) < 1e-3 * std::abs(value) + 0.1 * std::abs(b.value - a.value)) return true;
     }
   }
   return false;
 }
 
-/// Stable orbits that random starts settle on, of those that a diagram with its default limits holds: `missed` counts
-/// those it does not list.
-inline Tally listed_orbits(int orbits, std::uint64_t seed) {
+/// Describing function of the mass that is not forced.
+inline std::complex<double> value_of(const StableOrbit& orbit, const backlash::TwoMassSystem& system, double omega,
+                                     double gamma) {
+  return -(1.0 + orbit.u1 / gamma) / ((system.mass1() + system.mass2()) * omega * omega);
+}
+
+/// Stable orbits that random starts settle on, of those that a diagram with its default limits holds, over random
+/// pieces of the frequencies around: `missed` counts those it does not list.
+/// @param starts  of each scene; more of them find orbits that attract fewer
+/// @param widest  most that the diagram spans on either side of the frequency, as a factor
+inline Tally listed_orbits(int orbits, std::uint64_t seed, int starts, double widest = 2) {
   Random random(seed);
   Tally tally;
+  const backlash::OrbitContinuationOptions limits;
   while (tally.scenes < orbits) {
-    const double restitution = random.uniform(0.2, 0.95);
-    const double omega = random.log_uniform(1, 4);
+    const double restitution = random.uniform(0.05, 0.95);
+    const double omega = random.log_uniform(0.7, 5);
+    const backlash::TwoMassSystem system(random.log_uniform(0.1, 10), 1, 1, restitution);
+    const double from = omega / random.log_uniform(1.05, widest);
+    const double to = omega * random.log_uniform(1.05, widest);
     const backlash::detail::GapMotion motion(1 / (omega * omega), restitution);
-    const auto start = motion.peak_state(0, {random.unit(), random.uniform(-2, 2)});
-    const backlash::detail::SteadyState steady = find_steady_state(motion, start, 1e-10);
-    // Orbits with sticks have a spectral radius of 0 and are not continued.
-    if (steady.period == 0 || !(steady.spectral_radius > 0) || steady.spectral_radius > 0.999) continue;
-    const backlash::OrbitContinuationOptions limits;
-    if (steady.period > limits.longest_period || steady.impacts_per_period * steady.period > limits.most_impacts) {
-      continue;
+    std::vector<StableOrbit> found;
+    for (int i = 0; i < starts; ++i) {
+      const auto start = motion.peak_state(0, {random.unit(), random.uniform(-2, 2)});
+      const std::optional<StableOrbit> orbit = settle(motion, start, limits.longest_period);
+      // The two-impact orbit, which most starts settle on, is known in closed form.
+      if (!orbit || orbit->impacts > limits.most_impacts || (orbit->period == 1 && orbit->impacts == 2)) continue;
+      const auto same = [&](const StableOrbit& other) {
+        return other.period == orbit->period && other.impacts == orbit->impacts &&
+               std::abs(other.u1 - orbit->u1) < 1e-6;
+      };
+      if (std::none_of(found.begin(), found.end(), same)) found.push_back(*orbit);
     }
-    // The two-impact orbit, which most starts settle on, is known in closed form.
-    if (steady.period == 1 && steady.impacts_per_period == 2) continue;
+    if (found.empty()) continue;
     const auto begin = std::chrono::steady_clock::now();
-    const backlash::OrbitDiagram diagram =
-        backlash::orbit_diagram({1, 1, 1, restitution}, 1, 0.8 * omega, 1.25 * omega);
+    const backlash::OrbitDiagram diagram = backlash::orbit_diagram(system, 1, from, to);
     tally.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    backlash::DescribingFunctionPoint point{};
-    point.value = -steady.harmonics.u1_plus_gamma / motion.gamma() / (2 * omega * omega);
-    point.period = steady.period;
-    point.impacts_per_period = steady.impacts_per_period;
-    tally.add(steady, lists(diagram, omega, point));
+    for (const StableOrbit& orbit : found) {
+      ++tally.scenes;
+      ++tally.closed;
+      if (!lists(diagram, omega, orbit, value_of(orbit, system, omega, motion.gamma()))) ++tally.missed;
+    }
   }
   return tally;
 }

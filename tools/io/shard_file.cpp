@@ -15,7 +15,6 @@
 #include "io/number.hpp"
 #include "io/number_list.hpp"
 #include "io/shard.hpp"
-#include "io/sweep_file.hpp"
 
 namespace io {
 namespace {

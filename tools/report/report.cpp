@@ -8,7 +8,7 @@
 #include <variant>
 
 #include "io/number.hpp"
-#include "io/sweep_file.hpp"
+#include "io/version.hpp"
 #include "io/time_series_file.hpp"
 #include "report/bands.hpp"
 #include "report/html.hpp"

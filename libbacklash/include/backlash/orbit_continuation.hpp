@@ -101,14 +101,16 @@ struct OrbitDiagram {
   std::vector<OrbitBranch> branches;  // of few impacts and short period first
 };
 
-/// The periodic orbits of a scene between two values of one of its quantities: those that simulations from several
-/// starts settle on, continued through folds by pseudo-arclength (Keller 1977), and those that branch off them at
-/// symmetry breaking, period doubling and grazing.  Orbits along a branch are exact to rounding; bifurcations are
-/// refined to 1e-10 of the parameter.  By similarity frequency, force and clearance lead along the same family, in
-/// ln(F/(M2 clearance omega^2)).  Orbits in which the masses rest in contact (see Regime::chatter) are not among them:
-/// a branch ends at the grazing before. The value that `system`, `force_amplitude` or `omega` gives for the parameter
-/// itself is not used.  Not promised: every orbit.  One that attracts few starts, over a short piece of the range, and
-/// does not hang together with the others by bifurcations may be missed; basins() shows what a scene's starts settle on.
+/// The periodic orbits of a scene between two values of one of its quantities: those that simulations from starts
+/// spread over the range settle on or come near to, continued through folds by pseudo-arclength (Keller 1977), and
+/// those that branch off them at symmetry breaking, period doubling and grazing.  Orbits along a branch are exact to
+/// rounding; bifurcations are refined to 1e-10 of the parameter.  By similarity frequency, force and clearance lead
+/// along the same family, in ln(F/(M2 clearance omega^2)).  Orbits in which the masses rest in contact (see
+/// Regime::chatter) are not among them: a branch ends at the grazing before.  The value that `system`,
+/// `force_amplitude` or `omega` gives for the parameter itself is not used. Not promised: every orbit.  Unstable
+/// branches are listed where a bifurcation of a stable one leads to them, and so are branches that are stable over less
+/// than 1e-4 of the range.  An orbit that attracts few starts over a short piece of the range may be missed; basins()
+/// shows what a scene's starts settle on.
 /// @param force_amplitude  N, > 0
 /// @param omega            rad/s, > 0
 /// @param from,to   0 < from < to, for restitution 0 <= from < to <= 1

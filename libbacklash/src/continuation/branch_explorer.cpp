@@ -8,7 +8,10 @@ namespace backlash::detail {
 namespace {
 
 // Branches kept; a period-doubling cascade of many patterns goes on without end.
-constexpr std::size_t most_branches = 200;
+constexpr std::size_t most_branches = 2000;
+// Branches that are stable over less than this share of the range are followed no further.  There are many of them: the
+// pieces on which the orbits of one restitution are stable are about as many in each decade of their lengths.
+constexpr double least_stable_share = 1e-4;
 
 // Period in half periods of the whole orbit, impacts, symmetry.
 std::array<std::size_t, 3> key(const OrbitSegment& orbit) {
@@ -21,10 +24,49 @@ bool is_repeated(const OrbitSegment& orbit) {
   return parts && dot(parts->difference, parts->difference) < 1e-12;
 }
 
+bool holds(const std::vector<SegmentBranch>& branches, const OrbitSegment& orbit) {
+  return std::any_of(branches.begin(), branches.end(),
+                     [&](const SegmentBranch& branch) { return contains(branch, orbit); });
+}
+
+// Length of the pieces of the range over which the branch is stable.  Beside a fold or a doubling one side is, be it
+// shorter than a step.
+double stable_extent(const SegmentBranch& branch) {
+  double sum = 0;
+  const auto extent = [&](std::size_t i) {
+    return std::abs(branch.points[i + 1].orbit.parameter() - branch.points[i].orbit.parameter());
+  };
+  for (std::size_t i = 0; i + 1 < branch.points.size(); ++i) {
+    if (return_map(branch.points[i].orbit).stable() || return_map(branch.points[i + 1].orbit).stable())
+      sum += extent(i);
+  }
+  for (const SegmentEventAt& event : branch.events) {
+    const bool changes = event.kind == SegmentEvent::fold || event.kind == SegmentEvent::flip;
+    if (changes && event.after + 1 < branch.points.size()) sum += extent(event.after);
+  }
+  return sum;
+}
+
 }  // namespace
 
 void BranchExplorer::follow(const OrbitSegment& orbit) {
   follow_if_new(orbit);
+  follow_queue();
+}
+
+void BranchExplorer::follow_if_stable(const OrbitSegment& orbit) {
+  if (branches_.size() >= most_branches || !is_wanted(orbit) || is_known(orbit) || holds(unstable_, orbit)) return;
+  std::optional<SegmentBranch> branch = branch_through(orbit, range_);
+  if (!branch) return;
+  if (attracts(*branch)) {
+    keep(std::move(*branch));
+    follow_queue();
+  } else {
+    unstable_.push_back(std::move(*branch));
+  }
+}
+
+void BranchExplorer::follow_queue() {
   while (!queue_.empty() && branches_.size() < most_branches) {
     const Start start = std::move(queue_.front());
     queue_.pop_front();
@@ -59,11 +101,19 @@ bool BranchExplorer::is_wanted(const OrbitSegment& orbit) const {
 }
 
 bool BranchExplorer::is_known(const OrbitSegment& orbit) const {
-  return std::any_of(branches_.begin(), branches_.end(),
-                     [&](const SegmentBranch& branch) { return contains(branch, orbit); });
+  return holds(branches_, orbit);
+}
+
+bool BranchExplorer::attracts(const SegmentBranch& branch) const {
+  return stable_extent(branch) > least_stable_share * (range_.upper - range_.lower);
 }
 
 void BranchExplorer::keep(SegmentBranch branch) {
+  // Unstable orbits lead to more of them without end.
+  if (!attracts(branch)) {
+    branches_.push_back(std::move(branch));
+    return;
+  }
   for (const SegmentEventAt& event : branch.events) {
     switch (event.kind) {
       case SegmentEvent::fold:

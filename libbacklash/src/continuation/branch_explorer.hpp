@@ -20,6 +20,8 @@ class BranchExplorer {
 
   /// The branch through an orbit, and whatever branches off.
   void follow(const OrbitSegment& orbit);
+  /// The same where a part of the branch is stable.
+  void follow_if_stable(const OrbitSegment& orbit);
   /// All branches: short periods first, then few impacts.
   [[nodiscard]] std::vector<SegmentBranch> take();
 
@@ -33,15 +35,18 @@ class BranchExplorer {
   };
 
   [[nodiscard]] bool is_wanted(const OrbitSegment& orbit) const;
+  [[nodiscard]] bool attracts(const SegmentBranch& branch) const;
   [[nodiscard]] bool is_known(const OrbitSegment& orbit) const;
   void keep(SegmentBranch branch);
   void add(Start start);
   void follow_if_new(const OrbitSegment& found);
+  void follow_queue();
   void add_past_grazing(const OrbitSegment& orbit);
 
   ParameterRange range_;
   OrbitContinuationOptions options_;
   std::vector<SegmentBranch> branches_;
+  std::vector<SegmentBranch> unstable_;  // that nothing else is known to lead to
   std::deque<Start> queue_;
 };
 

@@ -16,6 +16,9 @@ constexpr double shortest_step = 1e-9;
 constexpr std::size_t most_points = 20'000;
 // Cosine of the angle between neighbouring tangents below which a step is taken again, shorter.
 constexpr double least_cosine = 0.995;
+// Change of the parameter within a step beyond both of its ends: a fold bends a branch by its curvature times half the
+// square of the step.
+constexpr double most_bend = 1e-3;
 
 // Root of f on [a, b] by regula falsi with halving of the end that stays (Illinois), bisection where that is slow.
 template <typename Function>
@@ -320,6 +323,11 @@ bool contains(const SegmentBranch& branch, const OrbitSegment& orbit) {
   const std::vector<OrbitSegment> candidates = representations(orbit);
   for (std::size_t i = 0; i + 1 < branch.points.size(); ++i) {
     const OrbitSegment& from = branch.points[i].orbit;
+    const double before = from.parameter();
+    const double after = branch.points[i + 1].orbit.parameter();
+    const double room = 0.2 * std::abs(after - before) + most_bend;
+    if (orbit.parameter() < std::min(before, after) - room || orbit.parameter() > std::max(before, after) + room)
+      continue;
     Direction chord = difference(branch.points[i + 1].orbit, from);
     const double length = std::sqrt(dot(chord, chord));
     if (!(length > 0)) continue;

@@ -14,7 +14,7 @@
 #include "branch_explorer.hpp"
 #include "continuation_scene.hpp"
 #include "motion/gap_motion.hpp"
-#include "steady_state/steady_state.hpp"
+#include "orbit_search.hpp"
 #include "steady_state/two_impact_orbit.hpp"
 
 namespace backlash {
@@ -46,36 +46,15 @@ constexpr std::array<std::pair<BranchEnd, std::string_view>, 7> branch_ends = {{
     {BranchEnd::too_long, "too-long"},
 }};
 
-// Values of the parameter at which attractors are looked for, each from mid-gap and from contact at rest and from
-// starts spread over positions and velocities: an orbit that 20 % of all starts settle on at one value only is missed
-// with a probability of 4 %.
-constexpr std::size_t seed_values = 96;
-constexpr std::size_t seed_starts = 16;
-// Speeds of impacts are of the order of the clearance times omega, larger under strong forces.
-constexpr double most_seed_speed = 1.5;
-
-detail::GapState seed_start(const detail::GapMotion& motion, std::size_t value, std::size_t start) {
-  if (start == 0) return detail::state_at_peak(0.5, 0);
-  if (start == 1) return detail::state_at_peak(0, 0);
-  // Points of a plane that fill it evenly, one after the other (Roberts 2018), never the same at two values.
-  const auto place = static_cast<double>(value * seed_starts + start);
-  const double position = std::fmod(0.5 + 0.7548776662466927 * place, 1.0);
-  const double speed = most_seed_speed * std::max(1.0, std::cbrt(motion.gamma()));
-  return motion.peak_state(0, {position, speed * (2 * std::fmod(0.5 + 0.5698402909980532 * place, 1.0) - 1)});
-}
-
-// The orbit that the motion from a start settles on, where it is a closed one without rests.
-std::optional<OrbitSegment> settled(const OrbitSegment& at, std::size_t value, std::size_t index) {
-  const detail::GapMotion motion(at.gamma(), at.restitution);
-  const detail::GapState start = seed_start(motion, value, index);
-  const detail::SteadyState steady =
-      detail::find_steady_state(motion, start, 1e-10, {0, 0, detail::Transients::ignored});
-  if (steady.regime != Regime::periodic && steady.regime != Regime::symmetric) return std::nullopt;
-  const auto impacts = static_cast<int>(std::lround(steady.impacts_per_period * steady.period));
-  std::optional<OrbitSegment> found = detail::orbit_through(motion, steady.end, impacts, 2 * steady.period);
-  if (found) found->along = at.along;
-  return found;
-}
+// Starts whose motion is followed until it settles, each at a value of the parameter of its own: so an orbit that most
+// starts lead to over a thousandth of the range is met as surely as one that a thousandth of all starts lead to.
+constexpr std::size_t settling_starts = 1024;
+// Starts that are followed for the orbits their motion passes.
+constexpr std::size_t passing_starts = 512;
+// What is looked for among those passed: unstable orbits of longer periods are without number.
+constexpr detail::OrbitLimits longest_passed{8, 32};
+// Values at which the symmetric two-impact orbit is looked for.
+constexpr std::size_t two_impact_values = 96;
 
 // The half of the symmetric two-impact orbit, in closed form.
 std::optional<OrbitSegment> two_impact(OrbitSegment at) {
@@ -164,23 +143,36 @@ OrbitDiagram orbit_diagram(const TwoMassSystem& system, double force_amplitude, 
   check(system, force_amplitude, omega, parameter, from, to, options);
   const detail::ContinuationScene scene(system, force_amplitude, omega, parameter, options.output);
   const detail::ParameterRange range = scene.range(from, to);
-  const auto motion_at = [&](std::size_t i) {
-    const double share = (static_cast<double>(i) + 0.5) / static_cast<double>(seed_values);
+  const auto motion_at = [&](double share) {
     return scene.motion_at(range.upper + share * (range.lower - range.upper));
   };
-  std::vector<std::optional<OrbitSegment>> seeds(seed_values * seed_starts);
-  if (progress != nullptr) progress->total += seeds.size();
-  frac::parallel_for(seeds.size(), options.threads, [&](std::size_t i) {
-    seeds[i] = settled(motion_at(i / seed_starts), i / seed_starts, i % seed_starts);
+  const detail::OrbitLimits limits{std::min(options.longest_period, longest_passed.period),
+                                   std::min(options.most_impacts, longest_passed.impacts)};
+  std::vector<std::optional<OrbitSegment>> settled(settling_starts);
+  std::vector<std::vector<OrbitSegment>> passed(passing_starts);
+  if (progress != nullptr) progress->total += settling_starts + passing_starts;
+  frac::parallel_for(settling_starts + passing_starts, options.threads, [&](std::size_t i) {
+    const detail::SearchStart start = detail::search_start(i);
+    const OrbitSegment at = motion_at(start.share);
+    const detail::GapState state = state_of(start, detail::GapMotion(at.gamma(), at.restitution));
+    if (i < settling_starts) {
+      settled[i] = detail::settled_orbit(at, state);
+    } else {
+      passed[i - settling_starts] = detail::orbits_passed(at, state, limits);
+    }
     if (progress != nullptr) ++progress->done;
   });
   detail::BranchExplorer explorer(range, options);
   // The symmetric two-impact orbit attracts nothing at restitution 1 or at low frequency.
-  for (std::size_t i = 0; i < seed_values; ++i) {
-    if (const auto orbit = two_impact(motion_at(seed_values - 1 - i))) explorer.follow(*orbit);
+  for (std::size_t i = 0; i < two_impact_values; ++i) {
+    const double share = 1 - (static_cast<double>(i) + 0.5) / static_cast<double>(two_impact_values);
+    if (const auto orbit = two_impact(motion_at(share))) explorer.follow(*orbit);
   }
-  for (const auto& seed : seeds) {
-    if (seed) explorer.follow(*seed);
+  for (const auto& orbit : settled) {
+    if (orbit) explorer.follow(*orbit);
+  }
+  for (const auto& orbits : passed) {
+    for (const OrbitSegment& orbit : orbits) explorer.follow_if_stable(orbit);
   }
   OrbitDiagram diagram{system, force_amplitude, omega, parameter, from, to, options, {}};
   for (const detail::SegmentBranch& branch : explorer.take()) diagram.branches.push_back(scene.branch(branch));

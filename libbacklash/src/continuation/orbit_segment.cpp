@@ -368,6 +368,16 @@ OrbitSegment without_impact(const OrbitSegment& orbit, std::size_t index) {
   return with_reduced_phase(result);
 }
 
+std::optional<OrbitSegment> corrected_to_shortest(const OrbitSegment& guess) {
+  std::optional<OrbitSegment> found = corrected(with_reduced_phase(guess), parameter_direction(guess));
+  while (found) {
+    const std::optional<Halves> parts = halves(*found);
+    if (!parts || !(std::sqrt(dot(parts->difference, parts->difference)) < 1e-6)) return found;
+    found = corrected(parts->mean, parameter_direction(parts->mean));
+  }
+  return std::nullopt;
+}
+
 std::optional<OrbitSegment> orbit_through(const GapMotion& motion, const GapState& on_orbit, int impacts,
                                           int half_periods) {
   OrbitSegment orbit{std::log(motion.gamma()), motion.restitution(), half_periods, {}};
@@ -379,13 +389,7 @@ std::optional<OrbitSegment> orbit_through(const GapMotion& motion, const GapStat
     state = motion.after_impact(state, flight);
     orbit.impacts.push_back({static_cast<double>(state.half_period) * pi - pi / 2 + state.s, flight.speed, state.wall});
   }
-  std::optional<OrbitSegment> found = corrected(with_reduced_phase(orbit), parameter_direction(orbit));
-  while (found) {
-    const std::optional<Halves> parts = halves(*found);
-    if (!parts || !(std::sqrt(dot(parts->difference, parts->difference)) < 1e-6)) return found;
-    found = corrected(parts->mean, parameter_direction(parts->mean));
-  }
-  return std::nullopt;
+  return corrected_to_shortest(orbit);
 }
 
 }  // namespace backlash::detail

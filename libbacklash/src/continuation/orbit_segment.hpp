@@ -101,8 +101,10 @@ struct Halves {
 [[nodiscard]] OrbitSegment with_impact(const OrbitSegment& orbit, std::size_t before, const SegmentImpact& impact);
 [[nodiscard]] OrbitSegment without_impact(const OrbitSegment& orbit, std::size_t index);
 
-/// The orbit through a state on it, followed for that many half periods; reduced to its mirror half or to one of
-/// several repeats.  Empty when Newton's iteration finds none there.
+/// The orbit near a guess at its parameter, reduced to its mirror half or to one of several repeats.  Empty when
+/// Newton's iteration finds none there.
+[[nodiscard]] std::optional<OrbitSegment> corrected_to_shortest(const OrbitSegment& guess);
+/// Same, from a state on the orbit, followed for that many half periods.
 [[nodiscard]] std::optional<OrbitSegment> orbit_through(const GapMotion& motion, const GapState& on_orbit, int impacts,
                                                         int half_periods);
 

@@ -116,6 +116,15 @@ double unit_of(const TimeResponseData& data, std::optional<double> offset) {
   return unit > 0 ? unit : 1;
 }
 
+// That of the offset by correlated noise: it takes the weighted mean of the noise, less what the parameters take of it.
+double offset_widening(const detail::TimeResiduals& residuals, const detail::Confidence& found,
+                       const Eigen::VectorXd& mean_gradient) {
+  const Eigen::VectorXd weight = residuals.eliminated_columns().col(0);
+  Eigen::VectorXd influence = weight / weight.squaredNorm();
+  if (found.influence.size() > 0) influence -= found.influence * mean_gradient;
+  return found.noise.widening(influence);
+}
+
 // The offset as one more parameter: the mean of what the model leaves, with the spread of that mean and, through the
 // model, that of the parameters.
 void append_offset(FitResult& result, const detail::TimeResiduals& residuals, const std::vector<double>& theta,
@@ -128,15 +137,18 @@ void append_offset(FitResult& result, const detail::TimeResiduals& residuals, co
   const std::size_t count = result.covariance.size();
   std::vector<double> covariance(count + 1, 0.0);
   double variance = std::pow(found.deviation * unit, 2) / information;
+  const double widening = offset_widening(residuals, found, mean_gradient);
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t j = 0; j < count; ++j) {
       const double both = result.covariance[i][j];
       if (std::isnan(both)) continue;
-      covariance[i] -= mean_gradient[static_cast<Eigen::Index>(j)] * both;
-      variance += mean_gradient[static_cast<Eigen::Index>(i)] * mean_gradient[static_cast<Eigen::Index>(j)] * both;
+      covariance[i] -= mean_gradient[static_cast<Eigen::Index>(j)] * both / found.widening[j] * widening;
+      variance += mean_gradient[static_cast<Eigen::Index>(i)] * mean_gradient[static_cast<Eigen::Index>(j)] * both /
+                  (found.widening[i] * found.widening[j]);
     }
     if (std::isnan(result.covariance[i][i])) covariance[i] = nan;
   }
+  variance *= widening * widening;
   covariance[count] = variance;
   for (std::size_t i = 0; i < count; ++i) result.covariance[i].push_back(covariance[i]);
   result.covariance.push_back(covariance);
@@ -148,6 +160,7 @@ void append_offset(FitResult& result, const detail::TimeResiduals& residuals, co
   const bool alone = std::find(found.seen.begin(), found.seen.end(), false) == found.seen.end();
   result.parameters.push_back({offset_name, value, error, value - found.t * error, value + found.t * error, false,
                                false, narrow && alone, value, error, false});
+  result.parameters.back().widening = widening;
 }
 
 // Where no response to the input can be told from noise, no parameter of one can.

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
+#include <utility>
 
 namespace frac::detail {
 namespace {
@@ -153,20 +155,61 @@ bool AxisLimit::phase_keeps_side(double u, double delay) const {
   return visible < invisible || leads(turns, x, rest);
 }
 
+FrequencyAxis::FrequencyAxis(const LaplaceImage& image, double delay) : image_(image), delay_(delay) {
+  const auto add = [&](const PowerProduct& product, double sign) {
+    product.for_each_sum([&](const std::vector<PowerTerm>& terms, int power) {
+      Sum sum{{}, sign * power};
+      for (const PowerTerm& term : terms) {
+        const double angle = term.order * quarter_turn;
+        const double turned = term.coefficient < 0 ? -1 : 1;
+        sum.terms.push_back(
+            {std::log(std::abs(term.coefficient)), term.order, turned * Complex(std::cos(angle), std::sin(angle))});
+      }
+      sums_.push_back(std::move(sum));
+    });
+  };
+  add(image.numerator(), 1);
+  add(image.denominator(), -1);
+}
+
+FrequencyAxis::Value FrequencyAxis::evaluated(const Sum& sum, double u) {
+  Value result{0, 0, -std::numeric_limits<double>::infinity()};
+  for (const Term& term : sum.terms) result.scale = std::max(result.scale, term.log_size + term.order * u);
+  for (const Term& term : sum.terms) {
+    const Complex part = std::exp(term.log_size + term.order * u - result.scale) * term.phase;
+    result.value += part;
+    result.slope += term.order * part;
+  }
+  return result;
+}
+
 Complex FrequencyAxis::value(double u) const {
-  return image_.value({u, quarter_turn}, Complex(0, -delay_ * std::exp(u)));
+  Complex direction = 1;
+  double scale = 0;
+  for (const Sum& sum : sums_) {
+    const Value each = evaluated(sum, u);
+    scale += sum.power * each.scale;
+    direction *= sum.power == 1 ? each.value : sum.power == -1 ? 1.0 / each.value : std::pow(each.value, sum.power);
+  }
+  return direction * std::exp(Complex(scale, -delay_ * std::exp(u)));
 }
 
 double FrequencyAxis::log_gain(double u) const {
-  const ScaledSum top = scaled_sum(image_.numerator(), {u, quarter_turn});
-  const ScaledSum bottom = scaled_sum(image_.denominator(), {u, quarter_turn});
-  return std::log(std::abs(top.value / bottom.value)) + top.scale - bottom.scale;
+  double sum_of_logs = 0;
+  for (const Sum& sum : sums_) {
+    const Value each = evaluated(sum, u);
+    sum_of_logs += sum.power * (std::log(std::abs(each.value)) + each.scale);
+  }
+  return sum_of_logs;
 }
 
 Complex FrequencyAxis::log_slope(double u) const {
-  const ScaledSum top = scaled_sum(image_.numerator(), {u, quarter_turn});
-  const ScaledSum bottom = scaled_sum(image_.denominator(), {u, quarter_turn});
-  return top.slope / top.value - bottom.slope / bottom.value - Complex(0, delay_ * std::exp(u));
+  Complex slope(0, -delay_ * std::exp(u));
+  for (const Sum& sum : sums_) {
+    const Value each = evaluated(sum, u);
+    slope += sum.power * (each.slope / each.value);
+  }
+  return slope;
 }
 
 std::vector<double> FrequencyAxis::breakpoints(double first, double last) const {

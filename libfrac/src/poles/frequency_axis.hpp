@@ -8,10 +8,10 @@
 
 namespace frac::detail {
 
-/// G on the positive imaginary axis as a function of u = ln omega.
+/// G on the positive imaginary axis as a function of u = ln omega, with the phases of its terms computed once.
 class FrequencyAxis {
  public:
-  FrequencyAxis(const LaplaceImage& image, double delay) : image_(image), delay_(delay) {}
+  FrequencyAxis(const LaplaceImage& image, double delay);
 
   [[nodiscard]] std::complex<double> value(double u) const;
   [[nodiscard]] double log_gain(double u) const;
@@ -23,8 +23,26 @@ class FrequencyAxis {
   [[nodiscard]] std::vector<double> breakpoints(double first, double last) const;
 
  private:
+  struct Term {
+    double log_size;
+    double order;
+    std::complex<double> phase;  // of coefficient (j omega)^order
+  };
+  struct Sum {
+    std::vector<Term> terms;
+    double power;  // negative below the line
+  };
+  // Sum of the terms over e^scale.
+  struct Value {
+    std::complex<double> value;
+    std::complex<double> slope;
+    double scale;
+  };
+  static Value evaluated(const Sum& sum, double u);
+
   const LaplaceImage& image_;
   double delay_;
+  std::vector<Sum> sums_;
 };
 
 /// How G without dead time nears its leading term c s^q towards one end of the axis.

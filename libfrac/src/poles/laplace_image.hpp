@@ -21,6 +21,14 @@ namespace frac::detail {
   return {model.denominator_factors(), model.denominator()};
 }
 
+/// G tends to a multiple of s^order there.
+[[nodiscard]] inline double order_at_origin(const FractionalTransferFunction& model) {
+  return model.numerator().back().order - model.denominator().back().order;
+}
+[[nodiscard]] inline double order_at_infinity(const FractionalTransferFunction& model) {
+  return model.numerator().front().order - model.denominator().front().order;
+}
+
 /// d ln|N/D| / d ln|s| of the terms that dominate at |s| = e^log_radius.
 [[nodiscard]] double dominant_slope(const PowerProduct& numerator, const PowerProduct& denominator, double log_radius);
 

@@ -38,14 +38,40 @@ Complex exponential(Complex zeta, Complex offset, double t) {
 
 // Up to s^-1/2, so that the integral along the cut converges quickly at the origin.
 InverseLaplace::InverseLaplace(LaplaceImage image)
-    : y(std::move(image)), cut(best_cut(y, 0.5, 1.3)), early(y.origin_expansion(-0.5)), late(y.origin_expansion(1.5)) {}
+    : y(std::move(image)),
+      cut(best_cut(y, 0.5, 1.3)),
+      cut_step(2 * pi * 0.95 * cut.half_width / accuracy),
+      early(y.origin_expansion(-0.5)),
+      late(y.origin_expansion(1.5)) {}
+
+// Node 0 has decayed to e^-60 at t = 1.
+Complex InverseLaplace::log_s_of(long index) const {
+  return {std::log(-60 / std::cos(cut.angle)) - static_cast<double>(index) * cut_step, cut.angle};
+}
+
+const InverseLaplace::Node& InverseLaplace::node(const LaplaceImage::OriginExpansion& expansion, Nodes& known,
+                                                 long index) const {
+  const auto computed = [&](long each) {
+    const Complex zeta = log_s_of(each);
+    const ScaledSum top = scaled_sum(expansion.remainder, zeta);
+    const ScaledSum bottom = scaled_sum(y.denominator(), zeta);
+    return Node{top.value / bottom.value, top.scale - bottom.scale, top.magnitude / std::abs(top.value)};
+  };
+  if (known.list.empty()) known.first = index;
+  while (index < known.first) known.list.push_front(computed(--known.first));
+  auto end = known.first + static_cast<long>(known.list.size());
+  while (index >= end) known.list.push_back(computed(end++));
+  return known.list[static_cast<std::size_t>(index - known.first)];
+}
 
 // y(t) = sum c t^(-q-1)/Gamma(-q) over the origin's terms + residues between the cuts
 //        + (1/pi) Im int_0^inf R(s) e^{st} ds along arg s = angle,
 // the integral by the trapezoidal rule in ln|s|.
 InverseLaplace::Estimate InverseLaplace::by_cut(double t) const {
   const double log_t = std::log(t);
-  const auto& [origin, remainder] = log_t + y.lowest_corner() > 2 ? late : early;
+  const bool is_late = log_t + y.lowest_corner() > 2;
+  const LaplaceImage::OriginExpansion& expansion = is_late ? late : early;
+  const auto& [origin, remainder] = expansion;
   double sum = 0;
   double rounding = 0;
   for (const PowerTerm& term : origin) {
@@ -63,25 +89,23 @@ InverseLaplace::Estimate InverseLaplace::by_cut(double t) const {
     rounding += part.rounding;
   }
   if (!remainder.empty()) {
-    const double step = 2 * pi * 0.95 * cut.half_width / accuracy;
-    const double decay = -std::cos(cut.angle);
     const double corner = std::min(y.lowest_corner(), -log_t) - 3;
     double integral = 0;
     double magnitude = 0;
-    const double first = std::log(60 / decay) - log_t;
-    for (int k = 0; k < 1'000'000; ++k) {
-      const Complex zeta(first - k * step, cut.angle);
-      const ScaledSum top = scaled_sum(remainder, zeta);
-      const ScaledSum bottom = scaled_sum(y.denominator(), zeta);
-      const Complex part =
-          top.value / bottom.value * std::exp(std::exp(zeta + log_t) + zeta + (top.scale - bottom.scale));
+    // The same nodes for every instant, so that the image is evaluated once at each.
+    const std::lock_guard<std::mutex> guard(lock);
+    Nodes& known = is_late ? late_nodes : early_nodes;
+    const auto first = static_cast<long>(std::floor(log_t / cut_step));
+    for (long k = first; k < first + 1'000'000; ++k) {
+      const Node& each = node(expansion, known, k);
+      const Complex zeta = log_s_of(k);
+      const Complex part = each.value * std::exp(std::exp(zeta + log_t) + zeta + each.scale);
       integral += part.imag();
-      magnitude +=
-          std::abs(part) * (2 + std::exp(zeta.real() + log_t)) * (1 + 0.1 * top.magnitude / std::abs(top.value));
+      magnitude += std::abs(part) * (2 + std::exp(zeta.real() + log_t)) * (1 + 0.1 * each.cancelled);
       if (zeta.real() < corner && std::abs(part) < 1e-19 * magnitude) break;
     }
-    sum += integral * step / pi;
-    rounding += magnitude * step / pi;
+    sum += integral * cut_step / pi;
+    rounding += magnitude * cut_step / pi;
   }
   return {sum, 3 * eps * rounding};
 }

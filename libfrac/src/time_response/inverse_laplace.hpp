@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <vector>
+#include <complex>
+#include <deque>
+#include <mutex>
 
 #include "branch_cut.hpp"
 #include "poles/laplace_image.hpp"
@@ -10,6 +12,7 @@ namespace frac::detail {
 
 /// The original of an image at single instants t > 0 by two methods that judge each other: residues with the integral
 /// along a turned branch cut, and a parabola that scales with 1/t.
+/// Values along the cut are kept for later instants, under a lock: any number of threads may ask.
 class InverseLaplace {
  public:
   explicit InverseLaplace(LaplaceImage image);
@@ -31,11 +34,29 @@ class InverseLaplace {
   [[nodiscard]] Estimate by_cut(double t) const;
   [[nodiscard]] Estimate by_parabola(double t) const;
 
+  // What is left of the image beside its terms at the origin, over e^scale, at one node of the rule along the cut.
+  struct Node {
+    std::complex<double> value;
+    double scale;
+    double cancelled;  // rounding of the remainder, in its units
+  };
+  // Nodes by falling |s| from the index `first` on; an index is the same ln s for every instant.
+  struct Nodes {
+    long first = 0;
+    std::deque<Node> list;
+  };
+  [[nodiscard]] std::complex<double> log_s_of(long index) const;
+  [[nodiscard]] const Node& node(const LaplaceImage::OriginExpansion& expansion, Nodes& known, long index) const;
+
   LaplaceImage y;
   BranchCut cut;
+  double cut_step;  // of the rule along the cut
   LaplaceImage::OriginExpansion early;
   // With more terms, those that vanish for t > 0 among them: late responses to relative accuracy.
   LaplaceImage::OriginExpansion late;
+  mutable std::mutex lock;
+  mutable Nodes early_nodes;
+  mutable Nodes late_nodes;
 };
 
 }  // namespace frac::detail

@@ -9,6 +9,7 @@
 
 #include "base/number_text.hpp"
 #include "frac/model/fractional_transfer_function.hpp"
+#include "poles/laplace_image.hpp"
 
 namespace frac::detail {
 
@@ -27,10 +28,6 @@ inline void check_samples(std::span<const double> samples, const char* function)
                                   "] = " + number_text(samples[i]) + " is not finite");
     }
   }
-}
-
-inline double order_at_infinity(const FractionalTransferFunction& model) {
-  return model.numerator().front().order - model.denominator().front().order;
 }
 
 inline void check_proper(const FractionalTransferFunction& model, const char* function) {

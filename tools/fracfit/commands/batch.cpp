@@ -15,7 +15,7 @@
 #include "io/input_files.hpp"
 #include "io/progress_bar.hpp"
 #include "io/result_stream.hpp"
-#include "io/sweep_file.hpp"
+#include "io/version.hpp"
 #include "options/model_choice.hpp"
 #include "output/document.hpp"
 

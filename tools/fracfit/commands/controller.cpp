@@ -9,7 +9,7 @@
 #include "frac/digital/digital_filter.hpp"
 #include "frac/digital/fractional_pid.hpp"
 #include "io/number.hpp"
-#include "io/sweep_file.hpp"
+#include "io/version.hpp"
 #include "options/model_options.hpp"
 #include "output/controller_output.hpp"
 

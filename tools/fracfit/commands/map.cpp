@@ -5,10 +5,9 @@
 
 #include "backlash/regime_map.hpp"
 #include "commands/subcommand.hpp"
-#include "io/map_file.hpp"
 #include "io/progress_bar.hpp"
 #include "options/scene_options.hpp"
-#include "output/document.hpp"
+#include "output/sweep_output.hpp"
 
 namespace fracfit {
 namespace {
@@ -52,8 +51,7 @@ class Map : public Command {
       return backlash::regime_map({scene_.mass1, scene_.mass2, scene_.clearance, scene_.force}, part, omega_, sweep_,
                                   &progress);
     }();
-    const std::string csv = io::map_csv(map, command_line(), shard_);
-    write(format() == "csv" ? csv : text_of(document_of(csv), format(), command_line()));
+    write(text_of(document_of(map, shard_), format(), command_line()));
     const bool usable = std::all_of(map.points.begin(), map.points.end(), [](const auto& point) {
       return std::isfinite(point.value.real()) && std::isfinite(point.value.imag());
     });

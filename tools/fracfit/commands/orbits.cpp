@@ -39,8 +39,9 @@ class Orbits : public Command {
     add_common({"csv", "json", "table"});
     set_footer(
         "With force, clearance and masses 1 the frequency is that over sqrt(F/(M2 Delta)).\n"
-        "Not every orbit is promised: one that attracts few starts and does not hang together with the others by\n"
-        "bifurcations may be missed; fracfit basins shows what the starts of one scene settle on.\n"
+        "Not every orbit is promised: one that is stable over less than a ten-thousandth of the range, or that\n"
+        "attracts few starts over a short piece of it, may be missed, and unstable ones are listed where a stable\n"
+        "one leads to them.  A narrower range finds more; fracfit basins shows what starts of one scene settle on.\n"
         "Orbits in which the masses rest in contact are not followed: a branch ends at the grazing before; simulate "
         "and\nmap give them (regime chatter), each the only one that its stick leaves.\n"
         "Examples:\n"

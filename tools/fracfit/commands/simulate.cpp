@@ -7,10 +7,8 @@
 #include "backlash/static_backlash.hpp"
 #include "commands/subcommand.hpp"
 #include "io/progress_bar.hpp"
-#include "io/sweep_file.hpp"
 #include "options/scene_options.hpp"
-#include "output/document.hpp"
-#include "output/sweep_json.hpp"
+#include "output/sweep_output.hpp"
 
 namespace fracfit {
 namespace {
@@ -55,21 +53,14 @@ class Simulate : public Command {
  private:
   int run() override { return motion_ == "static" ? run_static() : run_dynamic(); }
 
-  void write_csv(const std::string& csv) {
-    write(format() == "table" ? text_of(document_of(csv), "table", command_line()) : csv);
-  }
-
   int run_static() {
     for (const auto& [name, values] : {std::pair{"--force", &force_}, std::pair{"--clearance", &clearance_}})
       if (values->size() > 1)
         throw std::invalid_argument(std::string(name) + " has several values; --motion static takes a single one");
-    io::StaticCurve curve{mass1_, mass2_, clearance_.front(), force_.front(), omega_, {}};
+    StaticCurve curve{mass1_, mass2_, clearance_.front(), force_.front(), omega_, {}};
     curve.value = backlash::static_describing_function(mass1_, mass2_, curve.clearance, curve.force_amplitude, omega_);
-    if (format() == "json") {
-      write(static_curve_json(curve, command_line()));
-    } else {
-      write_csv(io::static_curve_csv(curve, command_line()));
-    }
+    write(format() == "json" ? static_curve_json(curve, command_line())
+                             : text_of(document_of(curve), format(), command_line()));
     return usable_result;
   }
 
@@ -88,12 +79,12 @@ class Simulate : public Command {
   }
 
   void write_sweeps(const std::vector<backlash::DescribingFunctionSweep>& sweeps, bool single) {
-    const auto columns = diagnostics_ ? io::PointColumns::with_diagnostics : io::PointColumns::basic;
+    const auto columns = diagnostics_ ? PointColumns::with_diagnostics : PointColumns::basic;
     if (format() == "json") {
       write(single ? sweep_json(sweeps.front(), command_line()) : sweeps_json(sweeps, command_line()));
     } else {
-      write_csv(single ? io::sweep_csv(sweeps.front(), command_line(), columns)
-                       : io::sweeps_csv(sweeps, command_line(), columns, shard_));
+      const Document document = single ? document_of(sweeps.front(), columns) : document_of(sweeps, columns, shard_);
+      write(text_of(document, format(), command_line()));
     }
   }
 

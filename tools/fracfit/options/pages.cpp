@@ -4,7 +4,7 @@
 #include <sstream>
 #include <string_view>
 
-#include "io/sweep_file.hpp"
+#include "io/version.hpp"
 
 namespace fracfit {
 namespace {

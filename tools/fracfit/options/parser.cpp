@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "io/data_error.hpp"
-#include "io/sweep_file.hpp"
+#include "io/version.hpp"
 #include "options/misspelling.hpp"
 #include "options/pages.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "io/sweep_file.hpp"
+#include "io/version.hpp"
 #include "output/aligned_table.hpp"
 #include "output/json.hpp"
 

@@ -8,7 +8,8 @@
 #include "io/csv_line.hpp"
 #include "io/data_error.hpp"
 #include "io/number.hpp"
-#include "io/sweep_file.hpp"
+#include "io/shard_file.hpp"
+#include "io/version.hpp"
 #include "output/aligned_table.hpp"
 #include "output/json.hpp"
 
@@ -45,11 +46,14 @@ void for_each_row(const Rows& rows, const Use& use) {
 }
 
 std::string csv_text(const Document& document, const std::string& command) {
+  std::string text = "# fracfit: " + std::string(io::version()) + "\n# command: " + command + "\n";
   io::Metadata head = document.head;
-  for (auto& [key, value] : head)
+  if (document.shard.count > 1) head.emplace_back(io::shard_key, io::text_of(document.shard));
+  for (auto& [key, value] : head) {
     std::replace_if(
         value.begin(), value.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
-  std::string text = io::header_lines(head, command);
+    text += "# " + key + ": " + value + "\n";
+  }
   for (std::size_t i = 0; i < document.rows.columns.size(); ++i) text += (i > 0 ? "," : "") + document.rows.columns[i];
   text += '\n';
   for_each_row(document.rows, [&](const std::vector<Cell>& cells) {
@@ -59,18 +63,14 @@ std::string csv_text(const Document& document, const std::string& command) {
     }
     text += '\n';
   });
+  if (document.shard.count > 1) text += io::checksum_line(text);
   return text;
 }
 
 std::string json_text(const Document& document, const std::string& command) {
   Json json = origin(command);
   json.update(object_of(document.head));
-  Json& rows = json["rows"] = Json::array();
-  for_each_row(document.rows, [&](const std::vector<Cell>& cells) {
-    Json& row = rows.push_back(Json::object());
-    for (std::size_t i = 0; i < cells.size(); ++i)
-      row[document.rows.columns[i]] = std::visit([](const auto& value) { return Json(value); }, cells[i]);
-  });
+  json["rows"] = array_of(document.rows);
   return json.dump() + "\n";
 }
 
@@ -118,6 +118,16 @@ std::string table_text(const Document& document) {
 }
 
 }  // namespace
+
+Json array_of(const Rows& rows) {
+  Json array = Json::array();
+  for_each_row(rows, [&](const std::vector<Cell>& cells) {
+    Json& row = array.push_back(Json::object());
+    for (std::size_t i = 0; i < cells.size(); ++i)
+      row[rows.columns[i]] = std::visit([](const auto& value) { return Json(value); }, cells[i]);
+  });
+  return array;
+}
 
 std::string text_of(const Document& document, const std::string& format, const std::string& command) {
   if (format == "json") return json_text(document, command);

@@ -8,9 +8,12 @@
 #include <variant>
 #include <vector>
 
+#include "io/shard.hpp"
 #include "io/text_table.hpp"
 
 namespace fracfit {
+
+class Json;
 
 using Cell = std::variant<double, std::int64_t, bool, std::string>;
 
@@ -25,7 +28,11 @@ struct Rows {
 struct Document {
   io::Metadata head;
   Rows rows;
+  io::Shard shard = {};  ///< which part of a table that is computed in pieces; its CSV ends with its checksum
 };
+
+/// One object per row.
+[[nodiscard]] Json array_of(const Rows& rows);
 
 /// In "csv", "json" or "table", the last for people.
 [[nodiscard]] std::string text_of(const Document& document, const std::string& format, const std::string& command);

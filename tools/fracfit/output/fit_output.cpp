@@ -127,6 +127,7 @@ Json parameter_json(const frac::ParameterEstimate& parameter) {
           {"standard_error", parameter.standard_error},
           {"ci95", {parameter.ci95_lower, parameter.ci95_upper}},
           {"interval", frac::to_string(parameter.interval)},
+          {"widening", parameter.widening},
           {"identified", parameter.identified},
           {"at_bound", parameter.at_bound},
           {"fixed", parameter.fixed}};
@@ -151,6 +152,7 @@ void append_fit(Json& json, const frac::FitResult& result) {
   json["distinct_minima"] = result.distinct_minima;
   json["confidence_of_optimum"] = result.confidence_of_optimum;
   json["condition"] = result.condition;
+  json["noise_correlation"] = result.noise_correlation;
   json["seconds"] = result.seconds;
 }
 

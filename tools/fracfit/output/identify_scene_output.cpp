@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "io/sweep_file.hpp"
 #include "output/aligned_table.hpp"
 #include "output/json.hpp"
 

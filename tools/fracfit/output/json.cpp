@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "io/number.hpp"
-#include "io/sweep_file.hpp"
+#include "io/version.hpp"
 
 namespace fracfit {
 namespace {

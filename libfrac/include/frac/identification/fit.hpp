@@ -70,7 +70,9 @@ enum class IntervalKind { curvature, profile };
 struct ParameterEstimate {
   std::string name;
   double value;
-  double standard_error;  // scaled by the residual variance; 0 when fixed, NaN when unseen or at a bound
+  /// From the residual variance and the correlation of neighbouring residuals; 0 when fixed, NaN when unseen or at a
+  /// bound.
+  double standard_error;
   /// Student t.  NaN like standard_error; a profile that has no end within the limits of the parameter ends at a limit.
   double ci95_lower, ci95_upper;
   bool fixed;
@@ -83,6 +85,9 @@ struct ParameterEstimate {
   bool from_other_component;  // the fitted component is blind to it; estimated from the other one with the rest held
   /// profile where the interval is wider than 10 % of the value on a side, the fit has no loss and no flat direction.
   IntervalKind interval = IntervalKind::curvature;
+  /// Factor that the correlation of neighbouring residuals has put on the standard error and the interval: about 1 for
+  /// noise without, sqrt((1 + r)/(1 - r)) for a parameter that many points tell and noise of correlation r.
+  double widening = 1;
 };
 
 enum class FitTermination {
@@ -126,6 +131,9 @@ struct FitResult {
   /// By which the fitted response is to be multiplied to undo the bias that noise in the divisor |data| causes under
   /// relative weight, 1 + 2 r^2 with r the spread of the residuals; 1 where that is below 0.05 or neighbours are alike.
   double gain_factor = 1;
+  /// Correlation of neighbouring values of the noise, or of a smooth error of the model, that the intervals allow for:
+  /// the mean over what the residuals leave possible, noise without any (0) included.  NaN where nothing was fitted.
+  double noise_correlation = 0;
 };
 
 /// Fits one structure: starts by linear least squares where the structure allows it, data-driven and seeded starts,

@@ -16,8 +16,9 @@ struct ProfileInterval {
 };
 
 /// 95 % interval of one parameter: where the least cost with the parameter held there exceeds the minimum by the factor
-/// 1 + t^2/(n - k) (Venzon, Moolgavkar 1988; t of Student with n - k degrees of freedom).  With a robust loss, whose
-/// scale stays that of the result: where the loss exceeds its minimum by t^2 FitResult::loss_unit.
+/// 1 + t^2/(n - k) (Venzon, Moolgavkar 1988; t of Student with n - k degrees of freedom, times the widening of the
+/// parameter).  With a robust loss, whose scale stays that of the result: where the loss exceeds its minimum by
+/// t^2 FitResult::loss_unit.
 /// @param result  of fit() on the same data with the same options
 /// @throws std::invalid_argument  an unknown, fixed or unseen parameter, or no degree of freedom left.
 [[nodiscard]] ProfileInterval profile_interval(const FrequencyResponseData& data, const FitOptions& options,
@@ -33,15 +34,15 @@ struct BootstrapInterval {
 
 /// Residual bootstrap (Efron, Tibshirani 1993, sect. 9.4): the complex residuals, relative to the model (relative,
 /// smoothed, log-complex weight and repeats), to sigma (given) or as they are (absolute), are centred (Freedman 1981;
-/// not under a robust loss),
-/// drawn with replacement, added to the fitted curve and fitted again from the result.  In a fit of one part only that
-/// part is resampled.  The same seed gives the same intervals for any number of threads.
+/// not under a robust loss), drawn with replacement, added to the fitted curve and fitted again from the result.  Where
+/// neighbours go together (FitResult::noise_correlation) what each adds to the share of the one before is drawn, and
+/// put together again.  In a fit of one part only that part is resampled.  The same seed gives the same intervals for
+/// any number of threads.
 /// @return one interval per parameter
 /// @throws std::invalid_argument  fewer than 20 samples.
 [[nodiscard]] std::vector<BootstrapInterval> bootstrap(const FrequencyResponseData& data, const FitOptions& options,
                                                        const FitResult& result, std::size_t samples, int threads = 0);
-/// The same over time, with the residuals relative to sigma, or as they are without one.  White ones are assumed: where
-/// neighbours go together the intervals are too narrow, as those from the curvature are.
+/// The same over time, with the residuals relative to sigma, or as they are without one.
 [[nodiscard]] std::vector<BootstrapInterval> bootstrap(const TimeResponseData& data, const TimeFitOptions& options,
                                                        const FitResult& result, std::size_t samples, int threads = 0);
 

@@ -16,9 +16,11 @@ bool exact(const RationalProblem& problem, const RationalFit& fit) {
   return fit.cost <= problem.rounding_cost();
 }
 
-/// Evenly in the logarithm over the band and half a decade beyond.
+/// How far beyond the band poles are looked for: half a decade.
+constexpr double margin = 1.2;
+
+/// Evenly in the logarithm over the band and its margins.
 std::vector<double> places(const RationalProblem& problem, int count) {
-  constexpr double margin = 1.2;
   const double first = problem.log_lower() - margin, last = problem.log_upper() + margin;
   std::vector<double> result;
   for (int i = 0; i < count; ++i) result.push_back(first + (last - first) * i / (count - 1));
@@ -74,6 +76,14 @@ double schwarz(const RationalProblem& problem, const RationalFit& fit) {
   const auto n = static_cast<double>(problem.rows());
   return n * std::log(std::max(fit.cost, problem.rounding_cost()) / n) +
          static_cast<double>(fit.parameters) * std::log(n);
+}
+
+double price_of_search(const RationalProblem& problem, const RationalShape& shape) {
+  const double places = problem.log_upper() - problem.log_lower() + 2 * margin;
+  const auto points = static_cast<double>(problem.log_omega().size());
+  double price = 0;
+  for (const PoleFactor& factor : shape.factors) price += 2 * std::log(factor.pair ? points : places);
+  return price;
 }
 
 RationalGrowth::RationalGrowth(const RationalProblem& problem, bool delayed, std::size_t excess)
@@ -208,7 +218,7 @@ RationalLadder grow_rational(const RationalProblem& problem, std::size_t fewest_
     if (order < fewest_poles) continue;
     if (2 * order + 2 >= problem.rows()) break;
     RationalFit simple = without_idle_parts(problem, member);
-    const double value = schwarz(problem, simple);
+    const double value = schwarz(problem, simple) + price_of_search(problem, simple.shape);
     ladder.fits.push_back(std::move(simple));
     if (value < least) {
       least = value;

@@ -11,6 +11,11 @@ namespace frac::detail {
 /// n ln(cost/n) + k ln n of a fit (Schwarz 1978), costs of rounding counted as rounding.
 [[nodiscard]] double schwarz(const RationalProblem& problem, const RationalFit& fit);
 
+/// What the search for the places of poles costs beside schwarz(), whose k ln n knows of one place only: 2 ln of the
+/// number of places that the data tell apart.  These are the e-folds of the band for a real pole, and the points for a
+/// pair, which can be as narrow as the distance between two of them and then meets their noise.
+[[nodiscard]] double price_of_search(const RationalProblem& problem, const RationalShape& shape);
+
 /// Rational fits of rising order, each started from the ones before with one or two poles more.
 class RationalGrowth {
  public:
@@ -31,7 +36,8 @@ class RationalGrowth {
 /// poles, poles that are integrators.
 [[nodiscard]] RationalFit without_idle_parts(const RationalProblem& problem, const RationalFit& fit);
 
-/// The best of each order that was tried, simplest first, grown until neither of the last two orders paid.
+/// The best of each order that was tried, simplest first, grown until neither of the last two orders paid by schwarz()
+/// and price_of_search().
 struct RationalLadder {
   std::vector<RationalFit> fits;
   std::size_t chosen = 0;

@@ -43,6 +43,10 @@ class Residuals {
 
   /// Linear parameters the residuals are projected free of: they cost degrees of freedom too.
   [[nodiscard]] virtual std::size_t eliminated() const noexcept { return 0; }
+  /// Their derivatives of the residuals: count() x eliminated().
+  [[nodiscard]] virtual Eigen::MatrixXd eliminated_columns() const {
+    return Eigen::MatrixXd(static_cast<Eigen::Index>(count()), 0);
+  }
   /// Loss under which those are chosen from now on, and the residual at which it turns robust.
   virtual void set_loss(Loss, double) {}
 

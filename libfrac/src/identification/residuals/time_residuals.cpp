@@ -77,6 +77,10 @@ bool TimeResiduals::evaluate(std::span<const double> theta, double* residual, do
   return by_theta.allFinite();
 }
 
+Eigen::MatrixXd TimeResiduals::eliminated_columns() const {
+  return fixed_offset_ ? Eigen::MatrixXd(weight_.size(), 0) : Eigen::MatrixXd(weight_);
+}
+
 void TimeResiduals::set_loss(Loss loss, double scale) {
   loss_ = loss;
   loss_scale_ = scale;

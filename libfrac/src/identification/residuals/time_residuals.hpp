@@ -30,6 +30,7 @@ class TimeResiduals final : public Residuals {
   [[nodiscard]] std::size_t points() const noexcept override { return index_.size(); }
   [[nodiscard]] std::size_t per_point() const noexcept override { return 1; }
   [[nodiscard]] std::size_t eliminated() const noexcept override { return fixed_offset_ ? 0 : 1; }
+  [[nodiscard]] Eigen::MatrixXd eliminated_columns() const override;
   bool evaluate(std::span<const double> theta, double* residual, double* jacobian) const override;
   void set_loss(Loss loss, double scale) override;
   [[nodiscard]] double best_factor(std::span<const double> theta) const override;

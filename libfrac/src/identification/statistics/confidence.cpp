@@ -36,6 +36,18 @@ Spread spread_of(const std::vector<double>& residual, double degrees_of_freedom,
   return {sum / degrees_of_freedom / (slope * slope), sum / degrees_of_freedom / slope};
 }
 
+/// The noise as its residuals tell it; under a loss they count as much as they pull.
+CorrelatedNoise noise_of(const Residuals& residuals, std::vector<double> residual, const Eigen::MatrixXd& fitted,
+                         const LocalOptions& options) {
+  if (options.loss != Loss::none) {
+    for (double& each : residual) each = options.loss_scale * loss_at(options.loss, each / options.loss_scale).psi;
+  }
+  const Eigen::MatrixXd eliminated = residuals.eliminated_columns();
+  Eigen::MatrixXd columns(fitted.rows(), fitted.cols() + eliminated.cols());
+  columns << fitted, eliminated;
+  return {residual, columns, residuals.per_point()};
+}
+
 }  // namespace
 
 Confidence confidence(const Residuals& residuals, const LocalSolution& solution, const LocalOptions& options) {
@@ -53,7 +65,10 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
                     1,
                     nan,
                     nan,
-                    nan};
+                    nan,
+                    {},
+                    std::vector<double>(parameters, 1.0),
+                    {}};
   for (std::size_t i = 0; i < parameters; ++i) {
     if (!residuals.map().is_fixed(i)) continue;
     for (std::size_t j = 0; j < parameters; ++j) result.covariance[i][j] = result.covariance[j][i] = 0;
@@ -139,8 +154,7 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
       const bool flat = sigma[direction] * sigma[direction] * flat_condition < sigma[0] * sigma[0];
       in_flat_direction = in_flat_direction || (flat && std::abs(svd.matrixV()(k, direction)) > flat_share);
     }
-    const bool wide = !(result.t * error <= 0.5 * std::abs(values[parameter])) && !std::isnan(error);
-    result.identified[parameter] = !in_flat_direction && !wide;
+    result.identified[parameter] = !in_flat_direction;
     result.standard_error[parameter] = error;
     // theta is the parameter at the middle of the band, as a logarithm or in its natural unit.
     const double theta_error = deviation * (svd.matrixV().row(k) * inverse_sigma.asDiagonal()).norm() /
@@ -154,6 +168,22 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
           deviation * deviation *
           spread.row(static_cast<Eigen::Index>(parameter)).dot(spread.row(static_cast<Eigen::Index>(j)));
     }
+  }
+
+  Eigen::MatrixXd full(static_cast<Eigen::Index>(residual.size()), columns);
+  residuals.evaluate(solution.theta, residual.data(), full.data());
+  Eigen::MatrixXd fitted(full.rows(), width);
+  for (Eigen::Index k = 0; k < width; ++k) {
+    const Eigen::Index column = inner[static_cast<std::size_t>(k)];
+    fitted.col(k) = full.col(column) / norm[column];
+  }
+  result.noise = noise_of(residuals, residual, fitted, options);
+  result.influence = fitted * (svd.matrixV() * inverse_sigma.asDiagonal() * spread.transpose());
+  for (const Eigen::Index column : inner) {
+    const std::size_t i = free[static_cast<std::size_t>(column)].parameter;
+    result.widening[i] = result.noise.widening(result.influence.col(static_cast<Eigen::Index>(i)));
+    const bool wide = !(result.t * result.widening[i] * result.standard_error[i] <= 0.5 * std::abs(values[i]));
+    if (wide && !std::isnan(result.standard_error[i])) result.identified[i] = false;
   }
   return result;
 }

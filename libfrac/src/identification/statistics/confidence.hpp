@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
+#include "correlated_noise.hpp"
 #include "identification/search/local_solve.hpp"
 
 namespace frac::detail {
@@ -11,7 +13,8 @@ namespace frac::detail {
 /// residuals.
 inline constexpr double flat_condition = 1e6;
 
-/// What the curvature at a minimum says about each parameter of the user.
+/// What the curvature at a minimum says about each parameter of the user, in white noise; `widening` tells how much
+/// more the noise allows for that the residuals show.
 struct Confidence {
   std::vector<double> standard_error;         // NaN: fixed, at a bound, or not seen
   std::vector<double> centre_standard_error;  // of the parameter with frequency in units of the middle of the band
@@ -23,7 +26,10 @@ struct Confidence {
   double condition;              // of the scaled Fisher matrix
   double t;                      // half width of a 95 % interval in standard errors
   double deviation;              // standard deviation of a residual, NaN without a degree of freedom
-  double loss_unit;  // see FitResult, in units of the residuals: rise of the objective for one standard error
+  double loss_unit;       // see FitResult, in units of the residuals: rise of the objective for one standard error
+  CorrelatedNoise noise;  // of the residuals
+  std::vector<double> widening;  // of each standard error, by the correlation of neighbouring residuals
+  Eigen::MatrixXd influence;     // count() x parameters: what an estimate moves by for each residual; empty if unknown
 };
 
 [[nodiscard]] Confidence confidence(const Residuals& residuals, const LocalSolution& solution,

@@ -65,6 +65,25 @@ std::string remarks_on_limits(const FitResult& result, const Structure& structur
   return text;
 }
 
+/// What the correlation of neighbouring residuals has done to the intervals, where there is any to speak of.
+std::string remark_on_correlation(const FitResult& result, const Confidence& found, double cost, double rounding_cost) {
+  if (!(found.noise.chance() > 0.5) || !(cost > rounding_cost)) return {};
+  double least = std::numeric_limits<double>::infinity(), most = 0;
+  for (const ParameterEstimate& estimate : result.parameters) {
+    if (!std::isfinite(estimate.ci95_lower)) continue;
+    least = std::min(least, estimate.widening);
+    most = std::max(most, estimate.widening);
+  }
+  if (!(most > 0)) return {};
+  char text[200];
+  std::snprintf(
+      text, sizeof text,
+      " Neighbouring residuals go together (correlation %.2f), by the noise or by a smooth error of the model:"
+      " intervals are %.2g to %.2g times as wide as white noise would make them.",
+      found.noise.correlation(), least, most);
+  return text;
+}
+
 }  // namespace
 
 FitResult describe_search(const Structure& structure, const Residuals& residuals, const GlobalSolution& solution) {
@@ -82,6 +101,7 @@ FitResult describe_search(const Structure& structure, const Residuals& residuals
 
 void describe_failure(FitResult& result, const Structure& structure, const ParameterMap& map, std::string message) {
   result.cost = result.rms = result.max_residual = result.aicc = result.bic = result.condition = nan;
+  result.noise_correlation = nan;
   result.loss_cost = result.loss_scale = result.loss_unit = nan;
   result.termination = FitTermination::no_usable_start;
   result.message = std::move(message);
@@ -97,13 +117,15 @@ void describe_estimates(FitResult& result, const Structure& structure, const Res
   const ParameterMap& map = residuals.map();
   const std::vector<double> values = map.to_user(theta);
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const double half_width = found.t * found.standard_error[i];
+    const double widening = found.widening[i];
+    const double half_width = found.t * widening * found.standard_error[i];
     ParameterEstimate estimate{};
     estimate.name = structure.parameter_names()[i];
     estimate.value = estimate.centre_value = values[i];
     estimate.fixed = map.is_fixed(i);
-    estimate.standard_error = estimate.fixed ? 0 : found.standard_error[i];
-    estimate.centre_standard_error = estimate.fixed ? 0 : found.centre_standard_error[i];
+    estimate.standard_error = estimate.fixed ? 0 : widening * found.standard_error[i];
+    estimate.centre_standard_error = estimate.fixed ? 0 : widening * found.centre_standard_error[i];
+    estimate.widening = widening;
     estimate.ci95_lower = estimate.fixed ? nan : values[i] - half_width;
     estimate.ci95_upper = estimate.fixed ? nan : values[i] + half_width;
     estimate.at_bound = found.at_bound[i];
@@ -114,6 +136,10 @@ void describe_estimates(FitResult& result, const Structure& structure, const Res
     result.parameters[map.free()[k].parameter].centre_value = map.centre_value(k, values);
   }
   result.covariance = found.covariance;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    for (std::size_t j = 0; j < values.size(); ++j) result.covariance[i][j] *= found.widening[i] * found.widening[j];
+  }
+  result.noise_correlation = found.noise.correlation();
   refuse_inseparable_parts(result, structure);
   result.condition = found.condition;
   if (found.condition > flat_condition) {
@@ -123,6 +149,7 @@ void describe_estimates(FitResult& result, const Structure& structure, const Res
                   flat_condition);
     result.message += text;
   }
+  result.message += remark_on_correlation(result, found, residuals.cost(theta), residuals.rounding_cost());
   result.message +=
       remarks_on_limits(result, structure, constraints, residuals.count() > map.free().size() + residuals.eliminated());
 }

@@ -23,6 +23,7 @@ class Profile {
         options_(options),
         confidence_(confidence),
         parameter_(parameter),
+        wanted_(confidence.t * confidence.widening[parameter]),
         best_(problem.map.to_user(solution.theta)),
         best_objective_(solution.objective),
         held_(problem.options.constraints) {
@@ -59,11 +60,10 @@ class Profile {
     double error = confidence_.standard_error[parameter_];
     if (!(error > 0)) error = 0.01 * std::abs(best_[parameter_]) + 1e-300;  // at a bound
     const double centre = logarithmic_ ? std::log(best_[parameter_]) : best_[parameter_];
-    const double step = confidence_.t * (logarithmic_ ? error / best_[parameter_] : error);
+    const double step = wanted_ * (logarithmic_ ? error / best_[parameter_] : error);
     inside_ = best_;
-    const double found =
-        profile_end([this](double coordinate) { return rise_at(coordinate); },
-                    {centre, step, lower_, upper_, logarithmic_}, side, confidence_.t, tolerance, steps);
+    const double found = profile_end([this](double coordinate) { return rise_at(coordinate); },
+                                     {centre, step, lower_, upper_, logarithmic_}, side, wanted_, tolerance, steps);
     return std::isfinite(found) ? user(found) : found;
   }
 
@@ -88,7 +88,7 @@ class Profile {
     if (!std::isfinite(solution.objective)) return infinity;
     below_minimum_ = below_minimum_ || solution.objective < best_objective_ * (1 - 1e-6);
     const double rise = std::sqrt(std::max(0.0, solution.objective - best_objective_) / confidence_.loss_unit);
-    if (rise < confidence_.t) inside_ = map.to_user(solution.theta);
+    if (rise < wanted_) inside_ = map.to_user(solution.theta);
     return rise;
   }
 
@@ -118,6 +118,7 @@ class Profile {
   LocalOptions options_;
   const Confidence& confidence_;
   std::size_t parameter_;
+  double wanted_;  // standard errors to an end, in white noise
   std::vector<double> best_;
   double best_objective_;
   std::vector<ParameterConstraint> held_;

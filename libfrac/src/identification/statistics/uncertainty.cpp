@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <random>
 #include <stdexcept>
 #include <string>
@@ -66,6 +67,30 @@ const ParameterEstimate& profiled(const FitResult& result, std::string_view para
 constexpr double profile_tolerance = 1e-6;
 constexpr int profile_steps = 60;
 
+/// Residuals drawn anew.  Of first-order noise with correlation r it is the fresh part e_i - r e_(i-1) that is drawn.
+template <class Value>
+class Redrawn {
+ public:
+  Redrawn(std::vector<Value> residual, double correlation) : residual_(std::move(residual)), correlation_(correlation) {
+    for (std::size_t i = 1; i < residual_.size(); ++i) fresh_.push_back(residual_[i] - correlation * residual_[i - 1]);
+    if (fresh_.empty()) fresh_ = residual_;
+  }
+
+  [[nodiscard]] std::vector<Value> draw(std::mt19937_64& generator) const {
+    std::vector<Value> result(residual_.size());
+    Value last = residual_[generator() % residual_.size()];
+    for (Value& each : result) {
+      each = last;
+      last = correlation_ * last + fresh_[generator() % fresh_.size()];
+    }
+    return result;
+  }
+
+ private:
+  std::vector<Value> residual_, fresh_;
+  double correlation_;
+};
+
 /// Data made of the fitted curve and residuals drawn from those left, for the bootstrap.
 class FrequencyResampling {
  public:
@@ -74,8 +99,8 @@ class FrequencyResampling {
       : data_(data),
         component_(options.component),
         model_(fitted_response(result, options.realisation, data.omega())),
-        unit_(data.size(), 1.0),
-        residual_(data.size()) {
+        unit_(data.size(), 1.0) {
+    std::vector<std::complex<double>> residual(data.size());
     const bool only_one_part = component_ == Component::imaginary || component_ == Component::real;
     const std::size_t count = data.size();
     std::complex<double> mean = 0;
@@ -86,17 +111,20 @@ class FrequencyResampling {
       } else if (options.weight != Weight::absolute) {
         unit_[i] = only_one_part ? std::abs(data.value()[i]) : model_[i];
       }
-      residual_[i] = inflation * (data.value()[i] - model_[i]) / unit_[i];
-      mean += residual_[i] / static_cast<double>(count);
+      residual[i] = inflation * (data.value()[i] - model_[i]) / unit_[i];
+      mean += residual[i] / static_cast<double>(count);
     }
-    if (options.loss != Loss::none) return;  // outliers move the mean, and the fit cares for neither
-    for (std::complex<double>& each : residual_) each -= mean;
+    // Outliers move the mean, and a robust fit cares for neither.
+    if (options.loss == Loss::none) {
+      for (std::complex<double>& each : residual) each -= mean;
+    }
+    residual_.emplace(std::move(residual), result.noise_correlation);
   }
 
   [[nodiscard]] FrequencyResponseData draw(std::mt19937_64& generator) const {
-    std::vector<std::complex<double>> value(data_.size());
+    std::vector<std::complex<double>> value = residual_->draw(generator);
     for (std::size_t i = 0; i < value.size(); ++i) {
-      value[i] = model_[i] + unit_[i] * residual_[generator() % value.size()];
+      value[i] = model_[i] + unit_[i] * value[i];
       // The part that was not fitted follows no model and stays as it is.
       if (component_ == Component::imaginary) value[i].real(data_.value()[i].real());
       if (component_ == Component::real) value[i].imag(data_.value()[i].imag());
@@ -107,26 +135,29 @@ class FrequencyResampling {
  private:
   const FrequencyResponseData& data_;
   Component component_;
-  std::vector<std::complex<double>> model_, unit_, residual_;
+  std::vector<std::complex<double>> model_, unit_;
+  std::optional<Redrawn<std::complex<double>>> residual_;
 };
 
 class TimeResampling {
  public:
   TimeResampling(const TimeResponseData& data, const TimeFitOptions& options, const FitResult& result, double inflation)
-      : data_(data),
-        model_(fitted_output(result, data, options)),
-        residual_(detail::weighted_residuals(data, options, result)) {
+      : data_(data), model_(fitted_output(result, data, options)) {
+    std::vector<double> residual = detail::weighted_residuals(data, options, result);
     double mean = 0;
     if (options.loss == Loss::none) {
-      for (const double each : residual_) mean += each / static_cast<double>(residual_.size());
+      for (const double each : residual) mean += each / static_cast<double>(residual.size());
     }
-    for (double& each : residual_) each = -inflation * (each - mean);
+    for (double& each : residual) each = -inflation * (each - mean);
+    residual_.emplace(std::move(residual), result.noise_correlation);
   }
 
   [[nodiscard]] TimeResponseData draw(std::mt19937_64& generator) const {
     std::vector<double> output = model_;
-    for (const std::size_t i : data_.observed()) {
-      output[i] += (data_.sigma().empty() ? 1 : data_.sigma()[i]) * residual_[generator() % residual_.size()];
+    const std::vector<double> noise = residual_->draw(generator);
+    for (std::size_t i = 0; i < noise.size(); ++i) {
+      const std::size_t point = data_.observed()[i];
+      output[point] += (data_.sigma().empty() ? 1 : data_.sigma()[point]) * noise[i];
     }
     return TimeResponseData(data_.time(), data_.input(), std::move(output), data_.sigma(), data_.hold(),
                             data_.input_at_rest())
@@ -135,7 +166,8 @@ class TimeResampling {
 
  private:
   const TimeResponseData& data_;
-  std::vector<double> model_, residual_;
+  std::vector<double> model_;
+  std::optional<Redrawn<double>> residual_;
 };
 
 double inflation(const FitResult& result) {
@@ -219,9 +251,9 @@ ProfileInterval profile_interval(const TimeResponseData& data, const TimeFitOpti
     const ParameterRole role = structure.parameter_roles()[structure.parameter_index(parameter)];
     line.logarithmic = role == ParameterRole::coefficient && line.lower == -infinity && estimate.value > 0;
   }
-  const double t = student_t_95(static_cast<double>(result.residuals - result.free_parameters));
+  const double t = estimate.widening * student_t_95(static_cast<double>(result.residuals - result.free_parameters));
   const double error = estimate.standard_error > 0 ? estimate.standard_error : 0.01 * std::abs(estimate.value) + 1e-300;
-  line.step = t * (line.logarithmic ? error / estimate.value : error);
+  line.step = t / estimate.widening * (line.logarithmic ? error / estimate.value : error);
   if (line.logarithmic) {
     line.centre = std::log(estimate.value);
     line.upper = std::log(line.upper);

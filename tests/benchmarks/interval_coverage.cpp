@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Coverage of the 95 % intervals by the kind of noise: white, correlated along the axis, additive, mixed.  Prints
+// case,noise,points,parameter,coverage,median relative half width,seconds.  Arguments: [trials] [kind].
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+#include "support/coverage.hpp"
+
+namespace {
+
+void print(const support::CoverageCase& scene, const char* kind, double level, int trials) {
+  const support::Coverage coverage = support::measure_coverage(scene, trials, 20261);
+  for (std::size_t i = 0; i < coverage.name.size(); ++i) {
+    std::printf("%s,%s %g,%d,%s,%.3f,%.3g,%.2e\n", scene.model.name, kind, level, scene.points,
+                coverage.name[i].c_str(), coverage.share[i], coverage.half_width[i], coverage.seconds);
+  }
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int trials = argc > 1 ? std::atoi(argv[1]) : 1000;
+  const std::string only = argc > 2 ? argv[2] : "";
+  std::printf("# %s, GCC %s, %d trials\ncase,noise,points,parameter,coverage,half_width,seconds\n", FRACFIT_BUILD_TYPE,
+              __VERSION__, trials);
+  for (const support::CoverageModel& model : support::coverage_models()) {
+    if (only.empty() || only == "correlated") {
+      for (const int points : {40, 60, 200}) {
+        for (const double r : {0.0, 0.4, 0.7, 0.9}) {
+          support::CoverageCase scene{model, points};
+          scene.correlation = r;
+          print(scene, "r =", r, trials);
+        }
+      }
+    }
+  }
+}
