@@ -19,6 +19,7 @@ namespace fracfit {
 [[nodiscard]] std::unique_ptr<Command> make_identify();
 [[nodiscard]] std::unique_ptr<Command> make_identify_scene();
 [[nodiscard]] std::unique_ptr<Command> make_jump_law();
+[[nodiscard]] std::unique_ptr<Command> make_limit_cycles();
 [[nodiscard]] std::unique_ptr<Command> make_map();
 [[nodiscard]] std::unique_ptr<Command> make_merge();
 [[nodiscard]] std::unique_ptr<Command> make_mittag_leffler();

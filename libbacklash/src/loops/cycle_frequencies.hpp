@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "frac/power_term.hpp"
+
+namespace backlash::detail {
+
+/// The positive roots of sum c w^q, rising, all of them: between the roots of a derivative that has one term less the
+/// sum is monotone.  A root of even order is listed once.
+[[nodiscard]] std::vector<double> positive_roots(std::vector<frac::PowerTerm> sum);
+
+/// Sign changes of a function between neighbouring grid points, refined.
+[[nodiscard]] std::vector<double> roots_on_grid(const std::function<double(double)>& function,
+                                                const std::vector<double>& grid);
+
+}  // namespace backlash::detail

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "gap_response.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "formula/power_sum.hpp"
+#include "special/reciprocal_gamma.hpp"
+
+namespace backlash::detail {
+namespace {
+
+using Complex = std::complex<double>;
+
+// Taylor coefficients e_i of 1/(1 + e^t).
+constexpr std::size_t boole_order = 18;
+std::array<double, boole_order> boole_coefficients() {
+  std::array<double, boole_order> e{};
+  std::array<double, boole_order> inverse_factorial{};
+  inverse_factorial[0] = 1;
+  e[0] = 0.5;
+  for (std::size_t i = 1; i < boole_order; ++i) {
+    inverse_factorial[i] = inverse_factorial[i - 1] / static_cast<double>(i);
+    double inner = 0;
+    for (std::size_t m = 0; m < i; ++m) inner += e[m] * inverse_factorial[i - m];
+    e[i] = -0.5 * inner;
+  }
+  return e;
+}
+
+// What remains of sum (-1)^n (n + v)^power from n = 0 on where v is large: Boole's expansion.
+long double boole_rest(double power, long double v, long double v_to_the_power) {
+  static const std::array<double, boole_order> e = boole_coefficients();
+  long double derivative = v_to_the_power;
+  long double sum = e[0] * derivative;
+  for (std::size_t i = 1; i < boole_order; ++i) {
+    derivative *= (power + 1 - static_cast<long double>(i)) / v;
+    if (i % 2 == 1) sum += e[i] * derivative;
+  }
+  return sum;
+}
+
+constexpr int direct_terms = 20;  // an even number; the rest then errs by about 18!/(20 pi)^18
+
+// The first `direct_terms` instants from `v` on, to a falling sequence of powers.  In long double, as their squares and
+// cubes are much larger than what they leave.
+class AlternatingSums {
+ public:
+  AlternatingSums(double power, double v) : power_(power), v_(v) {
+    for (int n = 0; n <= direct_terms; ++n) {
+      value_[static_cast<std::size_t>(n)] = std::pow(static_cast<long double>(n) + v, static_cast<long double>(power));
+    }
+  }
+  [[nodiscard]] double sum() const {
+    long double sum = 0;
+    for (std::size_t n = direct_terms; n-- > 0;) sum += n % 2 == 0 ? value_[n] : -value_[n];
+    return static_cast<double>(sum + boole_rest(power_, direct_terms + v_, value_[direct_terms]));
+  }
+  void lower_power() {
+    for (int n = 0; n <= direct_terms; ++n) value_[static_cast<std::size_t>(n)] /= n + v_;
+    power_ -= 1;
+  }
+
+ private:
+  double power_;
+  long double v_;
+  std::array<long double, direct_terms + 1> value_;
+};
+
+std::array<double, 36> older_pulses(double power) {
+  std::array<double, 36> coefficient{};
+  AlternatingSums sums(power, 1.5);
+  double binomial = 1;
+  for (std::size_t i = 0; i < coefficient.size(); ++i) {
+    coefficient[i] = -binomial * sums.sum();
+    binomial *= (power - static_cast<double>(i)) / static_cast<double>(i + 1);
+    sums.lower_power();
+  }
+  return coefficient;
+}
+
+// First impulse, counted from that at the impact, whose answer has begun before t = 0, and its age.
+struct FirstPulse {
+  int index;
+  double age;  // over tau, in (0, 1]
+};
+FirstPulse first_pulse(double delay, double tau) {
+  const double periods = std::floor(delay / tau);
+  return {static_cast<int>(periods) + 1, 1 - (delay / tau - periods)};
+}
+
+}  // namespace
+
+double alternating_sum(double power, double v) {
+  return AlternatingSums(power, v).sum();
+}
+
+GapResponse gap_response(const ControlLoop& loop) {
+  const frac::FractionalTransferFunction& controller = loop.controller();
+  const double mass1 = loop.system().mass1();
+  const double mass2 = loop.system().mass2();
+  GapResponse response{{}, {}, 1 / mass1 + 1 / mass2};
+  const auto set_image = [&](frac::detail::PowerProduct numerator, frac::detail::PowerProduct denominator,
+                             double delay) {
+    response.image =
+        ImagePart{std::make_shared<frac::detail::LaplaceImage>(std::move(numerator), std::move(denominator)), delay};
+    if (!response.image->image->poles().complete) {
+      throw std::invalid_argument("the poles of the loop between impacts could not be counted: " +
+                                  std::string(response.image->image->poles().trouble));
+    }
+  };
+  if (loop.measured() == Output::x2) {
+    if (controller.delay() > 0) {
+      throw std::invalid_argument(
+          "exact cycles with the driven body measured (x2) and a dead time are not computed; measure the load (x1) or "
+          "leave the dead time out");
+    }
+    // G1, and G2/(1 + C G2) with C = N/D.
+    response.parts.push_back({1 / mass1, 1, 0});
+    set_image(
+        {{}, controller.denominator()},
+        {{}, frac::detail::merged(frac::detail::scaled(controller.denominator(), mass2, 2), controller.numerator())},
+        0);
+    return response;
+  }
+  // G1 + G2 and C G1 G2; 1/s^p is t^(p - 1)/Gamma(p).
+  response.parts.push_back({response.jump, 1, 0});
+  if (controller.denominator().size() != 1) {
+    set_image({{}, controller.numerator()}, {{}, frac::detail::scaled(controller.denominator(), mass1 * mass2, 4)},
+              controller.delay());
+    return response;
+  }
+  for (const frac::PowerTerm& term : controller.numerator()) {
+    const double p = 4 - (term.order - controller.denominator().front().order);
+    response.parts.push_back(
+        {term.coefficient / (mass1 * mass2) * frac::detail::reciprocal_gamma(p), p - 1, controller.delay()});
+  }
+  return response;
+}
+
+ImpulseTrain::ImpulseTrain(const GapResponse& response, double half_period) : tau_(half_period) {
+  for (const PowerPart& part : response.parts) {
+    const FirstPulse first = first_pulse(part.delay, tau_);
+    parts_.push_back({part.coefficient * std::pow(tau_, part.exponent), part.exponent, first.index, first.age,
+                      PowerTrain(part.exponent, first.age), older_pulses(part.exponent)});
+  }
+  if (!response.image) return;
+  // Before a thousandth of the half period has gone by, the controller has not answered to the impact.
+  constexpr double earliest = 1e-3;
+  image_.emplace(*response.image, tau_, earliest);
+  for (const frac::detail::RootCluster& pole : response.image->image->poles().clusters) {
+    if (pole.log_s.imag() > std::numbers::pi) continue;
+    const int count = pole.multiplicity * (pole.is_conjugate ? 1 : 2);
+    growth_rates_.insert(growth_rates_.end(), static_cast<std::size_t>(count), std::exp(pole.log_s).real() * tau_);
+  }
+}
+
+std::array<Complex, 3> ImpulseTrain::sums(Complex s) const {
+  std::array<Complex, 3> total{};
+  const Complex u = -s * tau_;
+  for (const Part& part : parts_) {
+    const std::array<Complex, 3> train = part.train(u);
+    const Complex scale = part.coefficient * std::exp(u * static_cast<double>(part.first));
+    const double by_time = part.exponent / tau_;
+    total[0] += scale * train[0];
+    total[1] += scale * by_time * train[1];
+    total[2] += scale * (by_time * (part.exponent - 1) / tau_) * train[2];
+  }
+  if (image_) {
+    const std::array<Complex, 3> others = image_->sums(s);
+    for (std::size_t j = 0; j < 3; ++j) total[j] += others[j];
+  }
+  return total;
+}
+
+ImpulseTrain::Wave ImpulseTrain::wave(double t) const {
+  Wave wave{0, 0};
+  for (const Part& part : parts_) {
+    // Age over tau, now, of the latest impulse whose answer has begun.
+    double age = part.offset + t / tau_;
+    int latest = part.first;
+    if (age > 1) {
+      age -= 1;
+      latest -= 1;
+    }
+    double value = 0;
+    double slope = 0;
+    for (std::size_t i = part.older.size(); i-- > 0;) {
+      slope = slope * (age - 0.5) + value;
+      value = value * (age - 0.5) + part.older[i];
+    }
+    const double young = std::pow(age, part.exponent);
+    const double sign = latest % 2 == 0 ? part.coefficient : -part.coefficient;
+    wave.value += sign * (value + young);
+    wave.slope += sign / tau_ * (slope + (age > 0 ? part.exponent * young / age : 0));
+  }
+  if (image_) {
+    const ImageTrain::Wave other = image_->wave(t);
+    wave.value += other.value;
+    wave.slope += other.slope;
+  }
+  return wave;
+}
+
+bool ImpulseTrain::has_whole_powers() const noexcept {
+  return !image_ && std::all_of(parts_.begin(), parts_.end(),
+                                [](const Part& part) { return part.exponent == std::round(part.exponent); });
+}
+
+double rate_before_impact(const GapResponse& response, double half_period) {
+  double rate = 0;
+  for (const PowerPart& part : response.parts) {
+    const FirstPulse first = first_pulse(part.delay, half_period);
+    const double sum = part.coefficient * part.exponent * std::pow(half_period, part.exponent - 1) *
+                       alternating_sum(part.exponent - 1, first.age);
+    rate += first.index % 2 == 0 ? sum : -sum;
+  }
+  if (response.image) rate += ImageTrain::rate(*response.image, half_period);
+  return rate;
+}
+
+}  // namespace backlash::detail

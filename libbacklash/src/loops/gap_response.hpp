@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <complex>
+#include <optional>
+#include <vector>
+
+#include "backlash/loops/control_loop.hpp"
+#include "image_train.hpp"
+#include "power_train.hpp"
+
+namespace backlash::detail {
+
+/// coefficient (t - delay)^exponent for t > delay.
+struct PowerPart {
+  double coefficient;
+  double exponent;
+  double delay;
+};
+
+/// What the gap does after an impact: a unit impulse on mass 1 and its opposite on mass 2 make x2 - x1 = -g(t), with
+/// the controller's answer in it.  With the load measured and a controller that is a sum of powers g is one too;
+/// otherwise the original of an image is added.
+struct GapResponse {
+  std::vector<PowerPart> parts;
+  std::optional<ImagePart> image;
+  double jump;  // 1/M1 + 1/M2: g' right after the impulse
+};
+/// @throws std::invalid_argument  dead time with the driven body measured: g has then no image of finitely many powers;
+///                                poles that could not be counted.
+[[nodiscard]] GapResponse gap_response(const ControlLoop& loop);
+
+/// Alternating impulses at all t = l tau, l = ..., -1, 0: what is left of them.
+class ImpulseTrain {
+ public:
+  /// @param half_period  tau, s, > 0
+  ImpulseTrain(const GapResponse& response, double half_period);
+
+  /// sum_(l >= 1) (-1)^l g^(j)(l tau) z^-l, j = 0, 1, 2, at z = -e^{s tau}: outside the unit circle where Re s > 0, z =
+  /// 1 at s = j pi/tau, and z = -1, where the sums are singular, at s = 0.  Continued analytically to |Im s| <= pi/tau
+  /// but the negative real axis.
+  [[nodiscard]] std::array<std::complex<double>, 3> sums(std::complex<double> s) const;
+
+  /// sum_(l >= 0) (-1)^l g(l tau + t) and its derivative by t, 0 < t < tau.
+  struct Wave {
+    double value;
+    double slope;
+  };
+  [[nodiscard]] Wave wave(double t) const;
+
+  [[nodiscard]] double half_period() const noexcept { return tau_; }
+  /// Real parts of the poles of g's image, times tau, each as often as it counts, conjugates too.
+  [[nodiscard]] const std::vector<double>& growth_rates() const noexcept { return growth_rates_; }
+  /// g is a polynomial after each delay: the sums have poles where else they have a cut.
+  [[nodiscard]] bool has_whole_powers() const noexcept;
+
+ private:
+  struct Part {
+    double coefficient;  // at the scale of tau
+    double exponent;
+    int first;      // l of the first impulse whose answer has begun just before the impact
+    double offset;  // its age then over tau, in (0, 1]
+    PowerTrain train;
+    // sum_(n >= 1) (-1)^n (n + v)^exponent in powers of v - 1/2; its radius of convergence is 3/2.
+    std::array<double, 36> older;
+  };
+  double tau_;
+  std::vector<Part> parts_;
+  std::optional<ImageTrain> image_;
+  std::vector<double> growth_rates_;
+};
+
+/// sum_(l >= 1) (-1)^l g'(l tau): the cheap part of `sums` at z = 1 that decides the frequency of a cycle.
+[[nodiscard]] double rate_before_impact(const GapResponse& response, double half_period);
+
+/// sum_(n >= 0) (-1)^n (n + v)^power, v > 0, in the sense of Abel where it does not converge.
+[[nodiscard]] double alternating_sum(double power, double v);
+
+}  // namespace backlash::detail

@@ -1,0 +1,169 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "power_train.hpp"
+
+#include <algorithm>
+#include <boost/math/special_functions/zeta.hpp>
+#include <cmath>
+#include <numbers>
+
+namespace backlash::detail {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double pi = std::numbers::pi;
+// Up to this |u|, so on the whole unit circle, the expansion about the origin needs at most 60 terms, none of them
+// large against the sum.
+constexpr double near_origin = 3.3;
+
+// B_2k/(2k)! of Euler and Maclaurin.
+constexpr std::array<long double, 12> bernoulli_over_factorial{1.0L / 12,
+                                                               -1.0L / 720,
+                                                               1.0L / 30240,
+                                                               -1.0L / 1209600,
+                                                               1.0L / 47900160,
+                                                               -691.0L / 1307674368000,
+                                                               1.0L / 74724249600,
+                                                               -3617.0L / 10670622842880000,
+                                                               43867.0L / 5109094217170944000,
+                                                               -174611.0L / 802857662698291200000.0L,
+                                                               77683.0L / 14101100039391805440000.0L,
+                                                               -236364091.0L / 1693824136731743669452800000.0L};
+
+// zeta(s, v) for -5 < s < 1 by five terms and Euler-Maclaurin.  The terms are as large as 6^5, which long double bears.
+long double hurwitz_zeta(long double s, long double v) {
+  constexpr int terms = 5;
+  long double sum = 0;
+  for (int i = 0; i < terms; ++i) sum += std::pow(i + v, -s);
+  const long double from = terms + v;
+  long double part = std::pow(from, -s);
+  sum += from * part / (s - 1) + part / 2;
+  part *= s / from;
+  for (std::size_t k = 0; k < bernoulli_over_factorial.size(); ++k) {
+    sum += bernoulli_over_factorial[k] * part;
+    const long double next = s + 2 * static_cast<long double>(k) + 1;
+    part *= next * (next + 1) / (from * from);
+  }
+  return sum;
+}
+
+// cos(p pi/2) of any p, exact for whole numbers.
+double cos_quarter_turns(double p) {
+  const double turned = p - 4 * std::round(p / 4);
+  if (std::abs(turned) <= 0.5) return std::cos(turned * pi / 2);
+  if (std::abs(turned) >= 1.5) return -std::cos((2 - std::abs(turned)) * pi / 2);
+  return std::sin((1 - std::abs(turned)) * pi / 2);
+}
+
+// sum_(k >= 1) cos(p pi/2 - 2 pi k v)/k^p
+double hurwitz_cosines(double p, double v) {
+  if (v == 1) return cos_quarter_turns(p) * boost::math::zeta(p);
+  double sum = 0;
+  for (int k = 1; k < 2000; ++k) {
+    const double share = std::pow(k, -p);
+    sum += share * cos_quarter_turns(p - 4 * std::fmod(k * v, 1.0));
+    if (share < 1e-18) break;
+  }
+  return sum;
+}
+
+}  // namespace
+
+PowerTrain::PowerTrain(double a, double v) : a_(a), v_(v) {
+  for (int n = 0; n <= most_terms; ++n) power_[static_cast<std::size_t>(n)] = std::pow(n + v, a - 2);
+  for (std::size_t j = 0; j < 3; ++j) {
+    double binomial = 1;
+    for (int i = 0; i < rest_order; ++i) {
+      rest_binomial_[j][static_cast<std::size_t>(i)] = binomial;
+      binomial *= (a - static_cast<double>(j) - i) / (i + 1);
+    }
+    if (a > 1 || j < 2) gamma_[j] = std::tgamma(1 + a - static_cast<double>(j));
+  }
+  prepare_zeta();
+}
+
+// zeta(1 - p, v) = 2 Gamma(p)/(2 pi)^p sum_(k >= 1) cos(p pi/2 - 2 pi k v)/k^p (Hurwitz), for p from 6 on.
+void PowerTrain::prepare_zeta() {
+  const int first = a_ > 1 ? 0 : 1;  // a = 1: zeta(1) is not wanted
+  double scale = 1;                  // (2 pi)^m/m!
+  double gamma_ratio = 0;            // Gamma(p)/m!
+  for (int m = 0; m < zeta_terms + 2; ++m) {
+    const double p = a_ - 1 + m;
+    double& entry = zeta_[static_cast<std::size_t>(m)];
+    if (p >= 6) {
+      gamma_ratio = gamma_ratio == 0 ? std::tgamma(p) / std::tgamma(m + 1.0) : gamma_ratio * (p - 1) / m;
+      entry = 2 * std::pow(2 * pi, 1 - a_) * gamma_ratio * hurwitz_cosines(p, v_);
+    } else if (m >= first) {
+      entry = scale * static_cast<double>(hurwitz_zeta(1 - static_cast<long double>(p), v_));
+    }
+    scale *= 2 * pi / (m + 1);
+  }
+}
+
+std::array<Complex, 3> PowerTrain::operator()(Complex u) const {
+  if (std::abs(u) > near_origin && u.real() < 0) return by_terms(u);
+  return about_origin(u);
+}
+
+std::array<Complex, 3> PowerTrain::by_terms(Complex u) const {
+  const Complex x = std::exp(u);
+  const int terms = std::min(most_terms, static_cast<int>(std::ceil(60 / std::abs(u))));
+  std::array<Complex, 3> sum{};
+  Complex power_of_x = 1;
+  for (int n = 0; n < terms; ++n) {
+    const Complex part = power_of_x * power_[static_cast<std::size_t>(n)];
+    const double instant = n + v_;
+    sum[2] += part;
+    sum[1] += part * instant;
+    sum[0] += part * (instant * instant);
+    power_of_x *= x;
+    if (std::norm(power_of_x) < 1e-40) return sum;
+  }
+  // 1/(1 - x e^t) = sum e_i t^i applied as an operator to the power at the first instant left out.
+  std::array<Complex, rest_order> e;
+  std::array<double, rest_order> inverse_factorial;
+  inverse_factorial[0] = 1;
+  for (std::size_t i = 1; i < rest_order; ++i) inverse_factorial[i] = inverse_factorial[i - 1] / static_cast<double>(i);
+  e[0] = 1.0 / (1.0 - x);
+  const Complex ratio = x * e[0];
+  double factorial = 1;
+  const double from = terms + v_;
+  const double power = power_[static_cast<std::size_t>(terms)];
+  std::array<Complex, 3> rest{e[0], e[0], e[0]};
+  double scale = 1;
+  for (std::size_t i = 1; i < rest_order; ++i) {
+    Complex inner = 0;
+    for (std::size_t m = 0; m < i; ++m) inner += e[m] * inverse_factorial[i - m];
+    e[i] = ratio * inner;
+    factorial *= static_cast<double>(i);
+    scale /= from;
+    for (std::size_t j = 0; j < 3; ++j) rest[j] += e[i] * (rest_binomial_[j][i] * factorial * scale);
+  }
+  sum[2] += power_of_x * power * rest[2];
+  sum[1] += power_of_x * (power * from) * rest[1];
+  sum[0] += power_of_x * (power * from * from) * rest[0];
+  return sum;
+}
+
+std::array<Complex, 3> PowerTrain::about_origin(Complex u) const {
+  constexpr double turn = 2 * pi;
+  const Complex share = u / turn;
+  std::array<Complex, 3> sum{};
+  Complex power = 1;
+  for (int n = 0; n < zeta_terms; ++n) {
+    const auto m = static_cast<std::size_t>(n);
+    sum[2] += zeta_[m] * power;
+    sum[1] += zeta_[m + 1] * (n + 1) / turn * power;
+    sum[0] += zeta_[m + 2] * ((n + 1.0) * (n + 2.0) / (turn * turn)) * power;
+    power *= share;
+    if (std::norm(power) < 1e-38) break;
+  }
+  const Complex log_distance = std::log(-u);
+  const Complex singular = std::exp(-(1 + a_) * log_distance);
+  const Complex shift = std::exp(-u * v_);
+  sum[0] = shift * (sum[0] + gamma_[0] * singular);
+  sum[1] = shift * (sum[1] - gamma_[1] * singular * u);
+  sum[2] = a_ > 1 ? shift * (sum[2] + gamma_[2] * singular * u * u) : 0;
+  return sum;
+}
+
+}  // namespace backlash::detail

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <complex>
+
+namespace backlash::detail {
+
+/// Sums over a train of pulses of a response that is a power of time:
+///   P_j(u) = sum_(n >= 0) e^{n u} (n + v)^(a - j),   j = 0, 1, 2,
+/// continued analytically to all u with |Im u| <= pi but the half line u >= 0 (Lerch's transcendent).
+///
+/// Away from u = 0 the first terms are added up and the rest is a series in 1/(n |u|); near it
+///   P = e^{-u v} [Gamma(1 + a) (-u)^(-1-a) + sum_n zeta(-a - n, v) u^n/n!],   |u| < 2 pi (Lerch 1887).
+class PowerTrain {
+ public:
+  /// @param a  > 1, or 1, for which P_2 is not wanted and left at 0
+  /// @param v  in (0, 1]
+  PowerTrain(double a, double v);
+  [[nodiscard]] std::array<std::complex<double>, 3> operator()(std::complex<double> u) const;
+
+ private:
+  // Direct terms and order of the series of the rest: the series errs by about order! / (terms |u|)^order.
+  static constexpr int most_terms = 20;
+  static constexpr int rest_order = 18;
+  static constexpr int zeta_terms = 64;
+
+  [[nodiscard]] std::array<std::complex<double>, 3> by_terms(std::complex<double> u) const;
+  [[nodiscard]] std::array<std::complex<double>, 3> about_origin(std::complex<double> u) const;
+  void prepare_zeta();
+
+  double a_;
+  double v_;
+  std::array<double, most_terms + 1> power_{};                     // (n + v)^(a - 2)
+  std::array<std::array<double, rest_order>, 3> rest_binomial_{};  // of a - j over i
+  std::array<double, 3> gamma_{};                                  // Gamma(1 + a - j)
+  std::array<double, zeta_terms + 2> zeta_{};                      // zeta(2 - a - n, v)/n! (2 pi)^n
+};
+
+}  // namespace backlash::detail

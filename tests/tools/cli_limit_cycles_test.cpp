@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "run_program.hpp"
+
+namespace {
+
+std::vector<std::string> limit_cycles(const std::string& controller, const std::vector<std::string>& more) {
+  std::vector<std::string> arguments{"limit-cycles", "--controller", controller};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return arguments;
+}
+
+TEST(LimitCyclesCommand, WritesEveryCycleBesideItsPrediction) {
+  const auto result = run_fracfit(limit_cycles("1 + s^0.5 + 0.3/s^0.6", {"--restitution", "0.6", "--format", "json"}));
+  ASSERT_EQ(result.code, 0) << result.error;
+  const auto json = nlohmann::json::parse(result.output);
+  EXPECT_EQ(json["rigid_loop"]["stability"], "stable");
+  ASSERT_EQ(json["cycles"].size(), 2U);
+  const auto& none = json["cycles"][0];
+  EXPECT_EQ(none["admissible"], false);
+  EXPECT_NE(none["reason"].get<std::string>().find("pull"), std::string::npos);
+  EXPECT_TRUE(none["describing_function"].is_null());
+  const auto& cycle = json["cycles"][1];
+  // Known to the digits given from an independent solution and an event-driven simulation.
+  EXPECT_NEAR(cycle["omega"].get<double>(), 1.32422402744822, 1e-13);
+  EXPECT_NEAR(cycle["impulse"].get<double>(), .784011240865, 1e-12);
+  EXPECT_NEAR(cycle["amplitude_x1"].get<double>(), .37691285413, 1e-11);
+  EXPECT_NEAR(cycle["amplitude_force"].get<double>(), .77451732802, 1e-11);
+  EXPECT_NEAR(cycle["describing_function"]["omega"].get<double>(), 1.18317519, 1e-8);
+  EXPECT_NEAR(cycle["describing_function"]["relative_error_omega"].get<double>(), 1.18317519 / 1.32422402744822 - 1,
+              1e-8);
+  EXPECT_TRUE(cycle["reason"].is_null());
+  for (const char* key : {"symmetric", "impacts_per_period", "admissible", "stable", "multiplier_modulus",
+                          "impact_speed", "amplitude_x2", "harmonics"})
+    EXPECT_TRUE(cycle.contains(key)) << key;
+}
+
+TEST(LimitCyclesCommand, FollowsAnyQuantityOfTheLoop) {
+  for (const std::string over : {"a=0.4:0.8:3", "mass2=1:2:3", "clearance=1,2,4"}) {
+    const std::string formula = over.front() == 'a' ? "2 + s^a" : "2 + s^0.5";
+    const auto result =
+        run_fracfit(limit_cycles(formula, {"--restitution", "0.6", "--over", over, "--format", "json"}));
+    ASSERT_EQ(result.code, 0) << result.error;
+    EXPECT_EQ(nlohmann::json::parse(result.output)["loops"].size(), 3U);
+  }
+}
+
+TEST(LimitCyclesCommand, SaysWhatIsWrong) {
+  const auto expect_refused = [](const std::vector<std::string>& arguments, const std::string& part) {
+    const auto result = run_fracfit(arguments);
+    EXPECT_EQ(result.code, 2);
+    EXPECT_NE(result.error.find(part), std::string::npos) << result.error;
+  };
+  expect_refused(limit_cycles("1 + s", {}), "--restitution");
+  expect_refused(limit_cycles("1 + k s", {"--restitution", "0.6"}), "k has no value");
+  expect_refused(limit_cycles("1 + s^2.1", {"--restitution", "0.6"}), "slower than s^2");
+  expect_refused(limit_cycles("1 + s", {"--restitution", "0.6", "--omega", "3:1"}), "lower");
+  expect_refused(limit_cycles("1 + s", {"--restitution", "1.2"}), "restitution");
+  expect_refused(limit_cycles("1 + s", {"--restitution", "0.6", "--clearance", "0"}), "clearance");
+  expect_refused(limit_cycles("1 + s", {"--restitution", "0.6", "--over", "m=1:2:3"}), "m");
+}
+
+TEST(LimitCyclesCommand, SaysThatTheLoopIsUnstableWithoutClearance) {
+  const auto result = run_fracfit(limit_cycles("3/s", {"--restitution", "0.6", "--format", "table"}));
+  EXPECT_EQ(result.code, 0);
+  EXPECT_NE(result.error.find("unstable even without clearance"), std::string::npos);
+  EXPECT_NE(result.output.find("No symmetric limit cycle"), std::string::npos);
+}
+
+}  // namespace

@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "output/limit_cycles_output.hpp"
+
+#include <cmath>
+#include <complex>
+#include <limits>
+
+#include "io/number.hpp"
+#include "output/aligned_table.hpp"
+#include "output/document.hpp"
+#include "output/json.hpp"
+
+namespace fracfit {
+namespace {
+
+// The prediction nearest in frequency, within a factor of two; nullptr where there is none.
+const backlash::PredictedCycle* prediction_of(const backlash::SymmetricCycle& cycle, const LoopCycles& loop) {
+  const backlash::PredictedCycle* nearest = nullptr;
+  double smallest = std::log(2);
+  for (const backlash::PredictedCycle& predicted : loop.predicted) {
+    const double distance = std::abs(std::log(predicted.omega / cycle.omega));
+    if (distance < smallest) {
+      smallest = distance;
+      nearest = &predicted;
+    }
+  }
+  return nearest;
+}
+
+double force_of(const backlash::SymmetricCycle& cycle) {
+  return std::abs(cycle.harmonics.front().force);
+}
+
+Json harmonics_json(const backlash::SymmetricCycle& cycle) {
+  Json all = Json::array();
+  const auto phasor = [](std::complex<double> value) { return Json{value.real(), value.imag()}; };
+  for (const backlash::CycleHarmonic& harmonic : cycle.harmonics) {
+    all.push_back({{"order", harmonic.order},
+                   {"x1", phasor(harmonic.x1)},
+                   {"x2", phasor(harmonic.x2)},
+                   {"force", phasor(harmonic.force)}});
+  }
+  return all;
+}
+
+Json prediction_json(const backlash::PredictedCycle& predicted) {
+  return {{"omega", predicted.omega},
+          {"force", predicted.force_amplitude},
+          {"stable", predicted.stable},
+          {"third_harmonic", predicted.third_harmonic}};
+}
+
+Json cycle_json(const backlash::SymmetricCycle& cycle, const LoopCycles& loop) {
+  const backlash::CycleStability& stability = cycle.stability;
+  Json json{{"omega", cycle.omega},
+            {"symmetric", true},
+            {"impacts_per_period", 2},
+            {"admissible", cycle.admissible},
+            {"reason", cycle.admissible ? Json() : Json(cycle.reason)},
+            {"stable", stability.stable},
+            {"multiplier_modulus", std::abs(stability.dominant)},
+            {"multiplier", Json{stability.dominant.real(), stability.dominant.imag()}},
+            {"unstable_multipliers", stability.unstable_multipliers},
+            {"loss", backlash::to_string(stability.loss)},
+            {"impulse", cycle.impulse},
+            {"impact_speed", cycle.impact_speed},
+            {"amplitude_x1", std::abs(cycle.harmonics.front().x1)},
+            {"amplitude_x2", std::abs(cycle.harmonics.front().x2)},
+            {"amplitude_force", force_of(cycle)},
+            {"harmonics", harmonics_json(cycle)},
+            {"describing_function", Json()}};
+  if (const backlash::PredictedCycle* predicted = prediction_of(cycle, loop)) {
+    json["describing_function"] = {{"omega", predicted->omega},
+                                   {"force", predicted->force_amplitude},
+                                   {"relative_error_omega", predicted->omega / cycle.omega - 1},
+                                   {"relative_error_force", predicted->force_amplitude / force_of(cycle) - 1}};
+    json["describing_function"].update(prediction_json(*predicted));
+  }
+  return json;
+}
+
+Json loop_json(const LoopCycles& loop) {
+  const backlash::TwoMassSystem& system = loop.loop.system();
+  Json json = Json::object();
+  json["scene"] = {{"controller", loop.loop.controller().formula()},
+                   {"body", backlash::to_string(loop.loop.measured())},
+                   {"mass1_kg", system.mass1()},
+                   {"mass2_kg", system.mass2()},
+                   {"clearance_m", system.clearance()},
+                   {"restitution", system.restitution()}};
+  json["rigid_loop"] = {{"stability", frac::to_string(loop.rigid.stability)},
+                        {"unstable_poles", loop.rigid.unstable_poles}};
+  json["searched"] = {{"from", loop.exact.searched.from},
+                      {"to", loop.exact.searched.to},
+                      {"certain", loop.exact.certain},
+                      {"any_frequency", loop.exact.any_frequency}};
+  Json& cycles = json["cycles"] = Json::array();
+  for (const backlash::SymmetricCycle& cycle : loop.exact.cycles) cycles.push_back(cycle_json(cycle, loop));
+  Json& predictions = json["predictions"] = Json::array();
+  for (const backlash::PredictedCycle& predicted : loop.predicted) predictions.push_back(prediction_json(predicted));
+  return json;
+}
+
+std::string state_of(const backlash::SymmetricCycle& cycle) {
+  if (!cycle.admissible) return "no motion";
+  if (cycle.stability.stable) return "stable";
+  return "unstable";
+}
+
+}  // namespace
+
+std::string limit_cycles_json(const std::vector<LoopCycles>& loops, const std::string& command) {
+  Json json = origin(command);
+  if (loops.size() == 1 && loops.front().varied.empty()) {
+    json.update(loop_json(loops.front()));
+    return json.dump(1) + "\n";
+  }
+  Json& all = json["loops"] = Json::array();
+  for (const LoopCycles& loop : loops) {
+    Json each = Json::object();
+    each["varied"] = object_of(loop.varied);
+    each.update(loop_json(loop));
+    all.push_back(std::move(each));
+  }
+  return json.dump(1) + "\n";
+}
+
+std::string limit_cycles_csv(const std::vector<LoopCycles>& loops, const std::string& command) {
+  struct Row {
+    const LoopCycles* loop;
+    const backlash::SymmetricCycle* cycle;
+  };
+  std::vector<Row> rows;
+  for (const LoopCycles& loop : loops) {
+    for (const backlash::SymmetricCycle& cycle : loop.exact.cycles) rows.push_back({&loop, &cycle});
+  }
+  std::vector<std::string> columns;
+  for (const auto& [name, value] : loops.front().varied) columns.push_back(name);
+  for (const char* column :
+       {"omega_rad_s", "symmetric", "impacts_per_period", "admissible", "stable", "multiplier_modulus", "impulse_n_s",
+        "impact_speed_m_per_s", "amplitude_x1_m", "amplitude_x2_m", "amplitude_force_n", "predicted_omega_rad_s",
+        "predicted_force_n", "reason"}) {
+    columns.emplace_back(column);
+  }
+  const LoopCycles& first = loops.front();
+  io::Metadata head{{"body", std::string(backlash::to_string(first.loop.measured()))}};
+  if (first.varied.empty()) {
+    head.emplace_back("rigid_loop", std::string(frac::to_string(first.rigid.stability)));
+    head.emplace_back("certain", first.exact.certain ? "true" : "false");
+  }
+  return text_of({head,
+                  {columns, rows.size(),
+                   [&](std::size_t i, std::vector<Cell>& cells) {
+                     const auto& [loop, cycle] = rows[i];
+                     for (const auto& [name, value] : loop->varied) {
+                       const auto parsed = io::parse_number(value);
+                       cells.emplace_back(parsed ? Cell(*parsed) : Cell(value));
+                     }
+                     cells.emplace_back(cycle->omega);
+                     cells.emplace_back(true);
+                     cells.emplace_back(std::int64_t{2});
+                     cells.emplace_back(cycle->admissible);
+                     cells.emplace_back(cycle->stability.stable);
+                     for (const double value : {std::abs(cycle->stability.dominant), cycle->impulse,
+                                                cycle->impact_speed, std::abs(cycle->harmonics.front().x1),
+                                                std::abs(cycle->harmonics.front().x2), force_of(*cycle)})
+                       cells.emplace_back(value);
+                     const backlash::PredictedCycle* predicted = prediction_of(*cycle, *loop);
+                     constexpr double none = std::numeric_limits<double>::quiet_NaN();
+                     cells.emplace_back(predicted ? predicted->omega : none);
+                     cells.emplace_back(predicted ? predicted->force_amplitude : none);
+                     cells.emplace_back(cycle->reason);
+                   }}},
+                 "csv", command);
+}
+
+std::string limit_cycles_table(const std::vector<LoopCycles>& loops) {
+  const auto percent = [](double value) {
+    std::string text = io::format_number(std::round(1000 * value) / 10);
+    return (value > 0 ? "+" : "") + text + " %";
+  };
+  std::string text;
+  if (loops.size() == 1) {
+    const LoopCycles& loop = loops.front();
+    text += "Rigid loop (no clearance): " + std::string(frac::to_string(loop.rigid.stability));
+    if (loop.rigid.unstable_poles > 0) text += ", poles to the right: " + std::to_string(loop.rigid.unstable_poles);
+    text += "\n\n";
+  }
+  std::vector<std::string> heading;
+  for (const auto& [name, value] : loops.front().varied) heading.push_back(name);
+  for (const char* column : {"omega", "motion", "|z|", "speed", "x1", "x2", "force", "predicted", "error"})
+    heading.emplace_back(column);
+  AlignedTable table(heading);
+  std::string remarks;
+  for (const LoopCycles& loop : loops) {
+    for (const backlash::SymmetricCycle& cycle : loop.exact.cycles) {
+      const backlash::PredictedCycle* predicted = prediction_of(cycle, loop);
+      std::vector<std::string> row;
+      for (const auto& [name, value] : loop.varied) row.push_back(short_number(io::parse_number(value).value_or(NAN)));
+      row.push_back(short_number(cycle.omega));
+      row.push_back(state_of(cycle));
+      for (const double value :
+           {std::abs(cycle.stability.dominant), cycle.impact_speed, std::abs(cycle.harmonics.front().x1),
+            std::abs(cycle.harmonics.front().x2), force_of(cycle)})
+        row.push_back(short_number(value));
+      row.push_back(predicted ? short_number(predicted->omega) : "-");
+      row.push_back(predicted ? percent(predicted->omega / cycle.omega - 1) : "-");
+      table.add(row);
+      if (loops.size() > 1) continue;
+      if (!cycle.admissible) {
+        remarks += paragraph("omega " + short_number(cycle.omega) + ": " + cycle.reason + ".", 2);
+      } else if (!cycle.stability.stable) {
+        remarks += paragraph("omega " + short_number(cycle.omega) + ": unstable by " +
+                                 std::string(backlash::to_string(cycle.stability.loss)) + ".",
+                             2);
+      }
+    }
+    if (loops.size() == 1 && loop.exact.any_frequency) {
+      text += "Every frequency is one of a cycle: nothing is lost and nothing made up for.\n";
+    } else if (loops.size() == 1 && loop.exact.cycles.empty()) {
+      text += "No symmetric limit cycle with two impacts per period.\n";
+    }
+  }
+  std::size_t listed = 0;
+  for (const LoopCycles& loop : loops) listed += loop.exact.cycles.size();
+  if (listed > 0) text += table.text();
+  if (!remarks.empty()) text += "\n" + remarks;
+  if (loops.size() == 1 && !loops.front().exact.certain) {
+    if (listed == 0) return text;
+    text += "\n" + paragraph("Searched on a grid from " + short_number(loops.front().exact.searched.from) + " to " +
+                             short_number(loops.front().exact.searched.to) + " rad/s.");
+  }
+  text += "\n" +
+          paragraph(
+              "omega in rad/s, exact; |z|: largest multiplier per half period; speed: of the impacts, m/s; x1, x2 (m) "
+              "and force (N): peak of the fundamental; predicted: omega by the describing function.");
+  return text;
+}
+
+}  // namespace fracfit

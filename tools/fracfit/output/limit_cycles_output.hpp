@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "backlash/loops/limit_cycles.hpp"
+#include "backlash/loops/predicted_cycles.hpp"
+#include "frac/stability.hpp"
+#include "io/text_table.hpp"
+
+namespace fracfit {
+
+/// Everything that is known about the cycles of one loop.
+struct LoopCycles {
+  backlash::ControlLoop loop;
+  frac::ClosedLoopStability rigid;  // the same loop without clearance
+  backlash::LimitCycles exact;
+  std::vector<backlash::PredictedCycle> predicted;
+  io::Metadata varied = {};  // name and value of a quantity that changes from loop to loop
+};
+
+[[nodiscard]] std::string limit_cycles_json(const std::vector<LoopCycles>& loops, const std::string& command);
+/// One row per cycle.
+[[nodiscard]] std::string limit_cycles_csv(const std::vector<LoopCycles>& loops, const std::string& command);
+/// For people.
+[[nodiscard]] std::string limit_cycles_table(const std::vector<LoopCycles>& loops);
+
+}  // namespace fracfit
