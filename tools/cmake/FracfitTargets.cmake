@@ -34,7 +34,7 @@ function(fracfit_precompiled target)
   target_precompile_headers(${target} REUSE_FROM fracfit_standard_headers)
 endfunction()
 
-# Compiles files of one room as one source where CMAKE_UNITY_BUILD is on, as tools/setup has it: their headers are parsed and
+# Compiles files of one room as one source where CMAKE_UNITY_BUILD is on: their headers are parsed and
 # their templates instantiated once.  Small groups, so that a change in one of them costs seconds; files with hot loops, with
 # options of their own or with names that another one uses differently stay out.
 function(fracfit_together group)
