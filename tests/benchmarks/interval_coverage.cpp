@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+#include <utility>
 
 #include "support/coverage.hpp"
 
@@ -33,6 +34,24 @@ int main(int argc, char** argv) {
           scene.correlation = r;
           print(scene, "r =", r, trials);
         }
+      }
+    }
+    // Noise that does not fall with the data, alone and beside relative noise, under the weight that learns it.
+    if (only.empty() || only == "additive") {
+      for (const int points : {40, 60, 200}) {
+        for (const auto& [relative, additive] : {std::pair{0.01, 0.0}, std::pair{0.0, 0.003}, std::pair{0.01, 0.003}}) {
+          support::CoverageCase scene{model, points, relative, additive * support::largest_value(model)};
+          scene.weight = frac::Weight::learned;
+          print(scene, relative == 0 ? "additive" : additive == 0 ? "relative" : "both, additive", additive, trials);
+        }
+      }
+    }
+    // The imaginary part alone, and what is recovered from the real part.
+    if (only.empty() || only == "imaginary") {
+      for (const int points : {40, 60, 200}) {
+        support::CoverageCase scene{model, points};
+        scene.component = frac::Component::imaginary;
+        print(scene, "imaginary part", 0.01, trials);
       }
     }
   }

@@ -579,9 +579,10 @@ TEST(Approximate, PolesToSpareDoNoHarmNextToWholeOrders) {
 
 TEST(Approximate, NamesRoundTrip) {
   for (const ApproximationMethod method : frac::approximation_methods()) {
-    EXPECT_EQ(frac::approximation_method(to_string(method)), method);
+    EXPECT_EQ(frac::approximation_method_from_string(to_string(method)), method);
   }
-  expect_invalid_argument([] { (void)frac::approximation_method("padé"); }, {"padé", "oustaloup-widened", "charef"});
+  expect_invalid_argument([] { (void)frac::approximation_method_from_string("padé"); },
+                          {"padé", "oustaloup-widened", "charef"});
 }
 
 TEST(Approximate, RefusesWhatIsOutOfRange) {

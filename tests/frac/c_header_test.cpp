@@ -340,8 +340,8 @@ TEST(CHeaderText, NamesAreChecked) {
     options.name = name;
     support::expect_invalid_argument([&] { (void)frac::c_header(design, options); }, {"C name \"" + name + "\""});
   }
-  EXPECT_EQ(frac::precision("float"), Precision::float_type);
-  support::expect_invalid_argument([] { (void)frac::precision("half"); }, {"half"});
+  EXPECT_EQ(frac::precision_from_string("float"), Precision::float_type);
+  support::expect_invalid_argument([] { (void)frac::precision_from_string("half"); }, {"half"});
 }
 
 TEST(CHeaderText, NeedsNoLibrary) {

@@ -272,8 +272,10 @@ TEST(Discretise, SaysWhatIsWrong) {
 }
 
 TEST(Discretise, NamesReadBack) {
-  for (const auto method : frac::discretisations()) EXPECT_EQ(frac::discretisation(to_string(method)), method);
-  support::expect_invalid_argument([] { (void)frac::discretisation("euler"); }, {"euler", "tustin-prewarped"});
+  for (const auto method : frac::discretisations())
+    EXPECT_EQ(frac::discretisation_from_string(to_string(method)), method);
+  support::expect_invalid_argument([] { (void)frac::discretisation_from_string("euler"); },
+                                   {"euler", "tustin-prewarped"});
 }
 
 }  // namespace

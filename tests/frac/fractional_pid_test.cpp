@@ -539,8 +539,8 @@ TEST(FractionalPid, SaysWhatIsWrongWithAConfiguration) {
 
 TEST(FractionalPid, AntiWindupNamesReadBack) {
   for (const auto method : {AntiWindup::none, AntiWindup::back_calculation, AntiWindup::conditional_integration})
-    EXPECT_EQ(frac::anti_windup(to_string(method)), method);
-  support::expect_invalid_argument([] { (void)frac::anti_windup("clamp"); }, {"clamp", "back-calculation"});
+    EXPECT_EQ(frac::anti_windup_from_string(to_string(method)), method);
+  support::expect_invalid_argument([] { (void)frac::anti_windup_from_string("clamp"); }, {"clamp", "back-calculation"});
 }
 
 }  // namespace

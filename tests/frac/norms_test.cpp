@@ -69,7 +69,7 @@ Resonances random_resonances(Random& random) {
     const double damping = random.log_uniform(2e-9, 0.3);
     double frequency = random.log_uniform(0.03, 30);
     if (i > 0 && random.below(2) == 0) {
-      const double apart = random.log_uniform(1e-3, 0.1);
+      const double apart = random.log_uniform(1e-6, 0.1);
       frequency = std::sqrt(result.quadratics.back().constant) * (1 + apart);
     }
     result.quadratics.push_back({2 * damping * frequency, frequency * frequency});

@@ -41,7 +41,11 @@ INSTANTIATE_TEST_SUITE_P(
                     BadFormula{"s // 2", 3, "operand is missing here"}, BadFormula{"s ^", 3, "exponent is missing"},
                     BadFormula{"s^^2", 2, "operand is missing here"}, BadFormula{"s^-", 3, "exponent is missing"},
                     BadFormula{"s $ 2", 2, "unknown character"}, BadFormula{"s + \xc3\xa9", 4, "unknown character"},
-                    BadFormula{"[s]", 0, "unknown character"},
+                    BadFormula{"[s]", 0, "write parentheses"}, BadFormula{"{s}", 0, "write parentheses"},
+                    BadFormula{"K/(τ s + 1)", 3, "spell it out: tau"}, BadFormula{"K/(1 + j ω T)", 9, "write s"},
+                    BadFormula{"s**2", 2, "write ^"}, BadFormula{"K e^(-L)", 2, "write exp"},
+                    BadFormula{"K·s", 1, "write *"}, BadFormula{"s²", 1, "write ^2"}, BadFormula{"K − s", 2, "write -"},
+                    BadFormula{"\\frac{1}{s}", 0, "LaTeX"},
                     BadFormula{std::string("s + \0", 5), 4, "unknown character"}, BadFormula{"1,5 s", 1, "comma"},  //
                     BadFormula{"K s^(a s)", 7, "exponent must not contain s"},                                      //
                     BadFormula{"2^s", 2, "exponent must not contain s"},                                            //

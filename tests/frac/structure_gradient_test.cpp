@@ -48,6 +48,14 @@ const Case cases[] = {
      [](const auto& p, LongComplex s) { return p[0] * coth(std::sqrt(p[1] * s)) / std::sqrt(p[1] * s); }},
     {"tanh(A s + B + 1) - coth(C + 1 - D s)",
      [](const auto& p, LongComplex s) { return std::tanh(p[0] * s + p[1] + 1.0L) - coth(p[2] + 1.0L - p[3] * s); }},
+    {"K sech(sqrt(T s)) + sinh(A s)/cosh(B s + 1)",
+     [](const auto& p, LongComplex s) {
+       return p[0] / std::cosh(std::sqrt(p[1] * s)) + std::sinh(p[2] * s) / std::cosh(p[3] * s + 1.0L);
+     }},
+    {"log(A s + B) sinh(C) cosh(D) sech(E) log(F + 1)",
+     [](const auto& p, LongComplex s) {
+       return std::log(p[0] * s + p[1]) * std::sinh(p[2]) * std::cosh(p[3]) / std::cosh(p[4]) * std::log(p[5] + 1.0L);
+     }},
     {"(A s + B)^3/(C s - D)^2",
      [](const auto& p, LongComplex s) { return std::pow(p[0] * s + p[1], 3.0L) / std::pow(p[2] * s - p[3], 2.0L); }},
     {"sqrt(A + B s) - sqrt(C)",

@@ -125,6 +125,28 @@ TEST(Structure, ParametersAreNumberedByAppearance) {
   expect_invalid_argument([] { (void)Structure("s").parameter_index("x"); }, {"it has none"});
 }
 
+// The text that shows the grouping means the same, and shows it: what it gives back parses to itself.
+TEST(Structure, GroupedTextMeansTheSame) {
+  const auto grouped = [](const char* formula) { return frac::Structure(formula).grouped(); };
+  EXPECT_EQ(grouped("K/(T s + 1) exp(-L s)"), "(K/(T s + 1)) exp(-L s)");
+  EXPECT_EQ(grouped("a/b/c"), "(a/b)/c");
+  EXPECT_EQ(grouped("a/b*c"), "(a/b) c");
+  EXPECT_EQ(grouped("-a^2"), "-a^2");
+  EXPECT_EQ(grouped("a - (b - c)"), "a - (b - c)");
+  EXPECT_EQ(grouped("1/(Q s^-n)"), "1/(Q s^(-n))");
+  EXPECT_EQ(grouped("1/2 * s"), "(1/2) s");
+  const std::vector<double> parameters{1.3, 0.7, 0.4, 2.1, 0.9, 1.7};
+  for (const char* formula : {"K/(T s + 1) exp(-L s)", "a/b/c*d s^e", "(K/s)^a + (s/w)^-b", "R0 + R1/(1 + (T s)^n)^m",
+                              "-(-a - b s)*3", "sqrt(T s) tanh(sqrt(T s))/2*s", "1/(a*2 + s)^2 - -b"}) {
+    const frac::Structure given(formula), again(given.grouped());
+    EXPECT_EQ(again.grouped(), given.grouped()) << formula;
+    ASSERT_EQ(again.parameter_names(), given.parameter_names()) << given.grouped();
+    const std::span<const double> values(parameters.data(), given.parameter_names().size());
+    // The same operations but for products in another order: some units in the last place.
+    EXPECT_LT(std::abs(again.response(values, 1.7) / given.response(values, 1.7) - 1.0), 1e-14) << given.grouped();
+  }
+}
+
 TEST(Structure, RolesFollowFromThePlace) {
   const auto coefficient = ParameterRole::coefficient;
   const auto order = ParameterRole::order;

@@ -149,6 +149,12 @@ TEST_F(Faults, EveryCommandMeetsAFullDiskAndAKill) {
            {"controller", {"controller", "--kp", "1", "--sample-time", "0.01", "--band", "0.1:10"}},
            {"respond", {"respond", "--model", "1/(s + 1)", "--time", "0:1:3"}},
            {"analyse", {"analyse", "--model", "1/(s + 1)"}},
+           {"convert", {"convert", curve}},
+           {"orbits", {"orbits", "--restitution", "0.6", "--from", "1.3", "--to", "1.4"}},
+           {"basins",
+            {"basins", "--restitution", "0.6", "--omega", "1.41", "--position", "0:0.5:2", "--velocity", "0:1:2"}},
+           {"jump-law", {"jump-law", "--force", "20,40", "--clearance", "0.2,0.3", "--restitution", "0.6"}},
+           {"realise", {"realise", "--model", "1/(s^0.5 + 1)", "--band", "0.1:10", "--tolerance", "0.1"}},
            {"history", with(with({"history"}, scene), {"--omega", "5"})},
            {"batch without rows kept", {"batch", curve, "--model", "gain"}, "rows.jsonl"}}) {
     fs::remove(path(command.target));

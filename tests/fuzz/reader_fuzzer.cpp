@@ -42,8 +42,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     options.where.emplace_back("a==b");
     static_cast<void>(io::read_frequency_response(file, options));
   });
-  take([] { static_cast<void>(io::curve_labels(file, "")); });
-  take([] { static_cast<void>(io::scenes_in(file)); });
+  take([] { static_cast<void>(io::curve_labels(io::read_measurement(file), "")); });
+  take([] { static_cast<void>(io::scenes_in(io::read_measurement(file))); });
   take([] { static_cast<void>(io::read_time_response(file)); });
   take([] { static_cast<void>(io::joined_block_table({file})); });
   const std::string text(reinterpret_cast<const char*>(data), size);

@@ -202,8 +202,8 @@ TEST(Tune, RefusesWhatMakesNoSense) {
   expect_invalid_argument([&] { (void)frac::tune(plant, {}, {.criterion = TuningCriterion::iae}); }, {"horizon"});
   expect_invalid_argument([&] { (void)frac::tune(parsed("s^0.5"), {.crossover = 1}); }, {"grows as s^0.5"});
   expect_invalid_argument([&] { (void)frac::tune(parsed("1/(s^2 + 1)"), {.crossover = 1.5}); }, {"undamped pole"});
-  expect_invalid_argument([] { (void)frac::tuning_criterion("ise"); }, {"\"ise\"", "iae"});
-  expect_invalid_argument([] { (void)frac::controller_structure("i"); }, {"pid, pi, pd"});
+  expect_invalid_argument([] { (void)frac::tuning_criterion_from_string("ise"); }, {"\"ise\"", "iae"});
+  expect_invalid_argument([] { (void)frac::controller_structure_from_string("i"); }, {"pid, pi, pd"});
   expect_invalid_argument([] { (void)frac::controller_transfer_function({0, 0, 0, 1, 1}); }, {"numerator is zero"});
 }
 

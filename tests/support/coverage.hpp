@@ -24,7 +24,8 @@ inline std::vector<CoverageModel> coverage_models() {
           {"arc", "R0 + R1/(1 + R1 Q1 s^n1)", {1, 3, 0.2, 0.8}},
           {"power", "K s^a", {2, -0.4}},
           {"furnace", "1/(b2 s^a2 + b1 s^a1 + b0)", {0.8, 2.2, 0.5, 0.9, 1}},
-          {"two-lag", "K/((T1 s + 1) (T2 s + 1))", {5, 3, 0.1}}};
+          {"two-lag", "K/((T1 s + 1) (T2 s + 1))", {5, 3, 0.1}},
+          {"three-arcs-end", "R0 + R1/(1 + (T1 s)^n1) + 1/(C s)", {1, 3, 0.6, 0.8, 20}}};
 }
 
 /// Noise of either part: standard deviation sqrt((relative |G|)^2 + additive^2), of first order along the points.
@@ -37,6 +38,14 @@ struct CoverageCase {
   frac::Component component = frac::Component::both;
   frac::Weight weight = frac::Weight::relative;
 };
+
+inline double largest_value(const CoverageModel& model) {
+  double largest = 0;
+  for (const double omega : four_decades(50)) {
+    largest = std::max(largest, std::abs(frac::Structure(model.formula).response(model.parameters, omega)));
+  }
+  return largest;
+}
 
 /// Share of the trials in which the interval of each parameter holds the truth.
 struct Coverage {

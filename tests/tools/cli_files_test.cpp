@@ -2,6 +2,7 @@
 // Files as every command takes them: several curves in one, read once, never replaced by the output.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -284,6 +285,60 @@ TEST(WideFiles, AreReadInProportionAndNamedInShort) {
   EXPECT_EQ(result.code, 0) << result.error;
   EXPECT_NE(result.error.find("and 199990 more"), std::string::npos) << result.error.substr(0, 500);
   EXPECT_LT(result.error.size(), 2000U);
+}
+
+// A folder of files of several instruments goes through one batch, and what convert writes is read back bit by bit.
+TEST(Convert, MixedFilesGoThroughABatchAndComeBackUnchanged) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path("in"));
+  std::string gamry = "EXPLAIN\nZCURVE\tTABLE\t6\n\tPt\tFreq\tZreal\tZimag\n\t#\tHz\tohm\tohm\n";
+  std::string universal = "f/Hz;Z'/ohm;-Z''/ohm\n", touchstone = "# Hz S RI R 50\n";
+  for (int i = 1; i <= 6; ++i) {
+    const std::string f = std::to_string(i), re = std::to_string(7 - i), im = std::to_string(0.1 * i);
+    gamry += "\t" + f + "\t" + f + "\t" + re + "\t-" + im + "\n";
+    universal += f + ";" + re + ";" + im + "\n";
+    touchstone += f + " " + re + " -" + im + "\n";
+  }
+  std::replace(universal.begin(), universal.end(), '.', ',');
+  folder.write("in/a.DTA", gamry);
+  folder.write("in/b.txt", universal);
+  folder.write("in/c.s1p", touchstone);
+  const auto batch = run_fracfit({"batch", folder.path("in"), "--model", "gain", "--component", "both"});
+  EXPECT_EQ(batch.code, 0) << batch.error;
+  std::size_t converged = 0;
+  for (const auto& line : lines_of(batch.output)) converged += line.find(",converged,") != std::string::npos ? 1 : 0;
+  EXPECT_EQ(converged, 3U) << batch.output;
+
+  const auto once = folder.path("once.csv"), twice = folder.path("twice.csv");
+  for (const std::string name : {"in/a.DTA", "in/b.txt", "in/c.s1p"}) {
+    const auto result = run_fracfit({"convert", folder.path(name), "--out", once});
+    ASSERT_EQ(result.code, 0) << result.error;
+    EXPECT_NE(result.error.find(" 6 points"), std::string::npos) << result.error;
+    ASSERT_EQ(run_fracfit({"convert", once, "--out", twice}).code, 0);
+    const auto rows = [](const std::string& file) {
+      std::string text;
+      for (const auto& line : lines_of(content_of(file)))
+        if (!line.starts_with('#')) text += line + "\n";
+      return text;
+    };
+    EXPECT_EQ(rows(once), rows(twice));
+  }
+}
+
+TEST(Convert, WrongUsageAndDamagedFilesAreTold) {
+  const TemporaryFolder folder;
+  const auto table = folder.write("table.csv", "f,a,b\n1,2,3\n2,3,4\n");
+  EXPECT_EQ(run_fracfit({"convert", table}).code, 3);
+  EXPECT_EQ(run_fracfit({"convert", table, "--columns", "f=1,x=2"}).code, 2);
+  EXPECT_EQ(run_fracfit({"convert", table, "--columns", "f=1,re=2,im=3"}).code, 3);
+  const auto told = run_fracfit({"convert", table, "--columns", "f=1,re=2,im=3", "--frequency-unit", "rad/s"});
+  EXPECT_EQ(told.code, 0) << told.error;
+  EXPECT_NE(told.output.find("\nomega_rad_s,re,im\n1,2,3\n2,3,4\n"), std::string::npos) << told.output;
+  EXPECT_EQ(
+      run_fracfit({"convert", table, "--columns", "f=1,re=2,im=3", "--frequency-unit", "Hz", "--select", "4"}).code, 2);
+  const auto cut = run_fracfit({"convert", folder.write("cut.DTA", "EXPLAIN\nZCURVE\tTABLE\n")});
+  EXPECT_EQ(cut.code, 3);
+  EXPECT_NE(cut.error.find("cut.DTA:2: ends within table ZCURVE"), std::string::npos) << cut.error;
 }
 
 }  // namespace

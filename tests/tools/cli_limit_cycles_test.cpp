@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -70,6 +71,32 @@ TEST(LimitCyclesCommand, SaysThatTheLoopIsUnstableWithoutClearance) {
   EXPECT_EQ(result.code, 0);
   EXPECT_NE(result.error.find("unstable even without clearance"), std::string::npos);
   EXPECT_NE(result.output.find("No symmetric limit cycle"), std::string::npos);
+}
+
+// A step of the set-point by 1 meets C = e^{-0.1 s} (2 + s): from 0.1 s on mass 2 has speed 1 from the derivative and
+// acceleration 2, so it meets the wall half a clearance away after 0.1 + (sqrt(3) - 1)/2 s.
+TEST(LoopCommand, WritesTheMotionWithItsImpacts) {
+  const auto result = run_fracfit({"loop", "--controller", "exp(-0.1 s) (2 + s)", "--restitution", "0.6",
+                                   "--setpoint-step", "1", "--duration", "5", "--format", "json"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const auto json = nlohmann::json::parse(result.output);
+  EXPECT_EQ(result.error, "");
+  const std::string text = json.dump();
+  EXPECT_NE(text.find("before-impact"), std::string::npos);
+  for (const auto& member : json) {
+    if (!member.is_array() || member.empty() || !member[0].contains("time_s")) continue;
+    EXPECT_NEAR(member[0]["time_s"].get<double>(), 0.1 + (std::sqrt(3.0) - 1) / 2, 1e-12);
+    EXPECT_NEAR(member[0]["v2_m_s"].get<double>(), std::sqrt(3.0), 1e-12);
+    EXPECT_EQ(member[0]["event"], "before-impact");
+    return;
+  }
+  ADD_FAILURE() << text;
+}
+
+TEST(LoopCommand, SaysWhatItDoesNotFollow) {
+  const auto result = run_fracfit({"loop", "--controller", "1/(s + 1)", "--restitution", "0.6"});
+  EXPECT_EQ(result.code, 2);
+  EXPECT_NE(result.error.find("sum of powers"), std::string::npos) << result.error;
 }
 
 }  // namespace

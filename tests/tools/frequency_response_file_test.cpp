@@ -214,15 +214,11 @@ TEST_F(FrequencyResponseFileTest, FilesWithoutDataSayWhatIsMissing) {
   expect_error("", 0, 0, "is empty");
   expect_error("\n\n", 0, 0, "holds no rows");
   expect_error("# only: comments\n", 0, 0, "holds no rows");
-  expect_error("\xEF\xBB\xBF", 0, 0, "holds no rows");
+  expect_error("\xEF\xBB\xBF", 0, 0, "is empty");
   expect_error("# a: b\nf_Hz,re,im\n", 2, 0, "no data rows");
   expect_error("f_Hz,re,im\n# comment\n\n", 1, 0, "no data rows");
   expect_error("1,2,3\n", 1, 1, "no header row");
   expect_error("# some remark\n1,2,3\n", 2, 1, "no header row");
-  expect_error(std::string("\xFF\xFE"
-                           "f\0,\0",
-                           6),
-               1, 1, "UTF-16");
 }
 
 TEST_F(FrequencyResponseFileTest, MissingAndDoubtfulColumns) {
@@ -255,8 +251,7 @@ TEST_F(FrequencyResponseFileTest, BadFieldsAreNamedWithLineAndColumn) {
   expect_error("f_Hz,re,im\n1,2,1e999\n", 2, 5, "finite");
   expect_error("f_Hz,re,im\nnan,2,3\n", 2, 1, "finite");
   expect_error("f_Hz,re,im\n1,,3\n", 2, 3, "field is empty");
-  expect_error("f_Hz;re;im\n1,5;2;3\n", 2, 1, "decimal point");
-  expect_error("f_Hz,re,im\n0,2,3\n", 2, 1, "must be > 0");
+  expect_error("f_Hz,re,im\n0,2,3\n", 0, 0, "no point at a frequency above 0");
   expect_error("f_Hz,re,im\n1,2,3\n-1,2,3\n", 3, 1, "must be > 0");
   expect_error("f_Hz,magnitude,phase_deg\n1,-2,3\n", 2, 3, "magnitude must be >= 0");
   expect_error("f_Hz,magnitude_db,phase_deg\n1,1e5,3\n", 2, 3, "beyond the range");
@@ -326,7 +321,7 @@ TEST_F(FrequencyResponseFileTest, CurvesInColumnsAreToldApartByTheirLabels) {
                                         "omega_rad_s,re_10,im_10,re_20,-im_20,sigma_20\n"
                                         "1,2,3,4,5,0.1\n"
                                         "2,6,7,8,9,0.2\n");
-  EXPECT_EQ(io::curve_labels(file, ""), (std::vector<std::string>{"10", "20"}));
+  EXPECT_EQ(io::curve_labels(io::read_measurement(file), ""), (std::vector<std::string>{"10", "20"}));
   io::FrequencyResponseReadOptions options;
   options.curve = "20";
   const auto curve = io::read_frequency_response(file, options);
@@ -337,7 +332,7 @@ TEST_F(FrequencyResponseFileTest, CurvesInColumnsAreToldApartByTheirLabels) {
   const std::string polar = folder.write("polar.csv",
                                          "f_Hz,magnitude_db_a,phase_deg_a,magnitude_b,phase_rad_b\n"
                                          "1,20,180,3,0\n");
-  EXPECT_EQ(io::curve_labels(polar, ""), (std::vector<std::string>{"a", "b"}));
+  EXPECT_EQ(io::curve_labels(io::read_measurement(polar), ""), (std::vector<std::string>{"a", "b"}));
   options.curve = "a";
   EXPECT_NEAR(std::abs(io::read_frequency_response(polar, options).data.value()[0] + 10.0), 0, 1e-13);
   options.curve = "b";
@@ -351,7 +346,7 @@ TEST_F(FrequencyResponseFileTest, CurvesInRowsAreToldApartByTheKeyColumn) {
                                         "10,1,3,4\n"
                                         "40.0,2,5,6\n"
                                         "10,2,7,8\n");
-  EXPECT_EQ(io::curve_labels(file, "force_n"), (std::vector<std::string>{"40", "10"}));
+  EXPECT_EQ(io::curve_labels(io::read_measurement(file), "force_n"), (std::vector<std::string>{"40", "10"}));
   io::FrequencyResponseReadOptions options;
   options.rows = {{"force_n", "40"}};
   const auto curve = io::read_frequency_response(file, options);
@@ -375,8 +370,9 @@ TEST_F(FrequencyResponseFileTest, PointsOfSeveralScenesAreNoCurve) {
                                         "0.2,0.5,1,5,6\n"
                                         "0.2,0.5,2,7,8\n"
                                         "0.2,0.5,3,9,9\n");
-  EXPECT_EQ(io::scenes_in(file), (std::vector<io::Metadata>{{{"clearance_m", "0.1"}}, {{"clearance_m", "0.2"}}}));
-  EXPECT_TRUE(io::scenes_in(file, {io::PointFilter("clearance_m<0.15")}).empty());
+  EXPECT_EQ(io::scenes_in(io::read_measurement(file)),
+            (std::vector<io::Metadata>{{{"clearance_m", "0.1"}}, {{"clearance_m", "0.2"}}}));
+  EXPECT_TRUE(io::scenes_in(io::read_measurement(file), {io::PointFilter("clearance_m<0.15")}).empty());
   EXPECT_THROW(static_cast<void>(io::read_frequency_response(file)), std::invalid_argument);
   io::FrequencyResponseReadOptions options;
   options.where.emplace_back("clearance_m==0.1");
@@ -390,8 +386,11 @@ TEST_F(FrequencyResponseFileTest, PointsOfSeveralScenesAreNoCurve) {
 }
 
 TEST_F(FrequencyResponseFileTest, AnOrdinaryFileHoldsOneCurveWithoutLabel) {
-  EXPECT_TRUE(io::curve_labels(folder.write("one.csv", "omega_rad_s,re_ohm,im_ohm\n1,2,3\n"), "").empty());
-  EXPECT_TRUE(io::curve_labels(folder.write("two.csv", "f_Hz,magnitude_db,phase_deg\n1,2,3\n"), "").empty());
+  EXPECT_TRUE(io::curve_labels(io::read_measurement(folder.write("one.csv", "omega_rad_s,re_ohm,im_ohm\n1,2,3\n")), "")
+                  .empty());
+  EXPECT_TRUE(
+      io::curve_labels(io::read_measurement(folder.write("two.csv", "f_Hz,magnitude_db,phase_deg\n1,2,3\n")), "")
+          .empty());
 }
 
 TEST(DataError, MessagesHoldNothingThatATerminalCannotShow) {

@@ -435,6 +435,16 @@ TEST(ReadScene, TakesNumbersListsAndGrids) {
   EXPECT_EQ(scene.omega_bode, (std::vector<double>{1, 3, 5, 7, 9}));
 }
 
+TEST(ReadScene, TakesTheMassesUnderTheNamesOfTheCommandLine) {
+  const TemporaryFolder folder;
+  const std::string rest = R"("clearance": 0.2, "restitution": 0.5, "force": 10, "omega": "1:9:5"})";
+  const Scene scene = read_scene(folder.write("scene.json", R"({"mass1": 2, "mass2": 3, )" + rest));
+  EXPECT_EQ(scene.mass1, 2);
+  EXPECT_EQ(scene.mass2, 3);
+  EXPECT_THROW(static_cast<void>(read_scene(folder.write("twice.json", R"({"mass1": 2, "m1": 2, )" + rest))),
+               io::DataError);
+}
+
 TEST(ReadScene, NamesTheMemberThatIsWrong) {
   const std::vector<std::pair<std::string, std::string>> cases = {
       {R"({"clearance": 0.3, "restitution": 0.6, "omega": "1:9:5"})", "\"force\" is missing"},
@@ -450,7 +460,8 @@ TEST(ReadScene, NamesTheMemberThatIsWrong) {
       {R"({"clearance": 1, "restitution": 1, "force": 1, "omega": "1:9:5", "gap": 2})", "unknown member \"gap\""},
       {R"({"m1": [1, 2], "clearance": 1, "restitution": 1, "force": 1, "omega": "1:9:5"})", "\"m1\" is a list"},
       {R"([1, 2])", "expected an object"},
-      {R"({"clearance": )", "is not JSON"},
+      {R"({"clearance": )", "scene.json:1:15: is not JSON: it ends too early"},
+      {"{\"clearance\":\n  ?1}", "scene.json:2:3: is not JSON: cannot go on with '?'"},
   };
   const TemporaryFolder folder;
   for (const auto& [text, expected] : cases) {

@@ -31,7 +31,8 @@ int run(const std::vector<std::string>& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  // A reader that goes away, such as `head` or a dying gnuplot, is met where writing fails, not by a signal.
+  // A reader may go away, such as `head` or a dying gnuplot.  The write then fails instead of a signal ending the
+  // program.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // the same for a limit of the size of files
   io::clean_up_on_signals();
@@ -45,7 +46,7 @@ int main(int argc, char** argv) {
   } catch (const std::domain_error& error) {
     return fail(error.what(), fracfit::wrong_usage);
   } catch (const std::filesystem::filesystem_error& error) {
-    // What the machine cannot do now is no wrong usage.
+    // Lack of memory or threads is a failure (exit code 1), not wrong usage.
     const bool is_of_machine = error.code() == std::errc::no_space_on_device || error.code() == std::errc::io_error;
     return fail(error.path1().string() + ": " + error.code().message(),
                 is_of_machine ? fracfit::no_usable_result : fracfit::wrong_usage);

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "io/data_error.hpp"
+#include "io/instrument_name.hpp"
 
 namespace io {
 namespace {
@@ -60,7 +61,7 @@ struct Base {
   bool angular = false;  // a frequency that is angular by its name
 };
 
-// Longer names stand before their own beginnings.
+// A name stands before every name that it begins with, because the first match is taken.
 constexpr std::array<Base, 34> bases{{{"angular_frequency", Quantity::frequency, true},
                                       {"ang_freq", Quantity::frequency, true},
                                       {"omega", Quantity::frequency, true},
@@ -156,18 +157,19 @@ std::optional<double> radian_rate_factor(std::string_view unit) {
   return std::nullopt;
 }
 
-void read_frequency_unit(const Base& base, ColumnMeaning& meaning) {
-  const auto hertz = base.angular ? std::nullopt : hertz_factor(meaning.unit);
+void read_frequency_unit(bool angular, ColumnMeaning& meaning) {
+  const auto hertz = angular ? std::nullopt : hertz_factor(meaning.unit);
   const auto rate = radian_rate_factor(meaning.unit);
   if (hertz) {
     meaning.factor = *hertz;
   } else if (rate) {
     meaning.factor = *rate;
-  } else if (base.angular) {
+  } else if (angular) {
     if (!meaning.unit.empty())
       meaning.problem = "unknown unit " + quoted(meaning.unit) + " of an angular frequency; expected rad/s or krad/s";
   } else if (meaning.unit.empty()) {
-    meaning.problem = "the frequency has no unit; expected one in the name, such as f_Hz or omega_rad_s";
+    meaning.problem =
+        "the frequency has no unit; expected one in the name, such as f_Hz or omega_rad_s, or by --frequency-unit";
   } else if (lowered(meaning.unit) == "mhz") {
     meaning.problem = "the unit " + quoted(meaning.unit) + " can mean milli or mega; expected mHz or MHz";
   } else {
@@ -190,10 +192,21 @@ void read_phase_unit(ColumnMeaning& meaning) {
 }  // namespace
 
 ColumnMeaning column_meaning(std::string_view name) {
-  const auto found = find_base(name);
-  if (!found) return {Quantity::other, 1, {}, {}};
-  ColumnMeaning meaning{found->base.quantity, 1, found->unit, {}};
-  if (meaning.quantity == Quantity::frequency) read_frequency_unit(found->base, meaning);
+  ColumnMeaning meaning{Quantity::other, 1, {}, {}};
+  bool angular = false;
+  if (auto of_instrument = instrument_column(name)) {
+    meaning = *std::move(of_instrument);
+    angular = meaning.symbol == "w";
+    if (meaning.quantity == Quantity::phase && meaning.unit.empty()) {
+      meaning.unit = "deg";
+      meaning.assumption = "column " + quoted(name) + " has no unit and is taken as degrees";
+    }
+  } else if (const auto found = find_base(name)) {
+    meaning.quantity = found->base.quantity;
+    meaning.unit = found->unit;
+    angular = found->base.angular;
+  }
+  if (meaning.quantity == Quantity::frequency) read_frequency_unit(angular, meaning);
   if (meaning.quantity == Quantity::phase) read_phase_unit(meaning);
   if (meaning.quantity == Quantity::magnitude && lowered(meaning.unit) == "db")
     meaning.quantity = Quantity::magnitude_db;

@@ -26,9 +26,14 @@ struct ColumnMeaning {
   double factor;        // to rad/s for a frequency, to rad for a phase; 1 otherwise
   std::string unit;     // as written; empty when the name gives none
   std::string problem;  // of the unit, one sentence; empty when it is understood
+  // What the name speaks of: z impedance, y admittance, g modulus, eps permittivity, w an angular frequency; empty when
+  // it does not tell.
+  std::string symbol = {};
+  std::string assumption = {};  // what was taken for granted, one sentence
 };
 
-/// Meaning of a name such as "f_Hz", "omega [rad/s]", "re_m_per_n", "magnitude_db", "phase(deg)".
+/// Meaning of a name such as "f_Hz", "omega [rad/s]", "re_m_per_n", "magnitude_db", "phase(deg)", or as instruments
+/// write them: "Freq/Hz", "Zreal", "-Im(Z)/Ohm", "Z''", "|Z|", "G'", "eps''".
 [[nodiscard]] ColumnMeaning column_meaning(std::string_view name);
 
 /// The name says standard deviation (sigma, std, standard_deviation, uncertainty), with or without unit.

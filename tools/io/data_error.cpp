@@ -13,7 +13,8 @@ std::string place(const std::string& file, std::size_t line, std::size_t column)
   return text + ": ";
 }
 
-// Bytes of the UTF-8 character that the text begins with; 0 where it is none, or one that steers a terminal.
+// Length in bytes of the UTF-8 character at the start of the text.  0 if there is none, or if it is a control
+// character.
 std::size_t character_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned char first = byte(0);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "frac/model/frequency_response_data.hpp"
+#include "io/measurement.hpp"
 #include "io/point_filter.hpp"
 #include "io/text_table.hpp"
 
@@ -24,6 +25,10 @@ struct FrequencyResponseReadOptions {
   Metadata rows;
   /// Label of the curve to read, one of curve_labels() without a key column; empty where the file holds one.
   std::string curve;
+  /// Rows that repeat the frequencies of others are repeated measurements, not further sweeps.
+  bool repeats_are_points = false;
+  /// What the caller tells of the file; its choice of a sweep is as good as `curve`.
+  MeasurementOptions how = {};
 };
 
 struct FrequencyResponseFile {
@@ -43,9 +48,11 @@ struct FrequencyResponseFile {
 ///   value      re, real, re_<unit> and im, imag, im_<unit> (or -im: the negative is stored);
 ///              or magnitude, mag, abs, gain [any unit or dB] with phase, arg, angle [deg, rad]
 ///   optional   sigma or weight
-/// Units are taken from the names alone, never from the values.  Other columns are ignored.
-/// Several curves in one file stand in columns re_<label>, im_<label> (or magnitude_<label>, magnitude_db_<label> with
-/// phase_deg_<label>, phase_rad_<label>; sigma_<label>), or in rows told apart by a key column.
+/// Instruments' files and their names of columns are known too, see read_measurement() and column_meaning().
+/// Units are taken from the names alone, never from the values.  Other columns are ignored, and so are rows at
+/// frequency 0, which a note tells. Several curves in one file stand in columns re_<label>, im_<label> (or
+/// magnitude_<label>, magnitude_db_<label> with phase_deg_<label>, phase_rad_<label>; sigma_<label>), or in rows told
+/// apart by a key column.
 /// @throws DataError  as TextTable; a column missing, of unknown unit, or doubled; a field that is no finite number or
 /// not in its
 ///                    range; no point left after the filter.
@@ -53,16 +60,23 @@ struct FrequencyResponseFile {
 ///                                scenes, see scenes_in().
 [[nodiscard]] FrequencyResponseFile read_frequency_response(const std::string& file,
                                                             const FrequencyResponseReadOptions& options = {});
+/// The same of a file already recognised; `options.how` is then that of the measurement, but for its choice of a sweep.
+[[nodiscard]] FrequencyResponseFile read_frequency_response(const Measurement& measurement,
+                                                            const FrequencyResponseReadOptions& options = {});
 
-/// Labels of the curves in a file that holds several, in order of appearance: of its columns, or the values in the key
-/// column unless that is empty.  None where the file holds one curve, or has no such column.
-/// @throws DataError  as TextTable.
-[[nodiscard]] std::vector<std::string> curve_labels(const std::string& file, const std::string& key_column);
+/// Labels of the curves in a file that holds several, in order of appearance: its sweeps; those of its columns; "Set=3"
+/// and so on where rows repeat the frequencies and a column tells the sweeps apart; or the values in the key column
+/// unless that is empty.  None where the file holds one curve, or has no such column.
+[[nodiscard]] std::vector<std::string> curve_labels(const Measurement& measurement, const std::string& key_column);
+
+/// Cuts a table with curves in columns into a table per curve, so that reading all of them takes time in proportion to
+/// the file, not to its square.
+void prepare_curves(Measurement& measurement);
 
 /// The scenes of a table of several, as simulate and map write it: rows told apart by columns force_n, clearance_m and
 /// restitution.  Each is given by those columns that vary, in order of appearance; none where no column varies.
 /// @param where  rows that count, as in FrequencyResponseReadOptions
-/// @throws DataError  as TextTable.
-[[nodiscard]] std::vector<Metadata> scenes_in(const std::string& file, const std::vector<PointFilter>& where = {});
+[[nodiscard]] std::vector<Metadata> scenes_in(const Measurement& measurement,
+                                              const std::vector<PointFilter>& where = {});
 
 }  // namespace io

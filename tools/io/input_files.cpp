@@ -2,9 +2,11 @@
 #include "io/input_files.hpp"
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <set>
 #include <stdexcept>
+#include <string_view>
 
 #include "io/data_error.hpp"
 
@@ -13,12 +15,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::array<std::string_view, 17> endings{".csv", ".tsv", ".txt", ".dat", ".dta", ".mpt",
+                                                   ".z",   ".par", ".s1p", ".s2p", ".s3p", ".s4p",
+                                                   ".unv", ".uff", ".58",  ".asc", ".data"};
+
 bool is_data_file(const fs::directory_entry& entry) {
   std::string extension = entry.path().extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
   return entry.is_regular_file() && !entry.path().filename().string().starts_with('.') &&
-         (extension == ".csv" || extension == ".tsv" || extension == ".txt" || extension == ".dat");
+         std::find(endings.begin(), endings.end(), extension) != endings.end();
 }
 
 }  // namespace
@@ -40,7 +46,8 @@ std::vector<std::string> input_files(const std::vector<std::string>& given, cons
       if (is_data_file(entry) && (except.empty() || !fs::equivalent(entry.path(), except, ignored)))
         inside.push_back(entry.path().string());
     if (inside.empty())
-      throw std::invalid_argument("folder " + path + " holds no file ending in .csv, .tsv, .txt or .dat");
+      throw std::invalid_argument("folder " + path +
+                                  " holds no file ending in .csv, .tsv, .txt, .dat or as instruments name them");
     std::sort(inside.begin(), inside.end());
     files.insert(files.end(), inside.begin(), inside.end());
   }

@@ -29,7 +29,7 @@ using Identity = std::pair<dev_t, ino_t>;
 std::string read_to_end(int descriptor, std::size_t expected, const std::string& file) {
   std::string content;
   for (std::size_t used = 0;;) {
-    // One byte more than expected, so that the end is met without another round.
+    // Asks for one byte more than expected, so that the same read shows the end of the file.
     content.resize(used + std::max<std::size_t>(expected + 1 - std::min(expected, used), 1U << 16U));
     const auto got = ::read(descriptor, content.data() + used, content.size() - used);
     if (got < 0 && errno == EINTR) continue;

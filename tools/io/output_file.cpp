@@ -32,7 +32,7 @@ constexpr mode_t usual_rights = 0666;  // less the umask
   throw std::runtime_error("cannot write " + path + ": " + std::strerror(error));
 }
 
-// The name is at fault, or else the state of the system.
+// Reports a bad name as wrong usage and a state of the system, such as a full disk, as a failure.
 [[noreturn]] void fail_creating(const std::string& path, int error) {
   if (is_state_of_system(error)) fail_writing(path, error);
   fail_opening(path, std::strerror(error));
@@ -52,7 +52,7 @@ std::string name_beside(const std::string& path) {
   return (fs::path(path).parent_path() / name).string();
 }
 
-// Behind a symbolic link the file it points to is replaced, not the link; that file may not exist yet.
+// Replaces the file that a symbolic link points to, not the link.  That file may not exist yet.
 std::string link_target(std::string path) {
   std::error_code none;
   while (fs::is_symlink(fs::symlink_status(path, none))) {
@@ -104,7 +104,7 @@ void rename_onto(const std::string& name, const std::string& path) {
   fail_writing(path, error);
 }
 
-// Gives the complete file its name.  False where this system cannot name such files.
+// Gives the complete file its name.  Returns false if this system cannot name an unnamed file.
 bool named(int descriptor, const std::string& path) {
   bool done = false;
   uninterrupted([&] {

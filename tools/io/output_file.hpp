@@ -30,7 +30,7 @@ class OutputFile {
 /// Standard output was closed by its reader, e.g. by `head`.
 struct OutputClosed {};
 
-/// Whether an error number tells of the state of the system, such as a full disk, rather than of a wrong name.
+/// True if an error number reports the state of the system, such as a full disk, and not a wrong name.
 [[nodiscard]] bool is_state_of_system(int error);
 
 /// Writes all of the content to an open file, however many steps the system takes.

@@ -24,7 +24,7 @@ void draw(const std::string& label, double share, double elapsed_seconds) {
   std::string bar(static_cast<std::size_t>(filled), '#');
   bar.resize(width, '.');
   std::string left;
-  // Before two per cent are done the estimate would jump about.
+  // Shows no remaining time before 2 % are done, because the estimate would jump.
   if (share >= 0.02) {
     char text[32];
     std::snprintf(text, sizeof text, ", %.0f s left", elapsed_seconds * (1 - share) / share);

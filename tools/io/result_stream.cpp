@@ -17,7 +17,7 @@
 namespace io {
 namespace {
 
-// An open file that no other run may add to.
+// Opens the file and locks it against other runs.
 Descriptor locked(const std::string& path) {
   Descriptor file(::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC));
   if (file.number() < 0) {
@@ -25,7 +25,7 @@ Descriptor locked(const std::string& path) {
     if (is_state_of_system(error)) throw std::runtime_error("cannot write " + path + ": " + std::strerror(error));
     throw std::invalid_argument(path + " cannot be written: " + std::strerror(error));
   }
-  // A folder that knows no locks, such as some network folders, is used without.
+  // Some network folders have no locks; they are used without one.
   if (::flock(file.number(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
     throw std::invalid_argument(path + " is being written by another run; wait for its end or choose another --out");
   return file;
@@ -70,7 +70,7 @@ void ResultStream::append(const std::string& key, const std::string& line) {
   try {
     write_all(file_.number(), text, path_);
   } catch (const std::runtime_error& error) {
-    // Part of the line may have been written; another line behind it would make one that is neither.
+    // Part of the line may have been written, so no further line may follow it.
     failure_ = error.what();
     static_cast<void>(::ftruncate(file_.number(), static_cast<off_t>(size_)));
     throw;

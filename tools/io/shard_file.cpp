@@ -149,7 +149,7 @@ void check_row(const Inspected& table, std::size_t line, const std::string& expe
   }
 }
 
-// Takes the line of the checksum off the lines.
+// Checks the checksum line and removes it from the lines.
 void check_checksum(Inspected& table, std::string_view text, bool required) {
   if (!table.lines.empty() && table.lines.back().starts_with(checksum_start)) {
     const std::string_view above = text.substr(0, text.size() - table.lines.back().size() - 1);

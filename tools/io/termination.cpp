@@ -49,7 +49,7 @@ void wait_for_signal(const sigset_t& set) {
   int signal = 0;
   if (sigwait(&set, &signal) != 0) return;
   Registry& all = registry();
-  // Held to the end, so that nothing new comes about after the cleaning.
+  // Keeps the lock until the program ends, so that nothing is created after the cleaning.
   all.mutex.lock();
   for (auto action = all.actions.rbegin(); action != all.actions.rend(); ++action) (*action)();
   end_by(signal);

@@ -8,7 +8,7 @@ namespace io {
 
 /// Makes SIGINT, SIGTERM and SIGHUP run the actions of all living CleanUp objects before they end the program.  To be
 /// called once, before other threads start: they inherit the signal mask.  A signal that is ignored stays ignored.
-/// Where the system grants no further thread the signals end the program as they are.
+/// If the system grants no further thread, signals end the program without cleaning.
 void clean_up_on_signals();
 
 /// An action for the case that a signal ends the program while the object lives, such as removing a file under

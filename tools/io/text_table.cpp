@@ -4,69 +4,13 @@
 #include <algorithm>
 #include <utility>
 
+#include "io/decoded_text.hpp"
+#include "io/fields.hpp"
 #include "io/input_text.hpp"
 #include "io/number.hpp"
 
 namespace io {
 namespace {
-
-constexpr std::string_view blanks = " \t\r";
-
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(blanks);
-  if (first == std::string_view::npos) return text.substr(text.size());
-  return text.substr(first, text.find_last_not_of(blanks) - first + 1);
-}
-
-std::string_view unquoted(std::string_view text) {
-  text = trimmed(text);
-  if (text.size() >= 2 && (text.front() == '"' || text.front() == '\'') && text.back() == text.front())
-    return trimmed(text.substr(1, text.size() - 2));
-  return text;
-}
-
-char separator_of(std::string_view line) {
-  for (const char separator : {'\t', ';', ','})
-    if (line.find(separator) != std::string_view::npos) return separator;
-  return ' ';
-}
-
-void split_by(std::string_view line, char separator, std::vector<std::string_view>& fields) {
-  fields.clear();
-  if (separator == ' ') {
-    for (line = trimmed(line); !line.empty();) {
-      const auto end = std::min(line.find_first_of(blanks), line.size());
-      fields.push_back(unquoted(line.substr(0, end)));
-      const auto next = line.find_first_not_of(blanks, end);
-      line = line.substr(std::min(next, line.size()));
-    }
-    return;
-  }
-  for (std::size_t begin = 0;;) {
-    const auto end = line.find(separator, begin);
-    fields.push_back(unquoted(line.substr(begin, end - begin)));
-    if (end == std::string_view::npos) return;
-    begin = end + 1;
-  }
-}
-
-bool holds_a_number(const std::vector<std::string_view>& fields) {
-  return std::any_of(fields.begin(), fields.end(),
-                     [](std::string_view field) { return parse_number(field).has_value(); });
-}
-
-bool is_comment(std::string_view trimmed_line) {
-  return trimmed_line.starts_with('#');
-}
-
-std::size_t characters(std::string_view text) {
-  const auto continues = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; };
-  return text.size() - static_cast<std::size_t>(std::count_if(text.begin(), text.end(), continues));
-}
-
-std::size_t column_in(std::string_view line, std::string_view field) {
-  return 1 + characters(line.substr(0, static_cast<std::size_t>(field.data() - line.data())));
-}
 
 constexpr const char* expected_header = "expected a header row naming the columns with units, such as f_Hz,re,im";
 
@@ -82,12 +26,14 @@ std::size_t TextTable::Row::column_of(std::size_t field) const {
   return column_in(text, fields[field]);
 }
 
-TextTable::TextTable(std::string file) : file_(std::move(file)), text_(input_text(file_)), content_(*text_) {
-  if (file_ == "-") file_ = "standard input";
+TextTable::TextTable(std::string file)
+    : TextTable(file == "-" ? "standard input" : file, decoded(input_text(file)).text) {}
+
+TextTable::TextTable(std::string file, std::shared_ptr<const std::string> content) : file_(std::move(file)) {
+  layout_.text = std::move(content);
+  content_ = *layout_.text;
   if (content_.empty()) throw DataError(file_, 0, 0, std::string("is empty; ") + expected_header);
-  if (content_.starts_with("\xFF\xFE") || content_.starts_with("\xFE\xFF"))
-    throw DataError(file_, 1, 1, "found UTF-16 text; expected UTF-8 or ASCII");
-  std::size_t position = content_.starts_with("\xEF\xBB\xBF") ? 3 : 0;
+  std::size_t position = 0;
   if (content_.find('\n') == std::string::npos && content_.find('\r') != std::string::npos) line_end_ = '\r';
 
   std::string_view last_comment;  // without the '#'
@@ -133,6 +79,25 @@ TextTable::TextTable(std::string file) : file_(std::move(file)), text_(input_tex
   throw DataError(file_, header_.front().line, 0, "found a header row but no data rows below");
 }
 
+TextTable::TextTable(std::string file, TextLayout layout)
+    : file_(std::move(file)),
+      layout_(std::move(layout)),
+      content_(std::string_view(*layout_.text).substr(0, layout_.end)),
+      separator_(layout_.separator),
+      metadata_(layout_.metadata),
+      data_position_(layout_.begin),
+      data_line_(layout_.first_line) {
+  if (content_.find('\n') == std::string::npos && content_.find('\r') != std::string::npos) line_end_ = '\r';
+  for (const auto& column : layout_.columns) header_.push_back({column.name, column.line, column.column});
+  std::size_t position = data_position_;
+  for (std::string_view line; next_line(position, line);) {
+    if (trimmed(line).empty() || is_comment(trimmed(line))) continue;
+    row_estimate_ = (content_.size() - data_position_) / std::max<std::size_t>(line.size() / 2, 4) + 1;
+    return;
+  }
+  throw DataError(file_, header_.front().line, 0, "found a header row but no data rows below");
+}
+
 bool TextTable::next_line(std::size_t& position, std::string_view& line) const {
   if (position >= content_.size()) return false;
   const auto end = std::min(content_.find(line_end_, position), content_.size());
@@ -146,7 +111,7 @@ void TextTable::take_header(std::string_view line, std::string_view names, std::
   separator_ = separator_of(names);
   std::vector<std::string_view> fields;
   split_by(names, separator_, fields);
-  // Counted on from name to name: a file may have very many.
+  // Counts on from name to name, because a file may have very many.
   std::size_t column = 1;
   const char* counted = line.data();
   for (const auto field : fields) {
@@ -156,8 +121,36 @@ void TextTable::take_header(std::string_view line, std::string_view names, std::
   }
 }
 
+std::shared_ptr<const TextTable> TextTable::narrowed(const std::vector<std::size_t>& columns) const {
+  if (!cut_rows_) {
+    auto rows = std::make_shared<std::vector<CutRow>>();
+    for_each_row([&](const Row& row) {
+      rows->push_back({row.line, row.text, {row.fields.begin(), row.fields.end()}});
+    });
+    cut_rows_ = std::move(rows);
+  }
+  std::shared_ptr<TextTable> table(new TextTable);
+  table->file_ = file_;
+  table->layout_.text = layout_.text;
+  table->content_ = content_;
+  table->metadata_ = metadata_;
+  table->row_estimate_ = cut_rows_->size();
+  table->cut_rows_ = cut_rows_;
+  table->taken_ = columns;
+  for (const auto column : columns) table->header_.push_back(header_[column]);
+  return table;
+}
+
 void TextTable::for_each_row(const std::function<void(const Row&)>& body) const {
   std::vector<std::string_view> fields;
+  if (!taken_.empty()) {
+    for (const CutRow& row : *cut_rows_) {
+      fields.clear();
+      for (const auto column : taken_) fields.push_back(row.fields[column]);
+      body(Row{row.line, row.text, fields});
+    }
+    return;
+  }
   std::string_view line;
   std::size_t position = data_position_;
   for (std::size_t number = data_line_; next_line(position, line); ++number) {
@@ -174,10 +167,6 @@ void TextTable::for_each_row(const std::function<void(const Row&)>& body) const 
     }
     body(Row{number, line, fields});
   }
-}
-
-std::string TextTable::content_fingerprint() const {
-  return fingerprint(content_);
 }
 
 std::string column_list(const TextTable& table) {

@@ -156,8 +156,10 @@ TimeSeries read(const std::string& file, bool with_output, const std::vector<Sam
 
 }  // namespace
 
-bool holds_time_response(const std::string& file) {
-  const TextTable table(file);
+bool holds_time_response(const std::string& file, const MeasurementOptions& how) {
+  const Measurement measurement = read_measurement(file, how);
+  if (!measurement.format.empty()) return false;
+  const TextTable& table = *measurement.sweeps.front().table;
   bool has_time = false, has_output = false, has_frequency = false;
   for (const auto& field : table.header()) {
     has_time = has_time || is_time(field.text);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "frac/model/time_response_data.hpp"
+#include "io/measurement.hpp"
 #include "io/point_filter.hpp"
 #include "io/text_table.hpp"
 
@@ -23,7 +24,7 @@ struct TimeSeries {
 
 /// Whether the file has a column of times and one of outputs, and none of frequencies: data for a fit over time.
 /// @throws DataError  as TextTable.
-[[nodiscard]] bool holds_time_response(const std::string& file);
+[[nodiscard]] bool holds_time_response(const std::string& file, const MeasurementOptions& how = {});
 
 /// Reads the columns time (time, t with unit s, ms, us, min or h; without one: s), input (input, u), and output
 /// (output, y) with an optional standard deviation (sigma, std, uncertainty); units of these are not interpreted.

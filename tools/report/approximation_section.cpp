@@ -65,7 +65,7 @@ double processor_seconds() {
 struct Timed {
   frac::Approximation approximation;
   double design_seconds;  // of one design
-  // Of the recursion by the bilinear rule; NaN where there are complex pairs.
+  // Error of the recursion by the bilinear rule.  NaN if there are complex pairs.
   double seconds_per_sample;
 };
 

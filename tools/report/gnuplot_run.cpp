@@ -48,7 +48,7 @@ bool is_whole(const std::filesystem::path& path, std::string_view end) {
   return file && tail.find(end) != std::string::npos;
 }
 
-// What the disk says to a picture that is not whole.
+// The error of the disk, if the picture is not complete.
 std::string disk_words(const std::filesystem::path& folder) {
   std::error_code error;
   const auto space = std::filesystem::space(folder, error);

@@ -8,8 +8,8 @@
 #include <variant>
 
 #include "io/number.hpp"
-#include "io/version.hpp"
 #include "io/time_series_file.hpp"
+#include "io/version.hpp"
 #include "report/bands.hpp"
 #include "report/html.hpp"
 #include "report/prose.hpp"
@@ -214,27 +214,30 @@ std::string scene_text(const io::Metadata& scene) {
 }
 
 // All that a file holds: one record over time, or one or several frequency responses.
-void read_data(const std::filesystem::path& path, std::vector<Data>& data) {
+void read_data(const std::filesystem::path& path, const io::MeasurementOptions& how, std::vector<Data>& data) {
   const std::string file = path.string();
   const std::string name = path.filename().string();
-  if (io::holds_time_response(file)) {
+  if (io::holds_time_response(file, how)) {
     io::TimeSeries series = io::read_time_response(file);
     std::vector<std::string> notes = std::move(series.notes);
     data.push_back({name, TimeRecord{io::time_response_data(file, std::move(series)), std::move(notes)}});
     return;
   }
+  const io::Measurement measurement = io::read_measurement(file, how);
   io::FrequencyResponseReadOptions options;
+  options.how = how;
   const std::size_t before = data.size();
-  for (const auto& scene : io::scenes_in(file)) {
+  for (const auto& scene : io::scenes_in(measurement)) {
     options.rows = scene;
-    data.push_back({name + scene_text(scene), io::read_frequency_response(file, options)});
+    data.push_back({name + scene_text(scene), io::read_frequency_response(measurement, options)});
   }
   if (data.size() > before) return;
-  for (const auto& label : io::curve_labels(file, "")) {
+  const auto labels = how.select.empty() ? io::curve_labels(measurement, "") : std::vector<std::string>{};
+  for (const auto& label : labels) {
     options.curve = label;
-    data.push_back({name + ", curve " + label, io::read_frequency_response(file, options)});
+    data.push_back({name + ", curve " + label, io::read_frequency_response(measurement, options)});
   }
-  if (data.size() == before) data.push_back({name, io::read_frequency_response(file)});
+  if (data.size() == before) data.push_back({name, io::read_frequency_response(measurement, options)});
 }
 
 // The report puts files of these names into its folder.
@@ -286,7 +289,7 @@ ReportOutcome write_report(const ReportOptions& options) {
   work.progress = options.progress;
   // Every file is read before the long work, so that a bad one is found at once.
   std::vector<Data> data;
-  for (const auto& file : options.data) read_data(file, data);
+  for (const auto& file : options.data) read_data(file, options.how, data);
   work.scene = options.scene ? read_scene(*options.scene) : paper_scene();
 
   std::vector<Section> sections;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "frac/parallel_for.hpp"
+#include "io/measurement.hpp"
 
 namespace report {
 
@@ -17,7 +18,8 @@ namespace report {
 struct ReportOptions {
   std::filesystem::path out;                   // folder, made if missing
   std::vector<std::filesystem::path> data;     // measured files: the report is then on these alone
-  std::optional<std::filesystem::path> scene;  // JSON with m1, m2, clearance, restitution, force, omega (see scene.hpp)
+  io::MeasurementOptions how = {};             // what these files do not tell of themselves
+  std::optional<std::filesystem::path> scene;  // JSON with mass1, mass2, clearance, restitution, force, omega (see scene.hpp)
   int threads = 0;                             // 0: one per core
   std::string command;                         // command line, quoted in the report so that it can be made again
   frac::Progress* progress = nullptr;          // counts steps of the current stage, if given

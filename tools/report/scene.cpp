@@ -114,12 +114,20 @@ Scene read_scene(const std::filesystem::path& file) {
   try {
     json = Json::parse(*text);
   } catch (const Json::parse_error& error) {
-    fail(file, std::string("is not JSON: ") + error.what());
+    const std::string_view before = std::string_view(*text).substr(0, error.byte > 0 ? error.byte - 1 : 0);
+    const auto line = static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n')) + 1;
+    const auto line_begin = before.rfind('\n');
+    const std::size_t column = before.size() - (line_begin == std::string_view::npos ? 0 : line_begin + 1) + 1;
+    throw io::DataError(file.string(), line, column,
+                        before.size() == text->size()
+                            ? "is not JSON: it ends too early"
+                            : "is not JSON: cannot go on with " + io::quoted(text->substr(before.size(), 1)));
   }
   const std::string expected =
-      "expected an object with clearance, restitution, force, omega and, if not 1 kg, m1 and m2";
+      "expected an object with clearance, restitution, force, omega and, if not 1 kg, mass1 and mass2";
   if (!json.is_object()) fail(file, expected);
-  static const std::vector<std::string> known = {"m1", "m2", "clearance", "restitution", "force", "omega"};
+  static const std::vector<std::string> known = {"mass1",     "mass2",       "m1",    "m2",
+                                                 "clearance", "restitution", "force", "omega"};
   for (const auto& [name, value] : json.items()) {
     if (std::find(known.begin(), known.end(), name) == known.end())
       fail(file, "unknown member \"" + name + "\"; " + expected);
@@ -128,7 +136,11 @@ Scene read_scene(const std::filesystem::path& file) {
     if (!json.contains(name)) fail(file, "\"" + name + "\" is missing; " + expected);
     return numbers(file, name, json.at(name));
   };
-  const auto mass = [&](const std::string& name) {
+  // Under the name of the option, or under the one it had before.
+  const auto mass = [&](std::string name, const std::string& old_name) {
+    if (json.contains(name) && json.contains(old_name))
+      fail(file, "\"" + name + "\" and \"" + old_name + "\" mean the same; expected one of them");
+    if (!json.contains(name)) name = old_name;
     if (!json.contains(name)) return 1.0;
     const std::vector<double> list = member(name);
     check_range(file, name, list, 0, false, std::numeric_limits<double>::infinity());
@@ -136,8 +148,8 @@ Scene read_scene(const std::filesystem::path& file) {
   };
   constexpr double infinity = std::numeric_limits<double>::infinity();
   Scene scene;
-  scene.mass1 = mass("m1");
-  scene.mass2 = mass("m2");
+  scene.mass1 = mass("mass1", "m1");
+  scene.mass2 = mass("mass2", "m2");
   scene.forces = member("force");
   scene.clearances = member("clearance");
   scene.restitutions = member("restitution");

@@ -27,9 +27,10 @@ struct Scene {
 /// The scenes of figures 3 to 10 in Duarte, Tenreiro Machado (2009).
 [[nodiscard]] Scene paper_scene();
 
-/// Reads {"m1": 1, "m2": 1, "clearance": [0.1, 0.3], "restitution": 0.6, "force": [20, 40], "omega": "5:35:200log"}.
-/// m1 and m2 may be left out (1 kg); clearance, restitution and force are a number or a list, whose first entry (first
-/// positive clearance) belongs to the base scene; omega is a list or a grid as on the command line.
+/// Reads {"mass1": 1, "mass2": 1, "clearance": [0.1, 0.3], "restitution": 0.6, "force": [20, 40], "omega":
+/// "5:35:200log"}. mass1 and mass2 (also m1 and m2) may be left out (1 kg); clearance, restitution and force are a
+/// number or a list, whose first entry (first positive clearance) belongs to the base scene; omega is a list or a grid
+/// as on the command line.
 /// @throws io::DataError  not readable, not JSON, or a member missing, unknown, of the wrong kind or out of range.
 [[nodiscard]] Scene read_scene(const std::filesystem::path& file);
 

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <complex>
 #include <cstddef>
 #include <limits>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -60,23 +62,32 @@ struct SweepOptions {
 
 /// Steady state at one frequency.
 struct DescribingFunctionPoint {
-  double omega;                // rad/s
-  std::complex<double> value;  // m/N
+  /// The value is finite.
+  [[nodiscard]] bool usable() const noexcept { return std::isfinite(value.real()) && std::isfinite(value.imag()); }
+  /// Frequency, value with its uncertainty, and kind of motion.
+  [[nodiscard]] std::string summary() const;
+
+  /// rad/s.
+  double omega;
+  /// m/N.
+  std::complex<double> value;
   Regime regime;
-  int period;                 // force periods per orbit; 0 when averaged
-  double impacts_per_period;  // infinity for complete chatter; NaN where not one whole period could be followed
-  double uncertainty;         // of |value|, m/N: rounding for closed orbits, 95 % half width of the mean when averaged
-  double third_harmonic_ratio;  // |third harmonic|/|fundamental| of the output position; NaN where the fundamental is 0
-  double even_harmonic_ratio = std::numeric_limits<double>::quiet_NaN();  // |second harmonic|/|fundamental| of the
-                                                                          // output position: 0 for a symmetric motion
-  double energy_defect =
-      std::numeric_limits<double>::quiet_NaN();  // |work of the force - impact losses| over the energy of relative
-                                                 // motion that the impacts meet: rounding and closure of the orbit; 0
-                                                 // without impacts
-  double lyapunov_exponent =
-      std::numeric_limits<double>::quiet_NaN();  // largest, per force period: negative on orbits, positive where the
-                                                 // motion is chaotic, near 0 in slow transients; -infinity where a
-                                                 // stick forgets every disturbance, NaN where nothing was followed
+  /// Force periods per orbit; 0 when averaged.
+  int period;
+  /// Infinite for complete chatter; NaN where not one whole period could be followed.
+  double impacts_per_period;
+  /// Of |value|, m/N: rounding for closed orbits, the 95 % half width of the mean when averaged.
+  double uncertainty;
+  /// |third harmonic|/|fundamental| of the output position; NaN where the fundamental is 0.
+  double third_harmonic_ratio;
+  /// |second harmonic|/|fundamental| of the output position: 0 for a symmetric motion.
+  double even_harmonic_ratio = std::numeric_limits<double>::quiet_NaN();
+  /// |work of the force - impact losses| over the energy of relative motion that the impacts meet: rounding and closure
+  /// of the orbit; 0 without impacts.
+  double energy_defect = std::numeric_limits<double>::quiet_NaN();
+  /// The largest, per force period: negative on orbits, positive where the motion is chaotic, near 0 in slow
+  /// transients.  -infinity where a stick forgets every disturbance, NaN where nothing was followed.
+  double lyapunov_exponent = std::numeric_limits<double>::quiet_NaN();
   /// Force periods that an averaged motion was followed from its start; 0 for the other regimes.
   double periods_followed = 0;
   /// The mean may be of a transient: chaotic motions of small dissipation can settle on an orbit after any time, 10^5

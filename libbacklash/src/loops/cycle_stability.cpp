@@ -66,14 +66,13 @@ double turn(const Characteristic& d, Complex from, Complex to, Complex at_from, 
 // along the upper side of the cut.  Negative where the path meets a root.
 int roots_beyond(const Characteristic& d, double edge) {
   std::vector<Complex> path{{edge, pi - near_point}};
-  for (const double height : {2.6, 2.1, 1.6, 1.1, 0.7, 0.4, 0.2, 0.1, 0.03, 0.01, 0.003})
-    path.emplace_back(edge, height);
+  for (const double height : {2.4, 1.6, 0.9, 0.4, 0.15, 0.05, 0.015, 0.004}) path.emplace_back(edge, height);
   path.emplace_back(edge, near_point);
   if (edge < 0) {
     for (double x = edge / 3; x < -near_point; x /= 3) path.emplace_back(x, near_point);
   }
   if (edge <= 0) {
-    for (const double angle : {0.5, 0.375, 0.25, 0.125, 0.0}) path.push_back(std::polar(near_point, angle * pi));
+    for (const double angle : {0.5, 0.25, 0.0}) path.push_back(std::polar(near_point, angle * pi));
   } else {
     path.emplace_back(edge, 0);
   }

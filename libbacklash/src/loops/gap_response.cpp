@@ -33,47 +33,49 @@ std::array<double, boole_order> boole_coefficients() {
 }
 
 // What remains of sum (-1)^n (n + v)^power from n = 0 on where v is large: Boole's expansion.
-long double boole_rest(double power, long double v, long double v_to_the_power) {
+template <typename Real>
+Real boole_rest(double power, Real v, Real v_to_the_power) {
   static const std::array<double, boole_order> e = boole_coefficients();
-  long double derivative = v_to_the_power;
-  long double sum = e[0] * derivative;
+  Real derivative = v_to_the_power;
+  Real sum = static_cast<Real>(e[0]) * derivative;
   for (std::size_t i = 1; i < boole_order; ++i) {
-    derivative *= (power + 1 - static_cast<long double>(i)) / v;
-    if (i % 2 == 1) sum += e[i] * derivative;
+    derivative *= (static_cast<Real>(power) + 1 - static_cast<Real>(i)) / v;
+    if (i % 2 == 1) sum += static_cast<Real>(e[i]) * derivative;
   }
   return sum;
 }
 
 constexpr int direct_terms = 20;  // an even number; the rest then errs by about 18!/(20 pi)^18
 
-// The first `direct_terms` instants from `v` on, to a falling sequence of powers.  In long double, as their squares and
-// cubes are much larger than what they leave.
+// The first `direct_terms` instants from `v` on, to a falling sequence of powers.  Long double bears that their squares
+// and cubes are much larger than what they leave.
+template <typename Real>
 class AlternatingSums {
  public:
-  AlternatingSums(double power, double v) : power_(power), v_(v) {
+  AlternatingSums(double power, Real v) : power_(power), v_(v) {
     for (int n = 0; n <= direct_terms; ++n) {
-      value_[static_cast<std::size_t>(n)] = std::pow(static_cast<long double>(n) + v, static_cast<long double>(power));
+      value_[static_cast<std::size_t>(n)] = std::pow(static_cast<Real>(n) + v, static_cast<Real>(power));
     }
   }
   [[nodiscard]] double sum() const {
-    long double sum = 0;
+    Real sum = 0;
     for (std::size_t n = direct_terms; n-- > 0;) sum += n % 2 == 0 ? value_[n] : -value_[n];
     return static_cast<double>(sum + boole_rest(power_, direct_terms + v_, value_[direct_terms]));
   }
   void lower_power() {
-    for (int n = 0; n <= direct_terms; ++n) value_[static_cast<std::size_t>(n)] /= n + v_;
+    for (int n = 0; n <= direct_terms; ++n) value_[static_cast<std::size_t>(n)] /= static_cast<Real>(n) + v_;
     power_ -= 1;
   }
 
  private:
   double power_;
-  long double v_;
-  std::array<long double, direct_terms + 1> value_;
+  Real v_;
+  std::array<Real, direct_terms + 1> value_;
 };
 
 std::array<double, 36> older_pulses(double power) {
   std::array<double, 36> coefficient{};
-  AlternatingSums sums(power, 1.5);
+  AlternatingSums<double> sums(power, 1.5);
   double binomial = 1;
   for (std::size_t i = 0; i < coefficient.size(); ++i) {
     coefficient[i] = -binomial * sums.sum();
@@ -96,7 +98,7 @@ FirstPulse first_pulse(double delay, double tau) {
 }  // namespace
 
 double alternating_sum(double power, double v) {
-  return AlternatingSums(power, v).sum();
+  return AlternatingSums<long double>(power, v).sum();
 }
 
 GapResponse gap_response(const ControlLoop& loop) {
@@ -143,6 +145,7 @@ GapResponse gap_response(const ControlLoop& loop) {
 }
 
 ImpulseTrain::ImpulseTrain(const GapResponse& response, double half_period) : tau_(half_period) {
+  parts_.reserve(response.parts.size());
   for (const PowerPart& part : response.parts) {
     const FirstPulse first = first_pulse(part.delay, tau_);
     parts_.push_back({part.coefficient * std::pow(tau_, part.exponent), part.exponent, first.index, first.age,

@@ -2,9 +2,9 @@
 #include "power_train.hpp"
 
 #include <algorithm>
-#include <boost/math/special_functions/zeta.hpp>
 #include <cmath>
 #include <numbers>
+#include <optional>
 
 namespace backlash::detail {
 namespace {
@@ -29,22 +29,68 @@ constexpr std::array<long double, 12> bernoulli_over_factorial{1.0L / 12,
                                                                77683.0L / 14101100039391805440000.0L,
                                                                -236364091.0L / 1693824136731743669452800000.0L};
 
-// zeta(s, v) for -5 < s < 1 by five terms and Euler-Maclaurin.  The terms are as large as 6^5, which long double bears.
-long double hurwitz_zeta(long double s, long double v) {
-  constexpr int terms = 5;
-  long double sum = 0;
-  for (int i = 0; i < terms; ++i) sum += std::pow(i + v, -s);
-  const long double from = terms + v;
-  long double part = std::pow(from, -s);
-  sum += from * part / (s - 1) + part / 2;
-  part *= s / from;
-  for (std::size_t k = 0; k < bernoulli_over_factorial.size(); ++k) {
-    sum += bernoulli_over_factorial[k] * part;
-    const long double next = s + 2 * static_cast<long double>(k) + 1;
-    part *= next * (next + 1) / (from * from);
+// Powers of the first terms of a zeta function, for orders that fall or rise by one.
+class ZetaTerms {
+ public:
+  /// Of sum_(i >= 0) (i + v)^-s.
+  ZetaTerms(long double s, long double v) : s_(s), v_(v) {
+    for (int i = 0; i <= terms; ++i) power_[static_cast<std::size_t>(i)] = std::pow(i + v, -s);
   }
-  return sum;
-}
+  void lower_order() {
+    for (int i = 0; i <= terms; ++i) power_[static_cast<std::size_t>(i)] *= i + v_;
+    s_ -= 1;
+  }
+  /// By Euler-Maclaurin, for -5 < s.  The terms are as large as 6^5, which long double bears.
+  [[nodiscard]] long double sum() const {
+    long double sum = 0;
+    for (std::size_t i = 0; i < terms; ++i) sum += power_[i];
+    const long double from = terms + v_;
+    long double part = power_[terms];
+    sum += from * part / (s_ - 1) + part / 2;
+    part *= s_ / from;
+    for (std::size_t k = 0; k < bernoulli_over_factorial.size(); ++k) {
+      sum += bernoulli_over_factorial[k] * part;
+      const long double next = s_ + 2 * static_cast<long double>(k) + 1;
+      part *= next * (next + 1) / (from * from);
+    }
+    return sum;
+  }
+
+ private:
+  static constexpr int terms = 5;
+  long double s_;
+  long double v_;
+  std::array<long double, terms + 1> power_;
+};
+
+// zeta(p) for p from 6 on, rising by one: nine terms and Euler-Maclaurin.
+class RiemannZeta {
+ public:
+  explicit RiemannZeta(double p) : p_(p) {
+    for (int k = 1; k <= last; ++k) power_[static_cast<std::size_t>(k)] = std::pow(k, -p);
+  }
+  void raise_order() {
+    for (int k = 1; k <= last; ++k) power_[static_cast<std::size_t>(k)] /= k;
+    p_ += 1;
+  }
+  [[nodiscard]] double value() const {
+    double part = power_[last];
+    double rest = last * part / (p_ - 1) + part / 2;
+    part *= p_ / last;
+    for (std::size_t k = 0; k < 8; ++k) {
+      rest += static_cast<double>(bernoulli_over_factorial[k]) * part;
+      const double next = p_ + 2 * static_cast<double>(k) + 1;
+      part *= next * (next + 1) / (last * last);
+    }
+    for (std::size_t k = last; k-- > 1;) rest += power_[k];
+    return rest;
+  }
+
+ private:
+  static constexpr int last = 10;
+  double p_;
+  std::array<double, last + 1> power_;
+};
 
 // cos(p pi/2) of any p, exact for whole numbers.
 double cos_quarter_turns(double p) {
@@ -56,7 +102,6 @@ double cos_quarter_turns(double p) {
 
 // sum_(k >= 1) cos(p pi/2 - 2 pi k v)/k^p
 double hurwitz_cosines(double p, double v) {
-  if (v == 1) return cos_quarter_turns(p) * boost::math::zeta(p);
   double sum = 0;
   for (int k = 1; k < 2000; ++k) {
     const double share = std::pow(k, -p);
@@ -86,14 +131,23 @@ void PowerTrain::prepare_zeta() {
   const int first = a_ > 1 ? 0 : 1;  // a = 1: zeta(1) is not wanted
   double scale = 1;                  // (2 pi)^m/m!
   double gamma_ratio = 0;            // Gamma(p)/m!
+  ZetaTerms low(2 - static_cast<long double>(a_), v_);
+  std::optional<RiemannZeta> high;
+  const double factor = 2 * std::pow(2 * pi, 1 - a_);
   for (int m = 0; m < zeta_terms + 2; ++m) {
     const double p = a_ - 1 + m;
     double& entry = zeta_[static_cast<std::size_t>(m)];
     if (p >= 6) {
       gamma_ratio = gamma_ratio == 0 ? std::tgamma(p) / std::tgamma(m + 1.0) : gamma_ratio * (p - 1) / m;
-      entry = 2 * std::pow(2 * pi, 1 - a_) * gamma_ratio * hurwitz_cosines(p, v_);
-    } else if (m >= first) {
-      entry = scale * static_cast<double>(hurwitz_zeta(1 - static_cast<long double>(p), v_));
+      if (v_ == 1) {
+        high ? high->raise_order() : void(high.emplace(p));
+        entry = factor * gamma_ratio * cos_quarter_turns(p) * high->value();
+      } else {
+        entry = factor * gamma_ratio * hurwitz_cosines(p, v_);
+      }
+    } else {
+      if (m >= first) entry = scale * static_cast<double>(low.sum());
+      low.lower_order();
     }
     scale *= 2 * pi / (m + 1);
   }
@@ -155,7 +209,7 @@ std::array<Complex, 3> PowerTrain::about_origin(Complex u) const {
     sum[1] += zeta_[m + 1] * (n + 1) / turn * power;
     sum[0] += zeta_[m + 2] * ((n + 1.0) * (n + 2.0) / (turn * turn)) * power;
     power *= share;
-    if (std::norm(power) < 1e-38) break;
+    if (std::norm(power) < 1e-34) break;
   }
   const Complex log_distance = std::log(-u);
   const Complex singular = std::exp(-(1 + a_) * log_distance);

@@ -13,37 +13,58 @@ namespace frac {
 
 /// A root of the denominator.  Of a conjugate pair only the one above the real axis is listed.
 struct Pole {
-  std::complex<double> value;  // rad/s
-  int multiplicity;            // roots closer than one part in a thousand count as one
-  bool cancelled;              // the numerator vanishes there as many times, to 1e-9 of its terms
+  /// rad/s.
+  std::complex<double> value;
+  /// Roots of one factor closer than one part in a thousand count as one; those of different factors only where they
+  /// agree to rounding.
+  int multiplicity;
+  /// The numerator vanishes there as many times, to 1e-9 of its terms.
+  bool cancelled;
 };
 
 /// A root of the denominator as a polynomial in lambda = s^q, q the commensurate order.
 struct SheetRoot {
-  std::complex<double> lambda;  // upper half
+  /// In the upper half plane.
+  std::complex<double> lambda;
   int multiplicity;
-  bool on_principal_sheet;  // |arg lambda| <= q pi: it is a pole
-  bool stable;              // |arg lambda| > q pi/2
+  /// |arg lambda| <= q pi: it is a pole.
+  bool on_principal_sheet;
+  /// |arg lambda| > q pi/2.
+  bool stable;
 };
 
 enum class Stability {
-  stable,           // bounded input, bounded output
-  marginal,         // a pole on the imaginary axis within 1e-9 rad
-  unstable,         // a pole right of it
-  integrating,      // G is unbounded at s = 0
-  differentiating,  // G is unbounded at infinity
-  undetermined,     // the poles could not be counted
+  /// A bounded input has a bounded output.
+  stable,
+  /// A pole lies on the imaginary axis, within 1e-9 rad.
+  marginal,
+  /// A pole lies right of the imaginary axis.
+  unstable,
+  /// G is unbounded at s = 0.
+  integrating,
+  /// G is unbounded at infinity.
+  differentiating,
+  /// The poles could not be counted.
+  undetermined,
 };
 /// "stable", "marginal", ...
 [[nodiscard]] std::string_view to_string(Stability stability) noexcept;
 
 struct StabilityAnalysis {
+  /// The poles could be counted.
+  [[nodiscard]] bool usable() const noexcept { return stability != Stability::undetermined; }
+  /// Stability and poles.
+  [[nodiscard]] std::string summary() const;
+
   Stability stability;
-  std::vector<Pole> poles;  // |arg s| <= pi, all of them: counted by the argument principle
+  /// All with |arg s| <= pi, counted by the argument principle.
+  std::vector<Pole> poles;
   /// As commensurate_order() of algebra.hpp finds it, if it is one of 1/1000 or more.
   std::optional<double> commensurate_order;
-  std::vector<SheetRoot> sheet_roots;  // where there is a commensurate order (Matignon 1996)
-  std::string remark;                  // one sentence that says why the stability is undetermined; else empty
+  /// Empty where there is no commensurate order (Matignon 1996).
+  std::vector<SheetRoot> sheet_roots;
+  /// One sentence that says why the stability is undetermined; else empty.
+  std::string remark;
 };
 /// Of a model without regard to its dead time, which moves no pole.
 [[nodiscard]] StabilityAnalysis analyse_stability(const FractionalTransferFunction& model);
@@ -53,31 +74,39 @@ struct StabilityAnalysis {
 /// Undetermined where the roots cannot be counted, and where |L| may be 1 beyond omega = 1e6/delay: dead time then
 /// makes more turns than can be followed.
 struct ClosedLoopStability {
-  Stability stability;  // stable, marginal, unstable or undetermined
-  int unstable_poles;   // conjugates counted
+  /// stable, marginal, unstable or undetermined.
+  Stability stability;
+  /// Both members of a pair are counted.
+  int unstable_poles;
 };
 /// @throws std::invalid_argument  L does not fall below 1 at high frequency.
 [[nodiscard]] ClosedLoopStability analyse_closed_loop(const FractionalTransferFunction& loop);
 
 /// sup |G(j omega)|: the extrema of |G| are roots of its logarithmic derivative, bracketed about every pole.
 struct PeakGain {
-  double gain;   // infinite for a model that is not stable
-  double omega;  // rad/s; 0 or infinite where the supremum is a limit
+  /// Infinite for a model that is not stable.
+  double gain;
+  /// rad/s; 0 or infinite where the supremum is a limit.
+  double omega;
 };
 [[nodiscard]] PeakGain h_infinity_norm(const FractionalTransferFunction& model);
 
-/// sqrt((1/pi) int_0^inf |G(j omega)|^2 d omega), relative error below 1e-12 for damping ratios above 1e-5;
-/// infinite for a model that is not stable or falls no faster than omega^-1/2.
+/// sqrt((1/pi) int_0^inf |G(j omega)|^2 d omega), relative error below 1e-12 at any damping of a stable model, for
+/// the coefficients as they stand.  Infinite for a model that is not stable or falls no faster than omega^-1/2.
 [[nodiscard]] double h2_norm(const FractionalTransferFunction& model);
 
 struct Crossover {
-  double omega;   // rad/s
-  double margin;  // gain: factor 1/|L| that makes |L| = 1 at phase -pi; phase: arg L + pi in (-pi, pi], rad
+  /// rad/s.
+  double omega;
+  /// Gain: the factor 1/|L| that makes |L| = 1 at phase -pi.  Phase: arg L + pi in (-pi, pi], rad.
+  double margin;
 };
 /// Margins of the loop L by root finding on the exact response.
 struct Margins {
-  std::vector<Crossover> gain;   // where L is real and negative, by rising omega from 0 to infinity
-  std::vector<Crossover> phase;  // where |L| = 1, by rising omega
+  /// Where L is real and negative, by rising omega from 0 to infinity.
+  std::vector<Crossover> gain;
+  /// Where |L| = 1, by rising omega.
+  std::vector<Crossover> phase;
   /// The factors nearest to 1 above and below it; infinite and 0 where there are none.
   double gain_margin = 0;
   double gain_reduction = 0;

@@ -23,7 +23,7 @@ enum class RealisationMethod {
 /// joint, term-by-term.
 [[nodiscard]] std::string_view to_string(RealisationMethod method);
 /// @throws std::invalid_argument  unknown name; the text lists the known ones.
-[[nodiscard]] RealisationMethod realisation_method(std::string_view name);
+[[nodiscard]] RealisationMethod realisation_method_from_string(std::string_view text);
 [[nodiscard]] std::span<const RealisationMethod> realisation_methods();
 
 /// sum_k residues[k]/(s - pole)^(k+1), for a complex pole (above the real axis) together with the conjugate.
@@ -46,6 +46,12 @@ struct StateSpace {
   [[nodiscard]] std::complex<double> response(double omega) const;
 };
 
+/// direct + sum of modes, one of several systems in series.
+struct RationalStage {
+  double direct = 0;
+  std::vector<Mode> modes;
+};
+
 enum class RationalModelStatus {
   /// The tolerance is kept.
   met,
@@ -57,6 +63,11 @@ enum class RationalModelStatus {
 
 /// A rational stand-in for G(s) without its dead time, and what to state about it.
 struct RationalModel {
+  /// The tolerance is kept.
+  [[nodiscard]] bool usable() const noexcept { return status == RationalModelStatus::met; }
+  /// Model, band, states and error.
+  [[nodiscard]] std::string summary() const;
+
   FractionalTransferFunction model;
   FrequencyBand band;
   double tolerance;
@@ -68,6 +79,10 @@ struct RationalModel {
   double direct = 0;
   /// By rising |pole|.
   std::vector<Mode> modes;
+  /// Stages in series with direct + modes, for a product of factors whose modes would cancel each other to rounding.
+  /// Empty for any other model.
+  std::vector<RationalStage> series;
+  /// Of all stages.
   std::size_t states = 0;
   /// All poles lie left of the imaginary axis.
   bool stable = false;
@@ -91,7 +106,8 @@ struct RationalModel {
 
 /// Fewest states that keep a tolerance on a band.  Poles of the model within two decades of the band, poles in the
 /// right half-plane and whole integrators are taken over as they are, so that the result is stable when the model is;
-/// other poles are real and negative.  Strictly proper where the model falls by a whole order of s or more.
+/// other poles are real and negative.  Strictly proper where the model falls by a whole order of s or more.  A model
+/// given as a product is made rational factor by factor, in series, where one sum of modes does not keep the tolerance.
 /// @param tolerance  largest |H/G - 1|, 1e-12 to below 1.
 /// @throws std::invalid_argument  band not 0 < lower < upper < infinity or not between 0.01 and 24 decades wide;
 /// tolerance out of range; the model grows by a whole order of s or more.
@@ -100,7 +116,7 @@ struct RationalModel {
                                     RealisationMethod method = RealisationMethod::joint);
 
 /// Real modal form: A has 1 x 1 blocks of real poles and 2 x 2 blocks [re im; -im re] of pairs, chained for multiple
-/// poles; B and C share each residue's size evenly.
+/// poles; B and C share each residue's size evenly.  Stages in series follow each other below the diagonal.
 [[nodiscard]] StateSpace modal_form(const RationalModel& system);
 
 /// Balanced form: controllability and observability Gramian are equal and diagonal, falling.
@@ -111,8 +127,7 @@ struct BalancedForm {
   /// Largest |H/G - 1| of this form on the band, which rounding may enlarge.
   double max_relative_error = 0;
 };
-/// @throws std::domain_error  the system is not stable, or two modes are too alike to be balanced in extended
-/// precision.
+/// @throws std::domain_error  the system is not stable, or has states too alike to be balanced in extended precision.
 [[nodiscard]] BalancedForm balanced_form(const RationalModel& system);
 
 }  // namespace frac

@@ -40,12 +40,12 @@ class Program;
 
 /// A model given as a formula of s with named parameters, e.g. "K exp(-L s)/(T s^a + 1)".
 ///
-/// Grammar: numbers, parameter names, s, + - * / ^, parentheses, exp( ), sqrt( ), tanh( ), coth( ), products by
-/// juxtaposition ("R1 Q1 s^n1").  The exponent after ^ is a number, a name, or a parenthesised expression of those,
-/// with an optional sign; it must not contain s.  Juxtaposition binds like *, so "K/(T s + 1) exp(-L s)" is
-/// the lag with a delay; "1/Q s^n", which readers take both ways, is refused, and so is a^b^c.  A name with ( right
-/// behind it is refused as an unknown function: write "K (s + 1)" or "K*(s + 1)".  At most 10000 characters and 200
-/// open parentheses.
+/// Grammar: numbers, parameter names, s, + - * / ^, parentheses, exp( ), log( ), sqrt( ), sinh( ), cosh( ), tanh( ),
+/// coth( ), sech( ), products by juxtaposition ("R1 Q1 s^n1").  The exponent after ^ is a number, a name, or a
+/// parenthesised expression of those, with an optional sign; it must not contain s.  Juxtaposition binds like *, so
+/// "K/(T s + 1) exp(-L s)" is the lag with a delay; "1/Q s^n", which readers take both ways, is refused, and so is
+/// a^b^c.  A name with ( right behind it is refused as an unknown function: write "K (s + 1)" or "K*(s + 1)".  At most
+/// 10000 characters and 200 open parentheses.
 ///
 /// Powers are principal values; (c s)^q and sqrt(c s) count as the power s^q times |c|^q, everything free of s is real.
 /// Through a realisation each power of s, and s itself, is replaced by its realised response; functions stay exact, and
@@ -56,6 +56,11 @@ class Structure {
   explicit Structure(std::string_view formula);
 
   [[nodiscard]] const std::string& formula() const noexcept { return formula_; }
+  /// The formula as it was understood: products with blanks, quotients and powers in parentheses where they are parts
+  /// of others.
+  [[nodiscard]] std::string grouped() const;
+  /// Whether s stands in it.
+  [[nodiscard]] bool depends_on_s() const;
   [[nodiscard]] const std::vector<std::string>& parameter_names() const noexcept { return names_; }
   [[nodiscard]] const std::vector<ParameterRole>& parameter_roles() const noexcept { return roles_; }
   /// For each parameter whether it, or the power whose exponent it belongs to, is part of a term of a sum:

@@ -258,7 +258,7 @@ std::string_view to_string(ApproximationMethod method) {
   return detail::spelling(method_names, method);
 }
 
-ApproximationMethod approximation_method(std::string_view name) {
+ApproximationMethod approximation_method_from_string(std::string_view name) {
   return detail::from_spelling(method_names, "approximation method", name);
 }
 
@@ -327,6 +327,14 @@ Approximation approximate(double order, FrequencyBand band, ApproximationGoal go
           .limit_poles = designer.limit_poles(compared),
           .status = status,
           .message = std::move(message)};
+}
+
+std::string Approximation::summary() const {
+  using detail::short_text;
+  return "s^" + short_text(order) + " on " + short_text(band.lower) + " .. " + short_text(band.upper) + " rad/s by " +
+         std::string(to_string(method)) + ", " + std::to_string(poles) + (poles == 1 ? " pole" : " poles") +
+         ": largest relative error " + short_text(error.max_relative) + " at " + short_text(error.omega_at_maximum) +
+         " rad/s. " + message;
 }
 
 }  // namespace frac

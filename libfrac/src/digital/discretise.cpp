@@ -247,7 +247,7 @@ std::string_view to_string(Discretisation method) {
   return detail::spelling(method_names, method);
 }
 
-Discretisation discretisation(std::string_view name) {
+Discretisation discretisation_from_string(std::string_view name) {
   return detail::from_spelling(method_names, "discretisation", name);
 }
 

@@ -188,7 +188,7 @@ std::string_view to_string(AntiWindup method) {
   return detail::spelling(anti_windup_names, method);
 }
 
-AntiWindup anti_windup(std::string_view name) {
+AntiWindup anti_windup_from_string(std::string_view name) {
   return detail::from_spelling(anti_windup_names, "anti-windup", name);
 }
 

@@ -32,6 +32,7 @@ DigitalFilterDesign filter_design(const RationalModel& system, double sample_tim
   design.dead_samples = whole_dead_time(system.delay, sample_time);
   design.rule = IntegratorRule::held;
   design.sections.direct = system.direct;
+  if (!system.series.empty()) refuse("stages in series; allowed is one sum of modes");
   for (const Mode& mode : system.modes) {
     const std::string place = detail::number_text(mode.pole.real()) +
                               (mode.pole.imag() == 0 ? "" : " +- " + detail::number_text(mode.pole.imag()) + " i") +

@@ -109,6 +109,10 @@ std::vector<ParameterDimension> parameter_dimensions(const Structure& structure,
       case Operation::exp:
       case Operation::tanh:
       case Operation::coth:
+      case Operation::sinh:
+      case Operation::cosh:
+      case Operation::sech:
+      case Operation::log:
         conditions.require_dimensionless(of(node.left));
         break;
     }

@@ -28,6 +28,14 @@ double real_operation(Operation operation, double left, double right) {
       return std::tanh(left);
     case Operation::coth:
       return 1 / std::tanh(left);
+    case Operation::sinh:
+      return std::sinh(left);
+    case Operation::cosh:
+      return std::cosh(left);
+    case Operation::sech:
+      return 1 / std::cosh(left);
+    case Operation::log:
+      return std::log(left);
     case Operation::number:
     case Operation::parameter:
     case Operation::laplace:
@@ -69,6 +77,14 @@ std::pair<double, double> real_derivatives(Operation operation, double left, dou
       const double sinh = std::sinh(left);
       return {-1 / sinh / sinh, 0};
     }
+    case Operation::sinh:
+      return {std::cosh(left), 0};
+    case Operation::cosh:
+      return {std::sinh(left), 0};
+    case Operation::sech:
+      return {-value * std::tanh(left), 0};
+    case Operation::log:
+      return {1 / left, 0};
     case Operation::number:
     case Operation::parameter:
     case Operation::laplace:

@@ -26,6 +26,10 @@ enum class Operation {
   sqrt,
   tanh,
   coth,
+  sinh,
+  cosh,
+  sech,
+  log,  // principal value
 };
 
 /// One operation of a formula.  Operands stand before the nodes that use them, and equal subexpressions are one node.

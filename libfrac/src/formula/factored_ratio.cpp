@@ -156,6 +156,10 @@ Form apply(const Node& node, const std::vector<Form>& done, const std::vector<do
       return exponential(left());
     case Operation::tanh:
     case Operation::coth:
+    case Operation::sinh:
+    case Operation::cosh:
+    case Operation::sech:
+    case Operation::log:
     case Operation::number:
     case Operation::parameter:
       break;

@@ -7,6 +7,7 @@
 
 #include "expression_builder.hpp"
 #include "frac/structure.hpp"
+#include "spelling_hints.hpp"
 
 namespace frac::detail {
 namespace {
@@ -29,6 +30,10 @@ std::optional<Operation> function_named(std::string_view name) {
   if (name == "sqrt") return Operation::sqrt;
   if (name == "tanh") return Operation::tanh;
   if (name == "coth") return Operation::coth;
+  if (name == "sinh") return Operation::sinh;
+  if (name == "cosh") return Operation::cosh;
+  if (name == "sech") return Operation::sech;
+  if (name == "log" || name == "ln") return Operation::log;
   return std::nullopt;
 }
 
@@ -67,6 +72,8 @@ class Parser {
       fail("this is not expected here", position_);
     }
     if (c == ',') fail("a comma has no meaning here; decimals are written with a point", position_);
+    const std::string hint = spelling_hint(formula_, position_);
+    if (!hint.empty()) fail("unknown character: " + hint, position_);
     fail("unknown character", position_);
   }
 
@@ -106,6 +113,7 @@ class Parser {
     bool below_the_line = false;  // behind a division by something without parentheses
     for (;;) {
       if (accept('*')) {
+        if (peek() == '*') fail("for a power write ^ instead of **", position_);
         below_the_line = false;
         const int right = signed_power();
         left = builder_.binary(Operation::multiply, left, right, since(begin));
@@ -154,7 +162,11 @@ class Parser {
   int power() {
     const std::size_t begin = position_;
     const int base = primary();
+    const bool base_is_e = previous_end_ == begin + 1 && formula_[begin] == 'e';
     if (!accept('^')) return base;
+    if (base_is_e) {
+      fail("for the exponential function write exp( ); a parameter in a power needs another name than e", begin);
+    }
     const bool was_in_exponent = in_exponent_;
     in_exponent_ = true;
     const std::size_t exponent_begin = position_;
@@ -221,7 +233,8 @@ class Parser {
     }
     if (parenthesis_follows_at_once) {
       fail("unknown function " + quoted +
-               " (known are exp, sqrt, tanh, coth); for a product with a parameter write * or a blank",
+               " (known are exp, log, sqrt, sinh, cosh, tanh, coth, sech); for a product with a parameter write * or "
+               "a blank",
            begin);
     }
     return builder_.parameter(text, since(begin));

@@ -111,6 +111,18 @@ void Program::add_complex_step(const Expression& expression, const Node& node, c
     case Operation::coth:
       step.code = Code::coth;
       break;
+    case Operation::sinh:
+      step.code = Code::sinh;
+      break;
+    case Operation::cosh:
+      step.code = Code::cosh;
+      break;
+    case Operation::sech:
+      step.code = Code::sech;
+      break;
+    case Operation::log:
+      step.code = Code::log;
+      break;
     case Operation::number:
     case Operation::parameter:
       assert(false);

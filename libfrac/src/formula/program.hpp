@@ -51,6 +51,10 @@ class Program {
     sqrt,
     tanh,
     coth,
+    sinh,
+    cosh,
+    sech,
+    log,
   };
   struct RealStep {
     Operation operation;

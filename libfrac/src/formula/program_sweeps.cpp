@@ -201,11 +201,19 @@ void Program::forward(std::span<const double> omega, std::size_t first, bool wit
         break;
       }
       case Code::tanh:
-      case Code::coth: {
+      case Code::coth:
+      case Code::sinh:
+      case Code::cosh:
+      case Code::sech:
+      case Code::log: {
         const Lanes& a = complex_operand(step.left);
         for (std::size_t i = 0; i < n; ++i) {
-          const ValueAndDerivative result =
-              step.code == Code::tanh ? hyperbolic_tangent(a.get(i)) : hyperbolic_cotangent(a.get(i));
+          const ValueAndDerivative result = step.code == Code::tanh   ? hyperbolic_tangent(a.get(i))
+                                            : step.code == Code::coth ? hyperbolic_cotangent(a.get(i))
+                                            : step.code == Code::sinh ? hyperbolic_sine(a.get(i))
+                                            : step.code == Code::cosh ? hyperbolic_cosine(a.get(i))
+                                            : step.code == Code::sech ? hyperbolic_secant(a.get(i))
+                                                                      : logarithm(a.get(i));
           out.set(i, result.value);
           if (by_left) work.by_left[index].set(i, result.derivative);
         }
@@ -312,6 +320,10 @@ void Program::backward(std::size_t n, Workspace& work) const {
       case Code::sqrt:
       case Code::tanh:
       case Code::coth:
+      case Code::sinh:
+      case Code::cosh:
+      case Code::sech:
+      case Code::log:
         add_product(adjoint_of(step.left), adjoint, work.by_left[index]);
         break;
       case Code::general_power:

@@ -257,6 +257,10 @@ RatioOfPowerSums apply(const Node& node, const std::vector<RatioOfPowerSums>& re
       return exponential(left());
     case Operation::tanh:
     case Operation::coth:
+    case Operation::sinh:
+    case Operation::cosh:
+    case Operation::sech:
+    case Operation::log:
       throw std::invalid_argument("it is a function of s");
     case Operation::number:
     case Operation::parameter:

@@ -6,6 +6,7 @@
 
 #include "expression.hpp"
 #include "formula_parser.hpp"
+#include "grouped_text.hpp"
 #include "parameter_roles.hpp"
 #include "program.hpp"
 #include "realisation/realisation_checks.hpp"
@@ -53,6 +54,14 @@ Structure::Structure(std::string_view formula)
   roles_ = std::move(use.roles);
   in_sum_ = std::move(use.in_sum);
   program_ = std::make_shared<detail::Program>(*expression_);
+}
+
+std::string Structure::grouped() const {
+  return detail::grouped_text(*expression_);
+}
+
+bool Structure::depends_on_s() const {
+  return expression_->nodes.back().has_s;
 }
 
 bool Structure::has_fractional_order() const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frac/identification/fit.hpp"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -9,6 +10,10 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "frac/identification/statistics.hpp"
+#include "identification/data/fit_data.hpp"
+#include "identification/data/formula_checks.hpp"
+#include "identification/data/noise_floor.hpp"
 #include "identification/residuals/fit_problem.hpp"
 #include "identification/search/global_search.hpp"
 #include "identification/search/interchange.hpp"
@@ -173,6 +178,75 @@ struct Extent {
 FitResult fit_component(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
                         Extent extent);
 
+/// Derivatives of the weighted residuals of the one component that `options` name, by every parameter.
+Eigen::MatrixXd other_gradient(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
+                               const std::vector<double>& parameters) {
+  const detail::ResidualRule rule = detail::residual_rule(data, options);
+  std::vector<std::complex<double>> value(data.size()), gradient(data.size() * parameters.size());
+  structure.response_and_gradient(parameters, data.omega(), options.realisation, value, gradient);
+  Eigen::MatrixXd result(static_cast<Eigen::Index>(data.size()), static_cast<Eigen::Index>(parameters.size()));
+  std::vector<double> column(data.size());
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    rule.derivatives(value, std::span(gradient).subspan(k * data.size(), data.size()), column.data());
+    result.col(static_cast<Eigen::Index>(k)) = Eigen::Map<const Eigen::VectorXd>(column.data(), result.rows());
+  }
+  return result;
+}
+
+/// Parameters recovered with the others held move with the errors of those: by -(A' A)^-1 A' B times them, A and B the
+/// derivatives of the residuals they were recovered from by the recovered and by the others.  The noise of the two
+/// components is taken as unrelated.
+/// @param moves  which were recovered
+/// @param t      half width of their 95 % intervals in standard errors
+void carry_errors(FitResult& result, const FitResult& recovered, const std::vector<bool>& moves,
+                  const Eigen::MatrixXd& gradient, double t) {
+  std::vector<Eigen::Index> inner, outer;
+  for (std::size_t i = 0; i < moves.size(); ++i) {
+    if (moves[i]) inner.push_back(static_cast<Eigen::Index>(i));
+    if (!moves[i] && std::isfinite(result.covariance[i][i])) outer.push_back(static_cast<Eigen::Index>(i));
+  }
+  if (inner.empty()) return;
+  const auto covariance_of = [](const FitResult& of, Eigen::Index i, Eigen::Index j) {
+    return of.covariance[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
+  };
+  Eigen::MatrixXd others(static_cast<Eigen::Index>(outer.size()), static_cast<Eigen::Index>(outer.size()));
+  for (Eigen::Index i = 0; i < others.rows(); ++i) {
+    for (Eigen::Index j = 0; j < others.cols(); ++j) {
+      others(i, j) = covariance_of(result, outer[static_cast<std::size_t>(i)], outer[static_cast<std::size_t>(j)]);
+    }
+  }
+  const Eigen::MatrixXd shift =
+      -gradient(Eigen::all, inner).colPivHouseholderQr().solve(Eigen::MatrixXd(gradient(Eigen::all, outer)));
+  const Eigen::MatrixXd mixed = shift * others;
+  const Eigen::MatrixXd carried = mixed * shift.transpose();
+  for (Eigen::Index a = 0; a < shift.rows(); ++a) {
+    const auto i = static_cast<std::size_t>(inner[static_cast<std::size_t>(a)]);
+    for (Eigen::Index b = 0; b < shift.rows(); ++b) {
+      const auto j = static_cast<std::size_t>(inner[static_cast<std::size_t>(b)]);
+      result.covariance[i][j] =
+          covariance_of(recovered, inner[static_cast<std::size_t>(a)], inner[static_cast<std::size_t>(b)]) +
+          carried(a, b);
+    }
+    for (Eigen::Index b = 0; b < mixed.cols(); ++b) {
+      const auto j = static_cast<std::size_t>(outer[static_cast<std::size_t>(b)]);
+      result.covariance[i][j] = result.covariance[j][i] = mixed(a, b);
+    }
+    ParameterEstimate& estimate = result.parameters[i];
+    const double grown = std::sqrt(result.covariance[i][i]) / estimate.standard_error;
+    estimate.standard_error *= grown;
+    estimate.centre_standard_error *= grown;
+    if (estimate.interval == IntervalKind::profile) {
+      estimate.ci95_lower = estimate.value - grown * (estimate.value - estimate.ci95_lower);
+      estimate.ci95_upper = estimate.value + grown * (estimate.ci95_upper - estimate.value);
+    } else {
+      estimate.ci95_lower = estimate.value - t * estimate.standard_error;
+      estimate.ci95_upper = estimate.value + t * estimate.standard_error;
+    }
+    const double half_width = (estimate.ci95_upper - estimate.ci95_lower) / 2;
+    estimate.identified = estimate.identified && half_width <= 0.5 * std::abs(estimate.value);
+  }
+}
+
 /// What the fitted component is blind to (a real constant in an imaginary part) is estimated from the other one, the
 /// rest held.
 void recover_unseen(FitResult& result, const detail::Confidence& found, const detail::Residuals& residuals, double cost,
@@ -200,11 +274,16 @@ void recover_unseen(FitResult& result, const detail::Confidence& found, const de
   for (const ParameterEstimate& estimate : recovered.parameters) values.push_back(estimate.value);
   // The fitted component must not notice: blindness at the minimum alone is not enough.
   if (!(residuals.cost(residuals.map().to_theta(values)) <= cost * (1 + 1e-6) + residuals.rounding_cost())) return;
+  std::vector<bool> moves(result.parameters.size(), false);
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
     if (found.seen[i]) continue;
     result.parameters[i] = recovered.parameters[i];
     result.parameters[i].from_other_component = recovered.parameters[i].identified || recovered.parameters[i].at_bound;
+    moves[i] = std::isfinite(recovered.parameters[i].standard_error) && !recovered.parameters[i].fixed;
   }
+  const double t =
+      student_t_95(static_cast<double>(recovered.residuals) - static_cast<double>(recovered.free_parameters));
+  carry_errors(result, recovered, moves, other_gradient(data, structure, rest, values), t);
 }
 
 /// An interval up to this share of the value on either side is left as the curvature gives it: where parameters act
@@ -286,7 +365,13 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
       map.to_theta(detail::with_labels_in_order(structure, options.constraints, map.to_user(solution.best.theta)));
   if (options.loss != Loss::none) {
     const auto scale = options.loss_scale ? std::optional(*options.loss_scale / rule.unit) : std::nullopt;
-    local = robust_refinement(residuals, options.loss, scale, solution.best);
+    if (options.global_start) {
+      local = robust_search(residuals, options.loss, scale, options.seed, solution.best);
+      solution.best.theta =
+          map.to_theta(detail::with_labels_in_order(structure, options.constraints, map.to_user(solution.best.theta)));
+    } else {
+      local = robust_refinement(residuals, options.loss, scale, solution.best);
+    }
   }
   const detail::Confidence found = confidence(residuals, solution.best, local);
   result.message = ending(solution);
@@ -298,21 +383,95 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   refuse_whole_orders(result, structure, options.realisation);
 
   describe_residuals(result, residuals, local, found, solution.best.theta, rule.unit);
-  if (options.weight == Weight::relative) remark_on_noisy_divisor(result, problem, solution.best.theta);
+  const bool relative = options.weight == Weight::relative ||
+                        (options.weight == Weight::learned && !(options.noise_floor.value_or(0) > 0));
+  if (relative) remark_on_noisy_divisor(result, problem, solution.best.theta);
   result.termination = solution.best.converged ? FitTermination::converged : FitTermination::not_converged;
   result.seconds = seconds();
   return result;
 }
 
+/// Starts at the estimates of another fit, and searches no more.
+FitOptions from_there(const FitOptions& options, const FitResult& result) {
+  FitOptions started = options;
+  started.global_start = false;
+  for (const ParameterEstimate& estimate : result.parameters) {
+    if (estimate.fixed) continue;
+    auto known = std::find_if(started.constraints.begin(), started.constraints.end(),
+                              [&](const ParameterConstraint& each) { return each.name == estimate.name; });
+    if (known == started.constraints.end()) {
+      known = started.constraints.insert(known, ParameterConstraint{estimate.name, {}, {}, {}, {}});
+    }
+    known->start = std::clamp(estimate.value, known->lower.value_or(-std::numeric_limits<double>::infinity()),
+                              known->upper.value_or(std::numeric_limits<double>::infinity()));
+  }
+  return started;
+}
+
+/// fit_component(), with a floor told by the residuals of the fit before where one is wanted.
+FitResult fit_with_floor(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
+                         Extent extent) {
+  detail::require_function_of_s(structure);
+  if (options.weight != Weight::learned || options.noise_floor) {
+    FitResult result = fit_component(data, structure, options, extent);
+    if (options.weight == Weight::learned) result.noise_floor = *options.noise_floor;
+    return result;
+  }
+  FitResult result = fit_component(data, structure, options, extent);
+  const auto floor_of = [&](const FitResult& of) {
+    return of.termination == FitTermination::no_usable_start
+               ? 0
+               : detail::noise_floor(data, fitted_response(of, options.realisation, data.omega()), options.component);
+  };
+  double floor = floor_of(result);
+  if (floor == 0) return result;
+  const FitResult relative = result;
+  // What relative weight has made of noise below the floor may be anything, so the first fit with one searches anew.
+  constexpr double settled = 0.1;
+  constexpr int most_rounds = 4;
+  FitOptions next = options;
+  for (int round = 0; round < most_rounds; ++round) {
+    next.noise_floor = floor;
+    const FitResult quick = fit_component(data, structure, next, {false, false});
+    const double seconds = result.seconds + quick.seconds;
+    if (quick.termination == FitTermination::no_usable_start) break;
+    result = quick;
+    result.seconds = seconds;
+    const double again = floor_of(quick);
+    next = from_there(options, quick);
+    if (std::abs(again - floor) <= settled * floor) break;
+    floor = again;
+    if (floor == 0) return relative;
+  }
+  next.noise_floor = floor;
+  FitResult last = fit_component(data, structure, next, extent);
+  if (last.termination != FitTermination::converged && relative.termination == FitTermination::converged) {
+    return relative;
+  }
+  last.noise_floor = floor;
+  last.starts = result.starts;
+  last.starts_at_best = result.starts_at_best;
+  last.distinct_minima = result.distinct_minima;
+  last.confidence_of_optimum = result.confidence_of_optimum;
+  last.seconds += result.seconds;
+  char text[200];
+  std::snprintf(text, sizeof text,
+                " The noise does not fall with the data: residuals are divided by sqrt(|data|^2 + floor^2) with a "
+                "floor of %.3g, told by the residuals.",
+                floor);
+  last.message += text;
+  return last;
+}
+
 }  // namespace
 
 FitResult fit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
-  return fit_component(data, structure, options, {true, true});
+  return fit_with_floor(data, structure, options, {true, true});
 }
 
 FitResult detail::curvature_fit(const FrequencyResponseData& data, const Structure& structure,
                                 const FitOptions& options) {
-  return fit_component(data, structure, options, {true, false});
+  return fit_with_floor(data, structure, options, {true, false});
 }
 
 std::vector<std::complex<double>> fitted_response(const FitResult& result, const Realisation& realisation,

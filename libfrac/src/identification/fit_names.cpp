@@ -36,12 +36,13 @@ constexpr std::array<Enum, count> enumerators(const std::array<std::string_view,
 
 // In the order of the enumerators.
 constexpr std::array<std::string_view, 5> component_names = {"imaginary", "real", "both", "magnitude", "phase"};
-constexpr std::array<std::string_view, 6> weight_names = {"relative",          "absolute",    "given",
-                                                          "smoothed-relative", "log-complex", "repeats"};
+constexpr std::array<std::string_view, 7> weight_names = {"relative",    "absolute", "given",  "smoothed-relative",
+                                                          "log-complex", "repeats",  "learned"};
 constexpr std::array<std::string_view, 3> loss_names = {"none", "huber", "cauchy"};
 constexpr std::array<std::string_view, 3> termination_names = {"converged", "not-converged", "no-usable-start"};
 constexpr std::array<std::string_view, 2> interval_names = {"curvature", "profile"};
-constexpr std::array<std::string_view, 4> family_names = {"powers", "denominator", "arcs", "rational"};
+constexpr std::array<std::string_view, 6> family_names = {"powers",   "denominator",  "arcs",
+                                                          "rational", "commensurate", "terms"};
 
 }  // namespace
 

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "frac/parallel_for.hpp"
+#include "identification/contained_optimum.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/residual_rule.hpp"
 #include "identification/statistics/curvature_fit.hpp"
@@ -27,6 +28,7 @@ struct Outcome {
   NamedModel model;
   std::optional<FitResult> fit;
   std::string reason;
+  bool from_family = false;
 };
 
 /// A candidate nothing is fitted to, with its weighted residuals.
@@ -82,8 +84,8 @@ template <class Data, class Options>
 void fit_candidate(const Data& data, const Options& options, Outcome& outcome) {
   Options of_model = options;
   try {
-    const bool rational = outcome.model.rational.has_value();
-    if (rational) {
+    outcome.from_family = outcome.model.is_family();
+    if (outcome.from_family) {
       outcome.model = resolved_model(data, outcome.model, options);
       of_model.global_start = false;
     }
@@ -91,6 +93,7 @@ void fit_candidate(const Data& data, const Options& options, Outcome& outcome) {
     of_model.constraints.insert(of_model.constraints.end(), own.begin(), own.end());
     const Structure structure(outcome.model.formula);
     // Intervals that follow the cost decide about orders, which rational models have none of.
+    const bool rational = outcome.from_family && outcome.model.model_class == ModelClass::integer_order;
     outcome.fit = rational ? detail::curvature_fit(data, structure, of_model) : fit(data, structure, of_model);
     if (outcome.fit->termination == FitTermination::no_usable_start) {
       outcome.reason = outcome.fit->message;
@@ -101,6 +104,53 @@ void fit_candidate(const Data& data, const Options& options, Outcome& outcome) {
   }
 }
 
+double least_gain(const FrequencyResponseData& data) {
+  double least = std::abs(data.value().front());
+  for (const std::complex<double>& value : data.value()) least = std::min(least, std::abs(value));
+  return least;
+}
+/// Of the output to the input.
+double least_gain(const TimeResponseData& data) {
+  double output = 0, input = 0;
+  for (const double value : data.output()) output = std::max(output, std::abs(value));
+  for (const double value : data.input()) input = std::max(input, std::abs(value));
+  return input > 0 ? output / input : 1;
+}
+
+/// Fits that ended above a structure they contain start from its optimum.
+template <class Data, class Options>
+void start_from_contained(const Data& data, const Options& options, std::vector<Outcome>& outcomes) {
+  const auto named = [&](std::string_view name) {
+    return std::find_if(outcomes.begin(), outcomes.end(),
+                        [&](const Outcome& outcome) { return outcome.model.name == name && outcome.fit; });
+  };
+  for (const detail::Containment& pair : detail::containments()) {
+    const auto rich = named(pair.rich), simple = named(pair.simple);
+    if (rich == outcomes.end() || simple == outcomes.end()) continue;
+    constexpr double rounding = 1e-9;
+    if (!(simple->fit->cost < rich->fit->cost * (1 - rounding))) continue;
+    Options warm = options;
+    warm.global_start = false;
+    std::vector<ParameterConstraint> constraints = rich->model.constraints;
+    for (const ParameterConstraint& start : detail::start_of_contained(pair, *simple->fit, least_gain(data))) {
+      const auto own = std::find_if(constraints.begin(), constraints.end(),
+                                    [&](const ParameterConstraint& each) { return each.name == start.name; });
+      if (own == constraints.end()) {
+        constraints.push_back(start);
+      } else {
+        own->start = start.start;
+      }
+    }
+    warm.constraints.insert(warm.constraints.end(), constraints.begin(), constraints.end());
+    try {
+      FitResult fit = frac::fit(data, Structure(rich->model.formula), warm);
+      if (fit.cost < rich->fit->cost) rich->fit = std::move(fit);
+    } catch (const std::invalid_argument&) {
+      // The simpler structure has its optimum where the richer one is not allowed to be.
+    }
+  }
+}
+
 template <class Data, class Options>
 IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& models,
                             const std::vector<ComparedCurve>& curves, const Options& options, int threads) {
@@ -108,6 +158,7 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
   std::vector<Outcome> outcomes;
   for (const NamedModel& model : models) outcomes.push_back({model, {}, {}});
   parallel_for(outcomes.size(), threads, [&](std::size_t i) { fit_candidate(data, options, outcomes[i]); });
+  start_from_contained(data, options, outcomes);
 
   IdentificationResult result{};
   std::vector<detail::Competitor> competitors;
@@ -120,8 +171,8 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
     }
     LackOfFit lack = lack_of_fit(data, options, *outcome.fit);
     std::vector<double> residual = detail::weighted_residuals(data, options, *outcome.fit);
-    RankedFit ranked{outcome.model.name, outcome.model.model_class, std::move(*outcome.fit), 0, 0, outcome.model,
-                     std::move(lack)};
+    RankedFit ranked{outcome.model.name, outcome.model.model_class, std::move(*outcome.fit), 0, 0,
+                     outcome.model,      std::move(lack),           outcome.from_family};
     competitors.push_back({std::move(ranked), std::move(residual)});
   }
   competitors.insert(competitors.end(), curves.begin(), curves.end());
@@ -167,7 +218,7 @@ std::string_view to_string(Verdict verdict) {
 IdentificationResult identify(const FrequencyResponseData& data, const std::vector<NamedModel>& models,
                               const std::vector<FixedCurve>& curves, const FitOptions& options, int threads) {
   // Refuses weights that do not go with the data once, before every candidate would be skipped for it.
-  const detail::ResidualRule rule = detail::residual_rule(data, options.component, options.weight);
+  const detail::ResidualRule rule = detail::residual_rule(data, options);
   std::vector<ComparedCurve> residuals;
   const bool told = options.weight == Weight::given || options.weight == Weight::repeats;
   for (const FixedCurve& curve : curves) residuals.push_back(compared(data, curve, rule, told));

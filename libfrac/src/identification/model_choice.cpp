@@ -7,11 +7,12 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
 #include "identification/data/fit_data.hpp"
-#include "identification/rational/rational_model.hpp"
+#include "identification/rational/family_members.hpp"
 #include "identification/statistics/autocorrelation.hpp"
 #include "identification/statistics/curvature_fit.hpp"
 
@@ -58,9 +59,13 @@ std::string reason_against(const FitResult& simple, const FitResult& full, doubl
                   chance);
     return text;
   }
+  // A term that pays so clearly is there, even if its part cannot be told exactly from the others'.
+  constexpr double clear_gain = 10;
+  if (gain > clear_gain) return {};
   std::string unknown;
   for (const ParameterEstimate& estimate : full.parameters) {
-    if (!estimate.identified) unknown += (unknown.empty() ? "" : ", ") + estimate.name;
+    // One at its bound is told by the bound.
+    if (!estimate.identified && !estimate.at_bound) unknown += (unknown.empty() ? "" : ", ") + estimate.name;
   }
   if (unknown.empty()) return {};
   std::snprintf(text, sizeof text,
@@ -68,22 +73,92 @@ std::string reason_against(const FitResult& simple, const FitResult& full, doubl
   return text + unknown + " would not be identified.";
 }
 
+/// The constraints of a member with those of the caller over them, as far as it has the parameters.
+std::vector<ParameterConstraint> merged(const NamedModel& model, const Structure& structure,
+                                        const std::vector<ParameterConstraint>& given) {
+  std::vector<ParameterConstraint> result = model.constraints;
+  for (const ParameterConstraint& constraint : given) {
+    const auto& names = structure.parameter_names();
+    if (std::find(names.begin(), names.end(), constraint.name) == names.end()) continue;
+    const auto own = std::find_if(result.begin(), result.end(),
+                                  [&](const ParameterConstraint& each) { return each.name == constraint.name; });
+    if (own == result.end()) {
+      result.push_back(constraint);
+      continue;
+    }
+    if (constraint.fixed) {
+      *own = constraint;
+      continue;
+    }
+    if (constraint.lower) own->lower = constraint.lower;
+    if (constraint.upper) own->upper = constraint.upper;
+    own->start = constraint.start;
+  }
+  return result;
+}
+
+void check_names(GrowthFamily family, std::size_t most_terms, const std::vector<ParameterConstraint>& given) {
+  const Structure largest(grown_model(family, most_terms).formula);
+  for (const ParameterConstraint& constraint : given) static_cast<void>(largest.parameter_index(constraint.name));
+}
+
+/// The fit of a member, from starts of its own and from the optimum of the smaller one with little of the new term, so
+/// that it never ends above that.
+template <class Data, class Options>
+FitResult fit_of_member(const Data& data, const Structure& structure, const Options& options,
+                        const FitResult* smaller) {
+  FitResult best = fit(data, structure, options);
+  if (!smaller || !(best.cost > smaller->cost)) return best;
+  Options warm = options;
+  warm.global_start = false;
+  for (const ParameterEstimate& estimate : smaller->parameters) {
+    const bool known = std::any_of(warm.constraints.begin(), warm.constraints.end(), [&](auto& constraint) {
+      if (constraint.name != estimate.name) return false;
+      if (!constraint.fixed) constraint.start = estimate.value;
+      return true;
+    });
+    if (!known) warm.constraints.push_back({estimate.name, {}, {}, {}, estimate.value});
+  }
+  const auto& names = structure.parameter_names();
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const bool known = std::any_of(warm.constraints.begin(), warm.constraints.end(), [&](const auto& constraint) {
+      return constraint.name == names[i] && (constraint.fixed || constraint.start);
+    });
+    if (known) continue;
+    // Little of any dimension: the member before is the limit of small gains.
+    const bool order = structure.parameter_roles()[i] == ParameterRole::order;
+    const double gain = 1e-3 * best.rms / (1 + best.rms);
+    const auto own = std::find_if(warm.constraints.begin(), warm.constraints.end(),
+                                  [&](const auto& constraint) { return constraint.name == names[i]; });
+    const double start = order ? 0.7 : gain;
+    if (own == warm.constraints.end()) {
+      warm.constraints.push_back({names[i], {}, {}, {}, start});
+    } else {
+      own->start = start;
+    }
+  }
+  FitResult from_smaller = fit(data, structure, warm);
+  return from_smaller.cost < best.cost ? from_smaller : best;
+}
+
 template <class Data, class Options>
 Growth grown(const Data& data, GrowthFamily family, const Options& options, std::size_t most_terms) {
   const std::string enough = "The structure has as many terms as were allowed.";
+  check_names(family, most_terms, options.constraints);
   Growth growth{{}, {}, 0, enough};
   const std::size_t residuals = detail::points(data) * detail::residuals_per_point(data, options);
   for (std::size_t terms = 1; terms <= most_terms; ++terms) {
-    const NamedModel model = grown_model(family, terms);
+    NamedModel model = grown_model(family, terms);
     const Structure structure(model.formula);
     if (terms > 1 && structure.parameter_names().size() >= residuals) {
       growth.reason = "Another term would have as many parameters as there are residuals.";
       break;
     }
     Options of_model = options;
-    of_model.constraints.insert(of_model.constraints.end(), model.constraints.begin(), model.constraints.end());
-    growth.fits.push_back(fit(data, structure, of_model));
-    growth.models.push_back(model);
+    of_model.constraints = model.constraints = merged(model, structure, options.constraints);
+    growth.fits.push_back(
+        fit_of_member(data, structure, of_model, terms > 1 ? &growth.fits.at(growth.chosen) : nullptr));
+    growth.models.push_back(std::move(model));
     if (terms == 1) continue;
     const FitResult& simple = growth.fits[growth.chosen];
     const FitResult& full = growth.fits.back();
@@ -99,18 +174,36 @@ Growth grown(const Data& data, GrowthFamily family, const Options& options, std:
   return growth;
 }
 
-Growth grown_rational(const FrequencyResponseData& data, const FitOptions& options) {
-  const detail::RationalMembers members = detail::rational_members(data, {}, options);
+/// The family of models that grows by projection, see resolved_model(); none for those that are grown term by term.
+std::optional<NamedModel> projected_family(GrowthFamily family) {
+  switch (family) {
+    case GrowthFamily::rational:
+    case GrowthFamily::commensurate:
+    case GrowthFamily::terms:
+      return find_model(to_string(family));
+    default:
+      return std::nullopt;
+  }
+}
+
+Growth grown_by_projection(const FrequencyResponseData& data, const NamedModel& family, const FitOptions& options) {
+  if (!options.constraints.empty()) {
+    throw std::invalid_argument("grow: parameters of the family " + family.name +
+                                " differ from member to member, so none can be held or bounded");
+  }
+  const detail::FamilyMembers members = detail::family_members(data, family, options);
   Growth growth{{}, members.models, members.chosen, ""};
-  for (const NamedModel& model : members.models) {
+  for (std::size_t i = 0; i < members.models.size(); ++i) {
     FitOptions of_model = options;
-    of_model.constraints = model.constraints;
+    of_model.constraints = members.models[i].constraints;
     of_model.global_start = false;
-    growth.fits.push_back(detail::curvature_fit(data, Structure(model.formula), of_model));
+    const Structure structure(members.models[i].formula);
+    growth.fits.push_back(i == members.chosen ? fit(data, structure, of_model)
+                                              : detail::curvature_fit(data, structure, of_model));
   }
   growth.reason = members.chosen + 1 < members.models.size()
-                      ? "Further poles do not pay: BIC rises with them."
-                      : "The model has as many poles as were allowed, or meets the data to rounding.";
+                      ? "Further growth does not pay: BIC, with the search paid for, rises."
+                      : "The model has grown as far as was allowed, or meets the data to rounding.";
   return growth;
 }
 
@@ -153,6 +246,10 @@ double cross_validation(const TimeResponseData& data, const Structure& structure
   return rms_of_predictions(data, structure, options, folds);
 }
 
+bool names_persist(GrowthFamily family) {
+  return !projected_family(family);
+}
+
 NamedModel grown_model(GrowthFamily family, std::size_t terms) {
   std::string formula;
   NamedModel model{"", "", ModelClass::fractional, "", {}};
@@ -171,9 +268,9 @@ NamedModel grown_model(GrowthFamily family, std::size_t terms) {
         formula += " + R" + n + "/(1 + R" + n + " Q" + n + " s^n" + n + ")";
         model.constraints.push_back({"n" + n, {}, 0, 1, {}});
         break;
-      case GrowthFamily::rational:
-        throw std::invalid_argument(
-            "grown_model: the form of a rational model follows from data, see resolved_model()");
+      default:
+        throw std::invalid_argument("grown_model: the form of a model of the family " + std::string(to_string(family)) +
+                                    " follows from data, see resolved_model()");
     }
   }
   if (family == GrowthFamily::denominator) formula = "1/(b0" + formula + ")";
@@ -183,13 +280,14 @@ NamedModel grown_model(GrowthFamily family, std::size_t terms) {
 }
 
 Growth grow(const FrequencyResponseData& data, GrowthFamily family, const FitOptions& options, std::size_t most_terms) {
-  if (family == GrowthFamily::rational) return grown_rational(data, options);
+  if (const auto projected = projected_family(family)) return grown_by_projection(data, *projected, options);
   return grown(data, family, options, most_terms);
 }
 
 Growth grow(const TimeResponseData& data, GrowthFamily family, const TimeFitOptions& options, std::size_t most_terms) {
-  if (family == GrowthFamily::rational) {
-    throw std::invalid_argument("grow: rational models are grown on frequency responses only");
+  if (projected_family(family)) {
+    throw std::invalid_argument("grow: the family " + std::string(to_string(family)) +
+                                " is grown on frequency responses only");
   }
   return grown(data, family, options, most_terms);
 }

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "frac/structure.hpp"
-#include "identification/rational/rational_model.hpp"
+#include "identification/rational/family_members.hpp"
 
 namespace frac {
 
@@ -38,17 +38,25 @@ bool take(std::string_view& text, std::string_view what) {
 }
 
 constexpr std::size_t most_poles = 12;
+// Six poles in s^a have as many parameters as a rational model of seven.
+constexpr std::size_t most_commensurate_poles = 6;
 
 /// The family a text names; none where it does not start like one.
 std::optional<RationalFamily> rational_family(std::string_view name) {
   std::string_view text = name;
-  if (!take(text, "rational")) return std::nullopt;
-  const auto refuse = [&](const std::string& reason) {
-    throw std::invalid_argument("model '" + std::string(name) + "': " + reason +
-                                "; expected rational, rational:POLES, rational:ZEROS/POLES or rational:FROM..TO, and "
-                                "+delay behind it for a dead time");
-  };
   RationalFamily family;
+  family.free_order = take(text, "commensurate");
+  if (!family.free_order && !take(text, "rational")) return std::nullopt;
+  const auto refuse = [&](const std::string& reason) {
+    const std::string kind = family.free_order ? "commensurate" : "rational";
+    throw std::invalid_argument("model '" + std::string(name) + "': " + reason + "; expected " + kind + ", " + kind +
+                                ":POLES, " + kind + ":ZEROS/POLES or " + kind +
+                                ":FROM..TO, and +delay behind it for a dead time");
+  };
+  if (family.free_order) {
+    family.fewest_poles = 1;
+    family.most_poles = most_commensurate_poles;
+  }
   if (text.ends_with("+delay")) {
     family.dead_time = true;
     text.remove_suffix(std::string_view("+delay").size());
@@ -78,10 +86,30 @@ std::optional<RationalFamily> rational_family(std::string_view name) {
 NamedModel named_family(std::string_view name, const RationalFamily& family) {
   return {std::string(name),
           std::string(name),
-          ModelClass::integer_order,
-          "ratio of polynomials in s, factored",
+          family.free_order ? ModelClass::fractional : ModelClass::integer_order,
+          family.free_order ? "ratio of polynomials in s^a, factored" : "ratio of polynomials in s, factored",
           {},
           family};
+}
+
+constexpr std::size_t most_terms = 20;
+
+std::optional<NamedModel> term_family(std::string_view name) {
+  std::string_view text = name;
+  if (!take(text, "terms")) return std::nullopt;
+  TermFamily family;
+  if (!text.empty()) {
+    if (!take(text, ":")) return std::nullopt;
+    const std::optional<std::size_t> count = take_count(text);
+    if (!count || !text.empty() || *count < 1 || *count > most_terms) {
+      throw std::invalid_argument("model '" + std::string(name) +
+                                  "': expected terms or terms:COUNT with a count of 1 to " +
+                                  std::to_string(most_terms));
+    }
+    family.most_terms = *count;
+  }
+  return NamedModel{
+      std::string(name), std::string(name), ModelClass::fractional, "sum of powers and arcs", {}, std::nullopt, family};
 }
 
 }  // namespace
@@ -219,24 +247,26 @@ const std::vector<NamedModel>& model_library() {
 
 std::vector<NamedModel> default_candidates() {
   std::vector<NamedModel> candidates = model_library();
-  for (const char* name : {"rational", "rational+delay"}) candidates.push_back(find_model(name));
+  for (const char* name : {"rational", "rational+delay", "commensurate", "commensurate+delay", "terms"})
+    candidates.push_back(find_model(name));
   return candidates;
 }
 
 NamedModel resolved_model(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options) {
-  return model.rational ? detail::best_rational_model(data, *model.rational, options) : model;
+  return model.is_family() ? detail::best_member(data, model, options) : model;
 }
 
 NamedModel resolved_model(const TimeResponseData&, const NamedModel& model, const TimeFitOptions&) {
-  if (model.rational) {
+  if (model.is_family()) {
     throw std::invalid_argument("model '" + model.name +
-                                "' is grown on frequency responses only; over time write the fraction as a formula");
+                                "' is grown on frequency responses only; over time write the model as a formula");
   }
   return model;
 }
 
 NamedModel find_model(std::string_view name_or_formula) {
   if (const auto family = rational_family(name_or_formula)) return named_family(name_or_formula, *family);
+  if (const auto family = term_family(name_or_formula)) return *family;
   for (const NamedModel& model : model_library()) {
     // A preset written out is the preset, with its limits.
     if (model.name == name_or_formula || model.formula == name_or_formula) return model;

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frac/identification/time_fit.hpp"
 
+#include <Eigen/QR>
 #include <algorithm>
+#include <boost/math/distributions/fisher_f.hpp>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -13,6 +15,7 @@
 #include "base/number_text.hpp"
 #include "frac/identification/model_choice.hpp"
 #include "identification/data/fit_data.hpp"
+#include "identification/data/formula_checks.hpp"
 #include "identification/search/robust.hpp"
 #include "identification/search/time_search.hpp"
 #include "identification/statistics/confidence.hpp"
@@ -77,9 +80,9 @@ std::vector<ParameterConstraint> with_delay_limits(const Structure& structure,
 void check(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& options,
            const detail::ParameterMap& map) {
   for (const std::string& name : structure.parameter_names()) {
-    if (name == offset_name) {
-      throw std::invalid_argument(
-          "parameter 'offset': the name stands for the output at rest; rename it in the formula");
+    if (name == offset_name || name == detail::drift_name) {
+      throw std::invalid_argument("parameter '" + name + "': the name stands for the output at rest or its drift; " +
+                                  "rename it in the formula");
     }
   }
   if (options.offset && !std::isfinite(*options.offset)) {
@@ -116,51 +119,62 @@ double unit_of(const TimeResponseData& data, std::optional<double> offset) {
   return unit > 0 ? unit : 1;
 }
 
-// That of the offset by correlated noise: it takes the weighted mean of the noise, less what the parameters take of it.
-double offset_widening(const detail::TimeResiduals& residuals, const detail::Confidence& found,
-                       const Eigen::VectorXd& mean_gradient) {
-  const Eigen::VectorXd weight = residuals.eliminated_columns().col(0);
-  Eigen::VectorXd influence = weight / weight.squaredNorm();
-  if (found.influence.size() > 0) influence -= found.influence * mean_gradient;
-  return found.noise.widening(influence);
+// Names and order of what is free of the background.
+std::vector<std::string> background_names(const TimeFitOptions& options) {
+  std::vector<std::string> names;
+  if (!options.offset) names.emplace_back(offset_name);
+  if (options.trend) names.emplace_back(detail::drift_name);
+  return names;
 }
 
-// The offset as one more parameter: the mean of what the model leaves, with the spread of that mean and, through the
-// model, that of the parameters.
-void append_offset(FitResult& result, const detail::TimeResiduals& residuals, const std::vector<double>& theta,
-                   const TimeResponseData& data, const detail::Confidence& found, double unit) {
-  const auto [value, mean_gradient] = residuals.offset(theta);
-  double information = 0;
-  for (const std::size_t i : data.observed()) {
-    information += data.sigma().empty() ? 1 : 1 / (data.sigma()[i] * data.sigma()[i]);
+// Offset and drift as more parameters: least squares of what the model leaves, so that they take the noise that the
+// columns' pseudo-inverse C gives them, less what the parameters take of it (A, their influence): C - C J A.
+void append_background(FitResult& result, const detail::TimeResiduals& residuals, const std::vector<double>& theta,
+                       const TimeResponseData& data, const TimeFitOptions& options, const detail::Confidence& found) {
+  const std::vector<std::string> names = background_names(options);
+  if (residuals.eliminated() == 0) return;
+  const detail::TimeResiduals::Eliminated eliminated = residuals.eliminated_at(theta);
+  for (Eigen::Index k = static_cast<Eigen::Index>(names.size()); k < eliminated.coefficient.size(); ++k) {
+    result.earlier_input.push_back(eliminated.coefficient[k]);
   }
-  const std::size_t count = result.covariance.size();
-  std::vector<double> covariance(count + 1, 0.0);
-  double variance = std::pow(found.deviation * unit, 2) / information;
-  const double widening = offset_widening(residuals, found, mean_gradient);
-  for (std::size_t i = 0; i < count; ++i) {
-    for (std::size_t j = 0; j < count; ++j) {
-      const double both = result.covariance[i][j];
-      if (std::isnan(both)) continue;
-      covariance[i] -= mean_gradient[static_cast<Eigen::Index>(j)] * both / found.widening[j] * widening;
-      variance += mean_gradient[static_cast<Eigen::Index>(i)] * mean_gradient[static_cast<Eigen::Index>(j)] * both /
-                  (found.widening[i] * found.widening[j]);
-    }
-    if (std::isnan(result.covariance[i][i])) covariance[i] = nan;
-  }
-  variance *= widening * widening;
-  covariance[count] = variance;
-  for (std::size_t i = 0; i < count; ++i) result.covariance[i].push_back(covariance[i]);
-  result.covariance.push_back(covariance);
-  const double error = std::sqrt(variance);
-  // An offset of nothing is known as well as any: what counts is its interval beside what the output does.
+  if (names.empty()) return;
+  const Eigen::MatrixXd columns = residuals.eliminated_columns();
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(columns);
+  const Eigen::MatrixXd basis = qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), columns.cols());
+  const Eigen::MatrixXd triangle = qr.matrixQR().topRows(columns.cols()).template triangularView<Eigen::Upper>();
+  const Eigen::MatrixXd inverse =
+      triangle.transpose().template triangularView<Eigen::Lower>().solve(basis.transpose()).transpose();
+  Eigen::MatrixXd influence = inverse;
+  if (found.influence.size() > 0) influence -= found.influence * (eliminated.gradient.transpose() * inverse);
+  const std::size_t modelled = result.covariance.size();
+  const double variance = found.deviation * found.deviation;
   const std::vector<double> output = observed_output(data);
   const auto [least, largest] = std::minmax_element(output.begin(), output.end());
-  const bool narrow = !(2 * found.t * error > *largest - *least);
   const bool alone = std::find(found.seen.begin(), found.seen.end(), false) == found.seen.end();
-  result.parameters.push_back({offset_name, value, error, value - found.t * error, value + found.t * error, false,
-                               false, narrow && alone, value, error, false});
-  result.parameters.back().widening = widening;
+  std::vector<double> widening = found.widening;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const Eigen::VectorXd own = influence.col(static_cast<Eigen::Index>(k));
+    widening.push_back(found.noise.widening(own));
+    std::vector<double> covariance;
+    for (std::size_t i = 0; i < modelled; ++i) {
+      const double both = found.influence.size() > 0 ? own.dot(found.influence.col(static_cast<Eigen::Index>(i))) : 0;
+      const bool known = !std::isnan(result.covariance[i][i]);
+      covariance.push_back(known ? variance * both * widening.back() * widening[i] : nan);
+    }
+    for (std::size_t j = 0; j <= k; ++j) {
+      covariance.push_back(variance * own.dot(influence.col(static_cast<Eigen::Index>(j))) * widening.back() *
+                           widening[modelled + j]);
+    }
+    for (std::size_t i = 0; i < result.covariance.size(); ++i) result.covariance[i].push_back(covariance[i]);
+    result.covariance.push_back(covariance);
+    const double value = eliminated.coefficient[static_cast<Eigen::Index>(k)], error = std::sqrt(covariance.back());
+    // Nothing is known of it as well as any value: what counts is its interval beside what the output does.
+    const double reach = names[k] == offset_name ? 1 : length_of(data);
+    const bool narrow = !(2 * found.t * error * reach > *largest - *least);
+    result.parameters.push_back({names[k], value, error, value - found.t * error, value + found.t * error, false, false,
+                                 narrow && alone, value, error, false});
+    result.parameters.back().widening = widening.back();
+  }
 }
 
 // Where no response to the input can be told from noise, no parameter of one can.
@@ -173,11 +187,13 @@ void refuse_unseen_response(FitResult& result, const detail::TimeResiduals& resi
   with.cost = result.loss_cost;
   with.free_parameters = rank + eliminated;
   without.cost = detail::loss_cost(silent, 1, local) * unit * unit;
-  without.free_parameters = eliminated;
+  without.free_parameters = residuals.silent_parameters();
   const FTest test = f_test(without, with);
   if (test.p_value < 0.01) return;
   for (ParameterEstimate& estimate : result.parameters) {
-    if (estimate.name != offset_name && !estimate.fixed) estimate.identified = false;
+    if (estimate.name != offset_name && estimate.name != detail::drift_name && !estimate.fixed) {
+      estimate.identified = false;
+    }
   }
   char text[160];
   std::snprintf(text, sizeof text,
@@ -211,6 +227,137 @@ std::string unseen_model(const Structure& structure, const detail::ParameterMap&
   return seen ? "" : "No parameter of the model changes the output within the record: none is identifiable.";
 }
 
+// The offset as a parameter that was not estimated, and why.
+void append_held_offset(FitResult& result, const Structure& structure, const std::string& constant) {
+  for (std::vector<double>& row : result.covariance) row.push_back(0);
+  result.covariance.emplace_back(structure.parameter_names().size() + 1, 0.0);
+  result.parameters.push_back({offset_name, 0, 0, nan, nan, true, false, true, 0, 0, false});
+  result.message += " The input does not change within the record, so that " + constant +
+                    " and the offset are one constant: the offset is held at 0 (another value with --offset).";
+}
+
+// What a constant of the model is called that acts on every output as the offset does, under this input and wherever
+// the parameters are.
+std::optional<std::string> constant_of_model(const TimeResponseData& data, const Structure& structure,
+                                             const TimeFitOptions& options) {
+  const bool changes =
+      std::any_of(data.input().begin(), data.input().end(), [&](double each) { return each != data.input().front(); });
+  if (changes || data.observed().size() <= structure.parameter_names().size() + 1) return std::nullopt;
+  const detail::ParameterMap map(structure, with_delay_limits(structure, options.constraints, length_of(data)),
+                                 data_scale(data, options.offset));
+  TimeFitOptions held = options;
+  held.offset = 0;
+  held.trend = held.earlier_input = false;
+  const detail::TimeProblem problem{data, structure, map, held, unit_of(data, std::nullopt)};
+  const detail::TimeResiduals residuals = problem.residuals(data.observed(), 1e-10);
+  const auto count = static_cast<Eigen::Index>(residuals.count());
+  const auto width = static_cast<Eigen::Index>(map.free().size());
+  if (width == 0) return std::nullopt;
+  Eigen::VectorXd weight(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const std::size_t point = data.observed()[static_cast<std::size_t>(i)];
+    weight[i] = data.sigma().empty() ? 1 : 1 / data.sigma()[point];
+  }
+  std::optional<std::string> name;
+  int places = 0;
+  for (const double shift : {0.0, 0.7, -0.6}) {
+    std::vector<double> theta;
+    for (std::size_t k = 0; k < map.free().size(); ++k) {
+      const auto& free = map.free()[k];
+      const double varied = shift * (k % 2 == 0 ? 1 : -1) * (1 + 0.1 * static_cast<double>(k));
+      const double start = free.role == ParameterRole::order   ? 0.75 + 0.2 * varied
+                           : free.role == ParameterRole::delay ? 0.05 * free.upper * (1 + varied)
+                           : free.logarithmic                  ? varied
+                                                               : 1 + 0.5 * varied;
+      theta.push_back(std::clamp(start, free.lower, free.upper));
+    }
+    std::vector<double> residual(residuals.count());
+    Eigen::MatrixXd jacobian(count, width);
+    if (!residuals.evaluate(theta, residual.data(), jacobian.data())) continue;
+    const Eigen::VectorXd shares = jacobian.colPivHouseholderQr().solve(weight);
+    constexpr double same = 1e-7;  // the simulation is good to 1e-10
+    if (!((jacobian * shares - weight).norm() <= same * weight.norm())) return std::nullopt;
+    Eigen::Index largest = 0;
+    (jacobian.colwise().norm().transpose().array() * shares.array().abs()).maxCoeff(&largest);
+    if (!name) name = structure.parameter_names()[map.free()[static_cast<std::size_t>(largest)].parameter];
+    ++places;
+  }
+  return places >= 2 ? name : std::nullopt;
+}
+
+// Chance of so much less cost by more columns, and that share, in residuals freed of the correlation that neighbours
+// still have with these columns.
+struct Explained {
+  double p_value, share;
+};
+Explained explained(const Eigen::VectorXd& residual, const Eigen::MatrixXd& fitted, const Eigen::MatrixXd& added) {
+  Eigen::MatrixXd all(fitted.rows(), fitted.cols() + added.cols());
+  all << fitted, added;
+  // Columns of equal length: their rank is then seen whatever their units.
+  all.colwise().normalize();
+  const auto least_squares = [](const Eigen::MatrixXd& columns, const Eigen::VectorXd& values) {
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
+    const Eigen::VectorXd rest = values - columns * qr.solve(values);
+    return std::pair{rest, static_cast<double>(qr.rank())};
+  };
+  const Eigen::VectorXd last = least_squares(all, residual).first;
+  const double correlation =
+      detail::CorrelatedNoise({last.data(), static_cast<std::size_t>(last.size())}, all, 1).correlation();
+  const auto freed = [&](const Eigen::MatrixXd& values) -> Eigen::MatrixXd {
+    Eigen::MatrixXd result = values;
+    result.bottomRows(values.rows() - 1) -= correlation * values.topRows(values.rows() - 1);
+    return result;
+  };
+  const Eigen::VectorXd values = freed(residual);
+  const auto [without, few] = least_squares(freed(all.leftCols(fitted.cols())), values);
+  const auto [with, many] = least_squares(freed(all), values);
+  const double before = without.squaredNorm(), after = with.squaredNorm();
+  const double degrees = static_cast<double>(values.size()) - many;
+  if (!(many > few) || !(degrees >= 5) || !(after > 0)) return {1, 0};
+  const double statistic = (before - after) / (many - few) / (after / degrees);
+  return {boost::math::cdf(
+              boost::math::complement(boost::math::fisher_f(many - few, degrees), std::clamp(statistic, 0.0, 1e12))),
+          1 - after / before};
+}
+
+// Whether the residuals show a drift, or a start in motion.
+std::string background_remark(const detail::TimeResiduals& residuals, const std::vector<double>& theta,
+                              const detail::Confidence& found) {
+  if (residuals.cost(theta) <= residuals.rounding_cost() || theta.empty()) return {};
+  std::vector<double> residual(residuals.count());
+  Eigen::MatrixXd jacobian(static_cast<Eigen::Index>(residual.size()), static_cast<Eigen::Index>(theta.size()));
+  if (!residuals.evaluate(theta, residual.data(), jacobian.data())) return {};
+  const Eigen::MatrixXd eliminated = residuals.eliminated_columns();
+  Eigen::MatrixXd fitted(jacobian.rows(), jacobian.cols() + eliminated.cols());
+  fitted << jacobian, eliminated;
+  const Eigen::MatrixXd more = residuals.possible_background(theta);
+  if (more.cols() == 0) return {};
+  const Eigen::VectorXd rest = Eigen::Map<const Eigen::VectorXd>(residual.data(), jacobian.rows());
+  const Explained drift = explained(rest, fitted, more.leftCols(1));
+  const Explained motion = explained(rest, fitted, more.rightCols(more.cols() - 1));
+  constexpr double least_chance = 1e-4, worth_saying = 0.05;
+  const auto shown = [&](const Explained& each) { return each.p_value < least_chance && each.share > worth_saying; };
+  char text[240];
+  if (shown(drift) && (!shown(motion) || drift.share > 0.7 * motion.share)) {
+    std::snprintf(text, sizeof text,
+                  " A steady drift would explain %.0f %% of the cost (F test, p = %.1g): --trend estimates it.",
+                  100 * drift.share, drift.p_value);
+    return text;
+  }
+  if (!shown(motion)) {
+    // Far from the truth neither column need explain much by itself.
+    constexpr double smooth = 0.9;
+    if (!(found.noise.correlation() > smooth)) return {};
+    return " What is left is smooth, not noise: the model misses a shape, or the record drifts (--trend) or starts in "
+           "motion (--earlier-input).";
+  }
+  std::snprintf(text, sizeof text,
+                " The record seems to start in motion: an input before it would explain %.0f %% of the cost (F test, "
+                "p = %.1g): --earlier-input estimates it.",
+                100 * motion.share, motion.p_value);
+  return text;
+}
+
 std::string ending(const detail::GlobalSolution& solution, bool is_exact) {
   if (!solution.best.converged) return "The solver stopped before the cost settled; the best point found is returned.";
   const std::string solves =
@@ -222,8 +369,13 @@ std::string ending(const detail::GlobalSolution& solution, bool is_exact) {
 
 }  // namespace
 
-FitResult fit(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& options) {
+FitResult fit(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& wanted) {
   const auto begin = std::chrono::steady_clock::now();
+  detail::require_function_of_s(structure);
+  const std::optional<std::string> constant = wanted.offset ? std::nullopt : constant_of_model(data, structure, wanted);
+  const bool offset_is_held = constant.has_value();
+  TimeFitOptions options = wanted;
+  if (offset_is_held) options.offset = 0;
   const detail::ParameterMap map(structure, with_delay_limits(structure, options.constraints, length_of(data)),
                                  data_scale(data, options.offset));
   check(data, structure, options, map);
@@ -255,7 +407,8 @@ FitResult fit(const TimeResponseData& data, const Structure& structure, const Ti
   detail::LocalOptions local;
   if (options.loss != Loss::none) {
     const auto scale = options.loss_scale ? std::optional(*options.loss_scale / unit) : std::nullopt;
-    local = robust_refinement(residuals, options.loss, scale, best);
+    local = options.global_start ? robust_search(residuals, options.loss, scale, options.seed, best)
+                                 : robust_refinement(residuals, options.loss, scale, best);
   }
   const detail::Confidence found = confidence(residuals, best, local);
   result.message = ending(solution, best.cost <= residuals.rounding_cost());
@@ -268,7 +421,11 @@ FitResult fit(const TimeResponseData& data, const Structure& structure, const Ti
   describe_estimates(result, structure, residuals, options.constraints, found, best.theta);
   describe_residuals(result, residuals, local, found, best.theta, unit);
   for (std::size_t& point : result.outliers) point = data.observed()[point];
-  if (!options.offset) append_offset(result, residuals, best.theta, data, found, unit);
+  append_background(result, residuals, best.theta, data, options, found);
+  if (offset_is_held) append_held_offset(result, structure, *constant);
+  if (options.loss == Loss::none && !options.trend && !options.earlier_input) {
+    result.message += background_remark(residuals, best.theta, found);
+  }
   refuse_unseen_response(result, residuals, local, found.rank, unit);
   result.termination = best.converged ? FitTermination::converged : FitTermination::not_converged;
   result.seconds = seconds();
@@ -279,10 +436,12 @@ std::vector<double> fitted_output(const FitResult& result, const TimeResponseDat
                                   const TimeFitOptions& options) {
   const Structure structure(result.model);
   std::vector<double> parameters;
-  double offset = options.offset.value_or(0);
+  double offset = options.offset.value_or(0), drift = 0;
   for (const ParameterEstimate& estimate : result.parameters) {
     if (estimate.name == offset_name) {
       offset = estimate.value;
+    } else if (estimate.name == detail::drift_name) {
+      drift = estimate.value;
     } else {
       parameters.push_back(estimate.value);
     }
@@ -294,7 +453,17 @@ std::vector<double> fitted_output(const FitResult& result, const TimeResponseDat
   detail::EventResponse::Result model;
   if (!events.evaluate(detail::reduce(structure.expression(), parameters), detail::finest_simulation, model))
     return output;
-  for (std::size_t i = 0; i < output.size(); ++i) output[i] = model.value[static_cast<Eigen::Index>(i)] + offset;
+  for (std::size_t i = 0; i < output.size(); ++i) {
+    output[i] = model.value[static_cast<Eigen::Index>(i)] + offset + drift * (data.time()[i] - data.time().front());
+  }
+  if (result.earlier_input.empty()) return output;
+  const std::vector<detail::EventResponse> steps = detail::earlier_steps(data, all);
+  for (std::size_t k = 0; k < result.earlier_input.size(); ++k) {
+    if (!steps[k].evaluate(detail::reduce(structure.expression(), parameters), detail::finest_simulation, model)) break;
+    for (std::size_t i = 0; i < output.size(); ++i) {
+      output[i] += result.earlier_input[k] * model.value[static_cast<Eigen::Index>(i)];
+    }
+  }
   return output;
 }
 

@@ -8,8 +8,11 @@
 #include <stdexcept>
 
 #include "identification/data/fit_data.hpp"
+#include "identification/data/residual_rule.hpp"
+#include "identification/next_measurement.hpp"
+#include "identification/prediction.hpp"
 #include "identification/statistics/autocorrelation.hpp"
-#include "identification/statistics/curvature_fit.hpp"
+#include "identification/statistics/information.hpp"
 
 namespace frac::detail {
 namespace {
@@ -20,8 +23,9 @@ constexpr double supported_evidence = 10;  // posterior odds of 150 to 1
 constexpr double refuted_evidence = -4;    // odds of 1 to 7, and cross-validation agrees
 constexpr double no_evidence = 2;
 constexpr double whole_order = 0.1;    // half width of an interval that tells an order to be whole
-constexpr double clearly_worse = 1.5;  // rms of predictions
-constexpr std::size_t folds = 5;
+constexpr double nearly_whole = 0.02;  // an order that is known to be so near a whole number counts as one
+constexpr double worse = 1.05, clearly_worse = 1.5;  // rms of predictions
+constexpr double most_model_error = 0.05;            // of the data
 
 std::string number(double value) {
   char text[32];
@@ -35,15 +39,32 @@ double independent_share(const std::vector<double>& residual, std::size_t per_po
   return (1 - correlation) / (1 + correlation);
 }
 
-/// The candidate of a class with the least BIC, among those that follow the data or among all.
+double parameters(const RankedFit& ranked) {
+  return static_cast<double>(ranked.fit.free_parameters);
+}
+
+/// n ln(cost/n)
+double misfit_term(const RankedFit& ranked, double residuals) {
+  return ranked.fit.bic - (parameters(ranked) + 1) * std::log(residuals);
+}
+
+double criterion(const Competitor& competitor) {
+  const double n = static_cast<double>(competitor.residual.size());
+  return misfit_term(competitor.ranked, n) + price_of_parameters(parameters(competitor.ranked), n);
+}
+
+/// The candidate of a class with the least criterion, among those that follow the data or among all.
 std::optional<std::size_t> best_of(const std::vector<Competitor>& competitors, bool fractional, bool adequate) {
   std::optional<std::size_t> best;
+  double least = infinity;
   for (std::size_t i = 0; i < competitors.size(); ++i) {
     const RankedFit& ranked = competitors[i].ranked;
     if ((ranked.model_class == ModelClass::fractional) != fractional) continue;
     if (adequate && !ranked.lack_of_fit.adequate) continue;
-    if (!std::isfinite(ranked.fit.bic)) continue;
-    if (!best || ranked.fit.bic < competitors[*best].ranked.fit.bic) best = i;
+    const double value = criterion(competitors[i]);
+    if (!std::isfinite(value) || !(value < least)) continue;
+    least = value;
+    best = i;
   }
   return best;
 }
@@ -52,7 +73,8 @@ std::optional<std::size_t> best_of(const std::vector<Competitor>& competitors, b
 struct Orders {
   bool any_free = false;
   const ParameterEstimate* decided = nullptr;  // the one farthest (in intervals) from every whole number
-  bool all_whole = true;                       // each known to be a whole number
+  bool all_whole = true;                       // each known to be a whole number to 0.1
+  bool all_nearly_whole = true;  // each known to be within 0.02 of one, which may lie outside the interval
 };
 Orders orders_of(const FitResult& fit, double share) {
   const Structure structure(fit.model);
@@ -66,10 +88,11 @@ Orders orders_of(const FitResult& fit, double share) {
     const double distance = std::abs(estimate.value - std::round(estimate.value));
     if (estimate.at_bound) {
       orders.all_whole = orders.all_whole && distance < 1e-3;
+      orders.all_nearly_whole = orders.all_nearly_whole && distance < 1e-3;
       continue;
     }
     if (!estimate.fixed && !std::isfinite(estimate.standard_error)) {
-      orders.all_whole = false;
+      orders.all_whole = orders.all_nearly_whole = false;
       continue;
     }
     const bool whole_above = std::round(estimate.value) > estimate.value;
@@ -77,11 +100,14 @@ Orders orders_of(const FitResult& fit, double share) {
     const double half_width = estimate.fixed ? 0 : side / std::sqrt(share);
     const double widths = half_width > 0 ? distance / half_width : (distance > 0 ? 1e300 : 0);
     orders.all_whole = orders.all_whole && widths <= 1 && half_width <= whole_order;
+    orders.all_nearly_whole = orders.all_nearly_whole && distance + half_width <= nearly_whole;
     if (widths > farthest) {
       farthest = widths;
       orders.decided = &estimate;
     }
   }
+  orders.all_whole = orders.all_whole && orders.any_free;
+  orders.all_nearly_whole = orders.all_nearly_whole && orders.any_free;
   return orders;
 }
 
@@ -91,47 +117,6 @@ std::string list_of_bands(const LackOfFit& lack, const char* unit) {
     text += (i > 0 ? ", " : "") + number(lack.misses[i].lower) + " to " + number(lack.misses[i].upper);
   }
   return text.empty() ? "" : " (misses at " + text + " " + unit + ")";
-}
-
-/// rms of the residuals with which fits to the other blocks predict each block, started from the fit to all.
-template <class Data, class Options>
-double prediction_rms(const Data& data, const Options& options, const Competitor& competitor) {
-  const FitResult& whole = competitor.ranked.fit;
-  if (competitor.ranked.model_class == ModelClass::fixed_curve) return whole.rms;
-  const std::size_t count = points(data), per_point = residuals_per_point(data, options);
-  Options warm = options;
-  warm.global_start = false;
-  warm.constraints.clear();
-  const Structure structure(whole.model);
-  for (std::size_t i = 0; i < structure.parameter_names().size(); ++i) {
-    const ParameterEstimate& estimate = whole.parameters[i];
-    ParameterConstraint constraint{estimate.name, {}, {}, {}, {}};
-    for (const ParameterConstraint& own : competitor.ranked.model.constraints) {
-      if (own.name == estimate.name) constraint = own;
-    }
-    constraint.start.reset();
-    if (estimate.fixed || estimate.at_bound || !std::isfinite(estimate.value)) {
-      constraint = {estimate.name, estimate.value, {}, {}, {}};
-      if (!std::isfinite(estimate.value)) return infinity;
-    } else {
-      constraint.start =
-          std::clamp(estimate.value, constraint.lower.value_or(-infinity), constraint.upper.value_or(infinity));
-    }
-    warm.constraints.push_back(std::move(constraint));
-  }
-  double square = 0;
-  for (std::size_t fold = 0; fold < folds; ++fold) {
-    const std::size_t first = fold * count / folds, last = (fold + 1) * count / folds;
-    try {
-      const FitResult fit = curvature_fit(part_of(data, first, last, false), structure, warm);
-      if (fit.termination == FitTermination::no_usable_start) return infinity;
-      const std::vector<double> residual = weighted_residuals(data, options, fit);
-      for (std::size_t i = first * per_point; i < last * per_point; ++i) square += residual[i] * residual[i];
-    } catch (const std::invalid_argument&) {
-      return infinity;
-    }
-  }
-  return std::isfinite(square) ? std::sqrt(square / static_cast<double>(count * per_point)) : infinity;
 }
 
 /// Where within a decade outside the data two fits differ most.
@@ -189,6 +174,106 @@ bool meets_exactly(const RankedFit& ranked) {
   return ranked.lack_of_fit.misfit == 1 && std::isnan(ranked.lack_of_fit.correlation);
 }
 
+/// What a verdict rests on.
+struct Comparison {
+  const Competitor& fractional;
+  const Competitor& integer;
+  bool fractional_fits, integer_fits;
+  double share;  // of the points that carry news
+  Orders orders;
+};
+
+double evidence_of(const Comparison& pair) {
+  const double n = static_cast<double>(pair.fractional.residual.size());
+  const double news = std::log(std::max(pair.share * n, 2.0)) / std::log(n);
+  const auto price = [&](const Competitor& each) { return news * price_of_parameters(parameters(each.ranked), n); };
+  return pair.share * (misfit_term(pair.integer.ranked, n) - misfit_term(pair.fractional.ranked, n)) +
+         price(pair.integer) - price(pair.fractional);
+}
+
+std::string compared(const IdentificationResult& result, const Comparison& pair) {
+  const double of_fractional = result.fractional->prediction_rms, of_integer = result.integer->prediction_rms;
+  std::string text = described(pair.fractional.ranked) + " against " + described(pair.integer.ranked) + ", evidence " +
+                     number(result.evidence) + " (odds " + odds_text(result.evidence) + " for the " +
+                     (result.evidence > 0 ? "fractional" : "integer-order") + " one, had they been equal before)" +
+                     ", predictions to rms " + number(of_fractional) + " against " + number(of_integer);
+  const double beyond_fractional = result.fractional->extrapolation_rms,
+               beyond_integer = result.integer->extrapolation_rms;
+  if (!std::isnan(beyond_fractional) && !std::isnan(beyond_integer)) {
+    text += ", half a decade beyond to " + number(beyond_fractional) + " against " + number(beyond_integer);
+  }
+  return text;
+}
+
+std::string where_they_differ(const IdentificationResult& result) {
+  if (std::isnan(result.differ_most)) return "";
+  return "; outside the data they differ most at " + number(result.differ_most_omega) + " rad/s, by " +
+         number(100 * result.differ_most) + " %";
+}
+
+void suggest_next(IdentificationResult& result, const FrequencyResponseData& data, const FitOptions& options,
+                  const Comparison& pair) {
+  if (pair.integer.ranked.model_class != ModelClass::integer_order) return;
+  const RankedFit& better = result.evidence > 0 ? pair.fractional.ranked : pair.integer.ranked;
+  const double noise = std::max(better.lack_of_fit.noise, better.fit.rms);
+  const double wanted = std::max(supported_evidence - result.evidence, result.evidence - refuted_evidence);
+  result.next = next_measurement(data, options, pair.fractional.ranked.fit, pair.integer.ranked.fit, noise, wanted);
+  if (!result.next) return;
+  result.verdict_sentence += " To decide, measure " + std::to_string(result.next->points) + " points from " +
+                             number(result.next->lower) + " to " + number(result.next->upper) +
+                             " rad/s with residuals of " + number(result.next->accuracy) + " (expected evidence " +
+                             number(result.next->expected_evidence) + ").";
+}
+void suggest_next(IdentificationResult&, const TimeResponseData&, const TimeFitOptions&, const Comparison&) {}
+
+bool within_model_error(const FrequencyResponseData& data, const FitOptions& options, const FitResult& fit) {
+  return fit.rms <= most_model_error * residual_rule(data, options).unit;
+}
+/// Over time the unit is the rms of the output.
+bool within_model_error(const TimeResponseData& data, const TimeFitOptions&, const FitResult& fit) {
+  double square = 0;
+  for (const std::size_t i : data.observed()) {
+    const double weighted = data.output()[i] / (data.sigma().empty() ? 1 : data.sigma()[i]);
+    square += weighted * weighted;
+  }
+  return fit.rms <= most_model_error * std::sqrt(square / static_cast<double>(data.observed().size()));
+}
+
+/// The verdict that the rules of IdentificationResult give, and what was missing where it is undecided.
+struct Ruling {
+  Verdict verdict;
+  std::string reason;
+};
+Ruling ruling(const IdentificationResult& result, const Comparison& pair, bool rival_skipped) {
+  const Orders& orders = pair.orders;
+  const auto not_above = [](double value, double times, double other) { return !(value > times * other); };
+  const Finalist &f = *result.fractional, &i = *result.integer;
+  const bool decided = (orders.decided && !orders.all_nearly_whole) || !orders.any_free;
+  const bool strong = result.evidence > supported_evidence;
+  const bool predicts = !pair.integer_fits || (not_above(f.prediction_rms, worse, i.prediction_rms) &&
+                                               not_above(f.extrapolation_rms, clearly_worse, i.extrapolation_rms));
+  if (pair.fractional_fits && strong && decided && predicts && !rival_skipped) {
+    return {Verdict::fractional_supported, ""};
+  }
+  if (pair.integer_fits) {
+    const bool whole = orders.all_nearly_whole || (result.evidence < no_evidence && orders.all_whole);
+    if (whole) return {Verdict::fractional_not_supported, "; every order of the fractional one is whole"};
+    // Where both meet the data to rounding, the simpler one has done so with less.
+    const bool both_exact = meets_exactly(pair.integer.ranked) && meets_exactly(pair.fractional.ranked) &&
+                            parameters(pair.integer.ranked) <= parameters(pair.fractional.ranked);
+    const bool predicted = not_above(i.prediction_rms, clearly_worse, f.prediction_rms) &&
+                           not_above(i.extrapolation_rms, clearly_worse, f.extrapolation_rms);
+    if (both_exact || (result.evidence < refuted_evidence && (predicted || !pair.fractional_fits))) {
+      return {Verdict::fractional_not_supported, ""};
+    }
+  }
+  if (!strong) return {Verdict::undecided, ", which is too little"};
+  if (!decided) return {Verdict::undecided, ", but no order can be told from a whole number"};
+  if (!predicts) return {Verdict::undecided, ", but the fractional one predicts left-out points worse"};
+  if (rival_skipped) return {Verdict::undecided, ", but an integer-order rival could not be fitted"};
+  return {Verdict::undecided, ", but only the other one follows the data"};
+}
+
 template <class Data, class Options>
 void judge_any(IdentificationResult& result, const Data& data, const Options& options,
                const std::vector<Competitor>& competitors, bool rival_skipped) {
@@ -197,89 +282,81 @@ void judge_any(IdentificationResult& result, const Data& data, const Options& op
   std::optional<std::size_t> fractional = best_of(competitors, true, true);
   std::optional<std::size_t> integer = best_of(competitors, false, true);
   const bool fractional_fits = fractional.has_value(), integer_fits = integer.has_value();
+  result.model_error = !fractional_fits && !integer_fits;
   if (!fractional) fractional = best_of(competitors, true, false);
   if (!integer) integer = best_of(competitors, false, false);
-  if (fractional) result.fractional = Finalist{*fractional, competitors[*fractional].ranked.fit.free_parameters, nan};
-  if (integer) result.integer = Finalist{*integer, competitors[*integer].ranked.fit.free_parameters, nan};
-  if (!fractional_fits && !integer_fits) {
+  const auto finalist = [&](std::size_t index) {
+    return Finalist{index, competitors[index].ranked.fit.free_parameters, nan, nan};
+  };
+  if (fractional) result.fractional = finalist(*fractional);
+  if (integer) result.integer = finalist(*integer);
+  const auto call_inadequate = [&] {
     result.verdict = Verdict::no_adequate_model;
     const RankedFit& best = result.ranking.at(result.chosen);
     result.verdict_sentence = "No candidate describes these data to within their noise: the best is " +
                               described(best) + "; " + how_far_off(best.lack_of_fit) +
                               list_of_bands(best.lack_of_fit, axis_unit(data)) + ".";
-    return;
-  }
+  };
   if (!fractional || !integer) {
+    if (result.model_error) return call_inadequate();
     result.verdict_sentence = fractional ? "Only fractional-order candidates could be ranked, so nothing is compared."
                                          : "No fractional-order candidate could be ranked, so nothing is compared.";
     return;
   }
 
-  const Competitor& f = competitors[*fractional];
-  const Competitor& i = competitors[*integer];
+  const Competitor &f = competitors[*fractional], &i = competitors[*integer];
   const std::size_t per_point = residuals_per_point(data, options);
-  const Competitor& better = f.ranked.fit.bic < i.ranked.fit.bic ? f : i;
-  const double share = independent_share(better.residual, per_point);
-  // n ln cost and k ln n apart, since correlation scales the first.
-  const double n = static_cast<double>(better.residual.size());
-  const auto parameters = [](const Competitor& each) { return static_cast<double>(each.ranked.fit.free_parameters); };
-  const auto likelihood = [&](const Competitor& each) {
-    return each.ranked.fit.bic - (parameters(each) + 1) * std::log(n);
-  };
-  result.evidence =
-      share * (likelihood(i) - likelihood(f)) + (parameters(i) - parameters(f)) * std::log(std::max(share * n, 2.0));
+  const bool fractional_is_better = criterion(f) < criterion(i);
+  const double share = independent_share((fractional_is_better ? f : i).residual, per_point);
+  // Where both are off by model error alone, each is judged as if it followed the data if it comes close.
+  Comparison pair{f, i, fractional_fits, integer_fits, share, orders_of(f.ranked.fit, share)};
+  if (result.model_error) {
+    pair.fractional_fits = within_model_error(data, options, f.ranked.fit);
+    pair.integer_fits = within_model_error(data, options, i.ranked.fit);
+    if (!pair.fractional_fits && !pair.integer_fits) return call_inadequate();
+  }
+  result.evidence = evidence_of(pair);
   result.log10_odds = result.evidence / (2 * std::log(10.0));
   if (f.ranked.model_class == ModelClass::fractional && i.ranked.model_class == ModelClass::integer_order) {
     differ_most(result, data, options, f.ranked.fit, i.ranked.fit);
   }
-  result.fractional->prediction_rms = prediction_rms(data, options, f);
-  result.integer->prediction_rms = prediction_rms(data, options, i);
-  const double of_fractional = result.fractional->prediction_rms, of_integer = result.integer->prediction_rms;
+  const auto blocks = blocks_of(data), ends = end_blocks(data);
+  for (const auto& [finalist_of, competitor] : {std::pair(&*result.fractional, &f), std::pair(&*result.integer, &i)}) {
+    finalist_of->prediction_rms = prediction_rms(data, options, *competitor, blocks);
+    finalist_of->extrapolation_rms = prediction_rms(data, options, *competitor, ends);
+  }
 
-  const Orders orders = orders_of(f.ranked.fit, share);
-  const std::string rivals = described(f.ranked) + " against " + described(i.ranked) + ", evidence " +
-                             number(result.evidence) + " (odds " + odds_text(result.evidence) + " for the " +
-                             (result.evidence > 0 ? "fractional" : "integer-order") + " one), predictions to rms " +
-                             number(of_fractional) + " against " + number(of_integer);
-  if (!fractional_fits) {
-    result.verdict = Verdict::fractional_not_supported;
-    result.verdict_sentence = "A fractional order is not supported: only integer-order candidates follow the data, " +
-                              described(i.ranked) + "; the best fractional one, " + described(f.ranked) +
-                              ", misses them: " + how_far_off(f.ranked.lack_of_fit) +
-                              list_of_bands(f.ranked.lack_of_fit, axis_unit(data)) + ".";
-    return;
+  const auto [verdict, reason] = ruling(result, pair, rival_skipped);
+  if (result.model_error && verdict == Verdict::undecided) return call_inadequate();
+  result.verdict = verdict;
+  const std::string rivals = compared(result, pair);
+  const std::string model_error =
+      result.model_error ? "; neither follows the data to within their noise, and what is left is taken for model error"
+                         : "";
+  switch (verdict) {
+    case Verdict::fractional_supported:
+      result.verdict_sentence = "A fractional order is supported: " + rivals;
+      if (pair.orders.decided) {
+        const ParameterEstimate& order = *pair.orders.decided;
+        result.verdict_sentence += "; order " + order.name + " = " + number(order.value) +
+                                   " (95 %: " + number(order.ci95_lower) + " to " + number(order.ci95_upper) + ")";
+      }
+      if (!integer_fits && !result.model_error)
+        result.verdict_sentence += "; no integer-order candidate follows the data";
+      result.verdict_sentence += model_error + where_they_differ(result) + ".";
+      break;
+    case Verdict::fractional_not_supported:
+      result.verdict_sentence = "A fractional order is not supported: " + rivals + reason;
+      if (!fractional_fits && !result.model_error) {
+        result.verdict_sentence += "; the fractional one misses the data: " + how_far_off(f.ranked.lack_of_fit) +
+                                   list_of_bands(f.ranked.lack_of_fit, axis_unit(data));
+      }
+      result.verdict_sentence += model_error + where_they_differ(result) + ".";
+      break;
+    default:
+      result.verdict_sentence = "Undecided: " + rivals + reason + ".";
+      suggest_next(result, data, options, pair);
   }
-  const bool decided = orders.decided || !orders.any_free;
-  const bool strong = result.evidence > supported_evidence;
-  const bool predicts = !integer_fits || !(of_fractional > of_integer);
-  if (strong && decided && predicts && !rival_skipped) {
-    result.verdict = Verdict::fractional_supported;
-    result.verdict_sentence =
-        "A fractional order is supported: " + rivals +
-        (integer_fits ? "" : "; no integer-order candidate follows the data") +
-        (orders.decided ? "; order " + orders.decided->name + " = " + number(orders.decided->value) + " (95 %: " +
-                              number(orders.decided->ci95_lower) + " to " + number(orders.decided->ci95_upper) + ")."
-                        : ".");
-    return;
-  }
-  if (integer_fits) {
-    // Where both meet the data to rounding, the simpler one has done so with less.
-    const bool both_exact = meets_exactly(i.ranked) && meets_exactly(f.ranked) && parameters(i) <= parameters(f);
-    const bool refuted =
-        both_exact || (result.evidence < refuted_evidence && !(of_integer > clearly_worse * of_fractional));
-    const bool whole = result.evidence < no_evidence && orders.any_free && orders.all_whole;
-    if (refuted || whole) {
-      result.verdict = Verdict::fractional_not_supported;
-      result.verdict_sentence = "A fractional order is not supported: " + rivals +
-                                (whole ? "; every order of the fractional one is a whole number." : ".");
-      return;
-    }
-  }
-  const char* reason = ", which is too little";
-  if (strong && !decided) reason = ", but no order can be told from a whole number";
-  if (strong && decided && !predicts) reason = ", but the fractional one predicts left-out points worse";
-  if (strong && decided && predicts && rival_skipped) reason = ", but an integer-order rival could not be fitted";
-  result.verdict_sentence = "Undecided: " + rivals + reason + ".";
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include "frac/stability.hpp"
 #include "frequency_axis.hpp"
 #include "laplace_image.hpp"
+#include "principal_sheet.hpp"
 #include "resonance_axis.hpp"
 
 namespace frac {
@@ -172,7 +173,7 @@ double integral(const GainDensity& density, std::vector<Stretch> stretches, doub
 }  // namespace
 
 PeakGain h_infinity_norm(const FractionalTransferFunction& model) {
-  if (analyse_stability(model).stability != Stability::stable)
+  if (detail::analyse_principal_sheet(model).stability != Stability::stable)
     return {infinity, std::numeric_limits<double>::quiet_NaN()};
   const LaplaceImage y = image(model);
   const detail::FrequencyAxis axis(y, 0);
@@ -205,7 +206,7 @@ PeakGain h_infinity_norm(const FractionalTransferFunction& model) {
 double h2_norm(const FractionalTransferFunction& model) {
   const double origin = 2 * detail::order_at_origin(model) + 1;
   const double far = 2 * detail::order_at_infinity(model) + 1;
-  const Stability stability = analyse_stability(model).stability;
+  const Stability stability = detail::analyse_principal_sheet(model).stability;
   const bool has_stable_poles = stability == Stability::stable || stability == Stability::integrating;
   if (!has_stable_poles || origin <= 0 || far >= 0) return infinity;
   const LaplaceImage y = image(model);

@@ -406,7 +406,7 @@ PowerSumRoots power_sum_roots(const std::vector<PowerTerm>& sum, double largest_
                   [&](const RootCluster& cluster) { return cluster.log_s.imag() > largest_argument + 1e-9; });
     result.complete = search.complete() && !search.gave_up() && !cut_off;
     if (search.gave_up()) {
-      result.trouble = "their search was given up after some seconds";
+      result.trouble = "their search was given up at its limit of 40 million terms evaluated";
     } else if (cut_off) {
       result.trouble = "two orders are so nearly equal that roots may lie beyond e^20000 rad/s";
     } else if (!search.complete()) {
@@ -415,7 +415,7 @@ PowerSumRoots power_sum_roots(const std::vector<PowerTerm>& sum, double largest_
     return result;
   }
   result.complete = false;
-  result.trouble = search.gave_up() ? "their search was given up after some seconds"
+  result.trouble = search.gave_up() ? "their search was given up at its limit of 40 million terms evaluated"
                                     : "rounding of the coefficients hides how many there are";
   return result;
 }
@@ -490,7 +490,7 @@ int side_of_negative_axis(const RootCluster& cluster) {
 
 }  // namespace
 
-PowerSumRoots power_sum_roots(const PowerProduct& product, double largest_argument) {
+PowerSumRoots power_sum_roots(const PowerProduct& product, double largest_argument, double together) {
   if (!product.is_factored()) return power_sum_roots(product.terms, largest_argument);
   PowerSumRoots result;
   std::vector<Given> all;
@@ -505,7 +505,7 @@ PowerSumRoots power_sum_roots(const PowerProduct& product, double largest_argume
     all.erase(all.begin());
     for (std::size_t i = 0; i < group.size(); ++i) {
       for (std::size_t j = all.size(); j-- > 0;) {
-        const double reach = one_cluster + all[j].cluster.spread + group[i].cluster.spread;
+        const double reach = together + all[j].cluster.spread + group[i].cluster.spread;
         if (!(std::abs(all[j].cluster.log_s - group[i].cluster.log_s) < reach)) continue;
         group.push_back(all[j]);
         all.erase(all.begin() + static_cast<std::ptrdiff_t>(j));

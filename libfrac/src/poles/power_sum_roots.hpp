@@ -74,7 +74,9 @@ struct PowerSumRoots {
 [[nodiscard]] PowerSumRoots power_sum_roots(const std::vector<PowerTerm>& sum, double largest_argument);
 
 /// Of a product: the roots of each factor, as often as its power says.
-[[nodiscard]] PowerSumRoots power_sum_roots(const PowerProduct& product, double largest_argument);
+/// @param together  distance in ln s below which roots of different factors make one cluster
+[[nodiscard]] PowerSumRoots power_sum_roots(const PowerProduct& product, double largest_argument,
+                                            double together = 1e-3);
 
 /// The same roots with clusters put together until the parts that a partial fraction expansion has at each of them are
 /// not much larger than what they add up to: a circle about a cluster has no pole near it then.  Roots on the negative

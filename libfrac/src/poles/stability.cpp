@@ -10,10 +10,12 @@
 #include <string>
 
 #include "base/number_text.hpp"
+#include "base/short_text.hpp"
 #include "formula/power_sum.hpp"
 #include "frac/model/algebra.hpp"
 #include "frequency_axis.hpp"
 #include "laplace_image.hpp"
+#include "principal_sheet.hpp"
 #include "winding_number.hpp"
 
 namespace frac {
@@ -25,6 +27,8 @@ using detail::ScaledSum;
 constexpr double pi = std::numbers::pi;
 // Margin of arg s about pi/2 within which rounding of the coefficients decides.
 constexpr double axis_width = 1e-9;
+// Distance in ln s below which roots of different factors are one: rounding.
+constexpr double same = 1e-13;
 // Radians that dead time may turn along the contour of a closed loop: each takes a few evaluations.
 constexpr double largest_turning = 1e6;
 
@@ -90,10 +94,10 @@ std::string_view to_string(Stability stability) noexcept {
   return "undetermined";
 }
 
-StabilityAnalysis analyse_stability(const FractionalTransferFunction& model) {
+StabilityAnalysis detail::analyse_principal_sheet(const FractionalTransferFunction& model) {
   StabilityAnalysis result{};
   const detail::PowerProduct numerator = detail::numerator_of(model);
-  const detail::PowerSumRoots roots = detail::power_sum_roots(detail::denominator_of(model), pi);
+  const detail::PowerSumRoots roots = detail::power_sum_roots(detail::denominator_of(model), pi, same);
   bool unstable = false;
   bool marginal = false;
   for (const RootCluster& root : roots.clusters) {
@@ -104,19 +108,6 @@ StabilityAnalysis analyse_stability(const FractionalTransferFunction& model) {
     if (cancelled) continue;
     marginal = marginal || std::abs(root.log_s.imag() - pi / 2) <= axis_width + root.spread;
     unstable = unstable || root.log_s.imag() < pi / 2 - axis_width - root.spread;
-  }
-  // Finer ones have more sheets than anyone would look at.
-  const auto common = commensurate_order(model);
-  if (common && common->value() >= 1e-3) result.commensurate_order = common->value();
-  if (result.commensurate_order) {
-    const double q = *result.commensurate_order;
-    const detail::PowerProduct polynomial = in_lambda(model, q);
-    for (const RootCluster& root : detail::power_sum_roots(polynomial, pi).clusters) {
-      const double argument = root.log_s.imag();
-      const Complex lambda = std::exp(root.log_s);
-      result.sheet_roots.push_back({root.is_conjugate || argument > pi - 1e-12 ? Complex(lambda.real()) : lambda,
-                                    root.multiplicity, argument <= q * pi * (1 + 1e-12), argument > q * pi / 2});
-    }
   }
   if (!roots.complete) {
     result.stability = Stability::undetermined;
@@ -129,6 +120,24 @@ StabilityAnalysis analyse_stability(const FractionalTransferFunction& model) {
     result.stability = Stability::integrating;
   } else {
     result.stability = marginal ? Stability::marginal : Stability::stable;
+  }
+  return result;
+}
+
+StabilityAnalysis analyse_stability(const FractionalTransferFunction& model) {
+  StabilityAnalysis result = detail::analyse_principal_sheet(model);
+  // Finer ones have more sheets than anyone would look at.
+  const auto common = commensurate_order(model);
+  if (common && common->value() >= 1e-3) result.commensurate_order = common->value();
+  if (result.commensurate_order) {
+    const double q = *result.commensurate_order;
+    const detail::PowerProduct polynomial = in_lambda(model, q);
+    for (const RootCluster& root : detail::power_sum_roots(polynomial, pi, same).clusters) {
+      const double argument = root.log_s.imag();
+      const Complex lambda = std::exp(root.log_s);
+      result.sheet_roots.push_back({root.is_conjugate || argument > pi - 1e-12 ? Complex(lambda.real()) : lambda,
+                                    root.multiplicity, argument <= q * pi * (1 + 1e-12), argument > q * pi / 2});
+    }
   }
   return result;
 }
@@ -251,6 +260,19 @@ ClosedLoopStability analyse_closed_loop(const FractionalTransferFunction& loop) 
   const double with_axis =
       detail::winding_number(characteristic, {{first, -left}, {last, -left}, {last, left}, {first, left}});
   return {!pole_at_origin && std::abs(with_axis) < 0.01 ? Stability::stable : Stability::marginal, 0};
+}
+
+std::string StabilityAnalysis::summary() const {
+  using detail::short_text;
+  std::string text(to_string(stability));
+  for (std::size_t i = 0; i < poles.size(); ++i) {
+    const Pole& pole = poles[i];
+    text += (i == 0 ? ", poles at " : ", ") + short_text(pole.value.real());
+    if (pole.value.imag() != 0) text += " +- " + short_text(pole.value.imag()) + "i";
+    if (pole.multiplicity > 1) text += " (" + std::to_string(pole.multiplicity) + " times)";
+    if (pole.cancelled) text += " (cancelled)";
+  }
+  return text + (remark.empty() ? "" : ". " + remark);
 }
 
 }  // namespace frac

@@ -44,4 +44,30 @@ ValueAndDerivative hyperbolic_cotangent(Complex z) {
   return {product(h.one_plus, inverse), -4.0 * product(h.decay, product(inverse, inverse))};
 }
 
+// Each part is a product of real functions, so that small z lose no digits.
+ValueAndDerivative hyperbolic_sine(Complex z) {
+  const double sinh = std::sinh(z.real()), cosh = std::cosh(z.real());
+  const double sine = std::sin(z.imag()), cosine = std::cos(z.imag());
+  return {{sinh * cosine, cosh * sine}, {cosh * cosine, sinh * sine}};
+}
+
+ValueAndDerivative hyperbolic_cosine(Complex z) {
+  const ValueAndDerivative sine = hyperbolic_sine(z);
+  return {sine.derivative, sine.value};
+}
+
+// sech z = 2 e^{-z}/(1 + e^{-2z}) for Re z >= 0, and it is even.
+ValueAndDerivative hyperbolic_secant(Complex z) {
+  if (std::signbit(z.real())) {
+    const ValueAndDerivative mirrored = hyperbolic_secant(-z);
+    return {mirrored.value, -mirrored.derivative};
+  }
+  const Complex value = 2.0 * product(exponential(-z), reciprocal(halves(z).one_plus));
+  return {value, -product(value, hyperbolic_tangent(z).value)};
+}
+
+ValueAndDerivative logarithm(Complex z) {
+  return {principal_log(z), reciprocal(z)};
+}
+
 }  // namespace frac::detail

@@ -57,5 +57,12 @@ struct ValueAndDerivative {
 [[nodiscard]] ValueAndDerivative hyperbolic_tangent(std::complex<double> z);
 /// coth z and its derivative.
 [[nodiscard]] ValueAndDerivative hyperbolic_cotangent(std::complex<double> z);
+/// sinh z, cosh z and their derivatives; they overflow where |Re z| > 710.
+[[nodiscard]] ValueAndDerivative hyperbolic_sine(std::complex<double> z);
+[[nodiscard]] ValueAndDerivative hyperbolic_cosine(std::complex<double> z);
+/// 1/cosh z and its derivative; no overflow however large z is.
+[[nodiscard]] ValueAndDerivative hyperbolic_secant(std::complex<double> z);
+/// Principal logarithm and 1/z.
+[[nodiscard]] ValueAndDerivative logarithm(std::complex<double> z);
 
 }  // namespace frac::detail

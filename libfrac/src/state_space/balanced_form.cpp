@@ -46,31 +46,56 @@ class Square {
   std::vector<Value> value_;
 };
 
-// Complex modal coordinates: x_i' = pole_i x_i + b_i u, plus x_(i-1) where chained; y = sum c_i x_i; a pair is a
-// block's states and, next to them, their conjugates.
+struct Input {
+  std::size_t state;
+  Complex weight;
+};
+
+// Complex modal coordinates: x_i' = pole_i x_i + b_i u + sum of what enters from states before it; y = direct u +
+// sum c_i x_i.  A pair is a block's states and, next to them, their conjugates.
 struct ModalState {
   Complex pole;
   Complex b;
   Complex c;
-  bool chained;      // to the state `step` before
+  std::vector<Input> from;
   std::size_t step;  // 2 in a pair, else 1
 };
 
-std::vector<ModalState> modal_states(const RationalModel& system, double centre) {
+struct ModalSystem {
   std::vector<ModalState> states;
-  for (const Mode& mode : system.modes) {
+  Real direct = 1;
+};
+
+// What the system gives is what the next stage takes.
+void add_stage(ModalSystem& system, double direct, const std::vector<Mode>& modes, double centre) {
+  std::vector<ModalState>& states = system.states;
+  std::vector<Input> output;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    output.push_back({i, states[i].c});
+    states[i].c = Complex{direct, 0} * states[i].c;
+  }
+  for (const Mode& mode : modes) {
     const bool pair = mode.pole.imag() != 0;
+    const std::size_t step = pair ? 2 : 1;
     const Complex pole{Real(mode.pole.real()) / centre, Real(mode.pole.imag()) / centre};
     Real scale = 1;
     for (std::size_t k = 0; k < mode.residues.size(); ++k) {
       scale /= centre;
-      const Complex b{k == 0 ? 1 : 0, 0};
+      const Complex b{k == 0 ? system.direct : Real(0), 0};
       const Complex c{Real(mode.residues[k].real()) * scale, Real(mode.residues[k].imag()) * scale};
-      states.push_back({pole, b, c, k > 0, pair ? std::size_t{2} : std::size_t{1}});
-      if (pair) states.push_back({conjugate(pole), b, conjugate(c), k > 0, 2});
+      const auto inputs = [&] { return k == 0 ? output : std::vector<Input>{{states.size() - step, {1, 0}}}; };
+      states.push_back({pole, b, c, inputs(), step});
+      if (pair) states.push_back({conjugate(pole), b, conjugate(c), inputs(), step});
     }
   }
-  return states;
+  system.direct *= direct;
+}
+
+ModalSystem modal_system(const RationalModel& model, double centre) {
+  ModalSystem system;
+  add_stage(system, model.direct, model.modes, centre);
+  for (const RationalStage& stage : model.series) add_stage(system, stage.direct, stage.modes, centre);
+  return system;
 }
 
 // A P + P A^H + b b^H = 0, from the top left on.
@@ -79,8 +104,8 @@ Square<Complex> controllability(const std::vector<ModalState>& states) {
   for (std::size_t i = 0; i < states.size(); ++i) {
     for (std::size_t j = 0; j < states.size(); ++j) {
       Complex sum = states[i].b * conjugate(states[j].b);
-      if (states[i].chained) sum = sum + p(i - states[i].step, j);
-      if (states[j].chained) sum = sum + p(i, j - states[j].step);
+      for (const Input& each : states[i].from) sum = sum + each.weight * p(each.state, j);
+      for (const Input& each : states[j].from) sum = sum + p(i, each.state) * conjugate(each.weight);
       const Complex poles = states[i].pole + conjugate(states[j].pole);
       p(i, j) = quotient(sum, {-poles.re, -poles.im});
     }
@@ -91,13 +116,16 @@ Square<Complex> controllability(const std::vector<ModalState>& states) {
 // A^H Q + Q A + c^H c = 0, from the bottom right on.
 Square<Complex> observability(const std::vector<ModalState>& states) {
   const std::size_t n = states.size();
+  std::vector<std::vector<Input>> to(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    for (const Input& each : states[i].from) to[each.state].push_back({i, each.weight});
+  }
   Square<Complex> q(n);
-  const auto drives = [&](std::size_t i) { return i + states[i].step < n && states[i + states[i].step].chained; };
   for (std::size_t i = n; i-- > 0;) {
     for (std::size_t j = n; j-- > 0;) {
       Complex sum = conjugate(states[i].c) * states[j].c;
-      if (drives(i)) sum = sum + q(i + states[i].step, j);
-      if (drives(j)) sum = sum + q(i, j + states[j].step);
+      for (const Input& each : to[i]) sum = sum + conjugate(each.weight) * q(each.state, j);
+      for (const Input& each : to[j]) sum = sum + q(i, each.state) * each.weight;
       const Complex poles = conjugate(states[i].pole) + states[j].pole;
       q(i, j) = quotient(sum, {-poles.re, -poles.im});
     }
@@ -232,22 +260,30 @@ struct RealSystem {
 };
 RealSystem real_system(const std::vector<ModalState>& states) {
   const std::size_t n = states.size();
+  Square<Complex> a(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    a(i, i) = states[i].pole;
+    for (const Input& each : states[i].from) a(i, each.state) = each.weight;
+  }
+  // z = x + j y, conj z = x - j y.
+  for (std::size_t i = 0; i < n; i += states[i].step) {
+    for (std::size_t k = 0; states[i].step == 2 && k < n; ++k) {
+      const Complex first = a(k, i);
+      const Complex second = a(k, i + 1);
+      a(k, i) = first + second;
+      a(k, i + 1) = {second.im - first.im, first.re - second.re};
+    }
+  }
   RealSystem system{Square<Real>(n), std::vector<Real>(n), std::vector<Real>(n)};
   for (std::size_t i = 0; i < n; i += states[i].step) {
     const ModalState& state = states[i];
     system.b[i] = state.b.re;
-    for (std::size_t k = 0; k < state.step; ++k) {
-      system.a(i + k, i + k) = state.pole.re;
-      if (state.chained) system.a(i + k, i + k - state.step) = 1;
-    }
-    if (state.step == 1) {
-      system.c[i] = state.c.re;
-      continue;
-    }
-    system.a(i, i + 1) = -state.pole.im;
-    system.a(i + 1, i) = state.pole.im;
-    system.c[i] = 2 * state.c.re;
+    system.c[i] = state.step == 1 ? state.c.re : Real(2 * state.c.re);
+    for (std::size_t k = 0; k < n; ++k) system.a(i, k) = a(i, k).re;
+    if (state.step == 1) continue;
     system.c[i + 1] = -2 * state.c.im;
+    // The row of conj z is the conjugate of that of z.
+    for (std::size_t k = 0; k < n; ++k) system.a(i + 1, k) = a(i, k).im;
   }
   return system;
 }
@@ -263,7 +299,8 @@ BalancedForm balanced_form(const RationalModel& system) {
   }
   const detail::ModelOnBand on_band(system.model, system.band);
   const double centre = on_band.centre();
-  const std::vector<ModalState> states = modal_states(system, centre);
+  const ModalSystem modal = modal_system(system, centre);
+  const std::vector<ModalState>& states = modal.states;
   const std::size_t n = states.size();
   const Square<Real> lp = cholesky(in_real_coordinates(controllability(states), states, false));
   const Square<Real> lq = cholesky(in_real_coordinates(observability(states), states, true));
@@ -285,7 +322,7 @@ BalancedForm balanced_form(const RationalModel& system) {
   BalancedForm result;
   StateSpace& form = result.system;
   form.states = n;
-  form.d = system.direct;
+  form.d = static_cast<double>(modal.direct);
   const Real root_centre = sqrt(Real(centre));
   for (std::size_t i = 0; i < n; ++i) {
     for (std::size_t j = 0; j < n; ++j) form.a.push_back(static_cast<double>(Real(a(i, j) * centre)));

@@ -7,6 +7,7 @@
 
 #include "approximation/band_error.hpp"
 #include "frac/stability.hpp"
+#include "poles/principal_sheet.hpp"
 
 namespace frac::detail {
 namespace {
@@ -37,7 +38,7 @@ ModelOnBand::ModelOnBand(const FractionalTransferFunction& model, FrequencyBand 
       centre_(std::exp((std::log(band.upper) + std::log(band.lower)) / 2)),
       has_direct_(model.numerator().front().order - model.denominator().front().order > -1),
       is_rational_(has_whole_orders(model)) {
-  const StabilityAnalysis analysis = analyse_stability(model_);
+  const StabilityAnalysis analysis = analyse_principal_sheet(model_);
   if (analysis.stability == Stability::undetermined) throw std::domain_error("realise: " + analysis.remark);
   constexpr double beyond_band = 100;
   for (const Pole& pole : analysis.poles) {

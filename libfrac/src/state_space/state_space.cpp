@@ -3,14 +3,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "base/number_text.hpp"
 #include "base/short_text.hpp"
 #include "base/spelling.hpp"
 #include "model_on_band.hpp"
+#include "series_split.hpp"
 
 namespace frac {
 namespace {
@@ -61,6 +64,7 @@ RationalModel measured(const FractionalTransferFunction& model, const ModelOnBan
                        .delay = model.delay(),
                        .direct = design.direct,
                        .modes = std::move(design.modes),
+                       .series = {},
                        .message = {}};
   std::sort(result.modes.begin(), result.modes.end(),
             [](const Mode& a, const Mode& b) { return std::abs(a.pole) < std::abs(b.pole); });
@@ -73,6 +77,31 @@ RationalModel measured(const FractionalTransferFunction& model, const ModelOnBan
 
 bool met(const RationalModel& result) {
   return result.max_relative_error <= result.tolerance;
+}
+
+// What rounding leaves of a sum of modes, relative to the model: towards high frequency modes as large as the response
+// was below cancel down to it, towards low frequency those of what it will be.
+double rounding_of_modes(const ModelOnBand& model) {
+  const std::vector<double> omega = model.grid(3);
+  std::vector<double> size;
+  for (const double each : omega) size.push_back(std::abs(model.response(each)));
+  double worst = 0;
+  double falling = 0;
+  for (std::size_t i = 0; i < omega.size(); ++i) {
+    falling = std::max(falling, size[i] * omega[i]);
+    worst = std::max(worst, falling / (size[i] * omega[i]));
+  }
+  double rising = 0;
+  for (std::size_t i = omega.size(); i-- > 0;) {
+    rising = std::max(rising, size[i]);
+    worst = std::max(worst, rising / size[i]);
+  }
+  return worst * std::numeric_limits<double>::epsilon();
+}
+
+// One sum of modes cannot keep the tolerance; of a rational model it is tried, for its poles may be one chain.
+bool is_hidden_by_rounding(const ModelOnBand& model, double tolerance) {
+  return !model.is_rational() && rounding_of_modes(model) > 0.03 * tolerance;
 }
 
 // The least number of real poles along the cut, from the number that the attainable limit of s^0.5 suggests.
@@ -98,9 +127,22 @@ RationalModel smallest_joint(const FractionalTransferFunction& model, const Mode
     }
     return best;
   }
+  // A pole more divides the attainable error by e^(pi^2/width): as many as that asks for, a few at a time.
+  const double per_pole = std::numbers::pi * std::numbers::pi / width;
+  int missed = poles;
   for (int without_gain = 0; without_gain < 3 && poles < most;) {
-    RationalModel more = with(++poles);
-    if (met(more)) return more;
+    const double wanted = std::log(best.max_relative_error / tolerance) / per_pole;
+    poles = std::min(poles + std::clamp(static_cast<int>(wanted), 1, without_gain > 0 ? 1 : 4), most);
+    RationalModel more = with(poles);
+    if (met(more)) {
+      while (poles - 1 > missed) {
+        RationalModel fewer = with(--poles);
+        if (!met(fewer)) break;
+        more = std::move(fewer);
+      }
+      return more;
+    }
+    missed = poles;
     without_gain = more.max_relative_error < 0.9 * best.max_relative_error ? 0 : without_gain + 1;
     if (more.max_relative_error < best.max_relative_error) best = std::move(more);
   }
@@ -134,13 +176,95 @@ RationalModel smallest_term_by_term(const FractionalTransferFunction& model, con
   return best;
 }
 
+RationalModel smallest_sum_of_modes(const FractionalTransferFunction& model, const ModelOnBand& on_band,
+                                    double tolerance, RealisationMethod method) {
+  // Poles of a rational model are its own, whatever the method.
+  if (method == RealisationMethod::joint || on_band.is_rational()) return smallest_joint(model, on_band, tolerance);
+  return smallest_term_by_term(model, on_band, tolerance);
+}
+
+// Stages in series, the errors of the fractional ones shared evenly; empty where the model cannot be split.
+std::optional<RationalModel> in_series(const ModelOnBand& on_band, const RationalModel& frame,
+                                       detail::SeriesSplit split) {
+  const auto [gain, stages] = detail::series_stages(on_band.model(), split);
+  if (stages.empty()) return std::nullopt;
+  std::vector<std::pair<std::size_t, ModelOnBand>> different;  // first of its kind
+  std::vector<std::size_t> kind;
+  for (std::size_t i = 0; i < stages.size(); ++i) {
+    const auto same = std::find_if(different.begin(), different.end(),
+                                   [&](const auto& each) { return stages[each.first] == stages[i]; });
+    kind.push_back(static_cast<std::size_t>(same - different.begin()));
+    if (same != different.end()) continue;
+    different.emplace_back(i, ModelOnBand(stages[i], frame.band));
+    if (is_hidden_by_rounding(different.back().second, frame.tolerance)) return std::nullopt;
+  }
+  const auto shared =
+      std::count_if(kind.begin(), kind.end(), [&](std::size_t each) { return !different[each].second.is_rational(); });
+  double share = frame.tolerance / static_cast<double>(std::max<std::ptrdiff_t>(shared, 1));
+  std::optional<RationalModel> best;
+  for (int attempt = 0; attempt < 3; ++attempt, share *= 0.7) {
+    RationalModel result = frame;
+    result.states = 0;
+    result.stable = true;
+    std::vector<RationalModel> designs;
+    for (const auto& [first, each] : different) {
+      designs.push_back(smallest_sum_of_modes(stages[first], each, std::max(share, 1e-14), frame.method));
+    }
+    std::size_t most_states = 0;
+    for (const std::size_t each : kind) {
+      const RationalModel& design = designs[each];
+      result.series.push_back({design.direct, design.modes});
+      result.states += design.states;
+      result.stable = result.stable && design.stable;
+      most_states = std::max(most_states, design.states);
+    }
+    result.direct = gain * result.series.front().direct;
+    result.modes = std::move(result.series.front().modes);
+    result.series.erase(result.series.begin());
+    for (Mode& mode : result.modes) {
+      for (std::complex<double>& residue : mode.residues) residue *= gain;
+    }
+    const double density = std::max(3.0, 3.0 * static_cast<double>(most_states + 1) / on_band.half_width());
+    detail::measure(on_band, density, result);
+    if (!best || result.max_relative_error < best->max_relative_error) best = std::move(result);
+    const bool can_do_better = std::all_of(designs.begin(), designs.end(), met);
+    if (met(*best) || !can_do_better) break;
+  }
+  return best;
+}
+
+// Of a model given as a product.  Its expansion is no help: it is only more terms, whose sums cancel.
+RationalModel smallest_of_product(const FractionalTransferFunction& model, const ModelOnBand& on_band, double tolerance,
+                                  RealisationMethod method) {
+  std::optional<RationalModel> result;
+  const bool is_one_sum = on_band.is_rational() || method == RealisationMethod::joint;
+  if (is_one_sum && !is_hidden_by_rounding(on_band, tolerance)) {
+    result = smallest_joint(model, on_band, tolerance);
+  }
+  const RationalModel frame{.model = model,
+                            .band = on_band.band(),
+                            .tolerance = tolerance,
+                            .method = method,
+                            .delay = model.delay(),
+                            .modes = {},
+                            .series = {},
+                            .message = {}};
+  for (const auto split : {detail::SeriesSplit::whole_orders, detail::SeriesSplit::every_factor}) {
+    if (result && met(*result)) break;
+    if (auto series = in_series(on_band, frame, split)) {
+      if (!result || series->max_relative_error < result->max_relative_error) result = std::move(series);
+    }
+  }
+  return result ? std::move(*result) : smallest_sum_of_modes(model, on_band, tolerance, method);
+}
+
 }  // namespace
 
 std::string_view to_string(RealisationMethod method) {
   return detail::spelling(method_names, method);
 }
 
-RealisationMethod realisation_method(std::string_view name) {
+RealisationMethod realisation_method_from_string(std::string_view name) {
   return detail::from_spelling(method_names, "realisation method", name);
 }
 
@@ -186,7 +310,9 @@ std::complex<double> StateSpace::response(double omega) const {
 }
 
 std::complex<double> RationalModel::response(double omega) const {
-  return detail::modal_response(direct, modes, omega);
+  std::complex<double> product = detail::modal_response(direct, modes, omega);
+  for (const RationalStage& stage : series) product *= detail::modal_response(stage.direct, stage.modes, omega);
+  return product;
 }
 
 RationalModel realise(const FractionalTransferFunction& model, FrequencyBand band, double tolerance,
@@ -194,16 +320,20 @@ RationalModel realise(const FractionalTransferFunction& model, FrequencyBand ban
   check(model, band, tolerance);
   const ModelOnBand on_band(model, band);
   check_response(on_band);
-  // Poles of a rational model are its own, whatever the method.
   std::optional<RationalModel> result;
-  if (method == RealisationMethod::joint || on_band.is_rational()) {
-    result = smallest_joint(model, on_band, tolerance);
+  if (!model.denominator_factors().empty()) {
+    result = smallest_of_product(model, on_band, tolerance, method);
     result->method = method;
-  }
-  if (!on_band.is_rational()) {
-    RationalModel by_terms = smallest_term_by_term(model, on_band, tolerance);
-    const bool better = !result || (met(by_terms) && (!met(*result) || by_terms.states < result->states));
-    if (better) result = std::move(by_terms);
+  } else {
+    if (method == RealisationMethod::joint || on_band.is_rational()) {
+      result = smallest_joint(model, on_band, tolerance);
+      result->method = method;
+    }
+    if (!on_band.is_rational()) {
+      RationalModel by_terms = smallest_term_by_term(model, on_band, tolerance);
+      const bool better = !result || (met(by_terms) && (!met(*result) || by_terms.states < result->states));
+      if (better) result = std::move(by_terms);
+    }
   }
   result->status = met(*result) ? RationalModelStatus::met : RationalModelStatus::not_attainable;
   const std::string states = std::to_string(result->states) + (result->states == 1 ? " state" : " states");
@@ -215,15 +345,17 @@ RationalModel realise(const FractionalTransferFunction& model, FrequencyBand ban
   return std::move(*result);
 }
 
-StateSpace modal_form(const RationalModel& system) {
+namespace {
+
+StateSpace modal_stage(double direct, const std::vector<Mode>& modes) {
   StateSpace form;
-  const std::size_t n = form.states = system.states;
+  const std::size_t n = form.states = detail::state_count(modes);
   form.a.assign(n * n, 0);
   form.b.assign(n, 0);
   form.c.assign(n, 0);
-  form.d = system.direct;
+  form.d = direct;
   std::size_t at = 0;
-  for (const Mode& mode : system.modes) {
+  for (const Mode& mode : modes) {
     const std::size_t width = mode.pole.imag() == 0 ? 1 : 2;
     const std::size_t order = mode.residues.size();
     double size = 0;
@@ -248,6 +380,42 @@ StateSpace modal_form(const RationalModel& system) {
     at += order * width;
   }
   return form;
+}
+
+// The output of the first drives the second.
+StateSpace series_of(const StateSpace& first, const StateSpace& second) {
+  StateSpace form;
+  const std::size_t n = form.states = first.states + second.states;
+  form.a.assign(n * n, 0);
+  for (std::size_t i = 0; i < first.states; ++i) {
+    for (std::size_t j = 0; j < first.states; ++j) form.a[i * n + j] = first.a[i * first.states + j];
+  }
+  for (std::size_t i = 0; i < second.states; ++i) {
+    const std::size_t row = first.states + i;
+    for (std::size_t j = 0; j < first.states; ++j) form.a[row * n + j] = second.b[i] * first.c[j];
+    for (std::size_t j = 0; j < second.states; ++j)
+      form.a[row * n + first.states + j] = second.a[i * second.states + j];
+  }
+  form.b = first.b;
+  for (const double each : second.b) form.b.push_back(each * first.d);
+  for (const double each : first.c) form.c.push_back(second.d * each);
+  form.c.insert(form.c.end(), second.c.begin(), second.c.end());
+  form.d = second.d * first.d;
+  return form;
+}
+
+}  // namespace
+
+StateSpace modal_form(const RationalModel& system) {
+  StateSpace form = modal_stage(system.direct, system.modes);
+  for (const RationalStage& stage : system.series) form = series_of(form, modal_stage(stage.direct, stage.modes));
+  return form;
+}
+
+std::string RationalModel::summary() const {
+  using detail::short_text;
+  return model.formula() + " on " + short_text(band.lower) + " .. " + short_text(band.upper) + " rad/s by " +
+         std::string(to_string(method)) + (stable ? ", stable. " : ", not stable. ") + message;
 }
 
 }  // namespace frac

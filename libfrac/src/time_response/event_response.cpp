@@ -177,21 +177,64 @@ double EventResponse::shortest_lag(double delay) const {
   return shortest;
 }
 
+std::optional<EventResponse::Plan> EventResponse::planned(double high_order, double low_order, double delay) const {
+  if (high_order > 0 || !(low_order > -1.0 - static_cast<double>(most_integrators)) || !std::isfinite(delay) ||
+      delay < 0) {
+    return std::nullopt;
+  }
+  Plan plan;
+  plan.delay = delay;
+  plan.integrators = low_order <= -1 ? static_cast<std::size_t>(std::floor(-low_order)) : 0;
+  plan.channels = plan.integrators + (has_slopes_ ? 2 : 1);
+  return plan;
+}
+
+bool EventResponse::evaluate(const FractionalTransferFunction& model, double tolerance, Result& result) const {
+  std::optional<Plan> planned_for = planned(order_at_infinity(model), order_at_origin(model), model.delay());
+  if (!planned_for) return false;
+  Plan& plan = *planned_for;
+  if (order_at_infinity(model) == 0) {
+    plan.direct = model.numerator().front().coefficient / model.denominator().front().coefficient;
+  }
+  plan.direct_by.setZero(0);
+  const double latest = output_time_.back() - knots_.front().time - plan.delay;
+  const auto rows = static_cast<Eigen::Index>(output_time_.size());
+  if (!(latest > 0)) {
+    result.value.setZero(rows);
+    result.gradient.setZero(rows, 0);
+    return true;
+  }
+  const LaplaceImage step(scaled(numerator_of(model), 1, static_cast<double>(plan.integrators)),
+                          scaled(denominator_of(model), 1, 1));
+  if (!step.poles().complete) return false;
+  ExponentialSum sum = exponential_sum(step, shortest_lag(plan.delay), latest, tolerance, plan.integrators,
+                                       plan.channels, FastTerms::direct);
+  plan.constant = Eigen::Map<const Eigen::VectorXd>(sum.constants.data(), static_cast<Eigen::Index>(plan.channels));
+  const auto complex_terms = std::stable_partition(sum.terms.begin(), sum.terms.end(),
+                                                   [](const Exponential& term) { return term.rate.imag() == 0; });
+  plan.real_count = complex_terms - sum.terms.begin();
+  plan.complex_count = sum.terms.end() - complex_terms;
+  plan.weight.resize(plan.real_count + 2 * plan.complex_count, 1);
+  for (Eigen::Index i = 0; i < plan.real_count + plan.complex_count; ++i) {
+    const Exponential& term = sum.terms[static_cast<std::size_t>(i)];
+    plan.rate.push_back(term.rate);
+    plan.is_direct.push_back(term.is_direct);
+    plan.weight(i, 0) = term.weight.real();
+    if (i >= plan.real_count) plan.weight(i + plan.complex_count, 0) = -term.weight.imag();
+  }
+  run(plan, result);
+  return result.value.allFinite();
+}
+
 bool EventResponse::evaluate(const RatioOfPowerSums& ratio, double tolerance, Result& result) const {
   const std::vector<PowerTerm> numerator = plain_terms(ratio.numerator);
   const std::vector<PowerTerm> denominator = plain_terms(ratio.denominator);
   if (numerator.empty() || denominator.empty()) return false;
   const double high_order = numerator.front().order - denominator.front().order;
   const double low_order = numerator.back().order - denominator.back().order;
-  if (high_order > 0 || !(low_order > -1.0 - static_cast<double>(most_integrators)) || !std::isfinite(ratio.delay) ||
-      ratio.delay < 0) {
-    return false;
-  }
-
-  Plan plan;
-  plan.delay = ratio.delay;
-  plan.integrators = low_order <= -1 ? static_cast<std::size_t>(std::floor(-low_order)) : 0;
-  plan.channels = plan.integrators + (has_slopes_ ? 2 : 1);
+  std::optional<Plan> planned_for = planned(high_order, low_order, ratio.delay);
+  if (!planned_for) return false;
+  Plan& plan = *planned_for;
   if (std::any_of(ratio.delay_slope.begin(), ratio.delay_slope.end(), [](double each) { return each != 0; })) {
     plan.delay_slope = ratio.delay_slope;
   }

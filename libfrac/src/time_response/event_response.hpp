@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -29,6 +30,9 @@ class EventResponse {
   /// False where the model is zero, improper, has poles that could not be counted, or outgrows a double.
   /// @param tolerance  of the step response, relative to the sum of its parts
   [[nodiscard]] bool evaluate(const RatioOfPowerSums& ratio, double tolerance, Result& result) const;
+  /// The values alone, from the sum of exponentials that filters use: a product keeps its factors, and poles that
+  /// coincide cost no digits.
+  [[nodiscard]] bool evaluate(const FractionalTransferFunction& model, double tolerance, Result& result) const;
 
  private:
   struct Knot {
@@ -37,6 +41,8 @@ class EventResponse {
     double slope;  // change of the input's slope
   };
   struct Plan;
+  // Orders of the model at infinity and at the origin; empty where it is improper or integrates too often.
+  [[nodiscard]] std::optional<Plan> planned(double high_order, double low_order, double delay) const;
   [[nodiscard]] double shortest_lag(double delay) const;
   void run(const Plan& plan, Result& result) const;
 

@@ -9,9 +9,9 @@
 #include <string>
 #include <utility>
 
+#include "base/short_text.hpp"
 #include "base/spelling.hpp"
 #include "event_response.hpp"
-#include "formula/reduction.hpp"
 #include "frac/model/algebra.hpp"
 #include "sample_checks.hpp"
 
@@ -117,15 +117,6 @@ bool is_held_exactly(const TimeInput& input) {
   return !named || named->kind == Kind::step || named->kind == Kind::ramp;
 }
 
-detail::RatioOfPowerSums ratio_of(const FractionalTransferFunction& model) {
-  const auto sensitive = [](const std::vector<PowerTerm>& terms) {
-    detail::SensitiveSum sum;
-    for (const PowerTerm& term : terms) sum.push_back({term.coefficient, term.order, {}, {}});
-    return sum;
-  };
-  return {sensitive(model.numerator()), sensitive(model.denominator()), model.delay(), {}};
-}
-
 // The model whose step response is the response to the named input.
 FractionalTransferFunction stepped(const FractionalTransferFunction& model, const ResponseInput& input) {
   const FractionalTransferFunction s({{1, 1}}, {{1, 0}});
@@ -153,7 +144,7 @@ std::vector<double> by_events(const FractionalTransferFunction& model, const Tim
     return {sampled.time, sampled.value, sampled.hold, instants};
   }();
   detail::EventResponse::Result result;
-  if (!events.evaluate(ratio_of(driven), tolerance, result)) {
+  if (!events.evaluate(driven, tolerance, result)) {
     refuse(
         "the exponential sum has no finite response: the poles could not be counted, the response begins infinite, "
         "or it outgrows a double");
@@ -391,6 +382,13 @@ TimeResponse respond(const FractionalTransferFunction& model, const TimeInput& i
            "output");
   }
   return by_method(method, model, input, even, time, tolerance);
+}
+
+std::string TimeResponse::summary() const {
+  using detail::short_text;
+  return std::to_string(output.size()) + (output.size() == 1 ? " instant by " : " instants by ") +
+         std::string(to_string(method)) + ", largest output " + short_text(largest(output)) + ", estimated error " +
+         short_text(error_estimate) + (meets_tolerance ? "." : ", more than the tolerance allows.");
 }
 
 }  // namespace frac

@@ -343,6 +343,44 @@ struct FractionalStructure {
   std::vector<std::size_t> orders;
 };
 
+/// Ratios of polynomials in s^a of degree 2 or 3, with or without dead time: theta holds the order, s^2a + b1 s^a + b0
+/// by b1 and ln b0, ln p of s^a + p, and the dead time.
+FractionalStructure commensurate(const char* name, bool third, bool delay) {
+  FractionalStructure structure;
+  structure.name = name;
+  structure.linear = third ? 4 : 3;
+  structure.orders = {0};
+  structure.basis = [third, delay](const std::vector<double>& t) {
+    const double order = order_from(t[0]);
+    const double b1 = t[1];
+    const double b0 = std::exp(t[2]);
+    const double length = delay ? t.back() : 0;
+    const auto held = [=](Complex s, Complex value) { return delay ? value * std::exp(-length * s) : value; };
+    const auto quadratic = [=](Complex z) { return z * z + b1 * z + b0; };
+    std::vector<std::function<Complex(Complex)>> columns = {
+        [=](Complex s) { return held(s, 1); }, [=](Complex s) { return held(s, 1.0 / quadratic(std::pow(s, order))); },
+        [=](Complex s) {
+          const Complex z = std::pow(s, order);
+          return held(s, z / quadratic(z));
+        }};
+    if (third) {
+      const double pole = std::exp(t[3]);
+      columns.emplace_back([=](Complex s) { return held(s, 1.0 / (std::pow(s, order) + pole)); });
+    }
+    return columns;
+  };
+  for (const double order : {0.6, 0.85}) {
+    for (const double spread : {1.0, 3.0}) {
+      // Poles at exp(-spread) and exp(spread) in s^a, and a third between them or beyond.
+      std::vector<double> start = {unlimited_from(order), 2 * std::cosh(spread), 0};
+      if (third) start.push_back(spread > 2 ? 0 : 2);
+      if (delay) start.push_back(0.01);
+      structure.starts.push_back(start);
+    }
+  }
+  return structure;
+}
+
 std::vector<FractionalStructure> fractional_structures() {
   using Function = std::function<Complex(Complex)>;
   const auto u = unlimited_from;
@@ -434,6 +472,10 @@ std::vector<FractionalStructure> fractional_structures() {
        {{u(0.8), 1, u(0.8), -1}, {u(0.8), 3, u(0.8), -1}, {u(0.8), 1, u(0.8), -3}, {u(0.9), 4, u(0.7), -4}},
        3,
        {0, 2}},
+      commensurate("commensurate-2", false, false),
+      commensurate("commensurate-2-and-delay", false, true),
+      commensurate("commensurate-3", true, false),
+      commensurate("commensurate-3-and-delay", true, true),
   };
 }
 

@@ -7,7 +7,7 @@
 // expected price is E = D + p/2 ln n.  The least E is sought
 //   - over ratios of polynomials of order 1 to 12, with and without a direct term in s and a dead time, by vector
 //     fitting and then variable projection on the exact response,
-//   - over seven fractional structures of at most seven parameters, in the same way,
+//   - over twelve fractional structures of at most nine parameters, in the same way,
 //   - and the truth itself has D = 0.
 // Where the integer-order truth lies inside a fractional structure with a = 1, the price of the one order more is that
 // of price_of_an_order.hpp: an order is a priori as likely anywhere within half a unit of 1.

@@ -82,7 +82,8 @@ io::FrequencyResponseFile data_of(const BatchTask& task, const BatchCurve& curve
   auto request = task.request;
   request.data = curve.file;
   request.curve = curve.label;
-  return read_data(request, [](const std::string&) {});
+  const auto ignore = [](const std::string&) {};
+  return curve.measurement ? read_data(request, *curve.measurement, ignore) : read_data(request, ignore);
 }
 
 void set_result(RowBuilder& row, const BatchTask& task, const io::FrequencyResponseFile& file) {
@@ -128,18 +129,24 @@ std::vector<std::string> batch_columns(const BatchTask& task) {
   return columns;
 }
 
-std::vector<BatchCurve> curves_of(const std::vector<std::string>& files, const std::string& key_column) {
+std::vector<BatchCurve> curves_of(const std::vector<std::string>& files, const FitRequest& request) {
   std::vector<BatchCurve> curves;
   for (const auto& file : files) {
     std::vector<std::string> labels;
     std::string fingerprint;
+    std::shared_ptr<const io::Measurement> kept;
     try {
       fingerprint = io::fingerprint(*io::input_text(file));
-      labels = io::curve_labels(file, key_column);
+      io::Measurement measurement = io::read_measurement(file, request.how);
+      labels = io::curve_labels(measurement, request.key_column);
+      if (!labels.empty()) {
+        if (request.key_column.empty()) io::prepare_curves(measurement);
+        kept = std::make_shared<const io::Measurement>(std::move(measurement));
+      }
     } catch (const io::DataError&) {  // its row will say it
     }
     if (labels.empty()) curves.push_back({file, file, "", fingerprint});
-    for (const auto& label : labels) curves.push_back({file + "#" + label, file, label, fingerprint});
+    for (const auto& label : labels) curves.push_back({file + "#" + label, file, label, fingerprint, kept});
   }
   return curves;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -14,12 +15,13 @@ namespace fracfit {
 struct BatchCurve {
   std::string name;  // the file, and after a # the label
   std::string file;
-  std::string label;        // empty: the only curve of the file
-  std::string fingerprint;  // of the file; empty where it cannot be read
+  std::string label;                                        // empty: the only curve of the file
+  std::string fingerprint;                                  // of the file; empty where it cannot be read
+  std::shared_ptr<const io::Measurement> measurement = {};  // kept where the file holds several curves
 };
 
 /// The curves of the files, see io::curve_labels; a file that cannot be read counts as one.
-[[nodiscard]] std::vector<BatchCurve> curves_of(const std::vector<std::string>& files, const std::string& key_column);
+[[nodiscard]] std::vector<BatchCurve> curves_of(const std::vector<std::string>& files, const FitRequest& request);
 
 /// What is done with each curve of a batch.
 struct BatchTask {
@@ -39,8 +41,8 @@ struct BatchTask {
 [[nodiscard]] std::vector<std::string> variables_of(const BatchTask& task, const std::vector<BatchCurve>& curves,
                                                     const std::string& wanted);
 
-/// Why the command can read none of the curves, where the command is at fault with the first of them: a condition on a
-/// column that they do not have, or several scenes in one file.  Empty where it can read one.
+/// Why the options of the command fit none of the curves: a condition on a column that they do not have, or several
+/// scenes in one file.  Empty if one curve can be read.
 [[nodiscard]] std::string fault_of_command(const BatchTask& task, const std::vector<BatchCurve>& curves);
 
 /// One row; a curve that cannot be read or fitted gives one that says why.

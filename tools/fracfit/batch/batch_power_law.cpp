@@ -26,7 +26,7 @@ struct LawData {
   std::map<std::string, int> left_out;
 };
 
-// Empty where the row gives a point.
+// Reason why the row gives no point; empty if it gives one.
 std::string obstacle(const PowerLawRequest& request, const std::map<std::string, std::string>& row,
                      std::optional<double> variable, std::optional<double> value) {
   const auto entry = [&](const std::string& column) {

@@ -153,7 +153,7 @@ bool draw_pictures(const Command& command, const std::filesystem::path& target,
 void make_folder(const std::string& path) {
   std::error_code trouble;
   std::filesystem::create_directories(path, trouble);
-  // Where a file stands in its place, creating nothing is no error to the library.
+  // The library reports no error when a file stands in place of the folder, so this is checked here.
   if (!trouble && !std::filesystem::is_directory(path)) trouble = std::make_error_code(std::errc::not_a_directory);
   if (trouble) throw std::invalid_argument("--pictures " + path + ": cannot be made a folder: " + trouble.message());
 }

@@ -82,7 +82,7 @@ void check_variables(const std::vector<std::string>& laws, const BatchTask& task
   }
 }
 
-// The trouble with data of which none can be read, as the rows tell it.
+// Prints the messages of the rows when no file could be read.
 void complain_of_data(BatchFormat format, const BatchManifest& manifest, const std::vector<std::string>& lines) {
   const auto row = read_row(format, manifest.columns, lines.front()).value();
   complain(row.at("message") +
@@ -97,12 +97,14 @@ class Batch : public Command {
  public:
   Batch() : Command("batch", "Fits or identifies many curves, one row each") {
     Options& o = options();
-    o.texts("DATA", data_, "Frequency responses, or folders of them (.csv, .tsv, .txt, .dat)", "FILE|FOLDER")
+    o.texts("DATA", data_, "Frequency responses as tables or as instruments write them, or folders of them",
+            "FILE|FOLDER")
         .required()
         .unsaid();
     o.text("--model", model_, "or a preset; letters other than s are parameters").suggest(preset_names());
     o.text("--models", models_);
     o.exactly_one({"--model", "--models"}, "the structure, which is fitted, or several, which are ranked");
+    add_file_options(o, request_.how);
     add_residual_options(o, request_);
     add_points_and_seed(o, request_);
     add_parameter_options(o, parameters_);
@@ -171,7 +173,7 @@ class Batch : public Command {
     const bool to_file = !out().empty() && out() != "-";
     std::vector<std::string> inputs;
     std::map<std::string, BatchCurve> curves;
-    for (auto& curve : curves_of(io::input_files(data_, to_file ? out() : ""), request_.key_column)) {
+    for (auto& curve : curves_of(io::input_files(data_, to_file ? out() : ""), request_)) {
       inputs.push_back(curve.name);
       if (!curves.emplace(curve.name, curve).second)
         throw std::invalid_argument("two curves have the name " + io::quoted(curve.name) +

@@ -24,6 +24,7 @@ class Fit : public Command {
   Fit() : Command("fit", "Fits one structure to a frequency response, or to samples of input and output over time") {
     constexpr std::size_t fewest_samples = 20;
     Options& o = options();
+    request_.weight = "learned";
     add_data(o, request_);
     o.text("--model", model_, "or a preset; letters other than s are parameters").suggest(preset_names()).or_argument();
     o.choice("--grow", grow_, frac::growth_families(),
@@ -33,8 +34,6 @@ class Fit : public Command {
     add_time_options(o, over_time_);
     add_points_and_seed(o, request_);
     add_parameter_options(o, parameters_);
-    for (const char* name : {"--fix", "--bound", "--start"})
-      o[name].not_with({"--grow"}, "whose parameters differ from structure to structure");
     o.flag("--profile", statistics_.profile,
            "Add profile-likelihood intervals of every parameter: they follow the cost itself");
     o.count("--bootstrap", bootstrap_, fewest_samples, largest_table,
@@ -57,10 +56,16 @@ class Fit : public Command {
 
  private:
   void check() override {
-    if (!grow_) {
+    if (grow_) {
+      chosen_.constraints = constraints_of(chosen_, parameters_);
+      if (!chosen_.constraints.empty() && !frac::names_persist(*grow_))
+        throw std::invalid_argument("--fix, --bound and --start have no meaning with --grow " +
+                                    std::string(frac::to_string(*grow_)) +
+                                    ", whose parameters differ from structure to structure");
+    } else {
       chosen_ = chosen_model(model_);
-      // Names and ranges of the parameters of a rational family are known with the data only.
-      if (!chosen_.rational) {
+      // Names and ranges of the parameters of a family are known with the data only.
+      if (!chosen_.is_family()) {
         const frac::Structure parsed(chosen_.formula);
         chosen_.constraints = constraints_of(chosen_, parameters_);
       }
@@ -68,17 +73,32 @@ class Fit : public Command {
     statistics_.bootstrap_samples = bootstrap_.value_or(0);
   }
 
+  // Structures are compared under one weight: that which the residuals of the structure grown first have told.
+  frac::Growth grown(const frac::FrequencyResponseData& data, frac::FitOptions& fit) const {
+    if (fit.weight != frac::Weight::learned) return frac::grow(data, *grow_, fit);
+    fit.noise_floor = 0;
+    auto growth = frac::grow(data, *grow_, fit);
+    auto told = fit;
+    told.noise_floor.reset();
+    told.constraints = growth.models.at(growth.chosen).constraints;
+    fit.noise_floor = frac::fit(data, frac::Structure(growth.fits.at(growth.chosen).model), told).noise_floor;
+    return *fit.noise_floor > 0 ? frac::grow(data, *grow_, fit) : growth;
+  }
+  frac::Growth grown(const frac::TimeResponseData& data, const frac::TimeFitOptions& fit) const {
+    return frac::grow(data, *grow_, fit);
+  }
+
   // Leaves in `options` the constraints the fit was made with.
   template <class Data, class FitOptions>
   Fitted fitted(const Data& data, FitOptions& fit) const {
-    if (!grow_ && chosen_.rational) {
+    if (!grow_ && chosen_.is_family()) {
       const auto model = frac::resolved_model(data, chosen_, fit);
       fit.constraints = constraints_of(model, parameters_);
       fit.global_start = false;
       return {frac::fit(data, frac::Structure(model.formula), fit), std::nullopt};
     }
     if (!grow_) return {frac::fit(data, frac::Structure(chosen_.formula), fit), std::nullopt};
-    auto growth = frac::grow(data, *grow_, fit);
+    auto growth = grown(data, fit);
     fit.constraints = growth.models.at(growth.chosen).constraints;
     auto result = growth.fits.at(growth.chosen);
     return {std::move(result), std::move(growth)};
@@ -101,7 +121,7 @@ class Fit : public Command {
 
   int run() override {
     const auto note = [this](const std::string& text) { say(text); };
-    if (io::holds_time_response(request_.data)) {
+    if (io::holds_time_response(request_.data, request_.how)) {
       options().settle(samples_over_time);
       const auto fit = time_fit_options(request_, over_time_, options(), chosen_.constraints);
       const auto record = read_time_record(request_, over_time_, options(), note);

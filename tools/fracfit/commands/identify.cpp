@@ -33,8 +33,8 @@ std::vector<double> prediction_rms(const Data& data, const Options& options, con
     }
     auto of_model = options;
     of_model.constraints = candidate.model.constraints;
-    // A rational model stands where its search ended.
-    of_model.global_start = !candidate.name.starts_with("rational:");
+    // The member of a family stands where its search ended.
+    of_model.global_start = !candidate.from_family;
     try {
       rms[i] = frac::cross_validation(data, frac::Structure(candidate.fit.model), of_model, folds);
     } catch (const std::invalid_argument& error) {
@@ -54,8 +54,9 @@ class Identify : public Command {
                 "two on samples of input and output over time") {
     Options& o = options();
     add_data(o, request_);
-    o.text("--models", models_text_, "and rational families such as rational:1..8, rational:2/4, rational:1..4+delay")
-        .default_is("all presets, rational and rational+delay");
+    o.text("--models", models_text_,
+           "and families such as rational:1..8, rational:2/4, rational:1..4+delay, commensurate:1..3, terms:5")
+        .default_is("all presets, rational, rational+delay, commensurate, commensurate+delay and terms");
     add_residual_options(o, request_);
     add_time_options(o, over_time_);
     add_points_and_seed(o, request_);
@@ -140,8 +141,8 @@ class Identify : public Command {
     const auto record =
         read_time_record(request_, over_time_, options(), [this](const std::string& note) { say(note); });
     check_folds(record.data.observed().size());
-    // Rational families are grown on frequency responses only.
-    if (models_text_.empty()) std::erase_if(models_, [](const auto& model) { return model.rational.has_value(); });
+    // Families are grown on frequency responses only.
+    if (models_text_.empty()) std::erase_if(models_, [](const auto& model) { return model.is_family(); });
     const auto result = frac::identify(record.data, models_, fit, threads());
     return write_ranking(record.data, fit, result, time_fit_run(request_, record, options(), command_line()));
   }
@@ -149,7 +150,7 @@ class Identify : public Command {
   [[nodiscard]] std::vector<std::string> inputs() const override { return {request_.data}; }
 
   int run() override {
-    if (io::holds_time_response(request_.data)) return run_over_time();
+    if (io::holds_time_response(request_.data, request_.how)) return run_over_time();
     options().settle(frequency_response);
     const auto fit = fit_options(request_);
     const auto file = read_data(request_, [this](const std::string& note) { say(note); });

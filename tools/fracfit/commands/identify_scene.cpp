@@ -95,7 +95,7 @@ class IdentifyScene : public Command {
   [[nodiscard]] std::vector<CurveSource> sources() const {
     std::vector<CurveSource> all;
     for (const auto& file : data_) {
-      const auto scenes = io::scenes_in(file, reading_.where);
+      const auto scenes = io::scenes_in(io::read_measurement(file), reading_.where);
       if (scenes.empty()) all.push_back({file, {}});
       for (const auto& scene : scenes) {
         for (const auto& [column, value] : scene)
@@ -156,7 +156,7 @@ class IdentifyScene : public Command {
     std::string forces;
     for (const double force : run.forces) forces += (forces.empty() ? "" : ",") + io::format_number(force);
     const std::string body(backlash::to_string(scene_.output));
-    // A table of several forces tells them itself.
+    // A table of several forces has them in its column.
     if (run.files.size() == data_.size()) options()["--force"].say(forces);
     options()["--body"].say(body);
     run.command = command_line();

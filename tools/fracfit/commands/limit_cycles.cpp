@@ -36,7 +36,7 @@ class LimitCyclesCommand : public Command {
                 "Limit cycles of a loop around two masses with backlash: exact frequency, size and stability, beside "
                 "what the describing function predicts") {
     Options& o = options();
-    o.text("--controller", controller_, "C of the force -C(s) x on mass 2, e.g. 'exp(-0.1 s) (2 + 1.5 s^0.9)'",
+    o.text("--controller", controller_, "C of the force -C(s) x on mass 2; e.g. 'exp(-0.1 s) (2 + 1.5 s^0.9)'",
            "FORMULA")
         .required();
     o.choice("--body", body_, backlash::outputs(), "that the controller gets: x1, the load, or x2, the driven mass");

@@ -24,6 +24,16 @@ Json matrix(const std::vector<double>& values, std::size_t columns) {
   return rows;
 }
 
+Json modes_json(const std::vector<frac::Mode>& modes) {
+  Json list = Json::array();
+  for (const frac::Mode& mode : modes) {
+    Json residues = Json::array();
+    for (const auto& residue : mode.residues) residues.push_back(complex_json(residue));
+    list.push_back({{"pole", complex_json(mode.pole)}, {"residues", residues}});
+  }
+  return list;
+}
+
 std::string realised_json(const frac::RationalModel& result, const std::string& form, const std::string& command) {
   Json json = origin(command);
   json["model"] = result.model.formula();
@@ -36,11 +46,10 @@ std::string realised_json(const frac::RationalModel& result, const std::string& 
   json["stable"] = result.stable;
   json["delay"] = result.delay;
   json["direct"] = result.direct;
-  Json& modes = json["modes"] = Json::array();
-  for (const frac::Mode& mode : result.modes) {
-    Json residues = Json::array();
-    for (const auto& residue : mode.residues) residues.push_back(complex_json(residue));
-    modes.push_back({{"pole", complex_json(mode.pole)}, {"residues", residues}});
+  json["modes"] = modes_json(result.modes);
+  Json& series = json["series"] = Json::array();
+  for (const frac::RationalStage& stage : result.series) {
+    series.push_back({{"direct", stage.direct}, {"modes", modes_json(stage.modes)}});
   }
   json["max_relative_error"] = result.max_relative_error;
   json["omega_at_max_relative_error"] = result.omega_at_maximum;
@@ -73,13 +82,23 @@ std::string realised_table(const frac::RationalModel& result) {
     return short_number(value.real()) + (value.imag() < 0 ? " - " : " + ") + short_number(std::abs(value.imag())) + "j";
   };
   AlignedTable modes({"", "pole, rad/s", "residue"});
-  for (std::size_t i = 0; i < result.modes.size(); ++i) {
-    const frac::Mode& mode = result.modes[i];
-    const bool pair = mode.pole.imag() != 0;
-    for (std::size_t k = 0; k < mode.residues.size(); ++k) {
-      modes.add({k == 0 ? std::to_string(i + 1) + (pair ? ", and conjugate" : "") : "order " + std::to_string(k + 1),
-                 complex_text(mode.pole, pair), complex_text(mode.residues[k], pair)});
+  std::size_t number = 0;
+  const auto add = [&](const std::vector<frac::Mode>& list, const std::string& stage) {
+    for (const frac::Mode& mode : list) {
+      ++number;
+      const bool pair = mode.pole.imag() != 0;
+      for (std::size_t k = 0; k < mode.residues.size(); ++k) {
+        modes.add({k == 0 ? std::to_string(number) + (pair ? ", and conjugate" : "") + stage
+                          : "order " + std::to_string(k + 1),
+                   complex_text(mode.pole, pair), complex_text(mode.residues[k], pair)});
+      }
     }
+  };
+  add(result.modes, result.series.empty() ? "" : ", stage 1");
+  for (std::size_t i = 0; i < result.series.size(); ++i) {
+    const std::string stage = ", stage " + std::to_string(i + 2);
+    add(result.series[i].modes, stage);
+    if (result.series[i].direct != 0) modes.add({"direct" + stage, "", short_number(result.series[i].direct)});
   }
   text += modes.text() + "\ndirect " + short_number(result.direct);
   if (result.delay > 0) text += ", dead time " + short_number(result.delay) + " s in front";

@@ -5,6 +5,7 @@
 
 #include "commands/subcommand.hpp"
 #include "io/progress_bar.hpp"
+#include "options/data_options.hpp"
 
 namespace fracfit {
 namespace {
@@ -14,9 +15,13 @@ class Report : public Command {
   Report() : Command("report", "Writes the whole study as one page with figures, tables and numbers") {
     Options& o = options();
     o.texts("DATA", data_,
-            "Measured frequency responses, or samples over time (time_s,input,output); without any, the paper's scenes",
+            "Measured frequency responses, as tables or as instruments write them, or samples over time "
+            "(time_s,input,output); without any, the paper's scenes",
             "FILE");
-    o.text("--scene", scene_, "Scene as JSON: m1, m2, clearance, restitution, force, omega", "FILE").not_with({"DATA"});
+    add_file_options(o, how_);
+    add_select(o, how_);
+    o.text("--scene", scene_, "Scene as JSON: mass1, mass2, clearance, restitution, force, omega", "FILE")
+        .not_with({"DATA"});
     o.text("--out", folder_, "Folder to write, made if missing", "DIR").also("-o").required();
     add_common();
     set_footer(
@@ -34,6 +39,7 @@ class Report : public Command {
     report::ReportOptions options;
     options.out = folder_;
     options.data.assign(data_.begin(), data_.end());
+    options.how = how_;
     if (!scene_.empty()) options.scene = scene_;
     options.command = command_line();
     options.threads = threads();
@@ -50,6 +56,7 @@ class Report : public Command {
   }
 
   std::vector<std::string> data_;
+  io::MeasurementOptions how_;
   std::string scene_, folder_;
 };
 

@@ -14,12 +14,15 @@ namespace fracfit {
 [[nodiscard]] std::unique_ptr<Command> make_basins();
 [[nodiscard]] std::unique_ptr<Command> make_batch();
 [[nodiscard]] std::unique_ptr<Command> make_controller();
+[[nodiscard]] std::unique_ptr<Command> make_convert();
+[[nodiscard]] std::unique_ptr<Command> make_evaluate();
 [[nodiscard]] std::unique_ptr<Command> make_fit();
 [[nodiscard]] std::unique_ptr<Command> make_history();
 [[nodiscard]] std::unique_ptr<Command> make_identify();
 [[nodiscard]] std::unique_ptr<Command> make_identify_scene();
 [[nodiscard]] std::unique_ptr<Command> make_jump_law();
 [[nodiscard]] std::unique_ptr<Command> make_limit_cycles();
+[[nodiscard]] std::unique_ptr<Command> make_loop();
 [[nodiscard]] std::unique_ptr<Command> make_map();
 [[nodiscard]] std::unique_ptr<Command> make_merge();
 [[nodiscard]] std::unique_ptr<Command> make_mittag_leffler();

@@ -31,10 +31,12 @@ frac::Realisation realisation_of(const FitRequest& request) {
 void add_data(Options& options, FitRequest& request) {
   options
       .text("DATA", request.data,
-            "CSV or TSV with a header naming columns and units: a frequency response, or samples over time "
+            "A frequency response as CSV, TSV or as an instrument writes it, or samples over time "
             "(time_s,input,output); - for standard input",
             "FILE")
       .required();
+  add_file_options(options, request.how);
+  add_select(options, request.how);
 }
 
 void add_residual_options(Options& options, FitRequest& request) {
@@ -44,7 +46,8 @@ void add_residual_options(Options& options, FitRequest& request) {
       .text("--weight", request.weight,
             "relative |data|; absolute nothing; given the file's sigma or weight column, or any column by its name; "
             "smoothed-relative |data| as up to eight neighbours tell it; log-complex: ln of the magnitude ratio and "
-            "angle; repeats: the spread of repeated values at each frequency")
+            "angle; repeats: the spread of repeated values at each frequency; learned: relative above a floor that the "
+            "residuals tell, absolute below it")
       .suggest(spellings(frac::weights()));
   options.choice("--loss", request.loss, frac::losses(), "Robust loss", "LOSS");
   const Condition rational{"--realisation", {"oustaloup", "ladder"}}, sampled{"--realisation", {"grunwald-letnikov"}};
@@ -86,16 +89,23 @@ frac::FitOptions fit_options(const FitRequest& request) {
 }
 
 io::FrequencyResponseFile read_data(const FitRequest& request, const std::function<void(const std::string&)>& note) {
+  return read_data(request, io::read_measurement(request.data, request.how), note);
+}
+
+io::FrequencyResponseFile read_data(const FitRequest& request, const io::Measurement& measurement,
+                                    const std::function<void(const std::string&)>& note) {
   io::FrequencyResponseReadOptions options;
   if (!names_weight(request.weight)) options.weight_column = request.weight;
   for (const auto& text : request.where) options.where.emplace_back(text);
   options.phase_may_miss = request.component == frac::Component::magnitude;
   options.magnitude_may_miss = request.component == frac::Component::phase;
+  options.how = request.how;
+  options.repeats_are_points = request.weight == frac::to_string(frac::Weight::repeats);
   if (request.key_column.empty())
     options.curve = request.curve;
   else
     options.rows = {{request.key_column, request.curve}};
-  auto file = io::read_frequency_response(request.data, options);
+  auto file = io::read_frequency_response(measurement, options);
   if (request.weight == "given" && file.data.sigma().empty())
     throw io::DataError(request.data, 0, 0, "has no column sigma or weight; expected one with --weight given");
   for (const auto& text : file.notes) note(request.data + ": " + text);

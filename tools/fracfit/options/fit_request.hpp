@@ -9,13 +9,10 @@
 #include "frac/identification/fit.hpp"
 #include "io/frequency_response_file.hpp"
 #include "options/command.hpp"
+#include "options/data_options.hpp"
 #include "output/fit_output.hpp"
 
 namespace fracfit {
-
-// Kinds of data, as messages name them; see Options::settle.
-constexpr const char* frequency_response = "a frequency response";
-constexpr const char* samples_over_time = "samples over time";
 
 /// What fit, identify and batch have in common: the data and how residuals are formed.
 struct FitRequest {
@@ -31,6 +28,7 @@ struct FitRequest {
   std::vector<std::string> where;
   std::uint64_t seed = 1;
   std::string key_column, curve;  // which curve of a file that holds several
+  io::MeasurementOptions how;     // what the file does not tell of itself
 };
 
 void add_data(Options& options, FitRequest& request);
@@ -43,6 +41,9 @@ void add_points_and_seed(Options& options, FitRequest& request);
 
 /// Reads the data; `note` is told what was assumed.
 [[nodiscard]] io::FrequencyResponseFile read_data(const FitRequest& request,
+                                                  const std::function<void(const std::string&)>& note);
+/// The same of a file that is already open.
+[[nodiscard]] io::FrequencyResponseFile read_data(const FitRequest& request, const io::Measurement& measurement,
                                                   const std::function<void(const std::string&)>& note);
 
 /// Tests of --where as one text, the entry that outputs show.

@@ -64,7 +64,8 @@ frac::NamedModel chosen_model(const std::string& given) {
       text.begin(), text.end(), [](char c) { return c == '\n' || c == '\r' || c == '\t'; }, ' ');
   const auto& library = frac::model_library();
   const bool known = std::any_of(library.begin(), library.end(), [&](const auto& model) { return model.name == text; });
-  if (!known && text != "rational" && looks_like_a_preset(text))
+  const bool family = text == "rational" || text == "commensurate" || text == "terms";
+  if (!known && !family && looks_like_a_preset(text))
     throw std::invalid_argument("model " + io::quoted(text) + " is neither a preset nor a formula of s" +
                                 suggestion(text, preset_names()) + "; presets:\n" + preset_list());
   return frac::find_model(text);

@@ -273,7 +273,7 @@ void Options::check_rules(const Option& option) const {
   for (const auto& [kind, condition, why] : option.rules_) {
     const Option& other = (*this)[condition.option];
     const bool met = holds(condition);
-    // Of a choice the message tells what was chosen.
+    // For a choice the message names the value that was chosen.
     const std::string chosen =
         condition.option + (condition.texts.empty() || other.text().empty() ? "" : " " + other.text());
     if (kind == Option::Rule::Kind::needed_with && met && !option.is_given() && option.default_.empty())

@@ -52,7 +52,7 @@ void add_slots(CLI::App& app, Option& option, std::deque<Slot>& slots) {
     }
     CLI::Option* added = app.add_option(names, slot.texts);
     if (option.is_argument() && option.kind() == Option::Kind::list) return;
-    // One text each time; that it is given twice is for our own check to refuse.
+    // Takes one text each time; our own check refuses an option that is given twice.
     added->expected(1)->take_all()->allow_extra_args(false);
   };
   add(option.short_name().empty() ? option.name() : option.short_name() + "," + option.name(), {});

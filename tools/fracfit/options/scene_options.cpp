@@ -37,7 +37,7 @@ std::vector<double> scene_values_of(std::string_view name, const std::string& te
   const auto refuse = [&](const std::string& message) {
     throw std::invalid_argument(std::string(name) + " " + io::quoted(text) + ": " + message);
   };
-  // Two scenes in place of one would go unnoticed.
+  // Otherwise two scenes would be computed instead of one, unnoticed.
   if (looks_like_decimal_comma(text))
     refuse("expected one number with a decimal point, such as 0.3, or two with one each, such as 0.0,3.0");
   std::vector<double> sorted = values;

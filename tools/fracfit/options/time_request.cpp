@@ -46,6 +46,12 @@ void add_time_options(Options& options, TimeRequest& request) {
   options
       .number("--input-at-rest", request.input_at_rest, "Samples over time: the input before the first sample", "VALUE")
       .only_for(samples_over_time);
+  options.flag("--trend", request.trend, "Samples over time: estimate a steady drift of the output")
+      .only_for(samples_over_time);
+  options
+      .flag("--earlier-input", request.earlier_input,
+            "Samples over time: the record may start in motion; estimate levels of the input before it")
+      .only_for(samples_over_time);
 }
 
 frac::TimeFitOptions time_fit_options(const FitRequest& request, const TimeRequest& over_time, Options& given,
@@ -53,6 +59,8 @@ frac::TimeFitOptions time_fit_options(const FitRequest& request, const TimeReque
   frac::TimeFitOptions options;
   options.loss = request.loss;
   options.seed = request.seed;
+  options.trend = over_time.trend;
+  options.earlier_input = over_time.earlier_input;
   const bool is_held = over_time.offset != "free";
   if (is_held) options.offset = number_of("--offset", over_time.offset);
   std::erase_if(constraints, [&](const frac::ParameterConstraint& constraint) {
@@ -89,7 +97,8 @@ TimeRecord read_time_record(const FitRequest& request, const TimeRequest& over_t
 
 FitRun time_fit_run(const FitRequest& request, const TimeRecord& record, const Options& options, std::string command) {
   const auto& data = record.data;
-  auto entries = options.entries({"--weight", "--loss", "--hold", "--offset", "--input-at-rest", "--seed"});
+  auto entries = options.entries(
+      {"--weight", "--loss", "--hold", "--offset", "--input-at-rest", "--trend", "--earlier-input", "--seed"});
   entries.emplace_back("where", where_text(request));
   return {std::move(command),
           request.data,

@@ -14,6 +14,7 @@ namespace fracfit {
 struct TimeRequest {
   std::string hold = "zero-order", offset = "free";
   double input_at_rest = 0;
+  bool trend = false, earlier_input = false;
 };
 void add_time_options(Options& options, TimeRequest& request);
 

@@ -36,6 +36,16 @@ std::string heading(const FitRun& run) {
   return text + "\n";
 }
 
+// The formula as it was understood, where its spelling leaves it open.
+std::string reading(const std::string& formula) {
+  const std::string grouped = frac::Structure(formula).grouped();
+  const auto bare = [](std::string text) {
+    std::erase_if(text, [](char c) { return c == ' ' || c == '*'; });
+    return text;
+  };
+  return bare(grouped) == bare(formula) ? "" : "read as    " + grouped + "\n";
+}
+
 std::string state_of(const frac::ParameterEstimate& parameter) {
   if (parameter.fixed) return "fixed";
   if (parameter.at_bound) return "at its bound";
@@ -153,6 +163,7 @@ void append_fit(Json& json, const frac::FitResult& result) {
   json["confidence_of_optimum"] = result.confidence_of_optimum;
   json["condition"] = result.condition;
   json["noise_correlation"] = result.noise_correlation;
+  json["noise_floor"] = result.noise_floor;
   json["seconds"] = result.seconds;
 }
 
@@ -173,7 +184,17 @@ Json finalist_json(const frac::IdentificationResult& result, const std::optional
   if (!finalist) return nullptr;
   return {{"name", result.ranking.at(finalist->index).name},
           {"parameters", finalist->parameters},
-          {"prediction_rms", finalist->prediction_rms}};
+          {"prediction_rms", finalist->prediction_rms},
+          {"extrapolation_rms", finalist->extrapolation_rms}};
+}
+
+Json next_measurement_json(const std::optional<frac::NextMeasurement>& next) {
+  if (!next) return nullptr;
+  return {{"lower", next->lower},
+          {"upper", next->upper},
+          {"points", next->points},
+          {"accuracy", next->accuracy},
+          {"expected_evidence", next->expected_evidence}};
 }
 
 void append_statistics(Json& json, const frac::FitResult& result, const FitStatistics& statistics, bool over_time) {
@@ -227,7 +248,7 @@ Json origin_of_fit(const FitRun& run) {
 }  // namespace
 
 std::string fit_table(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
-  return "model      " + result.model + "\n" + heading(run) + "\n" +
+  return "model      " + result.model + "\n" + reading(result.model) + heading(run) + "\n" +
          (statistics.growth ? growth_table(*statistics.growth) : "") + parameter_table(result) + "\n" +
          added_intervals(result, statistics) + residual_remarks(run, result, statistics) + closing(result);
 }
@@ -350,6 +371,8 @@ std::string identification_json(const FitRun& run, const frac::IdentificationRes
   json["fractional"] = finalist_json(result, result.fractional);
   json["integer"] = finalist_json(result, result.integer);
   json["differ_most"] = {{"omega", result.differ_most_omega}, {"relative", result.differ_most}};
+  json["model_error"] = result.model_error;
+  json["next_measurement"] = next_measurement_json(result.next);
   json["skipped"] = result.skipped;
   return json.dump() + "\n";
 }

@@ -38,7 +38,7 @@ enum class ApproximationMethod {
 /// charef.
 [[nodiscard]] std::string_view to_string(ApproximationMethod method);
 /// @throws std::invalid_argument  unknown name; the text lists the known ones.
-[[nodiscard]] ApproximationMethod approximation_method(std::string_view name);
+[[nodiscard]] ApproximationMethod approximation_method_from_string(std::string_view text);
 [[nodiscard]] std::span<const ApproximationMethod> approximation_methods();
 
 /// Number of poles, and as many zeros, that stand for s^a.
@@ -100,6 +100,11 @@ struct ParallelForm {
 
 /// A rational stand-in for s^order and what to state about it.
 struct Approximation {
+  /// The tolerance is kept, where one was asked for.
+  [[nodiscard]] bool usable() const noexcept { return status != ApproximationStatus::not_attainable; }
+  /// Order, band, method, poles and error.
+  [[nodiscard]] std::string summary() const;
+
   double order;
   FrequencyBand band;
   ApproximationMethod method;

@@ -16,7 +16,7 @@ enum class Precision { float_type, double_type };
 /// float, double.
 [[nodiscard]] std::string_view to_string(Precision precision);
 /// @throws std::invalid_argument  unknown name.
-[[nodiscard]] Precision precision(std::string_view name);
+[[nodiscard]] Precision precision_from_string(std::string_view text);
 [[nodiscard]] std::span<const Precision> precisions();
 
 /// @throws std::invalid_argument  no C identifier, a keyword, or above 40 characters.

@@ -30,7 +30,7 @@ enum class Discretisation {
 /// Names as on the command line: direct, tustin, tustin-prewarped, al-alaoui, grunwald-letnikov.
 [[nodiscard]] std::string_view to_string(Discretisation method);
 /// @throws std::invalid_argument  unknown name; the text lists the known ones.
-[[nodiscard]] Discretisation discretisation(std::string_view name);
+[[nodiscard]] Discretisation discretisation_from_string(std::string_view text);
 [[nodiscard]] std::span<const Discretisation> discretisations();
 
 /// First-order section 1 + feed/(z - 1 + rate):   y = x + feed v,   v += x - rate v.

@@ -28,7 +28,7 @@ enum class AntiWindup {
 /// none, back-calculation, conditional-integration.
 [[nodiscard]] std::string_view to_string(AntiWindup method);
 /// @throws std::invalid_argument  unknown name; the text lists the known ones.
-[[nodiscard]] AntiWindup anti_windup(std::string_view name);
+[[nodiscard]] AntiWindup anti_windup_from_string(std::string_view text);
 [[nodiscard]] std::span<const AntiWindup> anti_windup_methods();
 
 /// A fractional PID for samples every sample_time seconds:

@@ -25,6 +25,9 @@ enum class Weight {
   smoothed_relative,  // |data| as up to eight neighbours tell it: noise in |data| does not bias the fit
   log_complex,  // residuals are ln|model/data| and the angle from data to model (component both, magnitude, phase)
   repeats,      // the standard deviation of repeats at each frequency, pooled over five frequencies
+  /// sqrt(|data|^2 + floor^2): relative where the data are larger than the floor, absolute below it.  Magnitude and
+  /// phase know no floor and are taken as under relative.
+  learned,
 };
 /// Robust loss on each residual, scaled by its own estimate of spread.
 enum class Loss { none, huber, cauchy };
@@ -55,6 +58,9 @@ struct FitOptions {
   Component component = Component::imaginary;
   Weight weight = Weight::relative;
   Loss loss = Loss::none;
+  /// Floor of weight `learned`, in the unit of the data, >= 0; unset: told by how the residuals change from point to
+  /// point, 0 unless the data speak clearly for one.
+  std::optional<double> noise_floor;
   /// Weighted residual at which the loss turns from quadratic to robust; unset: from the spread of the residuals.
   std::optional<double> loss_scale;
   Realisation realisation = ExactRealisation{};
@@ -99,6 +105,12 @@ enum class FitTermination {
 
 /// One structure fitted to data.  cost is the plain sum of squared (weighted) residuals, without the loss.
 struct FitResult {
+  /// Converged.  Every result with a judgement of its own has usable(), which is true where it is what was asked for,
+  /// and summary(), a few plain lines for a person.
+  [[nodiscard]] bool usable() const noexcept { return termination == FitTermination::converged; }
+  /// Formula, parameters with their 95 % intervals, rms residual and what became of the search.
+  [[nodiscard]] std::string summary() const;
+
   std::string model;  // the formula
   std::vector<ParameterEstimate> parameters;
   double cost;
@@ -131,6 +143,10 @@ struct FitResult {
   /// By which the fitted response is to be multiplied to undo the bias that noise in the divisor |data| causes under
   /// relative weight, 1 + 2 r^2 with r the spread of the residuals; 1 where that is below 0.05 or neighbours are alike.
   double gain_factor = 1;
+  /// Over time with TimeFitOptions::earlier_input: steps of the input before the record, an eighth and a sixty-fourth
+  /// of its length before the first sample and there; the last is missing where the input never changes.
+  std::vector<double> earlier_input = {};
+  double noise_floor = 0;  // of weight `learned`, in the unit of the data; 0 without one
   /// Correlation of neighbouring values of the noise, or of a smooth error of the model, that the intervals allow for:
   /// the mean over what the residuals leave possible, noise without any (0) included.  NaN where nothing was fitted.
   double noise_correlation = 0;
@@ -140,8 +156,9 @@ struct FitResult {
 /// Ceres for each, NLopt when they disagree.  Interchangeable parts get their labels in a fixed order (arcs by rising
 /// time constant, single powers by rising order), unless the constraints tell them apart.
 /// @throws std::invalid_argument  an unknown or contradictory constraint; fewer residuals than free parameters; weight
-///     `given` without sigma or `repeats` without repeats; zero data under relative weight, log-complex weight, or for
-///     a phase; log-complex weight for one part; frequencies the realisation cannot cover.
+///     `given` without sigma or `repeats` without repeats; a formula without s that has an order or a parameter
+///     named like a frequency (p, S ...), or with j w; zero data under relative weight or `learned`, log-complex
+///     weight, or for a phase; log-complex weight for one part; frequencies the realisation cannot cover.
 [[nodiscard]] FitResult fit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options);
 
 /// Model values at the estimated parameters.

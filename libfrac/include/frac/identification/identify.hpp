@@ -26,10 +26,11 @@ struct RankedFit {
   std::string name;
   ModelClass model_class;
   FitResult fit;
-  double delta_aicc;      // aicc minus the best one; 0 for the best
-  double akaike_weight;   // share of evidence among the ranked; they sum to 1
-  NamedModel model;        // as fitted: formula and constraints; a given curve has only its name
-  LackOfFit lack_of_fit;  // whether it follows the data to within their noise
+  double delta_aicc;         // aicc minus the best one; 0 for the best
+  double akaike_weight;      // share of evidence among the ranked; they sum to 1
+  NamedModel model;          // as fitted: formula and constraints; a given curve has only its name
+  LackOfFit lack_of_fit;     // whether it follows the data to within their noise
+  bool from_family = false;  // the member of a family that the data chose
 };
 
 enum class Verdict { fractional_supported, fractional_not_supported, undecided, no_adequate_model };
@@ -42,28 +43,52 @@ struct Finalist {
   /// rms of the weighted residuals with which fits to the rest predict blocks of neighbouring points, the two ends
   /// among them; NaN where no verdict asked for it.
   double prediction_rms;
+  /// The same for half a decade at either end of the band, which the rest is extrapolated to; NaN over time, and where
+  /// that would take more than a third of the points.
+  double extrapolation_rms;
+};
+
+/// A measurement that would decide between two models.
+struct NextMeasurement {
+  double lower, upper;       // rad/s: half a decade
+  std::size_t points;        // even in the logarithm
+  double accuracy;           // standard deviation of their weighted residuals
+  double expected_evidence;  // by which evidence is expected to change, in favour of the true one of the two
 };
 
 /// Structures ranked by AICc on the same residuals, best first.  The chosen one is, of those that follow the data (all,
 /// if none does) and whose fit converged, the simplest with an AICc within 2 of the best.
 ///
 /// The verdict compares the best fractional with the best integer-order or given candidate among those that follow the
-/// data to within their noise, see LackOfFit; where none does it is no_adequate_model.  "Best" is least BIC: a family
-/// of nested or nearly equal members takes part with one of them, so that their number is no evidence.
+/// data to within their noise, see LackOfFit.  "Best" is least n ln(cost/n) + k n ln n/(n - k - 2) with n residuals and
+/// k parameters, Schwarz's criterion with the correction for few residuals (McQuarrie 1999).  A family of nested or
+/// nearly equal members takes part with one of them, so that their number is no evidence.
 ///
-/// Evidence is the difference of BIC, integer-order minus fractional, n ln(cost_i/cost_f) + (k_i - k_f) ln n, twice the
-/// logarithm of the posterior odds of the two classes to Schwarz's approximation.  It assumes equal odds beforehand and
-/// independent normal residuals.  Where the residuals of the better one follow each other (lag-one correlation r above
-/// 0), n is the number of points that carry news, n (1 - r)/(1 + r).
+/// Evidence is the difference of this, integer-order minus fractional: twice the logarithm of the posterior odds of the
+/// two classes to Schwarz's approximation.  It assumes equal odds beforehand and independent normal residuals.  Where
+/// the residuals of the better one follow each other (lag-one correlation r above 0), n is the number of points that
+/// carry news, n (1 - r)/(1 + r).
 ///
-/// supported      evidence above 10, cross-validation no worse, an order whose interval (widened by the correlation)
-///                excludes every whole number, and no integer-order candidate that could not be fitted; or, with the
-///                same conditions on order and evidence, no integer-order candidate that follows the data.
-/// not supported  evidence below -4 and cross-validation of the integer-order one not clearly worse; or evidence below
-///                2 and every order of the fractional one known to be a whole number to 0.1; or no fractional
-///                candidate that follows the data while an integer-order one does.
-/// undecided      anything else.
+/// An order counts as whole where its interval, widened by that correlation, lies within 0.02 of a whole number, or
+/// holds a whole number and is no wider than 0.1 on either side while evidence is below 2.
+///
+/// supported      evidence above 10, cross-validation not worse by more than a twentieth and extrapolation not by more
+///                than a half, an order whose interval (widened by the correlation) excludes every whole number while
+///                not every order counts as whole, and no integer-order candidate that could not be fitted.
+/// not supported  an integer-order candidate follows the data and: evidence is below -4 and its predictions are not
+///                worse by more than a half; or every order of the fractional one counts as whole.
+/// undecided      anything else, with the next measurement that would decide.
+///
+/// Where no candidate follows the data to within their noise, what is left is model error, as of computed data, whose
+/// noise is rounding, or of careful measurements.  The same rules then compare the two that come closest, since their
+/// evidence counts smooth residuals as few; but the winner must come within 5 % of the data (rms), or the verdict is
+/// no_adequate_model.
 struct IdentificationResult {
+  /// The fit of the chosen candidate converged.
+  [[nodiscard]] bool usable() const { return ranking.at(chosen).fit.usable(); }
+  /// The verdict and the chosen fit.
+  [[nodiscard]] std::string summary() const;
+
   std::vector<RankedFit> ranking;
   std::vector<std::string> skipped;  // candidates that could not be fitted, with the reason
   std::size_t chosen;                // index into ranking
@@ -75,6 +100,8 @@ struct IdentificationResult {
   /// Where within a decade outside the data the two finalists differ most, relative to the integer-order one: a
   /// measurement there tells them apart.  NaN where there are not both, and over time.
   double differ_most_omega, differ_most;
+  bool model_error = false;             // no candidate follows the data to within their noise
+  std::optional<NextMeasurement> next;  // where undecided between two models of a frequency response
 };
 
 /// None of the candidates could be fitted; what() gives the reason of the first.

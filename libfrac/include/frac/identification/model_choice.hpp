@@ -45,18 +45,24 @@ struct FTest {
 
 /// A family of structures in which each member contains the one before.
 enum class GrowthFamily {
-  powers,       // K1 s^a1 + K2 s^a2 + ...
-  denominator,  // 1/(b0 + b1 s^a1 + b2 s^a2 + ...)
-  arcs,         // R0 + R1/(1 + R1 Q1 s^n1) + R2/(1 + R2 Q2 s^n2) + ...
-  rational,     // b(s)/a(s) with one pole more each time, see RationalFamily
+  powers,        // K1 s^a1 + K2 s^a2 + ...
+  denominator,   // 1/(b0 + b1 s^a1 + b2 s^a2 + ...)
+  arcs,          // R0 + R1/(1 + R1 Q1 s^n1) + R2/(1 + R2 Q2 s^n2) + ...
+  rational,      // b(s)/a(s) with one pole more each time, see RationalFamily
+  commensurate,  // the same in s^a
+  terms,         // powers and arcs, whichever pays most each time, see TermFamily
 };
 /// Command-line spellings.  from_string throws std::invalid_argument naming the allowed ones.
 [[nodiscard]] std::string_view to_string(GrowthFamily family);
 [[nodiscard]] GrowthFamily growth_family_from_string(std::string_view text);
 [[nodiscard]] std::span<const GrowthFamily> growth_families();
 
+/// Whether each member has the parameters of the one before under the same names, so that FitOptions::constraints may
+/// name them.
+[[nodiscard]] bool names_persist(GrowthFamily family);
+
 /// The member of a family with that many terms (at least 1), and the ranges of its parameters.
-/// @throws std::invalid_argument  for rational models, whose form follows from data
+/// @throws std::invalid_argument  for rational, commensurate and terms, whose form follows from data
 [[nodiscard]] NamedModel grown_model(GrowthFamily family, std::size_t terms);
 
 /// The fits of a growing structure, simplest first; the one behind the chosen one did not pay for its term.
@@ -69,8 +75,10 @@ struct Growth {
 
 /// Starts from one term and adds another only while the data pay for it: AICc must fall by more than 2 in the measure
 /// of identify(), the F test must reject the smaller one at 1 %, and every parameter of the larger one must be
-/// identified.  Rational models of up to 12 poles grow until BIC has risen twice, and `most_terms` does not count
-/// there.
+/// identified or at its bound unless AICc falls by more than 10.  Families whose form follows from data grow until BIC,
+/// with the search for places paid for, has risen twice, and `most_terms` does not count there.
+/// @param options  its constraints hold for each member that has the parameter
+/// @throws std::invalid_argument  as fit(), and for constraints of a family whose names do not persist
 [[nodiscard]] Growth grow(const FrequencyResponseData& data, GrowthFamily family, const FitOptions& options,
                           std::size_t most_terms = 4);
 [[nodiscard]] Growth grow(const TimeResponseData& data, GrowthFamily family, const TimeFitOptions& options,

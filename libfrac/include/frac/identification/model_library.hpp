@@ -15,50 +15,67 @@ namespace frac {
 enum class ModelClass { fractional, integer_order, fixed_curve };
 [[nodiscard]] std::string_view to_string(ModelClass model_class);
 
-/// Models b(s)/a(s) of whole order, with or without a factor exp(-L s).  How many poles are real and how many come in
-/// complex pairs is found out from the data, and so is what is left open here.
+/// Models b(z)/a(z), with or without a factor exp(-L s).  z is s, or s^a with one order a for the whole model: then
+/// they are the systems of commensurate order.  How many poles are real and how many come in complex pairs is found out
+/// from the data, and so is what is left open here.
 struct RationalFamily {
   std::optional<std::size_t> zeros;  // degree of b; unset: what pays for itself
   std::size_t fewest_poles = 0;
   std::size_t most_poles = 12;
   bool dead_time = false;
+  bool free_order = false;  // z = s^a
+};
+
+/// Sums of terms in parallel or series, chosen from the data: a constant, L s, 1/s, powers A s^q with -2 <= q <= 2, and
+/// arcs R/(1 + (T s)^n) with 0 < n <= 1.  Impedances are such sums, with arcs, inductive, capacitive and diffusive
+/// ends; so are moduli of solids.
+struct TermFamily {
+  std::size_t most_terms = 9;
 };
 
 /// A named structure: formula, the ranges of its parameters, and what it describes.
 struct NamedModel {
   std::string name;
-  std::string formula;  // no formula but the name of the family where `rational` is set, see resolved_model()
+  std::string formula;  // the name of the family for one, see resolved_model()
   ModelClass model_class;
   std::string description;
   std::vector<ParameterConstraint> constraints;
   std::optional<RationalFamily> rational = std::nullopt;
+  std::optional<TermFamily> terms = std::nullopt;
+  /// Whether it stands for a family, whose best member on given data resolved_model() finds.
+  [[nodiscard]] bool is_family() const { return rational || terms; }
 };
 
 /// All presets: power-law, two-power-laws, fractional-lag (K/(T s^a + 1)), inertia-and-power-law, cole-cole,
 /// havriliak-negami, ... and the integer-order counterparts they are compared with.
 [[nodiscard]] const std::vector<NamedModel>& model_library();
 
-/// What `identify` compares unless told otherwise: all presets, and rational models of up to 12 poles with and without
-/// dead time.
+/// What `identify` compares unless told otherwise: all presets, rational models of up to 12 poles and commensurate ones
+/// of up to 6, with and without dead time, and sums of terms.
 [[nodiscard]] std::vector<NamedModel> default_candidates();
 
 /// The preset of that name, a rational family, or the text taken as a formula (class by its orders, name = formula).
 /// Rational families are written "rational" (0 to 12 poles), "rational:4" (poles), "rational:3/4" (zeros/poles) or
-/// "rational:1..8" (poles), each with "+delay" behind it for a dead time.
+/// "rational:1..8" (poles), each with "+delay" behind it for a dead time; likewise "commensurate" (1 to 6 poles in
+/// s^a). "terms" is the family of sums of terms, "terms:4" that of up to 4.
 /// @throws FormulaError
 /// @throws std::invalid_argument  a rational family with more than 12 poles, more than one zero more than poles, or an
 ///     empty range.
 [[nodiscard]] NamedModel find_model(std::string_view name_or_formula);
 
-/// The model with the formula that suits the data: for a rational family the best member, by BIC where the order is
-/// open, in factored form with start values, to be fitted with FitOptions::global_start = false.  Real poles are p1,
-/// p2, ... (rad/s, s/p1 + 1), complex pairs w1, d1, ... (s^2/w1^2 + d1 s/w1 + 1), coefficients of the numerator b0, b1,
-/// ..., the dead time L.  Where the imaginary part alone is fitted, a constant beside the fraction is h0.  Any other
-/// model is returned as it is.
+/// The model with the formula that suits the data: for a family the best member, where the order is open by BIC and a
+/// price for the search over places of poles and arcs, with start values, to be fitted with
+/// FitOptions::global_start = false.
+///
+/// Rational models are factored.  Real poles are p1, p2, ... (rad/s, s/p1 + 1), complex pairs w1, d1, ... (s^2/w1^2 +
+/// d1 s/w1 + 1), coefficients of the numerator b0, b1, ..., the dead time L.  Where the imaginary part alone is fitted,
+/// a constant beside the fraction is h0.  With a free order a, (s/p1)^a stands for s/p1 and s^a for s.  Sums of terms
+/// have R0, L s, R1/(1 + (T1 s)^n1), A1 s^q1 and the like; gains are of either sign.  Any other model is returned as it
+/// is.
 /// @throws std::invalid_argument  fewer residuals than parameters, or a component other than both, imaginary and real.
 [[nodiscard]] NamedModel resolved_model(const FrequencyResponseData& data, const NamedModel& model,
                                         const FitOptions& options);
-/// Over time. @throws std::invalid_argument  a rational family, which is grown on frequency responses only.
+/// Over time. @throws std::invalid_argument  a family, which is grown on frequency responses only.
 [[nodiscard]] NamedModel resolved_model(const TimeResponseData& data, const NamedModel& model,
                                         const TimeFitOptions& options);
 

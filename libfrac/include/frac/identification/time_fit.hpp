@@ -14,6 +14,14 @@ struct TimeFitOptions {
   std::vector<ParameterConstraint> constraints;
   /// What the output shows at rest: unset, it is estimated and stands last among the parameters, named "offset".
   std::optional<double> offset;
+  /// A steady drift of the output is estimated too: it stands behind the offset, named "drift", per second from the
+  /// first sample on.
+  bool trend = false;
+  /// The record may start in motion, by an input before it that nobody has recorded: unknown levels of the input up to
+  /// the first sample, of which the last eighth and the last sixty-fourth of the record's length before it have their
+  /// own, are estimated with the rest (FitResult::earlier_input).  For a record whose input never changes the level up
+  /// to the first sample is not told from the gain, so it stays at rest.
+  bool earlier_input = false;
   Loss loss = Loss::none;
   std::optional<double> loss_scale;  // as in FitOptions
   std::uint64_t seed = 1;            // of the multi-start; same seed, same result
@@ -25,10 +33,14 @@ struct TimeFitOptions {
 /// exactly for the input as held, so that nothing is biased by the sampling; start values come from a fit to the
 /// Laplace transforms of input and output over the record.  Data of more than 500 samples are first fitted at every
 /// n-th output, the input always in full.
+/// Where the input does not change within the record and a constant of the model acts as the offset does, the offset
+/// is held at 0, and the message says so.  Without `trend` and `earlier_input` the residuals are tested for both (F
+/// test on residuals freed of the correlation of neighbours), and the message says what they show.
 /// An output that its offset explains alone cannot be fitted (no_usable_start); one that it explains as well, in the
 /// F test at 1 %, leaves every parameter of the model not identified.
 /// Frequencies in the result (centre_omega, ranges of coefficients) are those the record resolves.
-/// @throws std::invalid_argument  as fit(); a structure that is no ratio of sums of powers or has a parameter "offset".
+/// @throws std::invalid_argument  as fit(); a structure that is no ratio of sums of powers or has a parameter "offset"
+/// or "drift".
 [[nodiscard]] FitResult fit(const TimeResponseData& data, const Structure& structure,
                             const TimeFitOptions& options = {});
 

@@ -46,7 +46,7 @@ enum class TuningCriterion {
 /// sensitivity, iae, itae.
 [[nodiscard]] std::string_view to_string(TuningCriterion criterion);
 /// @throws std::invalid_argument  unknown name; the text lists the known ones.
-[[nodiscard]] TuningCriterion tuning_criterion(std::string_view name);
+[[nodiscard]] TuningCriterion tuning_criterion_from_string(std::string_view text);
 [[nodiscard]] std::span<const TuningCriterion> tuning_criteria();
 
 /// Terms that the controller has.
@@ -54,7 +54,7 @@ enum class ControllerStructure { pid, pi, pd };
 /// pid, pi, pd.
 [[nodiscard]] std::string_view to_string(ControllerStructure structure);
 /// @throws std::invalid_argument  unknown name; the text lists the known ones.
-[[nodiscard]] ControllerStructure controller_structure(std::string_view name);
+[[nodiscard]] ControllerStructure controller_structure_from_string(std::string_view text);
 [[nodiscard]] std::span<const ControllerStructure> controller_structures();
 
 struct OrderRange {
@@ -89,6 +89,11 @@ enum class TuningStatus {
 [[nodiscard]] std::string_view to_string(TuningStatus status);
 
 struct TuningResult {
+  /// The closed loop is stable and the whole specification kept.
+  [[nodiscard]] bool usable() const noexcept { return status == TuningStatus::met; }
+  /// Gains, orders and what was reached.
+  [[nodiscard]] std::string summary() const;
+
   FractionalPidGains gains;
   double derivative_filter_time = 0;  // s, as given
   TuningStatus status = TuningStatus::not_met;

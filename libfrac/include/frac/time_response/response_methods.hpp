@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <span>
+#include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
@@ -39,6 +40,11 @@ struct SampledInput {
 using TimeInput = std::variant<ResponseInput, SampledInput>;
 
 struct TimeResponse {
+  /// The estimated error keeps the tolerance.
+  [[nodiscard]] bool usable() const noexcept { return meets_tolerance; }
+  /// Method, number of instants, largest output and estimated error.
+  [[nodiscard]] std::string summary() const;
+
   /// Never NaN; infinite from the instant on at which it exceeds a double, with the sign that it had.
   std::vector<double> output;
   /// The one used.

@@ -26,7 +26,7 @@ std::string_view to_string(Precision value) {
   return detail::spelling(precision_names, value);
 }
 
-Precision precision(std::string_view name) {
+Precision precision_from_string(std::string_view name) {
   return detail::from_spelling(precision_names, "precision", name);
 }
 

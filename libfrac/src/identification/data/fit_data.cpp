@@ -15,9 +15,15 @@ void hold(std::vector<ParameterConstraint>& constraints, std::string_view parame
 
 }  // namespace
 
+FitOptions settled(const FitOptions& options, const FitResult& result) {
+  FitOptions known = options;
+  if (options.weight == Weight::learned && !options.noise_floor) known.noise_floor = result.noise_floor;
+  return known;
+}
+
 std::vector<double> weighted_residuals(const FrequencyResponseData& data, const FitOptions& options,
                                        const FitResult& result) {
-  return curve_residuals(data, residual_rule(data, options.component, options.weight),
+  return curve_residuals(data, residual_rule(data, settled(options, result)),
                          fitted_response(result, options.realisation, data.omega()));
 }
 
@@ -32,7 +38,7 @@ std::vector<double> weighted_residuals(const TimeResponseData& data, const TimeF
 }
 
 std::size_t residuals_per_point(const FrequencyResponseData& data, const FitOptions& options) {
-  return residual_rule(data, options.component, options.weight).per_point();
+  return residual_rule(data, options).per_point();
 }
 
 FrequencyResponseData part_of(const FrequencyResponseData& data, std::size_t first, std::size_t last, bool inside) {

@@ -12,6 +12,10 @@ namespace frac::detail {
 
 /// Name of the output at rest among the parameters of a fit over time.
 inline constexpr const char* offset_name = "offset";
+inline constexpr const char* drift_name = "drift";
+
+/// The options with what a fit has learned from the data: its noise floor.
+[[nodiscard]] FitOptions settled(const FitOptions& options, const FitResult& result);
 
 /// Weighted residuals (model - data) of a result, points in order, each with as many as residuals_per_point().
 [[nodiscard]] std::vector<double> weighted_residuals(const FrequencyResponseData& data, const FitOptions& options,

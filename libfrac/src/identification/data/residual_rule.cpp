@@ -150,7 +150,8 @@ ResidualForm form_of(Component component, Weight weight) {
     case Component::both:
       return logarithmic ? ResidualForm::logarithmic : ResidualForm::cartesian;
     case Component::magnitude:
-      return logarithmic || weight == Weight::relative ? ResidualForm::log_magnitude : ResidualForm::magnitude;
+      return logarithmic || weight == Weight::relative || weight == Weight::learned ? ResidualForm::log_magnitude
+                                                                                    : ResidualForm::magnitude;
     case Component::phase:
       return ResidualForm::phase;
   }
@@ -158,7 +159,7 @@ ResidualForm form_of(Component component, Weight weight) {
 }
 
 /// The standard deviation (or scale) the residual of a value is divided by.
-std::vector<double> scale_of(const FrequencyResponseData& data, Weight weight) {
+std::vector<double> scale_of(const FrequencyResponseData& data, Weight weight, double floor) {
   std::vector<double> scale(data.size(), 1.0);
   switch (weight) {
     case Weight::absolute:
@@ -166,6 +167,9 @@ std::vector<double> scale_of(const FrequencyResponseData& data, Weight weight) {
       break;
     case Weight::relative:
       for (std::size_t i = 0; i < data.size(); ++i) scale[i] = std::abs(data.value()[i]);
+      break;
+    case Weight::learned:
+      for (std::size_t i = 0; i < data.size(); ++i) scale[i] = std::hypot(std::abs(data.value()[i]), floor);
       break;
     case Weight::smoothed_relative:
       scale = smoothed_magnitude(data);
@@ -185,18 +189,26 @@ std::vector<double> scale_of(const FrequencyResponseData& data, Weight weight) {
 
 }  // namespace
 
-ResidualRule residual_rule(const FrequencyResponseData& data, Component component, Weight weight) {
+ResidualRule residual_rule(const FrequencyResponseData& data, const FitOptions& options) {
+  return residual_rule(data, options.component, options.weight, options.noise_floor.value_or(0));
+}
+
+ResidualRule residual_rule(const FrequencyResponseData& data, Component component, Weight weight, double floor) {
+  if (!(floor >= 0 && std::isfinite(floor))) {
+    throw std::invalid_argument("noise floor = " + std::to_string(floor) + "; allowed is 0 or more, finite");
+  }
+
   ResidualRule rule{form_of(component, weight), {}, 1};
   const bool pure_number = rule.form == ResidualForm::log_magnitude || rule.form == ResidualForm::logarithmic;
   if (pure_number || rule.form == ResidualForm::phase || weight == Weight::relative ||
-      weight == Weight::smoothed_relative) {
+      weight == Weight::smoothed_relative || (weight == Weight::learned && floor == 0)) {
     require_nonzero(data);
   }
   if (pure_number) {
     rule.weight.assign(data.size(), 1.0);
     return rule;
   }
-  rule.weight = scale_of(data, weight);
+  rule.weight = scale_of(data, weight, floor);
   const bool known_noise = weight == Weight::given || weight == Weight::repeats;
   for (std::size_t i = 0; i < data.size(); ++i) {
     rule.weight[i] = 1 / rule.weight[i];
@@ -204,7 +216,8 @@ ResidualRule residual_rule(const FrequencyResponseData& data, Component componen
     // The phase of a value with standard deviation sigma is known to sigma/|value|.
     rule.weight[i] = known_noise ? rule.weight[i] * std::abs(data.value()[i]) : 1;
   }
-  if (rule.form == ResidualForm::phase || weight == Weight::relative) return rule;
+  const bool plainly_relative = weight == Weight::relative || (weight == Weight::learned && floor == 0);
+  if (rule.form == ResidualForm::phase || plainly_relative) return rule;
 
   // By the largest first, so that squares of data of 1e-200 or 1e200 neither vanish nor overflow.
   double largest = 0, sum = 0;

@@ -43,7 +43,11 @@ struct ResidualRule {
 };
 
 /// @throws std::invalid_argument  the weight does not go with the component or with the data, as fit.hpp says.
-[[nodiscard]] ResidualRule residual_rule(const FrequencyResponseData& data, Component component, Weight weight);
+/// @param floor  of weight `learned`, >= 0
+[[nodiscard]] ResidualRule residual_rule(const FrequencyResponseData& data, Component component, Weight weight,
+                                         double floor = 0);
+/// That of a fit with these options; an unset floor counts as 0.
+[[nodiscard]] ResidualRule residual_rule(const FrequencyResponseData& data, const FitOptions& options);
 
 /// Weighted residuals of given model values, in the unit fit.hpp defines them in.
 /// @throws std::invalid_argument  naming the frequency at which one does not exist.

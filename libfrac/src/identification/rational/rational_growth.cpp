@@ -16,12 +16,14 @@ bool exact(const RationalProblem& problem, const RationalFit& fit) {
   return fit.cost <= problem.rounding_cost();
 }
 
-/// How far beyond the band poles are looked for: half a decade.
-constexpr double margin = 1.2;
+/// Whether the fit misses the data by more than a tenth: it has not found their shape.
+bool is_far(const RationalProblem& problem, const RationalFit& fit) {
+  return fit.cost > 0.01 * problem.data_power();
+}
 
 /// Evenly in the logarithm over the band and its margins.
 std::vector<double> places(const RationalProblem& problem, int count) {
-  const double first = problem.log_lower() - margin, last = problem.log_upper() + margin;
+  const double first = problem.log_lower() - search_margin, last = problem.log_upper() + search_margin;
   std::vector<double> result;
   for (int i = 0; i < count; ++i) result.push_back(first + (last - first) * i / (count - 1));
   return result;
@@ -73,25 +75,24 @@ std::optional<RationalShape> with_integrator(const RationalProblem& problem, con
 }  // namespace
 
 double schwarz(const RationalProblem& problem, const RationalFit& fit) {
-  const auto n = static_cast<double>(problem.rows());
-  return n * std::log(std::max(fit.cost, problem.rounding_cost()) / n) +
-         static_cast<double>(fit.parameters) * std::log(n);
+  return schwarz(problem, fit.cost, fit.parameters);
 }
 
 double price_of_search(const RationalProblem& problem, const RationalShape& shape) {
-  const double places = problem.log_upper() - problem.log_lower() + 2 * margin;
-  const auto points = static_cast<double>(problem.log_omega().size());
+  const double of_pair = 2 * std::log(static_cast<double>(problem.log_omega().size()));
   double price = 0;
-  for (const PoleFactor& factor : shape.factors) price += 2 * std::log(factor.pair ? points : places);
+  for (const PoleFactor& factor : shape.factors) price += factor.pair ? of_pair : price_of_place(problem);
   return price;
 }
 
-RationalGrowth::RationalGrowth(const RationalProblem& problem, bool delayed, std::size_t excess)
-    : problem_(problem), excess_(excess) {
+RationalGrowth::RationalGrowth(const RationalProblem& problem, const RationalKind& kind, std::size_t excess,
+                               std::size_t most_zeros)
+    : problem_(problem), kind_(kind), excess_(excess), most_zeros_(most_zeros) {
   RationalShape shape;
-  shape.degree = excess;
-  shape.delayed = delayed;
-  if (!delayed) {
+  shape.degree = std::min(excess, most_zeros);
+  shape.delayed = kind.delayed;
+  shape.free_order = kind.free_order;
+  if (!kind.delayed) {
     members_.push_back(problem.at(shape));
     return;
   }
@@ -103,69 +104,110 @@ RationalGrowth::RationalGrowth(const RationalProblem& problem, bool delayed, std
   members_.push_back(best_refined(problem, std::move(starts), 3));
 }
 
-void RationalGrowth::extend() {
-  const std::size_t order = members_.size();
-  const RationalShape last = members_.back().shape;
-  std::vector<RationalFit> starts;
-  const auto with = [&](const RationalShape& from, const PoleFactor& factor) {
-    RationalShape shape = from;
-    shape.factors.push_back(factor);
-    shape.degree = order + excess_;
-    return problem_.at(shape);
-  };
+void RationalGrowth::add_real_poles(double order, std::vector<RationalFit>& starts) const {
   for (const double sign : {1.0, -1.0}) {
     // One part alone does not tell a pole from its mirror image.
     if (sign < 0 && problem_.one_part()) continue;
     std::vector<RationalFit> along;
     for (const double place : places(problem_, sign > 0 ? 14 : 6)) {
-      along.push_back(with(last, {false, place, 0, sign}));
+      along.push_back(with(members_.back().shape, {false, place, 0, sign}, order));
     }
     add_local_minima(std::move(along), starts);
   }
-  if (order >= 2) {
-    const RationalShape& before = members_[order - 2].shape;
-    // Resonances are narrow: a pair is also tried at the points the smaller model misses most.
-    std::vector<double> pair_places = places(problem_, 10);
-    const std::vector<double> missed = problem_.residual_sizes(before);
-    for (int peak = 0; peak < 3; ++peak) {
-      std::size_t most = 0;
-      double largest = -1;
-      for (std::size_t i = 0; i < missed.size(); ++i) {
-        const bool top =
-            (i == 0 || missed[i] >= missed[i - 1]) && (i + 1 == missed.size() || missed[i] > missed[i + 1]);
-        const bool taken =
-            std::find(pair_places.begin(), pair_places.end(), problem_.log_omega()[i]) != pair_places.end();
-        if (top && !taken && missed[i] > largest) {
-          largest = missed[i];
-          most = i;
-        }
+}
+
+void RationalGrowth::add_pairs(double order, std::vector<RationalFit>& starts) const {
+  const RationalShape& before = members_[members_.size() - 2].shape;
+  // Resonances are narrow: a pair is also tried at the points the smaller model misses most.
+  std::vector<double> pair_places = places(problem_, 10);
+  const std::vector<double> missed = problem_.residual_sizes(before);
+  for (int peak = 0; peak < 3; ++peak) {
+    std::size_t most = 0;
+    double largest = -1;
+    for (std::size_t i = 0; i < missed.size(); ++i) {
+      const bool top = (i == 0 || missed[i] >= missed[i - 1]) && (i + 1 == missed.size() || missed[i] > missed[i + 1]);
+      const bool taken =
+          std::find(pair_places.begin(), pair_places.end(), problem_.log_omega()[i]) != pair_places.end();
+      if (top && !taken && missed[i] > largest) {
+        largest = missed[i];
+        most = i;
       }
-      if (largest >= 0) pair_places.push_back(problem_.log_omega()[most]);
     }
-    std::sort(pair_places.begin(), pair_places.end());
-    for (const double damping : {0.02, 0.3}) {
-      std::vector<RationalFit> along;
-      for (const double place : pair_places) along.push_back(with(before, {true, place, damping, 1}));
-      add_local_minima(std::move(along), starts);
-    }
+    if (largest >= 0) pair_places.push_back(problem_.log_omega()[most]);
   }
+  std::sort(pair_places.begin(), pair_places.end());
+  // In powers of s^a a pair without resonance is no pair of real poles yet.
+  const std::vector<double> dampings = kind_.free_order ? std::vector{0.02, 0.3, 0.8} : std::vector{0.02, 0.3};
+  for (const double damping : dampings) {
+    std::vector<RationalFit> along;
+    for (const double place : pair_places) along.push_back(with(before, {true, place, damping, 1}, order));
+    add_local_minima(std::move(along), starts);
+  }
+}
+
+RationalFit RationalGrowth::with(const RationalShape& from, const PoleFactor& factor, double order) const {
+  RationalShape shape = from;
+  shape.factors.push_back(factor);
+  shape.degree = std::min(members_.size() + excess_, most_zeros_);
+  shape.order = order;
+  return problem_.at(shape);
+}
+
+// Where a response falls by many decades, one pole more is worth nothing under relative residuals until the slope of
+// its tail is right: all poles are put to one place, or a spread of it.
+void RationalGrowth::add_steep_ends(double order, std::vector<RationalFit>& starts) const {
+  const std::size_t poles = members_.size();
+  for (const double spread : {0.3, 1.5}) {
+    std::vector<RationalFit> along;
+    for (const double place : places(problem_, 10)) {
+      RationalShape shape = members_.back().shape;
+      shape.factors.clear();
+      for (std::size_t i = 0; i + 1 < poles; ++i) {
+        const double share = poles > 1 ? static_cast<double>(i) / static_cast<double>(poles - 1) - 0.5 : 0;
+        shape.factors.push_back({false, place + spread * share, 0, 1});
+      }
+      shape.integrators = 0;
+      shape.low = 0;
+      along.push_back(with(shape, {false, place + spread / 2, 0, 1}, order));
+    }
+    add_local_minima(std::move(along), starts);
+  }
+}
+
+std::vector<double> RationalGrowth::orders() const {
+  if (!kind_.free_order) return {1};
+  if (members_.size() <= 2) return {1, 0.8, 0.6, 0.4};
+  const double last = members_.back().shape.order;
+  // Half the order with more poles may be what the smaller models stood for.
+  return {last, last > 0.7 ? 0.5 : 1.0};
+}
+
+void RationalGrowth::extend(const RationalShape* contained) {
+  const RationalShape last = members_.back().shape;
+  std::vector<RationalFit> starts;
+  for (const double order : orders()) {
+    add_real_poles(order, starts);
+    if (members_.size() >= 2) add_pairs(order, starts);
+  }
+  if (members_.size() >= 2 && is_far(problem_, members_.back())) add_steep_ends(last.order, starts);
   if (last.delayed) {
     // A longer or shorter delay may suit the richer model better.
     RationalShape shape = last;
-    shape.factors.push_back({false, 0, 0, 1});
-    shape.degree = order + excess_;
     for (const double factor : {0.0, 0.3, 3.0}) {
       shape.delay = last.delay * factor;
-      for (const double place : places(problem_, 4)) {
-        shape.factors.back().log_size = place;
-        starts.push_back(problem_.at(shape));
-      }
+      for (const double place : places(problem_, 4)) starts.push_back(with(shape, {false, place, 0, 1}, last.order));
     }
   }
   RationalFit best = best_refined(problem_, std::move(starts), 4);
+  if (contained) {
+    RationalShape freed = *contained;
+    freed.free_order = kind_.free_order;
+    RationalFit from_contained = problem_.refine(freed, thorough);
+    if (from_contained.cost < best.cost) best = std::move(from_contained);
+  }
   // A member contains the one before, with a pole that a zero cancels.
   if (!(best.cost <= members_.back().cost)) {
-    RationalFit same = with(last, {false, problem_.log_upper() + 2, 0, 1});
+    RationalFit same = with(last, {false, problem_.log_upper() + 2, 0, 1}, last.order);
     if (same.cost < best.cost) best = std::move(same);
   }
   members_.push_back(std::move(best));
@@ -185,7 +227,7 @@ RationalFit without_idle_parts(const RationalProblem& problem, const RationalFit
         ++moves.back().low;
       }
     }
-    if (shape.degree <= shape.order() && round == 0) {
+    if (shape.degree <= shape.poles() && round == 0) {
       moves.push_back(shape);
       ++moves.back().degree;
     }
@@ -207,16 +249,21 @@ RationalFit without_idle_parts(const RationalProblem& problem, const RationalFit
 }
 
 RationalLadder grow_rational(const RationalProblem& problem, std::size_t fewest_poles, std::size_t most_poles,
-                             bool delayed) {
+                             const RationalKind& kind) {
   RationalLadder ladder;
-  RationalGrowth growth(problem, delayed);
+  RationalGrowth growth(problem, kind);
+  std::optional<RationalGrowth> whole;
+  if (kind.free_order) whole.emplace(problem, RationalKind{kind.delayed, false});
   double least = infinity;
   std::size_t in_vain = 0;
   for (std::size_t order = 0; order <= most_poles; ++order) {
-    if (order > 0) growth.extend();
+    if (order > 0) {
+      if (whole) whole->extend();
+      growth.extend(whole ? &whole->members().back().shape : nullptr);
+    }
     const RationalFit& member = growth.members().back();
     if (order < fewest_poles) continue;
-    if (2 * order + 2 >= problem.rows()) break;
+    if (2 * order + 3 >= problem.rows()) break;
     RationalFit simple = without_idle_parts(problem, member);
     const double value = schwarz(problem, simple) + price_of_search(problem, simple.shape);
     ladder.fits.push_back(std::move(simple));
@@ -227,19 +274,27 @@ RationalLadder grow_rational(const RationalProblem& problem, std::size_t fewest_
     } else {
       ++in_vain;
     }
-    if (in_vain >= 2 || exact(problem, ladder.fits.back())) break;
+    const bool found = !is_far(problem, ladder.fits.at(ladder.chosen));
+    if ((found && in_vain >= 2) || in_vain >= 4 || exact(problem, ladder.fits.back())) break;
   }
   return ladder;
 }
 
-RationalFit fit_rational(const RationalProblem& problem, std::size_t zeros, std::size_t poles, bool delayed) {
-  RationalGrowth growth(problem, delayed, zeros > poles ? zeros - poles : 0);
+RationalFit fit_rational(const RationalProblem& problem, std::size_t zeros, std::size_t poles,
+                         const RationalKind& kind) {
+  RationalGrowth growth(problem, kind, zeros > poles ? zeros - poles : 0);
   while (growth.members().size() <= poles) growth.extend();
   RationalFit fit = growth.members().back();
   while (fit.shape.degree > zeros) {
     RationalShape shape = fit.shape;
     --shape.degree;
     fit = problem.refine(shape, thorough);
+  }
+  if (zeros < poles) {
+    // With fewer zeros from the beginning poles go other ways.
+    RationalGrowth proper(problem, kind, 0, zeros);
+    while (proper.members().size() <= poles) proper.extend();
+    if (proper.members().back().cost < fit.cost) fit = proper.members().back();
   }
   while (const auto shape = with_integrator(problem, fit.shape)) {
     RationalFit integrating = problem.refine(*shape, thorough);

@@ -2,33 +2,48 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "rational_problem.hpp"
 
 namespace frac::detail {
 
-/// n ln(cost/n) + k ln n of a fit (Schwarz 1978), costs of rounding counted as rounding.
 [[nodiscard]] double schwarz(const RationalProblem& problem, const RationalFit& fit);
 
-/// What the search for the places of poles costs beside schwarz(), whose k ln n knows of one place only: 2 ln of the
-/// number of places that the data tell apart.  These are the e-folds of the band for a real pole, and the points for a
-/// pair, which can be as narrow as the distance between two of them and then meets their noise.
+/// price_of_place() for each real pole.  A pair can be as narrow as the distance between two points and then meets
+/// their noise, so its places are the points.
 [[nodiscard]] double price_of_search(const RationalProblem& problem, const RationalShape& shape);
+
+/// What the members of a growth have in common.
+struct RationalKind {
+  bool delayed = false;
+  bool free_order = false;  // rational in s^order instead of s
+};
 
 /// Rational fits of rising order, each started from the ones before with one or two poles more.
 class RationalGrowth {
  public:
   /// @param excess  zeros that each member has more than poles
-  RationalGrowth(const RationalProblem& problem, bool delayed, std::size_t excess = 0);
+  /// @param most_zeros  of a member
+  RationalGrowth(const RationalProblem& problem, const RationalKind& kind, std::size_t excess = 0,
+                 std::size_t most_zeros = std::numeric_limits<std::size_t>::max());
 
-  /// Grows by one order.
-  void extend();
-  [[nodiscard]] const std::vector<RationalFit>& members() const { return members_; }  // by order, from 0
+  /// Grows by one pole.
+  /// @param contained  a member of a narrower kind with as many poles, from which a search starts, too
+  void extend(const RationalShape* contained = nullptr);
+  [[nodiscard]] const std::vector<RationalFit>& members() const { return members_; }  // by poles, from 0
 
  private:
+  void add_real_poles(double order, std::vector<RationalFit>& starts) const;
+  void add_pairs(double order, std::vector<RationalFit>& starts) const;
+  void add_steep_ends(double order, std::vector<RationalFit>& starts) const;
+  [[nodiscard]] RationalFit with(const RationalShape& from, const PoleFactor& factor, double order) const;
+  [[nodiscard]] std::vector<double> orders() const;  // of s, at which poles are added
+
   const RationalProblem& problem_;
-  std::size_t excess_;
+  RationalKind kind_;
+  std::size_t excess_, most_zeros_;
   std::vector<RationalFit> members_;
 };
 
@@ -43,10 +58,10 @@ struct RationalLadder {
   std::size_t chosen = 0;
 };
 [[nodiscard]] RationalLadder grow_rational(const RationalProblem& problem, std::size_t fewest_poles,
-                                           std::size_t most_poles, bool delayed);
+                                           std::size_t most_poles, const RationalKind& kind);
 
 /// That many zeros and poles.
 [[nodiscard]] RationalFit fit_rational(const RationalProblem& problem, std::size_t zeros, std::size_t poles,
-                                       bool delayed);
+                                       const RationalKind& kind);
 
 }  // namespace frac::detail

@@ -2,18 +2,17 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <complex>
 #include <cstddef>
 #include <vector>
 
-#include "frac/model/frequency_response_data.hpp"
-#include "identification/data/residual_rule.hpp"
+#include "projection.hpp"
 
 namespace frac::detail {
 
-/// One factor of a denominator: s/p + 1 with p = sign exp(log_size), or s^2/w^2 + 2 sinh(damping) s/w + 1 with
-/// w = exp(log_size).  The hyperbolic sine lets a pair run from undamped to two distant real poles, and into the right
-/// half plane, without a seam.  Sizes are in units of the middle of the band.
+/// One factor of a denominator in z = s^order: z/p^order + 1 with p = sign exp(log_size), or
+/// (s/w)^(2 order) + 2 sinh(damping) (s/w)^order + 1 with w = exp(log_size).  The hyperbolic sine lets a pair run from
+/// undamped to two distant real poles, and into the right half plane of z, without a seam.  Sizes are frequencies, in
+/// units of the middle of the band, whatever the order.
 struct PoleFactor {
   bool pair = false;
   double log_size = 0;
@@ -21,8 +20,8 @@ struct PoleFactor {
   double sign = 1;     // of a single pole: -1 in the right half plane
 };
 
-/// exp(-L s) (c_low s^low + ... + c_degree s^degree)/(s^integrators * factors) without its coefficients c, which follow
-/// from linear least squares wherever the rest is known.
+/// exp(-L s) (c_low z^low + ... + c_degree z^degree)/(z^integrators * factors), z = s^order, without its coefficients
+/// c, which follow from linear least squares wherever the rest is known.
 struct RationalShape {
   std::vector<PoleFactor> factors;
   std::size_t integrators = 0;
@@ -30,11 +29,17 @@ struct RationalShape {
   std::size_t degree = 0;
   bool delayed = false;
   double delay = 0;  // in units of 1/(middle of the band)
+  bool free_order = false;
+  double order = 1;  // of s in z
 
-  /// Poles, integrators included.
-  [[nodiscard]] std::size_t order() const;
+  /// Poles in z, integrators included.
+  [[nodiscard]] std::size_t poles() const;
+  /// Whether the order makes a difference and is searched for.
+  [[nodiscard]] bool searches_order() const { return free_order && (poles() > 0 || degree > 0); }
   /// Parameters that act nonlinearly.
-  [[nodiscard]] std::size_t nonlinear() const { return order() - integrators + (delayed ? 1 : 0); }
+  [[nodiscard]] std::size_t nonlinear() const {
+    return poles() - integrators + (delayed ? 1 : 0) + (searches_order() ? 1 : 0);
+  }
 };
 
 /// A shape at its least cost.
@@ -44,45 +49,32 @@ struct RationalFit {
   std::size_t parameters = 0;  // that the residuals can tell apart, coefficients included
 };
 
-/// Weighted least squares of rational functions by variable projection: the residuals are linear in the numerator, so
-/// only poles and delay are searched for (Golub, Pereyra 1973; Jacobian of Kaufman 1975).
-class RationalProblem {
+/// Weighted least squares of rational functions of z = s^order by variable projection: the residuals are linear in the
+/// numerator, so only poles, delay and order are searched for.
+class RationalProblem : public ProjectedData {
  public:
-  /// @param rule  of the imaginary, the real, or both parts
-  RationalProblem(const FrequencyResponseData& data, const ResidualRule& rule);
-
-  [[nodiscard]] std::size_t rows() const { return static_cast<std::size_t>(target_.size()); }
-  /// Whether residuals are of the real or of the imaginary part alone.
-  [[nodiscard]] bool one_part() const { return form_ != ResidualForm::cartesian; }
-  [[nodiscard]] double centre_omega() const { return centre_; }
-  [[nodiscard]] double log_lower() const { return log_lower_; }  // of the band, in units of its middle
-  [[nodiscard]] double log_upper() const { return -log_lower_; }
-  [[nodiscard]] const std::vector<double>& log_omega() const { return log_omega_; }
-  /// Costs below it are rounding.
-  [[nodiscard]] double rounding_cost() const { return 1e-28 * static_cast<double>(rows()); }
+  using ProjectedData::ProjectedData;
 
   /// Cost at the shape as it is; infinite where the model overflows.
   [[nodiscard]] RationalFit at(const RationalShape& shape) const;
-  /// Levenberg-Marquardt in poles and delay from the shape.  Ceres is not used here: setting up one of its problems
-  /// takes longer than one of these solves, of which a growth makes hundreds, and poles change kind on the way.
+  /// Searches from the shape.  Poles change kind on the way.
   [[nodiscard]] RationalFit refine(const RationalShape& start, int iterations) const;
   /// Size of the residual at each point.
   [[nodiscard]] std::vector<double> residual_sizes(const RationalShape& shape) const;
-  /// Coefficients of s^low .. s^degree, s in rad/s, of the numerator; the shortest where some are not seen.
+  /// Coefficients of z^low .. z^degree, s in rad/s, of the numerator; the shortest where some are not seen.
   [[nodiscard]] std::vector<double> numerator(const RationalShape& shape) const;
 
- private:
-  struct Linear;
-  [[nodiscard]] Eigen::MatrixXcd basis(const RationalShape& shape) const;
-  void put(const Eigen::VectorXcd& values, Eigen::Ref<Eigen::VectorXd> column) const;
-  bool solve(const RationalShape& shape, Linear& linear) const;
-  [[nodiscard]] RationalFit levenberg_marquardt(RationalShape shape, int iterations) const;
+  /// For levenberg_marquardt().
+  [[nodiscard]] Eigen::MatrixXcd columns(const RationalShape& shape) const;
+  [[nodiscard]] Eigen::MatrixXcd derivatives(const RationalShape& shape, const Linear& linear) const;
+  [[nodiscard]] RationalShape stepped(const RationalShape& shape, const Eigen::VectorXd& step) const;
 
-  ResidualForm form_;
-  double centre_, log_lower_;
-  std::vector<double> log_omega_;
-  Eigen::VectorXd weight_, target_;
-  Eigen::VectorXcd s_;
+ private:
+  [[nodiscard]] RationalFit searched(RationalShape shape, int iterations) const;
 };
+
+/// Orders of s in which a rational function is searched for.  Above 1 the poles of a stable system of order 1 and less
+/// would lie on the next sheet; below the lower end a power changes by 3 % in an e-fold of frequency.
+inline constexpr double least_order = 0.1, most_order = 1.5;
 
 }  // namespace frac::detail

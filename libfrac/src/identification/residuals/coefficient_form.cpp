@@ -125,6 +125,10 @@ class Expansion {
         return delay(left());
       case Operation::tanh:
       case Operation::coth:
+      case Operation::sinh:
+      case Operation::cosh:
+      case Operation::sech:
+      case Operation::log:
         break;
     }
     throw NoRatio{};

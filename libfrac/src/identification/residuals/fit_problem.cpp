@@ -31,7 +31,7 @@ FitProblem::FitProblem(const FrequencyResponseData& given, const Structure& mode
       structure(model),
       options(wanted),
       map(model, wanted.constraints, data_scale(given), wanted.component == Component::magnitude),
-      rule(residual_rule(given, wanted.component, wanted.weight)),
+      rule(residual_rule(given, wanted)),
       residuals(given, model, wanted.realisation, map, rule) {}
 
 }  // namespace frac::detail

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "time_residuals.hpp"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -19,6 +21,22 @@ EventResponse event_response(const TimeResponseData& data, const std::vector<std
   return {data.time(), std::move(input), data.hold(), std::move(output_time)};
 }
 
+std::vector<EventResponse> earlier_steps(const TimeResponseData& data, const std::vector<std::size_t>& index) {
+  const double first = data.time().front(), length = data.time().back() - first;
+  std::vector<double> output_time;
+  for (const std::size_t i : index) output_time.push_back(data.time()[i]);
+  std::vector<double> before{length / 8, length / 64};
+  const bool input_changes =
+      std::any_of(data.input().begin(), data.input().end(), [&](double each) { return each != data.input().front(); });
+  if (input_changes) before.push_back(0);
+  std::vector<EventResponse> steps;
+  for (const double each : before) {
+    steps.emplace_back(std::vector{first - each, data.time().back()}, std::vector{1.0, 1.0}, Hold::zero_order,
+                       output_time);
+  }
+  return steps;
+}
+
 std::optional<RatioOfPowerSums> ratio_at(const Structure& structure, std::span<const double> parameters) {
   try {
     return reduce(structure.expression(), parameters, Sensitivity::all);
@@ -28,12 +46,13 @@ std::optional<RatioOfPowerSums> ratio_at(const Structure& structure, std::span<c
 }
 
 TimeResiduals::TimeResiduals(const TimeResponseData& data, const Structure& structure, const ParameterMap& map,
-                             std::optional<double> offset, std::vector<std::size_t> index, double tolerance,
+                             const Background& background, std::vector<std::size_t> index, double tolerance,
                              double unit)
     : Residuals(map),
       data_(data),
       structure_(structure),
-      fixed_offset_(offset),
+      fixed_offset_(background.offset),
+      trend_(background.trend),
       index_(std::move(index)),
       tolerance_(tolerance),
       events_(event_response(data, index_)) {
@@ -47,6 +66,20 @@ TimeResiduals::TimeResiduals(const TimeResponseData& data, const Structure& stru
   }
   average_ = weight_.array().square();
   average_ /= average_.sum();
+  const double middle = average_.dot(output_);
+  constexpr double out_of_proportion = 1e9;
+  largest_model_ = fixed_offset_ ? std::numeric_limits<double>::infinity()
+                                 : out_of_proportion * (output_.array() - middle).abs().maxCoeff();
+  fixed_columns_.resize(count, (fixed_offset_ ? 0 : 1) + (trend_ ? 1 : 0));
+  if (!fixed_offset_) fixed_columns_.col(0) = weight_;
+  if (trend_) {
+    for (Eigen::Index i = 0; i < count; ++i) {
+      const double since = data.time()[index_[static_cast<std::size_t>(i)]] - data.time().front();
+      fixed_columns_(i, fixed_columns_.cols() - 1) = weight_[i] * since;
+    }
+  }
+  if (background.earlier_input) earlier_ = earlier_steps(data, index_);
+  earlier_model_.resize(earlier_.size());
 }
 
 bool TimeResiduals::simulate(std::span<const double> theta) const {
@@ -54,6 +87,10 @@ bool TimeResiduals::simulate(std::span<const double> theta) const {
   theta_.reset();
   const std::optional<RatioOfPowerSums> ratio = ratio_at(structure_, map().to_user(theta));
   if (!ratio || !events_.evaluate(*ratio, tolerance_, model_)) return false;
+  if (!(model_.value.cwiseAbs().maxCoeff() <= largest_model_)) return false;
+  for (std::size_t k = 0; k < earlier_.size(); ++k) {
+    if (!earlier_[k].evaluate(*ratio, tolerance_, earlier_model_[k])) return false;
+  }
   theta_.emplace(theta.begin(), theta.end());
   return true;
 }
@@ -61,6 +98,20 @@ bool TimeResiduals::simulate(std::span<const double> theta) const {
 bool TimeResiduals::evaluate(std::span<const double> theta, double* residual, double* jacobian) const {
   if (!simulate(theta)) return false;
   Eigen::VectorXd rest = model_.value - output_;
+  if (eliminated() > 0 && !only_offset()) {
+    if (fixed_offset_) rest.array() += *fixed_offset_;
+    rest.array() *= weight_.array();
+    const Eigen::MatrixXd columns = eliminated_columns();
+    const Eigen::VectorXd coefficient = coefficients(columns, rest);
+    Eigen::Map<Eigen::VectorXd>(residual, rest.size()) = rest + columns * coefficient;
+    if (!jacobian) return true;
+    Eigen::Map<Eigen::MatrixXd> by_theta(jacobian, rest.size(), static_cast<Eigen::Index>(map().free().size()));
+    by_theta = weighted_gradient(coefficient) * map().jacobian(map().to_user(theta));
+    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
+    const Eigen::MatrixXd basis = qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), qr.rank());
+    by_theta -= basis * (basis.transpose() * by_theta).eval();
+    return by_theta.allFinite();
+  }
   rest.array() += fixed_offset_ ? *fixed_offset_ : -location(rest);
   rest.array() *= weight_.array();
   Eigen::Map<Eigen::VectorXd>(residual, rest.size()) = rest;
@@ -78,7 +129,42 @@ bool TimeResiduals::evaluate(std::span<const double> theta, double* residual, do
 }
 
 Eigen::MatrixXd TimeResiduals::eliminated_columns() const {
-  return fixed_offset_ ? Eigen::MatrixXd(weight_.size(), 0) : Eigen::MatrixXd(weight_);
+  Eigen::MatrixXd columns(weight_.size(), static_cast<Eigen::Index>(eliminated()));
+  columns.leftCols(fixed_columns_.cols()) = fixed_columns_;
+  for (std::size_t k = 0; k < earlier_.size(); ++k) {
+    columns.col(fixed_columns_.cols() + static_cast<Eigen::Index>(k)) =
+        weight_.array() * earlier_model_[k].value.array();
+  }
+  return columns;
+}
+
+Eigen::MatrixXd TimeResiduals::weighted_gradient(const Eigen::VectorXd& coefficient) const {
+  Eigen::MatrixXd gradient = model_.gradient;
+  for (std::size_t k = 0; k < earlier_.size(); ++k) {
+    gradient += coefficient[fixed_columns_.cols() + static_cast<Eigen::Index>(k)] * earlier_model_[k].gradient;
+  }
+  gradient.array().colwise() *= weight_.array();
+  return gradient;
+}
+
+Eigen::VectorXd TimeResiduals::coefficients(const Eigen::MatrixXd& columns, const Eigen::VectorXd& residual) const {
+  Eigen::VectorXd found = -columns.colPivHouseholderQr().solve(residual);
+  if (loss_ == Loss::none) return found;
+  // Reweighted least squares: each is nearer than the last, by the share of outliers at least.
+  for (int pass = 0; pass < 200; ++pass) {
+    const Eigen::VectorXd rest = residual + columns * found;
+    Eigen::VectorXd root(rest.size());
+    for (Eigen::Index i = 0; i < rest.size(); ++i) {
+      const double x = rest[i] / loss_scale_;
+      root[i] = std::sqrt(x != 0 ? loss_at(loss_, x).psi / x : 1);
+    }
+    const Eigen::VectorXd next =
+        -(root.asDiagonal() * columns).colPivHouseholderQr().solve(root.asDiagonal() * residual);
+    const bool settled = (columns * (next - found)).norm() <= 1e-14 * (columns * found).norm();
+    found = next;
+    if (settled) break;
+  }
+  return found;
 }
 
 void TimeResiduals::set_loss(Loss loss, double scale) {
@@ -128,14 +214,46 @@ double TimeResiduals::rounding_cost() const noexcept {
   return static_cast<double>(count()) * std::max(1e-28, tolerance_ * tolerance_);
 }
 
-TimeResiduals::Offset TimeResiduals::offset(std::span<const double> theta) const {
-  if (fixed_offset_ || !simulate(theta)) return {fixed_offset_.value_or(0), {}};
-  return {location(output_ - model_.value), model_.gradient.transpose() * average_};
+TimeResiduals::Eliminated TimeResiduals::eliminated_at(std::span<const double> theta) const {
+  if (eliminated() == 0 || !simulate(theta)) return {};
+  Eliminated result;
+  if (only_offset()) {
+    result.coefficient = Eigen::VectorXd::Constant(1, location(output_ - model_.value));
+  } else {
+    Eigen::VectorXd rest = model_.value - output_;
+    if (fixed_offset_) rest.array() += *fixed_offset_;
+    rest.array() *= weight_.array();
+    result.coefficient = coefficients(eliminated_columns(), rest);
+  }
+  result.gradient = weighted_gradient(result.coefficient);
+  return result;
+}
+
+Eigen::MatrixXd TimeResiduals::possible_background(std::span<const double> theta) const {
+  const std::optional<RatioOfPowerSums> ratio = ratio_at(structure_, map().to_user(theta));
+  const std::vector<EventResponse> steps = earlier_steps(data_, index_);
+  Eigen::MatrixXd columns(weight_.size(), 1 + static_cast<Eigen::Index>(steps.size()));
+  for (Eigen::Index i = 0; i < weight_.size(); ++i) {
+    columns(i, 0) = weight_[i] * (data_.time()[index_[static_cast<std::size_t>(i)]] - data_.time().front());
+  }
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    EventResponse::Result response;
+    if (!ratio || !steps[k].evaluate(*ratio, tolerance_, response)) return {};
+    columns.col(static_cast<Eigen::Index>(k) + 1) = weight_.array() * response.value.array();
+  }
+  return columns;
 }
 
 std::vector<double> TimeResiduals::without_response() const {
-  const double offset = fixed_offset_ ? *fixed_offset_ : location(output_);
-  const Eigen::VectorXd rest = (offset - output_.array()) * weight_.array();
+  Eigen::VectorXd rest = -output_;
+  if (fixed_columns_.cols() == (fixed_offset_ ? 0 : 1)) {
+    rest.array() += fixed_offset_ ? *fixed_offset_ : location(output_);
+    rest.array() *= weight_.array();
+  } else {
+    if (fixed_offset_) rest.array() += *fixed_offset_;
+    rest.array() *= weight_.array();
+    rest += fixed_columns_ * coefficients(fixed_columns_, rest);
+  }
   return {rest.begin(), rest.end()};
 }
 

@@ -17,19 +17,35 @@ namespace frac::detail {
 /// The model as a ratio of sums of powers with derivatives; empty where it has no finite value.
 [[nodiscard]] std::optional<RatioOfPowerSums> ratio_at(const Structure& structure, std::span<const double> parameters);
 
-/// Residuals (model + offset - output)/sigma in units of `unit`.  A free offset is projected out: at every theta it is
-/// the value that makes the loss least, the weighted mean of what the model leaves for least squares.
+/// What the output shows besides the response to the input; see TimeFitOptions.
+struct Background {
+  std::optional<double> offset;  // unset: estimated
+  bool trend = false;
+  bool earlier_input = false;
+};
+
+/// Responses to unit steps of the input before the record, an eighth and a sixty-fourth of its length before the first
+/// sample and, where the input changes within the record, at the first sample.
+[[nodiscard]] std::vector<EventResponse> earlier_steps(const TimeResponseData& data,
+                                                       const std::vector<std::size_t>& index);
+
+/// Residuals (model + background - output)/sigma in units of `unit`.  What is free of the background is linear and
+/// projected out: at every theta it has the values that make the loss least.  The derivatives of its columns by theta
+/// are kept along the columns' complement only (Kaufman 1975), which leaves gradient and covariance exact.
 class TimeResiduals final : public Residuals {
  public:
   /// @param index      outputs used
   /// @param tolerance  of the simulation
   /// @param unit       of the residuals: about the size of the output over sigma
   TimeResiduals(const TimeResponseData& data, const Structure& structure, const ParameterMap& map,
-                std::optional<double> offset, std::vector<std::size_t> index, double tolerance, double unit);
+                const Background& background, std::vector<std::size_t> index, double tolerance, double unit);
 
   [[nodiscard]] std::size_t points() const noexcept override { return index_.size(); }
   [[nodiscard]] std::size_t per_point() const noexcept override { return 1; }
-  [[nodiscard]] std::size_t eliminated() const noexcept override { return fixed_offset_ ? 0 : 1; }
+  [[nodiscard]] std::size_t eliminated() const noexcept override {
+    return static_cast<std::size_t>(fixed_columns_.cols()) + earlier_.size();
+  }
+  /// At the theta evaluated last: offset, trend and earlier steps, as far as they are free.
   [[nodiscard]] Eigen::MatrixXd eliminated_columns() const override;
   bool evaluate(std::span<const double> theta, double* residual, double* jacobian) const override;
   void set_loss(Loss loss, double scale) override;
@@ -37,23 +53,35 @@ class TimeResiduals final : public Residuals {
   /// Simulation errors, correlated from point to point, decide where rounding would not yet.
   [[nodiscard]] double rounding_cost() const noexcept override;
 
-  /// The offset that goes with theta, and the weighted mean of the model's derivatives by each parameter.
-  struct Offset {
-    double value;
-    Eigen::VectorXd mean_gradient;
+  /// The coefficients of eliminated_columns() at theta, and the derivatives by each parameter of residuals with those
+  /// coefficients held.
+  struct Eliminated {
+    Eigen::VectorXd coefficient;
+    Eigen::MatrixXd gradient;
   };
-  [[nodiscard]] Offset offset(std::span<const double> theta) const;
-  /// Residuals of a model whose output is the offset.
+  [[nodiscard]] Eliminated eliminated_at(std::span<const double> theta) const;
+  /// Weighted columns of a background that these residuals do not have: a trend first, then earlier steps of the input.
+  /// Empty where the model has no response to them.
+  [[nodiscard]] Eigen::MatrixXd possible_background(std::span<const double> theta) const;
+  /// Residuals of a model whose output is offset and trend, and how many of these are free.
   [[nodiscard]] std::vector<double> without_response() const;
+  [[nodiscard]] std::size_t silent_parameters() const { return static_cast<std::size_t>(fixed_columns_.cols()); }
 
  private:
   bool simulate(std::span<const double> theta) const;
+  /// Whether the offset alone is free of the background, as in most fits.
+  [[nodiscard]] bool only_offset() const { return !fixed_offset_ && !trend_ && earlier_.empty(); }
   /// Of values with the weights of the residuals, what is to be subtracted to make the loss least.
   [[nodiscard]] double location(const Eigen::VectorXd& values) const;
+  /// Of weighted residuals, the coefficients of `columns` that are to be added to make the loss least.
+  [[nodiscard]] Eigen::VectorXd coefficients(const Eigen::MatrixXd& columns, const Eigen::VectorXd& residual) const;
+  /// Weighted derivatives by the parameters, those of the earlier steps with their coefficients included.
+  [[nodiscard]] Eigen::MatrixXd weighted_gradient(const Eigen::VectorXd& coefficient) const;
 
   const TimeResponseData& data_;
   const Structure& structure_;
   std::optional<double> fixed_offset_;
+  bool trend_;
   std::vector<std::size_t> index_;
   double tolerance_;
   Loss loss_ = Loss::none;
@@ -62,6 +90,10 @@ class TimeResiduals final : public Residuals {
   Eigen::VectorXd weight_;   // of the residuals
   Eigen::VectorXd average_;  // weights of the mean that the offset is, sum 1
   Eigen::VectorXd output_;
+  double largest_model_;           // beyond which an offset would have to cancel the model and leave rounding
+  Eigen::MatrixXd fixed_columns_;  // weighted, of offset and trend
+  std::vector<EventResponse> earlier_;
+  mutable std::vector<EventResponse::Result> earlier_model_;
   mutable EventResponse::Result model_;
   mutable std::optional<std::vector<double>> theta_;  // that model_ belongs to
 };

@@ -163,6 +163,50 @@ std::vector<std::vector<double>> linear_starts(const Residuals& residuals, const
   return starts;
 }
 
+/// Starts with every order at a whole number: integer-order structures are contained in fractional ones, and their
+/// optimum is a place of its own.
+std::vector<std::vector<double>> whole_order_starts(const Residuals& residuals,
+                                                    const std::vector<double>& suggested_orders,
+                                                    std::mt19937_64& generator) {
+  constexpr int starts_made = 2;
+  const ParameterMap& map = residuals.map();
+  const auto whole = [&](std::vector<double> theta) {
+    for (std::size_t k = 0; k < theta.size(); ++k) {
+      const ParameterMap::Free& entry = map.free()[k];
+      if (entry.role != ParameterRole::order) continue;
+      const double nearest = entry.lower <= 1 && entry.upper >= 1 ? 1 : -1;
+      theta[k] = std::clamp(nearest, entry.lower, entry.upper);
+    }
+    return theta;
+  };
+  const bool has_orders = std::any_of(map.free().begin(), map.free().end(), [](const ParameterMap::Free& entry) {
+    return entry.role == ParameterRole::order;
+  });
+  std::vector<std::vector<double>> starts;
+  if (!has_orders) return starts;
+  for (int start = 0; start < starts_made; ++start) {
+    std::vector<double> best;
+    double least = std::numeric_limits<double>::infinity();
+    const auto compare = [&](std::vector<double> theta) {
+      const double cost = residuals.cost(theta);
+      if (!(cost < least)) return;
+      least = cost;
+      best = std::move(theta);
+    };
+    for (int i = 0; i < draws_per_start; ++i) {
+      std::vector<double> theta = whole(draw(map, suggested_orders, generator));
+      match_magnitude(residuals, theta);
+      compare(std::move(theta));
+    }
+    if (start == 0) {
+      const std::vector<double> at = whole(draw(map, suggested_orders, generator));
+      for (const auto& parameters : residuals.linear_fits(map.to_user(at))) compare(map.to_theta(parameters));
+    }
+    if (!best.empty()) starts.push_back(std::move(best));
+  }
+  return starts;
+}
+
 /// Best point of NLopt's CRS2 over a box six natural units (e-folds) around the data, for models no start agrees on.
 std::vector<double> controlled_random_search(const Residuals& residuals, const std::vector<double>& start,
                                              std::uint64_t seed) {
@@ -206,6 +250,7 @@ class Search {
     });
     // These are not drawn like the others, so they say nothing of the number of minima.
     scout_from(linear_starts(scouting_, suggested_orders_, generator_));
+    scout_from(whole_order_starts(scouting_, suggested_orders_, generator_));
     independent_ = 0;
     for (int round = 0; round < rounds && !exact(); ++round) {
       scout_from(screened_draws(scouting_, suggested_orders_, generator_, start_given && round == 0));

@@ -27,10 +27,11 @@ struct GlobalSolution {
 
 /// Seeded multi-start: each round draws coefficients from the magnitudes and frequencies the data span (their dimension
 /// says how), orders from the suggested ones and from their ranges, keeps the few draws of lowest cost and scouts from
-/// each; linear least squares for the coefficients gives two more starts.  Scouts that come near the best are finished
-/// on all residuals.  It ends when enough of them agree on the best cost and confidence_of_optimum() is high, after
-/// walks from the best minimum along the directions the data hardly resist have led nowhere lower.  If no two ever
-/// agree, NLopt's controlled random search tries the whole box.
+/// each; linear least squares for the coefficients gives two more starts, and so do draws with every order whole, where
+/// an integer-order structure lies inside.  Scouts that come near the best are finished on all residuals.  It ends when
+/// enough of them agree on the best cost and confidence_of_optimum() is high, after walks from the best minimum along
+/// the directions the data hardly resist have led nowhere lower.  If no two ever agree, NLopt's controlled random
+/// search tries the whole box.
 /// @param scouting  residuals of the same kind at fewer points, or `residuals` itself.  Where what it leaves out turns
 ///                  out to be fitted worse than what it has, it misses a feature, and the search is made again without.
 [[nodiscard]] GlobalSolution global_search(const Residuals& scouting, const Residuals& residuals,

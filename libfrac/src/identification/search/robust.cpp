@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <random>
 
 namespace frac::detail {
 namespace {
@@ -63,6 +65,76 @@ LocalOptions robust_refinement(Residuals& residuals, Loss loss, std::optional<do
     const bool settled = std::abs(next - spread) <= 1e-3 * spread;
     spread = next;
     if (settled) break;
+  }
+  return options;
+}
+
+namespace {
+
+/// Places about a solution: `reach` factors e in coefficients, thirds in orders, twentieths of the range of dead times.
+class Surroundings {
+ public:
+  Surroundings(const ParameterMap& map, std::uint64_t seed) : map_(map), generator_(seed) {}
+
+  [[nodiscard]] std::vector<double> draw(std::vector<double> theta, double reach) {
+    for (std::size_t k = 0; k < theta.size(); ++k) {
+      const ParameterMap::Free& free = map_.free()[k];
+      const double step = reach * normal();
+      if (free.role == ParameterRole::order) {
+        theta[k] += step / 3;
+      } else if (free.role == ParameterRole::delay) {
+        theta[k] += step * (free.upper - free.lower) / 20;
+      } else {
+        theta[k] = free.logarithmic ? theta[k] + step : theta[k] * (1 + step);
+      }
+      theta[k] = std::clamp(theta[k], free.lower, free.upper);
+    }
+    return theta;
+  }
+
+ private:
+  [[nodiscard]] double uniform() { return static_cast<double>(generator_() >> 11) * 0x1p-53; }
+  [[nodiscard]] double normal() {
+    return std::sqrt(-2 * std::log(1 - uniform())) * std::cos(2 * std::numbers::pi * uniform());
+  }
+
+  const ParameterMap& map_;
+  std::mt19937_64 generator_;
+};
+
+}  // namespace
+
+LocalOptions robust_search(Residuals& residuals, Loss loss, std::optional<double> scale, std::uint64_t seed,
+                           LocalSolution& solution) {
+  constexpr int most_places = 24, enough_returns = 4;
+  constexpr double equally_good = 1e-3;
+  LocalOptions options = robust_refinement(residuals, loss, scale, solution);
+  double spread = robust_spread(residuals_at(residuals, solution.theta));
+  Surroundings surroundings(residuals.map(), seed);
+  int returns = 0;
+  for (int place = 0; place < most_places && returns < enough_returns; ++place) {
+    if (!(spread > rounding) || residuals.map().free().empty()) break;
+    const std::vector<double> start = surroundings.draw(solution.theta, place % 2 == 0 ? 0.5 : 2);
+    if (!std::isfinite(residuals.cost(start))) continue;
+    LocalOptions quick = options;
+    quick.iterations = 40;
+    quick.cost_tolerance = 1e-7;
+    LocalSolution found = local_solve(residuals, start, quick);
+    if (!(found.objective < solution.objective * (1 - equally_good))) {
+      returns += found.objective <= solution.objective * (1 + equally_good) ? 1 : 0;
+      continue;
+    }
+    const LocalOptions refined = robust_refinement(residuals, loss, scale, found);
+    const double narrower = robust_spread(residuals_at(residuals, found.theta));
+    const bool better = scale ? found.objective < solution.objective : narrower < spread;
+    if (better) {
+      solution = std::move(found);
+      options = refined;
+      spread = narrower;
+      returns = 0;
+    } else {
+      residuals.set_loss(options.loss, options.loss_scale);
+    }
   }
   return options;
 }

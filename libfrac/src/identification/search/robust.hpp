@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -27,6 +28,11 @@ namespace frac::detail {
 /// @return the loss with its scale, which `residuals` is left with
 [[nodiscard]] LocalOptions robust_refinement(Residuals& residuals, Loss loss, std::optional<double> scale,
                                              LocalSolution& solution);
+/// Searches under a robust loss: from a least-squares solution, which outliers may have led far off, and from seeded
+/// places about the best found so far, until several of them come back to it.
+/// Of two solutions under scales of their own that with the smaller spread of the well-behaved part is the better one.
+[[nodiscard]] LocalOptions robust_search(Residuals& residuals, Loss loss, std::optional<double> scale,
+                                         std::uint64_t seed, LocalSolution& solution);
 
 [[nodiscard]] std::vector<double> residuals_at(const Residuals& residuals, std::span<const double> theta);
 

@@ -21,7 +21,8 @@ struct TimeProblem {
   double unit;  // of the residuals
 
   [[nodiscard]] TimeResiduals residuals(std::vector<std::size_t> index, double tolerance) const {
-    return {data, structure, map, options.offset, std::move(index), tolerance, unit};
+    return {data,      structure, map, {options.offset, options.trend, options.earlier_input}, std::move(index),
+            tolerance, unit};
   }
 };
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
+#include <limits>
 #include <span>
 
 namespace frac::detail {
@@ -15,5 +17,13 @@ struct Information {
 
 /// @param unit  root mean square of the weighted data; residuals below 1e-14 of it are rounding.
 [[nodiscard]] Information information(std::span<const double> residual, std::size_t parameters, double unit);
+
+/// What k parameters cost among n residuals when many counts of them were tried: k n ln n/(n - k - 2), Schwarz's k ln n
+/// with the correction for few residuals (McQuarrie 1999), without which parameters in number near that of the
+/// residuals buy their noise.  Infinite where n <= k + 2.
+[[nodiscard]] inline double price_of_parameters(double parameters, double residuals) {
+  const double rest = residuals - parameters - 2;
+  return rest > 0 ? parameters * residuals * std::log(residuals) / rest : std::numeric_limits<double>::infinity();
+}
 
 }  // namespace frac::detail

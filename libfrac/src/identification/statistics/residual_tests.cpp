@@ -152,9 +152,10 @@ std::string_view to_string(NoiseSource source) {
 }
 
 LackOfFit lack_of_fit(const FrequencyResponseData& data, const FitOptions& options, const FitResult& result) {
-  const detail::ResidualRule rule = detail::residual_rule(data, options.component, options.weight);
+  const detail::ResidualRule rule = detail::residual_rule(data, detail::settled(options, result));
   const std::vector<double> residual = detail::weighted_residuals(data, options, result);
-  const double rounding = 1e-12 * rule.unit;
+  // What ratios of order ten leave of exact data: their coefficients differ by ten decades.
+  const double rounding = 1e-9 * rule.unit;
   const bool told = options.weight == Weight::given || options.weight == Weight::repeats;
   LackOfFit test =
       detail::residual_tests(residual, rule.per_point(), data.omega(), result.free_parameters, told, rounding);

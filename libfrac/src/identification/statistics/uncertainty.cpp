@@ -108,6 +108,8 @@ class FrequencyResampling {
       // In units of the noise: relative to the model and turned with it, or in the unit of sigma or of the data.
       if (options.weight == Weight::given) {
         unit_[i] = data.sigma()[i];
+      } else if (options.weight == Weight::learned && options.noise_floor.value_or(0) > 0) {
+        unit_[i] = std::hypot(std::abs(model_[i]), *options.noise_floor);
       } else if (options.weight != Weight::absolute) {
         unit_[i] = only_one_part ? std::abs(data.value()[i]) : model_[i];
       }
@@ -220,7 +222,8 @@ ProfileInterval profile_interval(const FrequencyResponseData& data, const FitOpt
                                  std::string_view parameter) {
   profiled(result, parameter);
   const Structure structure(result.model);
-  detail::FitProblem problem(data, structure, options);
+  const FitOptions known = detail::settled(options, result);
+  detail::FitProblem problem(data, structure, known);
   detail::LocalOptions local;
   if (std::isfinite(result.loss_scale)) {
     local.loss = options.loss;
@@ -278,7 +281,8 @@ ProfileInterval profile_interval(const TimeResponseData& data, const TimeFitOpti
 
 std::vector<BootstrapInterval> bootstrap(const FrequencyResponseData& data, const FitOptions& options,
                                          const FitResult& result, std::size_t samples, int threads) {
-  return bootstrap_of(FrequencyResampling(data, options, result, inflation(result)), options, result, samples, threads);
+  const FitOptions known = detail::settled(options, result);
+  return bootstrap_of(FrequencyResampling(data, known, result, inflation(result)), known, result, samples, threads);
 }
 
 std::vector<BootstrapInterval> bootstrap(const TimeResponseData& data, const TimeFitOptions& options,

@@ -58,7 +58,7 @@ std::span<const TuningCriterion> tuning_criteria() {
   return all;
 }
 
-TuningCriterion tuning_criterion(std::string_view name) {
+TuningCriterion tuning_criterion_from_string(std::string_view name) {
   for (const auto criterion : tuning_criteria()) {
     if (to_string(criterion) == name) return criterion;
   }
@@ -83,7 +83,7 @@ std::span<const ControllerStructure> controller_structures() {
   return all;
 }
 
-ControllerStructure controller_structure(std::string_view name) {
+ControllerStructure controller_structure_from_string(std::string_view name) {
   for (const auto structure : controller_structures()) {
     if (to_string(structure) == name) return structure;
   }

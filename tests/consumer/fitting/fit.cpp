@@ -9,4 +9,6 @@ int main() {
   const auto data = plant.response(std::vector<double>{0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100});
   const frac::FitResult result = frac::fit(data, frac::Structure("K/(T s^a + 1)"), frac::FitOptions{});
   for (const auto& parameter : result.parameters) std::cout << parameter.name << " = " << parameter.value << '\n';
+  std::cout << result.summary() << '\n';
+  return result.usable() ? 0 : 1;
 }

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "family_members.hpp"
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "identification/data/residual_rule.hpp"
+#include "rational_growth.hpp"
+#include "rational_model.hpp"
+#include "term_growth.hpp"
+
+namespace frac::detail {
+namespace {
+
+ResidualRule rule_of(const FrequencyResponseData& data, const FitOptions& options) {
+  if (options.component == Component::magnitude || options.component == Component::phase) {
+    throw std::invalid_argument("families are grown on the real and the imaginary part, not on the " +
+                                std::string(to_string(options.component)) + "; write the model as a formula");
+  }
+  // Logarithmic residuals are relative ones as long as they are small, and linear in coefficients only so.
+  const bool logarithmic = options.weight == Weight::log_complex;
+  return logarithmic ? residual_rule(data, options.component, Weight::relative) : residual_rule(data, options);
+}
+
+FamilyMembers rational_members(const RationalProblem& problem, const RationalFamily& family, Component component) {
+  if (2 * family.fewest_poles + 2 > problem.rows()) {
+    throw std::invalid_argument(std::to_string(problem.rows()) + " residuals cannot determine " +
+                                std::to_string(family.fewest_poles) + " poles and their numerator");
+  }
+  const RationalKind kind{family.dead_time, family.free_order};
+  FamilyMembers members;
+  if (family.zeros) {
+    const RationalFit fit = fit_rational(problem, *family.zeros, family.fewest_poles, kind);
+    members.models.push_back(written_out(problem, fit.shape, component));
+    return members;
+  }
+  const RationalLadder ladder = grow_rational(problem, family.fewest_poles, family.most_poles, kind);
+  for (const RationalFit& fit : ladder.fits) members.models.push_back(written_out(problem, fit.shape, component));
+  members.chosen = ladder.chosen;
+  return members;
+}
+
+FamilyMembers term_members(const TermProblem& problem, const TermFamily& family) {
+  const TermLadder ladder = grow_terms(problem, family.most_terms);
+  FamilyMembers members;
+  for (const TermFit& fit : ladder.fits) members.models.push_back(written_out(problem, fit.sum));
+  members.chosen = ladder.chosen;
+  return members;
+}
+
+}  // namespace
+
+FamilyMembers family_members(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options) {
+  const ResidualRule rule = rule_of(data, options);
+  FamilyMembers members = model.rational
+                              ? rational_members(RationalProblem(data, rule), *model.rational, options.component)
+                              : term_members(TermProblem(data, rule), model.terms.value());
+  if (members.models.empty()) {
+    throw std::invalid_argument("model '" + model.name + "': too few residuals for any member of this family");
+  }
+  return members;
+}
+
+NamedModel best_member(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options) {
+  FamilyMembers members = family_members(data, model, options);
+  return std::move(members.models.at(members.chosen));
+}
+
+}  // namespace frac::detail

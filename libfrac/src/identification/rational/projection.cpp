@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "projection.hpp"
+
+#include <Eigen/QR>
+#include <cmath>
+#include <numbers>
+
+#include "identification/statistics/information.hpp"
+
+namespace frac::detail {
+
+using Complex = std::complex<double>;
+using Index = Eigen::Index;
+
+ProjectedData::ProjectedData(const FrequencyResponseData& data, const ResidualRule& rule)
+    : form_(rule.form), centre_(std::sqrt(data.omega().front()) * std::sqrt(data.omega().back())) {
+  const auto points = static_cast<Index>(data.size());
+  log_lower_ = std::log(data.omega().front() / centre_);
+  weight_.resize(points);
+  s_.resize(points);
+  log_s_.resize(points);
+  Eigen::VectorXcd value(points);
+  for (Index i = 0; i < points; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    log_omega_.push_back(std::log(data.omega()[at] / centre_));
+    s_[i] = Complex(0, data.omega()[at] / centre_);
+    log_s_[i] = Complex(log_omega_.back(), std::numbers::pi / 2);
+    weight_[i] = rule.weight[at];
+    value[i] = data.value()[at];
+  }
+  target_.resize(form_ == ResidualForm::cartesian ? 2 * points : points);
+  put(value, target_);
+}
+
+void ProjectedData::put(const Eigen::VectorXcd& values, Eigen::Ref<Eigen::VectorXd> column) const {
+  const Index points = values.size();
+  switch (form_) {
+    case ResidualForm::real:
+      column = weight_.cwiseProduct(values.real());
+      break;
+    case ResidualForm::imaginary:
+      column = weight_.cwiseProduct(values.imag());
+      break;
+    default:
+      column.head(points) = weight_.cwiseProduct(values.real());
+      column.tail(points) = weight_.cwiseProduct(values.imag());
+      break;
+  }
+}
+
+bool ProjectedData::solve(const Eigen::MatrixXcd& columns, Linear& linear) const {
+  if (!columns.allFinite() || columns.cols() > target_.size()) return false;
+  Eigen::MatrixXd matrix(target_.size(), columns.cols());
+  for (Index k = 0; k < columns.cols(); ++k) put(columns.col(k), matrix.col(k));
+  Eigen::VectorXd norm = matrix.colwise().norm();
+  if (!norm.allFinite()) return false;
+  // A column that is rounding beside the whole complex one is one that the fitted part is blind to.
+  for (Index k = 0; k < norm.size(); ++k) {
+    if (norm[k] > 1e-12 * weight_.cwiseProduct(columns.col(k).cwiseAbs()).norm()) continue;
+    matrix.col(k).setZero();
+    norm[k] = 1;
+  }
+  matrix *= norm.cwiseInverse().asDiagonal();
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> decomposition(matrix);
+  decomposition.setThreshold(1e-11);
+  const Index rank = decomposition.rank();
+  if (rank == 0) return false;
+  linear.orthonormal = Eigen::MatrixXd::Identity(target_.size(), rank);
+  linear.orthonormal.applyOnTheLeft(decomposition.householderQ());
+  linear.coefficients = decomposition.solve(target_).cwiseQuotient(norm);
+  linear.model = columns * linear.coefficients.cast<Complex>();
+  const Eigen::VectorXd share = linear.orthonormal.transpose() * target_;
+  linear.residual = linear.orthonormal * share - target_;
+  linear.cost = linear.residual.squaredNorm();
+  return linear.residual.allFinite() && linear.model.allFinite();
+}
+
+std::vector<double> ProjectedData::sizes(const Linear& linear) const {
+  const auto points = static_cast<std::size_t>(s_.size());
+  std::vector<double> size(points, 0.0);
+  for (std::size_t i = 0; i < rows(); ++i) {
+    size[i % points] = std::hypot(size[i % points], linear.residual[static_cast<Index>(i)]);
+  }
+  return size;
+}
+
+double schwarz(const ProjectedData& data, double cost, std::size_t parameters) {
+  const auto n = static_cast<double>(data.rows());
+  return n * std::log(std::max(cost, data.rounding_cost()) / n) +
+         price_of_parameters(static_cast<double>(parameters), n);
+}
+
+double price_of_place(const ProjectedData& data) {
+  return 2 * std::log(data.log_upper() - data.log_lower() + 2 * search_margin);
+}
+
+}  // namespace frac::detail

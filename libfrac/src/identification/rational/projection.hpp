@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <algorithm>
+#include <complex>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+#include "frac/model/frequency_response_data.hpp"
+#include "identification/data/residual_rule.hpp"
+
+namespace frac::detail {
+
+/// Data and weights of residuals that are linear in the coefficients of a model sum c_k column_k(omega).  Frequencies
+/// are in units of the middle of the band.
+class ProjectedData {
+ public:
+  /// @param rule  of the imaginary, the real, or both parts
+  ProjectedData(const FrequencyResponseData& data, const ResidualRule& rule);
+
+  [[nodiscard]] std::size_t rows() const { return static_cast<std::size_t>(target_.size()); }
+  /// Whether residuals are of the real or of the imaginary part alone.
+  [[nodiscard]] bool one_part() const { return form_ != ResidualForm::cartesian; }
+  [[nodiscard]] double centre_omega() const { return centre_; }
+  [[nodiscard]] double log_lower() const { return log_lower_; }  // of the band
+  [[nodiscard]] double log_upper() const { return -log_lower_; }
+  [[nodiscard]] const std::vector<double>& log_omega() const { return log_omega_; }
+  [[nodiscard]] const Eigen::VectorXcd& s() const { return s_; }
+  /// ln s, whose multiples are the logarithms of the powers of s.
+  [[nodiscard]] const Eigen::VectorXcd& log_s() const { return log_s_; }
+  /// Sum of the squared weighted data.
+  [[nodiscard]] double data_power() const { return target_.squaredNorm(); }
+  /// Costs below it are rounding.
+  [[nodiscard]] double rounding_cost() const { return 1e-28 * static_cast<double>(rows()); }
+
+  /// The best coefficients of given columns.
+  struct Linear {
+    Eigen::MatrixXd orthonormal;  // of the column space
+    Eigen::VectorXd residual;
+    Eigen::VectorXcd model;
+    Eigen::VectorXd coefficients;
+    double cost = std::numeric_limits<double>::infinity();
+  };
+  /// False where a number overflows or no column is seen.
+  bool solve(const Eigen::MatrixXcd& columns, Linear& linear) const;
+  /// Rows of complex values, as the residuals hold them.
+  void put(const Eigen::VectorXcd& values, Eigen::Ref<Eigen::VectorXd> column) const;
+  /// Size of the residual at each point.
+  [[nodiscard]] std::vector<double> sizes(const Linear& linear) const;
+
+ private:
+  ResidualForm form_;
+  double centre_, log_lower_;
+  std::vector<double> log_omega_;
+  Eigen::VectorXd weight_, target_;
+  Eigen::VectorXcd s_, log_s_;
+};
+
+/// n ln(cost/n) and price_of_parameters().  Costs of rounding count as rounding.
+[[nodiscard]] double schwarz(const ProjectedData& data, double cost, std::size_t parameters);
+
+/// How far beyond the band poles and arcs are looked for: half a decade, in e-folds.
+inline constexpr double search_margin = 1.2;
+/// What the search for the place of a pole or an arc costs beside schwarz(), whose k ln n knows of one place only: 2 ln
+/// of the number of places that the data tell apart, the e-folds of the band and its margins.
+[[nodiscard]] double price_of_place(const ProjectedData& data);
+
+/// Levenberg-Marquardt in what acts nonlinearly, the coefficients following by projection (Golub, Pereyra 1973;
+/// Jacobian of Kaufman 1975).  Ceres is not used here: setting up one of its problems takes longer than one of these
+/// solves, of which a growth makes hundreds.
+/// @param problem  gives columns(shape), derivatives(shape, columns, linear) of the model at fixed coefficients, one
+///                 column each, and stepped(shape, step), which keeps to the limits
+/// @return whether the start has a finite cost
+template <class Problem, class Shape>
+bool levenberg_marquardt(const Problem& problem, const ProjectedData& data, Shape& shape, ProjectedData::Linear& linear,
+                         int iterations) {
+  if (!data.solve(problem.columns(shape), linear)) return false;
+  double damping = 1e-3;
+  int small_gains = 0;
+  for (int iteration = 0; iteration < iterations && linear.cost > data.rounding_cost(); ++iteration) {
+    const Eigen::MatrixXcd derivatives = problem.derivatives(shape, linear);
+    const Eigen::Index width = derivatives.cols();
+    if (width == 0 || !derivatives.allFinite()) break;
+    Eigen::MatrixXd jacobian(linear.residual.size(), width);
+    for (Eigen::Index k = 0; k < width; ++k) data.put(derivatives.col(k), jacobian.col(k));
+    jacobian -= linear.orthonormal * (linear.orthonormal.transpose() * jacobian).eval();
+    const Eigen::MatrixXd normal = jacobian.transpose() * jacobian;
+    const Eigen::VectorXd gradient = jacobian.transpose() * linear.residual;
+    bool stepped = false;
+    for (int attempt = 0; attempt < 8 && !stepped; ++attempt) {
+      Eigen::MatrixXd damped = normal;
+      const double least = 1e-14 * normal.diagonal().maxCoeff() + std::numeric_limits<double>::min();
+      for (Eigen::Index k = 0; k < width; ++k) damped(k, k) += damping * normal(k, k) + least;
+      const Eigen::VectorXd step = -damped.ldlt().solve(gradient);
+      if (!step.allFinite()) break;
+      Shape next = problem.stepped(shape, step);
+      ProjectedData::Linear there;
+      if (data.solve(problem.columns(next), there) && there.cost < linear.cost) {
+        small_gains = linear.cost - there.cost < 1e-6 * linear.cost ? small_gains + 1 : 0;
+        shape = std::move(next);
+        linear = std::move(there);
+        damping = std::max(damping / 8, 1e-9);
+        stepped = true;
+      } else {
+        damping = std::max(damping, 1e-6) * 6;
+      }
+    }
+    if (!stepped || small_gains >= 2) break;
+  }
+  return true;
+}
+
+}  // namespace frac::detail

@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "term_growth.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace frac::detail {
+namespace {
+
+constexpr int scouting = 12, thorough = 60;  // iterations
+constexpr double infinity = std::numeric_limits<double>::infinity();
+// Sums that the next term is added to: the best one may have a term in another's place.
+constexpr std::size_t kept = 2;
+
+Term whole_power(double order) {
+  return {false, order, true, 0};
+}
+
+double value_of(const TermProblem& problem, const TermFit& fit) {
+  double price = 0;
+  for (const Term& term : fit.sum) price += term.arc ? price_of_place(problem) : 0;
+  return schwarz(problem, fit.cost, fit.parameters) + price;
+}
+
+bool contains(const TermSum& sum, const Term& power) {
+  return std::any_of(sum.begin(), sum.end(), [&](const Term& term) { return same_power(term, power); });
+}
+
+bool has_free_order(const TermSum& sum) {
+  return std::any_of(sum.begin(), sum.end(), [](const Term& term) { return !term.held; });
+}
+
+TermSum with(const TermSum& sum, const Term& term) {
+  TermSum result = sum;
+  result.push_back(term);
+  return result;
+}
+
+/// The lowest of the terms along a line of places, orders ..., each local minimum of the cost.
+void add_local_minima(std::vector<TermFit> along, std::vector<TermFit>& starts) {
+  for (std::size_t i = 0; i < along.size(); ++i) {
+    const bool below_left = i == 0 || along[i].cost <= along[i - 1].cost;
+    const bool below_right = i + 1 == along.size() || along[i].cost < along[i + 1].cost;
+    if (below_left && below_right && std::isfinite(along[i].cost)) starts.push_back(std::move(along[i]));
+  }
+}
+
+/// Refines the few starts of least cost.
+void refine_best(const TermProblem& problem, std::vector<TermFit> starts, std::size_t count,
+                 std::vector<TermFit>& refined) {
+  std::stable_sort(starts.begin(), starts.end(), [](const TermFit& a, const TermFit& b) { return a.cost < b.cost; });
+  for (std::size_t i = 0; i < std::min(count, starts.size()); ++i) {
+    refined.push_back(problem.refine(std::move(starts[i].sum), scouting));
+  }
+}
+
+/// Sums with a term more, the best of each kind of term refined.
+void extend(const TermProblem& problem, const TermSum& sum, std::vector<TermFit>& refined) {
+  for (const double order : {0.0, 1.0, -1.0}) {
+    const Term power = whole_power(order);
+    if (!contains(sum, power)) refined.push_back(problem.refine(with(sum, power), scouting));
+  }
+  std::vector<TermFit> powers;
+  for (const double order : {-1.5, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.5}) {
+    powers.push_back(problem.at(with(sum, {false, order, false, 0})));
+  }
+  std::vector<TermFit> starts;
+  add_local_minima(std::move(powers), starts);
+  refine_best(problem, std::move(starts), 1, refined);
+  starts.clear();
+  constexpr int places = 12;
+  const double first = problem.log_lower() - search_margin, last = problem.log_upper() + search_margin;
+  for (const double order : {0.95, 0.7, 0.45}) {
+    std::vector<TermFit> along;
+    for (int i = 0; i < places; ++i) {
+      along.push_back(problem.at(with(sum, {true, order, false, first + (last - first) * i / (places - 1)})));
+    }
+    add_local_minima(std::move(along), starts);
+  }
+  refine_best(problem, std::move(starts), 3, refined);
+}
+
+/// The fit without what does not pay for itself: terms, and orders that may as well be whole.
+TermFit without_idle_parts(const TermProblem& problem, TermFit best) {
+  double value = value_of(problem, best);
+  for (bool better = true; better;) {
+    better = false;
+    std::vector<TermSum> moves;
+    for (std::size_t k = 0; k < best.sum.size(); ++k) {
+      TermSum less = best.sum;
+      less.erase(less.begin() + static_cast<std::ptrdiff_t>(k));
+      if (has_free_order(less)) moves.push_back(std::move(less));
+      const Term& term = best.sum[k];
+      if (term.held) continue;
+      TermSum whole = best.sum;
+      whole[k].order = term.arc ? 1 : std::round(term.order);
+      whole[k].held = true;
+      const bool twice = !term.arc && contains(best.sum, whole[k]);
+      if (!twice && std::abs(term.order - whole[k].order) < 0.3 && has_free_order(whole)) {
+        moves.push_back(std::move(whole));
+      }
+    }
+    TermFit next = best;
+    for (TermSum& move : moves) {
+      TermFit tried = problem.refine(std::move(move), scouting);
+      if (!(value_of(problem, tried) < value)) continue;
+      value = value_of(problem, tried);
+      next = std::move(tried);
+      better = true;
+    }
+    if (better) {
+      best = problem.refine(std::move(next.sum), thorough);
+      value = value_of(problem, best);
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+TermLadder grow_terms(const TermProblem& problem, std::size_t most_terms) {
+  TermLadder ladder;
+  std::vector<TermSum> sums{{}};
+  double least = infinity;
+  std::size_t in_vain = 0;
+  for (std::size_t count = 1; count <= most_terms && in_vain < 2 && 3 * count + 1 < problem.rows(); ++count) {
+    std::vector<TermFit> refined;
+    for (const TermSum& sum : sums) extend(problem, sum, refined);
+    std::stable_sort(refined.begin(), refined.end(),
+                     [&](const TermFit& a, const TermFit& b) { return value_of(problem, a) < value_of(problem, b); });
+    sums.clear();
+    std::optional<TermFit> best;
+    for (std::size_t i = 0; i < refined.size() && sums.size() < kept; ++i) {
+      if (!std::isfinite(refined[i].cost)) break;
+      const bool like_the_last = i > 0 && std::abs(refined[i].cost - refined[i - 1].cost) < 1e-3 * refined[i].cost;
+      if (like_the_last) continue;
+      TermFit fit = problem.refine(std::move(refined[i].sum), thorough);
+      if (has_free_order(fit.sum)) fit = without_idle_parts(problem, std::move(fit));
+      sums.push_back(fit.sum);
+      if (!has_free_order(fit.sum)) continue;
+      if (!best || value_of(problem, fit) < value_of(problem, *best)) best = std::move(fit);
+    }
+    if (sums.empty()) break;
+    if (!best) continue;
+    const double value = value_of(problem, *best);
+    const bool exact = best->cost <= problem.rounding_cost();
+    ladder.fits.push_back(std::move(*best));
+    in_vain = value < least ? 0 : in_vain + 1;
+    if (value < least) {
+      least = value;
+      ladder.chosen = ladder.fits.size() - 1;
+    }
+    if (exact) break;
+  }
+  return ladder;
+}
+
+NamedModel written_out(const TermProblem& problem, const TermSum& sum) {
+  // Constant, whole powers, arcs by rising time constant, free powers.
+  const auto rank = [](const Term& term) {
+    const double kind = term.arc ? 1 : term.held ? 0 : 2;
+    return std::pair(kind, term.arc ? -term.log_size : std::abs(term.order) + (term.order < 0 ? 0.1 : 0));
+  };
+  TermSum sorted = sum;
+  std::stable_sort(sorted.begin(), sorted.end(), [&](const Term& a, const Term& b) { return rank(a) < rank(b); });
+  const std::vector<double> coefficients = problem.coefficients(sorted);
+  NamedModel model{"", "", ModelClass::fractional, "sum of powers and arcs", {}};
+  std::string ends;
+  std::size_t arcs = 0, powers = 0;
+  const auto parameter = [&](const std::string& name, double start, double lower, double upper) {
+    model.constraints.push_back({name, {}, lower, upper, start});
+    return name;
+  };
+  for (std::size_t k = 0; k < sorted.size(); ++k) {
+    const Term& term = sorted[k];
+    const auto gain = [&](const std::string& name) { return parameter(name, coefficients[k], -infinity, infinity); };
+    std::string text;
+    if (term.arc) {
+      const std::string n = std::to_string(++arcs);
+      text = gain("R" + n) + "/(1 + ";
+      const std::string time = parameter("T" + n, std::exp(-term.log_size) / problem.centre_omega(), 0, infinity);
+      text += term.held ? time + " s)" : "(" + time + " s)^" + parameter("n" + n, term.order, 0, 1) + ")";
+    } else if (!term.held) {
+      const std::string n = std::to_string(++powers);
+      text = gain("A" + n) + " s^" + parameter("q" + n, term.order, -most_power, most_power);
+    } else if (term.order == 0) {
+      text = gain("R0");
+      ends += "+R";
+    } else if (term.order == 1) {
+      text = gain("L") + " s";
+      ends += "+L";
+    } else {
+      const auto size = static_cast<int>(std::abs(term.order));
+      const std::string power = size == 1 ? "s" : "s^" + std::to_string(size);
+      text = gain((term.order < 0 ? "D" : "L") + std::to_string(size)) + (term.order < 0 ? "/" : " ") + power;
+      ends += "+" + std::string(term.order < 0 ? "1/" : "") + power;
+    }
+    model.formula += (model.formula.empty() ? "" : " + ") + text;
+  }
+  const auto counted = [](std::size_t count, const std::string& what) {
+    return count == 0 ? "" : count == 1 ? "+" + what : "+" + std::to_string(count) + what + "s";
+  };
+  model.name = "terms:" + (ends + counted(arcs, "arc") + counted(powers, "power")).substr(1);
+  return model;
+}
+
+}  // namespace frac::detail

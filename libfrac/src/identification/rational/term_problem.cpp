@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "term_problem.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace frac::detail {
+namespace {
+
+using Complex = std::complex<double>;
+using Index = Eigen::Index;
+// An arc may lie that many e-folds beyond the band: there an arc of order 1 is a constant, or 1/s, to 1e-3.
+constexpr double beyond_band = 7;
+
+Eigen::ArrayXcd column_of(const Term& term, const ProjectedData& data) {
+  if (!term.arc) return (term.order * data.log_s().array()).exp();
+  return (1.0 + (term.order * (data.log_s().array() - term.log_size)).exp()).inverse();
+}
+
+}  // namespace
+
+bool same_power(const Term& a, const Term& b) {
+  return !a.arc && !b.arc && a.order == b.order;
+}
+
+Eigen::MatrixXcd TermProblem::columns(const TermSum& sum) const {
+  Eigen::MatrixXcd result(s().size(), static_cast<Index>(sum.size()));
+  for (std::size_t k = 0; k < sum.size(); ++k) {
+    result.col(static_cast<Index>(k)) = column_of(sum[k], *this).matrix();
+  }
+  return result;
+}
+
+Eigen::MatrixXcd TermProblem::derivatives(const TermSum& sum, const Linear& linear) const {
+  std::size_t width = 0;
+  for (const Term& term : sum) width += term.nonlinear();
+  Eigen::MatrixXcd result(s().size(), static_cast<Index>(width));
+  Index column = 0;
+  for (std::size_t k = 0; k < sum.size(); ++k) {
+    const Term& term = sum[k];
+    if (term.nonlinear() == 0) continue;
+    const double coefficient = linear.coefficients[static_cast<Index>(k)];
+    const Eigen::ArrayXcd value = column_of(term, *this);
+    if (!term.arc) {
+      result.col(column++) = (coefficient * value * log_s().array()).matrix();
+      continue;
+    }
+    // With x = (s T)^n, the arc v = 1/(1 + x) has dv = -v^2 dx = -v (1 - v) d ln x.
+    const Eigen::ArrayXcd by_log = -coefficient * value * (1.0 - value);
+    result.col(column++) = (-term.order * by_log).matrix();
+    if (!term.held) result.col(column++) = (by_log * (log_s().array() - term.log_size)).matrix();
+  }
+  return result;
+}
+
+TermSum TermProblem::stepped(const TermSum& sum, const Eigen::VectorXd& step) const {
+  // Two e-folds and a change of order by 0.2 at most: the linear picture holds no further.
+  constexpr double most_step = 2, most_change = 0.2;
+  TermSum next = sum;
+  Index column = 0;
+  for (Term& term : next) {
+    if (term.arc) {
+      term.log_size = std::clamp(term.log_size + std::clamp(step[column++], -most_step, most_step),
+                                 log_lower() - beyond_band, log_upper() + beyond_band);
+    }
+    if (term.held) continue;
+    const double order = term.order + std::clamp(step[column++], -most_change, most_change);
+    term.order = term.arc ? std::clamp(order, least_arc_order, 1.0) : std::clamp(order, -most_power, most_power);
+  }
+  return next;
+}
+
+TermFit TermProblem::at(const TermSum& sum) const {
+  return refine(sum, 0);
+}
+
+TermFit TermProblem::refine(TermSum sum, int iterations) const {
+  Linear linear;
+  if (sum.empty() || !levenberg_marquardt(*this, *this, sum, linear, iterations)) {
+    return {std::move(sum), std::numeric_limits<double>::infinity(), 0};
+  }
+  std::size_t parameters = static_cast<std::size_t>(linear.orthonormal.cols());
+  for (const Term& term : sum) parameters += term.nonlinear();
+  return {std::move(sum), linear.cost, parameters};
+}
+
+std::vector<double> TermProblem::coefficients(const TermSum& sum) const {
+  Linear linear;
+  std::vector<double> result(sum.size(), 0.0);
+  if (!solve(columns(sum), linear)) return result;
+  for (std::size_t k = 0; k < sum.size(); ++k) {
+    result[k] = linear.coefficients[static_cast<Index>(k)];
+    if (!sum[k].arc) result[k] *= std::pow(centre_omega(), -sum[k].order);
+  }
+  return result;
+}
+
+}  // namespace frac::detail

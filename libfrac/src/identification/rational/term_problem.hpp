@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "projection.hpp"
+
+namespace frac::detail {
+
+/// One term of a sum: s^order, or an arc 1/(1 + (s T)^order) with T = exp(-log_size).  An order that is held takes no
+/// part in the search.
+struct Term {
+  bool arc = false;
+  double order = 0;
+  bool held = false;
+  double log_size = 0;  // of an arc: frequency at its top, in units of the middle of the band
+
+  [[nodiscard]] std::size_t nonlinear() const { return (arc ? 1u : 0u) + (held ? 0u : 1u); }
+};
+using TermSum = std::vector<Term>;
+
+/// Whether the two stand for the same power.
+[[nodiscard]] bool same_power(const Term& a, const Term& b);
+
+/// A sum at its least cost.
+struct TermFit {
+  TermSum sum;
+  double cost = 0;             // sum of squared residuals in the unit of the rule
+  std::size_t parameters = 0;  // that the residuals can tell apart, coefficients included
+};
+
+/// Weighted least squares of sums of terms: coefficients of either sign by projection, places and orders by search.
+class TermProblem : public ProjectedData {
+ public:
+  using ProjectedData::ProjectedData;
+
+  [[nodiscard]] TermFit at(const TermSum& sum) const;
+  [[nodiscard]] TermFit refine(TermSum sum, int iterations) const;
+  /// Coefficients, for s in rad/s.
+  [[nodiscard]] std::vector<double> coefficients(const TermSum& sum) const;
+
+  /// For levenberg_marquardt().
+  [[nodiscard]] Eigen::MatrixXcd columns(const TermSum& sum) const;
+  [[nodiscard]] Eigen::MatrixXcd derivatives(const TermSum& sum, const Linear& linear) const;
+  [[nodiscard]] TermSum stepped(const TermSum& sum, const Eigen::VectorXd& step) const;
+};
+
+inline constexpr double least_arc_order = 0.1, most_power = 2;
+
+}  // namespace frac::detail

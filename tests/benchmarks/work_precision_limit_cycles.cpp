@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Exact symmetric limit cycles with their stability: all of one loop, by closed form, and in a range of two decades by
+// search where there is dead time or a ratio.  Prints case,method,setting,error,seconds; error is that of the frequency
+// against its known value (a ratio whose factor cancels has that of the sum it is), seconds the least and the median of
+// the repeats.  --smoke: one repeat.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+#include "backlash/loops/limit_cycles.hpp"
+
+namespace {
+
+struct Case {
+  const char* name;
+  const char* method;
+  const char* controller;
+  double restitution;
+  double omega;  // NaN: not known in closed form
+};
+
+void run(const Case& each, int repeats) {
+  const backlash::ControlLoop loop({1, 1, 1, each.restitution},
+                                   frac::FractionalTransferFunction::parse(each.controller));
+  backlash::LimitCycleOptions options;
+  options.range = backlash::FrequencyRange{0.5, 50};
+  backlash::LimitCycles found;
+  std::vector<double> seconds;
+  for (int i = 0; i < repeats; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    found = backlash::symmetric_cycles(loop, options);
+    seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
+  }
+  std::sort(seconds.begin(), seconds.end());
+  double error = std::numeric_limits<double>::quiet_NaN();
+  if (found.cycles.size() == 1) error = std::abs(found.cycles[0].omega / each.omega - 1);
+  for (const auto& [name, value] :
+       {std::pair{"least", seconds.front()}, std::pair{"median", seconds[seconds.size() / 2]}})
+    std::printf("%s,%s,%s,%.3e,%.3e\n", each.name, each.method, name, error, value);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const bool is_smoke = argc > 1 && std::strcmp(argv[1], "--smoke") == 0;
+  std::printf("# build %s\ncase,method,setting,error,seconds\n", FRACFIT_BUILD_TYPE);
+  constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+  const Case cases[] = {
+      {"1 + s", "closed form", "1 + s", .6, std::numbers::pi},
+      {"1 + s^0.5", "closed form", "1 + s^0.5", .6, 1.58131922051927},
+      {"2 + 1.5 s^0.9", "closed form", "2 + 1.5 s^0.9", .8, 8.22531524987729},
+      {"1 + s^0.5 late", "dead time", "exp(-0.05 s) (1 + s^0.5)", .6, unknown},
+      {"1 + s^0.5 as a ratio", "inverse transform", "(s + 2) (1 + s^0.5)/(s + 2)", .6, 1.58131922051927},
+      {"filtered", "inverse transform", "(1 + s)/(1 + 0.01 s)", .6, unknown}};
+  for (const Case& each : cases) run(each, is_smoke ? 1 : 200);
+}

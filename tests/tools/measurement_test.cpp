@@ -1,0 +1,416 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Files as instruments write them.  The small examples are written here by hand after the formats' descriptions, so
+// that every expected value can be read off the text above it.
+#include "io/measurement.hpp"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <complex>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <numbers>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "io/csv_line.hpp"
+#include "io/data_error.hpp"
+#include "io/frequency_response_file.hpp"
+#include "io/number.hpp"
+#include "temporary_folder.hpp"
+
+namespace {
+
+using namespace std::complex_literals;
+
+constexpr double turn = 2 * std::numbers::pi;
+
+struct Point {
+  double hertz;
+  std::complex<double> value;
+};
+
+const std::string gamry_head =
+    "EXPLAIN\r\nTAG\tEISPOT\r\nTITLE\tLABEL\tPotentiostatic EIS\r\nOCVCURVE\tTABLE\t1\r\n\tPt\tT\tVf\r\n\t#\ts\tV\r\n"
+    "\t0\t0\t0.5\r\n";
+const std::string gamry_names = "\tPt\tTime\tFreq\tZreal\tZimag\tZmod\tZphz\r\n\t#\ts\tHz\tohm\tohm\tohm\t\xB0\r\n";
+const std::string gamry =
+    gamry_head + "ZCURVE\tTABLE\r\n" + gamry_names + "\t0\t1\t1000\t10.5\t-2.25\t1\t2\r\n\t1\t2\t100\t20\t-4\t1\t2\r\n";
+const std::string gamry_comma = gamry_head + "ZCURVE\tTABLE\t2\r\n" + gamry_names +
+                                "\t0\t1\t1000,5\t10,5\t-2,25\t1\t2\r\n\t1\t2\t100\t20\t-4\t1\t2\r\n\r\n" +
+                                "ZCURVE2\tTABLE\t0\r\n" + gamry_names + "ZCURVE3\tTABLE\t1\r\n" + gamry_names +
+                                "\t0\t1\t50\t7\t-1\t1\t2\r\nEXPERIMENTABORTED\tTOGGLE\tT\r\n";
+const std::string biologic =
+    "EC-Lab ASCII FILE\r\nNb header lines : 4     \r\n\r\n"
+    "freq/Hz\tRe(Z)/Ohm\t-Im(Z)/Ohm\t|Z|/Ohm\tPhase(Z)/deg\ttime/s\tcycle number\tRe(Y)/Ohm-1\tIm(Y)/Ohm-1\t\r\n"
+    "1.0E+003\t6.5E+001\t3.5E-001\t6E+001\t-3E-001\t0\t1.0\t1\t2\r\n1.0E+002\t7.5E+001\t-1.5\t6E+001\t0\t1\t1.0\t1\t2";
+const std::string biologic_cycles = biologic + "\r\n1.0E+003\t9E+001\t2.0\t9E+001\t0\t2\t2.0\t1\t2" +
+                                    "\r\n1.0E+002\t9.5E+001\t3.0\t9E+001\t0\t3\t2.0\t1\t2\r\n";
+const std::string zview_sweep =
+    "ZPLOT2 ASCII\r\n  Data Points:   2\r\n  Freq(Hz)\tAmpl\tBias\tTime(Sec)\tZ'(a)\tZ''(b)\tGD\tErr\tRange\r\n"
+    "End "
+    "Comments\r\n1.0E+05\t1.0E-02\t0\t2\t1.5E+02\t-1.25E+01\t0\t0\t3\r\n1.0E+04\t1E-02\t0\t3\t2E+02\t-50\t0\t0\t3\r\n";
+const std::string versastudio =
+    "<Application>\nName=VersaStudio\n</Application>\n<Segment0>\nType=1\nDefinition=Segment #, E(V), I(A), 0\n0,1,2\n"
+    "</Segment0>\n<Segment1>\nType=2\nDefinition=Segment #, Point #, Frequency(Hz), E Real, E Imag, Z Real, Z Imag, Z2 "
+    "Real, "
+    "Z2 Imag, 0\n0,0,100000,1,2,55.5,4.5,0,0\n0,1,1000,1,2,60.25,-3,0,0\n</Segment1>\n<Graph1>\n</Graph1>\n";
+const std::string ch_instruments =
+    "Feb. 20, 2020   15:55:08\nA.C. Impedance\nInstrument Model:  CHI660E\n\nInit E (V) = 0\nHigh Frequency (Hz) = "
+    "2e+6\n\n"
+    "Freq/Hz, Z'/ohm, Z\"/ohm, Z/ohm, Phase/deg\n\n9.5e+4, 9.5e+1, -2.5e+0, 9.8e+1, -1.6\n8e+4, 9e+1, 1.5e+0, 9.9e+1, "
+    "0.9\n";
+const std::string touchstone = "! made by hand\n# MHz S MA R 75\n! freq S11\n1 0.5 90 ! first\n2 0.25 -180\n";
+const std::string two_port =
+    "# kHz S RI R 50\n1 .1 .2 .3 .4 .5 .6 .7 .8\n2 1 2 3 4 5 6 7 8\n! noise\n1 1 2 3 4\n2 1 2 3 4\n";
+
+std::string columns_of(std::initializer_list<std::pair<std::string, int>> fields) {
+  std::string line;
+  for (const auto& [text, width] : fields) {
+    const auto blanks = static_cast<std::size_t>(std::abs(width)) - text.size();
+    line += width < 0 ? text + std::string(blanks, ' ') : std::string(blanks, ' ') + text;
+  }
+  return line;
+}
+
+// A dataset 58 up to its values: response 5 +Z, reference 2 +X.
+std::string universal_head(const std::string& dataset, int type, int kind, std::size_t points, bool is_even,
+                           const std::string& step = "5.00000e-01") {
+  const std::string axis = columns_of({{"18", 10}, {"0", 5}, {"0", 5}, {"0", 5}, {" NONE", -21}, {" Hz", -21}}) + "\n";
+  const std::string other = columns_of({{"1", 10}, {"0", 5}, {"0", 5}, {"0", 5}, {" NONE", -21}, {" m/N", -21}}) + "\n";
+  return "    -1\n" + dataset + "\nframe\nNONE\n01-Jan-20 10:00:00\nNONE\nNONE\n" +
+         columns_of({{std::to_string(type), 5},
+                     {"1", 10},
+                     {"1", 5},
+                     {"0", 10},
+                     {" NONE", -11},
+                     {"5", 10},
+                     {"3", 4},
+                     {" NONE", -11},
+                     {"2", 10},
+                     {"1", 4}}) +
+         "\n" +
+         columns_of({{std::to_string(kind), 10},
+                     {std::to_string(points), 10},
+                     {is_even ? "1" : "0", 10},
+                     {"0.00000e+00", 13},
+                     {step, 13},
+                     {"0.00000e+00", 13}}) +
+         "\n" + axis + other + other + other;
+}
+const std::string universal = universal_head("    58", 4, 5, 3, true) +
+                              "  1.00000e+00  2.00000e+00 -3.00000e+00-4.00000e+00  5.00000e+00  6.00000e+00\n    -1\n";
+const std::string universal_uneven = universal_head("    58", 1, 2, 1, true) + "  7.00000e+00\n    -1\n" +
+                                     universal_head("    58", 4, 6, 2, false) +
+                                     "  1.00000e+00  2.500000000000E+00 -3.500000000000E+00\n  4.00000e+00  "
+                                     "5.000000000000E-01  6.000000000000E+00\n    -1\n";
+
+template <typename Number>
+std::string bytes_of(std::initializer_list<Number> numbers, bool big_endian) {
+  std::string bytes;
+  for (const Number number : numbers) {
+    std::string one(sizeof number, '\0');
+    std::memcpy(one.data(), &number, sizeof number);
+    if (big_endian != (std::endian::native == std::endian::big)) one = {one.rbegin(), one.rend()};
+    bytes += one;
+  }
+  return bytes;
+}
+std::string universal_binary(bool big_endian) {
+  return universal_head(std::string("    58b     ") + (big_endian ? "2" : "1") +
+                            "     2          11          16     0     0           0           0",
+                        4, 5, 2, true) +
+         bytes_of<float>({1.5F, -2.5F, 1e-3F, 4e8F}, big_endian) + "    -1\n";
+}
+const std::string universal_doubles =
+    universal_head("    58b     1     2          11          48     0     0           0           0", 4, 6, 2, false) +
+    bytes_of<double>({3, 0.1, -0.2, 7, 1e-300, 5}, false) + "\n    -1\n";
+
+// A variable of level 5: tag 14 around flags, dimensions, name and the parts, each padded to 8 bytes.
+std::string matlab_variable(const std::string& name, const std::vector<double>& real,
+                            const std::vector<double>& imaginary = {}) {
+  const auto element = [](std::uint32_t type, std::string bytes) {
+    std::string tagged = bytes_of<std::uint32_t>({type, static_cast<std::uint32_t>(bytes.size())}, false) + bytes;
+    tagged.resize((tagged.size() + 7) / 8 * 8, '\0');
+    return tagged;
+  };
+  const auto numbers = [](const std::vector<double>& values) {
+    std::string bytes;
+    for (const double value : values) bytes += bytes_of<double>({value}, false);
+    return bytes;
+  };
+  std::string content = element(6, bytes_of<std::uint32_t>({imaginary.empty() ? 6U : 6U + 0x800U, 0U}, false)) +
+                        element(5, bytes_of<std::int32_t>({static_cast<std::int32_t>(real.size()), 1}, false)) +
+                        element(1, name) + element(9, numbers(real));
+  if (!imaginary.empty()) content += element(9, numbers(imaginary));
+  return element(14, content);
+}
+std::string matlab_file(const std::string& variables) {
+  std::string head = "MATLAB 5.0 MAT-file, made by hand";
+  head.resize(116, ' ');
+  head.resize(124, '\0');
+  return head + bytes_of<std::uint16_t>({0x0100, 0x4D49}, false) + variables;
+}
+
+class MeasurementTest : public testing::Test {
+ protected:
+  io::FrequencyResponseFile read(const std::string& content, const io::MeasurementOptions& how = {}) {
+    io::FrequencyResponseReadOptions options;
+    options.how = how;
+    return io::read_frequency_response(folder.write("file", content), options);
+  }
+  std::vector<std::string> labels(const std::string& content) {
+    return io::curve_labels(io::read_measurement(folder.write("file", content)), "");
+  }
+  // Points in rising frequency and the sentence that says what was taken.
+  void expect(const std::string& content, const std::string& said, const std::vector<Point>& points,
+              const io::MeasurementOptions& how = {}) {
+    SCOPED_TRACE(content.substr(0, 60));
+    try {
+      const auto file = read(content, how);
+      EXPECT_EQ(file.notes.empty() ? "" : file.notes.front(), said);
+      ASSERT_EQ(file.data.size(), points.size());
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        // One product each, and for polar forms a sine: some roundings.
+        EXPECT_NEAR(file.data.omega()[i], turn * points[i].hertz, 1e-15 * turn * points[i].hertz);
+        EXPECT_LE(std::abs(file.data.value()[i] - points[i].value), 1e-15 * std::abs(points[i].value))
+            << i << " " << file.data.value()[i];
+      }
+    } catch (const std::exception& error) {
+      FAIL() << error.what();
+    }
+  }
+  void refuses(const std::string& content, const std::string& part, const io::MeasurementOptions& how = {}) {
+    SCOPED_TRACE(content.substr(0, 60));
+    try {
+      (void)read(content, how);
+      ADD_FAILURE() << "no error; expected " << part;
+    } catch (const std::exception& error) {
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+    }
+  }
+  TemporaryFolder folder;
+};
+
+TEST_F(MeasurementTest, GamryTables) {
+  expect(gamry, "Gamry ZCURVE, 2 points, Zreal/Zimag in ohm", {{100, 20.0 - 4i}, {1000, 10.5 - 2.25i}});
+  EXPECT_EQ(labels(gamry_comma), (std::vector<std::string>{"ZCURVE", "ZCURVE3-2"}));
+  refuses(gamry_comma, "holds 2 sweeps (ZCURVE, ZCURVE3-2)");
+  const auto file = read(gamry_comma, {"", "", "1"});
+  EXPECT_EQ(file.data.omega().back(), turn * 1000.5);
+  EXPECT_EQ(file.data.value().back(), 10.5 - 2.25i);
+  EXPECT_EQ(read(gamry_comma, {"", "", "ZCURVE3-2"}).data.value().front(), 7.0 - 1i);
+  refuses(gamry_head, "without an impedance");
+}
+
+TEST_F(MeasurementTest, BioLogicCyclesAndSign) {
+  expect(biologic, "BioLogic EC-Lab, 2 points, Re(Z)/-Im(Z) in ohm", {{100, 75.0 + 1.5i}, {1000, 65.0 - 0.35i}});
+  EXPECT_EQ(labels(biologic_cycles), (std::vector<std::string>{"cycle number=1", "cycle number=2"}));
+  refuses(biologic_cycles, "take one by --select");
+  expect(biologic_cycles, "BioLogic EC-Lab, 2 points, Re(Z)/-Im(Z) in ohm", {{100, 95.0 - 3i}, {1000, 90.0 - 2i}},
+         {"", "", "2"});
+  refuses("EC-Lab ASCII FILE\nNb header lines : 1000000000\nfreq/Hz\n", "the file is cut off");
+}
+
+TEST_F(MeasurementTest, ZViewVersaStudioAndChInstruments) {
+  expect(zview_sweep, "ZView, 2 points, Z'/Z'' in ohm", {{1e4, 200.0 - 50i}, {1e5, 150.0 - 12.5i}});
+  EXPECT_EQ(labels(zview_sweep + zview_sweep), (std::vector<std::string>{"sweep 1", "sweep 2"}));
+  expect(versastudio, "VersaStudio, 2 points, Z Real/Z Imag in ohm", {{1e3, 60.25 - 3i}, {1e5, 55.5 + 4.5i}});
+  expect(ch_instruments, "CH Instruments, 2 points, Z'/Z\" in ohm", {{8e4, 90.0 + 1.5i}, {9.5e4, 95.0 - 2.5i}});
+}
+
+TEST_F(MeasurementTest, TouchstoneFormsAndElements) {
+  expect(touchstone, "Touchstone, 2 points, S11", {{1e6, 0.5i}, {2e6, {-0.25, -0.25 * std::sin(std::numbers::pi)}}});
+  // Z = 75 (1 + i/2)/(1 - i/2) = 75 (3 + 4i)/5; Z = 75 * 0.75/1.25.
+  const auto impedance = read(touchstone, {"", "", "Z11"});
+  EXPECT_LE(std::abs(impedance.data.value()[0] - (45.0 + 60i)), 1e-13);
+  EXPECT_LE(std::abs(impedance.data.value()[1] - 45.0), 1e-13);
+  EXPECT_EQ(impedance.value_unit, "ohm");
+  EXPECT_EQ(labels(two_port), (std::vector<std::string>{"S11", "S12", "S21", "S22"}));
+  expect(two_port, "Touchstone, 2 points, S21", {{1e3, .3 + .4i}, {2e3, 3.0 + 4i}}, {"", "", "S21"});
+  expect("# Hz Z DB R 50\n10 20 0\n", "Touchstone, 1 point, Z11 in ohm", {{10, 500.0}});
+  expect("# GHz Y RI R 50\n1 2 -4\n", "Touchstone, 1 point, Y11 in S", {{1e9, .04 - .08i}});
+  refuses("# GHz S RI R 50\n1 2 3 4\n", "expected a frequency");
+  refuses("# GHz S RI R 50\n1 2 x\n", ":2:5: found 'x'");
+}
+
+TEST_F(MeasurementTest, UniversalFilesInTextAndBinary) {
+  const std::string said = "universal file, dataset 58, 2 points, response 5+Z/2+X in m/N";
+  expect(universal, said, {{0.5, -3.0 - 4i}, {1, 5.0 + 6i}});
+  expect(universal_uneven, said, {{1, 2.5 - 3.5i}, {4, .5 + 6i}});
+  for (const bool big_endian : {false, true})
+    expect(universal_binary(big_endian), "universal file, dataset 58, 1 point, response 5+Z/2+X in m/N",
+           {{0.5, {static_cast<double>(1e-3F), static_cast<double>(4e8F)}}});
+  expect(universal_doubles, said, {{3, .1 - .2i}, {7, 1e-300 + 5i}});
+  EXPECT_EQ(labels(universal + universal), (std::vector<std::string>{"5+Z/2+X", "5+Z/2+X (2)"}));
+  refuses(universal_head("    58", 4, 5, 1'000'000'000, true) + "  1.0e+00\n", "declares 1000000000 points");
+  refuses(
+      universal_head("    58b     1     2          11  8000000000     0     0           0           0", 4, 5, 2, true),
+      "declares 8000000000 bytes");
+  refuses(universal_head("    58", 1, 5, 1, true) + "  1.0e+00  1.0e+00\n    -1\n", "without a frequency response");
+}
+
+TEST_F(MeasurementTest, MatFilesOfLevelFive) {
+  const std::string frequency = matlab_variable("f_Hz", {10, 20});
+  try {
+    (void)read(matlab_file(frequency + matlab_variable("H", {1, 2}, {3, 4})));
+  } catch (const io::DataError& error) {
+    if (std::string(error.what()).find("without libmatio") != std::string::npos) GTEST_SKIP() << error.what();
+    throw;
+  }
+  const std::vector<Point> points{{10, 1.5 - 2.5i}, {20, 3.0 + 4i}};
+  const std::string whole = matlab_file(frequency + matlab_variable("H", {1.5, 3}, {-2.5, 4}));
+  expect(whole, "MAT-file, 2 points, H", points);
+  expect(matlab_file(matlab_variable("freq", {10, 20}) + matlab_variable("re_ohm", {1.5, 3}) +
+                     matlab_variable("im_ohm", {-2.5, 4})),
+         "MAT-file, 2 points, re_ohm/im_ohm in ohm", points, {"", "Hz", ""});
+  EXPECT_EQ(
+      labels(matlab_file(frequency + matlab_variable("A", {1, 2}, {1, 2}) + matlab_variable("B", {1, 2}, {1, 2}))),
+      (std::vector<std::string>{"A", "B"}));
+  refuses(matlab_file(matlab_variable("freq", {10}) + matlab_variable("H", {1}, {2})), "--frequency-unit");
+  refuses(matlab_file(matlab_variable("H", {1}, {2})), "no vector of frequencies");
+  refuses(matlab_file(frequency), "no response of 2 values");
+  for (std::size_t length = 0; length < whole.size(); ++length) {
+    try {
+      (void)read(whole.substr(0, length));
+    } catch (const io::DataError&) {
+    } catch (const std::invalid_argument&) {
+    }
+  }
+}
+
+TEST_F(MeasurementTest, TablesOfAnyProgram) {
+  const std::vector<Point> points{{10, 1.5 - 2.5i}, {20, 3.0 + 4i}};
+  expect("Frequency (Hz);Zreal (ohm);Zimag (ohm)\n10;1,5;-2,5\n20;3;4\n", "table, 2 points, Zreal/Zimag in ohm",
+         points);
+  expect("f/Hz\tZ'/ohm\t-Z''/ohm\n10\t1.5\t2.5\n20\t3\t-4\n", "table, 2 points, Z'/-Z'' in ohm", points);
+  expect("Sample;A-17\nDate;yesterday\n\nfreq,Re(Z),Im(Z)\nHz,Ohm,Ohm\n10,1.5,-2.5\n20,3,4\n",
+         "table, 2 points, Re(Z)/Im(Z) in ohm", points);
+  expect(
+      "\xEF\xBB\xBF"
+      "f_Hz,G',G''\n10,1.5,-2.5\n20,3,4\n",
+      "table, 2 points, G'/G''", points);
+  expect("freq/Hz,|Z|/ohm,theta\n10,2,-90\n", "table, 1 point, |Z|/theta in ohm",
+         {{10, {2 * std::cos(-std::numbers::pi / 2), -2.0}}});
+  expect("f [Hz],eps',eps''\n10,5,0.25\n", "table, 1 point, eps'/eps''", {{10, 5.0 - .25i}});
+  expect("Hz;a;b;c\n10;9;1.5;2.5\n20;9;3;-4\n", "table, 2 points", points, {"f=1,re=3,-im=4", "Hz", ""});
+  expect("10 1.5 2.5\n20 3 -4\n", "table, 2 points", points, {"f=1,re=2,-im=3", "Hz", ""});
+  expect("f,Z',Z''\n10,1.5,-2.5\n20,3,4\n", "table, 2 points, Z'/Z''", points, {"", "Hz", ""});
+  refuses("f,Z',Z''\n10,1.5,-2.5\n", "--frequency-unit");
+  refuses("f_Hz,Z',Z''\n10,1.5,-2.5\n", "has the unit 'Hz' in its name", {"", "Hz", ""});
+  refuses("f_Hz;re;im\n10;1.500,5;-2,5\n", "expected a number");
+}
+
+TEST_F(MeasurementTest, EncodingsGiveTheSamePoints) {
+  const std::string table =
+      "f (Hz);Z' (ohm);Z'' (ohm);T (\xC2\xB0"
+      "C)\n10;1.5;-2.5;20\n20;3;4;20\n";
+  std::string little, big, latin;
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    char c = table[i];
+    if (c == '\xC2') continue;
+    little += c;
+    little += '\0';
+    big += '\0';
+    big += c;
+    latin += c;
+  }
+  const std::vector<Point> points{{10, 1.5 - 2.5i}, {20, 3.0 + 4i}};
+  const std::string said = "table, 2 points, Z'/Z'' in ohm";
+  for (const auto& content : {table, latin, std::string("\xFF\xFE", 2) + little, std::string("\xFE\xFF", 2) + big,
+                              little, big, "\xEF\xBB\xBF" + table})
+    expect(content, said, points);
+}
+
+TEST_F(MeasurementTest, RowsAtRestAreLeftOutAndSaid) {
+  const auto file = read("f_Hz,re,im\n0,9,9\n10,1,2\n");
+  EXPECT_EQ(file.data.size(), 1U);
+  ASSERT_FALSE(file.notes.empty());
+  EXPECT_EQ(file.notes.front(), "1 row at frequency 0 left out, which no spectrum has");
+  refuses("f_Hz,re,im\n0,9,9\n", "no point at a frequency above 0");
+}
+
+TEST_F(MeasurementTest, SweepsBelowOneAnotherAreToldApart) {
+  const std::string table = "f_Hz,re,im,T,Set\n1,1,1,20.1,0\n2,2,2,20.2,0\n1,3,3,30.1,1\n2,4,4,30.1,1\n";
+  EXPECT_EQ(labels(table), (std::vector<std::string>{"Set=0", "Set=1"}));
+  refuses(table, "holds 2 sweeps");
+  EXPECT_EQ(read(table, {"", "", "2"}).data.value().front(), 3.0 + 3i);
+  // Without a column that tells them apart they are repeated measurements, as ever.
+  EXPECT_EQ(read("f_Hz,re,im\n1,1,1\n2,2,2\n1,3,3\n2,4,4\n").data.size(), 4U);
+}
+
+TEST_F(MeasurementTest, AFileCutAtAnyByteIsReadInPartOrRefused) {
+  for (const auto& whole :
+       {gamry, gamry_comma, biologic, biologic_cycles, zview_sweep + zview_sweep, versastudio, ch_instruments,
+        touchstone, two_port, universal, universal_uneven, universal_binary(true), universal_doubles}) {
+    for (std::size_t length = 0; length < whole.size(); ++length) {
+      const std::string path = folder.write("file", whole.substr(0, length));
+      try {
+        const auto measurement = io::read_measurement(path);
+        auto names = io::curve_labels(measurement, "");
+        if (names.empty()) names.emplace_back();
+        for (const auto& name : names) {
+          io::FrequencyResponseReadOptions options;
+          options.curve = name;
+          const auto data = io::read_frequency_response(measurement, options).data;
+          EXPECT_GE(data.size(), 1U);
+        }
+      } catch (const io::DataError&) {
+      } catch (const std::invalid_argument&) {
+      }
+    }
+  }
+}
+
+TEST_F(MeasurementTest, ColumnsToldByTheCallerAreChecked) {
+  EXPECT_THROW((void)io::columns_told("f=1,re"), std::invalid_argument);
+  EXPECT_THROW((void)io::columns_told("f=1,f=2"), std::invalid_argument);
+  EXPECT_THROW((void)io::columns_told("f=1,re=1"), std::invalid_argument);
+  EXPECT_THROW((void)io::columns_told("frequency=1"), std::invalid_argument);
+  EXPECT_THROW((void)io::columns_told("f=0"), std::invalid_argument);
+  refuses("f_Hz,re,im\n1,2,3\n", "has no column '7'", {"f=1,re=2,im=7", "", ""});
+}
+
+// The files are those of other projects and no part of this one; their expected points are read off by people.
+TEST(MeasurementExamples, AreReadRightWithoutAnOption) {
+  const std::string at = FRACFIT_SOURCE_DIR "/../shared/cases-formats/";
+  std::ifstream expected(at + "expected.csv");
+  if (!expected) GTEST_SKIP() << at << " is not there";
+  std::string line;
+  std::getline(expected, line);
+  std::map<std::string, std::size_t> met;
+  while (std::getline(expected, line)) {
+    const auto fields = io::split_csv_line(line).value();
+    SCOPED_TRACE(line.substr(0, 120));
+    const auto number = [&](std::size_t i) { return io::parse_number(fields[i]).value(); };
+    io::FrequencyResponseReadOptions options;
+    const auto measurement = io::read_measurement(at + fields[0]);
+    const auto names = io::curve_labels(measurement, "");
+    const std::size_t sweep = met[fields[0]]++;
+    if (!names.empty()) options.curve = names.at(sweep);
+    const auto file = io::read_frequency_response(measurement, options);
+    // A point at rest is left out.
+    const bool at_rest = number(4) == 0;
+    EXPECT_EQ(file.data.size(), static_cast<std::size_t>(number(3)) - (at_rest ? 1 : 0));
+    for (const std::size_t first : {4U, 7U}) {
+      if (first == 4 && at_rest) continue;
+      const bool is_lowest = (number(4) < number(7)) == (first == 4);
+      const std::size_t i = is_lowest ? 0 : file.data.size() - 1;
+      // The table gives as many digits as its author copied, ten or more of the file's sixteen.
+      EXPECT_NEAR(file.data.omega()[i] / (turn * number(first)), 1, 1e-9);
+      const std::complex<double> value(number(first + 1), number(first + 2));
+      EXPECT_LE(std::abs(file.data.value()[i] - value), 1e-9 * std::abs(value)) << file.data.value()[i];
+    }
+    if (fields[2] == "ohm" || fields[2] == "MPa") {
+      EXPECT_EQ(file.value_unit, fields[2]);
+    }
+  }
+  EXPECT_EQ(met.size(), 9U);
+}
+
+}  // namespace

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "backlash/loops/simulate_loop.hpp"
+#include "commands/subcommand.hpp"
+#include "options/model_options.hpp"
+#include "options/scene_options.hpp"
+#include "output/document.hpp"
+
+namespace fracfit {
+namespace {
+
+class LoopCommand : public Command {
+ public:
+  LoopCommand()
+      : Command("loop",
+                "Motion of a loop around two masses with backlash over time, with the controller's whole memory, exact "
+                "at every impact") {
+    Options& o = options();
+    o.parsed("--controller", controller_, formula_of,
+             "C of the force -C(s) x on mass 2; a sum of powers of s with a dead time", "FORMULA")
+        .required();
+    add_masses(o, mass1_, mass2_);
+    o.number("--clearance", clearance_);
+    o.one_number("--restitution", restitution_).required();
+    o.number("--setpoint-step", set_point_.step, "Step of the set-point of x1 at t = 0, m", "R");
+    o.number("--setpoint-ramp", set_point_.ramp, "Its rate from t = 0 on, m/s", "RATE");
+    o.number("--velocity1", start_.v1, "x1' at the start, m/s", "V");
+    o.number("--velocity2", start_.v2, "x2' at the start, m/s", "V");
+    o.number("--duration", options_of_run_.duration, "Time to follow, s", "T");
+    o.number("--every", options_of_run_.sample_time, "Time between rows besides two per impact, s; 0: none", "DT");
+    o.count("--impacts", options_of_run_.most_impacts, 1, most_impacts,
+            "Impacts to follow at most; the work grows as their square", "N");
+    add_common({"csv", "json", "table"});
+    set_footer(
+        "The load x1 is measured. Both bodies have rested at 0, in the middle of the clearance, until t = 0.\n"
+        "Column event: sample, before-impact, after-impact.\n"
+        "Examples:\n"
+        "  fracfit loop --controller '1 + s^0.5' --restitution 0.6 --velocity2 1 --duration 60\n"
+        "  fracfit loop --controller 'exp(-0.1 s) (2 + s)' --restitution 0.6 --setpoint-step 1 --every 0.05 --out "
+        "loop.csv");
+  }
+
+ private:
+  static constexpr std::size_t most_impacts = 20'000;
+
+  int run() override {
+    const backlash::ControlLoop loop({mass1_, mass2_, clearance_, restitution_}, *controller_);
+    const backlash::LoopHistory history = backlash::simulate_loop(loop, start_, set_point_, options_of_run_);
+    Document document{{{"impacts", std::to_string(history.impacts.size())},
+                       {"end", std::string(backlash::to_string(history.end))},
+                       {"end_time_s", io::format_number(history.end_time)}},
+                      {{"time_s", "x1_m", "v1_m_s", "x2_m", "v2_m_s", "force_n", "event"}, history.rows.size(), {}}};
+    document.rows.fill = [&](std::size_t i, std::vector<Cell>& cells) {
+      const backlash::LoopRow& row = history.rows[i];
+      for (const double value : {row.time, row.x1, row.v1, row.x2, row.v2, row.force}) cells.emplace_back(value);
+      cells.emplace_back(std::string(backlash::to_string(row.event)));
+    };
+    write(text_of(document, format(), command_line()));
+    if (history.end == backlash::LoopEnd::rest)
+      say("ended where the masses come to rest in contact, which is not followed");
+    if (history.end == backlash::LoopEnd::most_impacts) say("ended early, at the most impacts allowed");
+    return usable_result;
+  }
+
+  std::optional<frac::FractionalTransferFunction> controller_;
+  double mass1_ = 1, mass2_ = 1, clearance_ = 1, restitution_ = NAN;
+  backlash::LoopStart start_;
+  backlash::SetPoint set_point_;
+  backlash::LoopSimulationOptions options_of_run_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_loop() {
+  return std::make_unique<LoopCommand>();
+}
+
+}  // namespace fracfit

@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/fields.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "io/number.hpp"
+
+namespace io {
+namespace {
+
+constexpr std::string_view blanks = " \t\r";
+
+}  // namespace
+
+std::string_view trimmed(std::string_view text) {
+  const auto first = text.find_first_not_of(blanks);
+  if (first == std::string_view::npos) return text.substr(text.size());
+  return text.substr(first, text.find_last_not_of(blanks) - first + 1);
+}
+
+std::string_view unquoted(std::string_view text) {
+  text = trimmed(text);
+  if (text.size() >= 2 && (text.front() == '"' || text.front() == '\'') && text.back() == text.front())
+    return trimmed(text.substr(1, text.size() - 2));
+  return text;
+}
+
+char separator_of(std::string_view line) {
+  for (const char separator : {'\t', ';', ','})
+    if (line.find(separator) != std::string_view::npos) return separator;
+  return ' ';
+}
+
+void split_by(std::string_view line, char separator, std::vector<std::string_view>& fields) {
+  fields.clear();
+  if (separator == ' ') {
+    for (line = trimmed(line); !line.empty();) {
+      const auto end = std::min(line.find_first_of(blanks), line.size());
+      fields.push_back(unquoted(line.substr(0, end)));
+      const auto next = line.find_first_not_of(blanks, end);
+      line = line.substr(std::min(next, line.size()));
+    }
+    return;
+  }
+  for (std::size_t begin = 0;;) {
+    const auto end = line.find(separator, begin);
+    fields.push_back(unquoted(line.substr(begin, end - begin)));
+    if (end == std::string_view::npos) return;
+    begin = end + 1;
+  }
+}
+
+bool append_numbers(std::string_view line, std::vector<double>& numbers) {
+  const std::size_t before = numbers.size();
+  for (line = trimmed(line); !line.empty();) {
+    const auto end = std::min(line.find_first_of(blanks), line.size());
+    const auto number = parse_number(line.substr(0, end));
+    if (!number || !std::isfinite(*number)) {
+      numbers.resize(before);
+      return false;
+    }
+    numbers.push_back(*number);
+    line.remove_prefix(std::min(line.find_first_not_of(blanks, end), line.size()));
+  }
+  return true;
+}
+
+bool holds_a_number(const std::vector<std::string_view>& fields) {
+  return std::any_of(fields.begin(), fields.end(),
+                     [](std::string_view field) { return parse_number(field).has_value(); });
+}
+
+bool is_comment(std::string_view trimmed_line) {
+  return trimmed_line.starts_with('#');
+}
+
+std::size_t characters(std::string_view text) {
+  const auto continues = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U; };
+  return text.size() - static_cast<std::size_t>(std::count_if(text.begin(), text.end(), continues));
+}
+
+std::size_t column_in(std::string_view line, std::string_view field) {
+  return 1 + characters(line.substr(0, static_cast<std::size_t>(field.data() - line.data())));
+}
+
+bool LineReader::next(std::string_view& line) {
+  if (next_ >= text_.size()) return false;
+  begin_ = next_;
+  const auto end = std::min(text_.find(line_end_, begin_), text_.size());
+  line = text_.substr(begin_, end - begin_);
+  if (line.ends_with('\r')) line.remove_suffix(1);
+  next_ = end + 1;
+  ++number_;
+  return true;
+}
+
+LineReader::LineReader(std::string_view text) : text_(text) {
+  if (text.find('\n') == std::string_view::npos && text.find('\r') != std::string_view::npos) line_end_ = '\r';
+}
+
+bool has_decimal_commas(const std::vector<std::string_view>& fields) {
+  return std::any_of(fields.begin(), fields.end(), [](std::string_view field) {
+    if (parse_number(field)) return false;
+    std::string text(field);
+    const auto comma = text.find(',');
+    if (comma == std::string::npos) return false;
+    text[comma] = '.';
+    return parse_number(text).has_value();
+  });
+}
+
+std::string with_decimal_points(std::string_view text, std::size_t begin, std::size_t end) {
+  std::string result(text);
+  for (std::size_t i = begin; i < end; ++i) {
+    if (result[i] == ',')
+      result[i] = '.';
+    else if (result[i] == '.')
+      result[i] = '\'';
+  }
+  return result;
+}
+
+}  // namespace io

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// MAT-files of level 5, through libmatio where the build has it: a vector of frequencies named as a column would be,
+// and complex vectors, or one real and one imaginary vector, of its length.
+#include "io/data_error.hpp"
+#include "io/formats/format.hpp"
+
+#ifdef FRACFIT_HAS_MATIO
+#include <matio.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <memory>
+
+#include "io/column_name.hpp"
+#include "io/descriptor.hpp"
+#endif
+
+namespace io {
+
+#ifdef FRACFIT_HAS_MATIO
+namespace {
+
+struct Vector {
+  std::string name;
+  std::vector<std::complex<double>> values;
+  bool is_complex = false;
+};
+
+struct CloseFile {
+  void operator()(mat_t* file) const { Mat_Close(file); }
+};
+struct FreeVariable {
+  void operator()(matvar_t* variable) const { Mat_VarFree(variable); }
+};
+
+template <typename Number>
+void append(const matvar_t& variable, std::size_t count, Vector& vector) {
+  const auto part = [&](const void* data, std::size_t i) {
+    return static_cast<double>(static_cast<const Number*>(data)[i]);
+  };
+  const auto* split = vector.is_complex ? static_cast<const mat_complex_split_t*>(variable.data) : nullptr;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (split != nullptr)
+      vector.values.emplace_back(part(split->Re, i), part(split->Im, i));
+    else
+      vector.values.emplace_back(part(variable.data, i), 0.0);
+  }
+}
+
+// libmatio reads files alone; what came through a pipe has become bytes already.
+std::vector<Vector> vectors_in(const Source& source) {
+  constexpr std::size_t most_values = 10'000'000;
+  const Descriptor memory(::memfd_create("matlab", MFD_CLOEXEC));
+  for (std::string_view rest = source.bytes; !rest.empty();) {
+    const auto written = ::write(memory.number(), rest.data(), rest.size());
+    if (written <= 0) throw DataError(source.file, 0, 0, "cannot be copied for libmatio");
+    rest.remove_prefix(static_cast<std::size_t>(written));
+  }
+  const std::string path = "/proc/self/fd/" + std::to_string(memory.number());
+  const std::unique_ptr<mat_t, CloseFile> file(Mat_Open(path.c_str(), MAT_ACC_RDONLY));
+  if (!file) throw DataError(source.file, 0, 0, "is a damaged MAT-file");
+  std::vector<Vector> vectors;
+  while (const std::unique_ptr<matvar_t, FreeVariable> variable{Mat_VarReadNextInfo(file.get())}) {
+    const bool is_number = variable->class_type == MAT_C_DOUBLE || variable->class_type == MAT_C_SINGLE;
+    if (!is_number || variable->rank != 2 || variable->name == nullptr) continue;
+    const std::size_t rows = variable->dims[0], columns = variable->dims[1];
+    if ((rows != 1 && columns != 1) || rows == 0 || columns == 0 || rows > most_values || columns > most_values)
+      continue;
+    if (Mat_VarReadDataAll(file.get(), variable.get()) != 0 || variable->data == nullptr)
+      throw DataError(source.file, 0, 0, "is damaged: variable " + quoted(variable->name) + " cannot be read");
+    Vector vector{variable->name, {}, variable->isComplex != 0};
+    if (variable->class_type == MAT_C_DOUBLE)
+      append<double>(*variable, rows * columns, vector);
+    else
+      append<float>(*variable, rows * columns, vector);
+    vectors.push_back(std::move(vector));
+  }
+  return vectors;
+}
+
+std::string names_of(const std::vector<Vector>& vectors) {
+  std::vector<std::string> names;
+  for (const auto& each : vectors) names.push_back(each.name);
+  return names.empty() ? "none" : shortened_list(names);
+}
+
+}  // namespace
+
+std::optional<Recognised> read_matlab(const Source& source) {
+  if (source.bytes.starts_with("MATLAB 7.3 MAT-file"))
+    throw DataError(source.file, 0, 0, "is a MAT-file of version 7.3; expected level 5, which save -v7 writes");
+  if (!source.bytes.starts_with("MATLAB 5.0 MAT-file")) return std::nullopt;
+  const std::vector<Vector> vectors = vectors_in(source);
+  const Vector *frequency = nullptr, *real = nullptr, *imaginary = nullptr;
+  ColumnMeaning unit_of_frequency{}, unit_of_real{};
+  double sign = 1;
+  for (const auto& each : vectors) {
+    if (each.is_complex) continue;
+    ColumnMeaning meaning = column_meaning(each.name);
+    if (meaning.quantity == Quantity::frequency && frequency == nullptr) {
+      if (meaning.unit.empty() && !source.frequency_unit.empty())
+        meaning = column_meaning("f[" + source.frequency_unit + "]");
+      frequency = &each;
+      unit_of_frequency = std::move(meaning);
+    } else if (meaning.quantity == Quantity::real) {
+      real = &each;
+      unit_of_real = std::move(meaning);
+    } else if (meaning.quantity == Quantity::imaginary || meaning.quantity == Quantity::negative_imaginary) {
+      imaginary = &each;
+      sign = meaning.quantity == Quantity::imaginary ? 1 : -1;
+    }
+  }
+  if (frequency == nullptr)
+    throw DataError(source.file, 0, 0,
+                    "holds no vector of frequencies among its vectors (" + names_of(vectors) +
+                        "); expected one named f_Hz, omega or the like");
+  if (!unit_of_frequency.problem.empty())
+    throw DataError(source.file, 0, 0, "variable " + quoted(frequency->name) + ": " + unit_of_frequency.problem);
+  const std::size_t count = frequency->values.size();
+  Recognised found{"MAT-file", {}};
+  const auto add = [&](const std::string& name, std::vector<std::complex<double>> values, const std::string& unit) {
+    SampledCurve curve{{}, std::move(values), unit, name};
+    for (const auto& each : frequency->values) curve.omega.push_back(unit_of_frequency.factor * each.real());
+    found.sweeps.push_back({name, std::move(curve)});
+  };
+  for (const auto& each : vectors)
+    if (each.is_complex && each.values.size() == count) add(each.name, each.values, column_meaning(each.name).unit);
+  if (real != nullptr && imaginary != nullptr && real->values.size() == count && imaginary->values.size() == count) {
+    std::vector<std::complex<double>> values;
+    for (std::size_t i = 0; i < count; ++i)
+      values.emplace_back(real->values[i].real(), sign * imaginary->values[i].real());
+    add(real->name + "/" + imaginary->name, std::move(values), unit_of_real.unit);
+  }
+  if (found.sweeps.empty())
+    throw DataError(source.file, 0, 0,
+                    "holds no response of " + std::to_string(count) + " values beside " + quoted(frequency->name) +
+                        " among its vectors (" + names_of(vectors) + "); expected a complex vector, or re and im");
+  return found;
+}
+
+#else
+
+std::optional<Recognised> read_matlab(const Source& source) {
+  if (source.bytes.starts_with("MATLAB 5.0 MAT-file") || source.bytes.starts_with("MATLAB 7.3 MAT-file"))
+    throw DataError(source.file, 0, 0, "is a MAT-file; this fracfit was built without libmatio, which reads them");
+  return std::nullopt;
+}
+
+#endif
+
+}  // namespace io

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/measurement.hpp"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+
+#include "io/decoded_text.hpp"
+#include "io/input_text.hpp"
+#include "io/number.hpp"
+
+namespace io {
+namespace {
+
+constexpr std::array<std::string_view, 11> keys{
+    "f", "omega", "re", "im", "-im", "magnitude", "magnitude_db", "phase_deg", "phase_rad", "sigma", "weight"};
+
+std::size_t columns_needed(const MeasurementOptions& how) {
+  std::size_t most = 0;
+  for (const auto& [key, column] : columns_told(how.columns))
+    if (const auto number = parse_count(column)) most = std::max(most, static_cast<std::size_t>(*number));
+  return most;
+}
+
+std::optional<Recognised> recognised(const Source& source, const MeasurementOptions& how) {
+  // Cheap tests of the first lines come first.
+  for (const auto read : {read_matlab, read_universal58, read_gamry, read_biologic, read_versastudio, read_touchstone, read_zview})
+    if (auto found = read(source)) return found;
+  if (!how.columns.empty()) return read_numbered_table(source, columns_needed(how));
+  return read_plain_table(source);
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, std::string>> columns_told(const std::string& text) {
+  std::vector<std::pair<std::string, std::string>> pairs;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const auto end = std::min(text.find(',', begin), text.size());
+    const std::string part = text.substr(begin, end - begin);
+    const auto sign = part.find('=');
+    const std::string key = part.substr(0, sign);
+    const std::string column = sign == std::string::npos ? "" : part.substr(sign + 1);
+    if (std::find(keys.begin(), keys.end(), key) == keys.end() || column.empty() || column == "0")
+      throw std::invalid_argument(
+          "--columns " + quoted(part) +
+          ": expected KEY=COLUMN, a column by its number from 1 or its name; keys are f, omega, "
+          "re, im, -im, magnitude, magnitude_db, phase_deg, phase_rad, sigma and weight");
+    for (const auto& [other, of_other] : pairs)
+      if (other == key || of_other == column)
+        throw std::invalid_argument("--columns " + quoted(part) + ": " + (other == key ? key : column) +
+                                    " is given twice");
+    pairs.emplace_back(key, column);
+    begin = end + 1;
+  }
+  return pairs;
+}
+
+Measurement read_measurement(const std::string& file, const MeasurementOptions& how) {
+  const auto bytes = input_text(file);
+  const DecodedText text = decoded(bytes);
+  Measurement measurement;
+  measurement.file = file == "-" ? "standard input" : file;
+  measurement.fingerprint = fingerprint(*bytes);
+  measurement.how = how;
+  if (!text.note.empty() && text.note != "Latin-1") measurement.notes.push_back("text is " + text.note);
+  auto found = recognised({measurement.file, *bytes, text.text, how.frequency_unit}, how);
+  if (!found) {
+    measurement.sweeps.push_back({"", false, std::make_shared<const TextTable>(measurement.file, text.text), {}});
+    return measurement;
+  }
+  measurement.format = std::move(found->format);
+  measurement.unit = std::move(found->unit);
+  for (auto& note : found->notes) measurement.notes.push_back(std::move(note));
+  for (auto& sweep : found->sweeps) {
+    Measurement::Sweep& added = measurement.sweeps.emplace_back();
+    added.name = std::move(sweep.name);
+    added.is_derived = sweep.is_derived;
+    if (auto* layout = std::get_if<TextLayout>(&sweep.content))
+      added.table = std::make_shared<const TextTable>(measurement.file, std::move(*layout));
+    else
+      added.curve = std::get<SampledCurve>(std::move(sweep.content));
+  }
+  return measurement;
+}
+
+}  // namespace io
