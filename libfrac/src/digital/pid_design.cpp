@@ -208,7 +208,9 @@ std::string validate(const FractionalPidConfig& config) {
 
 FractionalPidDesign::FractionalPidDesign(const FractionalPidConfig& config) : config_(config) {
   check(config);
-  const auto& [kp, ki, kd, lambda, mu] = config.gains;
+  // Names of their own, which a lambda may capture in every compiler.
+  const double kp = config.gains.kp, ki = config.gains.ki, kd = config.gains.kd;
+  const double lambda = config.gains.lambda, mu = config.gains.mu;
   const double integral_order = ki != 0 ? 1 - lambda : 0;
   const double derivative_order = kd != 0 ? (mu < 1 ? mu : mu - 1) : 0;
   if (integral_order != 0 || derivative_order != 0) config_.band = usable_band(config, note_);

@@ -20,14 +20,12 @@ template <std::size_t bytes>
 struct Register {
   // At any address.
   typedef double Numbers __attribute__((vector_size(bytes), aligned(sizeof(double)), may_alias));
-  typedef long long Indices __attribute__((vector_size(bytes)));
 };
 
 template <std::size_t bytes>
 struct Loops {
   static constexpr std::size_t width = bytes / sizeof(double);
   using Vector = typename Register<bytes>::Numbers;
-  using Indices = typename Register<bytes>::Indices;
 
   static const Vector& at(const double* place) { return *reinterpret_cast<const Vector*>(place); }
   static Vector& at(double* place) { return *reinterpret_cast<Vector*>(place); }
@@ -83,8 +81,7 @@ struct Loops {
   }
   static Vector swapped(Vector state) {
     if constexpr (width == filter_lane) {
-      constexpr Indices other_half = {4, 5, 6, 7, 0, 1, 2, 3};
-      return __builtin_shuffle(state, other_half);
+      return __builtin_shufflevector(state, state, 4, 5, 6, 7, 0, 1, 2, 3);
     } else {
       return state;
     }
