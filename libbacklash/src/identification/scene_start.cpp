@@ -90,7 +90,7 @@ const std::vector<Row>& regular_table() {
 }
 
 // Fills what a row leaves open between its two motions, by averages from contact at rest.  They serve to rank starting
-// points, to which the mean of a chaotic transient, a percent from that of the orbit it ends on, is as good.
+// points, to which the mean of a chaotic transient is as good as that of the orbit it ends on.
 void fill_irregular(Row& row) {
   const auto first = static_cast<int>(std::floor((std::log(row.loss) - log_gamma_lower) / log_gamma_step));
   std::optional<Complex> before;
