@@ -74,8 +74,12 @@ std::size_t chosen_of(const std::vector<RankedFit>& ranking) {
   for (std::size_t i = 0; i < ranking.size(); ++i) {
     if (!usable(ranking[i]) || (some_adequate && !ranking[i].lack_of_fit.adequate)) continue;
     if (!best) best = chosen = i;
-    const bool as_good = !(ranking[i].fit.aicc > ranking[*best].fit.aicc + simplest_within);
-    if (as_good && ranking[i].fit.free_parameters < ranking[chosen].fit.free_parameters) chosen = i;
+    if (ranking[i].fit.aicc > ranking[*best].fit.aicc + simplest_within) continue;
+    // Of two spellings of one structure the one with a name of its own goes before the member of a family.
+    const auto simplicity = [&](std::size_t k) {
+      return std::pair(ranking[k].fit.free_parameters, ranking[k].from_family);
+    };
+    if (simplicity(i) < simplicity(chosen)) chosen = i;
   }
   return chosen;
 }
