@@ -260,17 +260,28 @@ Ruling ruling(const IdentificationResult& result, const Comparison& pair, bool r
   if (pair.fractional_fits && strong && decided && predicts && !rival_skipped) {
     return {Verdict::fractional_supported, ""};
   }
-  if (pair.integer_fits) {
-    const bool whole = orders.all_nearly_whole || (result.evidence < no_evidence && orders.all_whole);
+  // A ratio of enough poles follows anything: one that had to be given the most it may have describes nothing yet.
+  const bool integer_settled = !pair.integer.ranked.model.ends_its_family;
+  if (pair.integer_fits && integer_settled) {
+    const auto integer_predicts = [&](double at_most) {
+      return not_above(i.prediction_rms, at_most, f.prediction_rms) &&
+             not_above(i.extrapolation_rms, clearly_worse, f.extrapolation_rms);
+    };
+    // With whole orders the fractional one is an integer-order model itself, be it the better one.
+    const bool whole = result.evidence < no_evidence
+                           ? (orders.all_nearly_whole || orders.all_whole) && integer_predicts(clearly_worse)
+                           : orders.all_nearly_whole && predicts;
     if (whole) return {Verdict::fractional_not_supported, "; every order of the fractional one is whole"};
     // Where both meet the data to rounding, the simpler one has done so with less.
     const bool both_exact = meets_exactly(pair.integer.ranked) && meets_exactly(pair.fractional.ranked) &&
                             parameters(pair.integer.ranked) <= parameters(pair.fractional.ranked);
-    const bool predicted = not_above(i.prediction_rms, clearly_worse, f.prediction_rms) &&
-                           not_above(i.extrapolation_rms, clearly_worse, f.extrapolation_rms);
-    if (both_exact || (result.evidence < refuted_evidence && (predicted || !pair.fractional_fits))) {
+    if (both_exact || (result.evidence < refuted_evidence && (integer_predicts(worse) || !pair.fractional_fits))) {
       return {Verdict::fractional_not_supported, ""};
     }
+  }
+  if (result.evidence < refuted_evidence) {
+    return {Verdict::undecided, integer_settled ? ", but the integer-order one predicts left-out points worse"
+                                                : ", but the integer-order one has as many poles as are tried"};
   }
   if (!strong) return {Verdict::undecided, ", which is too little"};
   if (!decided) return {Verdict::undecided, ", but no order can be told from a whole number"};

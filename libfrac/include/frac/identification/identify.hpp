@@ -75,8 +75,10 @@ struct NextMeasurement {
 /// supported      evidence above 10, cross-validation not worse by more than a twentieth and extrapolation not by more
 ///                than a half, an order whose interval (widened by the correlation) excludes every whole number while
 ///                not every order counts as whole, and no integer-order candidate that could not be fitted.
-/// not supported  an integer-order candidate follows the data and: evidence is below -4 and its predictions are not
-///                worse by more than a half; or every order of the fractional one counts as whole.
+/// not supported  an integer-order candidate follows the data, is not the largest its family may grow to, and: evidence
+///                is below -4, its cross-validation not worse by more than a twentieth and its extrapolation not by
+///                more than a half; or every order of the fractional one counts as whole, and neither predicts worse
+///                by more than a half.
 /// undecided      anything else, with the next measurement that would decide.
 ///
 /// Where no candidate follows the data to within their noise, what is left is model error, as of computed data, whose

@@ -64,7 +64,10 @@ FamilyMembers family_members(const FrequencyResponseData& data, const NamedModel
 
 NamedModel best_member(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options) {
   FamilyMembers members = family_members(data, model, options);
-  return std::move(members.models.at(members.chosen));
+  NamedModel& best = members.models.at(members.chosen);
+  const bool open_range = model.rational && model.rational->most_poles == RationalFamily{}.most_poles;
+  best.ends_its_family = open_range && members.chosen > 0 && members.chosen + 1 == members.models.size();
+  return std::move(best);
 }
 
 }  // namespace frac::detail
