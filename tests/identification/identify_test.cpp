@@ -163,6 +163,51 @@ TEST(Verdict, IsWithheldWhileARivalWasSkipped) {
   EXPECT_EQ(result.verdict, Verdict::undecided) << result.verdict_sentence;
   ASSERT_EQ(result.skipped.size(), 1u);
   EXPECT_NE(result.skipped[0].find("rational"), std::string::npos);
+  EXPECT_NE(result.verdict_sentence.find("'rational' could not be fitted"), std::string::npos)
+      << result.verdict_sentence;
+  EXPECT_NE(result.verdict_sentence.find("both parts"), std::string::npos) << result.verdict_sentence;
+}
+
+// Relative residuals do not change with the unit of the data, so neither do the cost of a family's member nor the
+// relative width of an interval.  A power of two as unit changes no digit of the data; squares of them vanish or
+// overflow.  The solvers stop at costs equal to about 1e-10, which moves errors by some 1e-5 of themselves.
+TEST(Identify, RatiosAreFittedToDataOfAnySize) {
+  const auto data = support::noisy_response("1/((s + 1) (2 s + 1) (0.3 s + 1))", {}, 0.01, 9u);
+  const auto scaled = [&](int exponent) {
+    std::vector<std::complex<double>> value = data.value();
+    for (auto& each : value) each = {std::ldexp(each.real(), exponent), std::ldexp(each.imag(), exponent)};
+    return frac::FrequencyResponseData(data.omega(), value);
+  };
+  const auto candidates = models({"rational:0/3"});
+  const auto plain = frac::identify(data, candidates, {}, both_parts()).ranking[0].fit;
+  for (const int exponent : {-660, 660}) {
+    const auto fit = frac::identify(scaled(exponent), candidates, {}, both_parts()).ranking[0].fit;
+    EXPECT_NEAR(fit.rms / plain.rms, 1, 1e-8);
+    ASSERT_EQ(fit.parameters.size(), plain.parameters.size());
+    EXPECT_NEAR(std::ldexp(fit.parameters[0].value, -exponent) / plain.parameters[0].value, 1, 1e-5);
+    EXPECT_NEAR(std::ldexp(fit.parameters[0].standard_error, -exponent) / plain.parameters[0].standard_error, 1, 1e-4);
+    EXPECT_LT(fit.parameters[0].ci95_lower, fit.parameters[0].ci95_upper);
+  }
+}
+
+// Schwarz's criterion for few residuals asks for three more than parameters: one point of one part has none left for
+// any candidate, and three have none for a gain.
+TEST(Verdict, IsWithheldWhereTooFewResidualsAreLeft) {
+  for (const std::size_t count : {1u, 3u}) {
+    const std::vector<double> omega{0.1, 1, 10};
+    const std::vector<std::complex<double>> value{{0.9, -0.2}, {0.5, -0.5}, {0.1, -0.2}};
+    const frac::FrequencyResponseData data({omega.begin(), omega.begin() + static_cast<std::ptrdiff_t>(count)},
+                                           {value.begin(), value.begin() + static_cast<std::ptrdiff_t>(count)});
+    frac::FitOptions options;
+    options.component = Component::imaginary;
+    const auto result = frac::identify(data, models({"gain", "power-law", "lag"}), {}, options);
+    EXPECT_EQ(result.verdict, Verdict::undecided) << result.verdict_sentence;
+    EXPECT_NE(result.verdict_sentence.find("too few"), std::string::npos) << result.verdict_sentence;
+    EXPECT_EQ(result.verdict_sentence.find("inf"), std::string::npos) << result.verdict_sentence;
+    if (count > 1) continue;
+    ASSERT_FALSE(result.skipped.empty());
+    EXPECT_NE(result.skipped[0].find("1 residual cannot"), std::string::npos) << result.skipped[0];
+  }
 }
 
 // A resistance that the data hardly see: its standard error is many e-folds, and the first step of its profile

@@ -198,6 +198,7 @@ TEST_F(FitFailure, StaticBacklashNeedsBothNumbers) {
   expect_failure({"identify", data, "--clearance", "0.3"}, 2, "--force");
   expect_failure({"identify", data, "--mass1", "1"}, 2, "no meaning");
   expect_failure({"identify", data, "--models", "power-law,,gain"}, 2, "entry 2 is empty");
+  expect_failure({"identify", data, "--models", ""}, 2, "empty list");
   expect_failure({"identify", data, "--models", "power-law,nonsense"}, 2, "presets");
 }
 

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "base/counted.hpp"
 #include "frac/identification/statistics.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/formula_checks.hpp"
@@ -55,8 +56,8 @@ constexpr double noisy_divisor = 0.05;
 constexpr double plain_misfit = 0.3;  // correlation of neighbouring residuals
 
 [[noreturn]] void refuse_count(std::size_t residuals, std::size_t parameters) {
-  throw std::invalid_argument(std::to_string(residuals) + " residuals cannot determine " + std::to_string(parameters) +
-                              " free parameters");
+  throw std::invalid_argument(detail::counted(residuals, "residual") + " cannot determine " +
+                              detail::counted(parameters, "free parameter"));
 }
 
 /// Whether the fitted part of the data is 0 everywhere.

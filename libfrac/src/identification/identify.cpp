@@ -178,11 +178,11 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
 
   IdentificationResult result{};
   std::vector<detail::Competitor> competitors;
-  bool rival_skipped = false;
+  std::vector<std::string> skipped_rivals;
   for (Outcome& outcome : outcomes) {
     if (!outcome.fit) {
       result.skipped.push_back(outcome.model.name + ": " + outcome.reason);
-      rival_skipped = rival_skipped || outcome.model.model_class != ModelClass::fractional;
+      if (outcome.model.model_class != ModelClass::fractional) skipped_rivals.push_back(outcome.model.name);
       continue;
     }
     LackOfFit lack = lack_of_fit(data, options, *outcome.fit);
@@ -211,7 +211,7 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
     result.ranking.push_back(competitor.ranked);
   }
   result.chosen = chosen_of(result.ranking);
-  detail::judge(result, data, options, competitors, rival_skipped);
+  detail::judge(result, data, options, competitors, skipped_rivals);
   return result;
 }
 

@@ -12,6 +12,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "base/counted.hpp"
 #include "base/number_text.hpp"
 #include "frac/identification/model_choice.hpp"
 #include "identification/data/fit_data.hpp"
@@ -98,8 +99,8 @@ void check(const TimeResponseData& data, const Structure& structure, const TimeF
   static_cast<void>(detail::reduce(structure.expression(), values, detail::Sensitivity::all));
   const std::size_t free = map.free().size() + (options.offset ? 0 : 1);
   if (data.observed().size() < free) {
-    throw std::invalid_argument(std::to_string(data.observed().size()) + " samples cannot determine " +
-                                std::to_string(free) + " free parameters" +
+    throw std::invalid_argument(detail::counted(data.observed().size(), "sample") + " cannot determine " +
+                                detail::counted(free, "free parameter") +
                                 (options.offset ? "" : ", the offset among them"));
   }
 }

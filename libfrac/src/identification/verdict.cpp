@@ -7,6 +7,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "base/counted.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/residual_rule.hpp"
 #include "identification/next_measurement.hpp"
@@ -51,6 +52,11 @@ double misfit_term(const RankedFit& ranked, double residuals) {
 double criterion(const Competitor& competitor) {
   const double n = static_cast<double>(competitor.residual.size());
   return misfit_term(competitor.ranked, n) + price_of_parameters(parameters(competitor.ranked), n);
+}
+
+/// Whether residuals are left over to judge a candidate by.
+bool is_comparable(const Competitor& competitor) {
+  return competitor.residual.size() > competitor.ranked.fit.free_parameters + 2;
 }
 
 /// The candidate of a class with the least criterion, among those that follow the data or among all.
@@ -160,7 +166,7 @@ std::string how_far_off(const LackOfFit& lack) {
 }
 
 std::string described(const RankedFit& ranked) {
-  return "'" + ranked.name + "' (" + std::to_string(ranked.fit.free_parameters) + " parameters, rms " +
+  return "'" + ranked.name + "' (" + counted(ranked.fit.free_parameters, "parameter") + ", rms " +
          number(ranked.fit.rms) + ")";
 }
 
@@ -196,16 +202,21 @@ double evidence_of(const Comparison& pair) {
          price(pair.integer) - price(pair.fractional);
 }
 
+/// rms of predictions, which are infinite where the rest of the data does not determine the model.
+std::string rms_text(double rms) {
+  return std::isfinite(rms) ? number(rms) : "none (what is left does not determine the model)";
+}
+
 std::string compared(const IdentificationResult& result, const Comparison& pair) {
   const double of_fractional = result.fractional->prediction_rms, of_integer = result.integer->prediction_rms;
   std::string text = described(pair.fractional.ranked) + " against " + described(pair.integer.ranked) + ", evidence " +
                      number(result.evidence) + " (odds " + odds_text(result.evidence) + " for the " +
                      (result.evidence > 0 ? "fractional" : "integer-order") + " one, had they been equal before)" +
-                     ", predictions to rms " + number(of_fractional) + " against " + number(of_integer);
+                     ", predictions to rms " + rms_text(of_fractional) + " against " + rms_text(of_integer);
   const double beyond_fractional = result.fractional->extrapolation_rms,
                beyond_integer = result.integer->extrapolation_rms;
   if (!std::isnan(beyond_fractional) && !std::isnan(beyond_integer)) {
-    text += ", half a decade beyond to " + number(beyond_fractional) + " against " + number(beyond_integer);
+    text += ", half a decade beyond to " + rms_text(beyond_fractional) + " against " + rms_text(beyond_integer);
   }
   return text;
 }
@@ -244,12 +255,32 @@ bool within_model_error(const TimeResponseData& data, const TimeFitOptions&, con
   return fit.rms <= most_model_error * std::sqrt(square / static_cast<double>(data.observed().size()));
 }
 
+std::string unfitted(const std::vector<std::string>& rivals) {
+  constexpr std::size_t most = 3;
+  std::string text = rivals.size() == 1 ? "the rival " : "the rivals ";
+  for (std::size_t i = 0; i < std::min(rivals.size(), most); ++i) text += (i > 0 ? ", '" : "'") + rivals[i] + "'";
+  if (rivals.size() > most) text += " and " + std::to_string(rivals.size() - most) + " more";
+  return text + " could not be fitted";
+}
+
+/// What would let the skipped rivals take part.
+std::string advice_on_skipped(const FrequencyResponseData&, const FitOptions& options) {
+  const bool one_number = options.component == Component::magnitude || options.component == Component::phase;
+  return one_number ? ": families of ratios are fitted to the real and the imaginary part, not to a magnitude or a "
+                      "phase; fit both parts (component both) to have them compared"
+                    : "";
+}
+std::string advice_on_skipped(const TimeResponseData&, const TimeFitOptions&) {
+  return "";
+}
+
 /// The verdict that the rules of IdentificationResult give, and what was missing where it is undecided.
 struct Ruling {
   Verdict verdict;
   std::string reason;
 };
-Ruling ruling(const IdentificationResult& result, const Comparison& pair, bool rival_skipped) {
+Ruling ruling(const IdentificationResult& result, const Comparison& pair,
+              const std::vector<std::string>& skipped_rivals) {
   const Orders& orders = pair.orders;
   const auto not_above = [](double value, double times, double other) { return !(value > times * other); };
   const Finalist &f = *result.fractional, &i = *result.integer;
@@ -257,7 +288,7 @@ Ruling ruling(const IdentificationResult& result, const Comparison& pair, bool r
   const bool strong = result.evidence > supported_evidence;
   const bool predicts = !pair.integer_fits || (not_above(f.prediction_rms, worse, i.prediction_rms) &&
                                                not_above(f.extrapolation_rms, clearly_worse, i.extrapolation_rms));
-  if (pair.fractional_fits && strong && decided && predicts && !rival_skipped) {
+  if (pair.fractional_fits && strong && decided && predicts && skipped_rivals.empty()) {
     return {Verdict::fractional_supported, ""};
   }
   // A ratio of enough poles follows anything: one that had to be given the most it may have describes nothing yet.
@@ -286,15 +317,20 @@ Ruling ruling(const IdentificationResult& result, const Comparison& pair, bool r
   if (!strong) return {Verdict::undecided, ", which is too little"};
   if (!decided) return {Verdict::undecided, ", but no order can be told from a whole number"};
   if (!predicts) return {Verdict::undecided, ", but the fractional one predicts left-out points worse"};
-  if (rival_skipped) return {Verdict::undecided, ", but an integer-order rival could not be fitted"};
+  if (!skipped_rivals.empty()) return {Verdict::undecided, ", but " + unfitted(skipped_rivals)};
   return {Verdict::undecided, ", but only the other one follows the data"};
 }
 
 template <class Data, class Options>
 void judge_any(IdentificationResult& result, const Data& data, const Options& options,
-               const std::vector<Competitor>& competitors, bool rival_skipped) {
+               const std::vector<Competitor>& competitors, const std::vector<std::string>& skipped_rivals) {
   result.verdict = Verdict::undecided;
   result.evidence = result.log10_odds = result.differ_most = result.differ_most_omega = nan;
+  if (std::none_of(competitors.begin(), competitors.end(), is_comparable)) {
+    result.verdict_sentence = "Undecided: too few residuals (" + std::to_string(competitors.front().residual.size()) +
+                              ") to judge any candidate; at least three more are needed than it has parameters.";
+    return;
+  }
   std::optional<std::size_t> fractional = best_of(competitors, true, true);
   std::optional<std::size_t> integer = best_of(competitors, false, true);
   const bool fractional_fits = fractional.has_value(), integer_fits = integer.has_value();
@@ -342,7 +378,7 @@ void judge_any(IdentificationResult& result, const Data& data, const Options& op
     finalist_of->extrapolation_rms = prediction_rms(data, options, *competitor, ends);
   }
 
-  const auto [verdict, reason] = ruling(result, pair, rival_skipped);
+  const auto [verdict, reason] = ruling(result, pair, skipped_rivals);
   if (result.model_error && verdict == Verdict::undecided) return call_inadequate();
   result.verdict = verdict;
   const std::string rivals = compared(result, pair);
@@ -370,7 +406,9 @@ void judge_any(IdentificationResult& result, const Data& data, const Options& op
       result.verdict_sentence += model_error + where_they_differ(result) + ".";
       break;
     default:
-      result.verdict_sentence = "Undecided: " + rivals + reason + ".";
+      result.verdict_sentence = "Undecided: " + rivals + reason;
+      if (!skipped_rivals.empty()) result.verdict_sentence += advice_on_skipped(data, options);
+      result.verdict_sentence += ".";
       suggest_next(result, data, options, pair);
   }
 }
@@ -378,13 +416,13 @@ void judge_any(IdentificationResult& result, const Data& data, const Options& op
 }  // namespace
 
 void judge(IdentificationResult& result, const FrequencyResponseData& data, const FitOptions& options,
-           const std::vector<Competitor>& competitors, bool rival_skipped) {
-  judge_any(result, data, options, competitors, rival_skipped);
+           const std::vector<Competitor>& competitors, const std::vector<std::string>& skipped_rivals) {
+  judge_any(result, data, options, competitors, skipped_rivals);
 }
 
 void judge(IdentificationResult& result, const TimeResponseData& data, const TimeFitOptions& options,
-           const std::vector<Competitor>& competitors, bool rival_skipped) {
-  judge_any(result, data, options, competitors, rival_skipped);
+           const std::vector<Competitor>& competitors, const std::vector<std::string>& skipped_rivals) {
+  judge_any(result, data, options, competitors, skipped_rivals);
 }
 
 }  // namespace frac::detail

@@ -15,10 +15,10 @@ struct Competitor {
 
 /// Fills in the verdict of a ranking as IdentificationResult defines it.
 /// @param competitors  in the order of the ranking
-/// @param rival_skipped  whether a candidate of integer order could not be fitted
+/// @param skipped_rivals  names of the candidates of integer order that could not be fitted
 void judge(IdentificationResult& result, const FrequencyResponseData& data, const FitOptions& options,
-           const std::vector<Competitor>& competitors, bool rival_skipped);
+           const std::vector<Competitor>& competitors, const std::vector<std::string>& skipped_rivals);
 void judge(IdentificationResult& result, const TimeResponseData& data, const TimeFitOptions& options,
-           const std::vector<Competitor>& competitors, bool rival_skipped);
+           const std::vector<Competitor>& competitors, const std::vector<std::string>& skipped_rivals);
 
 }  // namespace frac::detail

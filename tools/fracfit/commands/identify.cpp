@@ -81,7 +81,12 @@ class Identify : public Command {
   }
 
  private:
-  void check() override { models_ = chosen_models(models_text_); }
+  void check() override {
+    if (options()["--models"].is_given() && models_text_.empty())
+      throw std::invalid_argument(
+          "--models '' is an empty list; expected presets, families or formulas separated by commas");
+    models_ = chosen_models(models_text_);
+  }
 
   // Takes from the header that `simulate` writes what the options leave open.
   // @return whether there is a static-backlash candidate

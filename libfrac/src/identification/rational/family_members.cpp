@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "base/counted.hpp"
 #include "identification/data/residual_rule.hpp"
 #include "rational_growth.hpp"
 #include "rational_model.hpp"
@@ -25,8 +26,8 @@ ResidualRule rule_of(const FrequencyResponseData& data, const FitOptions& option
 
 FamilyMembers rational_members(const RationalProblem& problem, const RationalFamily& family, Component component) {
   if (2 * family.fewest_poles + 2 > problem.rows()) {
-    throw std::invalid_argument(std::to_string(problem.rows()) + " residuals cannot determine " +
-                                std::to_string(family.fewest_poles) + " poles and their numerator");
+    throw std::invalid_argument(counted(problem.rows(), "residual") + " cannot determine " +
+                                counted(family.fewest_poles, "pole") + " and the numerator");
   }
   const RationalKind kind{family.dead_time, family.free_order};
   FamilyMembers members;

@@ -52,11 +52,12 @@ bool ProjectedData::solve(const Eigen::MatrixXcd& columns, Linear& linear) const
   if (!columns.allFinite() || columns.cols() > target_.size()) return false;
   Eigen::MatrixXd matrix(target_.size(), columns.cols());
   for (Index k = 0; k < columns.cols(); ++k) put(columns.col(k), matrix.col(k));
-  Eigen::VectorXd norm = matrix.colwise().norm();
+  // The weights of data of 1e-200 are 1e200, whose squares overflow.
+  Eigen::VectorXd norm = matrix.colwise().stableNorm();
   if (!norm.allFinite()) return false;
   // A column that is rounding beside the whole complex one is one that the fitted part is blind to.
   for (Index k = 0; k < norm.size(); ++k) {
-    if (norm[k] > 1e-12 * weight_.cwiseProduct(columns.col(k).cwiseAbs()).norm()) continue;
+    if (norm[k] > 1e-12 * weight_.cwiseProduct(columns.col(k).cwiseAbs()).stableNorm()) continue;
     matrix.col(k).setZero();
     norm[k] = 1;
   }

@@ -148,7 +148,7 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
 
   for (Eigen::Index k = 0; k < width; ++k) {
     const std::size_t parameter = free[static_cast<std::size_t>(inner[static_cast<std::size_t>(k)])].parameter;
-    const double error = deviation * spread.row(static_cast<Eigen::Index>(parameter)).norm();
+    const double error = deviation * spread.row(static_cast<Eigen::Index>(parameter)).stableNorm();
     bool in_flat_direction = false;
     for (Eigen::Index direction = 0; direction < width; ++direction) {
       const bool flat = sigma[direction] * sigma[direction] * flat_condition < sigma[0] * sigma[0];

@@ -115,9 +115,12 @@ CorrelatedNoise::CorrelatedNoise(std::span<const double> residual, const Eigen::
   }
 }
 
-double CorrelatedNoise::widening(const Eigen::VectorXd& influence) const {
+double CorrelatedNoise::widening(const Eigen::VectorXd& unscaled) const {
+  const double largest = unscaled.size() > 0 ? unscaled.lpNorm<Eigen::Infinity>() : 0;
+  if (possibilities_.empty() || !(largest > 0)) return 1;
+  // The size of the influence cancels; its squares would vanish or overflow for parameters of 1e-200 or 1e200.
+  const Eigen::VectorXd influence = unscaled / largest;
   const double white = influence.squaredNorm();
-  if (possibilities_.empty() || !(white > 0)) return 1;
   double variance = 0;
   for (const Possibility& each : possibilities_) {
     if (each.probability < 1e-6) continue;
