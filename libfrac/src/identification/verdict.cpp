@@ -271,7 +271,7 @@ std::string advice_on_skipped(const FrequencyResponseData&, const FitOptions& op
                     : "";
 }
 std::string advice_on_skipped(const TimeResponseData&, const TimeFitOptions&) {
-  return "";
+  return ", and families of ratios are compared over frequency only";
 }
 
 /// The verdict that the rules of IdentificationResult give, and what was missing where it is undecided.
