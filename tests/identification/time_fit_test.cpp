@@ -519,6 +519,15 @@ TEST(TimeFit, NothingIsSaidOfRecordsAtRest) {
   }
 }
 
+// The square of 1e-200 is 0 and that of 1e200 infinite: intervals of such a fit would have no width, or no end.
+TEST(TimeFit, RefusesOutputsWhoseSquaresAreNoNumbers) {
+  for (const double size : {1e-200, 1e200}) {
+    const TimeResponseData data({0, 1, 2, 3, 4}, {1, 1, 1, 1, 1}, {0, 0.4 * size, 0.6 * size, 0.8 * size, size});
+    expect_invalid_argument([&] { (void)frac::fit(data, frac::Structure("K/(T s + 1)"), frac::TimeFitOptions{}); },
+                            {"another unit"});
+  }
+}
+
 TEST(TimeResponseData, RefusesWhatIsNoRecord) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const std::vector<double> t{0, 1, 2}, u{1, 1, 1}, y{0, 1, 2};

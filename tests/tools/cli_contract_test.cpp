@@ -341,6 +341,8 @@ TEST(Identify, SimulatedFilesBringTheStaticCurveAlong) {
            candidate["free_parameters"] == 0;
   }));
   EXPECT_NE(json["command"].get<std::string>().find("--clearance 0.3 --force 40"), std::string::npos);
+  const auto none = run_fracfit({"identify", data, "--models", "differentiator", "--format", "table"});
+  EXPECT_NE(none.output.find("of all, as none follows the data"), std::string::npos) << none.output;
 }
 
 TEST(Identify, TheCommandInTheResultGivesTheSameResult) {

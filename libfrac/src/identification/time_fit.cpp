@@ -78,6 +78,22 @@ std::vector<ParameterConstraint> with_delay_limits(const Structure& structure,
   return constraints;
 }
 
+// Costs are sums of squares of the weighted output, and scales are taken from squares of the output itself.
+void require_squares(const TimeResponseData& data) {
+  constexpr double largest_root = 1e140, smallest_root = 1e-140;
+  double output = 0, weighted = 0;
+  for (const std::size_t i : data.observed()) {
+    output = std::max(output, std::abs(data.output()[i]));
+    weighted = std::max(weighted, std::abs(data.output()[i]) / (data.sigma().empty() ? 1 : data.sigma()[i]));
+  }
+  for (const double size : {output, weighted}) {
+    if (size == 0 || (size >= smallest_root && size <= largest_root)) continue;
+    throw std::invalid_argument("the output reaches " + detail::number_text(size) +
+                                (size == output ? "" : " times its sigma") +
+                                "; sums of squares of that size leave double precision, so give it in another unit");
+  }
+}
+
 void check(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& options,
            const detail::ParameterMap& map) {
   for (const std::string& name : structure.parameter_names()) {
@@ -373,6 +389,7 @@ std::string ending(const detail::GlobalSolution& solution, bool is_exact) {
 FitResult fit(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& wanted) {
   const auto begin = std::chrono::steady_clock::now();
   detail::require_function_of_s(structure);
+  require_squares(data);
   const std::optional<std::string> constant = wanted.offset ? std::nullopt : constant_of_model(data, structure, wanted);
   const bool offset_is_held = constant.has_value();
   TimeFitOptions options = wanted;

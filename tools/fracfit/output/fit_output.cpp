@@ -276,8 +276,9 @@ std::string identification_table(const FitRun& run, const frac::IdentificationRe
     ranking.add(row);
   }
   const auto& chosen = result.ranking.at(result.chosen);
-  std::string text = heading(run) + "\n" + ranking.text() +
-                     "chosen: the simplest within 2 of the least AICc of those that follow the data\n\n" + chosen.name;
+  std::string text = heading(run) + "\n" + ranking.text() + "chosen: the simplest within 2 of the least AICc of " +
+                     (chosen.lack_of_fit.adequate ? "those that follow the data" : "all, as none follows the data") +
+                     "; the verdict compares those of the least Schwarz criterion\n\n" + chosen.name;
   if (chosen.fit.model != chosen.name) text += "   " + chosen.fit.model;
   text += "\n" + parameter_table(chosen.fit) + "\n";
   return text + paragraph("verdict: " + std::string(frac::to_string(result.verdict)) + ". " + result.verdict_sentence);
