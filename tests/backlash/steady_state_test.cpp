@@ -608,18 +608,21 @@ TEST(SteadyState, StatedIntervalsHoldTheMotionAfterAHundredThousandPeriods) {
   }
 }
 
-// Scenes of transients of some thousand periods, found by following them: the value is that of the orbit they end on,
-// or it says that it may be of a transient.
+// Scenes of transients of some thousand periods, found by following them: the value is that of the orbit they end on.
+// Those of the first scene last 4800 periods in the mean and are followed for 9056, so that each start outlasts that
+// with a probability of e^-1.9 = 0.15: more than 8 of 20 do in one case of 300.  A window of 1024 periods would call 16
+// of 20 averaged.
 TEST(SteadyState, TransientChaosEndsOnItsOrbit) {
   for (const auto& [restitution, gamma] : {std::pair{0.83567, 1 / (1.07504 * 1.07504)},
                                            {0.95209, 1 / (0.65087 * 0.65087)},
                                            {0.97404, 1 / (1.1619 * 1.1619)}}) {
     const GapMotion motion(gamma, restitution);
     support::Random random(3);
-    for (int i = 0; i < 6; ++i) {
-      const SteadyState steady = find_steady_state(motion, state_at_peak(random.unit(), 0), 1e-10);
-      EXPECT_NE(steady.regime, Regime::averaged) << restitution;
+    int averaged = 0;
+    for (int i = 0; i < 20; ++i) {
+      averaged += find_steady_state(motion, state_at_peak(random.unit(), 0), 1e-10).regime == Regime::averaged ? 1 : 0;
     }
+    EXPECT_LE(averaged, 8) << restitution;
     const SteadyState quick = find_steady_state(motion, mid_gap(), 1e-10, {0.05, -gamma});
     EXPECT_TRUE(quick.regime != Regime::averaged || quick.transient_possible) << restitution;
   }
