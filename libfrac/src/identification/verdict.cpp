@@ -291,14 +291,14 @@ Ruling ruling(const IdentificationResult& result, const Comparison& pair,
   if (pair.fractional_fits && strong && decided && predicts && skipped_rivals.empty()) {
     return {Verdict::fractional_supported, ""};
   }
-  // A ratio of enough poles follows anything: one that had to be given the most it may have describes nothing yet.
+  // A ratio with enough poles follows any data.  One that needed all the poles it may have shows no integer order.
   const bool integer_settled = !pair.integer.ranked.model.ends_its_family;
   if (pair.integer_fits && integer_settled) {
     const auto integer_predicts = [&](double at_most) {
       return not_above(i.prediction_rms, at_most, f.prediction_rms) &&
              not_above(i.extrapolation_rms, clearly_worse, f.extrapolation_rms);
     };
-    // With whole orders the fractional one is an integer-order model itself, be it the better one.
+    // A fractional model with whole orders is an integer-order model, even where it is the better one of the two.
     const bool whole = result.evidence < no_evidence
                            ? (orders.all_nearly_whole || orders.all_whole) && integer_predicts(clearly_worse)
                            : orders.all_nearly_whole && predicts;

@@ -75,10 +75,12 @@ struct NextMeasurement {
 /// supported      evidence above 10, cross-validation not worse by more than a twentieth and extrapolation not by more
 ///                than a half, an order whose interval (widened by the correlation) excludes every whole number while
 ///                not every order counts as whole, and no integer-order candidate that could not be fitted.
-/// not supported  an integer-order candidate follows the data, is not the largest its family may grow to, and: evidence
-///                is below -4, its cross-validation not worse by more than a twentieth and its extrapolation not by
-///                more than a half; or every order of the fractional one counts as whole, and neither predicts worse
-///                by more than a half.
+/// not supported  an integer-order candidate follows the data, no more poles might improve it (see
+///                NamedModel::ends_its_family), and one of these holds.  Evidence is below -4, and its cross-validation
+///                is not worse by more than a twentieth, its extrapolation not by more than a half.  Every order of the
+///                fractional one counts as whole, and where evidence is below 2 the integer-order one predicts not
+///                worse by more than a half, above it the fractional one predicts as well as supported asks.  Both meet
+///                the data to rounding, and the integer-order one has no more parameters.
 /// undecided      anything else, with the next measurement that would decide.
 ///
 /// Where no candidate follows the data to within their noise, what is left is model error, as of computed data, whose

@@ -42,7 +42,8 @@ struct NamedModel {
   std::vector<ParameterConstraint> constraints;
   std::optional<RationalFamily> rational = std::nullopt;
   std::optional<TermFamily> terms = std::nullopt;
-  /// A member of a family that was grown to its largest and paid to the end, so that more poles might pay, too.
+  /// Whether this is the largest member that was tried of a family without a limit of the caller's.  Its last pole
+  /// still paid, so that further ones might pay too.
   bool ends_its_family = false;
   /// Whether it stands for a family, whose best member on given data resolved_model() finds.
   [[nodiscard]] bool is_family() const { return rational || terms; }
