@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -91,8 +92,10 @@ std::vector<frac::NamedModel> chosen_models(const std::string& list) {
 
 std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& model, const ParameterOptions& given) {
   auto constraints = model.constraints;
+  std::set<std::string> bounded;
   for (const auto& text : given.bound) {
     const auto [name, range] = assignment("--bound", text);
+    bounded.insert(name);
     const auto [lower, upper] = pair_of("--bound", range);
     auto& constraint = constraint_of(constraints, name);
     const bool free_of_limits = lower.empty() && upper.empty();
@@ -104,8 +107,13 @@ std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& mo
     const auto [name, value] = assignment("--fix", text);
     auto& constraint = constraint_of(constraints, name);
     if (constraint.fixed) throw std::invalid_argument("--fix " + io::quoted(text) + ": " + name + " is fixed twice");
-    // A start is the model's own here: those of the user come below.
+    // A start is the model's own here, and so are limits that no --bound names: those of the user stay, and are
+    // refused.
     constraint.start.reset();
+    if (!bounded.contains(name)) {
+      constraint.lower.reset();
+      constraint.upper.reset();
+    }
     constraint.fixed = number_of("--fix " + name, value);
   }
   for (const auto& text : given.start) {
