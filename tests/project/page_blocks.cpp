@@ -134,8 +134,7 @@ Page read_page(const std::filesystem::path& path) {
       }
     }
     if (!caption.empty()) {
-      page.steps.push_back(
-          {.line = static_cast<int>(at) + 1, .command = {}, .expected = {}, .file = caption, .content = content});
+      page.steps.push_back({.line = static_cast<int>(at) + 1, .file = caption, .content = content});
     }
   }
   for (PageStep& step : page.steps) {
