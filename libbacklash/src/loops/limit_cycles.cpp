@@ -85,14 +85,13 @@ std::string inadmissibility(const ControlLoop& loop, const detail::ImpulseTrain&
 }
 
 std::vector<CycleHarmonic> harmonics_of(const ControlLoop& loop, double omega, double impulse, int count) {
-  const TwoMassSystem& system = loop.system();
   std::vector<CycleHarmonic> harmonics;
   for (int i = 0; i < count; ++i) {
     const int order = 2 * i + 1;
     const double w = order * omega;
     const double strength = 2 * omega / pi * impulse;  // twice the Fourier coefficient of the alternating impulses
-    const double receptance1 = -1 / (system.mass1() * w * w);
-    const double receptance2 = -1 / (system.mass2() * w * w);
+    const Complex receptance1 = loop.bodies().load().response(w);
+    const Complex receptance2 = loop.bodies().drive().response(w);
     const Complex controller = loop.controller().response(w);
     CycleHarmonic harmonic{order, strength * receptance1, 0, 0};
     if (loop.measured() == Output::x1) {
@@ -134,7 +133,7 @@ LimitCycles symmetric_cycles(const ControlLoop& loop, const LimitCycleOptions& o
   const detail::GapResponse response = detail::gap_response(loop);
   LimitCycles result{{}, {0, std::numeric_limits<double>::infinity()}, true, false};
   std::vector<double> frequencies;
-  if (loop.controller().delay() == 0 && !response.image) {
+  if (loop.controller().delay() == 0 && response.images.empty()) {
     const std::vector<frac::PowerTerm> equation = detail::frequency_equation(loop, detail::Harmonics::all);
     result.any_frequency = std::all_of(equation.begin(), equation.end(),
                                        [](const frac::PowerTerm& term) { return term.coefficient == 0; });

@@ -10,7 +10,7 @@
 #include "frac/model/algebra.hpp"
 #include "io/data_error.hpp"
 #include "io/number.hpp"
-#include "options/scene_options.hpp"
+#include "options/loop_options.hpp"
 #include "output/limit_cycles_output.hpp"
 
 namespace fracfit {
@@ -33,19 +33,14 @@ class LimitCyclesCommand : public Command {
  public:
   LimitCyclesCommand()
       : Command("limit-cycles",
-                "Limit cycles of a loop around two masses with backlash: exact frequency, size and stability, beside "
+                "Limit cycles of a loop around two bodies with backlash: exact frequency, size and stability, beside "
                 "what the describing function predicts") {
     Options& o = options();
-    o.text("--controller", controller_, "C of the force -C(s) x on mass 2; e.g. 'exp(-0.1 s) (2 + 1.5 s^0.9)'",
-           "FORMULA")
-        .required();
-    o.choice("--body", body_, backlash::outputs(), "that the controller gets: x1, the load, or x2, the driven mass");
-    add_masses(o, mass1_, mass2_);
-    o.number("--clearance", clearance_);
-    o.number("--restitution", restitution_);
+    loop_.add(o);
+    loop_.add_body(o);
     o.parsed("--omega", range_, range_of, "where cycles are looked for, LOW:HIGH").default_is("wherever they can be");
     o.parsed("--over", over_, variation_of,
-             "One loop for each value of mass1, mass2, clearance, restitution or a name in the controller's formula",
+             "One loop for each value of mass1, mass2, clearance, restitution or a name in a formula",
              "NAME=FROM:TO:N");
     add_common({"csv", "json", "table"});
     set_footer(
@@ -54,7 +49,9 @@ class LimitCyclesCommand : public Command {
         "Examples:\n"
         "  fracfit limit-cycles --controller '1 + s^0.5' --restitution 0.6\n"
         "  fracfit limit-cycles --controller 'exp(-0.2 s) (1 + s^0.5)' --restitution 0.6 --format json\n"
-        "  fracfit limit-cycles --controller '2 + 1.5 s^a' --restitution 0.8 --over a=0.3:1:15");
+        "  fracfit limit-cycles --controller '2 + 1.5 s^a' --restitution 0.8 --over a=0.3:1:15\n"
+        "  fracfit limit-cycles --controller '2 + s' --load-receptance '1/(s^2 + b s)' --restitution 0.6 --over "
+        "b=0:0.5:6");
   }
 
  private:
@@ -65,47 +62,22 @@ class LimitCyclesCommand : public Command {
 
   // The loop where the quantity that varies has a value, if one does.
   [[nodiscard]] LoopCycles cycles_of(const std::optional<double>& varied) const {
-    double mass1 = mass1_, mass2 = mass2_, clearance = clearance_, restitution = restitution_;
-    const frac::Structure structure(controller_);
-    std::vector<double> parameters(structure.parameter_names().size(), NAN);
-    if (varied) {
-      if (over_.name == "mass1") {
-        mass1 = *varied;
-      } else if (over_.name == "mass2") {
-        mass2 = *varied;
-      } else if (over_.name == "clearance") {
-        clearance = *varied;
-      } else if (over_.name == "restitution") {
-        restitution = *varied;
-      } else {
-        parameters[structure.parameter_index(over_.name)] = *varied;
-      }
-    }
-    for (std::size_t i = 0; i < parameters.size(); ++i) {
-      if (std::isnan(parameters[i])) {
-        throw std::invalid_argument("--controller: " + structure.parameter_names()[i] +
-                                    " has no value; write a number in its place, or name it in --over");
-      }
-    }
-    const backlash::ControlLoop loop({mass1, mass2, clearance, restitution},
-                                     frac::to_transfer_function(structure, parameters), body_);
-    const frac::FractionalTransferFunction rigid_masses({{1, 0}}, {{mass1 + mass2, 2}});
+    const backlash::ControlLoop loop = loop_.loop(varied ? over_.name : "", varied.value_or(NAN));
+    const frac::FractionalTransferFunction& load = loop.bodies().load();
+    const frac::FractionalTransferFunction& drive = loop.bodies().drive();
+    // Without clearance the bodies share their motion: 1/G = 1/G1 + 1/G2.
+    const frac::FractionalTransferFunction rigid =
+        loop.bodies().are_free() ? backlash::free_mass(loop.system().mass1() + loop.system().mass2())
+                                 : frac::simplified(load * drive / (load + drive));
     backlash::LimitCycleOptions request;
     request.range = range_;
-    LoopCycles result{loop, frac::analyse_closed_loop(loop.controller() * rigid_masses),
+    LoopCycles result{loop, frac::analyse_closed_loop(loop.controller() * rigid),
                       backlash::symmetric_cycles(loop, request), backlash::predicted_limit_cycles(loop, range_)};
     if (varied) result.varied = {{over_.name, io::format_number(*varied)}};
     return result;
   }
 
-  void check() override {
-    if (std::isnan(restitution_) && over_.name != "restitution") {
-      throw std::invalid_argument("--restitution is missing");
-    }
-    if (!std::isnan(restitution_) && over_.name == "restitution") {
-      throw std::invalid_argument("--restitution has no meaning with --over restitution=...");
-    }
-  }
+  void check() override { loop_.check(over_.name); }
 
   int run() override {
     std::vector<LoopCycles> loops;
@@ -122,9 +94,7 @@ class LimitCyclesCommand : public Command {
     return usable_result;
   }
 
-  std::string controller_;
-  backlash::Output body_ = backlash::Output::x1;
-  double mass1_ = 1, mass2_ = 1, clearance_ = 1, restitution_ = NAN;
+  LoopOptions loop_;
   std::optional<backlash::FrequencyRange> range_;
   Variation over_;
 };

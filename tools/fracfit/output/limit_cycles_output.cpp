@@ -88,6 +88,10 @@ Json loop_json(const LoopCycles& loop) {
                    {"mass2_kg", system.mass2()},
                    {"clearance_m", system.clearance()},
                    {"restitution", system.restitution()}};
+  if (!loop.loop.bodies().are_free()) {
+    json["scene"]["load_receptance"] = loop.loop.bodies().load().formula();
+    json["scene"]["drive_receptance"] = loop.loop.bodies().drive().formula();
+  }
   json["rigid_loop"] = {{"stability", frac::to_string(loop.rigid.stability)},
                         {"unstable_poles", loop.rigid.unstable_poles}};
   json["searched"] = {{"from", loop.exact.searched.from},
