@@ -68,6 +68,29 @@ TEST(LimitCyclesCommand, TakesBodiesAsReceptances) {
   for (const auto& cycle : loops[2]["cycles"]) EXPECT_EQ(cycle["admissible"], false) << cycle;
 }
 
+// Where "kp + s" ceases to have a cycle is tested with the library; here that the command says it.
+TEST(LimitCyclesCommand, TellsWhatHappensBetweenTheValues) {
+  const std::vector<std::string> options{"--restitution", "0.6", "--over", "kp=5:20:4", "--format"};
+  auto as = [&](const char* format) {
+    std::vector<std::string> all = options;
+    all.emplace_back(format);
+    const auto result = run_fracfit(limit_cycles("kp + s", all));
+    EXPECT_EQ(result.code, 0) << result.error;
+    return result.output;
+  };
+  const auto json = nlohmann::json::parse(as("json"));
+  ASSERT_EQ(json["events"].size(), 2U);
+  EXPECT_EQ(json["events"][0]["kind"], "symmetry-breaking");
+  EXPECT_EQ(json["events"][1]["kind"], "admissibility");
+  ASSERT_EQ(json["without_cycles"].size(), 1U);
+  EXPECT_EQ(json["without_cycles"][0][0], json["events"][1]["value"]);
+  EXPECT_EQ(json["without_cycles"][0][1], 20);
+  EXPECT_EQ(json["without_stable_cycles"][0][0], json["events"][0]["value"]);
+  const std::string table = as("table");
+  EXPECT_NE(table.find("symmetry-breaking"), std::string::npos) << table;
+  EXPECT_NE(table.find("No symmetric cycle for kp from"), std::string::npos) << table;
+}
+
 TEST(LimitCyclesCommand, SaysWhatIsWrong) {
   const auto expect_refused = [](const std::vector<std::string>& arguments, const std::string& part) {
     const auto result = run_fracfit(arguments);

@@ -260,6 +260,24 @@ std::array<Complex, 3> ImpulseTrain::sums(Complex s) const {
   return total;
 }
 
+std::array<double, 3> ImpulseTrain::sums_of_one_sign() const {
+  std::array<double, 3> total{};
+  for (const Part& part : parts_) {
+    const std::array<double, 3> train = part.train.at_origin();
+    const double by_time = part.exponent / tau_;
+    total[0] += part.coefficient * train[0];
+    total[1] += part.coefficient * by_time * train[1];
+    // A ramp has no second derivative, but its mean parabola has.
+    total[2] +=
+        part.coefficient / (tau_ * tau_) * (part.exponent == 1 ? -1 : part.exponent * (part.exponent - 1) * train[2]);
+  }
+  for (const ImageTrain& image : images_) {
+    const std::array<double, 3> others = image.sums_of_one_sign();
+    for (std::size_t j = 0; j < 3; ++j) total[j] += others[j];
+  }
+  return total;
+}
+
 ImpulseTrain::Wave ImpulseTrain::wave(double t) const {
   Wave wave{0, 0};
   for (const Part& part : parts_) {

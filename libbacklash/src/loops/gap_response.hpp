@@ -43,6 +43,10 @@ class ImpulseTrain {
   /// but the negative real axis.
   [[nodiscard]] std::array<std::complex<double>, 3> sums(std::complex<double> s) const;
 
+  /// sum_(l >= 1) g^(j)(l tau), j = 0, 1, 2, without the mean of what such a train does: without the harmonic of
+  /// frequency 0.
+  [[nodiscard]] std::array<double, 3> sums_of_one_sign() const;
+
   /// sum_(l >= 0) (-1)^l g(l tau + t) and its derivative by t, 0 < t < tau.
   struct Wave {
     double value;

@@ -115,6 +115,15 @@ void ImageTrain::add_contour(double earliest) {
 }
 
 std::array<Complex, 3> ImageTrain::sums(Complex s) const {
+  return sums(s, true);
+}
+
+std::array<double, 3> ImageTrain::sums_of_one_sign() const {
+  const std::array<Complex, 3> all = sums(0, false);
+  return {all[0].real(), all[1].real(), all[2].real()};
+}
+
+std::array<Complex, 3> ImageTrain::sums(Complex s, bool with_zero) const {
   std::array<Complex, 3> total{};
   const Complex inverse_growth = std::exp(-s * tau_);
   const Complex begin = std::exp(-s * (first_ * tau_));
@@ -132,6 +141,7 @@ std::array<Complex, 3> ImageTrain::sums(Complex s) const {
   }
   for (Complex& each : total) each *= begin;
   for (int n = -4; n <= 4; ++n) {
+    if (n == 0 && !with_zero) continue;
     const Complex repeated = s + Complex(0, 2 * pi * n / tau_);
     const Complex share = share_left(parameter(repeated));
     if (std::abs(share) > nothing) {

@@ -42,7 +42,9 @@ class ImageTrain {
   ImageTrain(const ImagePart& part, double tau, double earliest);
 
   [[nodiscard]] std::array<std::complex<double>, 3> sums(std::complex<double> s) const;
-  /// The second of them at z = 1.
+  /// At z = -1, without the harmonic of frequency 0.
+  [[nodiscard]] std::array<double, 3> sums_of_one_sign() const;
+  /// The second of `sums` at z = 1.
   [[nodiscard]] static double rate(const ImagePart& part, double tau);
 
   /// sum_(l >= 0) (-1)^l g(l tau + t) and its derivative, from t = earliest tau on.
@@ -63,6 +65,7 @@ class ImageTrain {
   void add_contour(double earliest);
   void add(std::complex<double> r, std::complex<double> weight);
   [[nodiscard]] std::complex<double> parameter(std::complex<double> s) const;
+  [[nodiscard]] std::array<std::complex<double>, 3> sums(std::complex<double> s, bool with_zero) const;
 
   const ImagePart* part_;
   double tau_;

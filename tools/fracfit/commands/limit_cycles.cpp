@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "backlash/loops/limit_cycles.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <optional>
 #include <stdexcept>
 
@@ -45,7 +47,11 @@ class LimitCyclesCommand : public Command {
     add_common({"csv", "json", "table"});
     set_footer(
         "Cycles are symmetric, with two impacts per period; roots of the equations that are no motion are listed with\n"
-        "the reason. Multipliers count the whole memory of fractional orders.\n"
+        "the reason. Multipliers count the whole memory of fractional orders. With rising values in --over the formats "
+        "table\n"
+        "and json tell where cycles meet, lose stability or cease between the values, refined to 1e-10, and where none "
+        "is\n"
+        "left.\n"
         "Examples:\n"
         "  fracfit limit-cycles --controller '1 + s^0.5' --restitution 0.6\n"
         "  fracfit limit-cycles --controller 'exp(-0.2 s) (1 + s^0.5)' --restitution 0.6 --format json\n"
@@ -88,9 +94,20 @@ class LimitCyclesCommand : public Command {
       }
     }
     for (const double value : over_.values) loops.push_back(cycles_of(value));
-    write(format() == "json"  ? limit_cycles_json(loops, command_line())
-          : format() == "csv" ? limit_cycles_csv(loops, command_line())
-                              : limit_cycles_table(loops));
+    if (format() == "csv") {
+      write(limit_cycles_csv(loops, command_line()));
+      return usable_result;
+    }
+    std::optional<backlash::CycleContinuation> followed;
+    if (over_.values.size() > 1 &&
+        std::adjacent_find(over_.values.begin(), over_.values.end(), std::greater_equal<>()) == over_.values.end()) {
+      backlash::LimitCycleOptions request;
+      request.range = range_;
+      followed =
+          backlash::continue_cycles([&](double value) { return loop_.loop(over_.name, value); }, over_.values, request);
+    }
+    write(format() == "json" ? limit_cycles_json(loops, followed ? &*followed : nullptr, command_line())
+                             : limit_cycles_table(loops, followed ? &*followed : nullptr));
     return usable_result;
   }
 
