@@ -10,6 +10,7 @@
 #include <random>
 
 #include "flat_directions.hpp"
+#include "frac/cancellation.hpp"
 
 namespace frac::detail {
 
@@ -186,6 +187,7 @@ std::vector<std::vector<double>> whole_order_starts(const Residuals& residuals,
   std::vector<std::vector<double>> starts;
   if (!has_orders) return starts;
   for (int start = 0; start < starts_made; ++start) {
+    throw_if_cancelled();
     std::vector<double> best;
     double least = std::numeric_limits<double>::infinity();
     const auto compare = [&](std::vector<double> theta) {
@@ -232,6 +234,7 @@ std::vector<double> controlled_random_search(const Residuals& residuals, const s
   double value = 0;
   // Whatever ends the search, `inside` is the best point it saw; the polish that follows judges it.
   nlopt_optimize(search.get(), inside.data(), &value);
+  throw_if_cancelled();
   return inside;
 }
 

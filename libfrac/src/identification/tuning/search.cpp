@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "frac/cancellation.hpp"
 #include "gain_space.hpp"
 #include "loop.hpp"
 
@@ -115,10 +116,12 @@ class Search {
     double value = 0;
     // Whatever it returns, the best candidate met on the way is kept.
     nlopt_optimize(search.get(), x.data(), &value);
+    throw_if_cancelled();
   }
 
   // Some points of each range, ends included: a small region of stable loops may escape a random population.
   void look_around(std::vector<double> x, std::size_t next) {
+    throw_if_cancelled();
     if (next == dimensions()) {
       consider(x);
       return;
@@ -167,6 +170,8 @@ class Search {
   }
 
   Candidate consider(const std::vector<double>& x) {
+    // NLopt, in C, calls this, and nothing can be thrown through it; run() throws.
+    if (is_cancelled()) return best_;
     ++evaluations_;
     Candidate candidate;
     candidate.gains = space_.gains(x);
