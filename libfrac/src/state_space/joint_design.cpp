@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 
 #include "approximation/log_pole_problem.hpp"
+#include "base/linear_algebra.hpp"
 #include "frac/cancellation.hpp"
 #include "model_on_band.hpp"
 
@@ -84,7 +84,7 @@ class PoleProblem {
     const Vector right = right_side(count);
     // The ridge keeps the columns that move apart, and a step may be wrong where a result may not: no pivoting, which
     // would take three times as long.
-    const Vector solution = solved<Eigen::HouseholderQR<Matrix>>(matrix, right);
+    const Vector solution = solved<PlainQr>(matrix, right);
     if (!solution.allFinite()) return {{}, 0};
     const Vector change = solution.tail(count);
     return {{change.begin(), change.end()}, (matrix * solution - right).norm()};
@@ -148,7 +148,7 @@ class PoleProblem {
     return right;
   }
 
-  template <typename Decomposition = Eigen::ColPivHouseholderQR<Matrix>>
+  template <typename Decomposition = PivotedQr>
   static Vector solved(const Matrix& matrix, const Vector& right) {
     // Columns of one length: which of them are alike is then a matter of direction alone.
     const Vector length = matrix.colwise().norm().cwiseMax(std::numeric_limits<double>::min());

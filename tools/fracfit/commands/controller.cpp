@@ -99,7 +99,7 @@ class Controller : public Command {
         .only_with(model)
         .was("--horizon");
     o.choice("--precision", header_.precision, frac::precisions(), "Of C code", "REAL").unsaid();
-    o.text("--name", name_, "Of C code: prefix of its functions", "NAME").default_is("controller or filter").unsaid();
+    o.text("--name", name_, "prefix of the functions of C code").default_is("controller or filter").unsaid();
     add_common({"json", "c", "table"});
     set_footer(
         "The format is C if FILE ends in .h.\n"

@@ -16,6 +16,7 @@ namespace fracfit {
 [[nodiscard]] std::unique_ptr<Command> make_controller();
 [[nodiscard]] std::unique_ptr<Command> make_convert();
 [[nodiscard]] std::unique_ptr<Command> make_evaluate();
+[[nodiscard]] std::unique_ptr<Command> make_export_spice();
 [[nodiscard]] std::unique_ptr<Command> make_fit();
 [[nodiscard]] std::unique_ptr<Command> make_history();
 [[nodiscard]] std::unique_ptr<Command> make_identify();

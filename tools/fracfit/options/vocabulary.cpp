@@ -33,6 +33,7 @@ const Meaning& meaning_of(std::string_view name) {
       {"--hold", "HOLD", "How the input runs between samples"},
       {"--lambda", "ORDER", "Order of integration"},
       {"--mu", "ORDER", "Order of differentiation"},
+      {"--name", "NAME", "What the exported text is called"},
       {"--derivative-filter", "T", "Time constant of the lag before the derivative, s"},
       // Fitting.
       {"--models", "LIST", "Presets or formulas to rank, separated by commas"},
