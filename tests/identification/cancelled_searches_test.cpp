@@ -3,6 +3,8 @@
 // through NLopt, which is C.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <complex>
 #include <vector>
 
 #include "frac/cancellation.hpp"
@@ -13,10 +15,16 @@
 
 namespace {
 
+// With a disturbance of 1 %, without which some searches end before they begin.
 frac::FrequencyResponseData curve() {
+  const auto lag = frac::FractionalTransferFunction::parse("2/(0.5 s^0.7 + 1)");
   std::vector<double> omega;
-  for (int i = 0; i < 20; ++i) omega.push_back(0.1 * (i + 1));
-  return frac::FractionalTransferFunction::parse("2/(0.5 s^0.7 + 1)").response(omega);
+  std::vector<std::complex<double>> value;
+  for (int i = 0; i < 20; ++i) {
+    omega.push_back(0.1 * (i + 1));
+    value.push_back(lag.response(omega.back()) * (1 + 0.01 * std::sin(7 * i)));
+  }
+  return {omega, value};
 }
 
 TEST(CancelledSearches, EndAsCancelled) {

@@ -93,6 +93,7 @@ def test_control_c_ends_it(name):
             LONG[name]()
         ended = time.monotonic()
     finally:
+        timer.cancel()
         timer.join()
     print(f"\n{name}: ended {1e3 * (ended - sent[0]):.0f} ms after the signal")
     assert threads() == before

@@ -35,6 +35,7 @@ class Search {
 
   FoundController operator()() {
     go();
+    throw_if_cancelled();
     return {best_.gains, evaluations_};
   }
 
@@ -170,7 +171,8 @@ class Search {
   }
 
   Candidate consider(const std::vector<double>& x) {
-    // NLopt, in C, calls this, and nothing can be thrown through it; run() throws.
+    // NLopt, in C, calls this, and nothing can be thrown through it; run() throws.  look_around() has found a
+    // candidate.
     if (is_cancelled()) return best_;
     ++evaluations_;
     Candidate candidate;
