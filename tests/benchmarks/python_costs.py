@@ -41,7 +41,7 @@ def main():
         data = fracfit.Model(truth).frequency_response(omega)
         print(f"fit {formula},{least(50, lambda: fracfit.fit(data, formula)):.6f}")
     grid = np.linspace(2, 4, 100_000)
-    curve = lambda: fracfit.describing_function(grid, restitution=0.6, protocol="two-impact")
+    curve = lambda: fracfit.describing_function(grid, restitution=0.6)
     print(f"describing_function of 1e5 points,{least(3, curve):.4f}")
     many = np.linspace(0.1, 100, 1_000_000)
     model = fracfit.Model("2/(0.5 s^0.7 + 1)")

@@ -141,6 +141,13 @@ def test_reads_files():
     assert len(fracfit.read(os.path.join(command_line.DATA, "examples", "cell.csv"), where="f<1")) == np.sum(rows[:, 0] < 1)
 
 
+def test_reads_one_of_several_sweeps(tmp_path):
+    path = tmp_path / "two.csv"
+    path.write_text("omega_rad_s,re_a,im_a,re_b,im_b\n1,1,2,3,4\n2,5,6,7,8\n")
+    assert fracfit.sweep_names(path) == ["a", "b"]
+    assert fracfit.read(path, select="b").response.tolist() == [3 + 4j, 7 + 8j]
+
+
 def test_a_file_that_cannot_be_read(tmp_path):
     with pytest.raises(RuntimeError, match="missing.csv"):
         fracfit.read(tmp_path / "missing.csv")

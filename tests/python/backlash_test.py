@@ -26,6 +26,13 @@ def test_bits_of_simulate(protocol):
     assert found["period"] == curve.period.tolist()
 
 
+def test_bits_of_the_static_model():
+    found = command_line.columns_of("simulate", "--motion", "static", "--force", 40, "--clearance", 0.3, "--omega", "5,9,20")
+    curve = fracfit.static_describing_function([5.0, 9.0, 20.0], force=40, clearance=0.3)
+    assert found["re_m_per_n"] == curve.response.real.tolist()
+    assert found["im_m_per_n"] == curve.response.imag.tolist()
+
+
 def test_bits_of_map():
     found = command_line.columns_of("map", "--restitution", "0.2,0.8", "--omega", "1,2,3")
     table = fracfit.regime_map([1.0, 2.0, 3.0], [0.2, 0.8])

@@ -114,6 +114,7 @@ def test_algebra_is_that_of_values():
         (a.feedback(0.5, sign=1), a(s) / (1 - 0.5 * a(s))),
     ):
         assert np.max(np.abs(combined(s) / expected - 1)) < 1e-13
+    assert (np.float64(2) * a)(1j) == (a * 2)(1j)
     with pytest.raises(TypeError):
         a + "text"
 

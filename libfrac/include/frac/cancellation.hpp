@@ -20,7 +20,7 @@ class Cancelled : public std::exception {
 class CancellationScope {
  public:
   explicit CancellationScope(const std::atomic<bool>& flag) noexcept : CancellationScope(&flag) {}
-  /// With the flag that another thread watches; none if null.
+  /// With the flag that another thread watches; none if null, for a stretch through which nothing may be thrown.
   explicit CancellationScope(const std::atomic<bool>* flag) noexcept;
   ~CancellationScope();
   CancellationScope(const CancellationScope&) = delete;

@@ -31,9 +31,10 @@ from ._backlash import (
     limit_cycles,
     orbits,
     regime_map,
+    static_describing_function,
 )
 from ._controller import FractionalPid
-from ._data import FrequencyResponse, TimeSeries, read
+from ._data import FrequencyResponse, TimeSeries, read, sweep_names
 from ._model import Approximation, Margins, Model, Realisation, Stability, TimeResponse, approximate
 from ._special import derivative, mittag_leffler
 
@@ -101,6 +102,8 @@ __all__ = [
     "orbits",
     "read",
     "regime_map",
+    "static_describing_function",
+    "sweep_names",
     *_LATER,
 ]
 

@@ -130,6 +130,23 @@ def describing_function(
     return DescribingFunction({"omega": omega, **found})
 
 
+def static_describing_function(
+    omega: Any, *, force: float = 1.0, clearance: float = 1.0, mass1: float = 1.0, mass2: float = 1.0
+) -> FrequencyResponse:
+    """The static model of backlash as a describing function of the two masses, m/N: without impacts, in closed form.
+
+    Examples
+    --------
+    >>> import fracfit
+    >>> rigid = fracfit.static_describing_function([1.0, 2.0], clearance=0.0)  # -1/((M1 + M2) omega^2)
+    >>> rigid.response.real
+    array([-0.5  , -0.125])
+    """
+    omega = real_array(omega, "omega")
+    scene = (number(mass1, "mass1"), number(mass2, "mass2"), number(clearance, "clearance"), number(force, "force"))
+    return FrequencyResponse(omega, _core.static_describing_function(*scene, omega), unit="m/N")
+
+
 def regime_map(
     omega: Any,
     restitution: Any,

@@ -152,6 +152,11 @@ class FractionalPid:
         return self._controller.error
 
     @property
+    def omega_at_error(self) -> float:
+        """Where that is reached, rad/s."""
+        return self._controller.omega_at_error
+
+    @property
     def note(self) -> str:
         """What differs from what was asked; empty if nothing does."""
         return self._controller.note

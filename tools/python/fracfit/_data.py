@@ -368,6 +368,20 @@ def read(
     )
 
 
+def sweep_names(path: str | os.PathLike[str], key_column: str = "") -> list[str]:
+    """Names of the curves in a file that holds several, as `read` takes them for ``select``; empty where it holds one.
+
+    Parameters
+    ----------
+    path : path
+    key_column : str
+        Column whose values tell the curves apart.
+    """
+    from . import _files
+
+    return _files.sweep_names(os.fspath(path), key_column)
+
+
 def _frozen(array: np.ndarray) -> np.ndarray:
     # A caller's own array is not to change what was checked, nor to be made read-only.
     array = np.array(array)

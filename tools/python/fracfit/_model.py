@@ -190,6 +190,40 @@ class Model:
         return list(self._structure.parameter_names)
 
     @property
+    def grouped(self) -> str:
+        """The formula as it was understood.
+
+        Examples
+        --------
+        >>> from fracfit import Model
+        >>> Model("K/(T s + 1) exp(-L s)").grouped
+        '(K/(T s + 1)) exp(-L s)'
+        """
+        return self._structure.grouped
+
+    @property
+    def numerator(self) -> list[tuple[float, float]]:
+        """Terms (coefficient, order), by falling order.
+
+        Examples
+        --------
+        >>> from fracfit import Model
+        >>> Model("(s^0.5 + 2)/(s + 1)").numerator
+        [(1.0, 0.5), (2.0, 0.0)]
+        """
+        return self._tf.numerator
+
+    @property
+    def denominator(self) -> list[tuple[float, float]]:
+        """Terms (coefficient, order), by falling order."""
+        return self._tf.denominator
+
+    @property
+    def delay(self) -> float:
+        """Dead time, s."""
+        return self._tf.delay
+
+    @property
     def is_fractional(self) -> bool:
         """Whether s stands under a power that is not whole, or whose order is a parameter."""
         return self._structure.is_fractional
@@ -468,6 +502,9 @@ class Model:
         from . import fit
 
         return fit(data, self, **options)
+
+    # Numbers of numpy leave products with models to the models.
+    __array_ufunc__ = None
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Model):

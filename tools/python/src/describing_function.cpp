@@ -22,28 +22,38 @@ using Points = std::vector<const std::vector<Point>*>;
 constexpr std::array regimes = {backlash::Regime::rigid,    backlash::Regime::free,    backlash::Regime::symmetric,
                                 backlash::Regime::periodic, backlash::Regime::chatter, backlash::Regime::averaged};
 
-// One array per number of a point, over all curves.
+// One array per number of a point, over all curves, in one pass through the points.
 py::dict columns_of(const Points& curves, const std::vector<py::ssize_t>& shape) {
-  const auto column = [&]<typename T>(T, auto get) {
-    py::array_t<T> numbers(shape);
-    T* out = numbers.mutable_data();
-    for (const auto* curve : curves)
-      for (const Point& point : *curve) *out++ = static_cast<T>(get(point));
-    return numbers;
-  };
   py::dict result;
-  result["response"] = column(std::complex<double>(), [](const Point& point) { return point.value; });
-  result["regime"] = column(std::int8_t(), [](const Point& point) {
-    return std::find(regimes.begin(), regimes.end(), point.regime) - regimes.begin();
-  });
-  result["period"] = column(std::int32_t(), [](const Point& point) { return point.period; });
-  result["impacts_per_period"] = column(double(), [](const Point& point) { return point.impacts_per_period; });
-  result["uncertainty"] = column(double(), [](const Point& point) { return point.uncertainty; });
-  result["third_harmonic_ratio"] = column(double(), [](const Point& point) { return point.third_harmonic_ratio; });
-  result["even_harmonic_ratio"] = column(double(), [](const Point& point) { return point.even_harmonic_ratio; });
-  result["energy_defect"] = column(double(), [](const Point& point) { return point.energy_defect; });
-  result["lyapunov_exponent"] = column(double(), [](const Point& point) { return point.lyapunov_exponent; });
-  result["transient_possible"] = column(bool(), [](const Point& point) { return point.transient_possible; });
+  const auto column = [&]<typename T>(const char* name, T) {
+    py::array_t<T> numbers(shape);
+    result[name] = numbers;
+    return numbers.mutable_data();
+  };
+  auto* value = column("response", std::complex<double>());
+  auto* regime = column("regime", std::int8_t());
+  auto* period = column("period", std::int32_t());
+  auto* impacts = column("impacts_per_period", double());
+  auto* uncertainty = column("uncertainty", double());
+  auto* third = column("third_harmonic_ratio", double());
+  auto* even = column("even_harmonic_ratio", double());
+  auto* defect = column("energy_defect", double());
+  auto* lyapunov = column("lyapunov_exponent", double());
+  auto* transient = column("transient_possible", bool());
+  for (const auto* curve : curves) {
+    for (const Point& point : *curve) {
+      *value++ = point.value;
+      *regime++ = static_cast<std::int8_t>(std::find(regimes.begin(), regimes.end(), point.regime) - regimes.begin());
+      *period++ = point.period;
+      *impacts++ = point.impacts_per_period;
+      *uncertainty++ = point.uncertainty;
+      *third++ = point.third_harmonic_ratio;
+      *even++ = point.even_harmonic_ratio;
+      *defect++ = point.energy_defect;
+      *lyapunov++ = point.lyapunov_exponent;
+      *transient++ = point.transient_possible;
+    }
+  }
   return result;
 }
 

@@ -49,12 +49,18 @@ Complexes values_at(const Transfer& model, const Complexes& s) {
   Complexes result(s.size());
   const auto at = span_of(s);
   std::complex<double>* out = result.mutable_data();
-  run([&](frac::Progress&) {
+  const auto evaluate = [&] {
     for (std::size_t i = 0; i < at.size(); ++i) {
       if (i % block == 0) frac::throw_if_cancelled();
       out[i] = frac::laplace_value(model, at[i]);
     }
-  });
+  };
+  if (at.size() <= block) {
+    const py::gil_scoped_release without_lock;
+    evaluate();
+  } else {
+    run([&](frac::Progress&) { evaluate(); });
+  }
   return result;
 }
 

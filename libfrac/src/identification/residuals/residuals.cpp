@@ -27,8 +27,7 @@ void add_multiple(double factor, const std::complex<double>* from, std::span<std
 }  // namespace
 
 bool Residuals::evaluate_all(std::span<const double> theta, std::vector<double>& residual) const {
-  // Solvers in C call this, through which nothing can be thrown; whoever called them throws.
-  if (is_cancelled()) return false;
+  throw_if_cancelled();
   residual.resize(count());
   return evaluate(theta, residual.data(), nullptr);
 }

@@ -227,6 +227,9 @@ std::vector<double> controlled_random_search(const Residuals& residuals, const s
   nlopt_set_upper_bounds(search.get(), upper.data());
   nlopt_set_maxeval(search.get(), static_cast<int>(1000 * free.size()));
   const auto objective = [](unsigned count, const double* theta, double*, void* context) {
+    // Nothing can be thrown through NLopt, which is C: the rest of its evaluations cost nothing.
+    if (is_cancelled()) return 1e6;
+    const CancellationScope unwatched(nullptr);
     const double cost = static_cast<const Residuals*>(context)->cost({theta, count});
     return std::isfinite(cost) ? std::log(cost + std::numeric_limits<double>::min()) : 1e6;
   };

@@ -171,9 +171,10 @@ class Search {
   }
 
   Candidate consider(const std::vector<double>& x) {
-    // NLopt, in C, calls this, and nothing can be thrown through it; run() throws.  look_around() has found a
-    // candidate.
+    // Nothing can be thrown through NLopt, which is C and calls this: run() throws.  look_around() has found a best
+    // one.
     if (is_cancelled()) return best_;
+    const CancellationScope unwatched(nullptr);
     ++evaluations_;
     Candidate candidate;
     candidate.gains = space_.gains(x);
