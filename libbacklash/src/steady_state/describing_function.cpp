@@ -15,6 +15,7 @@
 #include "base/check.hpp"
 #include "base/spelling.hpp"
 #include "describing_function_point.hpp"
+#include "frac/cancellation.hpp"
 #include "steady_state.hpp"
 #include "symmetric_orbits.hpp"
 #include "two_impact_orbit.hpp"
@@ -139,6 +140,7 @@ std::vector<DescribingFunctionPoint> carried_points(const TwoMassSystem& system,
   // gamma of the last point, where it was on the symmetric orbit and its state has not been needed yet.
   std::optional<double> owed_state;
   for (std::size_t step = 0; step < omega.size(); ++step) {
+    frac::throw_if_cancelled();
     const std::size_t i = down ? omega.size() - 1 - step : step;
     const double gamma = dimensionless_force(system, force_amplitude, omega[i]);
     if (!(gamma < detail::rigid_force)) {
