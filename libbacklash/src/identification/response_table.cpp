@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "frac/cancellation.hpp"
 #include "frac/parallel_for.hpp"
 #include "steady_state/steady_state.hpp"
 #include "steady_state/two_impact_orbit.hpp"
@@ -37,6 +38,7 @@ ResponseRow make_row(double restitution) {
   ResponseRow row{restitution, loss, std::exp(highest_log_gamma),
                   std::vector<std::optional<Complex>>(static_cast<std::size_t>(count))};
   for (int i = 0; i < count && gamma_of(i) <= loss; ++i) {
+    frac::throw_if_cancelled();
     if (const auto response = two_impact_response(gamma_of(i), restitution)) {
       row.h[static_cast<std::size_t>(i)] = response->h;
     }
@@ -44,6 +46,7 @@ ResponseRow make_row(double restitution) {
   int last = count - 1;
   std::optional<Complex> last_h;
   for (int i = count - 1; i >= 0; i -= chatter_stride) {
+    frac::throw_if_cancelled();
     const auto h = sticking_h(gamma_of(i), restitution);
     if (!h || gamma_of(i) <= loss) break;
     row.h[static_cast<std::size_t>(i)] = h;
@@ -65,6 +68,7 @@ void fill_irregular(ResponseRow& row) {
   std::optional<Complex> before;
   int place = first;
   for (int i = std::max(first, 0); i < static_cast<int>(row.h.size()); i += irregular_stride) {
+    frac::throw_if_cancelled();
     const double gamma = gamma_of(i);
     const auto steady = find_steady_state(GapMotion(gamma, row.restitution), contact_at_rest_state(), 1e-6,
                                           {rough_mean, -gamma, Transients::ignored});

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "frac/cancellation.hpp"
 #include "response_table.hpp"
 
 namespace backlash::detail {
@@ -222,6 +223,7 @@ std::vector<SceneVector> scene_starts(const SceneData& data, const SceneBounds& 
   const NodeRater rater(data, bounds, fixed);
   std::vector<RatedStart> rated;
   for (const double log_product : log_products(data, fixed, jumps)) {
+    frac::throw_if_cancelled();
     for (const ResponseRow& row : rate_irregular ? full_table() : regular_table()) {
       if (fixed[3] && std::abs(row.restitution - *fixed[3]) > near_restitution) continue;
       if (const auto start = rater.rate({log_product, &row, fixed[3].value_or(row.restitution)})) {
