@@ -127,7 +127,7 @@ TEST_P(ShellBlocks, EveryCommandRunsAsWritten) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ShellBlocks, testing::Values("README.md", "tools/docs/recipes.md"),
-                         [](const auto& info) { return fs::path(info.param).stem().string(); });
+                         [](const auto& page) { return fs::path(page.param).stem().string(); });
 
 TEST(PageBlocks, DifferInNumbersByTheLastDigitShownAtMost) {
   EXPECT_EQ(difference({"rms  0.01230 V"}, {"rms 0.01231 V "}), "");
