@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "frac/cancellation.hpp"
+
 namespace backlash::detail {
 namespace {
 
@@ -113,6 +115,7 @@ std::vector<double> roots_on_grid(const std::function<double(double)>& scanned,
   std::vector<double> roots;
   double before = scanned(grid.front());
   for (std::size_t i = 1; i < grid.size(); ++i) {
+    frac::throw_if_cancelled();
     const double after = scanned(grid[i]);
     if (after == 0) {
       roots.push_back(grid[i]);

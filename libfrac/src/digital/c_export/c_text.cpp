@@ -196,6 +196,7 @@ void describe(const CSections& sections, CWords& words, CConditions& conditions)
   words[prefix + "_SIZE"] = std::to_string(sections.rates.size());
   conditions["HAS_" + prefix + "_TAPS"] = !sections.taps.empty();
   conditions["HAS_" + prefix + "_SECTIONS"] = !sections.rates.empty();
+  conditions["HAS_" + prefix + "_LEAK"] = !sections.rates.empty() && sections.output == SectionOutput::change;
   conditions["HAS_" + prefix + "_STATE"] = sections.has_state();
 }
 
