@@ -117,11 +117,10 @@ Page read_page(const std::filesystem::path& path) {
     const bool console = lines[at] == fence + "console";
     const bool code = lines[at].starts_with(fence + "{code-block}");
     std::string caption, content;
-    bool continued = false;
     for (++at; at < lines.size() && lines[at] != fence; ++at) {
       const std::string& line = lines[at];
-      if (console && continued) {
-        if (!line.starts_with("> ")) throw std::runtime_error(path.string() + ": a continued line starts with \"> \"");
+      const bool continues = line.starts_with("> ") && !page.steps.empty() && page.steps.back().expected.empty();
+      if (console && continues) {
         page.steps.back().command += "\n" + line.substr(2);
       } else if (console && line.starts_with("$ ")) {
         page.steps.push_back({.line = static_cast<int>(at) + 1, .command = line.substr(2)});
@@ -133,7 +132,6 @@ Page read_page(const std::filesystem::path& path) {
       } else if (!content.empty() || !(line.empty() || line.starts_with(":"))) {
         content += line + "\n";
       }
-      continued = console && line.ends_with("\\") && (continued || line.starts_with("$ "));
     }
     if (!caption.empty()) {
       page.steps.push_back({.line = static_cast<int>(at) + 1, .file = caption, .content = content});

@@ -7,11 +7,11 @@
 
 /// What a reader does with one block of a page: types a command, or saves a file under its caption.
 struct PageStep {
-  int line = 0;                       ///< line of the page, from 1
-  std::string command;                ///< without its prompt, continued lines joined; empty for a file
-  std::vector<std::string> expected;  ///< lines printed below the command
-  std::string file;                   ///< name of a file to save
-  std::string content;                ///< of that file
+  int line = 0;                            ///< line of the page, from 1
+  std::string command = {};                ///< without its prompt, continued lines joined; empty for a file
+  std::vector<std::string> expected = {};  ///< lines printed below the command
+  std::string file = {};                   ///< name of a file to save
+  std::string content = {};                ///< of that file
 };
 
 /// A page of tools/docs: its steps in order, and the prose between its blocks.

@@ -1,20 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <fcntl.h>
 #include <gtest/gtest.h>
-#include <pty.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "project/page_blocks.hpp"
+#include "tools/run_program.hpp"
 #include "tools/temporary_folder.hpp"
 
 namespace {
@@ -26,53 +22,25 @@ const fs::path root = FRACFIT_SOURCE_DIR;
 /// A folder as a reader has it before him: `data` of the clone in it, and fracfit on the path.
 class ReadersFolder {
  public:
-  ReadersFolder() {
-    fs::create_directory_symlink(root / "data", folder_.path("data"));
-    const std::string programs = fs::path(FRACFIT_PROGRAM).parent_path().string();
-    const char* path = std::getenv("PATH");
-    if (path == nullptr || !std::string(path).starts_with(programs + ":")) {
-      ::setenv("PATH", (programs + ":" + (path == nullptr ? "" : path)).c_str(), 1);
-    }
-  }
+  ReadersFolder() { fs::create_directory_symlink(root / "data", folder_.path("data")); }
 
   void save(const std::string& name, const std::string& content) const { folder_.write(name, content); }
 
-  /// Runs a command with standard output on a terminal of 100 columns, and leaves in `text` what was printed there,
-  /// after what was printed on standard error.  Standard error is a file, so that no progress bar is drawn.
+  /// Runs a command with standard output on a terminal, and leaves in `text` what was printed there, after what was
+  /// printed on standard error.  Standard error is a file, so that no progress bar is drawn.
   int run(const std::string& command, std::string& text) const {
-    winsize size{.ws_row = 50, .ws_col = 100, .ws_xpixel = 0, .ws_ypixel = 0};
-    int terminal = -1, writing_end = -1;
-    if (::openpty(&terminal, &writing_end, nullptr, nullptr, &size) != 0) throw std::runtime_error("no terminal");
-    const std::string error_file = errors_.path("error");
-    const std::string place = folder_.path();
-    const pid_t child = ::fork();
-    if (child == 0) {
-      const int error = ::open(error_file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-      const int nothing = ::open("/dev/null", O_RDONLY);
-      if (error < 0 || nothing < 0 || ::chdir(place.c_str()) != 0) ::_exit(126);
-      ::dup2(nothing, 0);
-      ::dup2(writing_end, 1);
-      ::dup2(error, 2);
-      ::close(terminal);
-      ::execlp("bash", "bash", "-c", command.c_str(), static_cast<char*>(nullptr));
-      ::_exit(127);
-    }
-    ::close(writing_end);
-    std::string output;
-    char buffer[4096];
-    for (ssize_t got = 0; (got = ::read(terminal, buffer, sizeof buffer)) > 0;) {
-      output.append(buffer, static_cast<std::size_t>(got));
-    }
-    ::close(terminal);
-    int status = 0;
-    if (child < 0 || ::waitpid(child, &status, 0) != child) throw std::runtime_error("no process");
-    std::erase(output, '\r');
-    text = content_of(error_file) + output;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    const char* path = std::getenv("PATH");
+    ProgramSetting setting;
+    setting.search_path = fs::path(FRACFIT_PROGRAM).parent_path().string() + ":" + (path == nullptr ? "" : path);
+    setting.terminal_output = true;
+    const ProgramResult result = run_program("/bin/bash", {"-c", "cd '" + folder_.path() + "'\n" + command}, setting);
+    text = result.error + result.output;
+    std::erase(text, '\r');
+    return result.code;
   }
 
  private:
-  TemporaryFolder folder_, errors_;
+  TemporaryFolder folder_;
 };
 
 /// Lines without those that are empty at the end.
@@ -99,6 +67,7 @@ class Pages : public testing::TestWithParam<std::string> {};
 
 // A reader types the commands of a page one after the other, so that later ones use what earlier ones wrote.
 TEST_P(Pages, ShowWhatTheProgramPrints) {
+  if (!has_terminals()) GTEST_SKIP() << "no pseudo-terminals here";
   const Page page = read_page(root / GetParam());
   const ReadersFolder folder;
   for (const PageStep& step : page.steps) {
@@ -147,6 +116,7 @@ class ShellBlocks : public testing::TestWithParam<std::string> {};
 
 // These, too, are typed one after the other; what they print is not shown.
 TEST_P(ShellBlocks, EveryCommandRunsAsWritten) {
+  if (!has_terminals()) GTEST_SKIP() << "no pseudo-terminals here";
   const std::vector<std::string> commands = shell_commands(root / GetParam(), "fracfit");
   ASSERT_GE(commands.size(), 5u);
   const ReadersFolder folder;
@@ -157,7 +127,7 @@ TEST_P(ShellBlocks, EveryCommandRunsAsWritten) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ShellBlocks, testing::Values("README.md", "tools/docs/recipes.md"),
-                         [](const auto& info) { return fs::path(info.param).stem().string(); });
+                         [](const auto& page) { return fs::path(page.param).stem().string(); });
 
 TEST(PageBlocks, DifferInNumbersByTheLastDigitShownAtMost) {
   EXPECT_EQ(difference({"rms  0.01230 V"}, {"rms 0.01231 V "}), "");

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <optional>
 
+#include "frac/cancellation.hpp"
 #include "scene_start.hpp"
 #include "steady_state/two_impact_orbit.hpp"
 
@@ -271,6 +272,7 @@ void Solver::least_squares() {
   Evaluation current = evaluate(theta_, deviation, true);
   drop(current.ended);
   for (int iteration = 0; iteration < iterations_ && !least_squares_converged_;) {
+    frac::throw_if_cancelled();
     const NormalEquations equations = products(data_, theta_, choices_, &deviation);
     std::array<bool, 4> inner{};
     double largest = 0;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "frac/cancellation.hpp"
 #include "frac/parallel_for.hpp"
 #include "steady_state/steady_state.hpp"
 #include "steady_state/two_impact_orbit.hpp"
@@ -59,6 +60,7 @@ Row make_row(double restitution) {
   Row row{restitution, loss, std::exp(log_gamma_upper),
           std::vector<std::optional<Complex>>(static_cast<std::size_t>(count))};
   for (int i = 0; i < count && gamma_of(i) <= loss; ++i) {
+    frac::throw_if_cancelled();
     if (const auto response = two_impact_response(gamma_of(i), restitution)) {
       row.h[static_cast<std::size_t>(i)] = response->h;
     }
@@ -66,6 +68,7 @@ Row make_row(double restitution) {
   int last = count - 1;
   std::optional<Complex> last_h;
   for (int i = count - 1; i >= 0; i -= chatter_stride) {
+    frac::throw_if_cancelled();
     const auto h = sticking_h(gamma_of(i), restitution);
     if (!h || gamma_of(i) <= loss) break;
     row.h[static_cast<std::size_t>(i)] = h;

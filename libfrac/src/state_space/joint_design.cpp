@@ -6,6 +6,7 @@
 
 #include "approximation/log_pole_problem.hpp"
 #include "base/linear_algebra.hpp"
+#include "frac/cancellation.hpp"
 #include "model_on_band.hpp"
 
 namespace frac::detail {
@@ -204,12 +205,14 @@ Best optimal_poles(PoleProblem& least, std::vector<double> u, double half_width)
   double damping = 1e-3;
   int sharpenings = 0;
   for (int i = 0; i < most_steps; ++i) {
+    throw_if_cancelled();
     const PoleProblem::Step step = least.step(u, damping);
     if (step.change.empty()) break;
     const bool settled = least.mean() < 1.3 * step.predicted;
     const double mean = least.mean();
     bool improved = false;
     for (double share = 1; share > 0.03 && !improved; share /= 2) {
+      throw_if_cancelled();
       std::vector<double> trial = u;
       for (std::size_t k = 0; k < u.size(); ++k) trial[k] += std::clamp(share * step.change[k], -1.0, 1.0);
       if (!acceptable(trial, half_width) || !least.evaluate(trial)) continue;

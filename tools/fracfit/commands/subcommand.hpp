@@ -13,6 +13,7 @@ namespace fracfit {
 [[nodiscard]] std::unique_ptr<Command> make_approximate();
 [[nodiscard]] std::unique_ptr<Command> make_basins();
 [[nodiscard]] std::unique_ptr<Command> make_batch();
+[[nodiscard]] std::unique_ptr<Command> make_cluster_script();
 [[nodiscard]] std::unique_ptr<Command> make_controller();
 [[nodiscard]] std::unique_ptr<Command> make_convert();
 [[nodiscard]] std::unique_ptr<Command> make_evaluate();

@@ -116,6 +116,7 @@ Request parse(const std::vector<CommandGroup>& groups, const std::vector<std::st
   Command& command = command_named(groups, name);
   CLI::App app;
   app.allow_extras();
+  app.prefix_command(command.takes_command());
   std::deque<Slot> slots;
   for (Option& option : command.options().all()) add_slots(app, option, slots);
   try {
@@ -129,7 +130,10 @@ Request parse(const std::vector<CommandGroup>& groups, const std::vector<std::st
   } catch (const CLI::ParseError& error) {
     refuse(error.what(), command.name());
   }
-  check_extras(command, app.remaining());
+  if (command.takes_command())
+    command.set_words(app.remaining());
+  else
+    check_extras(command, app.remaining());
   hand_over(command, slots);
   return {&command, {}};
 }

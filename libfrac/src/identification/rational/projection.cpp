@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "base/linear_algebra.hpp"
+#include "frac/cancellation.hpp"
 #include "identification/statistics/information.hpp"
 
 namespace frac::detail {
@@ -49,6 +50,7 @@ void ProjectedData::put(const Eigen::VectorXcd& values, Eigen::Ref<Eigen::Vector
 }
 
 bool ProjectedData::solve(const Eigen::MatrixXcd& columns, Linear& linear) const {
+  throw_if_cancelled();
   if (!columns.allFinite() || columns.cols() > target_.size()) return false;
   Eigen::MatrixXd matrix(target_.size(), columns.cols());
   for (Index k = 0; k < columns.cols(); ++k) put(columns.col(k), matrix.col(k));
