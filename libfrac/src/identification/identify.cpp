@@ -10,7 +10,9 @@
 #include "frac/parallel_for.hpp"
 #include "identification/contained_optimum.hpp"
 #include "identification/data/fit_data.hpp"
+#include "identification/data/noise_floor.hpp"
 #include "identification/data/residual_rule.hpp"
+#include "identification/rational/family_members.hpp"
 #include "identification/statistics/curvature_fit.hpp"
 #include "identification/statistics/information.hpp"
 #include "identification/statistics/residual_tests.hpp"
@@ -157,6 +159,24 @@ void start_from_contained(const Data& data, const Options& options, std::vector<
   }
 }
 
+/// The floor of the noise as the residuals of the family of ratios tell it, which follows most data.
+double learned_floor(const FrequencyResponseData& data, const FitOptions& options) {
+  if (options.component == Component::magnitude || options.component == Component::phase) return 0;
+  FitOptions trial = options;
+  // Under relative weight a ratio might follow nothing but the noise of what lies below the floor.
+  trial.noise_floor = detail::noise_floor(data, options.component);
+  constexpr double settled = 0.3;
+  constexpr int most_rounds = 3;
+  for (int round = 0; round < most_rounds; ++round) {
+    const std::vector<std::complex<double>> model = detail::ratio_response(data, trial);
+    if (model.empty()) break;
+    const double before = *trial.noise_floor, floor = detail::noise_floor(data, model, options.component);
+    if (std::abs(floor - before) <= settled * before) break;
+    trial.noise_floor = floor;
+  }
+  return *trial.noise_floor;
+}
+
 template <class Data, class Options>
 IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& models,
                             const std::vector<ComparedCurve>& curves, const Options& options, int threads) {
@@ -234,11 +254,17 @@ std::string_view to_string(Verdict verdict) {
 IdentificationResult identify(const FrequencyResponseData& data, const std::vector<NamedModel>& models,
                               const std::vector<FixedCurve>& curves, const FitOptions& options, int threads) {
   // Refuses weights that do not go with the data once, before every candidate would be skipped for it.
-  const detail::ResidualRule rule = detail::residual_rule(data, options);
+  static_cast<void>(detail::residual_rule(data, options));
+  FitOptions told_floor = options;
+  if (options.weight == Weight::learned && !options.noise_floor) told_floor.noise_floor = learned_floor(data, options);
+  const detail::ResidualRule rule = detail::residual_rule(data, told_floor);
   std::vector<ComparedCurve> residuals;
   const bool told = options.weight == Weight::given || options.weight == Weight::repeats;
   for (const FixedCurve& curve : curves) residuals.push_back(compared(data, curve, rule, told));
-  return ranked(data, models, residuals, options, threads);
+  IdentificationResult result = ranked(data, models, residuals, told_floor, threads);
+  result.noise_floor = told_floor.noise_floor.value_or(0);
+  for (RankedFit& candidate : result.ranking) candidate.fit.noise_floor = result.noise_floor;
+  return result;
 }
 
 IdentificationResult identify(const TimeResponseData& data, const std::vector<NamedModel>& models,

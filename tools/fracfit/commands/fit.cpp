@@ -24,7 +24,6 @@ class Fit : public Command {
   Fit() : Command("fit", "Fits one structure to a frequency response, or to samples of input and output over time") {
     constexpr std::size_t fewest_samples = 20;
     Options& o = options();
-    request_.weight = "learned";
     add_data(o, request_);
     o.text("--model", model_, "or a preset; letters other than s are parameters").suggest(preset_names()).or_argument();
     o.choice("--grow", grow_, frac::growth_families(),

@@ -2,6 +2,7 @@
 #include "frac/identification/identify.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -9,6 +10,7 @@
 #include "backlash/static_backlash.hpp"
 #include "commands/subcommand.hpp"
 #include "frac/identification/model_choice.hpp"
+#include "frac/identification/outliers.hpp"
 #include "frac/parallel_for.hpp"
 #include "io/time_series_file.hpp"
 #include "options/fit_request.hpp"
@@ -154,10 +156,27 @@ class Identify : public Command {
 
   [[nodiscard]] std::vector<std::string> inputs() const override { return {request_.data}; }
 
+  // What is left out of the comparison, unless a loss is asked for.
+  [[nodiscard]] std::vector<std::size_t> outliers_of(const frac::FrequencyResponseData& data) const {
+    if (options()["--loss"].is_given()) return {};
+    const auto outliers = frac::isolated_outliers(data, request_.component);
+    if (outliers.empty()) return {};
+    std::string text;
+    for (const std::size_t point : outliers) {
+      char omega[32];
+      std::snprintf(omega, sizeof omega, "%.4g", data.omega()[point]);
+      text += (text.empty() ? "" : ", ") + std::string(omega);
+    }
+    say(std::to_string(outliers.size()) + " of " + std::to_string(data.size()) +
+        " points contradict their neighbours on both sides and are left out of the comparison: omega = " + text +
+        " rad/s; --loss none keeps them");
+    return outliers;
+  }
+
   int run() override {
     if (io::holds_time_response(request_.data, request_.how)) return run_over_time();
     options().settle(frequency_response);
-    const auto fit = fit_options(request_);
+    auto fit = fit_options(request_);
     const auto file = read_data(request_, [this](const std::string& note) { say(note); });
     check_folds(file.data.size());
     std::vector<frac::FixedCurve> curves;
@@ -167,8 +186,15 @@ class Identify : public Command {
       if (io::find_value(file.metadata, "output") == "x2")
         say(request_.data + ": the data are of x2, while the static-backlash curve describes x1");
     }
-    const auto result = frac::identify(file.data, models_, curves, fit, threads());
-    return write_ranking(file.data, fit, result, fit_run(request_, options(), file, command_line()));
+    const auto outliers = outliers_of(file.data);
+    for (auto& curve : curves) {
+      for (auto at = outliers.rbegin(); at != outliers.rend(); ++at)
+        curve.value.erase(curve.value.begin() + static_cast<std::ptrdiff_t>(*at));
+    }
+    const auto data = frac::without_points(file.data, outliers);
+    const auto result = frac::identify(data, models_, curves, fit, threads());
+    if (request_.weight == frac::to_string(frac::Weight::learned)) fit.noise_floor = result.noise_floor;
+    return write_ranking(data, fit, result, fit_run(request_, options(), file, command_line()));
   }
 
   FitRequest request_;

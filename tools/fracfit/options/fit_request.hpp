@@ -18,7 +18,7 @@ namespace fracfit {
 struct FitRequest {
   std::string data;
   frac::Component component = frac::Component::imaginary;
-  std::string weight = "relative";
+  std::string weight = "learned";
   frac::Loss loss = frac::Loss::none;
   std::string realisation = "exact";
   std::optional<frac::FrequencyBand> band;

@@ -106,6 +106,8 @@ struct IdentificationResult {
   double differ_most_omega, differ_most;
   bool model_error = false;             // no candidate follows the data to within their noise
   std::optional<NextMeasurement> next;  // where undecided between two models of a frequency response
+  /// Floor of weight `learned` that all candidates were fitted with, in the unit of the data; 0 under other weights.
+  double noise_floor = 0;
 };
 
 /// None of the candidates could be fitted; what() gives the reason of the first.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "family_members.hpp"
 
+#include <cstdio>
+#include <cstdlib>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -37,6 +39,12 @@ FamilyMembers rational_members(const RationalProblem& problem, const RationalFam
     return members;
   }
   const RationalLadder ladder = grow_rational(problem, family.fewest_poles, family.most_poles, kind);
+  if (std::getenv("LADDER"))
+    for (const RationalFit& fit : ladder.fits)
+      std::fprintf(stderr, "LADDER %s%s %zu/%zu cost %.6g par %zu value %.3f price %.2f order %.4f rows %zu\n",
+                   kind.free_order ? "commensurate" : "rational", kind.delayed ? "+delay" : "", fit.shape.degree,
+                   fit.shape.poles(), fit.cost, fit.parameters, schwarz(problem, fit),
+                   price_of_search(problem, fit.shape), fit.shape.order, problem.rows());
   for (const RationalFit& fit : ladder.fits) members.models.push_back(written_out(problem, fit.shape, component));
   members.chosen = ladder.chosen;
   return members;
@@ -44,6 +52,13 @@ FamilyMembers rational_members(const RationalProblem& problem, const RationalFam
 
 FamilyMembers term_members(const TermProblem& problem, const TermFamily& family) {
   const TermLadder ladder = grow_terms(problem, family.most_terms);
+  if (std::getenv("LADDER"))
+    for (const TermFit& fit : ladder.fits) {
+      std::fprintf(stderr, "LADDER terms cost %.6g par %zu value %.3f orders", fit.cost, fit.parameters,
+                   schwarz(problem, fit.cost, fit.parameters));
+      for (const Term& term : fit.sum) std::fprintf(stderr, " %s%.3f%s", term.arc ? "arc" : "", term.order, term.held ? "h" : "");
+      std::fprintf(stderr, "\n");
+    }
   FamilyMembers members;
   for (const TermFit& fit : ladder.fits) members.models.push_back(written_out(problem, fit.sum));
   members.chosen = ladder.chosen;
@@ -61,6 +76,13 @@ FamilyMembers family_members(const FrequencyResponseData& data, const NamedModel
     throw std::invalid_argument("model '" + model.name + "': too few residuals for any member of this family");
   }
   return members;
+}
+
+std::vector<std::complex<double>> ratio_response(const FrequencyResponseData& data, const FitOptions& options) {
+  const RationalProblem problem(data, rule_of(data, options));
+  const RationalLadder ladder = grow_rational(problem, 0, RationalFamily{}.most_poles, {});
+  return ladder.fits.empty() ? std::vector<std::complex<double>>{}
+                             : problem.response(ladder.fits.at(ladder.chosen).shape);
 }
 
 NamedModel best_member(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options) {

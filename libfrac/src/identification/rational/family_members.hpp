@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <complex>
 #include <cstddef>
 #include <vector>
 
@@ -18,6 +19,10 @@ struct FamilyMembers {
 /// @throws std::invalid_argument  as resolved_model()
 [[nodiscard]] FamilyMembers family_members(const FrequencyResponseData& data, const NamedModel& model,
                                            const FitOptions& options);
+
+/// What the best ratio of the default family gives at the frequencies of the data; empty where there is none.
+[[nodiscard]] std::vector<std::complex<double>> ratio_response(const FrequencyResponseData& data,
+                                                               const FitOptions& options);
 
 [[nodiscard]] NamedModel best_member(const FrequencyResponseData& data, const NamedModel& model,
                                      const FitOptions& options);

@@ -202,6 +202,12 @@ std::vector<double> RationalProblem::residual_sizes(const RationalShape& shape) 
   return sizes(linear);
 }
 
+std::vector<std::complex<double>> RationalProblem::response(const RationalShape& shape) const {
+  Linear linear;
+  if (!solve(columns(shape), linear)) return {};
+  return {linear.model.begin(), linear.model.end()};
+}
+
 std::vector<double> RationalProblem::numerator(const RationalShape& shape) const {
   Linear linear;
   const std::size_t count = shape.degree - shape.low + 1;

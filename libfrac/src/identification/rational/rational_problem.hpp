@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <complex>
 #include <cstddef>
 #include <vector>
 
@@ -61,6 +62,8 @@ class RationalProblem : public ProjectedData {
   [[nodiscard]] RationalFit refine(const RationalShape& start, int iterations) const;
   /// Size of the residual at each point.
   [[nodiscard]] std::vector<double> residual_sizes(const RationalShape& shape) const;
+  /// Values at the frequencies of the data; empty where the model overflows.
+  [[nodiscard]] std::vector<std::complex<double>> response(const RationalShape& shape) const;
   /// Coefficients of z^low .. z^degree, s in rad/s, of the numerator; the shortest where some are not seen.
   [[nodiscard]] std::vector<double> numerator(const RationalShape& shape) const;
 
