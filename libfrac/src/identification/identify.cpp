@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 #include <stdexcept>
+#include <type_traits>
 
 #include "frac/parallel_for.hpp"
 #include "identification/contained_optimum.hpp"
@@ -13,6 +14,7 @@
 #include "identification/data/noise_floor.hpp"
 #include "identification/data/residual_rule.hpp"
 #include "identification/rational/family_members.hpp"
+#include "identification/rational/time_growth.hpp"
 #include "identification/statistics/curvature_fit.hpp"
 #include "identification/statistics/information.hpp"
 #include "identification/statistics/residual_tests.hpp"
@@ -32,6 +34,10 @@ struct Outcome {
   std::optional<FitResult> fit;
   std::string reason;
   bool from_family = false;
+  bool refuted = false;  // by the record itself, so that it is no rival any more
+  /// Of a family, see detail::FamilyMembers.
+  double departed = std::numeric_limits<double>::infinity();
+  std::size_t relaxations = 0;
 };
 
 /// A candidate nothing is fitted to, with its weighted residuals.
@@ -86,6 +92,14 @@ std::size_t chosen_of(const std::vector<RankedFit>& ranking) {
   return chosen;
 }
 
+template <class Data, class Options>
+void resolve(const Data& data, const Options& options, Outcome& outcome) {
+  detail::FamilyMembers members = detail::best_member(data, outcome.model, options);
+  outcome.model = std::move(members.models.front());
+  outcome.departed = members.departed;
+  outcome.relaxations = members.relaxations;
+}
+
 /// The fit of a candidate that is a formula.
 template <class Data, class Options>
 void fit_candidate(const Data& data, const Options& options, double hopeless, Outcome& outcome) {
@@ -93,7 +107,7 @@ void fit_candidate(const Data& data, const Options& options, double hopeless, Ou
   try {
     outcome.from_family = outcome.model.is_family();
     if (outcome.from_family) {
-      outcome.model = resolved_model(data, outcome.model, options);
+      resolve(data, options, outcome);
       of_model.global_start = false;
     }
     const auto& own = outcome.model.constraints;
@@ -104,6 +118,8 @@ void fit_candidate(const Data& data, const Options& options, double hopeless, Ou
     outcome.fit = rational ? detail::curvature_fit(data, structure, of_model)
                            : detail::fit_in_reach(data, structure, of_model, hopeless);
     if (outcome.fit->termination == FitTermination::no_usable_start) {
+      // What has no finite response to an input whose output is finite.
+      outcome.refuted = std::is_same_v<Data, TimeResponseData>;
       outcome.reason = outcome.fit->message;
       outcome.fit.reset();
     }
@@ -202,14 +218,15 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
   for (Outcome& outcome : outcomes) {
     if (!outcome.fit) {
       result.skipped.push_back(outcome.model.name + ": " + outcome.reason);
-      if (outcome.model.model_class != ModelClass::fractional) skipped_rivals.push_back(outcome.model.name);
+      if (outcome.model.model_class != ModelClass::fractional && !outcome.refuted)
+        skipped_rivals.push_back(outcome.model.name);
       continue;
     }
     LackOfFit lack = lack_of_fit(data, options, *outcome.fit);
     std::vector<double> residual = detail::weighted_residuals(data, options, *outcome.fit);
     RankedFit ranked{outcome.model.name, outcome.model.model_class, std::move(*outcome.fit), 0, 0,
                      outcome.model,      std::move(lack),           outcome.from_family};
-    competitors.push_back({std::move(ranked), std::move(residual)});
+    competitors.push_back({std::move(ranked), std::move(residual), outcome.departed, outcome.relaxations});
   }
   competitors.insert(competitors.end(), curves.begin(), curves.end());
   if (competitors.empty()) {

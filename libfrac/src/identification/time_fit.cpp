@@ -20,6 +20,7 @@
 #include "identification/search/robust.hpp"
 #include "identification/search/time_search.hpp"
 #include "identification/statistics/confidence.hpp"
+#include "identification/statistics/curvature_fit.hpp"
 #include "identification/statistics/estimates.hpp"
 
 namespace frac {
@@ -384,9 +385,9 @@ std::string ending(const detail::GlobalSolution& solution, bool is_exact) {
          " ended at the lowest cost; " + solves;
 }
 
-}  // namespace
-
-FitResult fit(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& wanted) {
+/// @param hopeless  see TimeProblem
+FitResult fit_record(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& wanted,
+                     double hopeless) {
   const auto begin = std::chrono::steady_clock::now();
   detail::require_function_of_s(structure);
   require_squares(data);
@@ -405,7 +406,7 @@ FitResult fit(const TimeResponseData& data, const Structure& structure, const Ti
     }
   }
   const double unit = unit_of(data, options.offset);
-  const detail::TimeProblem problem{data, structure, map, options, unit};
+  const detail::TimeProblem problem{data, structure, map, options, unit, hopeless};
   const std::string silence = explained_by_offset(data, options.offset);
   const detail::GlobalSolution solution = silence.empty() ? time_search(problem) : detail::GlobalSolution{};
   detail::LocalSolution best = solution.best;
@@ -448,6 +449,17 @@ FitResult fit(const TimeResponseData& data, const Structure& structure, const Ti
   result.termination = best.converged ? FitTermination::converged : FitTermination::not_converged;
   result.seconds = seconds();
   return result;
+}
+
+}  // namespace
+
+FitResult fit(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& options) {
+  return fit_record(data, structure, options, std::numeric_limits<double>::infinity());
+}
+
+FitResult detail::fit_in_reach(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& options,
+                               double hopeless) {
+  return fit_record(data, structure, options, hopeless);
 }
 
 std::vector<double> fitted_output(const FitResult& result, const TimeResponseData& data,

@@ -2,7 +2,6 @@
 #include "frac/identification/identify.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -148,8 +147,11 @@ class Identify : public Command {
     const auto record =
         read_time_record(request_, over_time_, options(), [this](const std::string& note) { say(note); });
     check_folds(record.data.observed().size());
-    // Families are grown on frequency responses only.
-    if (models_text_.empty()) std::erase_if(models_, [](const auto& model) { return model.is_family(); });
+    // Of the families that of ratios is grown over time, the others on frequency responses only.
+    const auto other_family = [](const auto& model) {
+      return model.is_family() && !(model.rational && !model.rational->free_order);
+    };
+    if (models_text_.empty()) std::erase_if(models_, other_family);
     const auto result = frac::identify(record.data, models_, fit, threads());
     return write_ranking(record.data, fit, result, time_fit_run(request_, record, options(), command_line()));
   }
@@ -161,15 +163,7 @@ class Identify : public Command {
     if (options()["--loss"].is_given()) return {};
     const auto outliers = frac::isolated_outliers(data, request_.component);
     if (outliers.empty()) return {};
-    std::string text;
-    for (const std::size_t point : outliers) {
-      char omega[32];
-      std::snprintf(omega, sizeof omega, "%.4g", data.omega()[point]);
-      text += (text.empty() ? "" : ", ") + std::string(omega);
-    }
-    say(std::to_string(outliers.size()) + " of " + std::to_string(data.size()) +
-        " points contradict their neighbours on both sides and are left out of the comparison: omega = " + text +
-        " rad/s; --loss none keeps them");
+    say(contradicted_points(data, outliers) + "; the comparison leaves them out, and keeps them with --loss none");
     return outliers;
   }
 

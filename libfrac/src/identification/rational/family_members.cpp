@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "family_members.hpp"
 
-#include <cstdio>
-#include <cstdlib>
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -39,29 +38,29 @@ FamilyMembers rational_members(const RationalProblem& problem, const RationalFam
     return members;
   }
   const RationalLadder ladder = grow_rational(problem, family.fewest_poles, family.most_poles, kind);
-  if (std::getenv("LADDER"))
-    for (const RationalFit& fit : ladder.fits)
-      std::fprintf(stderr, "LADDER %s%s %zu/%zu cost %.6g par %zu value %.3f price %.2f order %.4f rows %zu\n",
-                   kind.free_order ? "commensurate" : "rational", kind.delayed ? "+delay" : "", fit.shape.degree,
-                   fit.shape.poles(), fit.cost, fit.parameters, schwarz(problem, fit),
-                   price_of_search(problem, fit.shape), fit.shape.order, problem.rows());
   for (const RationalFit& fit : ladder.fits) members.models.push_back(written_out(problem, fit.shape, component));
   members.chosen = ladder.chosen;
+  if (ladder.fits.empty()) return members;
+  const RationalFit& best = ladder.fits[ladder.chosen];
+  if (!family.free_order) members.relaxations = best.shape.relaxations();
+  for (const RationalFit& fit : ladder.fits) {
+    if (!fit.shape.searches_order() || !departs(fit.shape.order)) continue;
+    members.departed = std::min(members.departed, schwarz(problem, fit) - schwarz(problem, best));
+  }
   return members;
 }
 
 FamilyMembers term_members(const TermProblem& problem, const TermFamily& family) {
   const TermLadder ladder = grow_terms(problem, family.most_terms);
-  if (std::getenv("LADDER"))
-    for (const TermFit& fit : ladder.fits) {
-      std::fprintf(stderr, "LADDER terms cost %.6g par %zu value %.3f orders", fit.cost, fit.parameters,
-                   schwarz(problem, fit.cost, fit.parameters));
-      for (const Term& term : fit.sum) std::fprintf(stderr, " %s%.3f%s", term.arc ? "arc" : "", term.order, term.held ? "h" : "");
-      std::fprintf(stderr, "\n");
-    }
   FamilyMembers members;
-  for (const TermFit& fit : ladder.fits) members.models.push_back(written_out(problem, fit.sum));
   members.chosen = ladder.chosen;
+  const auto value = [&](const TermFit& fit) { return schwarz(problem, fit.cost, fit.parameters); };
+  for (const TermFit& fit : ladder.fits) {
+    members.models.push_back(written_out(problem, fit.sum));
+    const bool any =
+        std::any_of(fit.sum.begin(), fit.sum.end(), [](const Term& term) { return !term.held && departs(term.order); });
+    if (any) members.departed = std::min(members.departed, value(fit) - value(ladder.fits[ladder.chosen]));
+  }
   return members;
 }
 
@@ -85,12 +84,14 @@ std::vector<std::complex<double>> ratio_response(const FrequencyResponseData& da
                              : problem.response(ladder.fits.at(ladder.chosen).shape);
 }
 
-NamedModel best_member(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options) {
+FamilyMembers best_member(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options) {
   FamilyMembers members = family_members(data, model, options);
   NamedModel& best = members.models.at(members.chosen);
   const bool open_range = model.rational && model.rational->most_poles == RationalFamily{}.most_poles;
   best.ends_its_family = open_range && members.chosen > 0 && members.chosen + 1 == members.models.size();
-  return std::move(best);
+  members.models = {std::move(best)};
+  members.chosen = 0;
+  return members;
 }
 
 }  // namespace frac::detail

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <complex>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "frac/identification/model_library.hpp"
@@ -13,7 +15,17 @@ namespace frac::detail {
 struct FamilyMembers {
   std::vector<NamedModel> models;
   std::size_t chosen = 0;  // by BIC and the price of the search
+  /// By how much the best member with an order that departs from whole numbers lies above the chosen one, in the
+  /// measure of schwarz(); infinite without such a member.
+  double departed = std::numeric_limits<double>::infinity();
+  std::size_t relaxations = 0;  // RationalShape::relaxations() of the chosen one, for ratios in s
 };
+
+/// An order departs from the whole numbers that is at least that far from each.
+inline constexpr double least_departure = 0.1;
+[[nodiscard]] inline bool departs(double order) {
+  return std::abs(order - std::round(order)) >= least_departure;
+}
 
 /// @param model  with a family
 /// @throws std::invalid_argument  as resolved_model()
@@ -24,7 +36,8 @@ struct FamilyMembers {
 [[nodiscard]] std::vector<std::complex<double>> ratio_response(const FrequencyResponseData& data,
                                                                const FitOptions& options);
 
-[[nodiscard]] NamedModel best_member(const FrequencyResponseData& data, const NamedModel& model,
-                                     const FitOptions& options);
+/// The chosen member alone, which knows whether it ends its family.
+[[nodiscard]] FamilyMembers best_member(const FrequencyResponseData& data, const NamedModel& model,
+                                        const FitOptions& options);
 
 }  // namespace frac::detail

@@ -84,6 +84,11 @@ std::size_t RationalShape::poles() const {
   return count;
 }
 
+std::size_t RationalShape::relaxations() const {
+  const auto stable = [](const PoleFactor& factor) { return !factor.pair && factor.sign > 0; };
+  return static_cast<std::size_t>(std::count_if(factors.begin(), factors.end(), stable)) + (delayed ? 1 : 0);
+}
+
 // The numerators of degree `degree` are spanned by the partial products of the factors, slowest first, so that each
 // column is the response of the faster poles alone: far better conditioned than powers of z.
 Eigen::MatrixXcd RationalProblem::columns(const RationalShape& shape) const {

@@ -37,6 +37,8 @@ struct RationalShape {
   [[nodiscard]] std::size_t poles() const;
   /// Whether the order makes a difference and is searched for.
   [[nodiscard]] bool searches_order() const { return free_order && (poles() > 0 || degree > 0); }
+  /// Stable real poles, and a dead time as one: what approximations of fractional systems consist of.
+  [[nodiscard]] std::size_t relaxations() const;
   /// Parameters that act nonlinearly.
   [[nodiscard]] std::size_t nonlinear() const {
     return poles() - integrators + (delayed ? 1 : 0) + (searches_order() ? 1 : 0);

@@ -55,7 +55,7 @@ class TimeSearch {
         if (found.starts_at_best > 0) try_from(found.best.theta);
         result_.starts += found.starts;
       }
-      if (std::isfinite(result_.best.cost)) look_about(sparse);
+      if (std::isfinite(result_.best.cost) && !is_hopeless()) look_about(sparse);
     }
     if (!std::isfinite(result_.best.cost)) return {};
     result_.starts_at_best = at_best();
@@ -78,6 +78,11 @@ class TimeSearch {
   }
 
   [[nodiscard]] bool is_exact() const { return result_.best.cost <= few_.rounding_cost(); }
+
+  [[nodiscard]] bool is_hopeless() const {
+    const double of_all = static_cast<double>(problem_.data.observed().size()) / static_cast<double>(few_.points());
+    return result_.best.cost * problem_.unit * problem_.unit * of_all > problem_.hopeless;
+  }
 
   [[nodiscard]] bool as_good_as_best(double cost) const {
     return cost <= result_.best.cost * (1 + equally_good) + few_.rounding_cost();
