@@ -261,6 +261,8 @@ void suggest_next(IdentificationResult& result, const FrequencyResponseData& dat
   const double noise = std::max(better.lack_of_fit.noise, better.fit.rms);
   const double wanted = std::max(supported_evidence - result.evidence, result.evidence - refuted_evidence);
   result.next = next_measurement(data, options, pair.fractional.ranked.fit, pair.integer.ranked.fit, noise, wanted);
+  // Where the two are one model in two spellings, nothing tells them apart.
+  if (result.next && !(result.next->expected_evidence > no_evidence)) result.next.reset();
   if (!result.next) return;
   result.verdict_sentence += " To decide, measure " + std::to_string(result.next->points) + " points from " +
                              number(result.next->lower) + " to " + number(result.next->upper) +

@@ -61,6 +61,10 @@ class Identify : public Command {
     add_residual_options(o, request_);
     add_time_options(o, over_time_);
     add_points_and_seed(o, request_);
+    o.text("--outliers", outliers_,
+           "What becomes of points that contradict their neighbours on both sides; a robust loss keeps them", "HOW")
+        .one_of({"leave-out", "keep"})
+        .only_for(frequency_response);
     const auto of_static_backlash = [&](const char* name, std::optional<double>& value) -> Option& {
       return o.number(name, value, "of the static-backlash candidate").only_for(frequency_response);
     };
@@ -158,12 +162,12 @@ class Identify : public Command {
 
   [[nodiscard]] std::vector<std::string> inputs() const override { return {request_.data}; }
 
-  // What is left out of the comparison, unless a loss is asked for.
+  // What is left out of the comparison.
   [[nodiscard]] std::vector<std::size_t> outliers_of(const frac::FrequencyResponseData& data) const {
-    if (options()["--loss"].is_given()) return {};
+    if (outliers_ == "keep" || request_.loss != frac::Loss::none) return {};
     const auto outliers = frac::isolated_outliers(data, request_.component);
     if (outliers.empty()) return {};
-    say(contradicted_points(data, outliers) + "; the comparison leaves them out, and keeps them with --loss none");
+    say(contradicted_points(data, outliers) + "; the comparison leaves them out, and has them with --outliers keep");
     return outliers;
   }
 
@@ -193,7 +197,7 @@ class Identify : public Command {
 
   FitRequest request_;
   TimeRequest over_time_;
-  std::string models_text_;
+  std::string models_text_, outliers_ = "leave-out";
   std::vector<frac::NamedModel> models_;
   std::optional<double> force_, clearance_, mass1_, mass2_;
   std::optional<std::size_t> folds_;
