@@ -22,6 +22,7 @@
 #include "identification/statistics/confidence.hpp"
 #include "identification/statistics/curvature_fit.hpp"
 #include "identification/statistics/estimates.hpp"
+#include "identification/time_scout.hpp"
 
 namespace frac {
 namespace {
@@ -455,6 +456,22 @@ FitResult fit_record(const TimeResponseData& data, const Structure& structure, c
 
 FitResult fit(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& options) {
   return fit_record(data, structure, options, std::numeric_limits<double>::infinity());
+}
+
+detail::Scouted detail::scouted(const TimeResponseData& data, const Structure& structure,
+                                const TimeFitOptions& options) {
+  const ParameterMap map(structure, with_delay_limits(structure, options.constraints, length_of(data)),
+                         data_scale(data, options.offset));
+  const double unit = unit_of(data, options.offset);
+  const TimeProblem problem{data, structure, map, options, unit};
+  const TimeResiduals residuals = problem.residuals(data.observed(), 1e-6);
+  const std::vector<double> theta = map.to_theta(map.start());
+  if (!std::isfinite(residuals.cost(theta))) return {{}, std::numeric_limits<double>::infinity()};
+  LocalOptions quick;
+  quick.iterations = 30;
+  quick.cost_tolerance = 1e-5;
+  const LocalSolution found = local_solve(residuals, theta, quick);
+  return {map.to_user(found.theta), found.cost * unit * unit};
 }
 
 FitResult detail::fit_in_reach(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& options,

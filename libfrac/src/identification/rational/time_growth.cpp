@@ -11,15 +11,15 @@
 
 #include "frac/structure.hpp"
 #include "identification/data/fit_data.hpp"
-#include "identification/statistics/curvature_fit.hpp"
 #include "identification/statistics/information.hpp"
+#include "identification/time_scout.hpp"
 
 namespace frac::detail {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 // Samples that are enough to tell members of a family apart.
-constexpr std::size_t few_samples = 200;
+constexpr std::size_t few_samples = 150;
 
 /// exp(-L s) (b0 + b1 s + ...)/((s^2 + c1 s + e1) (s^2 + c2 s + e2) ... (s + p)): integrators, unstable poles, real and
 /// complex ones without a seam.
@@ -111,24 +111,15 @@ class Growth {
   }
 
  private:
-  [[nodiscard]] Member fitted(const Ratio& start, bool search = false) {
+  [[nodiscard]] Member fitted(const Ratio& start) const {
     const NamedModel model = written_out(start);
-    TimeFitOptions options = options_;
-    options.global_start = search;
-    options.constraints = model.constraints;
-    if (search) {
-      for (ParameterConstraint& constraint : options.constraints) constraint.start.reset();
-    }
-    Member member{start};
-    FitResult fit;
-    try {
-      fit = curvature_fit(*data_, Structure(model.formula), options);
-    } catch (const std::invalid_argument&) {
-      return member;
-    }
-    if (fit.termination == FitTermination::no_usable_start || !std::isfinite(fit.cost)) return member;
     const Structure structure(model.formula);
-    const auto named = [&](const std::string& name) { return fit.parameters[structure.parameter_index(name)].value; };
+    TimeFitOptions options = options_;
+    options.constraints = model.constraints;
+    Member member{start};
+    const Scouted found = scouted(*data_, structure, options);
+    if (!std::isfinite(found.cost)) return member;
+    const auto named = [&](const std::string& name) { return found.parameters[structure.parameter_index(name)]; };
     for (std::size_t i = 0; i < member.ratio.numerator.size(); ++i) {
       member.ratio.numerator[i] = named("b" + std::to_string(i));
     }
@@ -137,29 +128,49 @@ class Growth {
     }
     if (member.ratio.single) member.ratio.single = named("p");
     if (member.ratio.delay) member.ratio.delay = named("L");
-    const auto n = static_cast<double>(fit.residuals), k = static_cast<double>(fit.free_parameters);
+    const auto n = static_cast<double>(points(*data_));
+    const double k = static_cast<double>(structure.parameter_names().size() + (options_.offset ? 0 : 1));
     const double of_place = 2 * std::log(std::log(fast_ / slow_) + 1);
-    member.cost = fit.cost;
     constexpr double rounding = 1e-9;
-    member.exact = fit.rms <= rounding * size_;
-    member.value = fit.bic - (k + 1) * std::log(n) + price_of_parameters(k, n) +
+    const double least = n * std::pow(rounding * size_, 2);
+    member.cost = found.cost;
+    member.exact = found.cost <= least;
+    member.value = n * std::log(std::max(found.cost, least) / n) + price_of_parameters(k, n) +
                    of_place * static_cast<double>(member.ratio.poles());
     return member;
   }
 
-  [[nodiscard]] Member searched(std::size_t poles) {
-    Ratio ratio{{1}, {}, {}, {}};
-    if (poles > 0) ratio.single = 1;
-    if (family_.dead_time) ratio.delay = 0;
-    return fitted(ratio, true);
+  [[nodiscard]] static Member best_of(const std::vector<Member>& ends) {
+    return *std::min_element(ends.begin(), ends.end(),
+                             [](const Member& a, const Member& b) { return a.cost < b.cost; });
   }
 
-  /// With one pole more than the last member: poles that a zero cancels are where searches start.
-  [[nodiscard]] Member extended() {
+  /// From dead times and places over the record.
+  [[nodiscard]] Member searched(std::size_t poles) const {
+    const std::vector<double> delays = family_.dead_time ? std::vector{0.0, 0.03, 0.1, 0.3} : std::vector{0.0};
+    const std::vector<double> shares = poles > 0 ? std::vector{0.1, 0.3, 0.5, 0.75} : std::vector{0.0};
     std::vector<Member> ends;
-    const auto middle = [&](double share) { return std::pow(slow_, 1 - share) * std::pow(fast_, share); };
+    for (const double delay : delays) {
+      for (const double share : shares) {
+        Ratio ratio{{1}, {}, {}, {}};
+        if (poles > 0) {
+          ratio.single = place(share);
+          ratio.numerator = {*ratio.single};
+        }
+        if (family_.dead_time) ratio.delay = delay / slow_;
+        ends.push_back(fitted(ratio));
+      }
+    }
+    return best_of(ends);
+  }
+
+  [[nodiscard]] double place(double share) const { return std::pow(slow_, 1 - share) * std::pow(fast_, share); }
+
+  /// With one pole more than the last member: poles that a zero cancels are where searches start.
+  [[nodiscard]] Member extended() const {
+    std::vector<Member> ends;
     for (const double share : {0.15, 0.4, 0.7}) {
-      const double at = middle(share);
+      const double at = place(share);
       Ratio next = members_.back().ratio;
       next.numerator = times(next.numerator, {at, 1});
       if (next.single) {
@@ -177,8 +188,7 @@ class Growth {
       trim(pair);
       ends.push_back(fitted(pair));
     }
-    return *std::min_element(ends.begin(), ends.end(),
-                             [](const Member& a, const Member& b) { return a.cost < b.cost; });
+    return best_of(ends);
   }
 
   /// A gain times a zero more than poles would pass the input on at once; strictly proper ones are grown.
@@ -186,7 +196,7 @@ class Growth {
     ratio.numerator.resize(std::min(ratio.numerator.size(), std::max<std::size_t>(ratio.poles(), 1)));
   }
 
-  [[nodiscard]] Member without_idle_zeros(Member member) {
+  [[nodiscard]] Member without_idle_zeros(Member member) const {
     if (member.ratio.poles() > 0) {
       Ratio direct = member.ratio;
       direct.numerator.push_back(0);
