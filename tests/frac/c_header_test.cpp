@@ -195,7 +195,7 @@ std::string macros(const std::vector<std::string>& conditions, unsigned chosen) 
 
 std::string filter_functions(const std::string& prefix) {
   return "REAL NAME_" + prefix + "_tapped(const NAME_state *s, REAL input);\nREAL NAME_" + prefix +
-         "_output(const NAME_state *s, REAL x);\nvoid NAME_" + prefix +
+         "_output(NAME_state *s, REAL x);\nvoid NAME_" + prefix +
          "_advance(NAME_state *s, REAL input, REAL x);\nextern const float NAME_" + prefix + "_rate[8];\n";
 }
 
@@ -238,7 +238,7 @@ TEST_F(CHeader, RuntimeFilesAreCWithEveryCondition) {
     SCOPED_TRACE(chosen);
     compile(macros(section, chosen) +
                 "#define HAS_PREFIX_STATE (HAS_PREFIX_TAPS || HAS_PREFIX_SECTIONS)\n"
-                "typedef struct { float PREFIX_past[4], PREFIX_v[8], PREFIX_lost[8]; } NAME_state;\n"
+                "typedef struct { float PREFIX_past[4], PREFIX_v[8], PREFIX_lost[8], PREFIX_leak[8]; } NAME_state;\n"
                 "extern const float NAME_PREFIX_tap[4], NAME_PREFIX_rate[8], NAME_PREFIX_weight[8];\n" +
                 include("section_filter.c") + tail,
             flags);

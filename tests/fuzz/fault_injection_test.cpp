@@ -121,6 +121,39 @@ class Faults : public testing::Test {
     }
   }
 
+  // Faults the run one call after another; the same command again must give the table of a run without faults.
+  void goes_on_after_any_fault(const std::vector<std::string>& arguments, const std::string& out) {
+    ASSERT_EQ(run_fracfit(arguments).code, 0);
+    const auto complete = content_of(out);
+    for (const std::string kind : {"ENOSPC", "EIO", "short", "EINTR", "kill"}) {
+      for (int call = 1;; ++call) {
+        ASSERT_LT(call, 60);
+        SCOPED_TRACE(kind + "@" + std::to_string(call));
+        for (const auto& name : names()) fs::remove(path(name));
+        const auto result = run_with(arguments, kind + "@" + std::to_string(call), false);
+        if (!fired()) break;
+        ++faults;
+        if (kind == "ENOSPC" || kind == "EIO") {
+          EXPECT_TRUE(result.code == 0 || result.code == 1) << result.code;
+          if (result.code != 0) {
+            EXPECT_NE(result.error.find(cause_of(kind)), std::string::npos) << result.error;
+          }
+        }
+        if (kind == "short" || kind == "EINTR") {
+          EXPECT_EQ(result.code, 0);
+        }
+        if (kind != "kill") {
+          EXPECT_LE(names().size(), 1U);
+        }
+        clear_after_kill(complete, true);
+        const auto again = run_fracfit(arguments);
+        EXPECT_EQ(again.code, 0) << again.error;
+        EXPECT_EQ(content_of(out), complete);
+      }
+    }
+    RecordProperty("faults", faults);
+  }
+
   TemporaryFolder folder;
   int faults = 0, runs = 0;
 };
@@ -141,8 +174,7 @@ TEST_F(Faults, EveryCommandMeetsAFullDiskAndAKill) {
   };
   const auto curve = folder.path("curve.csv");
   for (const auto& command : std::vector<Command>{
-           {"simulate", with(with({"simulate"}, scene), {"--omega", "5:6:2"})},
-           {"map", {"map", "--force", "20", "--clearance", "0.3", "--restitution", "0.5,0.6,0.7", "--omega", "5:6:2"}},
+           {"simulate as JSON", with(with({"simulate"}, scene), {"--omega", "5:6:2", "--format", "json"})},
            {"fit", {"fit", curve, "--model", "K/(T s + 1)", "--component", "both"}},
            {"identify", {"identify", curve, "--models", "gain,lag"}},
            {"approximate", {"approximate", "--order", "0.5", "--band", "0.1:10", "--poles", "3"}},
@@ -183,35 +215,18 @@ TEST_F(Faults, ABatchGoesOnAfterAnyFault) {
   const auto out = path("rows.csv");
   for (const auto& word : {"--model", "gain", "--component", "both", "--quiet", "--out"}) arguments.emplace_back(word);
   arguments.push_back(out);
-  ASSERT_EQ(run_fracfit(arguments).code, 0);
-  const auto complete = content_of(out);
-  for (const std::string kind : {"ENOSPC", "EIO", "short", "EINTR", "kill"}) {
-    for (int call = 1;; ++call) {
-      ASSERT_LT(call, 60);
-      SCOPED_TRACE(kind + "@" + std::to_string(call));
-      fs::remove(out);
-      const auto result = run_with(arguments, kind + "@" + std::to_string(call), false);
-      if (!fired()) break;
-      ++faults;
-      if (kind == "ENOSPC" || kind == "EIO") {
-        EXPECT_TRUE(result.code == 0 || result.code == 1) << result.code;
-        if (result.code != 0) {
-          EXPECT_NE(result.error.find(cause_of(kind)), std::string::npos) << result.error;
-        }
-      }
-      if (kind == "short" || kind == "EINTR") {
-        EXPECT_EQ(result.code, 0);
-      }
-      if (kind != "kill") {
-        EXPECT_LE(names().size(), 1U);
-      }
-      clear_after_kill(complete, true);
-      const auto again = run_fracfit(arguments);
-      EXPECT_EQ(again.code, 0) << again.error;
-      EXPECT_EQ(content_of(out), complete);
-    }
-  }
-  RecordProperty("faults", faults);
+  goes_on_after_any_fault(arguments, out);
+}
+
+// So do the sweeps, beside their output.
+TEST_F(Faults, ASweepGoesOnAfterAnyFault) {
+  const auto out = path("map.csv");
+  goes_on_after_any_fault({"map", "--force", "20", "--clearance", "0.3", "--restitution", "0.5,0.6,0.7", "--omega",
+                           "5:6:2", "--quiet", "--out", out},
+                          out);
+  goes_on_after_any_fault({"simulate", "--force", "20", "--clearance", "0.3", "--restitution", "0.6", "--omega",
+                           "5:6:5", "--protocol", "contact-at-rest", "--quiet", "--out", out},
+                          out);
 }
 
 // A report is a folder: each of its files is old or new, the page comes last, and the folder under construction goes.

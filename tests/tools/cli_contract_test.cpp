@@ -225,6 +225,11 @@ TEST(Fit, FixedAndBoundedParameters) {
   EXPECT_TRUE(fixed["parameters"][1]["fixed"].get<bool>());
   EXPECT_EQ(fixed["parameters"][1]["value"], 0.7);
   EXPECT_EQ(fixed["free_parameters"], 1);
+  // The preset limits its order to (0, 1]; a value takes the place of those limits, not of the user's.
+  const auto preset = successful_json({"fit", data, "--model", "cole-cole", "--component", "both", "--fix", "a=0.7"});
+  EXPECT_TRUE(preset["parameters"][2]["fixed"].get<bool>());
+  EXPECT_EQ(preset["parameters"][2]["value"], 0.7);
+  EXPECT_EQ(run_fracfit({"fit", data, "--model", "cole-cole", "--bound", "a=0.1:0.9", "--fix", "a=0.7"}).code, 2);
   const auto bounded = successful_json({"fit", data, "--model", "power-law", "--bound", "a=:0.5"});
   EXPECT_TRUE(bounded["parameters"][1]["at_bound"].get<bool>());
   EXPECT_NEAR(bounded["parameters"][1]["value"].get<double>(), 0.5, 1e-9);

@@ -51,6 +51,46 @@ TEST(LimitCyclesCommand, FollowsAnyQuantityOfTheLoop) {
   }
 }
 
+// With enough viscous friction of the load no cycle is left.
+TEST(LimitCyclesCommand, TakesBodiesAsReceptances) {
+  const auto result =
+      run_fracfit(limit_cycles("2 + s", {"--restitution", "0.6", "--load-receptance", "1/(s^2 + b s)", "--over",
+                                         "b=0,0.2,10", "--omega", "0.1:30", "--format", "json"}));
+  ASSERT_EQ(result.code, 0) << result.error;
+  const auto loops = nlohmann::json::parse(result.output)["loops"];
+  ASSERT_EQ(loops.size(), 3U);
+  EXPECT_NEAR(loops[0]["cycles"][0]["omega"].get<double>(), 3.14159265358979, 1e-13);
+  EXPECT_FALSE(loops[0]["scene"].contains("load_receptance"));
+  // The force has less to make up for by itself: the cycle is slower.
+  ASSERT_EQ(loops[1]["cycles"].size(), 1U);
+  EXPECT_LT(loops[1]["cycles"][0]["omega"].get<double>(), 3.1);
+  EXPECT_TRUE(loops[1]["scene"].contains("load_receptance"));
+  for (const auto& cycle : loops[2]["cycles"]) EXPECT_EQ(cycle["admissible"], false) << cycle;
+}
+
+// Where "kp + s" ceases to have a cycle is tested with the library; here that the command says it.
+TEST(LimitCyclesCommand, TellsWhatHappensBetweenTheValues) {
+  const std::vector<std::string> options{"--restitution", "0.6", "--over", "kp=5:20:4", "--format"};
+  auto as = [&](const char* format) {
+    std::vector<std::string> all = options;
+    all.emplace_back(format);
+    const auto result = run_fracfit(limit_cycles("kp + s", all));
+    EXPECT_EQ(result.code, 0) << result.error;
+    return result.output;
+  };
+  const auto json = nlohmann::json::parse(as("json"));
+  ASSERT_EQ(json["events"].size(), 2U);
+  EXPECT_EQ(json["events"][0]["kind"], "symmetry-breaking");
+  EXPECT_EQ(json["events"][1]["kind"], "admissibility");
+  ASSERT_EQ(json["without_cycles"].size(), 1U);
+  EXPECT_EQ(json["without_cycles"][0][0], json["events"][1]["value"]);
+  EXPECT_EQ(json["without_cycles"][0][1], 20);
+  EXPECT_EQ(json["without_stable_cycles"][0][0], json["events"][0]["value"]);
+  const std::string table = as("table");
+  EXPECT_NE(table.find("symmetry-breaking"), std::string::npos) << table;
+  EXPECT_NE(table.find("No symmetric cycle for kp from"), std::string::npos) << table;
+}
+
 TEST(LimitCyclesCommand, SaysWhatIsWrong) {
   const auto expect_refused = [](const std::vector<std::string>& arguments, const std::string& part) {
     const auto result = run_fracfit(arguments);
@@ -64,6 +104,9 @@ TEST(LimitCyclesCommand, SaysWhatIsWrong) {
   expect_refused(limit_cycles("1 + s", {"--restitution", "1.2"}), "restitution");
   expect_refused(limit_cycles("1 + s", {"--restitution", "0.6", "--clearance", "0"}), "clearance");
   expect_refused(limit_cycles("1 + s", {"--restitution", "0.6", "--over", "m=1:2:3"}), "m");
+  expect_refused(limit_cycles("1 + s", {"--restitution", "0.6", "--load-receptance", "1/(s + 1)"}), "1/(M s^2)");
+  expect_refused(limit_cycles("1 + s", {"--restitution", "0.6", "--load-receptance", "1/s^2", "--mass1", "2"}),
+                 "--mass1");
 }
 
 TEST(LimitCyclesCommand, SaysThatTheLoopIsUnstableWithoutClearance) {

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "run_program.hpp"
@@ -26,7 +29,8 @@ TEST(Map, WritesARowPerPointWithScene) {
     if (!has_columns) {
       EXPECT_EQ(line,
                 "restitution,omega_rad_s,re_m_per_n,im_m_per_n,regime,period,impacts_per_period,uncertainty_m_per_n,"
-                "third_harmonic_ratio,even_harmonic_ratio,energy_defect,lyapunov_exponent,periods_followed,transient_possible,"
+                "third_harmonic_ratio,even_harmonic_ratio,energy_defect,lyapunov_exponent,periods_followed,transient_"
+                "possible,"
                 "force_sensitivity");
       has_columns = true;
       continue;
@@ -82,10 +86,90 @@ TEST(Map, ShardsJoinToTheWholeInAnyOrder) {
   EXPECT_NE(other.error.find("another command"), std::string::npos) << other.error;
 }
 
+// More shards than restitutions leave some empty; they join all the same.
+TEST(Map, ShardsMayBeMoreThanRows) {
+  const TemporaryFolder folder;
+  std::vector<std::string> merge{"merge", "--out", "-"};
+  for (const char* shard : {"1/3", "2/3", "3/3"}) {
+    const auto part = folder.path(std::string(1, *shard) + ".csv");
+    ASSERT_EQ(run_fracfit(map({"--restitution", "0.2,0.4", "--shard", shard, "--out", part})).code, 0);
+    merge.push_back(part);
+  }
+  const auto joined = run_fracfit(merge);
+  ASSERT_EQ(joined.code, 0) << joined.error;
+  EXPECT_EQ(joined.output, run_fracfit(map({"--restitution", "0.2,0.4"})).output);
+}
+
+TEST(Map, SaysHowFarShardsAreAndWhichToRunAgain) {
+  const TemporaryFolder folder;
+  const auto run = [&](const std::string& shard) {
+    const auto result =
+        run_fracfit(map({"--restitution", "0.1:0.9:6", "--shard", shard, "--out", folder.path("{shard}.csv")}));
+    EXPECT_EQ(result.code, 0) << result.error;
+  };
+  for (const char* shard : {"1/6", "2/6", "6/6"}) run(shard);
+  folder.write("2-of-6.csv", content_of(folder.path("2-of-6.csv")).substr(0, 900));
+  const auto merged = run_fracfit({"merge", folder.path("1-of-6.csv"), folder.path("6-of-6.csv"), "--out", "-"});
+  EXPECT_EQ(merged.code, 3);
+  EXPECT_NE(merged.error.find("--array=2-5"), std::string::npos) << merged.error;
+  const auto status = run_fracfit({"merge", folder.path("1-of-6.csv"), folder.path("2-of-6.csv"),
+                                   folder.path("6-of-6.csv"), "--status", "--format", "json"});
+  EXPECT_EQ(status.code, 1) << status.error;
+  const auto json = nlohmann::json::parse(status.output);
+  EXPECT_EQ(json["shards_to_do"], "2-5");
+  EXPECT_EQ(json["rows"][0]["state"], "finished");
+  EXPECT_EQ(json["rows"][0]["rows"], 12);
+  EXPECT_NE(json["rows"][1]["state"].get<std::string>().find("ends after"), std::string::npos) << status.output;
+}
+
+// What a batch system or a launcher says in the environment of each task.
+TEST(Map, TakesItsShardFromTheEnvironment) {
+  using Variables = std::vector<std::pair<std::string, std::string>>;
+  const auto run = [](const std::string& shard, Variables variables) {
+    return run_fracfit(map({"--restitution", "0.2,0.4", "--shard", shard}), {.environment = std::move(variables)});
+  };
+  const auto expect_shard = [&](const std::string& shard, const Variables& variables, const std::string& expected) {
+    const auto result = run(shard, variables);
+    EXPECT_EQ(result.code, 0) << result.error;
+    EXPECT_NE(result.output.find("\n# shard: " + expected + "\n"), std::string::npos) << result.output;
+  };
+  expect_shard("auto", {{"SLURM_ARRAY_TASK_ID", "2"}, {"SLURM_ARRAY_TASK_MIN", "1"}, {"SLURM_ARRAY_TASK_MAX", "4"}},
+               "2/4");
+  expect_shard("auto/9", {{"SLURM_ARRAY_TASK_ID", "7"}, {"SLURM_ARRAY_TASK_MIN", "7"}, {"SLURM_ARRAY_TASK_MAX", "7"}},
+               "7/9");
+  expect_shard("auto", {{"SGE_TASK_ID", "3"}, {"SGE_TASK_FIRST", "1"}, {"SGE_TASK_LAST", "3"}}, "3/3");
+  expect_shard("auto", {{"SGE_TASK_ID", "undefined"}, {"OMPI_COMM_WORLD_RANK", "0"}, {"OMPI_COMM_WORLD_SIZE", "2"}},
+               "1/2");
+  expect_shard("auto", {{"PMI_RANK", "4"}, {"PMI_SIZE", "5"}}, "5/5");
+  expect_shard("auto", {{"SLURM_PROCID", "1"}, {"SLURM_NTASKS", "3"}}, "2/3");
+  expect_shard("auto/6", {{"PBS_ARRAY_INDEX", "6"}}, "6/6");
+  expect_shard("auto/6", {{"JOB_COMPLETION_INDEX", "0"}}, "1/6");
+  // Two ranks in each of three tasks are six shards.
+  expect_shard("auto",
+               {{"SLURM_ARRAY_TASK_ID", "3"},
+                {"SLURM_ARRAY_TASK_MIN", "1"},
+                {"SLURM_ARRAY_TASK_MAX", "3"},
+                {"SLURM_PROCID", "0"},
+                {"SLURM_NTASKS", "2"}},
+               "5/6");
+  for (const auto& [shard, variables, part] : std::vector<std::tuple<std::string, Variables, std::string>>{
+           {"auto", {}, "expected i/n"},
+           {"auto", {{"PBS_ARRAY_INDEX", "2"}}, "expected auto/n"},
+           {"auto",
+            {{"SLURM_ARRAY_TASK_ID", "3"}, {"SLURM_ARRAY_TASK_MIN", "3"}, {"SLURM_ARRAY_TASK_MAX", "5"}},
+            "not 1-n"},
+           {"auto/4", {{"SLURM_ARRAY_TASK_ID", "0"}}, "counted from 1"},
+           {"auto/4", {{"SLURM_ARRAY_TASK_ID", "5"}}, "at most 4"},
+           {"auto/4", {{"PMI_RANK", "0"}, {"PMI_SIZE", "3"}}, "3 processes"}}) {
+    const auto result = run(shard, variables);
+    EXPECT_EQ(result.code, 2) << part;
+    EXPECT_NE(result.error.find(part), std::string::npos) << result.error;
+  }
+}
+
 TEST(Map, SaysWhatIsWrong) {
   for (const auto& [more, part] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"--restitution", "0.2,1.5"}, "restitution[1] is 1.5"},
-           {{"--restitution", "0.2", "--shard", "2/2"}, "only 1 restitutions"},
            {{"--restitution", "0.2", "--shard", "3/2"}, "--shard"},
            {{"--restitution", "0.2", "--mean-tolerance", "2"}, "--mean-tolerance"},
            {{"--restitution", "0.2", "--protocol", "sideways"}, "sideways"},

@@ -3,8 +3,10 @@
 
 #include <cmath>
 #include <complex>
+#include <deque>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <random>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -15,6 +17,57 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using Complex = std::complex<double>;
+
+// A relay with hysteresis about 2 exp(-0.5 s)/(3 s + 1), noise of 5 mV in an output of some volts.  The lag is advanced
+// exactly for the held input, so that the record is that of the plant.
+TEST(CliTune, TunesFromARelayExperiment) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> noise(0, 0.005);
+  constexpr double step = 0.05, decay = 3;
+  std::deque<double> delayed(10, 0.0);
+  double output = 0, relay = 1;
+  std::string text = "time_s,input,output\n";
+  for (int n = 0; n < 600; ++n) {
+    const double measured = output + noise(random);
+    if (std::abs(measured) > 0.1) relay = measured > 0 ? -1 : 1;
+    text += std::to_string(n * step) + "," + std::to_string(relay) + "," + std::to_string(measured) + "\n";
+    delayed.push_back(relay);
+    const double share = std::exp(-step / decay);
+    output = output * share + 2 * delayed.front() * (1 - share);
+    delayed.pop_front();
+  }
+  const TemporaryFolder folder;
+  const auto result = run_fracfit(
+      {"tune", "--from-relay", folder.write("relay.csv", text), "--crossover", "1.5", "--phase-margin", "55"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const Json json = Json::parse(result.output);
+  EXPECT_EQ(json["region"]["not_stable"], 0);
+  EXPECT_LT(json["region"]["least_phase_margin_deg"], 55);
+  // What was asked for holds for the true plant as far as the region says.
+  const Json& c = json["controller"];
+  const Complex s(0, 1.5);
+  const Complex loop = 2.0 * std::exp(-0.5 * s) / (3.0 * s + 1.0) *
+                       (c["kp"].get<double>() + c["ki"].get<double>() * std::pow(s, -c["lambda"].get<double>()) +
+                        c["kd"].get<double>() * std::pow(s, c["mu"].get<double>()));
+  const double allowed = 55 - json["region"]["least_phase_margin_deg"].get<double>();
+  EXPECT_NEAR(std::arg(-loop) * 180 / std::numbers::pi, 55, 2 * allowed);
+  EXPECT_NEAR(std::abs(loop), 1, 0.02);  // the gain is known to about 1 %
+}
+
+TEST(CliTune, TakesThePlantFromAFit) {
+  const TemporaryFolder folder;
+  const auto fit = folder.path("fit.json");
+  ASSERT_EQ(run_fracfit({"fit", FRACFIT_SOURCE_DIR "/data/examples/step.csv", "--model", "K exp(-L s)/(T s^a + 1)",
+                         "--out", fit})
+                .code,
+            0);
+  const auto result = run_fracfit({"tune", "--fit", fit, "--crossover", "0.3", "--phase-margin", "60"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const Json json = Json::parse(result.output);
+  EXPECT_GT(json["region"]["max_sensitivity"], json["max_sensitivity"]);
+  EXPECT_EQ(run_fracfit({"tune", "--fit", fit, "--model", "1/(s+1)", "--crossover", "0.3"}).code, 2);
+  EXPECT_EQ(run_fracfit({"tune", "--fit", folder.write("no.json", "{}"), "--crossover", "0.3"}).code, 3);
+}
 
 TEST(CliTune, PrintsAControllerThatKeepsWhatWasAsked) {
   const auto result = run_fracfit({"tune", "--model", "1/(s^1.5 + 1)", "--crossover", "3", "--phase-margin", "55",

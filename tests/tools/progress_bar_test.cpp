@@ -15,7 +15,7 @@ namespace {
 
 /// What a bar at 5 of 10 writes to standard error within half a second, standard error being a terminal or a pipe.
 /// Empty optional: there are no pseudo-terminals here.
-std::optional<std::string> drawn(bool terminal, bool wanted) {
+std::optional<std::string> drawn(bool terminal, io::ProgressStyle style) {
   std::array<int, 2> ends{};
   if (terminal && ::openpty(&ends[0], &ends[1], nullptr, nullptr, nullptr) != 0) return std::nullopt;
   if (!terminal && ::pipe(ends.data()) != 0) return std::nullopt;
@@ -25,7 +25,7 @@ std::optional<std::string> drawn(bool terminal, bool wanted) {
     frac::Progress progress;
     progress.total = 10;
     progress.done = 5;
-    const io::ProgressBar bar("sweep", progress, wanted);
+    const io::ProgressBar bar("sweep", progress, style);
     std::this_thread::sleep_for(std::chrono::milliseconds(500));
   }
   // An end mark, so that reading never waits.
@@ -40,7 +40,7 @@ std::optional<std::string> drawn(bool terminal, bool wanted) {
 }
 
 TEST(ProgressBar, DrawsShareAndTimeLeftOnATerminal) {
-  const auto drawing = drawn(true, true);
+  const auto drawing = drawn(true, io::ProgressStyle::bar);
   if (!drawing) GTEST_SKIP() << "no pseudo-terminals here";
   const std::string& text = *drawing;
   EXPECT_NE(text.find("sweep [###############...............]  50 %, "), std::string::npos) << text;
@@ -49,8 +49,15 @@ TEST(ProgressBar, DrawsShareAndTimeLeftOnATerminal) {
 }
 
 TEST(ProgressBar, IsSilentElsewhere) {
-  EXPECT_EQ(drawn(false, true), "");
-  EXPECT_EQ(drawn(true, false).value_or(""), "");
+  EXPECT_EQ(drawn(false, io::ProgressStyle::bar), "");
+  EXPECT_EQ(drawn(true, io::ProgressStyle::none).value_or(""), "");
+}
+
+TEST(ProgressBar, WritesALineOfJsonForPrograms) {
+  const std::string text = drawn(false, io::ProgressStyle::lines).value();
+  EXPECT_TRUE(text.starts_with(R"({"progress":"sweep","done":5,"total":10,"seconds":0.)")) << text;
+  EXPECT_NE(text.find(R"("per_second":)"), std::string::npos) << text;
+  EXPECT_TRUE(text.ends_with("}\n")) << text;
 }
 
 }  // namespace

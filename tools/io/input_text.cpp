@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cstdint>
 #include <cstring>
 #include <map>
 #include <mutex>
@@ -72,16 +71,6 @@ std::vector<std::string> whole_lines(std::string_view text) {
     lines.emplace_back(text.substr(begin, end - begin));
     begin = end + 1;
   }
-}
-
-std::string fingerprint(std::string_view text) {
-  // Fowler, Noll, Vo: offset basis and prime of the 64-bit hash.
-  std::uint64_t hash = 0xcbf29ce484222325U;
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
-  std::string digits;
-  for (int shift = 60; shift >= 0; shift -= 4)
-    digits += "0123456789abcdef"[(hash >> static_cast<unsigned>(shift)) & 15U];
-  return std::to_string(text.size()) + "-" + digits;
 }
 
 }  // namespace io

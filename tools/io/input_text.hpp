@@ -16,8 +16,4 @@ namespace io {
 /// Its lines without their line ends.  A last line without one was cut off while it was written and is left out.
 [[nodiscard]] std::vector<std::string> whole_lines(std::string_view text);
 
-/// Size and hash of a text, "<bytes>-<16 hexadecimal digits>" (FNV-1a of 64 bits): equal for equal texts, and
-/// different for texts that differ by accident.
-[[nodiscard]] std::string fingerprint(std::string_view text);
-
 }  // namespace io

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "io/decoded_text.hpp"
+#include "io/fingerprint.hpp"
 #include "io/input_text.hpp"
 #include "io/number.hpp"
 
@@ -24,7 +25,8 @@ std::size_t columns_needed(const MeasurementOptions& how) {
 
 std::optional<Recognised> recognised(const Source& source, const MeasurementOptions& how) {
   // Cheap tests of the first lines come first.
-  for (const auto read : {read_matlab, read_universal58, read_gamry, read_biologic, read_versastudio, read_touchstone, read_zview})
+  for (const auto read :
+       {read_matlab, read_universal58, read_gamry, read_biologic, read_versastudio, read_touchstone, read_zview})
     if (auto found = read(source)) return found;
   if (!how.columns.empty()) return read_numbered_table(source, columns_needed(how));
   return read_plain_table(source);
@@ -60,7 +62,7 @@ Measurement read_measurement(const std::string& file, const MeasurementOptions& 
   const DecodedText text = decoded(bytes);
   Measurement measurement;
   measurement.file = file == "-" ? "standard input" : file;
-  measurement.fingerprint = fingerprint(*bytes);
+  measurement.fingerprint = Fingerprint(*bytes).text();
   measurement.how = how;
   if (!text.note.empty() && text.note != "Latin-1") measurement.notes.push_back("text is " + text.note);
   auto found = recognised({measurement.file, *bytes, text.text, how.frequency_unit}, how);

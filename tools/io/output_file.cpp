@@ -121,7 +121,13 @@ bool named(int descriptor, const std::string& path) {
   return done;
 }
 
-void write_with_name(const std::string& path, std::string_view content) {
+using Produce = std::function<void(const OutputFile::Sink&)>;
+
+void write_parts(int descriptor, const Produce& produce, const std::string& path) {
+  produce([&](std::string_view part) { write_all(descriptor, part, path); });
+}
+
+void write_with_name(const std::string& path, const Produce& produce) {
   const std::string name = name_beside(path);
   std::optional<Descriptor> file;
   std::optional<CleanUp> clean_up;
@@ -132,7 +138,7 @@ void write_with_name(const std::string& path, std::string_view content) {
   });
   try {
     take_rights(file->number(), path);
-    write_all(file->number(), content, path);
+    write_parts(file->number(), produce, path);
     if (!file->close()) fail_writing(path, errno);
   } catch (...) {
     ::unlink(name.c_str());
@@ -190,14 +196,18 @@ OutputFile::OutputFile(std::string path, const std::vector<std::string>& inputs)
 }
 
 void OutputFile::write(std::string_view content) const {
+  write([content](const Sink& sink) { sink(content); });
+}
+
+void OutputFile::write(const Produce& produce) const {
   if (path_.empty()) {
-    write_all(STDOUT_FILENO, content, "standard output");
+    write_parts(STDOUT_FILENO, produce, "standard output");
     return;
   }
   if (direct_) {
     Descriptor descriptor(::open(path_.c_str(), O_WRONLY | O_CLOEXEC));
     if (descriptor.number() < 0) fail_writing(path_, errno);
-    write_all(descriptor.number(), content, path_);
+    write_parts(descriptor.number(), produce, path_);
     if (!descriptor.close()) fail_writing(path_, errno);
     return;
   }
@@ -205,11 +215,11 @@ void OutputFile::write(std::string_view content) const {
     const Descriptor file = unnamed_file(folder_of(path_));
     if (file.number() >= 0) {
       take_rights(file.number(), path_);
-      write_all(file.number(), content, path_);
+      write_parts(file.number(), produce, path_);
       if (named(file.number(), path_)) return;
     }
   }
-  write_with_name(path_, content);
+  write_with_name(path_, produce);
 }
 
 }  // namespace io

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,6 +12,9 @@ namespace io {
 /// and neither an error nor a signal leaves anything else behind.  Devices and pipes are written directly.
 class OutputFile {
  public:
+  /// Takes the next part of a content.
+  using Sink = std::function<void(std::string_view)>;
+
   /// @param path    "" or "-" for standard output.  Whether it can be written is found out here, before any work.
   /// @param inputs  files the command reads; "-" is standard input
   /// @throws std::invalid_argument  it cannot be written, or is one of the inputs under whatever name; the text gives
@@ -19,6 +23,10 @@ class OutputFile {
 
   /// @throws std::runtime_error  the disk is full or the like; the target is then untouched.
   void write(std::string_view content) const;
+  /// The same for a content that never stands in memory as a whole.
+  /// @param produce  hands the parts over one after the other, and again from the start where the file system makes
+  ///                 that necessary; where it throws, the target is untouched as well.
+  void write(const std::function<void(const Sink&)>& produce) const;
 
   [[nodiscard]] bool is_standard_output() const noexcept { return path_.empty(); }
 

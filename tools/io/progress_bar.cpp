@@ -18,47 +18,71 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-void draw(const std::string& label, double share, double elapsed_seconds) {
+struct State {
+  std::size_t done, total;
+  double seconds;  // since the beginning
+
+  [[nodiscard]] double share() const { return static_cast<double>(done) / static_cast<double>(total); }
+  [[nodiscard]] double rate() const { return static_cast<double>(done) / seconds; }
+  [[nodiscard]] double seconds_left() const { return seconds * (1 - share()) / share(); }
+};
+
+void draw(const std::string& label, const State& state) {
   constexpr int width = 30;
-  const int filled = static_cast<int>(share * width);
+  const int filled = static_cast<int>(state.share() * width);
   std::string bar(static_cast<std::size_t>(filled), '#');
   bar.resize(width, '.');
   std::string left;
   // Shows no remaining time before 2 % are done, because the estimate would jump.
-  if (share >= 0.02) {
-    char text[32];
-    std::snprintf(text, sizeof text, ", %.0f s left", elapsed_seconds * (1 - share) / share);
+  if (state.share() >= 0.02) {
+    char text[64];
+    std::snprintf(text, sizeof text, ", %.3g/s, %.0f s left", state.rate(), state.seconds_left());
     left = text;
   }
-  std::fprintf(stderr, "\r\033[K%s [%s] %3.0f %%%s", label.c_str(), bar.c_str(), 100 * share, left.c_str());
+  std::fprintf(stderr, "\r\033[K%s [%s] %3.0f %%%s", label.c_str(), bar.c_str(), 100 * state.share(), left.c_str());
   std::fflush(stderr);
 }
 
-void watch(const std::stop_token& stop, const std::string& label, const frac::Progress& progress) {
-  constexpr std::chrono::milliseconds pause(100);
+void write_line(const std::string& label, const State& state) {
+  char left[32] = "null";
+  if (state.done > 0) std::snprintf(left, sizeof left, "%.3f", state.seconds_left());
+  std::fprintf(stderr,
+               R"({"progress":"%s","done":%zu,"total":%zu,"seconds":%.3f,"per_second":%.6g,"seconds_left":%s})"
+               "\n",
+               label.c_str(), state.done, state.total, state.seconds, state.rate(), left);
+  std::fflush(stderr);
+}
+
+void watch(const std::stop_token& stop, const std::string& label, const frac::Progress& progress, ProgressStyle style) {
+  using std::chrono::milliseconds;
+  const milliseconds pause(style == ProgressStyle::bar ? 100 : 1000);
   std::mutex mutex;
   std::condition_variable_any wakeup;
   std::unique_lock lock(mutex);
   const auto begin = Clock::now();
-  bool drawn = false;
+  const auto state = [&] {
+    const std::size_t total = progress.total.load();
+    return State{std::min(progress.done.load(), total), total,
+                 std::chrono::duration<double>(Clock::now() - begin).count()};
+  };
+  bool shown = false;
   while (!wakeup.wait_for(lock, stop, pause, [&] { return stop.stop_requested(); })) {
-    const auto total = progress.total.load();
-    if (total == 0) continue;
-    const double share = static_cast<double>(std::min(progress.done.load(), total)) / static_cast<double>(total);
-    draw(label, share, std::chrono::duration<double>(Clock::now() - begin).count());
-    drawn = true;
+    if (progress.total.load() == 0) continue;
+    (style == ProgressStyle::bar ? draw : write_line)(label, state());
+    shown = true;
   }
-  if (drawn) std::fputs("\r\033[K", stderr);
+  if (style == ProgressStyle::bar && shown) std::fputs("\r\033[K", stderr);
+  if (style == ProgressStyle::lines && progress.total.load() > 0) write_line(label, state());
 }
 
 }  // namespace
 
-ProgressBar::ProgressBar(std::string label, const frac::Progress& progress, bool wanted) {
-  if (!wanted || ::isatty(STDERR_FILENO) == 0) return;
+ProgressBar::ProgressBar(std::string label, const frac::Progress& progress, ProgressStyle style) {
+  if (style == ProgressStyle::none || (style == ProgressStyle::bar && ::isatty(STDERR_FILENO) == 0)) return;
   try {
-    thread_ = std::jthread([label = std::move(label), &progress](const std::stop_token& stop) {
+    thread_ = std::jthread([label = std::move(label), &progress, style](const std::stop_token& stop) {
       try {
-        watch(stop, label, progress);
+        watch(stop, label, progress, style);
       } catch (const std::bad_alloc&) {  // the work goes on without a picture of it
       }
     });

@@ -8,11 +8,17 @@
 
 namespace io {
 
-/// Draws progress on standard error from a thread of its own until destroyed, with an estimate of the time left.
-/// Silent when not wanted or when standard error is no terminal.
+enum class ProgressStyle {
+  none,
+  bar,    // drawn where standard error is a terminal
+  lines,  // for programs: one JSON object per second
+};
+
+/// Shows progress on standard error from a thread of its own until destroyed, with rate and an estimate of the time
+/// left.
 class ProgressBar {
  public:
-  ProgressBar(std::string label, const frac::Progress& progress, bool wanted);
+  ProgressBar(std::string label, const frac::Progress& progress, ProgressStyle style);
 
  private:
   std::jthread thread_;

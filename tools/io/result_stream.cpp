@@ -12,6 +12,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "io/fingerprint.hpp"
+#include "io/line_reader.hpp"
 #include "io/output_file.hpp"
 
 namespace io {
@@ -19,7 +21,7 @@ namespace {
 
 // Opens the file and locks it against other runs.
 Descriptor locked(const std::string& path) {
-  Descriptor file(::open(path.c_str(), O_WRONLY | O_APPEND | O_CLOEXEC));
+  Descriptor file(::open(path.c_str(), O_RDWR | O_APPEND | O_CLOEXEC));
   if (file.number() < 0) {
     const int error = errno;
     if (is_state_of_system(error)) throw std::runtime_error("cannot write " + path + ": " + std::strerror(error));
@@ -44,49 +46,122 @@ Descriptor opened(const std::string& path, const std::string& content) {
   return locked(path);
 }
 
-std::string text_of(const std::string& header, const std::map<std::string, std::string>& lines) {
+// The file as an interrupted run has left it, or with the header alone.
+Descriptor resumed(const std::string& path, const std::string& header) {
+  if (!std::filesystem::is_regular_file(path) || std::filesystem::file_size(path) == 0) return opened(path, header);
+  return locked(path);
+}
+
+std::string text_of(const std::string& header, const std::map<std::string, std::string>& pieces) {
   std::string text = header;
-  for (const auto& [key, line] : lines) text += line + "\n";
+  for (const auto& [key, piece] : pieces) text += piece;
   return text;
+}
+
+constexpr std::string_view mark_start = "# piece: ";
+
+std::string mark(const std::string& key, const std::string& fingerprint) {
+  return std::string(mark_start) + key + " " + fingerprint;
 }
 
 }  // namespace
 
-ResultStream::ResultStream(std::string path, const std::string& header, std::map<std::string, std::string> kept)
-    : path_(std::move(path)),
-      lines_(std::move(kept)),
-      file_(opened(path_, text_of(header, lines_))),
-      size_(text_of(header, lines_).size()) {}
+ResultStream::ResultStream(std::string path, const std::string& header, const std::map<std::string, std::string>& kept)
+    : path_(std::move(path)), has_marks_(false), file_(opened(path_, text_of(header, kept))), size_(header.size()) {
+  for (const auto& [key, piece] : kept) {
+    pieces_.emplace(key, Place{size_, piece.size()});
+    size_ += piece.size();
+  }
+}
+
+ResultStream::ResultStream(std::string path, const std::string& header)
+    : path_(std::move(path)), has_marks_(true), file_(resumed(path_, header)) {
+  scan(header);
+  if (::ftruncate(file_.number(), static_cast<off_t>(size_)) != 0)
+    throw std::runtime_error("cannot write " + path_ + ": " + std::strerror(errno));
+}
+
+// Finds the pieces that are whole, up to the first that is not.
+void ResultStream::scan(const std::string& header) {
+  LineReader lines(file_.number(), path_);
+  std::string found;
+  while (found.size() < header.size()) {
+    const auto line = lines.next();
+    if (!line) break;
+    found += std::string(*line) + "\n";
+  }
+  if (found != header)
+    throw std::invalid_argument(path_ +
+                                " belongs to another command or version than this one; finish that one, remove the "
+                                "file, or choose another --out");
+  size_ = header.size();
+  Fingerprint piece;
+  while (const auto line = lines.next()) {
+    if (!line->starts_with(mark_start)) {
+      piece.add(*line);
+      piece.add("\n");
+      continue;
+    }
+    const std::string key(line->substr(mark_start.size(), line->rfind(' ') - mark_start.size()));
+    const std::string expected = mark(key, piece.text());
+    if (*line != expected) return;
+    const std::size_t end = lines.position() - expected.size() - 1;
+    pieces_.emplace(key, Place{size_, end - size_});
+    size_ = lines.position();
+    piece = Fingerprint();
+  }
+}
 
 bool ResultStream::contains(const std::string& key) const {
   const std::lock_guard guard(mutex_);
-  return lines_.contains(key);
+  return pieces_.contains(key);
 }
 
-void ResultStream::append(const std::string& key, const std::string& line) {
+std::size_t ResultStream::size() const {
+  const std::lock_guard guard(mutex_);
+  return pieces_.size();
+}
+
+std::string ResultStream::text(const std::string& key) const {
+  const std::lock_guard guard(mutex_);
+  const Place place = pieces_.at(key);
+  std::string text(place.size, '\0');
+  for (std::size_t done = 0; done < text.size();) {
+    const auto got =
+        ::pread(file_.number(), text.data() + done, text.size() - done, static_cast<off_t>(place.begin + done));
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0)
+      throw std::runtime_error("cannot read " + path_ + ": " +
+                               (got < 0 ? std::strerror(errno) : "another program has cut it"));
+    done += static_cast<std::size_t>(got);
+  }
+  return text;
+}
+
+void ResultStream::append(const std::string& key, const std::string& text) {
+  const std::string written = has_marks_ ? text + mark(key, Fingerprint(text).text()) + "\n" : text;
   const std::lock_guard guard(mutex_);
   if (!failure_.empty()) throw std::runtime_error(failure_);
-  const std::string text = line + "\n";
   try {
-    write_all(file_.number(), text, path_);
+    write_all(file_.number(), written, path_);
   } catch (const std::runtime_error& error) {
-    // Part of the line may have been written, so no further line may follow it.
+    // Part of the piece may have been written, so nothing further may follow it.
     failure_ = error.what();
     static_cast<void>(::ftruncate(file_.number(), static_cast<off_t>(size_)));
     throw;
   }
-  size_ += text.size();
-  lines_.insert_or_assign(key, line);
-}
-
-std::string ResultStream::line(const std::string& key) const {
-  const std::lock_guard guard(mutex_);
-  return lines_.at(key);
+  pieces_.insert_or_assign(key, Place{size_, text.size()});
+  size_ += written.size();
 }
 
 void ResultStream::finish(const std::string& content) {
   const std::lock_guard guard(mutex_);
   OutputFile(path_).write(content);
+}
+
+void ResultStream::remove() {
+  const std::lock_guard guard(mutex_);
+  std::filesystem::remove(path_);
 }
 
 }  // namespace io

@@ -26,6 +26,18 @@ inline constexpr std::string_view shard_key = "shard";
 /// The shard of a text "i/n"; empty where it is none with 1 <= i <= n.
 [[nodiscard]] std::optional<Shard> shard_from(std::string_view text);
 
+/// The shard that a batch system or a launcher has given this process: its number in an array of tasks (Slurm, SGE,
+/// PBS, Kubernetes), its rank among the processes started together (Open MPI, PMI, srun), or both.
+/// @param count  number of all shards; 0 where the environment tells it
+/// @throws std::invalid_argument  no such variable is set, the number of shards cannot be told, or does not fit.
+[[nodiscard]] Shard shard_of_environment(std::size_t count);
+
+/// The path with "{shard}" replaced by "03-of-12", so that names sort as numbers do.
+[[nodiscard]] std::string with_shard(std::string path, const Shard& shard);
+
+/// "1,4-7,9" of rising numbers, as sbatch --array= takes it.
+[[nodiscard]] std::string list_of(const std::vector<std::size_t>& numbers);
+
 template <typename Piece>
 [[nodiscard]] std::vector<Piece> part_of(const std::vector<Piece>& all, const Shard& shard) {
   std::vector<Piece> part;

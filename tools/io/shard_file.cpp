@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/shard_file.hpp"
 
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <array>
-#include <charconv>
+#include <cerrno>
+#include <cstring>
 #include <map>
 #include <optional>
 #include <stdexcept>
@@ -11,7 +17,10 @@
 
 #include "backlash/describing_function.hpp"
 #include "io/data_error.hpp"
+#include "io/descriptor.hpp"
+#include "io/fingerprint.hpp"
 #include "io/input_text.hpp"
+#include "io/line_reader.hpp"
 #include "io/number.hpp"
 #include "io/number_list.hpp"
 #include "io/shard.hpp"
@@ -22,6 +31,7 @@ namespace {
 constexpr std::string_view command_start = "# command: ";
 constexpr std::array<std::string_view, 2> commands{"# command: fracfit map ", "# command: fracfit simulate "};
 constexpr std::string_view checksum_start = "# checksum: ";
+constexpr std::size_t most_text = 1U << 16U;  // bytes of rows that are handed on at once
 constexpr std::string_view frequency_column = "omega_rad_s";
 
 // Columns that tell the blocks apart, and the option of the command that holds their values.
@@ -30,16 +40,74 @@ constexpr std::array<std::pair<std::string_view, const char*>, 4> options{{{"for
                                                                            {"restitution", "--restitution"},
                                                                            {frequency_column, "--omega"}}};
 
-// A file under inspection.
-struct Inspected {
-  std::string file;
-  std::vector<std::string> lines;
-  std::size_t command = 0;  // numbers of lines, from 0
-  std::size_t columns = 0;
-
-  [[noreturn]] void fail(std::size_t line, const std::string& message) const {
-    throw DataError(file, line + 1, 1, message);
+// What can be read only once is kept in memory.
+Descriptor readable(const std::string& file) {
+  struct stat status {};
+  if (file != "-" && ::stat(file.c_str(), &status) == 0 && S_ISREG(status.st_mode)) {
+    Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
+    if (descriptor.number() >= 0) return descriptor;
+    throw DataError(file, 0, 0, std::string("cannot be read: ") + std::strerror(errno));
   }
+  Descriptor descriptor(::memfd_create("fracfit", MFD_CLOEXEC));
+  if (descriptor.number() < 0) throw std::runtime_error(std::string("cannot keep an input: ") + std::strerror(errno));
+  write_all(descriptor.number(), *input_text(file), file);
+  return descriptor;
+}
+
+// The lines above the rows.
+struct Head {
+  std::string text;  // without the lines of the shard and of an unfinished table
+  Shard shard;
+  bool has_shard = false;
+  bool is_unfinished = false;
+  std::string command;
+  std::string columns;
+};
+
+// The rows that the command of a head asks for.
+struct Grid {
+  std::vector<std::string> blocks;  // beginnings of their rows, "20,0.3,0.6,": every combination, first column slowest
+  std::vector<std::string> omega;
+  std::vector<bool> is_regime;  // by column
+};
+
+// A shard that is read from its beginning to its end; messages name its lines.
+class ShardReader {
+ public:
+  ShardReader(std::string file, std::size_t buffer)
+      : file_(std::move(file)), descriptor_(readable(file_)), lines_(descriptor_.number(), file_, buffer) {
+    read_head();
+  }
+
+  [[nodiscard]] const std::string& file() const { return file_; }
+  [[nodiscard]] const Head& head() const { return head_; }
+  [[nodiscard]] std::size_t rows() const { return rows_; }
+
+  [[nodiscard]] Grid grid() const;
+  /// Reads a block of rows, checks it against the grid, and hands it on.
+  void read_block(const Grid& grid, std::size_t block, const OutputFile::Sink& sink);
+  /// Checks what stands below the rows.
+  void read_end();
+  /// Counts the rows that are left, of whatever kind.
+  void count_rows();
+
+ private:
+  [[noreturn]] void fail(const std::string& message) const { throw DataError(file_, number_, 1, message); }
+  // The next line, valid until the one after it; nothing at the end.
+  std::optional<std::string_view> next();
+  void take(std::string_view line);  // into the fingerprint
+  void read_head();
+  [[nodiscard]] std::vector<std::string> values_of(std::string_view column) const;
+  void check_row(const Grid& grid, std::size_t block, std::size_t point, std::string_view row);
+
+  std::string file_;
+  Descriptor descriptor_;
+  LineReader lines_;
+  Head head_;
+  Fingerprint fingerprint_;
+  std::size_t number_ = 0;  // of the line, from 1
+  std::size_t rows_ = 0;
+  std::vector<std::string_view> fields_;
 };
 
 // Value of an option in a command line that CommandLine has written; blanks stand in quotes.
@@ -52,208 +120,260 @@ std::optional<std::string> option_value(std::string_view command, std::string_vi
   return std::string(rest.substr(0, rest.find(' ')));
 }
 
-// The values of a column as the grid in the command says, as they stand in the rows.
-std::vector<std::string> grid_texts(const Inspected& table, std::string_view column) {
-  const auto* const option =
-      std::find_if(options.begin(), options.end(), [&](const auto& each) { return each.first == column; });
-  if (option == options.end())
-    table.fail(table.columns, "found column " + quoted(column) +
-                                  " before the frequency; expected force_n, clearance_m or restitution");
-  const auto value = option_value(table.lines[table.command], option->second);
-  if (!value) table.fail(table.command, "found no " + std::string(option->second) + " in the command");
-  std::vector<std::string> texts;
-  try {
-    for (const double number : parse_grid(*value, option->second)) texts.push_back(format_number(number));
-  } catch (const std::invalid_argument& error) {
-    table.fail(table.command, error.what());
-  }
-  return texts;
-}
-
-std::vector<std::string_view> fields_of(std::string_view line) {
-  std::vector<std::string_view> fields;
+void split(std::string_view line, std::vector<std::string_view>& fields) {
+  fields.clear();
   for (;;) {
     const auto end = line.find(',');
     fields.push_back(line.substr(0, end));
-    if (end == std::string_view::npos) return fields;
+    if (end == std::string_view::npos) return;
     line.remove_prefix(end + 1);
   }
 }
 
-// Beginnings of the blocks, "20,0.3,0.6,": every combination of the values, the first column slowest.
-std::vector<std::string> block_keys(const Inspected& table, const std::vector<std::string_view>& columns) {
-  std::vector<std::string> keys{""};
-  for (const auto column : columns) {
-    const auto values = grid_texts(table, column);
-    std::vector<std::string> longer;
-    for (const auto& key : keys)
-      for (const auto& value : values) longer.push_back(key + value + ",");
-    keys = std::move(longer);
-  }
-  return keys;
+std::optional<std::string_view> ShardReader::next() {
+  const auto line = lines_.next();
+  if (line) ++number_;
+  return line;
 }
 
-struct Part {
-  std::string header;  // without the line of the shard
-  Shard shard;
-  std::vector<std::string> blocks;
-};
+void ShardReader::take(std::string_view line) {
+  fingerprint_.add(line);
+  fingerprint_.add("\n");
+}
 
-// Finds the lines of the header, and in them the shard; true where a line names one.
-bool read_header(Inspected& table, Part& part) {
+void ShardReader::read_head() {
   const std::string shard_start = "# " + std::string(shard_key) + ": ";
-  bool has_shard = false, has_command = false;
-  for (std::size_t i = 0; i < table.lines.size(); ++i) {
-    const std::string& line = table.lines[i];
-    if (line.starts_with(shard_start)) {
-      const auto shard = shard_from(std::string_view(line).substr(shard_start.size()));
-      if (!shard) table.fail(i, "found " + quoted(line) + "; expected '# shard: i/n'");
-      part.shard = *shard;
-      has_shard = true;
+  while (const auto line = next()) {
+    take(*line);
+    if (*line == unfinished_line) {
+      head_.is_unfinished = true;
       continue;
     }
-    part.header += line + "\n";
-    if (line.starts_with(command_start)) {
-      table.command = i;
-      has_command = true;
+    if (line->starts_with(shard_start)) {
+      const auto shard = shard_from(line->substr(shard_start.size()));
+      if (!shard) fail("found " + quoted(*line) + "; expected '# shard: i/n'");
+      head_.shard = *shard;
+      head_.has_shard = true;
+      continue;
     }
-    if (line.starts_with('#')) continue;
-    table.columns = i;
-    if (!has_command) table.fail(0, "found no line '# command: ...' above the names of the columns");
-    return has_shard;
+    head_.text += std::string(*line) + "\n";
+    if (line->starts_with(command_start)) head_.command = *line;
+    if (line->starts_with('#')) continue;
+    if (head_.command.empty()) fail("found no line '# command: ...' above the names of the columns");
+    head_.columns = *line;
+    return;
   }
-  table.fail(table.lines.size(), "found no row with the names of the columns; the file is cut off");
+  fail("found no row with the names of the columns; the file is cut off");
 }
 
-void check_row(const Inspected& table, std::size_t line, const std::string& expected_start,
-               const std::vector<std::string_view>& columns) {
-  const std::string& row = table.lines[line];
-  if (!row.starts_with(expected_start))
-    table.fail(line, "found " + quoted(row) + "; expected a row that begins with " + quoted(expected_start) +
-                         ", as the grid of the command says");
-  const auto fields = fields_of(row);
-  if (fields.size() != columns.size())
-    table.fail(line, "found " + std::to_string(fields.size()) + " fields; expected " + std::to_string(columns.size()) +
-                         " as in line " + std::to_string(table.columns + 1));
-  for (std::size_t i = 0; i < fields.size(); ++i) {
-    if (columns[i] != "regime") {
-      if (!parse_number(fields[i]))
-        table.fail(line, "found " + quoted(fields[i]) + " in column " + quoted(columns[i]) + "; expected a number");
+// The values of a column as the grid in the command says, as they stand in the rows.
+std::vector<std::string> ShardReader::values_of(std::string_view column) const {
+  const auto* const option =
+      std::find_if(options.begin(), options.end(), [&](const auto& each) { return each.first == column; });
+  if (option == options.end())
+    fail("found column " + quoted(column) + " before the frequency; expected force_n, clearance_m or restitution");
+  const auto value = option_value(head_.command, option->second);
+  if (!value) fail("found no " + std::string(option->second) + " in the command");
+  std::vector<std::string> texts;
+  try {
+    for (const double number : parse_grid(*value, option->second)) texts.push_back(format_number(number));
+  } catch (const std::invalid_argument& error) {
+    fail(error.what());
+  }
+  return texts;
+}
+
+Grid ShardReader::grid() const {
+  std::vector<std::string_view> columns;
+  split(head_.columns, columns);
+  const auto frequency = std::find(columns.begin(), columns.end(), frequency_column);
+  if (frequency == columns.begin() || frequency == columns.end())
+    fail("holds a single curve; expected a table written with --shard");
+  Grid grid{{""}, values_of(frequency_column), {}};
+  for (auto column = columns.begin(); column != frequency; ++column) {
+    const auto values = values_of(*column);
+    std::vector<std::string> longer;
+    for (const auto& block : grid.blocks)
+      for (const auto& value : values) longer.push_back(block + value + ",");
+    grid.blocks = std::move(longer);
+  }
+  for (const auto column : columns) grid.is_regime.push_back(column == "regime");
+  return grid;
+}
+
+void ShardReader::check_row(const Grid& grid, std::size_t block, std::size_t point, std::string_view row) {
+  const std::string &start = grid.blocks[block], &omega = grid.omega[point];
+  const std::string_view rest = row.substr(std::min(row.size(), start.size()));
+  if (!row.starts_with(start) || !rest.starts_with(omega) || rest.size() == omega.size() || rest[omega.size()] != ',')
+    fail("found " + quoted(row) + "; expected a row that begins with " + quoted(start + omega + ",") +
+         ", as the grid of the command says");
+  split(row, fields_);
+  if (fields_.size() != grid.is_regime.size())
+    fail("found " + std::to_string(fields_.size()) + " fields; expected " + std::to_string(grid.is_regime.size()) +
+         " as the names of the columns say");
+  for (std::size_t i = 0; i < fields_.size(); ++i) {
+    if (!grid.is_regime[i]) {
+      if (!parse_number(fields_[i]))
+        fail("found " + quoted(fields_[i]) + " in column " + std::to_string(i + 1) + "; expected a number");
       continue;
     }
     try {
-      static_cast<void>(backlash::regime_from_string(fields[i]));
+      static_cast<void>(backlash::regime_from_string(fields_[i]));
     } catch (const std::invalid_argument& error) {
-      table.fail(line, error.what());
+      fail(error.what());
     }
   }
 }
 
-// Checks the checksum line and removes it from the lines.
-void check_checksum(Inspected& table, std::string_view text, bool required) {
-  if (!table.lines.empty() && table.lines.back().starts_with(checksum_start)) {
-    const std::string_view above = text.substr(0, text.size() - table.lines.back().size() - 1);
-    if (table.lines.back() + "\n" != checksum_line(above))
-      table.fail(table.lines.size() - 1, "found " + quoted(table.lines.back()) + "; the text above has " +
-                                             quoted(fingerprint(above)) + ": something in it was changed or lost");
-    table.lines.pop_back();
-  } else if (required) {
-    table.fail(table.lines.size(),
-               "expected '# checksum: ...' as the last line of a shard; the end of the file is missing");
+void ShardReader::read_block(const Grid& grid, std::size_t block, const OutputFile::Sink& sink) {
+  std::string text;
+  for (std::size_t point = 0; point < grid.omega.size(); ++point) {
+    const auto row = next();
+    if (!row || row->starts_with('#'))
+      fail("ends after " + std::to_string(rows_) + " rows; expected the next one to begin with " +
+           quoted(grid.blocks[block] + grid.omega[point] + ",") + ", as the grid of the command says");
+    check_row(grid, block, point, *row);
+    take(*row);
+    text += *row;
+    text += '\n';
+    ++rows_;
+    if (text.size() < most_text) continue;
+    sink(text);
+    text.clear();
   }
+  sink(text);
 }
 
-Part read_part(const std::string& file) {
-  const auto text = input_text(file);
-  Inspected table{file, whole_lines(*text)};
-  if (!text->ends_with('\n')) table.fail(table.lines.size(), "ends within a line; the file is cut off");
-  Part part;
-  const bool has_shard = read_header(table, part);
-  const auto columns = fields_of(table.lines[table.columns]);
-  const auto frequency = std::find(columns.begin(), columns.end(), frequency_column);
-  if (frequency == columns.begin() || frequency == columns.end())
-    table.fail(table.columns, "holds a single curve; expected a table written with --shard");
-  const auto keys = part_of(block_keys(table, {columns.begin(), frequency}), part.shard);
-  const auto omega = grid_texts(table, frequency_column);
-
-  const std::size_t begin = table.columns + 1;
-  const bool has_checksum = table.lines.back().starts_with(checksum_start);
-  const std::size_t end = table.lines.size() - (has_checksum ? 1 : 0);
-  const std::size_t expected = keys.size() * omega.size();
-  for (std::size_t i = 0; i < std::min(expected, end - begin); ++i)
-    check_row(table, begin + i, keys[i / omega.size()] + omega[i % omega.size()] + ",", columns);
-  if (end - begin != expected)
-    table.fail(std::min(end, begin + expected), "found " + std::to_string(end - begin) + " rows; expected " +
-                                                    std::to_string(expected) + ", " + std::to_string(keys.size()) +
-                                                    " times the " + std::to_string(omega.size()) +
-                                                    " frequencies of the command");
-  check_checksum(table, *text, has_shard);
-  for (std::size_t block = 0; block < keys.size(); ++block) {
-    part.blocks.emplace_back();
-    for (std::size_t i = 0; i < omega.size(); ++i)
-      part.blocks.back() += table.lines[begin + block * omega.size() + i] + "\n";
+void ShardReader::read_end() {
+  const std::string expected = std::string(checksum_start) + fingerprint_.text();
+  const auto line = next();
+  if (!line) {
+    if (head_.has_shard) fail("expected '# checksum: ...' as the last line of a shard; the end of the file is missing");
+    return;
   }
-  return part;
+  if (!line->starts_with(checksum_start)) fail("found " + quoted(*line) + " below the last row of the grid");
+  if (*line != expected)
+    fail("found " + quoted(*line) + "; the text above has " + quoted(fingerprint_.text()) +
+         ": something in it was changed or lost");
+  if (next()) fail("found a line below the checksum");
+}
+
+void ShardReader::count_rows() {
+  while (const auto line = next()) rows_ += line->starts_with('#') ? 0U : 1U;
+}
+
+// Each shard is read through a buffer of its own; together they stay small.
+std::size_t buffer_for(std::size_t files) {
+  constexpr std::size_t all = 16U << 20U, least = 1U << 12U, most = 1U << 18U;
+  return std::clamp(all / std::max<std::size_t>(files, 1), least, most);
+}
+
+// Every shard stays open while the table is written.
+void allow_open_files(std::size_t count) {
+  rlimit limit{};
+  constexpr rlim_t others = 32;
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= count + others) return;
+  limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, count + others);
+  static_cast<void>(::setrlimit(RLIMIT_NOFILE, &limit));
+}
+
+void require_same_table(const ShardReader& first, const ShardReader& other) {
+  if (other.head().text != first.head().text)
+    throw DataError(other.file(), 0, 0, "stems from another command or version than " + first.file());
+  if (other.head().shard.count != first.head().shard.count)
+    throw DataError(other.file(), 0, 0,
+                    "is one of " + std::to_string(other.head().shard.count) + " shards; expected, as in " +
+                        first.file() + ", one of " + std::to_string(first.head().shard.count));
+}
+
+void require_block_table(const std::string& file, const std::string& first) {
+  if (!is_block_table(file))
+    throw DataError(file, 0, 0, "is no map or sweep; expected a table written with --shard, as " + first);
 }
 
 }  // namespace
 
-std::optional<Shard> shard_from(std::string_view text) {
-  Shard shard;
-  const char* const end = text.data() + text.size();
-  const auto index = std::from_chars(text.data(), end, shard.index);
-  if (index.ec != std::errc{} || index.ptr == end || *index.ptr != '/') return std::nullopt;
-  const auto count = std::from_chars(index.ptr + 1, end, shard.count);
-  if (count.ec != std::errc{} || count.ptr != end) return std::nullopt;
-  if (shard.index < 1 || shard.index > shard.count) return std::nullopt;
-  return shard;
-}
-
-std::string checksum_line(std::string_view text) {
-  return std::string(checksum_start) + fingerprint(text) + "\n";
+std::string checksum_line(const Fingerprint& text) {
+  return std::string(checksum_start) + text.text() + "\n";
 }
 
 bool is_block_table(const std::string& file) {
-  const auto text = input_text(file);
-  std::string_view rest = *text;
-  for (int i = 0; i < 2; ++i) {
-    if (std::ranges::any_of(commands, [&](std::string_view command) { return rest.starts_with(command); })) return true;
-    rest.remove_prefix(std::min(rest.find('\n'), rest.size() - 1) + 1);
-    if (rest.empty()) break;
+  const Descriptor descriptor = readable(file);
+  constexpr std::size_t some_lines = 1U << 12U;
+  LineReader lines(descriptor.number(), file, some_lines);
+  // The command stands behind the version, and behind the line of an unfinished table.
+  for (int i = 0; i < 3; ++i) {
+    const auto line = lines.next();
+    if (!line) break;
+    if (std::ranges::any_of(commands, [&](std::string_view command) { return line->starts_with(command); }))
+      return true;
   }
   return false;
 }
 
-std::string joined_block_table(const std::vector<std::string>& files) {
-  std::map<std::size_t, Part> parts;  // by index
-  std::size_t count = 0;
-  std::string header;
+void join_block_tables(const std::vector<std::string>& files, const OutputFile::Sink& sink) {
+  allow_open_files(files.size());
+  std::map<std::size_t, ShardReader> shards;  // by index
+  const ShardReader* first = nullptr;
   for (const std::string& file : files) {
-    if (!is_block_table(file))
-      throw DataError(file, 0, 0, "is no map or sweep; expected a table written with --shard, as " + files.front());
-    Part part = read_part(file);
-    if (parts.empty()) {
-      header = part.header;
-      count = part.shard.count;
+    require_block_table(file, files.front());
+    ShardReader reader(file, buffer_for(files.size()));
+    if (reader.head().is_unfinished)
+      throw DataError(file, 0, 0, "is not finished; the command of its shard, given again, goes on with what is left");
+    const std::size_t index = reader.head().shard.index;
+    if (first != nullptr) require_same_table(*first, reader);
+    const auto [at, is_new] = shards.try_emplace(index, std::move(reader));
+    if (!is_new) throw DataError(file, 0, 0, "is shard " + std::to_string(index) + ", which another file holds too");
+    if (first == nullptr) first = &at->second;
+  }
+  const Head& head = first->head();
+  std::vector<std::size_t> missing;
+  for (std::size_t i = 1; i <= head.shard.count; ++i)
+    if (!shards.contains(i)) missing.push_back(i);
+  if (!missing.empty())
+    throw DataError(files.front(), 0, 0,
+                    (missing.size() == 1
+                         ? "shard " + text_of(Shard{missing.front(), head.shard.count}) + " is missing"
+                         : "shards " + list_of(missing) + " of " + std::to_string(head.shard.count) + " are missing") +
+                        "; for sbatch: --array=" + list_of(missing));
+  const Grid grid = first->grid();
+  sink(head.text);
+  for (std::size_t block = 0; block < grid.blocks.size(); ++block)
+    shards.at(block % head.shard.count + 1).read_block(grid, block, sink);
+  for (auto& [index, shard] : shards) shard.read_end();
+}
+
+std::vector<ShardState> shard_states(const std::vector<std::string>& files) {
+  std::vector<ShardState> states;
+  std::optional<ShardReader> first;
+  std::optional<Grid> grid;
+  for (const std::string& file : files) {
+    require_block_table(file, files.front());
+    ShardReader reader(file, buffer_for(1));
+    if (first)
+      require_same_table(*first, reader);
+    else
+      grid = reader.grid();
+    const Shard shard = reader.head().shard;
+    ShardState& state = states.emplace_back(ShardState{file, shard, 0, 0, ""});
+    for (std::size_t block = shard.index - 1; block < grid->blocks.size(); block += shard.count)
+      state.expected += grid->omega.size();
+    if (reader.head().is_unfinished) {
+      reader.count_rows();
+      state.fault = "unfinished";
+    } else {
+      try {
+        for (std::size_t block = shard.index - 1; block < grid->blocks.size(); block += shard.count)
+          reader.read_block(*grid, block, [](std::string_view) {});
+        reader.read_end();
+      } catch (const DataError& error) {
+        state.fault = error.what();
+      }
     }
-    if (part.header != header)
-      throw DataError(file, 0, 0, "stems from another command or version than " + files.front());
-    if (part.shard.count != count)
-      throw DataError(file, 0, 0,
-                      "is one of " + std::to_string(part.shard.count) + " shards; expected, as in " + files.front() +
-                          ", one of " + std::to_string(count));
-    const std::size_t index = part.shard.index;
-    if (!parts.emplace(index, std::move(part)).second)
-      throw DataError(file, 0, 0, "is shard " + std::to_string(index) + ", which another file holds too");
+    state.rows = reader.rows();
+    if (!first) first.emplace(std::move(reader));
   }
-  for (std::size_t i = 1; i <= count; ++i)
-    if (!parts.contains(i)) throw DataError(files.front(), 0, 0, "shard " + text_of(Shard{i, count}) + " is missing");
-  std::string text = header;
-  for (std::size_t block = 0; block < parts.at(1).blocks.size(); ++block) {
-    for (const auto& [index, part] : parts)
-      if (block < part.blocks.size()) text += part.blocks[block];
-  }
-  return text;
+  return states;
 }
 
 }  // namespace io

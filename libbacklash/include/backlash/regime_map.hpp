@@ -34,6 +34,10 @@ struct RegimeMap {
 /// Options of a map: as of a sweep, but a mean that is known to 1 % of |N| is good enough.
 [[nodiscard]] SweepOptions map_options();
 
+/// The scenes of a map, one per restitution.
+/// @throws std::invalid_argument  as regime_map.
+[[nodiscard]] std::vector<SweepScene> map_scenes(const MapScene& scene, const std::vector<double>& restitution);
+
 /// One sweep per restitution, computed in parallel; the result does not depend on options.threads.
 /// @param restitution  in [0, 1], strictly increasing, not empty
 /// @param omega        rad/s, positive, strictly increasing, not empty

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <utility>
 
+#include "frac/cancellation.hpp"
+
 namespace backlash::detail {
 namespace {
 
@@ -133,6 +135,7 @@ class March {
   SegmentBranch run(double length, bool from_bifurcation) {
     bool skip_events = from_bifurcation;
     for (;;) {
+      frac::throw_if_cancelled();
       if (branch_.points.size() >= most_points) return ended(SegmentEnd::too_long);
       const SegmentPoint from = branch_.points.back();
       const std::optional<SegmentPoint> to = Step(from, length).at(length);

@@ -9,8 +9,11 @@
 namespace backlash {
 
 ControlLoop::ControlLoop(const TwoMassSystem& system, frac::FractionalTransferFunction controller, Output measured)
-    : system_(system), controller_(std::move(controller)), measured_(measured) {
-  detail::require_positive("clearance", "m", system.clearance());
+    : ControlLoop(LinearBodies(system), std::move(controller), measured) {}
+
+ControlLoop::ControlLoop(LinearBodies bodies, frac::FractionalTransferFunction controller, Output measured)
+    : bodies_(std::move(bodies)), controller_(std::move(controller)), measured_(measured) {
+  detail::require_positive("clearance", "m", system().clearance());
   const double growth = controller_.numerator().front().order - controller_.denominator().front().order;
   if (!(growth < 2)) {
     throw std::invalid_argument("the controller grows as s^" + detail::text(growth) +

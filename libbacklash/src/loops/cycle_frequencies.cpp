@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "frac/cancellation.hpp"
+
 namespace backlash::detail {
 namespace {
 
@@ -112,6 +114,7 @@ std::vector<double> roots_on_grid(const std::function<double(double)>& function,
   std::vector<double> roots;
   double before = function(grid.front());
   for (std::size_t i = 1; i < grid.size(); ++i) {
+    frac::throw_if_cancelled();
     const double after = function(grid[i]);
     if (after == 0) {
       roots.push_back(grid[i]);

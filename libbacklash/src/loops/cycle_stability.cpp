@@ -29,6 +29,12 @@ class Characteristic {
     const std::vector<double>& rates = train_.growth_rates();
     return static_cast<int>(std::count_if(rates.begin(), rates.end(), [&](double rate) { return rate > edge; }));
   }
+  /// At which D changes its sign without a root.
+  [[nodiscard]] bool is_pole(double log_z) const {
+    const std::vector<double>& rates = train_.growth_rates();
+    return std::any_of(rates.begin(), rates.end(),
+                       [&](double rate) { return std::abs(rate - log_z) < 1e-9 * std::abs(log_z); });
+  }
   /// Its value at infinity.
   [[nodiscard]] double scale() const noexcept { return exchange_ * exchange_; }
 
@@ -138,10 +144,10 @@ Complex furthest_root(const Characteristic& d, double left, double right, int co
   return best;
 }
 
-// D is real on the axis Im ln(-z) = 0 right of the singular point and, without fractional powers, left of it too: its
-// sign changes there, furthest right first.  NaN where there is none.
-double furthest_real_root(const Characteristic& d, double from, double to) {
-  const auto value = [&](double x) { return d({x, 0}).real(); };
+// D is real on the line Im ln(-z) = pi, on the axis Im ln(-z) = 0 right of the singular point and, without fractional
+// powers, left of it too: its roots there, furthest right first.  NaN where there is none.
+double furthest_real_root(const Characteristic& d, double height, double from, double to) {
+  const auto value = [&](double x) { return d({x, height}).real(); };
   constexpr int points = 60;
   double right = to;
   double at_right = value(right);
@@ -154,7 +160,7 @@ double furthest_real_root(const Characteristic& d, double from, double to) {
         const double middle = 0.5 * (low + high);
         ((value(middle) > 0) == (at_right > 0) ? high : low) = middle;
       }
-      return 0.5 * (low + high);
+      if (!d.is_pole(low)) return low;
     }
     right = left;
     at_right = at_left;
@@ -176,14 +182,20 @@ CycleStability cycle_stability(const ImpulseTrain& train, double exchange) {
   for (int effort = 1; effort <= 3 && !known; ++effort) {
     const bool is_unstable = result.unstable_multipliers != 0;
     log_z = furthest_root(d, is_unstable ? 0 : deepest, is_unstable ? 4 : 0, 6 * effort, 6 * effort);
-    if (const double real = is_unstable ? furthest_real_root(d, near_point, 40) : log_z.real(); real > log_z.real()) {
-      log_z = real;
+    const auto consider = [&](double real, double height) {
+      if (real > log_z.real()) log_z = {real, height};
+    };
+    if (is_unstable) {
+      consider(furthest_real_root(d, 0, near_point, 40), 0);
+      consider(furthest_real_root(d, pi, near_point, 40), pi);
+    } else {
+      consider(furthest_real_root(d, pi, deepest, -near_point), pi);
     }
     known = is_furthest(log_z);
   }
   if (train.has_whole_powers() && log_z.real() < -near_point) {
-    // The path of the count passes above the axis, so that its roots are looked for apart.
-    const double real = furthest_real_root(d, std::max(deepest, log_z.real()), -near_point);
+    // The path of the count passes above the axis: its roots are looked for apart.
+    const double real = furthest_real_root(d, 0, std::max(deepest, log_z.real()), -near_point);
     if (real > log_z.real()) log_z = real;
   }
   if (std::isfinite(log_z.real())) {

@@ -68,8 +68,19 @@ FrequencyRange search_range(const ControlLoop& loop, const std::optional<Frequen
     roots = positive_roots(sizes);
     if (!roots.empty()) highest = std::max(highest, 3 * roots.back());
   }
+  double lowest = 1e-4 * highest;
+  // Beyond the corners of the bodies they are masses or springs.
+  for (const frac::FractionalTransferFunction* body : {&loop.bodies().load(), &loop.bodies().drive()}) {
+    const std::vector<frac::PowerTerm>& terms = body->denominator();
+    for (std::size_t i = 1; i < terms.size(); ++i) {
+      const double corner = std::pow(std::abs(terms[i].coefficient / terms.front().coefficient),
+                                     1 / (terms.front().order - terms[i].order));
+      highest = std::max(highest, 10 * corner);
+      lowest = std::min(lowest == 0 ? corner : lowest, 0.1 * corner);
+    }
+  }
   if (highest == 0) return {1e-4, 1e4};
-  return {1e-4 * highest, highest};
+  return {std::max(lowest, 1e-6 * highest), highest};
 }
 
 std::vector<double> search_grid(const FrequencyRange& range, double delay) {

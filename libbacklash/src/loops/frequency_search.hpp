@@ -22,8 +22,8 @@ enum class Harmonics { all, first };
 [[nodiscard]] std::vector<frac::PowerTerm> frequency_equation(const ControlLoop& loop, Harmonics harmonics);
 
 /// Where roots are looked for on a grid: as asked for, else up to the frequency above which a controller that is a sum
-/// of powers cannot make up for the loss in the impacts whatever its phase, and four decades down from there; 1e-4 to
-/// 1e4 rad/s for a ratio.
+/// of powers cannot make up for the loss in the impacts whatever its phase, and four decades down from there, more
+/// where friction or springs of the bodies have their corners beyond; 1e-4 to 1e4 rad/s for a ratio.
 [[nodiscard]] FrequencyRange search_range(const ControlLoop& loop, const std::optional<FrequencyRange>& asked);
 
 /// 200 points per decade and per turn of the dead time.

@@ -95,67 +95,147 @@ FirstPulse first_pulse(double delay, double tau) {
   return {static_cast<int>(periods) + 1, 1 - (delay / tau - periods)};
 }
 
+using Terms = std::vector<frac::PowerTerm>;
+
+// G = N/D less its own free mass, 1/(M s^2): excess/(s^2 M D), so that the jump of velocity at an impact is apart from
+// what follows it.
+struct Body {
+  Body(Terms of_numerator, const Terms& denominator, double mass)
+      : numerator(std::move(of_numerator)), scaled_denominator(frac::detail::scaled(denominator, mass, 0)) {
+    excess = frac::detail::merged(frac::detail::scaled(numerator, mass, 2), frac::detail::scaled(denominator, -1, 0));
+    // The leading terms cancel but for rounding.
+    std::erase_if(excess, [&](const frac::PowerTerm& term) { return term.order > denominator.front().order - 1e-9; });
+  }
+  Body(const frac::FractionalTransferFunction& receptance, double mass)
+      : Body(receptance.numerator(), receptance.denominator(), mass) {}
+
+  Terms numerator;
+  Terms scaled_denominator;  // M D
+  Terms excess;
+};
+
+bool has_whole_orders(const frac::detail::LaplaceImage& image) {
+  const auto is_whole = [](const frac::PowerTerm& term) { return term.order == std::round(term.order); };
+  return std::all_of(image.numerator().terms.begin(), image.numerator().terms.end(), is_whole) &&
+         std::all_of(image.denominator().terms.begin(), image.denominator().terms.end(), is_whole);
+}
+
+GapResponse free_response(const TwoMassSystem& system) {
+  const double jump = 1 / system.mass1() + 1 / system.mass2();
+  return {{{jump, 1, 0}}, {}, jump};
+}
+
+void add_image(GapResponse& response, Terms numerator, const std::vector<Terms>& denominators, double delay) {
+  if (numerator.empty()) return;
+  // Single terms make one factor, which comes first.
+  frac::detail::PowerProduct denominator;
+  Terms power{{1, 0}};
+  for (const Terms& each : denominators) {
+    if (each.size() == 1) {
+      power = frac::detail::product(power, each);
+    } else {
+      frac::detail::multiply(denominator.factors, {each, 1});
+    }
+  }
+  denominator.factors.insert(denominator.factors.begin(), {power, 1});
+  denominator.terms = frac::detail::expanded(denominator.factors);
+  response.images.emplace_back(frac::detail::PowerProduct{{}, std::move(numerator)}, std::move(denominator), delay);
+}
+
 }  // namespace
 
 double alternating_sum(double power, double v) {
   return AlternatingSums<long double>(power, v).sum();
 }
 
+GapResponse gap_response(const LinearBodies& bodies) {
+  GapResponse response = free_response(bodies.system());
+  if (bodies.are_free()) return response;
+  const Body load(bodies.load(), bodies.system().mass1());
+  const Body drive(bodies.drive(), bodies.system().mass2());
+  Terms numerator = frac::detail::merged(frac::detail::product(load.excess, drive.scaled_denominator),
+                                         frac::detail::product(drive.excess, load.scaled_denominator));
+  add_image(response, std::move(numerator), {{{1, 2}}, load.scaled_denominator, drive.scaled_denominator}, 0);
+  return response;
+}
+
 GapResponse gap_response(const ControlLoop& loop) {
+  const LinearBodies& bodies = loop.bodies();
   const frac::FractionalTransferFunction& controller = loop.controller();
   const double mass1 = loop.system().mass1();
   const double mass2 = loop.system().mass2();
-  GapResponse response{{}, {}, 1 / mass1 + 1 / mass2};
-  const auto set_image = [&](frac::detail::PowerProduct numerator, frac::detail::PowerProduct denominator,
-                             double delay) {
-    response.image =
-        ImagePart{std::make_shared<frac::detail::LaplaceImage>(std::move(numerator), std::move(denominator)), delay};
-    if (!response.image->image->poles().complete) {
-      throw std::invalid_argument("the poles of the loop between impacts could not be counted: " +
-                                  std::string(response.image->image->poles().trouble));
+  const bool is_driven = loop.measured() == Output::x2;
+  if (is_driven && controller.delay() > 0) {
+    throw std::invalid_argument(
+        "exact cycles with the driven body measured (x2) and a dead time are not computed; measure the load (x1) or "
+        "leave the dead time out");
+  }
+  if (bodies.are_free() && !is_driven) {
+    // G1 + G2 and C G1 G2; 1/s^p is t^(p - 1)/Gamma(p).
+    GapResponse response = free_response(bodies.system());
+    if (controller.denominator().size() != 1) {
+      add_image(response, controller.numerator(), {controller.denominator(), {{mass1 * mass2, 4}}}, controller.delay());
+      return response;
     }
-  };
-  if (loop.measured() == Output::x2) {
-    if (controller.delay() > 0) {
-      throw std::invalid_argument(
-          "exact cycles with the driven body measured (x2) and a dead time are not computed; measure the load (x1) or "
-          "leave the dead time out");
+    for (const frac::PowerTerm& term : controller.numerator()) {
+      const double p = 4 - (term.order - controller.denominator().front().order);
+      response.parts.push_back(
+          {term.coefficient / (mass1 * mass2) * frac::detail::reciprocal_gamma(p), p - 1, controller.delay()});
     }
-    // G1, and G2/(1 + C G2) with C = N/D.
-    response.parts.push_back({1 / mass1, 1, 0});
-    set_image(
-        {{}, controller.denominator()},
-        {{}, frac::detail::merged(frac::detail::scaled(controller.denominator(), mass2, 2), controller.numerator())},
-        0);
     return response;
   }
-  // G1 + G2 and C G1 G2; 1/s^p is t^(p - 1)/Gamma(p).
-  response.parts.push_back({response.jump, 1, 0});
-  if (controller.denominator().size() != 1) {
-    set_image({{}, controller.numerator()}, {{}, frac::detail::scaled(controller.denominator(), mass1 * mass2, 4)},
+  using frac::detail::merged;
+  using frac::detail::product;
+  const Body load(bodies.load(), mass1);
+  if (is_driven) {
+    // G1, and G2/(1 + C G2) as one body.
+    const Body drive(product(bodies.drive().numerator(), controller.denominator()),
+                     merged(product(bodies.drive().denominator(), controller.denominator()),
+                            product(bodies.drive().numerator(), controller.numerator())),
+                     mass2);
+    GapResponse response = free_response(bodies.system());
+    add_image(response,
+              merged(product(load.excess, drive.scaled_denominator), product(drive.excess, load.scaled_denominator)),
+              {{{1, 2}}, load.scaled_denominator, drive.scaled_denominator}, 0);
+    return response;
+  }
+  const Body drive(bodies.drive(), mass2);
+  // C G1 G2 over the masses times denominators of all three.
+  Terms chain = product(product(load.numerator, drive.numerator), controller.numerator());
+  chain = frac::detail::scaled(std::move(chain), mass1 * mass2, 0);
+  if (controller.delay() > 0) {
+    GapResponse response = gap_response(bodies);
+    add_image(response, std::move(chain), {controller.denominator(), load.scaled_denominator, drive.scaled_denominator},
               controller.delay());
     return response;
   }
-  for (const frac::PowerTerm& term : controller.numerator()) {
-    const double p = 4 - (term.order - controller.denominator().front().order);
-    response.parts.push_back(
-        {term.coefficient / (mass1 * mass2) * frac::detail::reciprocal_gamma(p), p - 1, controller.delay()});
-  }
+  GapResponse response = free_response(bodies.system());
+  const Terms apart =
+      merged(product(load.excess, drive.scaled_denominator), product(drive.excess, load.scaled_denominator));
+  add_image(response, merged(product(apart, controller.denominator()), frac::detail::scaled(std::move(chain), 1, 2)),
+            {{{1, 2}}, controller.denominator(), load.scaled_denominator, drive.scaled_denominator}, 0);
   return response;
 }
 
 ImpulseTrain::ImpulseTrain(const GapResponse& response, double half_period) : tau_(half_period) {
   parts_.reserve(response.parts.size());
+  has_whole_powers_ = std::all_of(response.parts.begin(), response.parts.end(),
+                                  [](const PowerPart& part) { return part.exponent == std::round(part.exponent); });
   for (const PowerPart& part : response.parts) {
     const FirstPulse first = first_pulse(part.delay, tau_);
     parts_.push_back({part.coefficient * std::pow(tau_, part.exponent), part.exponent, first.index, first.age,
                       PowerTrain(part.exponent, first.age), older_pulses(part.exponent)});
   }
-  if (!response.image) return;
-  // Before a thousandth of the half period has gone by, the controller has not answered to the impact.
+  if (response.images.empty()) return;
+  // Before a thousandth of the half period has gone by, nothing but the masses has answered to the impact.
   constexpr double earliest = 1e-3;
-  image_.emplace(*response.image, tau_, earliest);
-  for (const frac::detail::RootCluster& pole : response.image->image->poles().clusters) {
+  images_.reserve(response.images.size());
+  for (const ImagePart& part : response.images) {
+    images_.emplace_back(part, tau_, earliest);
+    has_whole_powers_ = has_whole_powers_ && has_whole_orders(*part.image);
+  }
+  // The last one has the poles of the others.
+  for (const frac::detail::RootCluster& pole : response.images.back().image->poles().clusters) {
     if (pole.log_s.imag() > std::numbers::pi) continue;
     const int count = pole.multiplicity * (pole.is_conjugate ? 1 : 2);
     growth_rates_.insert(growth_rates_.end(), static_cast<std::size_t>(count), std::exp(pole.log_s).real() * tau_);
@@ -173,8 +253,26 @@ std::array<Complex, 3> ImpulseTrain::sums(Complex s) const {
     total[1] += scale * by_time * train[1];
     total[2] += scale * (by_time * (part.exponent - 1) / tau_) * train[2];
   }
-  if (image_) {
-    const std::array<Complex, 3> others = image_->sums(s);
+  for (const ImageTrain& image : images_) {
+    const std::array<Complex, 3> others = image.sums(s);
+    for (std::size_t j = 0; j < 3; ++j) total[j] += others[j];
+  }
+  return total;
+}
+
+std::array<double, 3> ImpulseTrain::sums_of_one_sign() const {
+  std::array<double, 3> total{};
+  for (const Part& part : parts_) {
+    const std::array<double, 3> train = part.train.at_origin();
+    const double by_time = part.exponent / tau_;
+    total[0] += part.coefficient * train[0];
+    total[1] += part.coefficient * by_time * train[1];
+    // A ramp has no second derivative, but its mean parabola has.
+    total[2] +=
+        part.coefficient / (tau_ * tau_) * (part.exponent == 1 ? -1 : part.exponent * (part.exponent - 1) * train[2]);
+  }
+  for (const ImageTrain& image : images_) {
+    const std::array<double, 3> others = image.sums_of_one_sign();
     for (std::size_t j = 0; j < 3; ++j) total[j] += others[j];
   }
   return total;
@@ -201,17 +299,12 @@ ImpulseTrain::Wave ImpulseTrain::wave(double t) const {
     wave.value += sign * (value + young);
     wave.slope += sign / tau_ * (slope + (age > 0 ? part.exponent * young / age : 0));
   }
-  if (image_) {
-    const ImageTrain::Wave other = image_->wave(t);
+  for (const ImageTrain& image : images_) {
+    const ImageTrain::Wave other = image.wave(t);
     wave.value += other.value;
     wave.slope += other.slope;
   }
   return wave;
-}
-
-bool ImpulseTrain::has_whole_powers() const noexcept {
-  return !image_ && std::all_of(parts_.begin(), parts_.end(),
-                                [](const Part& part) { return part.exponent == std::round(part.exponent); });
 }
 
 double rate_before_impact(const GapResponse& response, double half_period) {
@@ -222,7 +315,7 @@ double rate_before_impact(const GapResponse& response, double half_period) {
                        alternating_sum(part.exponent - 1, first.age);
     rate += first.index % 2 == 0 ? sum : -sum;
   }
-  if (response.image) rate += ImageTrain::rate(*response.image, half_period);
+  for (const ImagePart& part : response.images) rate += ImageTrain::rate(part, half_period);
   return rate;
 }
 

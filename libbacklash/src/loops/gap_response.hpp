@@ -3,7 +3,6 @@
 
 #include <array>
 #include <complex>
-#include <optional>
 #include <vector>
 
 #include "backlash/loops/control_loop.hpp"
@@ -21,15 +20,17 @@ struct PowerPart {
 
 /// What the gap does after an impact: a unit impulse on mass 1 and its opposite on mass 2 make x2 - x1 = -g(t), with
 /// the controller's answer in it.  With the load measured and a controller that is a sum of powers g is one too;
-/// otherwise the original of an image is added.
+/// otherwise originals of images are added, and of bodies that are no free masses too.
 struct GapResponse {
   std::vector<PowerPart> parts;
-  std::optional<ImagePart> image;
-  double jump;  // 1/M1 + 1/M2: g' right after the impulse
+  std::vector<ImagePart> images;  // the last one has the poles of the others
+  double jump;                    // 1/M1 + 1/M2: g' right after the impulse
 };
 /// @throws std::invalid_argument  dead time with the driven body measured: g has then no image of finitely many powers;
 ///                                poles that could not be counted.
 [[nodiscard]] GapResponse gap_response(const ControlLoop& loop);
+/// Without a controller.
+[[nodiscard]] GapResponse gap_response(const LinearBodies& bodies);
 
 /// Alternating impulses at all t = l tau, l = ..., -1, 0: what is left of them.
 class ImpulseTrain {
@@ -42,6 +43,10 @@ class ImpulseTrain {
   /// but the negative real axis.
   [[nodiscard]] std::array<std::complex<double>, 3> sums(std::complex<double> s) const;
 
+  /// sum_(l >= 1) g^(j)(l tau), j = 0, 1, 2, without the mean of what such a train does: without the harmonic of
+  /// frequency 0.
+  [[nodiscard]] std::array<double, 3> sums_of_one_sign() const;
+
   /// sum_(l >= 0) (-1)^l g(l tau + t) and its derivative by t, 0 < t < tau.
   struct Wave {
     double value;
@@ -52,8 +57,8 @@ class ImpulseTrain {
   [[nodiscard]] double half_period() const noexcept { return tau_; }
   /// Real parts of the poles of g's image, times tau, each as often as it counts, conjugates too.
   [[nodiscard]] const std::vector<double>& growth_rates() const noexcept { return growth_rates_; }
-  /// g is a polynomial after each delay: the sums have poles where else they have a cut.
-  [[nodiscard]] bool has_whole_powers() const noexcept;
+  /// g has no fractional power: the sums have poles where else they have a cut.
+  [[nodiscard]] bool has_whole_powers() const noexcept { return has_whole_powers_; }
 
  private:
   struct Part {
@@ -67,7 +72,8 @@ class ImpulseTrain {
   };
   double tau_;
   std::vector<Part> parts_;
-  std::optional<ImageTrain> image_;
+  std::vector<ImageTrain> images_;
+  bool has_whole_powers_;
   std::vector<double> growth_rates_;
 };
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <complex>
+#include <cstddef>
 #include <memory>
 #include <vector>
 
@@ -12,16 +13,28 @@ namespace backlash::detail {
 
 /// A response that is the original of Y(s) e^{-delay s}, Y a ratio of sums of powers of s.
 struct ImagePart {
+  ImagePart(frac::detail::PowerProduct numerator, frac::detail::PowerProduct denominator, double of_delay);
+
+  /// weight e^{rate t}, with its conjugate: a pole in the upper half plane or on the axis, or a share of several.
+  struct Exponential {
+    std::complex<double> rate;
+    std::complex<double> weight;
+  };
   std::shared_ptr<const frac::detail::LaplaceImage> image;
+  std::vector<Exponential> poles;
   double delay;
 };
 
 /// The sums of ImpulseTrain for such a response g: with its inversion as an integral over r along a hyperbola about the
 /// branch cut, and residues of the poles beyond it,
 ///   sum_(l >= 1) (-1)^l g^(j)(l tau) z^-l = sum_nodes W r^j/(e^{(s - r) tau} - 1),   z = -e^{s tau},
-/// and, for those of the points s + 2 pi j n/tau that lie on the side of the cut, the response Y s^j/tau there.  On r =
-/// mu (1 - sin(angle - j x)) the trapezoidal rule in x errs by e^{-2 pi d/step}, d the distance of the next
-/// singularity's angle.
+/// and, for those of the points s + 2 pi j n/tau that lie on the side of the cut, the response Y s^j/tau there.
+///
+/// The hyperbola is r tau = 1 - sin(angle - j x), and the integral the trapezoidal rule in x at (n + 1/2) step.  A pole
+/// of the integrand at x0 adds residue/(1 + e^{-2 pi j x0/step}) to the rule: all of its residue where it lies right of
+/// the path, nothing where it lies left, and what the rule errs by between; the same holds of the points s + 2 pi j
+/// n/tau.  So no pole has to stay away from the path, and the rule errs by e^{-2 pi d/step}, d the distance in angle of
+/// the cut.
 class ImageTrain {
  public:
   /// @param tau       half period, s
@@ -29,7 +42,9 @@ class ImageTrain {
   ImageTrain(const ImagePart& part, double tau, double earliest);
 
   [[nodiscard]] std::array<std::complex<double>, 3> sums(std::complex<double> s) const;
-  /// The second of them at z = 1.
+  /// At z = -1, without the harmonic of frequency 0.
+  [[nodiscard]] std::array<double, 3> sums_of_one_sign() const;
+  /// The second of `sums` at z = 1.
   [[nodiscard]] static double rate(const ImagePart& part, double tau);
 
   /// sum_(l >= 0) (-1)^l g(l tau + t) and its derivative, from t = earliest tau on.
@@ -46,19 +61,19 @@ class ImageTrain {
     std::complex<double> growth;  // e^{r tau}
     std::complex<double> begun;   // e^{r age}, at the age of the first impulse that has begun
   };
-  struct Contour {
-    double angle;
-    std::vector<Node> nodes;
-  };
-  ImageTrain(const ImagePart& part, double tau, double earliest, std::size_t contours);
-  [[nodiscard]] Contour contour(double lowest_angle, double highest_angle, double earliest) const;
-  [[nodiscard]] double angle_of(std::complex<double> s) const;
+  void choose_angle();
+  void add_contour(double earliest);
+  void add(std::complex<double> r, std::complex<double> weight);
+  [[nodiscard]] std::complex<double> parameter(std::complex<double> s) const;
+  [[nodiscard]] std::array<std::complex<double>, 3> sums(std::complex<double> s, bool with_zero) const;
 
-  ImagePart part_;
+  const ImagePart* part_;
   double tau_;
   double first_;  // l of the first impulse whose answer has begun just before the impact
   double age_;    // its age then, s
-  std::vector<Contour> contours_;
+  double angle_ = 0;
+  std::vector<Node> nodes_;
+  std::size_t begun_ = 0;  // of them, the first ones, that have not decayed at that age
 };
 
 }  // namespace backlash::detail

@@ -153,6 +153,11 @@ void PowerTrain::prepare_zeta() {
   }
 }
 
+std::array<double, 3> PowerTrain::at_origin() const noexcept {
+  constexpr double turn = 2 * pi;
+  return {zeta_[2] * 2 / (turn * turn), zeta_[1] / turn, zeta_[0]};
+}
+
 std::array<Complex, 3> PowerTrain::operator()(Complex u) const {
   if (std::abs(u) > near_origin && u.real() < 0) return by_terms(u);
   return about_origin(u);

@@ -18,6 +18,8 @@ class PowerTrain {
   /// @param v  in (0, 1]
   PowerTrain(double a, double v);
   [[nodiscard]] std::array<std::complex<double>, 3> operator()(std::complex<double> u) const;
+  /// What is left at u = 0 without the singular part: zeta(j - a, v).
+  [[nodiscard]] std::array<double, 3> at_origin() const noexcept;
 
  private:
   // Direct terms and order of the series of the rest: the series errs by about order! / (terms |u|)^order.

@@ -7,7 +7,9 @@
 #include <numbers>
 
 #include "cycle_frequencies.hpp"
+#include "forced_orbits.hpp"
 #include "frequency_search.hpp"
+#include "gap_response.hpp"
 
 namespace backlash {
 namespace {
@@ -81,13 +83,85 @@ class Balance {
 };
 
 // U_F V_w - V_F U_w > 0 with U + j V = 1 + C N (Loeb).
+bool is_stable_by_loeb(Complex by_force, Complex by_omega) {
+  return by_force.real() * by_omega.imag() - by_force.imag() * by_omega.real() > 0;
+}
 bool is_stable_by_loeb(const Balance& balance, const Orbit& orbit, double force, double omega) {
   constexpr double step = 1e-5;
   const Complex by_force =
       balance.defect(orbit, force * (1 + step), omega) - balance.defect(orbit, force * (1 - step), omega);
   const Complex by_omega =
       balance.defect(orbit, force, omega * (1 + step)) - balance.defect(orbit, force, omega * (1 - step));
-  return by_force.real() * by_omega.imag() - by_force.imag() * by_omega.real() > 0;
+  return is_stable_by_loeb(by_force, by_omega);
+}
+
+// Bodies of any receptance.
+class BodiesBalance {
+ public:
+  explicit BodiesBalance(const ControlLoop& loop) : loop_(loop), response_(detail::gap_response(loop.bodies())) {}
+
+  /// F G2 over the fundamental of the impulses, as the controller answers to the fundamental.
+  [[nodiscard]] Complex answer(double omega) const {
+    const Complex controller = loop_.controller().response(omega);
+    const Complex load = loop_.bodies().load().response(omega);
+    const Complex drive = loop_.bodies().drive().response(omega);
+    return loop_.measured() == Output::x1 ? -controller * load * drive
+                                          : controller * drive * drive / (1.0 + controller * drive);
+  }
+  /// 0 where the masses meet at the speed that the impacts ask for.
+  [[nodiscard]] double rate_defect(double omega) const {
+    const double exchange = response_.jump / (1 + loop_.system().restitution());
+    const double rate = detail::rate_before_impact(response_, pi / omega);
+    return (rate + detail::ForcedOrbits::impulse_share(omega) * omega * answer(omega).imag()) / exchange + 1;
+  }
+  [[nodiscard]] std::optional<PredictedCycle> cycle_at(double omega) const {
+    const detail::ForcedOrbits orbits(loop_.bodies(), response_, omega);
+    const Complex share = answer(omega);
+    const std::optional<detail::ForcedOrbits::Orbit> orbit = orbits.answered_by(share);
+    if (!orbit) return std::nullopt;
+    const double force = std::abs(orbit->force);
+    const bool is_faster = orbits.is_faster(orbit->impulse);
+    const Complex by_force =
+        defect(orbits, force * (1 + step), omega, is_faster) - defect(orbits, force * (1 - step), omega, is_faster);
+    const auto at = [&](double other) {
+      return defect(detail::ForcedOrbits(loop_.bodies(), response_, other), force, other, is_faster);
+    };
+    const Complex by_omega = at(omega * (1 + step)) - at(omega * (1 - step));
+    return PredictedCycle{omega, force, is_faster, is_stable_by_loeb(by_force, by_omega),
+                          third_harmonic(*orbit, omega)};
+  }
+
+ private:
+  static constexpr double step = 1e-5;
+
+  // 1 + C N
+  [[nodiscard]] Complex defect(const detail::ForcedOrbits& orbits, double force, double omega, bool is_faster) const {
+    const detail::ForcedOrbits::Orbit orbit = orbits.at(force, is_faster);
+    const Complex measured = loop_.measured() == Output::x1 ? orbit.x1 : orbit.x2;
+    return 1.0 + loop_.controller().response(omega) * measured / orbit.force;
+  }
+  [[nodiscard]] double third_harmonic(const detail::ForcedOrbits::Orbit& orbit, double omega) const {
+    const bool is_load = loop_.measured() == Output::x1;
+    const frac::FractionalTransferFunction& body = is_load ? loop_.bodies().load() : loop_.bodies().drive();
+    const double third =
+        detail::ForcedOrbits::impulse_share(omega) * orbit.impulse * std::abs(body.response(3 * omega));
+    return std::abs(loop_.controller().response(3 * omega)) * third / std::abs(orbit.force);
+  }
+
+  const ControlLoop& loop_;
+  detail::GapResponse response_;
+};
+
+std::vector<PredictedCycle> predicted_for_bodies(const ControlLoop& loop, const std::optional<FrequencyRange>& range) {
+  const BodiesBalance balance(loop);
+  std::vector<PredictedCycle> cycles;
+  for (const double omega :
+       detail::roots_on_grid([&](double at) { return balance.rate_defect(at); },
+                             detail::search_grid(detail::search_range(loop, range), loop.controller().delay()))) {
+    if (!(std::abs(balance.rate_defect(omega)) < 1e-6)) continue;  // a pole
+    if (const auto cycle = balance.cycle_at(omega)) cycles.push_back(*cycle);
+  }
+  return cycles;
 }
 
 }  // namespace
@@ -95,6 +169,7 @@ bool is_stable_by_loeb(const Balance& balance, const Orbit& orbit, double force,
 std::vector<PredictedCycle> predicted_limit_cycles(const ControlLoop& loop,
                                                    const std::optional<FrequencyRange>& range) {
   detail::require_range(range);
+  if (!loop.bodies().are_free()) return predicted_for_bodies(loop, range);
   const Balance balance(loop);
   const double restitution = loop.system().restitution();
   std::vector<double> frequencies;

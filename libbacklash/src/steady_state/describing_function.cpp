@@ -11,9 +11,11 @@
 #include <string>
 #include <utility>
 
+#include "backlash/sweep_pieces.hpp"
 #include "base/check.hpp"
 #include "base/spelling.hpp"
 #include "describing_function_point.hpp"
+#include "frac/cancellation.hpp"
 #include "steady_state.hpp"
 #include "symmetric_orbits.hpp"
 #include "two_impact_orbit.hpp"
@@ -138,6 +140,7 @@ std::vector<DescribingFunctionPoint> carried_points(const TwoMassSystem& system,
   // gamma of the last point, where it was on the symmetric orbit and its state has not been needed yet.
   std::optional<double> owed_state;
   for (std::size_t step = 0; step < omega.size(); ++step) {
+    frac::throw_if_cancelled();
     const std::size_t i = down ? omega.size() - 1 - step : step;
     const double gamma = dimensionless_force(system, force_amplitude, omega[i]);
     if (!(gamma < detail::rigid_force)) {
@@ -267,38 +270,65 @@ DescribingFunctionSweep describing_function_sweep(const TwoMassSystem& system, d
   return std::move(sweeps.front());
 }
 
+SweepPieces::SweepPieces(std::vector<SweepScene> scenes, std::vector<double> omega, const SweepOptions& options)
+    : scenes_(std::move(scenes)), omega_(std::move(omega)), options_(options) {
+  detail::require_frequency_grid(omega_);
+  detail::require_valid(options_);
+  for (std::size_t i = 0; i < scenes_.size(); ++i) {
+    try {
+      check(scenes_[i], omega_);
+    } catch (const std::invalid_argument& error) {
+      if (scenes_.size() == 1) throw;
+      throw std::invalid_argument("scene " + std::to_string(i) + ": " + error.what());
+    }
+  }
+  // Many pieces share well among threads; some hundred points are milliseconds of work, little to lose.
+  width_ = omega_.size();
+  if (has_independent_points(options_.protocol)) width_ = std::clamp<std::size_t>(omega_.size() / 32, 1, 256);
+  per_scene_ = (omega_.size() + width_ - 1) / width_;
+}
+
+SweepPiece SweepPieces::piece(std::size_t number) const noexcept {
+  const std::size_t first = number % per_scene_ * width_;
+  return {number / per_scene_, first, std::min(width_, omega_.size() - first)};
+}
+
+std::vector<DescribingFunctionPoint> SweepPieces::points(std::size_t number, frac::Progress* progress) const {
+  const auto [index, first, count] = piece(number);
+  const SweepScene& scene = scenes_.at(index);
+  if (!has_independent_points(options_.protocol))
+    return carried_points(scene.system, scene.force_amplitude, omega_, options_, progress);
+  std::vector<DescribingFunctionPoint> points;
+  points.reserve(count);
+  for (std::size_t i = first; i < first + count; ++i) {
+    points.push_back(independent_point(scene.system, scene.force_amplitude, omega_[i], options_));
+    if (progress != nullptr) ++progress->done;
+  }
+  return points;
+}
+
 std::vector<DescribingFunctionSweep> describing_function_sweeps(const std::vector<SweepScene>& scenes,
                                                                 const std::vector<double>& omega,
                                                                 const SweepOptions& options, frac::Progress* progress) {
+  const SweepPieces pieces(scenes, omega, options);
+  if (progress != nullptr) progress->total += scenes.size() * omega.size();
   std::vector<DescribingFunctionSweep> sweeps;
   sweeps.reserve(scenes.size());
-  detail::require_frequency_grid(omega);
-  detail::require_valid(options);
-  for (std::size_t i = 0; i < scenes.size(); ++i) {
-    try {
-      check(scenes[i], omega);
-    } catch (const std::invalid_argument& error) {
-      if (scenes.size() == 1) throw;
-      throw std::invalid_argument("scene " + std::to_string(i) + ": " + error.what());
-    }
-    sweeps.push_back({scenes[i].system, scenes[i].force_amplitude, options, {}});
-  }
-  if (progress != nullptr) progress->total += scenes.size() * omega.size();
-
-  if (has_independent_points(options.protocol)) {
-    for (DescribingFunctionSweep& sweep : sweeps) sweep.points.resize(omega.size());
-    frac::parallel_for(scenes.size() * omega.size(), options.threads, [&](std::size_t i) {
-      const SweepScene& scene = scenes[i / omega.size()];
-      const std::size_t point = i % omega.size();
-      sweeps[i / omega.size()].points[point] =
-          independent_point(scene.system, scene.force_amplitude, omega[point], options);
-      if (progress != nullptr) ++progress->done;
-    });
-  } else {
-    frac::parallel_for(scenes.size(), options.threads, [&](std::size_t i) {
-      sweeps[i].points = carried_points(scenes[i].system, scenes[i].force_amplitude, omega, options, progress);
-    });
-  }
+  for (const SweepScene& scene : scenes)
+    sweeps.push_back(
+        {scene.system, scene.force_amplitude, options, std::vector<DescribingFunctionPoint>(omega.size())});
+  // Scenes mostly stand in the order of rising restitution, of which the largest takes longest: begun first, it keeps
+  // no thread waiting at the end.
+  frac::parallel_for(pieces.count(), options.threads, [&](std::size_t i) {
+    const std::size_t number = pieces.count() - 1 - i;
+    const SweepPiece piece = pieces.piece(number);
+    std::vector<DescribingFunctionPoint> points = pieces.points(number, progress);
+    auto& all = sweeps[piece.scene].points;
+    if (piece.count == all.size())
+      all = std::move(points);
+    else
+      std::copy(points.begin(), points.end(), all.begin() + static_cast<std::ptrdiff_t>(piece.first));
+  });
   return sweeps;
 }
 

@@ -32,22 +32,23 @@ SweepOptions map_options() {
   return options;
 }
 
-RegimeMap regime_map(const MapScene& scene, const std::vector<double>& restitution, const std::vector<double>& omega,
-                     const SweepOptions& options, frac::Progress* progress) {
+std::vector<SweepScene> map_scenes(const MapScene& scene, const std::vector<double>& restitution) {
   check(restitution);
-  // Large restitution takes longest: begun first, it keeps no thread waiting at the end.
   std::vector<SweepScene> scenes;
   scenes.reserve(restitution.size());
-  for (auto value = restitution.rbegin(); value != restitution.rend(); ++value) {
-    scenes.push_back({TwoMassSystem(scene.mass1, scene.mass2, scene.clearance, *value), scene.force_amplitude});
-  }
-  const std::vector<DescribingFunctionSweep> sweeps = describing_function_sweeps(scenes, omega, options, progress);
+  for (const double value : restitution)
+    scenes.push_back({TwoMassSystem(scene.mass1, scene.mass2, scene.clearance, value), scene.force_amplitude});
+  return scenes;
+}
 
+RegimeMap regime_map(const MapScene& scene, const std::vector<double>& restitution, const std::vector<double>& omega,
+                     const SweepOptions& options, frac::Progress* progress) {
+  const std::vector<DescribingFunctionSweep> sweeps =
+      describing_function_sweeps(map_scenes(scene, restitution), omega, options, progress);
   RegimeMap map{scene, restitution, omega, options, {}};
   map.points.reserve(restitution.size() * omega.size());
-  for (auto sweep = sweeps.rbegin(); sweep != sweeps.rend(); ++sweep) {
-    map.points.insert(map.points.end(), sweep->points.begin(), sweep->points.end());
-  }
+  for (const DescribingFunctionSweep& sweep : sweeps)
+    map.points.insert(map.points.end(), sweep.points.begin(), sweep.points.end());
   return map;
 }
 

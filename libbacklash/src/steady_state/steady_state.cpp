@@ -12,6 +12,7 @@
 
 #include "closed_orbit.hpp"
 #include "disturbance.hpp"
+#include "frac/cancellation.hpp"
 #include "sticking_motion.hpp"
 #include "two_impact_orbit.hpp"
 #include "window_mean.hpp"
@@ -363,6 +364,7 @@ SteadyState find_steady_state(const GapMotion& motion, const GapState& start, do
   };
   // False when the window is complete.
   const auto pass_peak = [&](int wall, const DistanceAndVelocity& at) {
+    frac::throw_if_cancelled();
     ++periods;
     last_peak = motion.peak_state(wall, at);
     // The impacts counted so far are those before; a contact at the peak itself is still to come.

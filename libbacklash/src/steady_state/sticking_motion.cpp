@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "disturbance.hpp"
+#include "frac/cancellation.hpp"
 #include "window_mean.hpp"
 
 namespace backlash::detail {
@@ -150,6 +151,7 @@ std::optional<SteadyState> mean_of_sticking_motion(const GapMotion& motion, cons
   Cycle cycle = first;
   for (std::size_t count = batches;; count *= 2) {
     while (integral.size() < count) {
+      frac::throw_if_cancelled();
       flights += cycle.flights;
       half_periods.push_back(cycle.half_periods);
       integral.push_back(cycle.half_periods * cycle.flights.harmonics(motion.gamma(), cycle.half_periods).u[0]);

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "frac/cancellation.hpp"
 #include "log_pole_problem.hpp"
 
 namespace frac::detail {
@@ -37,6 +38,7 @@ Optimum optimal_log_poles(const UnitProblem& problem, LogPoles current, double h
   constexpr double least_damping = 1e-9;
   constexpr double most_damping = 1e-3;
   for (int i = 0; i < most_steps && best_error > noise; ++i) {
+    throw_if_cancelled();
     const LogPoleProblem::Step step = least.weighted_step(current, damping);
     if (step.change.empty()) break;
     const bool settled = least.largest() < 4 * step.predicted;

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "log_pole_problem.hpp"
 
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
 
+#include "base/linear_algebra.hpp"
 #include "flux_law.hpp"
 #include "ladder_sensitivity.hpp"
 
@@ -52,7 +53,7 @@ struct Solution {
 };
 
 Solution least_squares(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& residual) {
-  const Eigen::VectorXd change = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(matrix).solve(residual);
+  const Eigen::VectorXd change = PivotedQr(matrix).solve(residual);
   if (!change.allFinite()) return {{}, 0};
   return {{change.begin(), change.end()}, (residual - matrix * change).norm()};
 }

@@ -10,6 +10,8 @@
 #include <thread>
 #include <vector>
 
+#include "frac/cancellation.hpp"
+
 namespace frac {
 namespace {
 
@@ -44,9 +46,11 @@ void parallel_for(std::size_t count, int threads, const std::function<void(std::
       threads > 0 ? static_cast<std::size_t>(threads) : std::max<std::size_t>(1, std::thread::hardware_concurrency());
   LowestFailure failure;
   std::atomic<std::size_t> next = 0;
-  const auto work = [&] {
+  const auto work = [&, flag = cancellation_flag()] {
+    const CancellationScope scope(flag);
     for (std::size_t i = next.fetch_add(1); i < count; i = next.fetch_add(1)) {
       try {
+        throw_if_cancelled();
         body(i);
       } catch (...) {
         failure.record(i, std::current_exception());

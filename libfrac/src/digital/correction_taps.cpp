@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "correction_taps.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -10,6 +9,8 @@
 #include <numbers>
 #include <optional>
 #include <utility>
+
+#include "base/linear_algebra.hpp"
 
 namespace frac::detail {
 namespace {
@@ -64,8 +65,8 @@ class MinimaxTaps {
   [[nodiscard]] CorrectionTaps solved(double stress) const {
     Eigen::MatrixXd stressed = rows_;
     stressed.bottomRows(2 * beyond_points) *= stress;
-    const Eigen::HouseholderQR<Eigen::MatrixXd> factors(stressed);
-    const Eigen::MatrixXd basis = factors.householderQ() * Eigen::MatrixXd::Identity(2 * points, rows_.cols());
+    const PlainQr factors(stressed);
+    const Eigen::MatrixXd basis = factors.basis();
     Eigen::VectorXd wanted = Eigen::VectorXd::Zero(2 * points);
     for (int i = 0; i < band_points; ++i) wanted[2 * i] = 1;
 
@@ -85,7 +86,7 @@ class MinimaxTaps {
       normal.selfadjointView<Eigen::Lower>().rankUpdate(weighted);
       residual.setZero();
       for (int i = 0; i < band_points; ++i) residual[2 * i] = std::sqrt(weight[i]);
-      const Eigen::VectorXd coefficients = normal.selfadjointView<Eigen::Lower>().ldlt().solve(weighted * residual);
+      const Eigen::VectorXd coefficients = solve_symmetric(normal, weighted * residual);
       residual = basis * coefficients - wanted;
       for (int i = 0; i < points; ++i) error[i] = residual.segment<2>(2 * i).norm();
       const double largest = error.maxCoeff();
@@ -97,7 +98,7 @@ class MinimaxTaps {
       weight.array() *= error.array() / largest + 1e-6;
       weight *= points / weight.sum();
     }
-    const Eigen::VectorXd taps = factors.matrixQR().topRows(size).triangularView<Eigen::Upper>().solve(best);
+    const Eigen::VectorXd taps = factors.solve_triangle(best);
     CorrectionTaps result{{taps.data(), taps.data() + taps.size()}, 0, 0};
     const Eigen::VectorXd values = rows_ * taps;
     for (int i = 0; i < points; ++i) {

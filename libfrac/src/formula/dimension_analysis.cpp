@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "dimension_analysis.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cstddef>
 
+#include "base/linear_algebra.hpp"
 #include "expression.hpp"
 
 namespace frac::detail {
@@ -33,7 +34,7 @@ class Conditions {
       matrix.row(i) = factors_[static_cast<std::size_t>(i)];
       right.row(i) = right_[static_cast<std::size_t>(i)];
     }
-    return matrix.completeOrthogonalDecomposition().solve(right);
+    return detail::shortest_solution(matrix, right);
   }
 
  private:

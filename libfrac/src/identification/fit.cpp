@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frac/identification/fit.hpp"
 
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "base/counted.hpp"
+#include "base/linear_algebra.hpp"
 #include "frac/identification/statistics.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/formula_checks.hpp"
@@ -220,7 +221,7 @@ void carry_errors(FitResult& result, const FitResult& recovered, const std::vect
     }
   }
   const Eigen::MatrixXd shift =
-      -gradient(Eigen::all, inner).colPivHouseholderQr().solve(Eigen::MatrixXd(gradient(Eigen::all, outer)));
+      -detail::PivotedQr(gradient(Eigen::all, inner)).solve(Eigen::MatrixXd(gradient(Eigen::all, outer)));
   const Eigen::MatrixXd mixed = shift * others;
   const Eigen::MatrixXd carried = mixed * shift.transpose();
   for (Eigen::Index a = 0; a < shift.rows(); ++a) {

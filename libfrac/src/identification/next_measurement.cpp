@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "identification/next_measurement.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <limits>
 #include <vector>
+
+#include "base/linear_algebra.hpp"
 
 namespace frac::detail {
 namespace {
@@ -90,7 +91,7 @@ std::optional<NextMeasurement> next_measurement(const FrequencyResponseData& dat
     for (const Eigen::MatrixXd* own : {&first.covariance, &second.covariance}) {
       Eigen::MatrixXd variance = *own;
       variance.diagonal().array() += accuracy * accuracy;
-      const double change = difference.dot(variance.ldlt().solve(difference));
+      const double change = difference.dot(detail::solve_symmetric(variance, difference));
       least = std::isfinite(change) ? std::min(least, change) : 0;
     }
     return least;

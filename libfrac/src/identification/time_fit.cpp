@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frac/identification/time_fit.hpp"
 
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <algorithm>
 #include <boost/math/distributions/fisher_f.hpp>
 #include <chrono>
@@ -13,6 +13,7 @@
 #include <stdexcept>
 
 #include "base/counted.hpp"
+#include "base/linear_algebra.hpp"
 #include "base/number_text.hpp"
 #include "frac/identification/model_choice.hpp"
 #include "identification/data/fit_data.hpp"
@@ -158,11 +159,7 @@ void append_background(FitResult& result, const detail::TimeResiduals& residuals
   }
   if (names.empty()) return;
   const Eigen::MatrixXd columns = residuals.eliminated_columns();
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(columns);
-  const Eigen::MatrixXd basis = qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), columns.cols());
-  const Eigen::MatrixXd triangle = qr.matrixQR().topRows(columns.cols()).template triangularView<Eigen::Upper>();
-  const Eigen::MatrixXd inverse =
-      triangle.transpose().template triangularView<Eigen::Lower>().solve(basis.transpose()).transpose();
+  const Eigen::MatrixXd inverse = detail::PlainQr(columns).dual();
   Eigen::MatrixXd influence = inverse;
   if (found.influence.size() > 0) influence -= found.influence * (eliminated.gradient.transpose() * inverse);
   const std::size_t modelled = result.covariance.size();
@@ -293,7 +290,7 @@ std::optional<std::string> constant_of_model(const TimeResponseData& data, const
     std::vector<double> residual(residuals.count());
     Eigen::MatrixXd jacobian(count, width);
     if (!residuals.evaluate(theta, residual.data(), jacobian.data())) continue;
-    const Eigen::VectorXd shares = jacobian.colPivHouseholderQr().solve(weight);
+    const Eigen::VectorXd shares = detail::PivotedQr(jacobian).solve(weight);
     constexpr double same = 1e-7;  // the simulation is good to 1e-10
     if (!((jacobian * shares - weight).norm() <= same * weight.norm())) return std::nullopt;
     Eigen::Index largest = 0;
@@ -315,7 +312,7 @@ Explained explained(const Eigen::VectorXd& residual, const Eigen::MatrixXd& fitt
   // Columns of equal length: their rank is then seen whatever their units.
   all.colwise().normalize();
   const auto least_squares = [](const Eigen::MatrixXd& columns, const Eigen::VectorXd& values) {
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
+    const detail::PivotedQr qr(columns);
     const Eigen::VectorXd rest = values - columns * qr.solve(values);
     return std::pair{rest, static_cast<double>(qr.rank())};
   };

@@ -11,6 +11,7 @@
 #include <string>
 
 #include "base/number_text.hpp"
+#include "frac/cancellation.hpp"
 #include "mittag_leffler_contour.hpp"
 #include "mittag_leffler_long.hpp"
 #include "reciprocal_gamma.hpp"
@@ -261,9 +262,11 @@ void mittag_leffler(double alpha, double beta, std::span<const double> z, std::s
   for (std::size_t i = 0; i < z.size(); ++i) {
     if (!std::isfinite(z[i])) check_argument(z[i], "z[" + std::to_string(i) + "]", "mittag_leffler");
   }
+  constexpr std::size_t longest_run = 65'536;  // a millisecond or two
   for (std::size_t i = 0; i < z.size();) {
+    throw_if_cancelled();
     std::size_t end = i;
-    while (end < z.size() && has_fixed_rational(alpha, beta, z[end])) ++end;
+    while (end < z.size() && end - i < longest_run && has_fixed_rational(alpha, beta, z[end])) ++end;
     if (end > i) {
       contour(alpha, beta).negative_values(z.subspan(i, end - i), &value[i]);
       i = end;
@@ -285,6 +288,7 @@ std::vector<Complex> mittag_leffler(double alpha, double beta, std::span<const C
   std::vector<Complex> value;
   value.reserve(z.size());
   for (std::size_t i = 0; i < z.size(); ++i) {
+    throw_if_cancelled();
     check_argument(z[i], "z[" + std::to_string(i) + "]", "mittag_leffler");
     value.push_back(mittag_leffler(alpha, beta, z[i]));
   }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 
 #include "approximation/log_pole_problem.hpp"
+#include "base/linear_algebra.hpp"
+#include "frac/cancellation.hpp"
 #include "model_on_band.hpp"
 
 namespace frac::detail {
@@ -83,7 +84,7 @@ class PoleProblem {
     const Vector right = right_side(count);
     // The ridge keeps the columns that move apart, and a step may be wrong where a result may not: no pivoting, which
     // would take three times as long.
-    const Vector solution = solved<Eigen::HouseholderQR<Matrix>>(matrix, right);
+    const Vector solution = solved<PlainQr>(matrix, right);
     if (!solution.allFinite()) return {{}, 0};
     const Vector change = solution.tail(count);
     return {{change.begin(), change.end()}, (matrix * solution - right).norm()};
@@ -147,7 +148,7 @@ class PoleProblem {
     return right;
   }
 
-  template <typename Decomposition = Eigen::ColPivHouseholderQR<Matrix>>
+  template <typename Decomposition = PivotedQr>
   static Vector solved(const Matrix& matrix, const Vector& right) {
     // Columns of one length: which of them are alike is then a matter of direction alone.
     const Vector length = matrix.colwise().norm().cwiseMax(std::numeric_limits<double>::min());
@@ -204,12 +205,14 @@ Best optimal_poles(PoleProblem& least, std::vector<double> u, double half_width)
   double damping = 1e-3;
   int sharpenings = 0;
   for (int i = 0; i < most_steps; ++i) {
+    throw_if_cancelled();
     const PoleProblem::Step step = least.step(u, damping);
     if (step.change.empty()) break;
     const bool settled = least.mean() < 1.3 * step.predicted;
     const double mean = least.mean();
     bool improved = false;
     for (double share = 1; share > 0.03 && !improved; share /= 2) {
+      throw_if_cancelled();
       std::vector<double> trial = u;
       for (std::size_t k = 0; k < u.size(); ++k) trial[k] += std::clamp(share * step.change[k], -1.0, 1.0);
       if (!acceptable(trial, half_width) || !least.evaluate(trial)) continue;

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "frac/approximation/approximate.hpp"
+#include "frac/cancellation.hpp"
 #include "model_on_band.hpp"
 
 namespace frac::detail {
@@ -145,6 +146,7 @@ std::vector<Complex> roots(const RationalRatio& ratio, const ModelOnBand& model,
   }
   constexpr int most_rounds = 400;
   for (int round = 0; round < most_rounds; ++round) {
+    throw_if_cancelled();
     Extended largest = 0;
     for (std::size_t i = 0; i < count; ++i) {
       const Complex s = root[i];

@@ -8,6 +8,7 @@
 
 #include "base/number_text.hpp"
 #include "formula/power_sum.hpp"
+#include "frac/cancellation.hpp"
 #include "inverse_laplace.hpp"
 #include "poles/laplace_image.hpp"
 
@@ -105,7 +106,10 @@ std::vector<ReferenceValue> reference_response(const FractionalTransferFunction&
   const ReferenceResponse response(model, input);
   std::vector<ReferenceValue> values;
   values.reserve(t.size());
-  for (const double each : t) values.push_back(response(each));
+  for (const double each : t) {
+    throw_if_cancelled();
+    values.push_back(response(each));
+  }
   return values;
 }
 

@@ -12,6 +12,7 @@
 #include "exponential_sum.hpp"
 #include "filter_bank.hpp"
 #include "formula/power_sum.hpp"
+#include "frac/cancellation.hpp"
 #include "frac/grunwald_letnikov.hpp"
 #include "poles/laplace_image.hpp"
 #include "sample_checks.hpp"
@@ -130,9 +131,14 @@ struct ResponseFilter::Filter {
   void take(std::span<const double> samples, double* output) {
     std::size_t k = 0;
     if (!started && !samples.empty()) output[k++] = take(samples[0]);
-    const std::size_t blocks = (samples.size() - k) / FilterBank::block;
-    now.bank.run(samples.data() + k, blocks, output + k);
-    k += blocks * FilterBank::block;
+    constexpr std::size_t most_blocks = 1024;  // milliseconds
+    for (std::size_t blocks = (samples.size() - k) / FilterBank::block; blocks > 0;) {
+      throw_if_cancelled();
+      const std::size_t some = std::min(blocks, most_blocks);
+      now.bank.run(samples.data() + k, some, output + k);
+      k += some * FilterBank::block;
+      blocks -= some;
+    }
     for (; k < samples.size(); ++k) output[k] = take(samples[k]);
   }
 
@@ -232,6 +238,7 @@ std::vector<double> respond_grunwald_letnikov(const FractionalTransferFunction& 
   const std::vector<double> right = weights(model.numerator());
   std::vector<double> output(count, 0);
   for (std::size_t n = 0; n < count; ++n) {
+    throw_if_cancelled();
     double sum = 0;
     for (std::size_t k = 0; k <= n; ++k) sum += right[k] * samples[n - k];
     for (std::size_t k = 1; k <= n; ++k) sum -= left[k] * output[n - k];

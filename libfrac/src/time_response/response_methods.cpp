@@ -12,6 +12,7 @@
 #include "base/short_text.hpp"
 #include "base/spelling.hpp"
 #include "event_response.hpp"
+#include "frac/cancellation.hpp"
 #include "frac/model/algebra.hpp"
 #include "sample_checks.hpp"
 
@@ -182,6 +183,7 @@ TimeResponse by_reference(const FractionalTransferFunction& model, const TimeInp
   const auto add = [&](const ReferenceResponse& reference, double since, double factor) {
     for (std::size_t i = 0; i < time.size(); ++i) {
       if (time[i] < since) continue;
+      throw_if_cancelled();
       const ReferenceValue value = reference(time[i] - since);
       response.output[i] += factor * value.value;
       error[i] += std::abs(factor) * value.error_estimate;

@@ -8,6 +8,7 @@
 
 #include "frac/structure.hpp"
 #include "io/data_error.hpp"
+#include "io/fingerprint.hpp"
 #include "io/input_text.hpp"
 #include "io/number.hpp"
 #include "output/fit_statistics.hpp"
@@ -136,7 +137,7 @@ std::vector<BatchCurve> curves_of(const std::vector<std::string>& files, const F
     std::string fingerprint;
     std::shared_ptr<const io::Measurement> kept;
     try {
-      fingerprint = io::fingerprint(*io::input_text(file));
+      fingerprint = io::Fingerprint(*io::input_text(file)).text();
       io::Measurement measurement = io::read_measurement(file, request.how);
       labels = io::curve_labels(measurement, request.key_column);
       if (!labels.empty()) {

@@ -7,6 +7,7 @@
 
 #include "io/csv_line.hpp"
 #include "io/data_error.hpp"
+#include "io/fingerprint.hpp"
 #include "io/input_text.hpp"
 #include "io/number.hpp"
 #include "io/shard.hpp"
@@ -167,8 +168,8 @@ std::optional<std::map<std::string, std::string>> read_row(BatchFormat format, c
 }
 
 std::string shard_end(BatchFormat format, const std::string& text) {
-  if (format == BatchFormat::csv) return io::checksum_line(text);
-  return Json{{"remark", "checksum"}, {"checksum", io::fingerprint(text)}}.dump(-1) + "\n";
+  if (format == BatchFormat::csv) return io::checksum_line(io::Fingerprint(text));
+  return Json{{"remark", "checksum"}, {"checksum", io::Fingerprint(text).text()}}.dump(-1) + "\n";
 }
 
 BatchTable read_batch_table(const std::string& file) {

@@ -103,6 +103,7 @@ class Basins : public Command {
     o.choice("--body", sweep_.output, backlash::outputs());
     o.numbers("--position", position_, "grid or list").default_is("41 from wall to wall");
     o.numbers("--velocity", velocity_, "grid or list").default_is("41 up to clearance times w either way");
+    add_progress();
     add_common({"csv", "json", "table"});
     set_footer(
         "Attractors are numbered by their share of the starts and listed in the header.  At restitution 1 nothing\n"
@@ -124,7 +125,7 @@ class Basins : public Command {
     require_table_size({{"--position", position_.size()}, {"--velocity", velocity_.size()}});
     frac::Progress progress;
     const auto map = [&] {
-      const io::ProgressBar bar("basins", progress, !is_quiet());
+      const io::ProgressBar bar("basins", progress, progress_style());
       return backlash::basins(system, scene_.force, omega_, position_, velocity_, sweep_, &progress);
     }();
     write(format() == "json" ? json(map, sweep_.output, command_line())

@@ -57,7 +57,7 @@ std::map<std::string, std::string> finished_rows(const std::string& out, BatchFo
     const auto row = read_row(format, manifest.columns, line).value();
     const auto made_from = row.find(std::string(fingerprint_column));
     if (row.at("status") == "converged" && made_from != row.end() && made_from->second == curves.at(file).fingerprint)
-      rows.emplace(file, line);
+      rows.emplace(file, line + "\n");
   }
   return rows;
 }
@@ -116,7 +116,8 @@ class Batch : public Command {
             "(curve), e.g. a:force_n; repeatable",
             "PARAMETER:VARIABLE")
         .not_with({"--models"}, "as parameters of different structures form no law");
-    o.text("--shard", shard_, "the pieces are curves").unsaid();
+    add_shard("curves");
+    add_progress();
     add_common({"csv", "jsonl", "table"});
     set_footer(
         "Several curves in one file: columns re_<label>,im_<label> (or magnitude_<label>,phase_deg_<label>) for each, "
@@ -140,7 +141,6 @@ class Batch : public Command {
   [[nodiscard]] BatchFormat row_format() const { return format() == "jsonl" ? BatchFormat::jsonl : BatchFormat::csv; }
 
   void check() override {
-    static_cast<void>(shard_of("--shard", shard_));
     for (const auto& text : request_.where) static_cast<void>(io::PointFilter(text));
     const bool ranked = model_.empty();
     task_ = {request_, fit_options(request_), {}, {"force_n", "clearance_m", "restitution"}, ranked};
@@ -179,12 +179,13 @@ class Batch : public Command {
         throw std::invalid_argument("two curves have the name " + io::quoted(curve.name) +
                                     "; rename a file or a column");
     }
-    const auto files = io::part_of(inputs, shard_of("--shard", shard_));
+    const auto files = io::part_of(inputs, shard());
     std::vector<BatchCurve> in_order;
     for (const auto& name : inputs) in_order.push_back(curves.at(name));
     if (const auto fault = fault_of_command(task_, in_order); !fault.empty()) throw std::invalid_argument(fault);
     check_variables(laws_, task_, in_order);
-    const BatchManifest manifest{std::string(io::version()), command_line(), shard_, laws_, inputs,
+    const std::string shard_text = options()["--shard"].is_given() ? io::text_of(shard()) : "";
+    const BatchManifest manifest{std::string(io::version()), command_line(), shard_text, laws_, inputs,
                                  batch_columns(task_)};
     const auto header = header_text(rows_format, manifest);
 
@@ -196,21 +197,22 @@ class Batch : public Command {
     frac::Progress progress;
     progress.total = files.size();
     {
-      const io::ProgressBar bar("batch", progress, !is_quiet());
+      const io::ProgressBar bar("batch", progress, progress_style());
       frac::parallel_for(files.size(), threads(), [&](std::size_t i) {
         if (stream && stream->contains(files[i])) {
-          lines[i] = stream->line(files[i]);
+          lines[i] = stream->text(files[i]);
+          lines[i].pop_back();
         } else {
           lines[i] = row_line(rows_format, batch_row(task_, curves.at(files[i])));
-          if (stream) stream->append(files[i], lines[i]);
+          if (stream) stream->append(files[i], lines[i] + "\n");
         }
         ++progress.done;
       });
     }
     std::string text = header;
     for (const auto& line : lines) text += line + "\n";
-    const auto laws = shard_.empty() ? power_law_remarks(rows_format, manifest, lines) : PowerLawRemarks{};
-    const std::string end = shard_.empty() ? laws.text : shard_end(rows_format, text);
+    const auto laws = shard_text.empty() ? power_law_remarks(rows_format, manifest, lines) : PowerLawRemarks{};
+    const std::string end = shard_text.empty() ? laws.text : shard_end(rows_format, text);
     if (stream)
       stream->finish(text + end);
     else
@@ -234,7 +236,7 @@ class Batch : public Command {
 
   FitRequest request_;
   std::vector<std::string> data_, laws_;
-  std::string model_, models_, shard_;
+  std::string model_, models_;
   ParameterOptions parameters_;
   BatchTask task_;
 };

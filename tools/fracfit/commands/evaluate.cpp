@@ -95,11 +95,12 @@ class Evaluate : public Command {
     if (derivatives_)
       for (const auto& name : structure.parameter_names())
         columns.insert(columns.end(), {"d_re_d_" + name, "d_im_d_" + name});
-    std::vector<std::complex<double>> gradient(values.size());
+    std::vector<std::complex<double>> response(omega_.size()), gradient(values.size());
+    structure.response(values, omega_, frac::ExactRealisation{}, response);
     bool usable = true;
     document.rows.count = omega_.size();
     document.rows.fill = [&](std::size_t i, std::vector<Cell>& cells) {
-      const auto value = structure.response_and_gradient(values, omega_[i], frac::ExactRealisation{}, gradient);
+      const std::complex<double> value = response[i];
       usable = usable && std::isfinite(value.real()) && std::isfinite(value.imag());
       cells.insert(cells.end(), {omega_[i], value.real(), value.imag()});
       if (!fit_.empty()) {
@@ -107,8 +108,9 @@ class Evaluate : public Command {
         cells.insert(cells.end(),
                      {value.real() - real, value.real() + real, value.imag() - imaginary, value.imag() + imaginary});
       }
-      if (derivatives_)
-        for (const auto& each : gradient) cells.insert(cells.end(), {each.real(), each.imag()});
+      if (!derivatives_) return;
+      structure.response_and_gradient(values, omega_[i], frac::ExactRealisation{}, gradient);
+      for (const auto& each : gradient) cells.insert(cells.end(), {each.real(), each.imag()});
     };
     write(text_of(document, format(), command_line()));
     if (!usable) say("some values are not finite, see the output");

@@ -25,6 +25,7 @@ class JumpLaw : public Command {
     o.parsed("--clearance", clearance_, scene_values_of, "list or grid")
         .otherwise("0.01,0.025,0.05,0.1,0.2,0.3,0.4,0.5");
     add_masses(o, mass1_, mass2_);
+    add_progress();
     add_common({"json", "csv", "table"});
     set_footer(
         "Examples:\n"
@@ -40,7 +41,7 @@ class JumpLaw : public Command {
     require_table_size(
         {{"--force", force_.size()}, {"--clearance", clearance_.size()}, {"--restitution", restitution_.size()}});
     frac::Progress progress;
-    const io::ProgressBar bar("jump-law", progress, !is_quiet());
+    const io::ProgressBar bar("jump-law", progress, progress_style());
     return function(mass1_, mass2_, force_, clearance_, restitution_, criterion_, threads(), &progress);
   }
 

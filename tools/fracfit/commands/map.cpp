@@ -1,20 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-#include <cmath>
-#include <stdexcept>
-
 #include "backlash/regime_map.hpp"
 #include "commands/subcommand.hpp"
-#include "io/progress_bar.hpp"
+#include "commands/sweep_command.hpp"
 #include "options/scene_options.hpp"
 #include "output/sweep_output.hpp"
 
 namespace fracfit {
 namespace {
 
-class Map : public Command {
+class Map : public SweepCommand {
  public:
-  Map() : Command("map", "N, regime and error of two masses with backlash over restitution and frequency") {
+  Map() : SweepCommand("map", "N, regime and error of two masses with backlash over restitution and frequency") {
     Options& o = options();
     add_scene(o, scene_);
     o.parsed("--restitution", restitution_, scene_values_of, "several: FROM:TO:COUNT or a list").required();
@@ -24,12 +20,14 @@ class Map : public Command {
     o.number("--orbit-tolerance", sweep_.tolerance);
     o.number("--mean-tolerance", sweep_.mean_tolerance,
              "Uncertainty over |N| at which a long-time mean ends; 0 for a thousand periods each", "T");
-    o.parsed("--shard", shard_, shard_of, "the pieces are restitutions")
-        .not_with({"--format", {"json"}}, "as fracfit merge joins CSV")
-        .unsaid();
+    add_shard("restitutions").not_with({"--format", {"json"}}, "as fracfit merge joins CSV");
+    add_progress();
     add_common({"csv", "json", "table"});
     set_footer(
         "With force, clearance and masses 1 the frequency is that over sqrt(F/(M2 Delta)).\n"
+        "Into a file the rows go as they come: FILE.partial holds them until FILE stands, and the same command goes "
+        "on\n"
+        "with it after an interruption.\n"
         "Examples:\n"
         "  fracfit map --restitution 0:1:251 --omega 0.5:4:400log --out map.csv\n"
         "  fracfit map --force 40 --clearance 0.3 --restitution 0:0.95:20 --omega 5:35:200log --shard 1/2 --out "
@@ -40,29 +38,18 @@ class Map : public Command {
  private:
   int run() override {
     sweep_.threads = threads();
-    const std::vector<double> part = io::part_of(restitution_, shard_);
-    if (part.empty())
-      throw std::invalid_argument("--shard " + io::text_of(shard_) + ": there are only " +
-                                  std::to_string(restitution_.size()) + " restitutions to share");
-    require_table_size({{"--restitution", part.size()}, {"--omega", omega_.size()}});
-    frac::Progress progress;
-    const auto map = [&] {
-      const io::ProgressBar bar("map", progress, !is_quiet());
-      return backlash::regime_map({scene_.mass1, scene_.mass2, scene_.clearance, scene_.force}, part, omega_, sweep_,
-                                  &progress);
-    }();
-    write(text_of(document_of(map, shard_), format(), command_line()));
-    const bool usable = std::all_of(map.points.begin(), map.points.end(), [](const auto& point) {
-      return std::isfinite(point.value.real()) && std::isfinite(point.value.imag());
-    });
-    if (!usable) say("some points have no finite value, see the output");
-    return usable ? usable_result : no_usable_result;
+    const std::vector<double> part = io::part_of(restitution_, shard());
+    require_table_size({{"--restitution", part.size()}, {"--omega", omega_.size()}},
+                       streams() ? largest_stream : largest_table);
+    const backlash::MapScene scene{scene_.mass1, scene_.mass2, scene_.clearance, scene_.force};
+    // More shards than restitutions leave some without any.
+    const std::vector<backlash::SweepScene> scenes = backlash::map_scenes(scene, restitution_);
+    return write_points({io::part_of(scenes, shard()), omega_, sweep_}, map_table(scene, part, sweep_, shard()));
   }
 
   Scene scene_;
   std::vector<double> restitution_, omega_;
   backlash::SweepOptions sweep_ = backlash::map_options();
-  io::Shard shard_;
 };
 
 }  // namespace

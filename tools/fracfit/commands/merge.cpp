@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cstdint>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <stdexcept>
 
 #include "batch/batch_power_law.hpp"
@@ -8,6 +10,7 @@
 #include "commands/subcommand.hpp"
 #include "io/data_error.hpp"
 #include "io/shard_file.hpp"
+#include "output/document.hpp"
 
 namespace fracfit {
 namespace {
@@ -34,16 +37,55 @@ class Merge : public Command {
  public:
   Merge() : Command("merge", "Joins the shards of a batch, a sweep or a map") {
     options().texts("IN", in_, "Tables written with --shard by fracfit batch, simulate or map", "FILE").required();
-    add_common({"csv"});
+    options().flag("--status", status_,
+                   "Say how far each shard of a sweep or a map is and which are missing; join nothing");
+    add_common({"csv", "json", "table"});
     set_footer(
         "All must stem from the same command, on the same files.  The result is that of the command without --shard.\n"
-        "Example:\n"
-        "  fracfit merge part1.csv part2.csv part3.csv part4.csv --out all.csv");
+        "Those of a map or a sweep are copied from file to file, so that memory does not grow with them.\n"
+        "Examples:\n"
+        "  fracfit merge part1.csv part2.csv part3.csv part4.csv --out all.csv\n"
+        "  fracfit merge part-*.csv* --status");
   }
 
  private:
+  // A joined table is CSV, or lines of JSON as its shards are; the state of shards can be anything.
+  [[nodiscard]] std::string format() const override { return status_ ? Command::format() : "csv"; }
+
   void check() override {
+    if (status_) return;
+    if (options()["--format"].is_given() && Command::format() != "csv")
+      throw std::invalid_argument("--format " + Command::format() + " has no meaning without --status");
     if (out().empty()) take_old_form();
+  }
+
+  int write_states() {
+    const std::vector<io::ShardState> states = io::shard_states(in_);
+    std::set<std::size_t> finished;
+    std::vector<std::size_t> again;
+    std::size_t rows = 0;
+    for (const auto& state : states) {
+      if (state.fault.empty()) finished.insert(state.shard.index);
+      rows += state.rows;
+    }
+    const std::size_t count = states.front().shard.count;
+    for (std::size_t i = 1; i <= count; ++i)
+      if (!finished.contains(i)) again.push_back(i);
+    io::Metadata head{{"finished_shards", std::to_string(finished.size()) + " of " + std::to_string(count)},
+                      {"rows", std::to_string(rows)},
+                      {"shards_to_do", io::list_of(again)}};
+    const Document document{
+        std::move(head),
+        {{"file", "shard", "rows", "expected_rows", "state"},
+         states.size(),
+         [&](std::size_t i, std::vector<Cell>& cells) {
+           const io::ShardState& state = states[i];
+           cells.insert(cells.end(), {state.file, static_cast<std::int64_t>(state.shard.index),
+                                      static_cast<std::int64_t>(state.rows), static_cast<std::int64_t>(state.expected),
+                                      state.fault.empty() ? "finished" : state.fault});
+         }}};
+    write(text_of(document, format(), command_line()));
+    return again.empty() ? usable_result : no_usable_result;
   }
 
   // `merge OUT IN...`, where it can be told from inputs alone.
@@ -59,8 +101,15 @@ class Merge : public Command {
   [[nodiscard]] std::vector<std::string> inputs() const override { return in_; }
 
   int run() override {
-    if (io::is_block_table(in_.front())) {
-      write(io::joined_block_table(in_));
+    const bool is_sweep = io::is_block_table(in_.front());
+    if (status_) {
+      if (!is_sweep)
+        throw std::invalid_argument(
+            "--status is for shards of a map or a sweep; of a batch, merge itself says what is missing");
+      return write_states();
+    }
+    if (is_sweep) {
+      output().write([&](const io::OutputFile::Sink& sink) { io::join_block_tables(in_, sink); });
       return usable_result;
     }
     BatchTable merged;
@@ -107,6 +156,7 @@ class Merge : public Command {
   }
 
   std::vector<std::string> in_;
+  bool status_ = false;
 };
 
 }  // namespace

@@ -36,6 +36,7 @@ class Orbits : public Command {
     o.choice("--body", continuation_.output, backlash::outputs());
     o.count("--longest-period", continuation_.longest_period, 1, most, "Force periods of the longest orbits kept", "N");
     o.count("--most-impacts", continuation_.most_impacts, 2, most, "Impacts of the longest orbits kept", "N");
+    add_progress();
     add_common({"csv", "json", "table"});
     set_footer(
         "With force, clearance and masses 1 the frequency is that over sqrt(F/(M2 Delta)).\n"
@@ -59,7 +60,7 @@ class Orbits : public Command {
     continuation_.threads = threads();
     frac::Progress progress;
     const auto diagram = [&] {
-      const io::ProgressBar bar("orbits", progress, !is_quiet());
+      const io::ProgressBar bar("orbits", progress, progress_style());
       return backlash::orbit_diagram(system, scene_.force, omega, parameter_, from_, to_, continuation_, &progress);
     }();
     write(format() == "json" ? orbits_json(diagram, command_line()) : orbits_text(diagram, format(), command_line()));

@@ -23,6 +23,7 @@ class Report : public Command {
     o.text("--scene", scene_, "Scene as JSON: mass1, mass2, clearance, restitution, force, omega", "FILE")
         .not_with({"DATA"});
     o.text("--out", folder_, "Folder to write, made if missing", "DIR").also("-o").required();
+    add_progress();
     add_common();
     set_footer(
         "Examples:\n"
@@ -47,7 +48,7 @@ class Report : public Command {
     options.stage = [&](std::string_view name) {
       bar.reset();
       say(std::string(name));
-      bar.emplace(std::string(name), progress, !is_quiet());
+      bar.emplace(std::string(name), progress, progress_style());
     };
     const auto outcome = report::write_report(options);
     bar.reset();

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-#include <cmath>
 #include <stdexcept>
 
 #include "backlash/describing_function.hpp"
 #include "backlash/static_backlash.hpp"
 #include "commands/subcommand.hpp"
+#include "commands/sweep_command.hpp"
 #include "io/progress_bar.hpp"
 #include "options/scene_options.hpp"
 #include "output/sweep_output.hpp"
@@ -13,9 +12,9 @@
 namespace fracfit {
 namespace {
 
-class Simulate : public Command {
+class Simulate : public SweepCommand {
  public:
-  Simulate() : Command("simulate", "Describing function N(F, w) of two masses with backlash on a frequency grid") {
+  Simulate() : SweepCommand("simulate", "Describing function N(F, w) of two masses with backlash on a frequency grid") {
     Options& o = options();
     o.parsed("--force", force_, scene_values_of, "several: FROM:TO:COUNT or a list").required();
     o.parsed("--clearance", clearance_, scene_values_of, ">= 0; several too").required();
@@ -33,12 +32,15 @@ class Simulate : public Command {
            "More columns: even-harmonic ratio, energy defect, Lyapunov exponent, periods followed, whether it may be a "
            "transient, sensitivity to the force")
         .not_with(is_static, "which is a closed form");
-    o.parsed("--shard", shard_, shard_of, "the pieces are scenes")
+    add_shard("scenes")
         .not_with(is_static, "which is a closed form of one scene")
-        .not_with({"--format", {"json"}}, "as fracfit merge joins CSV")
-        .unsaid();
+        .not_with({"--format", {"json"}}, "as fracfit merge joins CSV");
+    add_progress();
     add_common({"csv", "json", "table"});
     set_footer(
+        "Into a file the rows go as they come: FILE.partial holds them until FILE stands, and the same command goes "
+        "on\n"
+        "with it after an interruption.\n"
         "Several forces, clearances or restitutions give every combination in one table, with columns force_n, "
         "clearance_m, restitution in front.\n"
         "Examples:\n"
@@ -78,48 +80,29 @@ class Simulate : public Command {
     return scenes;
   }
 
-  void write_sweeps(const std::vector<backlash::DescribingFunctionSweep>& sweeps, bool single) {
-    const auto columns = diagnostics_ ? PointColumns::with_diagnostics : PointColumns::basic;
-    if (format() == "json") {
-      write(single ? sweep_json(sweeps.front(), command_line()) : sweeps_json(sweeps, command_line()));
-    } else {
-      const Document document = single ? document_of(sweeps.front(), columns) : document_of(sweeps, columns, shard_);
-      write(text_of(document, format(), command_line()));
-    }
+  // JSON has a scene with each curve.
+  int run_json(const std::vector<backlash::SweepScene>& all) {
+    frac::Progress progress;
+    const auto sweeps = [&] {
+      const io::ProgressBar bar(name(), progress, progress_style());
+      return backlash::describing_function_sweeps(all, omega_, sweep_, &progress);
+    }();
+    write(sweeps.size() == 1 ? sweep_json(sweeps.front(), command_line()) : sweeps_json(sweeps, command_line()));
+    PointCounts counts;
+    for (const auto& sweep : sweeps)
+      for (const auto& point : sweep.points) counts.add(point);
+    return exit_code_of(counts, PointColumns::with_diagnostics);
   }
 
   int run_dynamic() {
     sweep_.threads = threads();
     const std::vector<backlash::SweepScene> all = scenes();
-    if (shard_.index > all.size())
-      throw std::invalid_argument("--shard " + io::text_of(shard_) + ": there are only " + std::to_string(all.size()) +
-                                  " scenes to share");
-    const std::vector<backlash::SweepScene> part = io::part_of(all, shard_);
-    require_table_size({{"scenes", part.size()}, {"--omega", omega_.size()}});
-    frac::Progress progress;
-    const auto sweeps = [&] {
-      const io::ProgressBar bar("simulate", progress, !is_quiet());
-      return backlash::describing_function_sweeps(part, omega_, sweep_, &progress);
-    }();
-    write_sweeps(sweeps, all.size() == 1);
-    const bool usable = std::all_of(sweeps.begin(), sweeps.end(), [](const auto& sweep) {
-      return std::all_of(sweep.points.begin(), sweep.points.end(), [](const auto& point) {
-        return std::isfinite(point.value.real()) && std::isfinite(point.value.imag());
-      });
-    });
-    if (!usable) say("some points have no finite value, see the output");
-    const auto warn = [&](const auto& concerns, const std::string& what) {
-      std::ptrdiff_t count = 0;
-      for (const auto& sweep : sweeps) count += std::count_if(sweep.points.begin(), sweep.points.end(), concerns);
-      if (count > 0) say(std::to_string(count) + " of the points " + what);
-    };
-    using Point = backlash::DescribingFunctionPoint;
-    warn([](const Point& point) { return point.transient_possible; },
-         "may be means of a transient; --diagnostics shows which (transient_possible)");
-    warn([](const Point& point) { return !std::isnan(point.force_sensitivity); },
-         "follow orbits that rounding decides on and are means over forces that differ in the last digits; "
-         "--diagnostics shows which (force_sensitivity)");
-    return usable ? usable_result : no_usable_result;
+    const std::vector<backlash::SweepScene> part = io::part_of(all, shard());
+    require_table_size({{"scenes", part.size()}, {"--omega", omega_.size()}},
+                       streams() ? largest_stream : largest_table);
+    if (format() == "json") return run_json(all);
+    const auto columns = diagnostics_ ? PointColumns::with_diagnostics : PointColumns::basic;
+    return write_points({part, omega_, sweep_}, sweep_table(all, part, sweep_, columns, shard()));
   }
 
   std::vector<double> force_, clearance_, restitution_, omega_;
@@ -127,7 +110,6 @@ class Simulate : public Command {
   std::string motion_ = "dynamic";
   backlash::SweepOptions sweep_;
   bool diagnostics_ = false;
-  io::Shard shard_;
 };
 
 }  // namespace

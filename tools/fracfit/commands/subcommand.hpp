@@ -13,9 +13,13 @@ namespace fracfit {
 [[nodiscard]] std::unique_ptr<Command> make_approximate();
 [[nodiscard]] std::unique_ptr<Command> make_basins();
 [[nodiscard]] std::unique_ptr<Command> make_batch();
+[[nodiscard]] std::unique_ptr<Command> make_cluster_script();
 [[nodiscard]] std::unique_ptr<Command> make_controller();
 [[nodiscard]] std::unique_ptr<Command> make_convert();
 [[nodiscard]] std::unique_ptr<Command> make_evaluate();
+[[nodiscard]] std::unique_ptr<Command> make_export_arduino();
+[[nodiscard]] std::unique_ptr<Command> make_export_c99();
+[[nodiscard]] std::unique_ptr<Command> make_export_spice();
 [[nodiscard]] std::unique_ptr<Command> make_fit();
 [[nodiscard]] std::unique_ptr<Command> make_history();
 [[nodiscard]] std::unique_ptr<Command> make_identify();

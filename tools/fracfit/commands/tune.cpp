@@ -7,6 +7,11 @@
 #include <stdexcept>
 
 #include "commands/subcommand.hpp"
+#include "frac/identification/robust_tune.hpp"
+#include "frac/identification/time_fit.hpp"
+#include "io/data_error.hpp"
+#include "io/time_series_file.hpp"
+#include "options/fit_record.hpp"
 #include "options/model_options.hpp"
 #include "output/aligned_table.hpp"
 #include "output/json.hpp"
@@ -40,7 +45,9 @@ frac::OrderRange order_range_of(std::string_view name, const std::string& text) 
   return {number_of(name, lower), number_of(name, upper)};
 }
 
-std::string tuning_json(const frac::TuningResult& result, const std::string& plant, const std::string& command) {
+// @param region  null where the plant is known exactly
+std::string tuning_json(const frac::TuningResult& result, const std::string& plant, const std::string& command,
+                        const frac::RobustTuningResult* region = nullptr) {
   Json json = origin(command);
   json["plant"] = plant;
   json["status"] = frac::to_string(result.status);
@@ -64,6 +71,17 @@ std::string tuning_json(const frac::TuningResult& result, const std::string& pla
   json["iae"] = result.iae;
   json["itae"] = result.itae;
   json["evaluations"] = result.evaluations;
+  if (region != nullptr) {
+    json["status"] = frac::to_string(region->status);
+    json["region"] = {{"message", region->message},
+                      {"plants", region->plants},
+                      {"not_stable", region->not_stable},
+                      {"max_sensitivity", region->max_sensitivity},
+                      {"max_complementary_sensitivity", region->max_complementary},
+                      {"least_phase_margin_deg", region->least_phase_margin / degree},
+                      {"crossover_lowest", region->crossover[0]},
+                      {"crossover_highest", region->crossover[1]}};
+  }
   return json.dump() + "\n";
 }
 
@@ -101,11 +119,30 @@ std::string tuning_table(const frac::TuningResult& result, const std::string& pl
   return text + loop.text() + "\n" + paragraph(result.message);
 }
 
+std::string region_table(const frac::RobustTuningResult& region) {
+  AlignedTable table({"plants of the 95 % region", "worst"});
+  table.add({"loops that are not stable", std::to_string(region.not_stable) + " of " + std::to_string(region.plants)});
+  table.add({"max |S|", short_number(region.max_sensitivity)});
+  table.add({"max |T|", short_number(region.max_complementary)});
+  table.add({"phase margin, deg", short_number(region.least_phase_margin / degree)});
+  table.add({"crossover, rad/s", short_number(region.crossover[0]) + " to " + short_number(region.crossover[1])});
+  return "\n" + table.text() + "\n" + paragraph(region.message);
+}
+
 class Tune : public Command {
  public:
   Tune() : Command("tune", "Gains and orders of a fractional PID for a plant") {
     Options& o = options();
-    add_model(o, plant_, "the plant").required().was("--plant");
+    add_model(o, plant_, "the plant").was("--plant");
+    o.text("--fit", fit_,
+           "Plant from the JSON of fracfit fit; |S| and |T| are kept by all plants of the joint 95 % region of its "
+           "parameters",
+           "FILE");
+    o.text("--from-relay", relay_,
+           "Plant from samples of input and output (columns time_s,input,output) of a relay experiment or any other: a "
+           "lag, a fractional lag or a second order, each with dead time, whichever explains them best; then as --fit",
+           "FILE");
+    o.exactly_one({"--model", "--fit", "--from-relay"}, "the plant");
     o.number("--crossover", asked_.crossover, "Angular frequency at which |L| = 1, rad/s", "W");
     o.parsed("--phase-margin", asked_.phase_margin, angle_of, "At the crossover, degrees", "DEG");
     o.flag("--flat-phase", asked_.flat_phase, "No slope of the phase at the crossover (iso-damping)");
@@ -134,13 +171,48 @@ class Tune : public Command {
         "  fracfit tune --model \"1/(0.8 s^2.2 + 0.5 s^0.9 + 1)\" --crossover 2 --phase-margin 60 "
         "--max-sensitivity 1.4\n"
         "  fracfit tune --model \"exp(-0.1 s)/(s + 1)\" --minimise iae --horizon 10 --step load "
-        "--max-sensitivity 1.6");
+        "--max-sensitivity 1.6\n"
+        "  fracfit tune --fit plant.json --crossover 2 --phase-margin 60 --max-sensitivity 1.6\n"
+        "  fracfit tune --from-relay relay.csv --crossover 2 --phase-margin 60 --max-sensitivity 1.6");
   }
 
  private:
+  [[nodiscard]] std::vector<std::string> inputs() const override {
+    std::vector<std::string> files;
+    for (const auto& file : {fit_, relay_})
+      if (!file.empty()) files.push_back(file);
+    return files;
+  }
+
+  // Of the plants that relay experiments are described by, the one with the best evidence.
+  [[nodiscard]] frac::FitResult fit_of_relay() const {
+    const frac::TimeResponseData data = io::time_response_data(relay_, io::read_time_response(relay_));
+    std::optional<frac::FitResult> best;
+    for (const char* formula :
+         {"K exp(-L s)/(T s + 1)", "K exp(-L s)/(T s^a + 1)", "K exp(-L s)/(T2 s^2 + T1 s + 1)"}) {
+      frac::FitResult fit = frac::fit(data, frac::Structure(formula));
+      if (fit.usable() && (!best || fit.aicc < best->aicc)) best = std::move(fit);
+    }
+    if (!best)
+      throw io::DataError(relay_, 0, 0, "shows no plant: neither a lag nor a second order with dead time follows it");
+    return *best;
+  }
+
+  int run_for_region() {
+    const frac::FitResult fit = fit_.empty() ? fit_of_relay() : read_fit(fit_);
+    const frac::RobustTuningResult result = frac::tune_for_region(fit, asked_, tuning_);
+    const std::string plant = frac::fitted_plant(fit).formula();
+    write(format() == "json" ? tuning_json(result.nominal, plant, command_line(), &result)
+                             : tuning_table(result.nominal, plant) + region_table(result));
+    if (result.usable()) return usable_result;
+    say(result.message);
+    return no_usable_result;
+  }
+
   int run() override {
     tuning_.horizon = horizon_.value_or(0);
     tuning_.load_step = step_ == "load";
+    if (!plant_) return run_for_region();
     const frac::TuningResult result = frac::tune(*plant_, asked_, tuning_);
     write(format() == "json" ? tuning_json(result, plant_->formula(), command_line())
                              : tuning_table(result, plant_->formula()));
@@ -156,7 +228,7 @@ class Tune : public Command {
   frac::LoopSpecification asked_;
   frac::TuningOptions tuning_;
   std::optional<double> horizon_;
-  std::string step_ = "setpoint";
+  std::string step_ = "setpoint", fit_, relay_;
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <stdexcept>
 #include <utility>
 
@@ -32,6 +33,26 @@ void Command::add_common(const std::vector<std::string>& formats) {
   options_.flag("--quiet", quiet_, "No progress and no notes on standard error").unsaid();
 }
 
+Option& Command::add_shard(const std::string& pieces) {
+  return options_.parsed("--shard", shard_, shard_of, "the pieces are " + pieces).unsaid();
+}
+
+void Command::add_progress() {
+  options_.text("--progress", progress_).one_of({"bar", "json"}).unsaid();
+}
+
+io::ProgressStyle Command::progress_style() const {
+  if (quiet_) return io::ProgressStyle::none;
+  return progress_ == "json" ? io::ProgressStyle::lines : io::ProgressStyle::bar;
+}
+
+bool Command::writes_file() const {
+  std::error_code none;
+  const auto status = std::filesystem::status(out_, none);
+  return !output_->is_standard_output() &&
+         (!std::filesystem::exists(status) || std::filesystem::is_regular_file(status));
+}
+
 int Command::execute() {
   options_.interpret();
   try {
@@ -40,6 +61,7 @@ int Command::execute() {
         throw std::invalid_argument("--out '': expected a name");
     check();
     for (const std::string& note : notes_) say(note);
+    out_ = io::with_shard(out_, shard_);
     output_.emplace(out_, inputs());
     return run();
   } catch (const std::invalid_argument& error) {

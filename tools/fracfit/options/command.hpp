@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "io/output_file.hpp"
+#include "io/progress_bar.hpp"
 #include "options/options.hpp"
 
 namespace fracfit {
@@ -25,6 +26,10 @@ class Command {
   Command(const Command&) = delete;
   Command& operator=(const Command&) = delete;
   virtual ~Command() = default;
+
+  /// True for a command that works on another one, whose words follow its own options.
+  [[nodiscard]] virtual bool takes_command() const { return false; }
+  virtual void set_words(std::vector<std::string>) {}
 
   /// Checks the options and runs. @return the exit code
   int execute();
@@ -49,6 +54,13 @@ class Command {
   /// Files that run() reads, which --out must not replace; "-" is standard input.
   [[nodiscard]] virtual std::vector<std::string> inputs() const { return {}; }
 
+  /// --shard, whose place "{shard}" --out may name.
+  /// @param pieces  what is shared out
+  Option& add_shard(const std::string& pieces);
+  [[nodiscard]] const io::Shard& shard() const { return shard_; }
+  /// --progress, for commands that compute for long.
+  void add_progress();
+  [[nodiscard]] io::ProgressStyle progress_style() const;
   /// --threads and --quiet; --out and --format, the format of files first, where there are formats.
   void add_common(const std::vector<std::string>& formats = {});
   void set_footer(std::string text) { footer_ = std::move(text); }
@@ -60,6 +72,9 @@ class Command {
   [[nodiscard]] std::string command_line() const { return options_.command_line(name_); }
   /// Writes the result to --out, whole or not at all.
   void write(std::string_view text) const { output_->write(text); }
+  [[nodiscard]] const io::OutputFile& output() const { return *output_; }
+  /// --out is a file, not standard output or a device.
+  [[nodiscard]] bool writes_file() const;
 
  private:
   std::string name_, about_, footer_;
@@ -67,6 +82,8 @@ class Command {
   std::string out_, format_, file_format_;
   int threads_ = 0;
   bool quiet_ = false;
+  io::Shard shard_;
+  std::string progress_ = "bar";
   std::optional<io::OutputFile> output_;
   std::vector<std::string> notes_;
 };

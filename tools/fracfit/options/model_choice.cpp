@@ -91,6 +91,13 @@ std::vector<frac::NamedModel> chosen_models(const std::string& list) {
 
 std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& model, const ParameterOptions& given) {
   auto constraints = model.constraints;
+  for (const auto& text : given.fix) {
+    const auto [name, value] = assignment("--fix", text);
+    auto& constraint = constraint_of(constraints, name);
+    if (constraint.fixed) throw std::invalid_argument("--fix " + io::quoted(text) + ": " + name + " is fixed twice");
+    // Limits and a start are the model's own here: those of the user come below.
+    constraint = {name, number_of("--fix " + name, value), {}, {}, {}};
+  }
   for (const auto& text : given.bound) {
     const auto [name, range] = assignment("--bound", text);
     const auto [lower, upper] = pair_of("--bound", range);
@@ -99,14 +106,6 @@ std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& mo
     constexpr double infinity = std::numeric_limits<double>::infinity();
     if (!lower.empty() || free_of_limits) constraint.lower = free_of_limits ? -infinity : limit(lower, text);
     if (!upper.empty() || free_of_limits) constraint.upper = free_of_limits ? infinity : limit(upper, text);
-  }
-  for (const auto& text : given.fix) {
-    const auto [name, value] = assignment("--fix", text);
-    auto& constraint = constraint_of(constraints, name);
-    if (constraint.fixed) throw std::invalid_argument("--fix " + io::quoted(text) + ": " + name + " is fixed twice");
-    // A start is the model's own here: those of the user come below.
-    constraint.start.reset();
-    constraint.fixed = number_of("--fix " + name, value);
   }
   for (const auto& text : given.start) {
     const auto [name, value] = assignment("--start", text);

@@ -22,23 +22,6 @@ namespace {
   refuse(std::string(name) + " " + io::quoted(text) + ": " + message);
 }
 
-// What bash reads as this text, in one line: the heads of files have one line per entry.
-std::string shell_quoted(const std::string& text) {
-  if (text.find_first_of("\n\r\t") != std::string::npos) {
-    std::string quoted = "$'";
-    for (const char c : text) {
-      if (c == '\'' || c == '\\') quoted += '\\';
-      quoted += c == '\n' ? "\\n" : c == '\r' ? "\\r" : c == '\t' ? "\\t" : std::string(1, c);
-    }
-    return quoted + "'";
-  }
-  constexpr std::string_view harmless = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=:,./%@";
-  if (!text.empty() && text.find_first_not_of(harmless) == std::string::npos) return text;
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
-
 std::string with_reason(std::string text, const std::string& why) {
   return why.empty() ? text : text + ", " + why;
 }
@@ -84,24 +67,47 @@ std::pair<std::string, std::string> pair_of(std::string_view name, const std::st
   return {text.substr(0, colon), text.substr(colon + 1)};
 }
 
+// What bash reads as this text, in one line: the heads of files have one line per entry.
+std::string shell_quoted(const std::string& text) {
+  if (text.find_first_of("\n\r\t") != std::string::npos) {
+    std::string quoted = "$'";
+    for (const char c : text) {
+      if (c == '\'' || c == '\\') quoted += '\\';
+      quoted += c == '\n' ? "\\n" : c == '\r' ? "\\r" : c == '\t' ? "\\t" : std::string(1, c);
+    }
+    return quoted + "'";
+  }
+  constexpr std::string_view harmless = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=:,./%@";
+  if (!text.empty() && text.find_first_not_of(harmless) == std::string::npos) return text;
+  std::string quoted = "'";
+  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
 io::Shard shard_of(std::string_view name, const std::string& text) {
   if (text.empty()) return {};
   const auto slash = text.find('/');
-  if (slash == std::string::npos) refuse(name, text, "expected i/n, such as 1/4");
+  if (text.substr(0, slash) == "auto") {
+    try {
+      return io::shard_of_environment(slash == std::string::npos ? 0 : count_of(name, text.substr(slash + 1), 1));
+    } catch (const std::invalid_argument& error) {
+      refuse(name, text, error.what());
+    }
+  }
+  if (slash == std::string::npos) refuse(name, text, "expected i/n, such as 1/4, or auto");
   const io::Shard shard{count_of(name, text.substr(0, slash), 1), count_of(name, text.substr(slash + 1), 1)};
   if (shard.index > shard.count) refuse(name, text, "expected i/n with 1 <= i <= n");
   return shard;
 }
 
-void require_table_size(std::initializer_list<std::pair<std::string_view, std::size_t>> counts) {
+void require_table_size(std::initializer_list<std::pair<std::string_view, std::size_t>> counts, std::size_t most) {
   std::string product;
   double rows = 1;
   for (const auto& [name, count] : counts) {
     product += (product.empty() ? "" : " times ") + std::to_string(count) + " (" + std::string(name) + ")";
     rows *= static_cast<double>(count);
   }
-  if (rows > static_cast<double>(largest_table))
-    refuse(product + " rows: expected at most " + std::to_string(largest_table));
+  if (rows > static_cast<double>(most)) refuse(product + " rows: expected at most " + std::to_string(most));
 }
 
 Option::Option(Kind kind, std::string name, const std::string& help, const std::string& type, Take take)

@@ -43,11 +43,16 @@ constexpr std::size_t largest_table = 10'000'000;
 /// @param form  how the message writes them, e.g. LOW:HIGH
 [[nodiscard]] std::pair<std::string, std::string> pair_of(std::string_view name, const std::string& text,
                                                           const char* form = "LOW:HIGH");
-/// i/n with 1 <= i <= n; empty: all.
+/// i/n with 1 <= i <= n; auto, as the environment says, or auto/n; empty: all.
 [[nodiscard]] io::Shard shard_of(std::string_view name, const std::string& text);
-/// @throws std::invalid_argument  the product of these counts, each with the option it comes from, is above
-/// largest_table.
-void require_table_size(std::initializer_list<std::pair<std::string_view, std::size_t>> counts);
+/// Rows of a table that goes to a file piece by piece.
+constexpr std::size_t largest_stream = 10'000'000'000;
+/// @throws std::invalid_argument  the product of these counts, each with the option it comes from, is above the limit.
+void require_table_size(std::initializer_list<std::pair<std::string_view, std::size_t>> counts,
+                        std::size_t most = largest_table);
+
+/// The text as one word of a shell, in quotes where it needs them.
+[[nodiscard]] std::string shell_quoted(const std::string& text);
 
 /// An option that was given, or whose text, default included, is one of these.
 struct Condition {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "options/pages.hpp"
 
+#include <map>
 #include <sstream>
 #include <string_view>
 
@@ -52,9 +53,9 @@ std::string completion_of(const Command& command, std::string& choices) {
     words += (words.empty() ? "" : " ") + option.name();
     std::string values;
     for (const std::string& value : option.words()) values += (values.empty() ? "" : " ") + value;
-    if (!values.empty()) choices += "    " + command.name() + "/" + option.name() + ") words='" + values + "' ;;\n";
+    if (!values.empty()) choices += "    '" + command.name() + "/" + option.name() + "') words='" + values + "' ;;\n";
   }
-  return "    " + command.name() + ") options='" + words + (words.empty() ? "" : " ") + "--help' ;;\n";
+  return "    '" + command.name() + "') options='" + words + (words.empty() ? "" : " ") + "--help' ;;\n";
 }
 
 // Text for troff: backslashes and dashes as such, no line that begins a request.
@@ -115,11 +116,22 @@ std::string command_help(const Command& command) {
 
 std::string completion_script(const std::vector<CommandGroup>& groups) {
   std::string names, options, choices;
+  std::map<std::string, std::string> seconds;  // by first word, of names such as "export spice"
   for (const auto& group : groups) {
     for (const auto& command : group.commands) {
-      names += (names.empty() ? "" : " ") + command->name();
+      const std::string& name = command->name();
+      const std::size_t space = name.find(' ');
+      const bool is_new = space == std::string::npos || !seconds.contains(name.substr(0, space));
+      if (is_new) names += (names.empty() ? "" : " ") + name.substr(0, space);
+      if (space != std::string::npos) seconds[name.substr(0, space)] += name.substr(space) + " ";
       options += completion_of(*command, choices);
     }
+  }
+  std::string two_words;
+  for (const auto& [first, rest] : seconds) {
+    two_words += "  if [[ $command == " + first + " ]]; then\n    if ((COMP_CWORD == 2)); then\n" +
+                 "      mapfile -t COMPREPLY < <(compgen -W '" + rest + "' -- \"$current\")\n      return\n    fi\n" +
+                 "    command=\"$command ${COMP_WORDS[2]}\"\n  fi\n";
   }
   return "# bash completion of fracfit " + std::string(io::version()) +
          ":  source <(fracfit completion)\n"
@@ -131,9 +143,8 @@ std::string completion_script(const std::vector<CommandGroup>& groups) {
          names +
          " help --help --version' -- \"$current\")\n"
          "    return\n"
-         "  fi\n"
-         "  case $command in\n" +
-         options +
+         "  fi\n" +
+         two_words + "  case $command in\n" + options +
          "  esac\n"
          "  case $command/$before in\n" +
          choices +

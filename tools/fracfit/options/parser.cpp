@@ -35,6 +35,20 @@ Command& command_named(const std::vector<CommandGroup>& groups, const std::strin
          either(names));
 }
 
+// The name of a subcommand at the head of some words, of one word or of two such as "export spice".
+// @param words  at least one
+std::string name_in(const std::vector<CommandGroup>& groups, const std::string* words, std::size_t count) {
+  const std::string head = words[0] + " ";
+  std::vector<std::string> seconds;
+  for (const auto& group : groups)
+    for (const auto& command : group.commands)
+      if (command->name().starts_with(head)) seconds.push_back(command->name().substr(head.size()));
+  if (seconds.empty()) return words[0];
+  if (count > 1 && std::find(seconds.begin(), seconds.end(), words[1]) != seconds.end()) return head + words[1];
+  refuse("'fracfit " + words[0] + "' expects one of " + either(seconds) +
+         (count > 1 ? ", not " + io::quoted(words[1]) + suggestion(words[1], seconds) : ""));
+}
+
 // What CLI11 fills for one option: it splits the arguments, and all checks are ours.
 struct Slot {
   Option* option;
@@ -96,15 +110,18 @@ Request parse(const std::vector<CommandGroup>& groups, const std::vector<std::st
   if (first == "--version" || first == "-V") return {nullptr, "fracfit " + std::string(io::version()) + "\n"};
   if (first == "--help" || first == "-h" || first == "help") {
     if (arguments.size() == 1) return {nullptr, program_help(groups)};
-    return {nullptr, command_help(command_named(groups, arguments[1]))};
+    return {nullptr, command_help(command_named(groups, name_in(groups, &arguments[1], arguments.size() - 1)))};
   }
-  Command& command = command_named(groups, first);
+  const std::string name = name_in(groups, arguments.data(), arguments.size());
+  Command& command = command_named(groups, name);
   CLI::App app;
   app.allow_extras();
+  app.prefix_command(command.takes_command());
   std::deque<Slot> slots;
   for (Option& option : command.options().all()) add_slots(app, option, slots);
   try {
-    app.parse(std::vector<std::string>(arguments.rbegin(), std::prev(arguments.rend())));
+    const std::ptrdiff_t words = name == first ? 1 : 2;
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend() - words));
   } catch (const CLI::CallForHelp&) {
     return {nullptr, command_help(command)};
   } catch (const CLI::ArgumentMismatch& error) {
@@ -113,7 +130,10 @@ Request parse(const std::vector<CommandGroup>& groups, const std::vector<std::st
   } catch (const CLI::ParseError& error) {
     refuse(error.what(), command.name());
   }
-  check_extras(command, app.remaining());
+  if (command.takes_command())
+    command.set_words(app.remaining());
+  else
+    check_extras(command, app.remaining());
   hand_over(command, slots);
   return {&command, {}};
 }

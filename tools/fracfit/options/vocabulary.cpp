@@ -33,6 +33,7 @@ const Meaning& meaning_of(std::string_view name) {
       {"--hold", "HOLD", "How the input runs between samples"},
       {"--lambda", "ORDER", "Order of integration"},
       {"--mu", "ORDER", "Order of differentiation"},
+      {"--name", "NAME", "What the exported text is called"},
       {"--derivative-filter", "T", "Time constant of the lag before the derivative, s"},
       // Fitting.
       {"--models", "LIST", "Presets or formulas to rank, separated by commas"},
@@ -44,9 +45,13 @@ const Meaning& meaning_of(std::string_view name) {
       {"--where", "TEST", "Use only points that satisfy a comparison with a number; repeatable"},
       {"--seed", "N", "Seed of the random search; same seed, same result"},
       // Every command.
-      {"--shard", "i/n", "Work on every n-th piece only, from the i-th; join with fracfit merge"},
+      {"--shard", "i/n",
+       "Work on every n-th piece only, from the i-th; auto or auto/n: as a batch system or MPI launcher says; {shard} "
+       "in "
+       "--out stands for it; join with fracfit merge"},
       {"--out", "FILE", "Output file; standard output if not given"},
       {"--format", "FORMAT", "Output format"},
+      {"--progress", "FORM", "Progress on standard error: a bar on a terminal, or a line of JSON each second"},
       {"--threads", "N", "Threads, 0 for one per core; results do not depend on it"},
   };
   const auto found =

@@ -179,4 +179,10 @@ std::string controller_comment(const frac::FractionalPidDesign& design, const st
   return design.note().empty() ? text : text + "\n" + design.note();
 }
 
+std::string filter_comment(const frac::DigitalFilterDesign& design, const std::string& model,
+                           const std::string& command) {
+  return "Filter " + model + ", every " + short_number(design.sample_time) + " s, written by fracfit " +
+         std::string(io::version()) + ":\n  " + command;
+}
+
 }  // namespace fracfit

@@ -17,5 +17,7 @@ namespace fracfit {
 [[nodiscard]] std::string filter_table(const frac::DigitalFilterDesign& design, const std::string& model, double error);
 /// What stands at the head of the C code.
 [[nodiscard]] std::string controller_comment(const frac::FractionalPidDesign& design, const std::string& command);
+[[nodiscard]] std::string filter_comment(const frac::DigitalFilterDesign& design, const std::string& model,
+                                         const std::string& command);
 
 }  // namespace fracfit

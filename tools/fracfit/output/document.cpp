@@ -46,24 +46,8 @@ void for_each_row(const Rows& rows, const Use& use) {
 }
 
 std::string csv_text(const Document& document, const std::string& command) {
-  std::string text = "# fracfit: " + std::string(io::version()) + "\n# command: " + command + "\n";
-  io::Metadata head = document.head;
-  if (document.shard.count > 1) head.emplace_back(io::shard_key, io::text_of(document.shard));
-  for (auto& [key, value] : head) {
-    std::replace_if(
-        value.begin(), value.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
-    text += "# " + key + ": " + value + "\n";
-  }
-  for (std::size_t i = 0; i < document.rows.columns.size(); ++i) text += (i > 0 ? "," : "") + document.rows.columns[i];
-  text += '\n';
-  for_each_row(document.rows, [&](const std::vector<Cell>& cells) {
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      if (i > 0) text += ',';
-      append_csv(text, cells[i]);
-    }
-    text += '\n';
-  });
-  if (document.shard.count > 1) text += io::checksum_line(text);
+  std::string text = csv_head(document, command) + csv_rows(document.rows);
+  if (document.shard.count > 1) text += io::checksum_line(io::Fingerprint(text));
   return text;
 }
 
@@ -118,6 +102,31 @@ std::string table_text(const Document& document) {
 }
 
 }  // namespace
+
+std::string csv_head(const Document& document, const std::string& command) {
+  std::string text = "# fracfit: " + std::string(io::version()) + "\n# command: " + command + "\n";
+  io::Metadata head = document.head;
+  if (document.shard.count > 1) head.emplace_back(io::shard_key, io::text_of(document.shard));
+  for (auto& [key, value] : head) {
+    std::replace_if(
+        value.begin(), value.end(), [](char c) { return c == '\n' || c == '\r'; }, ' ');
+    text += "# " + key + ": " + value + "\n";
+  }
+  for (std::size_t i = 0; i < document.rows.columns.size(); ++i) text += (i > 0 ? "," : "") + document.rows.columns[i];
+  return text + "\n";
+}
+
+std::string csv_rows(const Rows& rows) {
+  std::string text;
+  for_each_row(rows, [&](const std::vector<Cell>& cells) {
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      if (i > 0) text += ',';
+      append_csv(text, cells[i]);
+    }
+    text += '\n';
+  });
+  return text;
+}
 
 Json array_of(const Rows& rows) {
   Json array = Json::array();

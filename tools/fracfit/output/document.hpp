@@ -37,6 +37,10 @@ struct Document {
 /// In "csv", "json" or "table", the last for people.
 [[nodiscard]] std::string text_of(const Document& document, const std::string& format, const std::string& command);
 
+/// Of its CSV, what stands above the rows.
+[[nodiscard]] std::string csv_head(const Document& document, const std::string& command);
+[[nodiscard]] std::string csv_rows(const Rows& rows);
+
 /// A document from the text of a CSV file with head, for writers of files that only know CSV.
 [[nodiscard]] Document document_of(const std::string& csv);
 

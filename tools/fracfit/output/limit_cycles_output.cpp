@@ -88,6 +88,10 @@ Json loop_json(const LoopCycles& loop) {
                    {"mass2_kg", system.mass2()},
                    {"clearance_m", system.clearance()},
                    {"restitution", system.restitution()}};
+  if (!loop.loop.bodies().are_free()) {
+    json["scene"]["load_receptance"] = loop.loop.bodies().load().formula();
+    json["scene"]["drive_receptance"] = loop.loop.bodies().drive().formula();
+  }
   json["rigid_loop"] = {{"stability", frac::to_string(loop.rigid.stability)},
                         {"unstable_poles", loop.rigid.unstable_poles}};
   json["searched"] = {{"from", loop.exact.searched.from},
@@ -101,6 +105,48 @@ Json loop_json(const LoopCycles& loop) {
   return json;
 }
 
+Json events_json(const backlash::CycleContinuation& followed) {
+  Json json = Json::object();
+  Json& events = json["events"] = Json::array();
+  for (const backlash::CycleEvent& event : followed.events) {
+    events.push_back({{"kind", backlash::to_string(event.kind)},
+                      {"value", event.parameter},
+                      {"omega", event.omega},
+                      {"admissible", event.is_admissible},
+                      {"reason", event.reason.empty() ? Json() : Json(event.reason)}});
+  }
+  const auto intervals = [](const std::vector<backlash::ParameterInterval>& all) {
+    Json list = Json::array();
+    for (const backlash::ParameterInterval& each : all) list.push_back({each.from, each.to});
+    return list;
+  };
+  json["without_cycles"] = intervals(followed.without_cycles);
+  json["without_stable_cycles"] = intervals(followed.without_stable_cycles);
+  return json;
+}
+
+std::string events_text(const std::string& name, const backlash::CycleContinuation& followed) {
+  std::string text;
+  const auto precise = [](double value) { return io::format_number(std::round(value * 1e10) / 1e10); };
+  for (const backlash::CycleEvent& event : followed.events) {
+    if (!event.is_admissible) continue;
+    std::string line = name + " = " + precise(event.parameter) + ", omega " + short_number(event.omega) + ": " +
+                       std::string(backlash::to_string(event.kind));
+    if (!event.reason.empty()) line += "; beyond it " + event.reason;
+    text += paragraph(line + ".", 2);
+  }
+  const auto intervals = [&](const std::vector<backlash::ParameterInterval>& all, const std::string& what) {
+    if (all.empty()) return;
+    std::string list;
+    for (const backlash::ParameterInterval& each : all)
+      list += (list.empty() ? "" : ", ") + precise(each.from) + " to " + precise(each.to);
+    text += paragraph("No " + what + " for " + name + " from " + list + ".");
+  };
+  intervals(followed.without_cycles, "symmetric cycle");
+  intervals(followed.without_stable_cycles, "stable symmetric cycle");
+  return text;
+}
+
 std::string state_of(const backlash::SymmetricCycle& cycle) {
   if (!cycle.admissible) return "no motion";
   if (cycle.stability.stable) return "stable";
@@ -109,7 +155,8 @@ std::string state_of(const backlash::SymmetricCycle& cycle) {
 
 }  // namespace
 
-std::string limit_cycles_json(const std::vector<LoopCycles>& loops, const std::string& command) {
+std::string limit_cycles_json(const std::vector<LoopCycles>& loops, const backlash::CycleContinuation* followed,
+                              const std::string& command) {
   Json json = origin(command);
   if (loops.size() == 1 && loops.front().varied.empty()) {
     json.update(loop_json(loops.front()));
@@ -122,6 +169,7 @@ std::string limit_cycles_json(const std::vector<LoopCycles>& loops, const std::s
     each.update(loop_json(loop));
     all.push_back(std::move(each));
   }
+  if (followed) json.update(events_json(*followed));
   return json.dump(1) + "\n";
 }
 
@@ -174,7 +222,7 @@ std::string limit_cycles_csv(const std::vector<LoopCycles>& loops, const std::st
                  "csv", command);
 }
 
-std::string limit_cycles_table(const std::vector<LoopCycles>& loops) {
+std::string limit_cycles_table(const std::vector<LoopCycles>& loops, const backlash::CycleContinuation* followed) {
   const auto percent = [](double value) {
     std::string text = io::format_number(std::round(1000 * value) / 10);
     return (value > 0 ? "+" : "") + text + " %";
@@ -229,6 +277,7 @@ std::string limit_cycles_table(const std::vector<LoopCycles>& loops) {
     text += "\n" + paragraph("Searched on a grid from " + short_number(loops.front().exact.searched.from) + " to " +
                              short_number(loops.front().exact.searched.to) + " rad/s.");
   }
+  if (followed) text += "\n" + events_text(loops.front().varied.front().first, *followed);
   if (listed == 0) return text;
   text += "\n" +
           paragraph(

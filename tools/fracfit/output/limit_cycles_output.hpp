@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "backlash/loops/cycle_continuation.hpp"
 #include "backlash/loops/limit_cycles.hpp"
 #include "backlash/loops/predicted_cycles.hpp"
 #include "frac/stability.hpp"
@@ -20,10 +21,13 @@ struct LoopCycles {
   io::Metadata varied = {};  // name and value of a quantity that changes from loop to loop
 };
 
-[[nodiscard]] std::string limit_cycles_json(const std::vector<LoopCycles>& loops, const std::string& command);
+/// @param followed  what happens between the loops; nullptr for a single loop and where values have no order
+[[nodiscard]] std::string limit_cycles_json(const std::vector<LoopCycles>& loops,
+                                            const backlash::CycleContinuation* followed, const std::string& command);
 /// One row per cycle.
 [[nodiscard]] std::string limit_cycles_csv(const std::vector<LoopCycles>& loops, const std::string& command);
 /// For people.
-[[nodiscard]] std::string limit_cycles_table(const std::vector<LoopCycles>& loops);
+[[nodiscard]] std::string limit_cycles_table(const std::vector<LoopCycles>& loops,
+                                             const backlash::CycleContinuation* followed);
 
 }  // namespace fracfit

@@ -90,43 +90,43 @@ void append_sweep(Json& json, const io::Metadata& scene, const Rows& points) {
 
 }  // namespace
 
-Document document_of(const backlash::DescribingFunctionSweep& sweep, PointColumns columns) {
-  return {scene_of(sweep),
-          {point_columns(columns), sweep.points.size(),
-           [&, columns](std::size_t i, std::vector<Cell>& cells) { append_point(cells, sweep.points[i], columns); }}};
+SweepTable map_table(const backlash::MapScene& scene, const std::vector<double>& restitution,
+                     const backlash::SweepOptions& options, const io::Shard& shard) {
+  io::Metadata head = entries({{"mass1_kg", scene.mass1},
+                               {"mass2_kg", scene.mass2},
+                               {"clearance_m", scene.clearance},
+                               {"force_n", scene.force_amplitude}});
+  append_options(head, options, true);
+  return {std::move(head), point_columns(PointColumns::with_diagnostics, {"restitution"}),
+          PointColumns::with_diagnostics,
+          [restitution](std::size_t curve) { return std::vector<Cell>{restitution[curve]}; }, shard};
 }
 
-Document document_of(const std::vector<backlash::DescribingFunctionSweep>& sweeps, PointColumns columns,
-                     const io::Shard& shard) {
-  const auto& first = sweeps.front();
-  io::Metadata common = entries({{"mass1_kg", first.system.mass1()}, {"mass2_kg", first.system.mass2()}});
-  common.emplace(common.begin(), "model", "dynamic");
-  append_options(common, first.options, first.options.mean_tolerance > 0);
-  const std::size_t width = first.points.size();  // all sweeps run over the same frequencies
-  return {std::move(common),
-          {point_columns(columns, {"force_n", "clearance_m", "restitution"}), sweeps.size() * width,
-           [&sweeps, columns, width](std::size_t i, std::vector<Cell>& cells) {
-             const auto& sweep = sweeps[i / width];
-             cells.insert(cells.end(), {sweep.force_amplitude, sweep.system.clearance(), sweep.system.restitution()});
-             append_point(cells, sweep.points[i % width], columns);
-           }},
+SweepTable sweep_table(const std::vector<backlash::SweepScene>& all, const std::vector<backlash::SweepScene>& part,
+                       const backlash::SweepOptions& options, PointColumns columns, const io::Shard& shard) {
+  const backlash::SweepScene& first = all.front();
+  if (all.size() == 1)
+    return {scene_of({first.system, first.force_amplitude, options, {}}), point_columns(columns), columns,
+            [](std::size_t) { return std::vector<Cell>(); }, shard};
+  io::Metadata head = entries({{"mass1_kg", first.system.mass1()}, {"mass2_kg", first.system.mass2()}});
+  head.emplace(head.begin(), "model", "dynamic");
+  append_options(head, options, options.mean_tolerance > 0);
+  return {std::move(head), point_columns(columns, {"force_n", "clearance_m", "restitution"}), columns,
+          [part](std::size_t curve) {
+            const backlash::SweepScene& scene = part[curve];
+            return std::vector<Cell>{scene.force_amplitude, scene.system.clearance(), scene.system.restitution()};
+          },
           shard};
 }
 
-Document document_of(const backlash::RegimeMap& map, const io::Shard& shard) {
-  io::Metadata scene = entries({{"mass1_kg", map.scene.mass1},
-                                {"mass2_kg", map.scene.mass2},
-                                {"clearance_m", map.scene.clearance},
-                                {"force_n", map.scene.force_amplitude}});
-  append_options(scene, map.options, true);
-  return {std::move(scene),
-          {point_columns(PointColumns::with_diagnostics, {"restitution"}), map.points.size(),
-           [&map](std::size_t i, std::vector<Cell>& cells) {
-             const std::size_t width = map.omega.size();
-             cells.emplace_back(map.restitution[i / width]);
-             append_point(cells, map.at(i / width, i % width), PointColumns::with_diagnostics);
+Document document_of(const SweepTable& table, std::size_t first, std::size_t width, const std::vector<Point>& points) {
+  return {table.head,
+          {table.columns, points.size(),
+           [&table, &points, first, width](std::size_t i, std::vector<Cell>& cells) {
+             for (Cell& cell : table.in_front(first + i / width)) cells.push_back(std::move(cell));
+             append_point(cells, points[i], table.points);
            }},
-          shard};
+          table.shard};
 }
 
 Document document_of(const StaticCurve& curve) {

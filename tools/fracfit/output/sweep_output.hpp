@@ -2,6 +2,8 @@
 #pragma once
 
 #include <complex>
+#include <cstddef>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -24,15 +26,34 @@ struct StaticCurve {
   std::vector<std::complex<double>> value;  // m/N
 };
 
+/// A table of curves, whether they are computed already or not: what stands around their points.
+struct SweepTable {
+  io::Metadata head;
+  std::vector<std::string> columns;
+  PointColumns points;
+  /// What tells the curve from the others, in front of each of its rows.
+  std::function<std::vector<Cell>(std::size_t curve)> in_front;
+  io::Shard shard;
+};
+
+/// Of the curves of one scene over restitution, with all columns of a point.
+[[nodiscard]] SweepTable map_table(const backlash::MapScene& scene, const std::vector<double>& restitution,
+                                   const backlash::SweepOptions& options, const io::Shard& shard);
+/// Of one curve, or of several told apart by force, clearance and restitution.
+/// @param all   scenes of all shards
+/// @param part  those of this one
+[[nodiscard]] SweepTable sweep_table(const std::vector<backlash::SweepScene>& all,
+                                     const std::vector<backlash::SweepScene>& part,
+                                     const backlash::SweepOptions& options, PointColumns columns,
+                                     const io::Shard& shard);
+
 // The rows refer to what they are made from, which has to outlive them.
 
-/// One row per point.
-[[nodiscard]] Document document_of(const backlash::DescribingFunctionSweep& sweep, PointColumns columns);
-/// Sweeps that differ in force, clearance or restitution only, told apart by three columns in front.
-[[nodiscard]] Document document_of(const std::vector<backlash::DescribingFunctionSweep>& sweeps, PointColumns columns,
-                                   const io::Shard& shard);
-/// Restitution slowest, all columns of a point.
-[[nodiscard]] Document document_of(const backlash::RegimeMap& map, const io::Shard& shard);
+/// Rows of curves of the same width.
+/// @param first   curve of the first row
+/// @param points  of one curve after the other
+[[nodiscard]] Document document_of(const SweepTable& table, std::size_t first, std::size_t width,
+                                   const std::vector<backlash::DescribingFunctionPoint>& points);
 /// The columns of a sweep; what the closed form does not know is nan.
 [[nodiscard]] Document document_of(const StaticCurve& curve);
 

@@ -79,9 +79,9 @@ struct LimitCycles {
 };
 
 /// All symmetric cycles with two impacts per period, exact to rounding, with the whole memory of fractional orders.
-/// Where the load is measured and the controller is a sum of powers of s, the sums over all earlier impacts are closed
-/// forms, with dead time too; a ratio of sums of powers, or the driven body measured, costs an inverse Laplace
-/// transform.
+/// Of free masses with the load measured and a controller that is a sum of powers of s, the sums over all earlier
+/// impacts are closed forms, with dead time too; other bodies, a ratio of sums of powers, or the driven body measured,
+/// cost an inverse Laplace transform.
 /// @throws std::invalid_argument  dead time with the driven body measured; a range that is none; fewer than one
 ///                                harmonic.
 [[nodiscard]] LimitCycles symmetric_cycles(const ControlLoop& loop, const LimitCycleOptions& options = {});

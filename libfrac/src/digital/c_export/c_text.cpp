@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "base/identifier.hpp"
 #include "base/spelling.hpp"
 #include "digital/section_kernel.hpp"
 #include "runtime_text.hpp"
@@ -46,15 +47,10 @@ constexpr std::string_view c_keywords[] = {
 }  // namespace
 
 void check_c_name(const std::string& name) {
-  constexpr std::size_t longest = 40;
-  const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
-  const auto is_part = [&](char c) { return is_letter(c) || (c >= '0' && c <= '9'); };
   const bool is_keyword = std::find(std::begin(c_keywords), std::end(c_keywords), name) != std::end(c_keywords);
-  if (name.empty() || name.size() > longest || !is_letter(name[0]) || !std::all_of(name.begin(), name.end(), is_part) ||
-      is_keyword) {
-    throw std::invalid_argument("C name \"" + name + "\": expected an identifier of letters, digits and _, up to " +
-                                std::to_string(longest) + " characters");
-  }
+  detail::check_identifier("C name", name);
+  if (is_keyword)
+    throw std::invalid_argument("C name \"" + name + "\": is a keyword of C; expected another identifier");
 }
 
 namespace detail {
@@ -200,6 +196,7 @@ void describe(const CSections& sections, CWords& words, CConditions& conditions)
   words[prefix + "_SIZE"] = std::to_string(sections.rates.size());
   conditions["HAS_" + prefix + "_TAPS"] = !sections.taps.empty();
   conditions["HAS_" + prefix + "_SECTIONS"] = !sections.rates.empty();
+  conditions["HAS_" + prefix + "_LEAK"] = !sections.rates.empty() && sections.output == SectionOutput::change;
   conditions["HAS_" + prefix + "_STATE"] = sections.has_state();
 }
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "projection.hpp"
 
-#include <Eigen/QR>
 #include <cmath>
 #include <numbers>
 
+#include "base/linear_algebra.hpp"
+#include "frac/cancellation.hpp"
 #include "identification/statistics/information.hpp"
 
 namespace frac::detail {
@@ -49,6 +50,7 @@ void ProjectedData::put(const Eigen::VectorXcd& values, Eigen::Ref<Eigen::Vector
 }
 
 bool ProjectedData::solve(const Eigen::MatrixXcd& columns, Linear& linear) const {
+  throw_if_cancelled();
   if (!columns.allFinite() || columns.cols() > target_.size()) return false;
   Eigen::MatrixXd matrix(target_.size(), columns.cols());
   for (Index k = 0; k < columns.cols(); ++k) put(columns.col(k), matrix.col(k));
@@ -62,18 +64,29 @@ bool ProjectedData::solve(const Eigen::MatrixXcd& columns, Linear& linear) const
     norm[k] = 1;
   }
   matrix *= norm.cwiseInverse().asDiagonal();
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> decomposition(matrix);
-  decomposition.setThreshold(1e-11);
-  const Index rank = decomposition.rank();
-  if (rank == 0) return false;
-  linear.orthonormal = Eigen::MatrixXd::Identity(target_.size(), rank);
-  linear.orthonormal.applyOnTheLeft(decomposition.householderQ());
+  const PivotedQr decomposition(matrix, 1e-11);
+  if (decomposition.rank() == 0) return false;
+  linear.orthonormal = decomposition.basis();
   linear.coefficients = decomposition.solve(target_).cwiseQuotient(norm);
   linear.model = columns * linear.coefficients.cast<Complex>();
   const Eigen::VectorXd share = linear.orthonormal.transpose() * target_;
   linear.residual = linear.orthonormal * share - target_;
   linear.cost = linear.residual.squaredNorm();
   return linear.residual.allFinite() && linear.model.allFinite();
+}
+
+NormalEquations ProjectedData::normal_equations(const Eigen::MatrixXcd& derivatives, const Linear& linear) const {
+  Eigen::MatrixXd jacobian(linear.residual.size(), derivatives.cols());
+  for (Index k = 0; k < derivatives.cols(); ++k) put(derivatives.col(k), jacobian.col(k));
+  remove_span(linear.orthonormal, jacobian);
+  return {jacobian.transpose() * jacobian, jacobian.transpose() * linear.residual};
+}
+
+Eigen::VectorXd NormalEquations::step(double damping) const {
+  Eigen::MatrixXd damped = matrix;
+  const double least = 1e-14 * matrix.diagonal().maxCoeff() + std::numeric_limits<double>::min();
+  for (Index k = 0; k < matrix.cols(); ++k) damped(k, k) += damping * matrix(k, k) + least;
+  return -solve_symmetric(damped, gradient);
 }
 
 std::vector<double> ProjectedData::sizes(const Linear& linear) const {

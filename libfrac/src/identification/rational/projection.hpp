@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <complex>
@@ -13,6 +12,15 @@
 #include "identification/data/residual_rule.hpp"
 
 namespace frac::detail {
+
+/// Normal equations of what acts nonlinearly.
+struct NormalEquations {
+  Eigen::MatrixXd matrix;
+  Eigen::VectorXd gradient;
+
+  /// Step of Levenberg and Marquardt.
+  [[nodiscard]] Eigen::VectorXd step(double damping) const;
+};
 
 /// Data and weights of residuals that are linear in the coefficients of a model sum c_k column_k(omega).  Frequencies
 /// are in units of the middle of the band.
@@ -48,6 +56,8 @@ class ProjectedData {
   };
   /// False where a number overflows or no column is seen.
   bool solve(const Eigen::MatrixXcd& columns, Linear& linear) const;
+  /// Of the derivatives of the model at fixed coefficients, freed of what new coefficients take up (Kaufman 1975).
+  [[nodiscard]] NormalEquations normal_equations(const Eigen::MatrixXcd& derivatives, const Linear& linear) const;
   /// Rows of complex values, as the residuals hold them.
   void put(const Eigen::VectorXcd& values, Eigen::Ref<Eigen::VectorXd> column) const;
   /// Size of the residual at each point.
@@ -70,9 +80,9 @@ inline constexpr double search_margin = 1.2;
 /// of the number of places that the data tell apart, the e-folds of the band and its margins.
 [[nodiscard]] double price_of_place(const ProjectedData& data);
 
-/// Levenberg-Marquardt in what acts nonlinearly, the coefficients following by projection (Golub, Pereyra 1973;
-/// Jacobian of Kaufman 1975).  Ceres is not used here: setting up one of its problems takes longer than one of these
-/// solves, of which a growth makes hundreds.
+/// Levenberg-Marquardt in what acts nonlinearly, the coefficients following by projection (Golub, Pereyra 1973).  Ceres
+/// is not used here: setting up one of its problems takes longer than one of these solves, of which a growth makes
+/// hundreds.
 /// @param problem  gives columns(shape), derivatives(shape, columns, linear) of the model at fixed coefficients, one
 ///                 column each, and stepped(shape, step), which keeps to the limits
 /// @return whether the start has a finite cost
@@ -84,19 +94,11 @@ bool levenberg_marquardt(const Problem& problem, const ProjectedData& data, Shap
   int small_gains = 0;
   for (int iteration = 0; iteration < iterations && linear.cost > data.rounding_cost(); ++iteration) {
     const Eigen::MatrixXcd derivatives = problem.derivatives(shape, linear);
-    const Eigen::Index width = derivatives.cols();
-    if (width == 0 || !derivatives.allFinite()) break;
-    Eigen::MatrixXd jacobian(linear.residual.size(), width);
-    for (Eigen::Index k = 0; k < width; ++k) data.put(derivatives.col(k), jacobian.col(k));
-    jacobian -= linear.orthonormal * (linear.orthonormal.transpose() * jacobian).eval();
-    const Eigen::MatrixXd normal = jacobian.transpose() * jacobian;
-    const Eigen::VectorXd gradient = jacobian.transpose() * linear.residual;
+    if (derivatives.cols() == 0 || !derivatives.allFinite()) break;
+    const NormalEquations normal = data.normal_equations(derivatives, linear);
     bool stepped = false;
     for (int attempt = 0; attempt < 8 && !stepped; ++attempt) {
-      Eigen::MatrixXd damped = normal;
-      const double least = 1e-14 * normal.diagonal().maxCoeff() + std::numeric_limits<double>::min();
-      for (Eigen::Index k = 0; k < width; ++k) damped(k, k) += damping * normal(k, k) + least;
-      const Eigen::VectorXd step = -damped.ldlt().solve(gradient);
+      const Eigen::VectorXd step = normal.step(damping);
       if (!step.allFinite()) break;
       Shape next = problem.stepped(shape, step);
       ProjectedData::Linear there;

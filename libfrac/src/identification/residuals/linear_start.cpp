@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "linear_start.hpp"
 
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+
+#include "base/linear_algebra.hpp"
 
 namespace frac::detail {
 
@@ -88,8 +90,7 @@ std::optional<LinearFit> linear_fit(const CoefficientForm& form, std::span<const
     const Eigen::VectorXd norm = matrix.colwise().norm();
     if (!norm.allFinite() || !right.allFinite() || !(norm.minCoeff() > 0)) return std::nullopt;
     const Eigen::MatrixXd scaled = matrix * norm.cwiseInverse().asDiagonal();
-    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> decomposition(scaled);
-    decomposition.setThreshold(1e-7);
+    const PivotedQr decomposition(scaled, 1e-7);
     const Eigen::VectorXd solution = decomposition.solve(right).cwiseQuotient(norm);
     if (!solution.allFinite()) return std::nullopt;
     fit.rank = static_cast<std::size_t>(decomposition.rank());
@@ -159,7 +160,7 @@ std::optional<std::vector<double>> parameters_from(const CoefficientForm& form, 
       continue;
     }
     for (Index column = 0; column < columns; ++column) matrix(rows + column, column) = std::sqrt(damping);
-    const Eigen::VectorXd change = matrix.colPivHouseholderQr().solve(right);
+    const Eigen::VectorXd change = PivotedQr(matrix).solve(right);
     if (!change.allFinite()) return std::nullopt;
     for (Index column = 0; column < columns; ++column) {
       // Three e-folds at most where the picture is curved.

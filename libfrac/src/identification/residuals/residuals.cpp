@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "base/wide_vectors.hpp"
+#include "frac/cancellation.hpp"
 #include "linear_start.hpp"
 
 namespace frac::detail {
@@ -26,6 +27,7 @@ void add_multiple(double factor, const std::complex<double>* from, std::span<std
 }  // namespace
 
 bool Residuals::evaluate_all(std::span<const double> theta, std::vector<double>& residual) const {
+  throw_if_cancelled();
   residual.resize(count());
   return evaluate(theta, residual.data(), nullptr);
 }

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "time_residuals.hpp"
 
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <utility>
 
+#include "base/linear_algebra.hpp"
 #include "loss.hpp"
 
 namespace frac::detail {
@@ -107,9 +108,7 @@ bool TimeResiduals::evaluate(std::span<const double> theta, double* residual, do
     if (!jacobian) return true;
     Eigen::Map<Eigen::MatrixXd> by_theta(jacobian, rest.size(), static_cast<Eigen::Index>(map().free().size()));
     by_theta = weighted_gradient(coefficient) * map().jacobian(map().to_user(theta));
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
-    const Eigen::MatrixXd basis = qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), qr.rank());
-    by_theta -= basis * (basis.transpose() * by_theta).eval();
+    remove_span(PivotedQr(columns).basis(), by_theta);
     return by_theta.allFinite();
   }
   rest.array() += fixed_offset_ ? *fixed_offset_ : -location(rest);
@@ -148,7 +147,7 @@ Eigen::MatrixXd TimeResiduals::weighted_gradient(const Eigen::VectorXd& coeffici
 }
 
 Eigen::VectorXd TimeResiduals::coefficients(const Eigen::MatrixXd& columns, const Eigen::VectorXd& residual) const {
-  Eigen::VectorXd found = -columns.colPivHouseholderQr().solve(residual);
+  Eigen::VectorXd found = -PivotedQr(columns).solve(residual);
   if (loss_ == Loss::none) return found;
   // Reweighted least squares: each is nearer than the last, by the share of outliers at least.
   for (int pass = 0; pass < 200; ++pass) {
@@ -159,7 +158,7 @@ Eigen::VectorXd TimeResiduals::coefficients(const Eigen::MatrixXd& columns, cons
       root[i] = std::sqrt(x != 0 ? loss_at(loss_, x).psi / x : 1);
     }
     const Eigen::VectorXd next =
-        -(root.asDiagonal() * columns).colPivHouseholderQr().solve(root.asDiagonal() * residual);
+        -PivotedQr(root.asDiagonal() * columns).solve(Eigen::VectorXd(root.asDiagonal() * residual));
     const bool settled = (columns * (next - found)).norm() <= 1e-14 * (columns * found).norm();
     found = next;
     if (settled) break;

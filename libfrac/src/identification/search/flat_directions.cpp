@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "flat_directions.hpp"
 
-#include <Eigen/SVD>
 #include <optional>
 
+#include "base/linear_algebra.hpp"
 #include "reduced_jacobian.hpp"
 
 namespace frac::detail {
@@ -13,11 +13,11 @@ std::vector<std::vector<double>> flat_directions(const Residuals& residuals, con
   std::vector<double> residual;
   const std::optional<Eigen::MatrixXd> jacobian = reduced_jacobian(residuals, solution.theta, residual);
   if (!jacobian) return {};
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(*jacobian, Eigen::ComputeThinV);
+  const auto [values, vectors] = right_singular_vectors(*jacobian);
   std::vector<std::vector<double>> directions;
   for (Eigen::Index k = jacobian->cols(); k-- > 0;) {
-    const Eigen::VectorXd direction = svd.matrixV().col(k) / svd.matrixV().col(k).lpNorm<Eigen::Infinity>();
-    const double rise = svd.singularValues()[k] * direction.norm();
+    const Eigen::VectorXd direction = vectors.col(k) / vectors.col(k).lpNorm<Eigen::Infinity>();
+    const double rise = values[k] * direction.norm();
     if (!(rise * rise <= times * solution.cost)) continue;
     directions.emplace_back(direction.begin(), direction.end());
   }

@@ -10,6 +10,7 @@
 #include <random>
 
 #include "flat_directions.hpp"
+#include "frac/cancellation.hpp"
 
 namespace frac::detail {
 
@@ -186,6 +187,7 @@ std::vector<std::vector<double>> whole_order_starts(const Residuals& residuals,
   std::vector<std::vector<double>> starts;
   if (!has_orders) return starts;
   for (int start = 0; start < starts_made; ++start) {
+    throw_if_cancelled();
     std::vector<double> best;
     double least = std::numeric_limits<double>::infinity();
     const auto compare = [&](std::vector<double> theta) {
@@ -225,6 +227,9 @@ std::vector<double> controlled_random_search(const Residuals& residuals, const s
   nlopt_set_upper_bounds(search.get(), upper.data());
   nlopt_set_maxeval(search.get(), static_cast<int>(1000 * free.size()));
   const auto objective = [](unsigned count, const double* theta, double*, void* context) {
+    // Nothing can be thrown through NLopt, which is C: the rest of its evaluations cost nothing.
+    if (is_cancelled()) return 1e6;
+    const CancellationScope unwatched(nullptr);
     const double cost = static_cast<const Residuals*>(context)->cost({theta, count});
     return std::isfinite(cost) ? std::log(cost + std::numeric_limits<double>::min()) : 1e6;
   };
@@ -232,6 +237,7 @@ std::vector<double> controlled_random_search(const Residuals& residuals, const s
   double value = 0;
   // Whatever ends the search, `inside` is the best point it saw; the polish that follows judges it.
   nlopt_optimize(search.get(), inside.data(), &value);
+  throw_if_cancelled();
   return inside;
 }
 

@@ -11,6 +11,7 @@
 #include <limits>
 #include <memory>
 
+#include "frac/cancellation.hpp"
 #include "triangular_form.hpp"
 
 namespace frac::detail {
@@ -39,7 +40,7 @@ class LastEvaluation {
   bool at(const double* theta) {
     if (std::equal(theta_.begin(), theta_.end(), theta)) return finite_;
     std::copy_n(theta, theta_.size(), theta_.begin());
-    finite_ = residuals_.evaluate(theta_, residual_.data(), jacobian_.data());
+    finite_ = !is_cancelled() && residuals_.evaluate(theta_, residual_.data(), jacobian_.data());
     if (!finite_ || triangle_.empty()) return finite_;
     triangular_form(jacobian_, residual_, triangle_);
     // Squares of finite entries may overflow.
@@ -137,6 +138,7 @@ LocalSolution solution_at(const Residuals& residuals, const std::vector<double>&
 
 LocalSolution local_solve(const Residuals& residuals, const std::vector<double>& start, const LocalOptions& options) {
   const auto& free = residuals.map().free();
+  throw_if_cancelled();
   if (free.empty()) return solution_at(residuals, start, options);
 
   const auto loss = make_loss(options.loss, options.loss_scale);
@@ -176,6 +178,7 @@ LocalSolution local_solve(const Residuals& residuals, const std::vector<double>&
   solver.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
+  throw_if_cancelled();
   LocalSolution solution = solution_at(residuals, end, options);
   solution.converged = summary.termination_type == ceres::CONVERGENCE;
   return solution;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "confidence.hpp"
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
 
+#include "base/linear_algebra.hpp"
 #include "frac/identification/statistics.hpp"
 #include "identification/search/reduced_jacobian.hpp"
 #include "identification/search/robust.hpp"
@@ -125,8 +125,7 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
     const Eigen::Index column = inner[static_cast<std::size_t>(k)];
     scaled.col(k) = jacobian->col(column) / norm[column];
   }
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(scaled, Eigen::ComputeThinV);
-  const Eigen::VectorXd& sigma = svd.singularValues();
+  const auto [sigma, directions] = right_singular_vectors(scaled);
   const double smallest = std::max(sigma[width - 1], std::numeric_limits<double>::epsilon() * sigma[0]);
   result.condition = (sigma[0] / smallest) * (sigma[0] / smallest);
   for (Eigen::Index k = 0; k < width; ++k) result.rank += sigma[k] > unseen_column * sigma[0] ? 1 : 0;
@@ -144,7 +143,7 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
   }
   const Eigen::VectorXd inverse_sigma =
       sigma.cwiseMax(std::numeric_limits<double>::epsilon() * sigma[0]).cwiseInverse();
-  const Eigen::MatrixXd spread = inner_to_user * svd.matrixV() * inverse_sigma.asDiagonal();
+  const Eigen::MatrixXd spread = inner_to_user * directions * inverse_sigma.asDiagonal();
 
   for (Eigen::Index k = 0; k < width; ++k) {
     const std::size_t parameter = free[static_cast<std::size_t>(inner[static_cast<std::size_t>(k)])].parameter;
@@ -152,13 +151,13 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
     bool in_flat_direction = false;
     for (Eigen::Index direction = 0; direction < width; ++direction) {
       const bool flat = sigma[direction] * sigma[direction] * flat_condition < sigma[0] * sigma[0];
-      in_flat_direction = in_flat_direction || (flat && std::abs(svd.matrixV()(k, direction)) > flat_share);
+      in_flat_direction = in_flat_direction || (flat && std::abs(directions(k, direction)) > flat_share);
     }
     result.identified[parameter] = !in_flat_direction;
     result.standard_error[parameter] = error;
     // theta is the parameter at the middle of the band, as a logarithm or in its natural unit.
-    const double theta_error = deviation * (svd.matrixV().row(k) * inverse_sigma.asDiagonal()).norm() /
-                               norm[inner[static_cast<std::size_t>(k)]];
+    const double theta_error =
+        deviation * (directions.row(k) * inverse_sigma.asDiagonal()).norm() / norm[inner[static_cast<std::size_t>(k)]];
     result.centre_standard_error[parameter] =
         theta_error *
         residuals.map().centre_value_by_theta(static_cast<std::size_t>(inner[static_cast<std::size_t>(k)]), values);
@@ -178,7 +177,7 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
     fitted.col(k) = full.col(column) / norm[column];
   }
   result.noise = noise_of(residuals, residual, fitted, options);
-  result.influence = fitted * (svd.matrixV() * inverse_sigma.asDiagonal() * spread.transpose());
+  result.influence = fitted * (directions * inverse_sigma.asDiagonal() * spread.transpose());
   for (const Eigen::Index column : inner) {
     const std::size_t i = free[static_cast<std::size_t>(column)].parameter;
     result.widening[i] = result.noise.widening(result.influence.col(static_cast<Eigen::Index>(i)));

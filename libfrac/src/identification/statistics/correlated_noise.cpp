@@ -2,9 +2,10 @@
 #include "correlated_noise.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+
+#include "base/linear_algebra.hpp"
 
 namespace frac::detail {
 namespace {
@@ -21,9 +22,9 @@ class RestrictedLikelihood {
       : count_(static_cast<double>(residual.size())), series_(static_cast<double>(per_point)) {
     const auto rows = static_cast<Eigen::Index>(residual.size());
     const auto stride = static_cast<Eigen::Index>(per_point);
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(columns);
+    const PivotedQr qr(columns);
     width_ = qr.rank();
-    const Eigen::MatrixXd basis = qr.householderQ() * Eigen::MatrixXd::Identity(rows, width_);
+    const Eigen::MatrixXd basis = qr.basis();
     Eigen::MatrixXd all(rows, width_ + 1);
     all << basis, Eigen::Map<const Eigen::VectorXd>(residual.data(), rows);
     const Eigen::Index inner = rows - stride;

@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "frac/cancellation.hpp"
 #include "gain_space.hpp"
 #include "loop.hpp"
 
@@ -34,6 +35,7 @@ class Search {
 
   FoundController operator()() {
     go();
+    throw_if_cancelled();
     return {best_.gains, evaluations_};
   }
 
@@ -115,10 +117,12 @@ class Search {
     double value = 0;
     // Whatever it returns, the best candidate met on the way is kept.
     nlopt_optimize(search.get(), x.data(), &value);
+    throw_if_cancelled();
   }
 
   // Some points of each range, ends included: a small region of stable loops may escape a random population.
   void look_around(std::vector<double> x, std::size_t next) {
+    throw_if_cancelled();
     if (next == dimensions()) {
       consider(x);
       return;
@@ -167,6 +171,10 @@ class Search {
   }
 
   Candidate consider(const std::vector<double>& x) {
+    // Nothing can be thrown through NLopt, which is C and calls this: run() throws.  look_around() has found a best
+    // one.
+    if (is_cancelled()) return best_;
+    const CancellationScope unwatched(nullptr);
     ++evaluations_;
     Candidate candidate;
     candidate.gains = space_.gains(x);

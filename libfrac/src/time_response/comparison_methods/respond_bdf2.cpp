@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "frac/cancellation.hpp"
 #include "frac/time_response/response_methods.hpp"
 #include "special/reciprocal_gamma.hpp"
 #include "time_response/sample_checks.hpp"
@@ -93,6 +94,7 @@ class StartingWeights {
       for (Eigen::Index k = 0; k < starts; ++k) power(e, k) = std::pow(static_cast<double>(k + first_sample), exponent);
       for (std::size_t n = 1; n < count; ++n) {
         double sum = 0;
+        throw_if_cancelled();
         for (std::size_t k = 0; k <= n; ++k) sum += weights[k] * value[n - k];
         lacking_(e, static_cast<Eigen::Index>(n)) =
             exact_at(terms, sample_time, exponent, static_cast<double>(n)) - sum;
@@ -130,6 +132,7 @@ std::vector<double> respond_bdf2(const FractionalTransferFunction& model, std::s
   }
   const StartingWeights input_start(model.numerator(), right, sample_time, whole, 0);
   for (std::size_t n = 0; n < count; ++n) {
+    throw_if_cancelled();
     for (std::size_t k = 0; k <= n; ++k) driven[n] += right[k] * samples[n - k];
     if (n == 0 || whole.empty()) continue;
     const Eigen::VectorXd weight = input_start.at(n);
@@ -161,6 +164,7 @@ std::vector<double> respond_bdf2(const FractionalTransferFunction& model, std::s
   }
   for (std::size_t n = static_cast<std::size_t>(starts) + 1; n < count; ++n) {
     double sum = driven[n];
+    throw_if_cancelled();
     for (std::size_t k = 1; k <= n; ++k) sum -= left[k] * output[n - k];
     if (starts > 0) {
       const Eigen::VectorXd weight = output_start.at(n);

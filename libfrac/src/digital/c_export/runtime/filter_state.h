@@ -8,6 +8,9 @@ typedef struct {
 #if HAS_SECTION_SECTIONS
   REAL section_v[SECTION_SIZE];    /* states */
   REAL section_lost[SECTION_SIZE]; /* of them, to rounding */
+#if HAS_SECTION_LEAK
+  REAL section_leak[SECTION_SIZE]; /* leaving them in this step */
+#endif
 #endif
 #if HAS_PAIRS
   REAL pair_re[PAIRS];

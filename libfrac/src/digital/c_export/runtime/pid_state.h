@@ -8,6 +8,9 @@ typedef struct {
 #if HAS_INTEGRAL_SECTIONS
   REAL integral_v[INTEGRAL_SIZE];    /* states */
   REAL integral_lost[INTEGRAL_SIZE]; /* of them, to rounding */
+#if HAS_INTEGRAL_LEAK
+  REAL integral_leak[INTEGRAL_SIZE]; /* leaving them in this step */
+#endif
 #endif
 #if HAS_DERIVATIVE_TAPS
   REAL derivative_past[DERIVATIVE_TAPS]; /* inputs, the newest first */
@@ -15,6 +18,9 @@ typedef struct {
 #if HAS_DERIVATIVE_SECTIONS
   REAL derivative_v[DERIVATIVE_SIZE];    /* states */
   REAL derivative_lost[DERIVATIVE_SIZE]; /* of them, to rounding */
+#if HAS_DERIVATIVE_LEAK
+  REAL derivative_leak[DERIVATIVE_SIZE]; /* leaving them in this step */
+#endif
 #endif
   REAL integrator;
   REAL integrator_lost;

@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "symmetric_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <stdexcept>
+
+#include "base/check.hpp"
+#include "cycle_frequencies.hpp"
+#include "cycle_stability.hpp"
+#include "frequency_search.hpp"
+
+namespace backlash::detail {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double pi = std::numbers::pi;
+
+// Largest excursion towards either wall between the impacts, in units of the clearance.
+double largest_excursion(const ImpulseTrain& train, double impulse, double clearance) {
+  constexpr int points = 96;
+  const double tau = train.half_period();
+  const auto y = [&](double share) { return -impulse * train.wave(share * tau).value / clearance; };
+  const auto rate = [&](double share) { return -impulse * train.wave(share * tau).slope; };
+  double largest = 0;
+  // Denser at the ends, where the motion leaves a wall and meets the other one; an extremum lies where the rate changes
+  // its sign, and the ends themselves are the impacts.
+  double before_at = 1e-6;
+  double before = rate(before_at);
+  for (int i = 1; i <= points; ++i) {
+    const double at = i == points ? 1 - 1e-6 : 0.5 - 0.5 * std::cos(pi * i / points);
+    const double after = rate(at);
+    if ((before > 0) != (after > 0)) {
+      double low = before_at, high = at;
+      for (int k = 0; k < 40; ++k) {
+        const double middle = 0.5 * (low + high);
+        ((rate(middle) > 0) == (before > 0) ? low : high) = middle;
+      }
+      largest = std::max(largest, std::abs(y(0.5 * (low + high))));
+    }
+    before_at = at;
+    before = after;
+  }
+  return largest;
+}
+
+std::string reason_against(const ControlLoop& loop, const ImpulseTrain& train, double impulse) {
+  if (!(impulse > 0) || !std::isfinite(impulse)) {
+    return "the impulse of the impacts would have to pull the masses together";
+  }
+  // Without restitution the masses have to be drawn apart after the impact.
+  const double just_after = 1e-6 * train.half_period();
+  if (-impulse * train.wave(just_after).slope > 0)
+    return "the masses would be pressed into the wall they have just hit";
+  const double excursion = largest_excursion(train, impulse, loop.system().clearance());
+  if (excursion >= 0.5) {
+    return "between its impacts the motion would reach " + text(std::round(1e4 * excursion) / 1e4) +
+           " of the clearance from the middle, beyond the walls at 0.5";
+  }
+  return {};
+}
+
+// y(0) = -I sum_(l >= 1) (-1)^l g(l tau) is the wall at clearance/2.
+double impulse_of(const ControlLoop& loop, const ImpulseTrain& train) {
+  return -0.5 * loop.system().clearance() / train.sums({0, pi / train.half_period()})[0].real();
+}
+
+std::vector<CycleHarmonic> harmonics_of(const ControlLoop& loop, double omega, double impulse, int count) {
+  std::vector<CycleHarmonic> harmonics;
+  for (int i = 0; i < count; ++i) {
+    const int order = 2 * i + 1;
+    const double w = order * omega;
+    const double strength = 2 * omega / pi * impulse;  // twice the Fourier coefficient of the alternating impulses
+    const Complex receptance1 = loop.bodies().load().response(w);
+    const Complex receptance2 = loop.bodies().drive().response(w);
+    const Complex controller = loop.controller().response(w);
+    CycleHarmonic harmonic{order, strength * receptance1, 0, 0};
+    if (loop.measured() == Output::x1) {
+      harmonic.force = -controller * harmonic.x1;
+      harmonic.x2 = receptance2 * (harmonic.force - strength);
+    } else {
+      harmonic.x2 = -strength * receptance2 / (1.0 + controller * receptance2);
+      harmonic.force = -controller * harmonic.x2;
+    }
+    harmonics.push_back(harmonic);
+  }
+  return harmonics;
+}
+
+// Of the gap under unit impulses on both bodies, see GapResponse.
+Complex image_of_gap(const ControlLoop& loop, double omega) {
+  const Complex load = loop.bodies().load().response(omega);
+  const Complex drive = loop.bodies().drive().response(omega);
+  const Complex controller = loop.controller().response(omega);
+  return loop.measured() == Output::x1 ? load + drive + controller * load * drive
+                                       : load + drive / (1.0 + controller * drive);
+}
+
+}  // namespace
+
+SymmetricSearch::SymmetricSearch(const ControlLoop& loop, const LimitCycleOptions& options)
+    : loop_(&loop), options_(options), response_(gap_response(loop)), range_{} {
+  require_range(options.range);
+  if (options.harmonics < 1) throw std::invalid_argument("harmonics is less than 1");
+  exchange_ = response_.jump / (1 + loop.system().restitution());
+  if (options.range) {
+    range_ = *options.range;
+  } else if (is_closed_form()) {
+    range_ = {0, std::numeric_limits<double>::infinity()};
+  } else {
+    range_ = search_range(loop, {});
+  }
+}
+
+bool SymmetricSearch::is_closed_form() const {
+  return loop_->controller().delay() == 0 && response_.images.empty();
+}
+
+bool SymmetricSearch::any_frequency() const {
+  if (!is_closed_form()) return false;
+  const std::vector<frac::PowerTerm> equation = frequency_equation(*loop_, Harmonics::all);
+  return std::all_of(equation.begin(), equation.end(),
+                     [](const frac::PowerTerm& term) { return term.coefficient == 0; });
+}
+
+double SymmetricSearch::rate_defect(double omega) const {
+  return 1 + rate_before_impact(response_, pi / omega) / exchange_;
+}
+
+std::vector<double> SymmetricSearch::frequencies() const {
+  if (!is_closed_form()) {
+    return roots_on_grid([&](double omega) { return rate_defect(omega); },
+                         search_grid(range_, loop_->controller().delay()));
+  }
+  std::vector<double> found = positive_roots(frequency_equation(*loop_, Harmonics::all));
+  std::erase_if(found, [&](double omega) { return omega < range_.from || omega > range_.to; });
+  return found;
+}
+
+std::string SymmetricSearch::inadmissibility(double omega) const {
+  const ImpulseTrain train(response_, pi / omega);
+  return reason_against(*loop_, train, impulse_of(*loop_, train));
+}
+
+SymmetricCycle SymmetricSearch::cycle_at(double omega) const {
+  const ImpulseTrain train(response_, pi / omega);
+  SymmetricCycle cycle{};
+  cycle.omega = omega;
+  cycle.impulse = impulse_of(*loop_, train);
+  cycle.impact_speed = cycle.impulse * exchange_;
+  cycle.reason = reason_against(*loop_, train, cycle.impulse);
+  cycle.admissible = cycle.reason.empty();
+  cycle.stability = cycle_stability(train, exchange_);
+  cycle.harmonics = harmonics_of(*loop_, omega, cycle.impulse, options_.harmonics);
+  return cycle;
+}
+
+double SymmetricSearch::symmetry_defect(double omega) const {
+  const ImpulseTrain train(response_, pi / omega);
+  const std::array<double, 3> alike = train.sums_of_one_sign();
+  const double bend = alike[2] - train.sums({0, omega})[2].real();
+  // The mean of the motion per impulse; it grows without bound towards frequency 0 where a body can drift.
+  const double mean = image_of_gap(*loop_, 1e-6 * omega).real();
+  if (std::abs(image_of_gap(*loop_, 1e-12 * omega)) > 2 * std::abs(image_of_gap(*loop_, 1e-6 * omega))) return bend;
+  const double rate = exchange_ + alike[1];
+  return (alike[0] + mean / train.half_period()) * bend - rate * rate;
+}
+
+}  // namespace backlash::detail

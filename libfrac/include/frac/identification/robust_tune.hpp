@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "frac/identification/fit.hpp"
+#include "frac/identification/tune.hpp"
+
+namespace frac {
+
+/// The model of a fit with its values.
+/// @throws std::invalid_argument  it is no ratio of sums of powers of s.
+[[nodiscard]] FractionalTransferFunction fitted_plant(const FitResult& fit);
+
+/// Plants that the data of a fit leave possible: on the border of the joint 95 % region of its parameters (F
+/// quantile), at the ends of its principal axes and in seeded random directions besides.  A coefficient above 0 moves
+/// by its logarithm; an order or a delay stays at 0 or above.
+/// @param directions  random ones, on top of the axes
+/// @throws std::invalid_argument  no covariance is known, or as fitted_plant.
+[[nodiscard]] std::vector<FractionalTransferFunction> plants_of_region(const FitResult& fit,
+                                                                       std::size_t directions = 64);
+
+/// A controller for all plants of the region.
+struct RobustTuningResult {
+  /// The specification is kept by the fitted plant, and its inequalities on |S| and |T| by every plant of the region.
+  [[nodiscard]] bool usable() const noexcept { return status == TuningStatus::met; }
+
+  TuningResult nominal;  ///< controller, and what the fitted plant makes of it
+  TuningStatus status = TuningStatus::not_met;
+  std::string message;            ///< one sentence
+  std::size_t plants = 0;         ///< of the region that were looked at
+  std::size_t not_stable = 0;     ///< of these, loops that are not stable
+  double max_sensitivity = 0;     ///< the largest of all stable loops
+  double max_complementary = 0;   ///< likewise
+  double least_phase_margin = 0;  ///< rad, the smallest of all stable loops
+  double crossover[2] = {0, 0};   ///< rad/s, lowest and highest
+};
+
+/// Tunes for the fitted plant, and again with tighter bounds on max |S| and max |T| until every plant of the region
+/// keeps those asked for.  Crossover, phase margin and flat phase are those of the fitted plant.
+/// @throws std::invalid_argument  as tune() and plants_of_region().
+[[nodiscard]] RobustTuningResult tune_for_region(const FitResult& fit, const LoopSpecification& specification,
+                                                 const TuningOptions& options = {}, std::size_t directions = 64);
+
+}  // namespace frac

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "base/linear_algebra.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/SVD>
+
+namespace frac::detail {
+
+PivotedQr::PivotedQr(const Eigen::MatrixXd& columns) : factors_(columns) {}
+
+PivotedQr::PivotedQr(const Eigen::MatrixXd& columns, double threshold) : factors_(columns) {
+  factors_.setThreshold(threshold);
+}
+
+Eigen::Index PivotedQr::rank() const {
+  return factors_.rank();
+}
+
+Eigen::VectorXd PivotedQr::solve(const Eigen::VectorXd& right) const {
+  return factors_.solve(right);
+}
+
+Eigen::MatrixXd PivotedQr::solve(const Eigen::MatrixXd& right) const {
+  return factors_.solve(right);
+}
+
+Eigen::MatrixXd PivotedQr::basis() const {
+  return factors_.householderQ() * Eigen::MatrixXd::Identity(factors_.rows(), factors_.rank());
+}
+
+PlainQr::PlainQr(const Eigen::MatrixXd& columns) : factors_(columns) {}
+
+Eigen::VectorXd PlainQr::solve(const Eigen::VectorXd& right) const {
+  return factors_.solve(right);
+}
+
+Eigen::MatrixXd PlainQr::basis() const {
+  return factors_.householderQ() * Eigen::MatrixXd::Identity(factors_.rows(), factors_.cols());
+}
+
+Eigen::VectorXd PlainQr::solve_triangle(const Eigen::VectorXd& right) const {
+  return factors_.matrixQR().topRows(factors_.cols()).triangularView<Eigen::Upper>().solve(right);
+}
+
+Eigen::MatrixXd PlainQr::dual() const {
+  const Eigen::MatrixXd triangle = factors_.matrixQR().topRows(factors_.cols()).triangularView<Eigen::Upper>();
+  return triangle.transpose().triangularView<Eigen::Lower>().solve(basis().transpose()).transpose();
+}
+
+RightSingularVectors right_singular_vectors(const Eigen::MatrixXd& matrix) {
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(matrix, Eigen::ComputeThinV);
+  return {svd.singularValues(), svd.matrixV()};
+}
+
+Eigen::MatrixXd shortest_solution(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& right) {
+  return matrix.completeOrthogonalDecomposition().solve(right);
+}
+
+Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right) {
+  return matrix.ldlt().solve(right);
+}
+
+void remove_span(const Eigen::MatrixXd& basis, Eigen::Ref<Eigen::MatrixXd> columns) {
+  columns -= basis * (basis.transpose() * columns).eval();
+}
+
+}  // namespace frac::detail

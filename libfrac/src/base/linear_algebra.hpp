@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/QR>
+
+namespace frac::detail {
+
+// The decompositions of Eigen behind functions that are no templates: compiled in one file, where each user would
+// spend five to ten seconds on them.
+
+/// Q R P' = columns by Householder reflections, the longest remaining column first.
+class PivotedQr {
+ public:
+  explicit PivotedQr(const Eigen::MatrixXd& columns);
+  /// @param threshold  pivots below this share of the largest count as zero
+  PivotedQr(const Eigen::MatrixXd& columns, double threshold);
+
+  [[nodiscard]] Eigen::Index rank() const;
+  /// Least-squares solution; zero for the columns beyond the rank.
+  [[nodiscard]] Eigen::VectorXd solve(const Eigen::VectorXd& right) const;
+  [[nodiscard]] Eigen::MatrixXd solve(const Eigen::MatrixXd& right) const;
+  /// Orthonormal, of the space of the columns: as many as the rank.
+  [[nodiscard]] Eigen::MatrixXd basis() const;
+
+ private:
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factors_;
+};
+
+/// Q R = columns by Householder reflections in the order given: three times as fast, for columns known to be
+/// independent.
+class PlainQr {
+ public:
+  explicit PlainQr(const Eigen::MatrixXd& columns);
+
+  /// Least-squares solution.
+  [[nodiscard]] Eigen::VectorXd solve(const Eigen::VectorXd& right) const;
+  /// Orthonormal, as many as columns.
+  [[nodiscard]] Eigen::MatrixXd basis() const;
+  /// Solution x of R x = right.
+  [[nodiscard]] Eigen::VectorXd solve_triangle(const Eigen::VectorXd& right) const;
+  /// C with C' columns = 1, in the space of the columns: the transposed pseudo-inverse.
+  [[nodiscard]] Eigen::MatrixXd dual() const;
+
+ private:
+  Eigen::HouseholderQR<Eigen::MatrixXd> factors_;
+};
+
+/// Right-hand part of U diag(values) V' = matrix, largest singular value first.
+struct RightSingularVectors {
+  Eigen::VectorXd values;
+  Eigen::MatrixXd vectors;  // V
+};
+[[nodiscard]] RightSingularVectors right_singular_vectors(const Eigen::MatrixXd& matrix);
+
+/// Of all x with least |matrix x - right|, column by column, the shortest, whatever the rank.
+[[nodiscard]] Eigen::MatrixXd shortest_solution(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& right);
+
+/// Solution for a symmetric matrix that is not indefinite, by L D L'; only the lower triangle is read.
+[[nodiscard]] Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right);
+
+/// Takes from the columns what lies in the space of an orthonormal basis.
+void remove_span(const Eigen::MatrixXd& basis, Eigen::Ref<Eigen::MatrixXd> columns);
+
+}  // namespace frac::detail

@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "backlash/loops/cycle_continuation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <boost/math/special_functions/zeta.hpp>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <vector>
+
+#include "support/expect_invalid_argument.hpp"
+
+namespace backlash {
+namespace {
+
+using frac::FractionalTransferFunction;
+constexpr double pi = std::numbers::pi;
+
+std::vector<double> grid(double from, double to, int count) {
+  std::vector<double> values;
+  for (int i = 0; i < count; ++i) values.push_back(from + (to - from) * i / (count - 1));
+  return values;
+}
+
+ControlLoop loop_of(const std::vector<frac::PowerTerm>& terms, double restitution) {
+  return {TwoMassSystem(1, 1, 1, restitution), FractionalTransferFunction(terms, {{1, 0}})};
+}
+
+std::vector<CycleEvent> of_kind(const CycleContinuation& all, CycleEventKind kind) {
+  std::vector<CycleEvent> found;
+  for (const CycleEvent& event : all.events) {
+    if (event.kind == kind) found.push_back(event);
+  }
+  return found;
+}
+
+double lambda(double p) {
+  return (1 - std::pow(2, -p)) * boost::math::zeta(p);
+}
+
+// a w^0.5 = b k w^-0.6 + c w^2 has two roots up to the k at which both sides touch, which is solved by hand.
+TEST(CycleContinuation, FoldsLieWhereTwoRootsMeet) {
+  const double a = std::sin(.25 * pi) * lambda(2.5), b = std::sin(.3 * pi) * lambda(3.6);
+  const double c = pi / 2 * .4 / 1.6;
+  const double omega = std::pow(1.1 * a / (2.6 * c), 1 / 1.5);
+  const double gain = (a * std::pow(omega, .5) - c * omega * omega) / (b * std::pow(omega, -.6));
+  const auto loop_at = [](double k) { return loop_of({{1, .5}, {1, 0}, {k, -.6}}, .6); };
+  const CycleContinuation found = continue_cycles(loop_at, grid(.2, 2, 7));
+  const std::vector<CycleEvent> folds = of_kind(found, CycleEventKind::fold);
+  ASSERT_EQ(folds.size(), 1U);
+  EXPECT_NEAR(folds[0].parameter, gain, 1e-10 * gain);
+  EXPECT_NEAR(folds[0].omega, omega, 1e-6 * omega);  // a minimum is known to the root of the rounding
+  ASSERT_FALSE(found.without_cycles.empty());
+  EXPECT_EQ(found.without_cycles.back().to, 2);
+  EXPECT_LE(found.without_cycles.back().from, folds[0].parameter);
+  // The same from the other side.
+  const CycleContinuation back = continue_cycles(loop_at, grid(2, .2, 7));
+  ASSERT_EQ(of_kind(back, CycleEventKind::fold).size(), 1U);
+  EXPECT_NEAR(of_kind(back, CycleEventKind::fold)[0].parameter, gain, 1e-10 * gain);
+}
+
+// The largest real multiplier below 0 of the half period of a loop with proportional and derivative action, by the
+// saltation matrix of its four states.
+double lowest_multiplier(double kp, double kd, double restitution) {
+  const double tau = 4 * (1 - restitution) / (kd * (1 + restitution));
+  using Matrix = Eigen::Matrix4d;
+  Matrix a = Matrix::Zero();
+  a(0, 1) = a(2, 3) = 1;
+  a(3, 0) = -kp;
+  a(3, 1) = -kd;
+  Matrix flight = Matrix::Identity();
+  Matrix power = flight;
+  for (int i = 1; i < 40; ++i) {
+    power = power * a * (tau / i);
+    flight += power;
+  }
+  Matrix impact = Matrix::Identity();
+  const double share = (1 + restitution) / 2;
+  impact(1, 1) -= share;
+  impact(1, 3) += share;
+  impact(3, 1) += share;
+  impact(3, 3) -= share;
+  Eigen::JacobiSVD<Matrix> repeat(flight * impact + Matrix::Identity(), Eigen::ComputeFullV);
+  const Eigen::Vector4d before = repeat.matrixV().col(3);
+  Eigen::RowVector4d gap(-1, 0, 1, 0);
+  const Eigen::Vector4d rate = a * before;
+  const Matrix saltation = impact + (a * (impact * before) - impact * rate) * gap / (gap * rate).value();
+  double lowest = 0;
+  for (const std::complex<double>& z : (-(flight * saltation)).eval().eigenvalues()) {
+    if (std::abs(z.imag()) < 1e-9) lowest = std::min(lowest, z.real());
+  }
+  return lowest;
+}
+
+TEST(CycleContinuation, SymmetryBreaksWhereAMultiplierIsMinusOne) {
+  double low = 8, high = 20;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = .5 * (low + high);
+    (lowest_multiplier(middle, 1, .6) < -1 ? high : low) = middle;
+  }
+  const CycleContinuation found = continue_cycles(
+      [](double kp) {
+        return loop_of({{1, 1}, {kp, 0}}, .6);
+      },
+      grid(1, 22, 8));
+  const std::vector<CycleEvent> breaks = of_kind(found, CycleEventKind::symmetry_breaking);
+  ASSERT_EQ(breaks.size(), 1U);
+  EXPECT_NEAR(breaks[0].parameter, low, 1e-8 * low);
+  EXPECT_NEAR(breaks[0].omega, pi, 1e-12);
+  ASSERT_EQ(found.without_stable_cycles.size(), 1U);
+  EXPECT_EQ(found.without_stable_cycles[0].from, breaks[0].parameter);
+  EXPECT_EQ(found.without_stable_cycles[0].to, 22);
+}
+
+// With "kp + s" and restitution .6 the half period is 1 and the gap a cubic of time: after the impact at +1/2 mass 1
+// has the speed I/2, so y = 1/2 - .6 v t - kp (I/2) (t^3/6 - t^2/4) - (I/2) t^2/2 with v = 2 I/1.6, and I follows from
+// y(1) = -1/2.  The largest kp for which y stays between the walls.
+double largest_stiffness() {
+  const auto stays_inside = [](double kp) {
+    const double impulse = 1 / (1.2 / 1.6 - kp / 24 + .25);
+    const auto y = [&](double t) {
+      return .5 - 1.2 * impulse / 1.6 * t - kp * impulse / 2 * (t * t * t / 6 - t * t / 4) - impulse / 4 * t * t;
+    };
+    for (int i = 1; i < 20'000; ++i) {
+      if (std::abs(y(i / 20'000.)) > .5) return false;
+    }
+    return true;
+  };
+  double low = 10, high = 20;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = .5 * (low + high);
+    (stays_inside(middle) ? low : high) = middle;
+  }
+  return low;
+}
+
+// The cubic is looked at in steps of 1/20 000: next to an end it leaves the walls by the square of that.
+TEST(CycleContinuation, CyclesEndWhereTheyReachAWallBetweenImpacts) {
+  const CycleContinuation found = continue_cycles(
+      [](double kp) {
+        return loop_of({{1, 1}, {kp, 0}}, .6);
+      },
+      grid(5, 20, 5));
+  const std::vector<CycleEvent> ends = of_kind(found, CycleEventKind::admissibility);
+  ASSERT_EQ(ends.size(), 1U);
+  EXPECT_NEAR(ends[0].parameter, largest_stiffness(), 2e-3);
+  EXPECT_NE(ends[0].reason.find("beyond the walls"), std::string::npos);
+  ASSERT_EQ(found.without_cycles.size(), 1U);
+  EXPECT_EQ(found.without_cycles[0].from, ends[0].parameter);
+}
+
+// Viscous friction of both bodies slows the cycle down until it leaves the range: the least that leaves none, against a
+// plain search beside it.
+TEST(CycleContinuation, FindsTheLeastFrictionThatLeavesNoCycle) {
+  const auto loop_at = [](double friction) {
+    const FractionalTransferFunction body({{1, 0}}, {{1, 2}, {friction, 1}});
+    return ControlLoop(LinearBodies(body, body, 1, .6), FractionalTransferFunction::parse("2 + s"));
+  };
+  LimitCycleOptions options;
+  options.range = FrequencyRange{.2, 10};
+  const CycleContinuation found = continue_cycles(loop_at, grid(0, 2, 5), options);
+  ASSERT_EQ(found.without_cycles.size(), 1U);
+  const double limit = found.without_cycles[0].from;
+  EXPECT_EQ(found.without_cycles[0].to, 2);
+  const auto has_cycle = [&](double friction) {
+    for (const SymmetricCycle& cycle : symmetric_cycles(loop_at(friction), options).cycles) {
+      if (cycle.admissible) return true;
+    }
+    return false;
+  };
+  EXPECT_TRUE(has_cycle(limit * (1 - 1e-8)));
+  EXPECT_FALSE(has_cycle(limit * (1 + 1e-8)));
+}
+
+TEST(CycleContinuation, RefusesValuesWithoutOrder) {
+  const auto loop_at = [](double kp) { return loop_of({{1, 1}, {kp, 0}}, .6); };
+  for (const std::vector<double>& values : {std::vector<double>{1}, {1, 2, 2}, {1, 3, 2}})
+    support::expect_invalid_argument([&] { (void)continue_cycles(loop_at, values); }, {"strictly"});
+}
+
+}  // namespace
+}  // namespace backlash

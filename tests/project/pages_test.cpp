@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "project/page_blocks.hpp"
+#include "tools/run_program.hpp"
+#include "tools/temporary_folder.hpp"
+
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path root = FRACFIT_SOURCE_DIR;
+
+/// A folder as a reader has it before him: `data` of the clone in it, and fracfit on the path.
+class ReadersFolder {
+ public:
+  ReadersFolder() { fs::create_directory_symlink(root / "data", folder_.path("data")); }
+
+  void save(const std::string& name, const std::string& content) const { folder_.write(name, content); }
+
+  /// Runs a command with standard output on a terminal, and leaves in `text` what was printed there, after what was
+  /// printed on standard error.  Standard error is a file, so that no progress bar is drawn.
+  int run(const std::string& command, std::string& text) const {
+    const char* path = std::getenv("PATH");
+    ProgramSetting setting;
+    setting.search_path = fs::path(FRACFIT_PROGRAM).parent_path().string() + ":" + (path == nullptr ? "" : path);
+    setting.terminal_output = true;
+    const ProgramResult result = run_program("/bin/bash", {"-c", "cd '" + folder_.path() + "'\n" + command}, setting);
+    text = result.error + result.output;
+    std::erase(text, '\r');
+    return result.code;
+  }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+/// Lines without those that are empty at the end.
+std::vector<std::string> lines_of(const std::string& text) {
+  std::istringstream stream(text);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  while (!lines.empty() && lines.back().find_first_not_of(" \t") == std::string::npos) lines.pop_back();
+  return lines;
+}
+
+std::vector<std::string> pages_with_commands() {
+  std::vector<std::string> pages;
+  for (const auto& entry : fs::recursive_directory_iterator(root / "tools/docs")) {
+    if (entry.path().extension() == ".md" && !read_page(entry.path()).steps.empty()) {
+      pages.push_back(fs::relative(entry.path(), root).string());
+    }
+  }
+  std::sort(pages.begin(), pages.end());
+  return pages;
+}
+
+class Pages : public testing::TestWithParam<std::string> {};
+
+// A reader types the commands of a page one after the other, so that later ones use what earlier ones wrote.
+TEST_P(Pages, ShowWhatTheProgramPrints) {
+  if (!has_terminals()) GTEST_SKIP() << "no pseudo-terminals here";
+  const Page page = read_page(root / GetParam());
+  const ReadersFolder folder;
+  for (const PageStep& step : page.steps) {
+    if (!step.file.empty()) {
+      folder.save(step.file, step.content);
+      continue;
+    }
+    std::string text;
+    const int status = folder.run(step.command, text);
+    EXPECT_EQ(status, 0) << GetParam() << ":" << step.line << ": " << step.command << "\n" << text;
+    const std::string wrong = difference(step.expected, lines_of(text));
+    EXPECT_TRUE(wrong.empty()) << GetParam() << ":" << step.line << ": " << step.command << "\n" << wrong;
+  }
+}
+
+// What the prose of a tutorial says in decimals stands in one of its blocks, which the test above compares: in a
+// command, in a file, or in what was printed, there possibly with more digits.
+TEST_P(Pages, SayInProseWhatTheirBlocksShow) {
+  if (!GetParam().starts_with("tools/docs/tutorials/")) GTEST_SKIP() << "no tutorial";
+  const Page page = read_page(root / GetParam());
+  std::string blocks;
+  for (const PageStep& step : page.steps) {
+    blocks += step.command + "\n" + step.content + "\n";
+    for (const std::string& line : step.expected) blocks += line + "\n";
+  }
+  const std::vector<PrintedNumber> shown = decimal_numbers(blocks);
+  for (const auto& [line, text] : page.prose) {
+    for (const PrintedNumber& number : decimal_numbers(text)) {
+      // Half a unit of rounding, and one unit of the last digit shown, in which the block itself may be off.
+      const bool found = std::any_of(shown.begin(), shown.end(), [&](const PrintedNumber& other) {
+        return std::abs(other.value - number.value) <= 0.5001 * number.unit + 0.0001 * other.unit;
+      });
+      EXPECT_TRUE(found) << GetParam() << ":" << line << ": " << number.text << " stands in no block of the page";
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Pages, testing::ValuesIn(pages_with_commands()), [](const auto& page) {
+  std::string name = fs::path(page.param).stem().string();
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
+  return name;
+});
+
+class ShellBlocks : public testing::TestWithParam<std::string> {};
+
+// These, too, are typed one after the other; what they print is not shown.
+TEST_P(ShellBlocks, EveryCommandRunsAsWritten) {
+  if (!has_terminals()) GTEST_SKIP() << "no pseudo-terminals here";
+  const std::vector<std::string> commands = shell_commands(root / GetParam(), "fracfit");
+  ASSERT_GE(commands.size(), 5u);
+  const ReadersFolder folder;
+  for (const std::string& command : commands) {
+    std::string text;
+    EXPECT_EQ(folder.run(command, text), 0) << command << "\n" << text;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ShellBlocks, testing::Values("README.md", "tools/docs/recipes.md"),
+                         [](const auto& page) { return fs::path(page.param).stem().string(); });
+
+TEST(PageBlocks, DifferInNumbersByTheLastDigitShownAtMost) {
+  EXPECT_EQ(difference({"rms  0.01230 V"}, {"rms 0.01231 V "}), "");
+  EXPECT_EQ(difference({"a -1.500e-05 b"}, {"a -1.501e-05 b"}), "");
+  EXPECT_EQ(difference({"rms 0.012... V"}, {"rms 0.0123456 V"}), "");
+  EXPECT_NE(difference({"rms 0.01230"}, {"rms 0.01232"}), "");
+  EXPECT_NE(difference({"rms 0.012"}, {"rms 0.013"}), "");
+  EXPECT_NE(difference({"rms 0.012... V"}, {"rms 0.0143 V"}), "");
+  EXPECT_NE(difference({"rms 1.5e-05"}, {"rms 1.5e-06"}), "");
+  EXPECT_NE(difference({"57 points"}, {"58 points"}), "");
+  EXPECT_NE(difference({"R1 0.5"}, {"R2 0.5"}), "");
+  EXPECT_NE(difference({"0.5 V"}, {"0.5 A"}), "");
+}
+
+TEST(PageBlocks, DifferNotWhereDotsStand) {
+  EXPECT_EQ(difference({"done in ... s", "end"}, {"done in 0.03 s", "end"}), "");
+  EXPECT_EQ(difference({"...", "b", "..."}, {"a", "b", "c", "d"}), "");
+  EXPECT_NE(difference({"...", "e"}, {"a", "b"}), "");
+  EXPECT_NE(difference({"a"}, {"a", "b"}), "");
+  EXPECT_NE(difference({"a", "b"}, {"a"}), "");
+  EXPECT_NE(difference({}, {"a"}), "");
+}
+
+TEST(PageBlocks, AreReadWithFilesAndContinuedLines) {
+  const TemporaryFolder folder;
+  const Page page = read_page(folder.write("page.md",
+                                           "Text 0.5\n```console\n$ a \\\n>   b\nout\n$ c\n```\n"
+                                           "```{code-block} c\n:caption: x.c\n\nint x;\n```\n"));
+  ASSERT_EQ(page.steps.size(), 3u);
+  EXPECT_EQ(page.steps[0].command, "a \\\n  b");
+  EXPECT_EQ(page.steps[0].expected, std::vector<std::string>{"out"});
+  EXPECT_EQ(page.steps[1].command, "c");
+  EXPECT_EQ(page.steps[2].file, "x.c");
+  EXPECT_EQ(page.steps[2].content, "int x;\n");
+  EXPECT_EQ(page.prose.size(), 1u);
+}
+
+}  // namespace

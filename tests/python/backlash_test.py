@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Describing functions, maps, orbits and limit cycles against the command line and laws of similarity."""
+
+import pickle
+import threading
+
+import command_line
+import numpy as np
+import pytest
+
+import fracfit
+
+SCENE = {"restitution": 0.6, "force": 40.0, "clearance": 0.3}
+OPTIONS = ("--restitution", 0.6, "--force", 40, "--clearance", 0.3)
+
+
+@pytest.mark.parametrize("protocol", ["sweep-up", "sweep-down", "contact-at-rest"])
+def test_bits_of_simulate(protocol):
+    omega = [8.0, 12.0, 17.0, 21.0, 30.0]
+    found = command_line.columns_of("simulate", *OPTIONS, "--omega", ",".join(map(repr, omega)), "--protocol", protocol)
+    curve = fracfit.describing_function(omega, protocol=protocol, **SCENE)
+    assert found["re_m_per_n"] == curve.response.real.tolist()
+    assert found["im_m_per_n"] == curve.response.imag.tolist()
+    assert found["uncertainty_m_per_n"] == curve.uncertainty.tolist()
+    assert found["regime"] == curve.regime.tolist()
+    assert found["period"] == curve.period.tolist()
+
+
+def test_bits_of_the_static_model():
+    found = command_line.columns_of("simulate", "--motion", "static", "--force", 40, "--clearance", 0.3, "--omega", "5,9,20")
+    curve = fracfit.static_describing_function([5.0, 9.0, 20.0], force=40, clearance=0.3)
+    assert found["re_m_per_n"] == curve.response.real.tolist()
+    assert found["im_m_per_n"] == curve.response.imag.tolist()
+
+
+def test_bits_of_map():
+    found = command_line.columns_of("map", "--restitution", "0.2,0.8", "--omega", "1,2,3")
+    table = fracfit.regime_map([1.0, 2.0, 3.0], [0.2, 0.8])
+    assert table.response.shape == (2, 3)
+    assert found["re_m_per_n"] == table.response.real.ravel().tolist()
+    assert found["regime"] == table.regime.ravel().tolist()
+
+
+def test_families_broadcast_and_scale():
+    omega = np.array([12.0, 20.0])
+    force = np.array([[10.0], [40.0]])
+    family = fracfit.describing_function(omega, restitution=[0.5, 0.6, 0.7], force=force, clearance=0.3)
+    assert family.response.shape == (2, 3, 2)
+    one = fracfit.describing_function(omega, **SCENE)
+    assert np.array_equal(family.response[1, 1], one.response)
+    # Similarity: four times the force at twice the frequency is the same motion four times slower in N omega^2.
+    twice = fracfit.describing_function(2 * omega, restitution=0.6, force=160.0, clearance=0.3)
+    assert np.array_equal(4 * twice.response, one.response)
+
+
+def test_threads_make_no_difference_and_may_run_side_by_side():
+    omega = np.linspace(8, 30, 40)
+    results = [None] * 4
+
+    def work(i):
+        results[i] = fracfit.describing_function(omega, threads=i % 2 + 1, protocol="contact-at-rest", **SCENE)
+
+    threads = [threading.Thread(target=work, args=(i,)) for i in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert all(result == results[0] for result in results)
+
+
+def test_progress_is_told():
+    told = []
+    fracfit.describing_function(np.linspace(8, 30, 200), progress=lambda done, total: told.append((done, total)), **SCENE)
+    assert told[-1] == (200, 200)
+    assert all(total == 200 for _, total in told)
+    with pytest.raises(ZeroDivisionError):
+        fracfit.describing_function(np.linspace(8, 30, 200), progress=lambda done, total: 1 / 0, **SCENE)
+    with pytest.raises(ValueError, match="progress"):
+        fracfit.describing_function([1.0], restitution=0.5, progress=3)
+
+
+def test_orbits_and_cycles_of_the_command_line():
+    found = command_line.json_of("orbits", "--restitution", 0.6, "--from", 1.9, "--to", 2.2)
+    branches = fracfit.orbits(1.9, 2.2, restitution=0.6)
+    assert len(found["branches"]) == len(branches)
+    for theirs, ours in zip(found["branches"], branches):
+        assert theirs["impacts_per_period"] * theirs["period"] == ours.impacts
+        assert [orbit["omega_rad_s"] for orbit in theirs["orbits"]] == ours.parameter.tolist()
+        assert [orbit["im_m_per_n"] for orbit in theirs["orbits"]] == ours.response.imag.tolist()
+
+    found = command_line.json_of("limit-cycles", "--controller", "1 + s^0.5", "--restitution", 0.6)
+    cycles = fracfit.limit_cycles("1 + s^0.5", restitution=0.6)
+    assert str(cycles.cycles[0]["omega"]) in str(found)
+    assert cycles.cycles[0]["stable"] and cycles.certain
+
+
+def test_jump_from_contact_at_rest():
+    # w_L = sqrt(2 F/(clearance M2)), eq. (6) of Duarte, Tenreiro Machado (2009).
+    jump = fracfit.jump_frequency(restitution=0.3, force=40, clearance=0.3, mass2=2, criterion="contact-at-rest")
+    assert jump == pytest.approx(np.sqrt(2 * 40 / (0.3 * 2)), rel=1e-14)
+
+
+def test_results_pickle_and_print():
+    for result in (
+        fracfit.describing_function([12.0, 20.0], **SCENE),
+        fracfit.regime_map([1.0, 2.0], [0.5]),
+        fracfit.orbits(1.9, 2.2, restitution=0.6)[0],
+        fracfit.limit_cycles("1 + s^0.5", restitution=0.6),
+    ):
+        again = pickle.loads(pickle.dumps(result))
+        assert repr(again) == repr(result)
+        assert again == result
+        assert "<table>" in result._repr_html_()
+
+
+def test_wrong_scenes_are_refused():
+    with pytest.raises(ValueError, match="restitution"):
+        fracfit.describing_function([1.0], restitution=1.5)
+    with pytest.raises(ValueError, match="omega"):
+        fracfit.describing_function([2.0, 1.0], restitution=0.5)
+    with pytest.raises(ValueError, match="protocol"):
+        fracfit.describing_function([1.0], restitution=0.5, protocol="fast")
+    with pytest.raises(ValueError, match="restitution has no value"):
+        fracfit.orbits(1.0, 2.0)
+    with pytest.raises(ValueError):
+        fracfit.describing_function([1.0], restitution=[0.1, 0.2], force=[1.0, 2.0, 3.0])

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The examples of all docstrings, and that every public name has one."""
+
+import doctest
+import importlib
+import inspect
+import pathlib
+
+import pytest
+
+import fracfit
+
+MODULES = sorted(path.stem for path in pathlib.Path(fracfit.__file__).parent.glob("*.py"))
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_examples_give_what_they_say(name):
+    module = fracfit if name == "__init__" else importlib.import_module(f"fracfit.{name}")
+    failed, _ = doctest.testmod(module)
+    assert failed == 0
+
+
+@pytest.mark.parametrize("name", fracfit.__all__)
+def test_public_names_are_documented(name):
+    thing = getattr(fracfit, name)
+    assert inspect.getdoc(thing)
+    for member, value in vars(thing).items() if inspect.isclass(thing) else ():
+        if not member.startswith("_") and (inspect.isfunction(value) or isinstance(value, property)):
+            assert inspect.getdoc(getattr(thing, member)), f"{name}.{member}"

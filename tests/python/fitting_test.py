@@ -1,0 +1,268 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Fits against truths, the command line and scipy."""
+
+import os
+import pickle
+
+import command_line
+import numpy as np
+import pytest
+from scipy import optimize
+
+import fracfit
+from fracfit import FrequencyResponse, Model
+
+CELL = os.path.join(command_line.DATA, "examples", "cell.csv")
+STEP = os.path.join(command_line.DATA, "examples", "step.csv")
+FORCES = [os.path.join(command_line.DATA, "examples", name) for name in ("f20.csv", "f40.csv")]
+CIRCUIT = "R0 + R1/(1 + R1 Q1 s^n1) + R2/(1 + R2 Q2 s^n2)"
+OMEGA = np.logspace(-1, 2, 20)
+EXACT = Model("2/(0.5 s^0.7 + 1)").frequency_response(OMEGA)
+
+
+def same_as_command_line(found, result):
+    assert [p["name"] for p in found["parameters"]] == list(result.parameters)
+    assert [p["value"] for p in found["parameters"]] == list(result.parameters.values())
+    # JSON knows no NaN: where there is no interval both its ends are null.
+    assert [p["ci95"][0] for p in found["parameters"]] == [None if np.isnan(low) else low for low, _ in result.ci95.values()]
+
+
+@pytest.fixture(scope="module")
+def cell():
+    return fracfit.fit(fracfit.read(CELL), CIRCUIT)
+
+
+def test_bits_of_the_command_line(cell):
+    same_as_command_line(command_line.json_of("fit", CELL, "--model", CIRCUIT, "--component", "both"), cell)
+    plain = fracfit.fit(fracfit.read(CELL, where="f<1"), "cole-cole", component="imaginary", weight="absolute", seed=3)
+    found = command_line.json_of(
+        "fit", CELL, "--model", "cole-cole", "--where", "f<1", "--weight", "absolute", "--seed", 3
+    )
+    same_as_command_line(found, plain)
+    held = fracfit.fit(fracfit.read(CELL), CIRCUIT, fixed={"R0": 0.02}, bounds={"n1": (None, 1)}, start={"R1": 0.03})
+    found = command_line.json_of(
+        "fit", CELL, "--model", CIRCUIT, "--component", "both", "--fix", "R0=0.02", "--bound", "n1=:1", "--start", "R1=0.03"
+    )
+    same_as_command_line(found, held)
+
+
+def test_a_preset_with_limits_of_its_own_can_be_fixed():
+    result = fracfit.fit(fracfit.read(CELL), "cole-cole", fixed={"K": 0.11})
+    assert result["K"] == 0.11 and result.standard_errors["K"] == 0
+    same_as_command_line(command_line.json_of("fit", CELL, "--model", "cole-cole", "--component", "both", "--fix", "K=0.11"), result)
+    with pytest.raises(ValueError, match="no start"):
+        fracfit.fit(EXACT, "K/s", fixed={"K": 1}, start={"K": 1})
+
+
+def test_bits_over_time():
+    model = "K/(A s^a + B s^b + 1)"
+    result = fracfit.fit(fracfit.read(STEP), model)
+    same_as_command_line(command_line.json_of("fit", STEP, "--model", model), result)
+    assert "offset" in result.parameters
+    assert result.predict().shape == fracfit.read(STEP).time.shape
+    residual = fracfit.read(STEP).output - result.predict()
+    assert np.sum(residual**2) == pytest.approx(result.cost, rel=1e-9)
+
+
+def test_bits_of_a_family():
+    result = fracfit.fit(fracfit.read(CELL), "rational:3")
+    same_as_command_line(command_line.json_of("fit", CELL, "--model", "rational:3", "--component", "both"), result)
+    with pytest.raises(ValueError, match="family"):
+        fracfit.fit(EXACT, "rational:3", fixed={"p1": 1})
+
+
+def test_fit_is_that_of_scipy():
+    result = fracfit.fit(EXACT, "K/(T s^a + 1)", weight="relative")
+
+    def residuals(theta):
+        model = theta[0] / (theta[1] * (1j * OMEGA) ** theta[2] + 1)
+        relative = (model - EXACT.response) / np.abs(EXACT.response)
+        return np.concatenate([relative.real, relative.imag])
+
+    theirs = optimize.least_squares(residuals, [1.0, 1.0, 0.9], xtol=1e-15, ftol=1e-15, gtol=1e-15)
+    assert np.allclose(list(result.parameters.values()), theirs.x, rtol=1e-6)
+
+
+def test_standard_errors_are_those_of_the_jacobian():
+    # White noise of one size in all parts: (J'J)^-1 with the residual variance, by finite differences; the factor that
+    # allows for correlation of neighbours is within a fifth of 1 for white noise of 400 points.
+    omega = np.logspace(-1, 2, 400)
+    truth = np.array([2.0, 0.5, 0.7])
+
+    def response(theta):
+        return theta[0] / (theta[1] * (1j * omega) ** theta[2] + 1)
+
+    noise = np.random.default_rng(5).normal(scale=0.01, size=(2, omega.size))
+    result = fracfit.fit(FrequencyResponse(omega, response(truth) + noise[0] + 1j * noise[1]), "K/(T s^a + 1)", weight="absolute")
+    columns = []
+    for k in range(3):
+        step = np.zeros(3)
+        step[k] = 1e-6
+        columns.append((response(truth + step) - response(truth - step)) / 2e-6)
+    jacobian = np.array([np.concatenate([c.real, c.imag]) for c in columns]).T
+    expected = 0.01 * np.sqrt(np.diag(np.linalg.inv(jacobian.T @ jacobian)))
+    assert np.allclose(list(result.standard_errors.values()), expected, rtol=0.25)
+    assert np.allclose(np.sqrt(np.diag(result.covariance)), list(result.standard_errors.values()), rtol=1e-12)
+
+
+def test_prediction_and_intervals(cell):
+    assert np.array_equal(cell.predict(), cell.model.frequency_response(cell.data.omega).response)
+    truth = {"R0": 0.02, "R1": 0.03, "Q1": 0.05, "n1": 0.85, "R2": 0.06, "Q2": 4, "n2": 0.75}
+    for name, value in truth.items():
+        # Five standard errors: one in two million.
+        assert abs(cell[name] - value) < 5 * cell.standard_errors[name]
+    low, high = cell.profile("R1")
+    assert low < cell["R1"] < high
+    intervals = cell.bootstrap(40)
+    assert set(intervals) == set(truth)
+    assert cell.bootstrap(40, threads=1) == intervals
+    assert cell.deviation([1.0, 10.0]).shape == (2, 4)
+    assert cell.lack_of_fit()["adequate"]
+    with pytest.raises(ValueError):
+        cell.profile("nobody")
+    with pytest.raises(ValueError):
+        cell.bootstrap(3)
+    with pytest.raises(KeyError):
+        cell["nobody"]
+    with pytest.raises(AttributeError):
+        cell.nothing
+
+
+def test_profile_and_bootstrap_of_the_command_line(cell):
+    found = command_line.json_of("fit", CELL, "--model", CIRCUIT, "--component", "both", "--bootstrap", 30, "--profile")
+    assert str(cell.profile("n2")[0]) in str(found)
+    assert str(cell.bootstrap(30)["n2"][0]) in str(found)
+
+
+def test_identify_of_the_command_line():
+    models = ["fractional-lag", "cole-cole", "lag", CIRCUIT]
+    result = fracfit.identify(fracfit.read(CELL), models, weight="relative")
+    found = command_line.json_of("identify", CELL, "--models", ",".join(models), "--component", "both")
+    assert found["verdict"] == result.verdict
+    assert found["evidence"] == result.evidence or np.isnan(result.evidence)
+    assert str(result.best["n1"]) in str(found)
+    assert result.best.data is not None and result.best.profile("R2")[0] < result.best["R2"]
+    over_time = fracfit.identify(fracfit.read(STEP), ["lag", "fractional-lag"])
+    assert len(over_time.ranking) == 2
+    curve = fracfit.identify(EXACT, ["lag"], curves={"itself": EXACT.response})
+    assert "itself" in [each["name"] for each in curve.ranking]
+
+
+def test_batch_is_each_fit_alone():
+    curves = [Model("K/(0.5 s^0.7 + 1)", K=k).frequency_response(OMEGA) for k in (1, 2, 3)]
+    curves.insert(1, FrequencyResponse([1.0], [1.0]))  # fewer residuals than parameters
+    told = []
+    result = fracfit.batch(curves, "K/(T s^a + 1)", progress=lambda *counts: told.append(counts))
+    assert told[-1] == (4, 4)
+    assert result.usable.tolist() == [True, False, True, True]
+    assert list(result.errors) == [1] and "parameters" in result.errors[1]
+    assert result[2] == fracfit.fit(curves[2], "K/(T s^a + 1)")
+    assert np.isnan(result.parameters["K"][1])
+    assert fracfit.batch(curves, "K/(T s^a + 1)", threads=1).parameters["T"].tobytes() == result.parameters["T"].tobytes()
+    assert "4 fits, 3 usable" in repr(result)
+    with pytest.raises(ValueError, match="no option"):
+        fracfit.batch(curves, "K/s", colour=1)
+
+
+def test_tune_of_the_command_line():
+    plant = "3.13 exp(-50 s)/(433.33 s + 1)"
+    found = command_line.json_of("tune", plant, "--crossover", 0.008, "--phase-margin", 60, "--flat-phase")
+    result = fracfit.tune(plant, crossover=0.008, phase_margin=np.pi / 180 * 60, flat_phase=True)
+    assert result.usable
+    assert [found["controller"][name] for name in ("kp", "ki", "kd")] == [result.kp, result.ki, result.kd]
+    loop = result.model * Model(plant)
+    assert loop.margins().phase_margin == pytest.approx(np.pi / 3, rel=1e-6)
+    assert result.pid(1.0, (1e-4, 0.5)).error < 0.1
+
+
+def test_scene_of_the_command_line():
+    curves = [fracfit.read(path) for path in FORCES]
+    result = fracfit.identify_scene(curves, [20, 40], fixed={"mass1": 1})
+    found = command_line.json_of("identify-scene", *FORCES, "--fix", "mass1=1")
+    assert str(result["restitution"]) in str(found)
+    assert str(result["clearance"]) in str(found)
+    # The data are of two masses of 1 kg, 0.3 m, restitution 0.6; five standard errors.
+    for each, truth in zip(result.parameters, (1, 1, 0.3, 0.6)):
+        assert abs(each["value"] - truth) <= 5 * each["standard_error"]
+    with pytest.raises(ValueError, match="entries"):
+        fracfit.identify_scene(curves, [20])
+
+
+def test_circuit_in_the_manner_of_impedance_py():
+    cell = fracfit.read(CELL)
+    circuit = fracfit.CustomCircuit(CIRCUIT, {"R1": 0.03})
+    with pytest.raises(RuntimeError, match="has not been fitted"):
+        circuit.predict([1.0])
+    assert circuit.fit(cell.f[::-1], cell.response[::-1]) is circuit
+    assert circuit.get_param_names() == ["R0", "R1", "Q1", "n1", "R2", "Q2", "n2"]
+    assert circuit.parameters_.shape == circuit.conf_.shape == (7,)
+    mixed = np.array([3.0, 1.0, 2.0])
+    assert np.array_equal(circuit.predict(mixed)[[1, 2, 0]], circuit.predict(np.sort(mixed)))
+
+
+def test_results_pickle(cell):
+    again = pickle.loads(pickle.dumps(cell))
+    assert again == cell
+    assert again.profile("R1") == cell.profile("R1")
+    assert repr(again) == repr(cell) and "R1" in repr(cell)
+    assert "<table>" in cell._repr_html_()
+    for result in (
+        fracfit.identify(EXACT, ["lag", "fractional-lag"]),
+        fracfit.tune("1/(s^1.5 + s)", crossover=1.0, phase_margin=1.0),
+        fracfit.batch([EXACT], "lag"),
+        fracfit.CustomCircuit("R0 + R1/(1 + R1 Q1 s^n1)").fit(EXACT.f, EXACT.response),
+    ):
+        again = pickle.loads(pickle.dumps(result))
+        assert repr(again) == repr(result)
+
+
+def test_a_start_of_the_model_is_a_start():
+    with pytest.raises(ValueError, match="start"):
+        fracfit.fit(EXACT, "K/(T s^a + 1)", global_start=False)
+    result = Model("K/(T s^a + 1)", K=1.5, T=1.0, a=0.9).fit(EXACT, global_start=False)
+    assert result["a"] == pytest.approx(0.7, rel=1e-9)
+    assert result.starts == 1
+
+
+def test_wrong_requests_are_our_sentences():
+    for wrong, sentence in (
+        ({"component": "left"}, "component"),
+        ({"weight": "heavy"}, "weight"),
+        ({"weight": "given"}, "standard deviation"),
+        ({"fixed": {"Q": 1}}, "Q"),
+        ({"bounds": {"K": 3}}, "expected"),
+        ({"bounds": {"K": (2, 1)}}, "K"),
+        ({"fixed": {"K": "two"}}, "real numbers"),
+    ):
+        with pytest.raises(ValueError, match=sentence):
+            fracfit.fit(EXACT, "K/(T s^a + 1)", **wrong)
+    with pytest.raises(ValueError, match="expected FrequencyResponse"):
+        fracfit.fit(([1], [2]), "K/s")
+    with pytest.raises(ValueError):
+        fracfit.fit(FrequencyResponse([1.0], [1.0]), "K/(T s^a + 1)")
+
+
+def test_threads_fit_side_by_side():
+    import concurrent.futures
+
+    with concurrent.futures.ThreadPoolExecutor(4) as pool:
+        results = list(pool.map(lambda _: fracfit.fit(EXACT, "K/(T s^a + 1)"), range(8)))
+    assert all(result == results[0] for result in results)
+
+
+def test_pictures():
+    pytest.importorskip("matplotlib")
+    import matplotlib.pyplot as plt
+
+    result = fracfit.fit(EXACT, "K/(T s^a + 1)")
+    upper, lower = result.plot()
+    assert len(upper.lines) == 2 and lower.get_xlabel() == "angular frequency, rad/s"
+    assert result.plot(kind="nyquist").get_aspect() == 1.0
+    assert EXACT.plot(kind="nyquist").get_aspect() == 1.0
+    axes = fracfit.plot_bode(EXACT, Model("1/s"), labels=["a", "b"])
+    assert np.allclose(axes[0].lines[1].get_ydata(), 1 / axes[0].lines[1].get_xdata())
+    with pytest.raises(ValueError, match="omega"):
+        fracfit.plot_nyquist(Model("1/s"))
+    with pytest.raises(ValueError, match="bode or nyquist"):
+        EXACT.plot(kind="nichols")
+    plt.close("all")

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Ctrl-C in the middle of computations that would take minutes: they end, at once and with all their threads.
+
+How soon is printed, not judged: that depends on the machine.  Without the flag they would run into the time limit of
+the test.
+"""
+
+import os
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import fracfit
+
+RANDOM = np.random.default_rng(7)
+OMEGA = np.logspace(-2, 3, 4000)
+CIRCUIT = "R0 + R1/(1 + R1 Q1 s^n1) + R2/(1 + R2 Q2 s^n2)"
+CELL = fracfit.Model(CIRCUIT, R0=0.02, R1=0.03, Q1=0.05, n1=0.85, R2=0.06, Q2=4, n2=0.75)
+
+
+def noisy(omega):
+    response = CELL.frequency_response(omega).response
+    noise = RANDOM.normal(size=(2, omega.size))
+    return fracfit.FrequencyResponse(omega, response * (1 + 0.01 * (noise[0] + 1j * noise[1])))
+
+
+def sampled():
+    time = np.arange(20_000) * 0.01
+    samples = RANDOM.normal(size=time.size)
+    output = fracfit.Model("1/(0.8 s^2.2 + 0.5 s^0.9 + 1)").respond(time, samples).output
+    return fracfit.TimeSeries(time, samples, output + 0.01 * RANDOM.normal(size=time.size))
+
+
+LONG = {
+    "describing_function": lambda: fracfit.describing_function(np.linspace(0.9, 1.6, 100_000), restitution=0.85),
+    "independent points": lambda: fracfit.describing_function(
+        np.linspace(0.9, 1.6, 100_000), restitution=0.85, protocol="contact-at-rest"
+    ),
+    "regime_map": lambda: fracfit.regime_map(np.linspace(0.9, 1.6, 1000), np.linspace(0.7, 0.95, 300), mean_tolerance=0),
+    "orbits": lambda: [fracfit.orbits(0.4, 6, restitution=0.9, longest_period=30, most_impacts=60) for _ in range(50)],
+    "limit_cycles": lambda: [
+        fracfit.limit_cycles("exp(-20 s) (1 + s^0.5)", restitution=0.6, band=(0.001, 100)) for _ in range(50)
+    ],
+    "fit": lambda: [fracfit.fit(noisy(OMEGA), CIRCUIT) for _ in range(1000)],
+    "fit over time": lambda: [fracfit.fit(sampled(), "K exp(-L s)/(T2 s^a + T1 s^b + 1)") for _ in range(100)],
+    "identify": lambda: fracfit.identify(noisy(OMEGA)),
+    "batch": lambda: fracfit.batch([noisy(OMEGA[::10])] * 5000, CIRCUIT),
+    "bootstrap": lambda: fracfit.fit(noisy(OMEGA[::10]), CIRCUIT).bootstrap(100_000),
+    "tune": lambda: [
+        fracfit.tune("exp(-0.1 s)/(s + 1)", minimise="iae", horizon=10, max_sensitivity=1.6) for _ in range(100)
+    ],
+    "mittag_leffler": lambda: [fracfit.mittag_leffler(0.7, 1, np.full(1_000_000, -1 + 1j)) for _ in range(100)],
+    "mittag_leffler on the axis": lambda: [fracfit.mittag_leffler(0.7, 1, np.full(3_000_000, -1.0)) for _ in range(1000)],
+    "frequency_response": lambda: [CELL._structure.response(CELL._values(), np.linspace(1, 2, 5_000_000), {"name": "exact"}) for _ in range(100)],
+    "step by the reference": lambda: CELL.step(np.linspace(0, 100, 1_000_000), method="reference"),
+    "step": lambda: [CELL.step(np.linspace(0, 1000, 1_000_000)) for _ in range(100)],
+    "step by bdf2": lambda: CELL.step(np.linspace(0, 1000, 300_000), method="bdf2"),
+    "derivative": lambda: [fracfit.derivative(np.ones(3_000_000), 0.5, 1.0) for _ in range(100)],
+    "realise": lambda: [CELL.realise((1e-6, 1e6), 1e-8) for _ in range(100)],
+    "approximate": lambda: [fracfit.approximate(0.5, (1e-12, 1e11), tolerance=1e-6) for _ in range(1000)],
+    "identify_scene": lambda: [
+        fracfit.identify_scene(
+            [fracfit.describing_function(np.linspace(8, 35, 300), restitution=0.6, force=f, clearance=0.3).data() for f in (20, 40)],
+            [20, 40],
+            fixed={"mass1": 1},
+        )
+        for _ in range(100)
+    ],
+}
+
+
+def threads():
+    return len(os.listdir("/proc/self/task"))
+
+
+@pytest.mark.parametrize("name", LONG)
+def test_control_c_ends_it(name):
+    fracfit.describing_function([1.0], restitution=0.5)  # what numpy and the loader start once is there
+    before = threads()
+    sent = []
+
+    def interrupt():
+        sent.append(time.monotonic())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    timer = threading.Timer(0.7, interrupt)
+    timer.start()
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            LONG[name]()
+        ended = time.monotonic()
+    finally:
+        timer.cancel()
+        timer.join()
+    print(f"\n{name}: ended {1e3 * (ended - sent[0]):.0f} ms after the signal")
+    assert threads() == before
+
+
+def test_an_exception_of_the_callers_handler_ends_it_too():
+    class Enough(Exception):
+        pass
+
+    def handler(number, frame):
+        raise Enough
+
+    old = signal.signal(signal.SIGUSR1, handler)
+    timer = threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGUSR1))
+    timer.start()
+    try:
+        with pytest.raises(Enough):
+            fracfit.describing_function(np.linspace(0.9, 1.6, 100_000), restitution=0.85)
+    finally:
+        timer.join()
+        signal.signal(signal.SIGUSR1, old)
+
+
+def test_other_threads_run_meanwhile():
+    counted = []
+    stop = threading.Event()
+
+    def count():
+        while not stop.is_set():
+            counted.append(1)
+            time.sleep(0.001)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    fracfit.describing_function(np.linspace(0.9, 1.6, 1000), restitution=0.85)
+    stop.set()
+    thread.join()
+    # Without the lock released the counter would stand still for the whole sweep.
+    assert len(counted) > 5

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "batch/sweep_stream.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+#include "io/fingerprint.hpp"
+#include "io/output_file.hpp"
+#include "io/result_stream.hpp"
+#include "io/shard_file.hpp"
+
+namespace fracfit {
+namespace {
+
+using Points = std::vector<backlash::DescribingFunctionPoint>;
+
+PointCounts counts_of(const Points& points) {
+  PointCounts counts;
+  for (const auto& point : points) counts.add(point);
+  return counts;
+}
+
+// Computes the pieces that are not there yet, in parallel.  The last curves of a map take longest: begun first, they
+// keep no thread waiting at the end.
+template <class IsThere, class Take>
+void for_each_piece(const backlash::SweepPieces& pieces, frac::Progress& progress, const IsThere& is_there,
+                    const Take& take) {
+  progress.total += pieces.scenes().size() * pieces.omega().size();
+  frac::parallel_for(pieces.count(), pieces.options().threads, [&](std::size_t i) {
+    const std::size_t number = pieces.count() - 1 - i;
+    if (is_there(number))
+      progress.done += pieces.piece(number).count;
+    else
+      take(number, pieces.points(number, &progress));
+  });
+}
+
+PointCounts write_whole(const backlash::SweepPieces& pieces, const SweepTable& table, const SweepTarget& target,
+                        frac::Progress& progress) {
+  const std::size_t width = pieces.omega().size();
+  Points all(pieces.scenes().size() * width);
+  for_each_piece(
+      pieces, progress, [](std::size_t) { return false; },
+      [&](std::size_t number, const Points& points) {
+        const auto [scene, first, count] = pieces.piece(number);
+        std::copy(points.begin(), points.end(), all.begin() + static_cast<std::ptrdiff_t>(scene * width + first));
+      });
+  target.file.write(text_of(document_of(table, 0, width, all), target.format, target.command));
+  return counts_of(all);
+}
+
+PointCounts write_stream(const backlash::SweepPieces& pieces, const SweepTable& table, const SweepTarget& target,
+                         frac::Progress& progress) {
+  const std::string head = csv_head(document_of(table, 0, 1, {}), target.command);
+  io::ResultStream stream(target.stream_path + ".partial", std::string(io::unfinished_line) + "\n" + head);
+  PointCounts counts;
+  for (std::size_t number = 0; number < pieces.count(); ++number)
+    if (stream.contains(std::to_string(number))) counts.of_earlier_run += pieces.piece(number).count;
+  std::mutex counting;
+  for_each_piece(
+      pieces, progress, [&](std::size_t number) { return stream.contains(std::to_string(number)); },
+      [&](std::size_t number, const Points& points) {
+        const backlash::SweepPiece piece = pieces.piece(number);
+        stream.append(std::to_string(number), csv_rows(document_of(table, piece.scene, piece.count, points).rows));
+        const std::lock_guard guard(counting);
+        counts += counts_of(points);
+      });
+  target.file.write([&](const io::OutputFile::Sink& sink) {
+    io::Fingerprint fingerprint;
+    const auto write = [&](const std::string& text) {
+      fingerprint.add(text);
+      sink(text);
+    };
+    write(head);
+    for (std::size_t number = 0; number < pieces.count(); ++number) write(stream.text(std::to_string(number)));
+    if (table.shard.count > 1) sink(io::checksum_line(fingerprint));
+  });
+  stream.remove();
+  return counts;
+}
+
+}  // namespace
+
+void PointCounts::add(const backlash::DescribingFunctionPoint& point) {
+  not_finite += point.usable() ? 0U : 1U;
+  transient_possible += point.transient_possible ? 1U : 0U;
+  decided_by_rounding += std::isnan(point.force_sensitivity) ? 0U : 1U;
+}
+
+PointCounts& PointCounts::operator+=(const PointCounts& other) {
+  not_finite += other.not_finite;
+  transient_possible += other.transient_possible;
+  decided_by_rounding += other.decided_by_rounding;
+  return *this;
+}
+
+PointCounts write_sweep(const backlash::SweepPieces& pieces, const SweepTable& table, const SweepTarget& target,
+                        frac::Progress& progress) {
+  return (target.stream_path.empty() ? write_whole : write_stream)(pieces, table, target, progress);
+}
+
+}  // namespace fracfit

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "options/controller_request.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+#include "io/version.hpp"
+#include "output/controller_output.hpp"
+
+namespace fracfit {
+namespace {
+
+bool is_power(const frac::FractionalTransferFunction& model) {
+  return model.numerator().size() == 1 && model.denominator().size() == 1 && model.delay() == 0;
+}
+
+// Those that give sections, which a controller is made of.
+std::vector<frac::Discretisation> section_discretisations() {
+  const auto all = frac::discretisations();
+  std::vector<frac::Discretisation> some(all.begin(), all.end());
+  std::erase(some, frac::Discretisation::grunwald_letnikov);
+  return some;
+}
+
+}  // namespace
+
+void ControllerRequest::declare(Options& o) {
+  const Condition model{"--model"};
+  constexpr const char* why = "which is a filter in place of a PID";
+  o.number("--kp", config_.gains.kp, "Gain of the error", "K").not_with(model, why);
+  o.number("--ki", config_.gains.ki, "Gain of the fractional integral, kp + ki/s^lambda + kd s^mu", "K")
+      .not_with(model, why);
+  o.number("--kd", config_.gains.kd, "Gain of the fractional derivative", "K").not_with(model, why);
+  o.number("--lambda", config_.gains.lambda, "above 0 and below 2").not_with(model, why);
+  o.number("--mu", config_.gains.mu, "above 0 and below 2").not_with(model, why);
+  o.parsed("--model", model_, formula_of,
+           "a filter instead of a PID: a proper model, with fewer states on a --band; or a power of s on a --band");
+  o.number("--sample-time", config_.sample_time).required();
+  o.parsed("--band", band_, band_of, "the orders hold there; cut at a quarter of the sampling frequency");
+  add_goal(o, goal_, "on the band; of a --model without band: of its step response", "instead of a tolerance");
+  o["--tolerance"].default_is("1e-3, without a band 1e-9");
+  o.at_most_one({"--tolerance", "--poles"});
+  o.choice("--discretisation", discretisation_, section_discretisations(), "for a PID or power").default_is("direct");
+  o.number("--min", minimum_, "Least output", "U").default_is("no limit").not_with(model, why);
+  o.number("--max", maximum_, "Largest output", "U").default_is("no limit").not_with(model, why);
+  o.choice("--anti-windup", config_.anti_windup, frac::anti_windup_methods(),
+           "What the integral does while the output is at a limit", "METHOD")
+      .not_with(model, why);
+  o.number("--tracking-time", tracking_time_, "Of back-calculation, s", "T")
+      .default_is("(kp/ki)^(1/lambda)")
+      .not_with(model, why);
+  o.number("--derivative-filter", config_.derivative_filter_time).not_with(model, why);
+  o.number("--setpoint-weight", config_.setpoint_weight, "Share of the set-point in the proportional part", "B")
+      .not_with(model, why);
+  o.number("--derivative-setpoint-weight", config_.derivative_setpoint_weight,
+           "Share of the set-point in the derivative; 0: derivative on the measurement", "C")
+      .not_with(model, why);
+  o.number("--swing", config_.most_swing,
+           "How far the derivative's answer to a set-point step may rise again after its peak, share of the peak: "
+           "more is more accurate at the upper edge of the band",
+           "SHARE")
+      .not_with(model, why);
+  o.number("--sample-count", samples_,
+           "Of a --model for all frequencies: samples it is good for; fewer states for fewer", "N")
+      .otherwise("1e9")
+      .only_with(model)
+      .was("--horizon");
+}
+
+void ControllerRequest::check(const Options& options) const {
+  if (model_) return;
+  const auto& gains = config_.gains;
+  if (!options["--kp"].is_given() && !options["--ki"].is_given() && !options["--kd"].is_given())
+    throw std::invalid_argument("expected at least one of --kp, --ki and --kd, or --model");
+  const bool needs_band = (gains.ki != 0 && gains.lambda != 1) || (gains.kd != 0 && gains.mu != 1);
+  if (!band_ && needs_band)
+    throw std::invalid_argument("--band is required for orders other than 1: LOW:HIGH in rad/s");
+}
+
+frac::FractionalPidDesign ControllerRequest::pid(Options& options) {
+  if (band_) config_.band = *band_;
+  if (const auto goal = goal_.goal()) config_.goal = *goal;
+  config_.discretisation = discretisation_.value_or(frac::Discretisation::direct);
+  options["--discretisation"].say(std::string(frac::to_string(config_.discretisation)));
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  config_.minimum = minimum_.value_or(-infinity);
+  config_.maximum = maximum_.value_or(infinity);
+  config_.tracking_time = tracking_time_.value_or(0);
+  if (!goal_.goal()) options["--tolerance"].say("1e-3");
+  return frac::FractionalPidDesign(config_);
+}
+
+frac::FilterChoice ControllerRequest::filter(Options& options) const {
+  const auto discretisation = discretisation_.value_or(frac::Discretisation::direct);
+  if (!goal_.goal()) options["--tolerance"].say(band_ ? "1e-3" : "1e-9");
+  if (is_power(*model_) && band_) {
+    options["--discretisation"].say(std::string(frac::to_string(discretisation)));
+    return frac::power_filter(*model_, *band_, goal_.goal().value_or(frac::Tolerance{1e-3}), config_.sample_time,
+                              discretisation);
+  }
+  if (discretisation_) {
+    throw std::invalid_argument(
+        "--discretisation belongs to a PID or to a power of s on a --band; other models are made for an input that is "
+        "constant between samples");
+  }
+  if (goal_.poles) throw std::invalid_argument("--poles belongs to a power of s on a --band");
+  const double order = model_->numerator().front().order - model_->denominator().front().order;
+  if (is_power(*model_) && order > 0)
+    throw std::invalid_argument("--band is required for a power of s: LOW:HIGH in rad/s");
+  return frac::model_filter(*model_, band_, config_.sample_time, goal_.tolerance.value_or(band_ ? 1e-3 : 1e-9),
+                            samples_);
+}
+
+ControllerRequest::Design ControllerRequest::design(Options& options) {
+  if (model_) return filter(options);
+  return pid(options);
+}
+
+std::string note_of(const ControllerRequest::Design& design) {
+  if (const auto* pid = std::get_if<frac::FractionalPidDesign>(&design)) return pid->note();
+  return std::get<frac::FilterChoice>(design).note;
+}
+
+void CodeRequest::declare(Options& o) {
+  o.choice("--precision", header_.precision, frac::precisions(), "Of C code", "REAL").unsaid();
+  o.text("--name", name_, "prefix of the functions of C code").default_is("controller or filter").unsaid();
+}
+
+void CodeRequest::check(bool is_filter) {
+  header_.name = !name_.empty() ? name_ : is_filter ? "filter" : "controller";
+  frac::check_c_name(header_.name);
+}
+
+std::string CodeRequest::words() const {
+  return " --precision " + std::string(frac::to_string(header_.precision)) + " --name " + header_.name;
+}
+
+frac::CHeaderOptions CodeRequest::with_comment(const ControllerRequest& request,
+                                               const ControllerRequest::Design& design,
+                                               const std::string& command) const {
+  frac::CHeaderOptions options = header_;
+  if (const auto* pid = std::get_if<frac::FractionalPidDesign>(&design)) {
+    options.comment = controller_comment(*pid, command);
+  } else {
+    options.comment = filter_comment(std::get<frac::FilterChoice>(design).design, request.model()->formula(), command);
+  }
+  return options;
+}
+
+std::string CodeRequest::header(const ControllerRequest& request, const ControllerRequest::Design& design,
+                                const std::string& command) const {
+  const frac::CHeaderOptions options = with_comment(request, design, command);
+  if (const auto* pid = std::get_if<frac::FractionalPidDesign>(&design)) return frac::c_header(*pid, options);
+  return frac::c_header(std::get<frac::FilterChoice>(design).design, options);
+}
+
+std::vector<frac::NamedText> CodeRequest::arduino_library(const ControllerRequest& request,
+                                                          const ControllerRequest::Design& design,
+                                                          const std::string& command) const {
+  const frac::CHeaderOptions options = with_comment(request, design, command);
+  if (const auto* pid = std::get_if<frac::FractionalPidDesign>(&design)) return frac::arduino_library(*pid, options);
+  return frac::arduino_library(std::get<frac::FilterChoice>(design).design, options);
+}
+
+}  // namespace fracfit

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "options/loop_options.hpp"
+
+#include <stdexcept>
+#include <vector>
+
+#include "frac/structure.hpp"
+
+namespace fracfit {
+namespace {
+
+// A formula in which one name may have a value.
+class Formula {
+ public:
+  Formula(std::string option, const std::string& text) : option_(std::move(option)), structure_(text) {}
+
+  [[nodiscard]] bool has(const std::string& name) const {
+    for (const std::string& each : structure_.parameter_names()) {
+      if (each == name) return true;
+    }
+    return false;
+  }
+  [[nodiscard]] frac::FractionalTransferFunction with(const std::string& name, double value) const {
+    for (const std::string& each : structure_.parameter_names()) {
+      if (each != name) {
+        throw std::invalid_argument(option_ + ": " + each +
+                                    " has no value; write a number in its place, or name it in --over");
+      }
+    }
+    const std::vector<double> values(structure_.parameter_names().size(), value);
+    return frac::to_transfer_function(structure_, values);
+  }
+
+ private:
+  std::string option_;
+  frac::Structure structure_;
+};
+
+}  // namespace
+
+void LoopOptions::add(Options& options) {
+  options
+      .text("--controller", controller_, "C of the force -C(s) x on body 2; e.g. 'exp(-0.1 s) (2 + 1.5 s^0.9)'",
+            "FORMULA")
+      .required();
+  options.number("--mass1", mass1_).default_is("1");
+  options.number("--mass2", mass2_).default_is("1");
+  const char* const why = "the mass is that in the receptance";
+  options
+      .text("--load-receptance", load_,
+            "Displacement per force of body 1, m/N, instead of the free mass 1/(M1 s^2); e.g. '1/(2 s^2 + 0.1 s + 3)'",
+            "FORMULA")
+      .not_with({"--mass1"}, why);
+  options.text("--drive-receptance", drive_, "That of body 2", "FORMULA").not_with({"--mass2"}, why);
+  options.number("--clearance", clearance_);
+  options.number("--restitution", restitution_);
+}
+
+void LoopOptions::add_body(Options& options) {
+  options.choice("--body", body_, backlash::outputs(),
+                 "that the controller gets: x1, the load, or x2, the driven body");
+}
+
+void LoopOptions::check(const std::string& varied) const {
+  if (std::isnan(restitution_) && varied != "restitution") throw std::invalid_argument("--restitution is missing");
+  if (!std::isnan(restitution_) && varied == "restitution") {
+    throw std::invalid_argument("--restitution has no meaning with --over restitution=...");
+  }
+}
+
+backlash::ControlLoop LoopOptions::loop(const std::string& name, double value) const {
+  double mass1 = std::isnan(mass1_) ? 1 : mass1_, mass2 = std::isnan(mass2_) ? 1 : mass2_;
+  double clearance = clearance_, restitution = restitution_;
+  bool is_known = name.empty();
+  const auto set = [&](const char* known, double& target, bool is_used) {
+    if (name != known || !is_used) return;
+    target = value;
+    is_known = true;
+  };
+  set("mass1", mass1, load_.empty());
+  set("mass2", mass2, drive_.empty());
+  set("clearance", clearance, true);
+  set("restitution", restitution, true);
+  const auto formula_of = [&](const char* option, const std::string& text) {
+    const Formula formula(option, text);
+    is_known = is_known || formula.has(name);
+    return formula.with(name, value);
+  };
+  const frac::FractionalTransferFunction controller = formula_of("--controller", controller_);
+  const frac::FractionalTransferFunction load =
+      load_.empty() ? backlash::free_mass(mass1) : formula_of("--load-receptance", load_);
+  const frac::FractionalTransferFunction drive =
+      drive_.empty() ? backlash::free_mass(mass2) : formula_of("--drive-receptance", drive_);
+  if (!is_known) {
+    throw std::invalid_argument("--over " + name +
+                                ": no formula has that name, and it is none of mass1, mass2 (of free masses), "
+                                "clearance and restitution");
+  }
+  if (load_.empty() && drive_.empty()) {
+    return {backlash::TwoMassSystem(mass1, mass2, clearance, restitution), controller, body_};
+  }
+  return {backlash::LinearBodies(load, drive, clearance, restitution), controller, body_};
+}
+
+}  // namespace fracfit

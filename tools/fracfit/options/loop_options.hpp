@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cmath>
+#include <string>
+
+#include "backlash/loops/control_loop.hpp"
+#include "options/options.hpp"
+
+namespace fracfit {
+
+/// Two bodies with clearance under a controller, as formulas with names in them.
+class LoopOptions {
+ public:
+  /// --controller, --mass1, --mass2, --load-receptance, --drive-receptance, --clearance, --restitution.
+  void add(Options& options);
+  /// --body.
+  void add_body(Options& options);
+
+  /// @param name   of a quantity that has `value` instead of what was given: mass1, mass2, clearance, restitution or a
+  ///               name in a formula; empty for none
+  /// @throws std::invalid_argument  no such name; a name without a value; as ControlLoop and LinearBodies.
+  [[nodiscard]] backlash::ControlLoop loop(const std::string& name = {}, double value = NAN) const;
+  /// @throws std::invalid_argument  a restitution that is missing, or given and varied.
+  void check(const std::string& varied = {}) const;
+
+ private:
+  std::string controller_, load_, drive_;
+  backlash::Output body_ = backlash::Output::x1;
+  double mass1_ = NAN, mass2_ = NAN, clearance_ = 1, restitution_ = NAN;
+};
+
+}  // namespace fracfit

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+namespace io {
+
+/// Size and hash of a text that comes in parts (FNV-1a of 64 bits): equal for equal texts, and different for texts that
+/// differ by accident.
+class Fingerprint {
+ public:
+  explicit Fingerprint(std::string_view text = {}) { add(text); }
+  void add(std::string_view part);
+  /// "<bytes>-<16 hexadecimal digits>" of all parts so far.
+  [[nodiscard]] std::string text() const;
+
+ private:
+  // Fowler, Noll, Vo: offset basis of the 64-bit hash.
+  std::uint64_t hash_ = 0xcbf29ce484222325U;
+  std::size_t size_ = 0;
+};
+
+}  // namespace io

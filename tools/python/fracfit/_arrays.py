@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Arguments as arrays that the compiled part takes: contiguous, of the machine's byte order, checked."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+
+def _numbers(value: Any, name: str, kinds: str, what: str, dtype: type) -> np.ndarray:
+    if isinstance(value, np.ma.MaskedArray) and np.ma.is_masked(value):
+        raise ValueError(f"{name} has masked entries; leave them out or fill them")
+    try:
+        array = np.asarray(value)
+    except ValueError as reason:
+        raise ValueError(f"{name} is no array of {what} numbers: {reason}") from None
+    if array.dtype.kind == "O":
+        try:
+            array = array.astype(dtype)
+        except (TypeError, ValueError):
+            raise ValueError(f"{name} holds objects that are no {what} numbers") from None
+    if array.dtype.kind not in kinds:
+        raise ValueError(f"{name} has the dtype {array.dtype}; expected {what} numbers")
+    return array
+
+
+def real_array(value: Any, name: str, shape: tuple[int, ...] | None = None) -> np.ndarray:
+    """A one-dimensional array of doubles, or one of any shape if `shape` is ()."""
+    array = _numbers(value, name, "biuf", "real", float)
+    return _shaped(np.ascontiguousarray(array, dtype=np.float64), array, name, shape)
+
+
+def complex_array(value: Any, name: str, shape: tuple[int, ...] | None = None) -> np.ndarray:
+    """The same of complex numbers."""
+    array = _numbers(value, name, "biufc", "complex", complex)
+    return _shaped(np.ascontiguousarray(array, dtype=np.complex128), array, name, shape)
+
+
+def _shaped(array: np.ndarray, given: np.ndarray, name: str, shape: tuple[int, ...] | None) -> np.ndarray:
+    if shape == ():
+        return array.reshape(-1)
+    if given.ndim > 1:
+        raise ValueError(f"{name} has the shape {given.shape}; expected one dimension")
+    if shape is not None and array.shape != shape:
+        raise ValueError(f"{name} has {array.size} entries; expected {shape[0]}")
+    return array.reshape(-1)
+
+
+def number(value: Any, name: str) -> float:
+    """One real number."""
+    array = _numbers(value, name, "biuf", "real", float)
+    if array.size != 1:
+        raise ValueError(f"{name} has the shape {array.shape}; expected one number")
+    return float(array.reshape(-1)[0])
+
+
+NO_NUMBERS = np.empty(0)

@@ -1,0 +1,359 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Two masses with a clearance between them: describing functions, regimes, orbits, limit cycles."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from . import _core
+from ._arrays import number, real_array
+from ._data import FrequencyResponse
+from ._model import Model, _Record
+from ._text import html_table, reporter
+
+REGIMES: tuple[str, ...] = _core.regimes
+
+
+class _Points(_Record):
+    """Values of a describing function on a grid, with what was found of the motion."""
+
+    @property
+    def regime(self) -> np.ndarray:
+        """Kind of motion at each point: rigid, free, symmetric, periodic, chatter or averaged."""
+        return np.array(REGIMES)[self.regime_code]  # type: ignore[attr-defined]
+
+    def __len__(self) -> int:
+        return len(self.omega)  # type: ignore[attr-defined]
+
+    def _counts(self) -> list[tuple[str, int]]:
+        codes, counts = np.unique(self.regime_code, return_counts=True)  # type: ignore[attr-defined]
+        return [(REGIMES[code], int(count)) for code, count in zip(codes, counts)]
+
+    def __repr__(self) -> str:
+        kinds = ", ".join(f"{count} {name}" for name, count in self._counts())
+        shape = " x ".join(str(each) for each in self.response.shape)  # type: ignore[attr-defined]
+        return f"{type(self).__name__}({shape} points: {kinds})"
+
+    def _repr_html_(self) -> str:
+        return html_table(["regime", "points"], self._counts(), repr(self))
+
+
+class DescribingFunction(_Points):
+    """Describing function N of two masses with backlash; ``omega, response = ...`` takes it apart.
+
+    Attributes
+    ----------
+    omega : ndarray
+        rad/s.
+    response : ndarray of complex
+        N, m/N; one row per scene where several were asked for.
+    uncertainty : ndarray
+        Of ``|N|``.
+    regime, period, impacts_per_period, third_harmonic_ratio, even_harmonic_ratio, energy_defect, lyapunov_exponent,
+    transient_possible : ndarray
+        What was found of the motion.
+    """
+
+    def __iter__(self) -> Any:
+        return iter((self.omega, self.response))  # type: ignore[attr-defined]
+
+    def data(self) -> FrequencyResponse:
+        """The curve as data for a fit; of several the first dimension has to be chosen before."""
+        response = self.response  # type: ignore[attr-defined]
+        if response.ndim != 1:
+            raise ValueError(f"there are curves of the shape {response.shape[:-1]}; take one of `response`")
+        return FrequencyResponse(self.omega, response, unit="m/N")  # type: ignore[attr-defined]
+
+
+class RegimeMap(_Points):
+    """Describing function over restitution (rows) and frequency (columns); attributes as `DescribingFunction`."""
+
+
+def describing_function(
+    omega: Any,
+    *,
+    restitution: Any,
+    force: Any = 1.0,
+    clearance: Any = 1.0,
+    mass1: Any = 1.0,
+    mass2: Any = 1.0,
+    protocol: str = "sweep-up",
+    body: str = "x1",
+    tolerance: float = 1e-10,
+    mean_tolerance: float = 0.0,
+    threads: int = 0,
+    progress: Any = None,
+) -> DescribingFunction:
+    """Describing function of two masses with backlash under a sine force, on a grid of frequencies.
+
+    Parameters
+    ----------
+    omega : array_like
+        rad/s, rising.
+    restitution, force, clearance, mass1, mass2 : float or array_like
+        Coefficient of restitution, force amplitude (N), clearance (m), masses (kg).  Arrays are broadcast against each
+        other and give one curve for each entry.
+    protocol : {"sweep-up", "sweep-down", "contact-at-rest", "mid-gap-at-rest", "two-impact"}
+        Where the motion starts.
+    body : {"x1", "x2"}
+        Mass whose position is read.
+    tolerance, mean_tolerance : float
+        Closure of an orbit over the clearance; share of ``|N|`` at which a long-time mean ends, 0 for a thousand periods.
+    threads : int
+        0 for one per core; no influence on results.
+    progress : bool or function of (done, total), optional
+        True draws a bar on a terminal.
+
+    Examples
+    --------
+    >>> import fracfit
+    >>> curve = fracfit.describing_function([20, 25, 30], restitution=0.8, force=50, clearance=0.3)
+    >>> curve
+    DescribingFunction(3 points: 1 symmetric, 2 periodic)
+    >>> omega, response = curve
+    >>> bool(abs(response[0]) > abs(response[1]))
+    True
+    """
+    omega = real_array(omega, "omega")
+    scene = {"mass1": mass1, "mass2": mass2, "clearance": clearance, "restitution": restitution, "force": force}
+    shape = np.broadcast_shapes(*(np.shape(each) for each in scene.values()))
+    lists = [
+        np.ascontiguousarray(np.broadcast_to(real_array(value, name, ()).reshape(np.shape(value)), shape)).reshape(-1)
+        for name, value in scene.items()
+    ]
+    options = _options(protocol, body, tolerance, mean_tolerance, threads)
+    found = _core.describing_functions(*lists, omega, options, reporter(progress, "describing function"))
+    found = {name: value.reshape(shape + (omega.size,)) for name, value in found.items()}
+    found["regime_code"] = found.pop("regime")
+    return DescribingFunction({"omega": omega, **found})
+
+
+def static_describing_function(
+    omega: Any, *, force: float = 1.0, clearance: float = 1.0, mass1: float = 1.0, mass2: float = 1.0
+) -> FrequencyResponse:
+    """The static model of backlash as a describing function of the two masses, m/N: without impacts, in closed form.
+
+    Examples
+    --------
+    >>> import fracfit
+    >>> rigid = fracfit.static_describing_function([1.0, 2.0], clearance=0.0)  # -1/((M1 + M2) omega^2)
+    >>> rigid.response.real
+    array([-0.5  , -0.125])
+    """
+    omega = real_array(omega, "omega")
+    scene = (number(mass1, "mass1"), number(mass2, "mass2"), number(clearance, "clearance"), number(force, "force"))
+    return FrequencyResponse(omega, _core.static_describing_function(*scene, omega), unit="m/N")
+
+
+def regime_map(
+    omega: Any,
+    restitution: Any,
+    *,
+    force: float = 1.0,
+    clearance: float = 1.0,
+    mass1: float = 1.0,
+    mass2: float = 1.0,
+    protocol: str = "sweep-up",
+    body: str = "x1",
+    tolerance: float = 1e-10,
+    mean_tolerance: float = 0.01,
+    threads: int = 0,
+    progress: Any = None,
+) -> RegimeMap:
+    """Describing function and kind of motion over restitution and frequency; arguments as `describing_function`.
+
+    Examples
+    --------
+    >>> import fracfit
+    >>> fracfit.regime_map([1.0, 2.0, 3.0], [0.2, 0.8])
+    RegimeMap(2 x 3 points: 2 symmetric, 1 periodic, 2 chatter, 1 averaged)
+    """
+    omega = real_array(omega, "omega")
+    restitution = real_array(restitution, "restitution")
+    options = _options(protocol, body, tolerance, mean_tolerance, threads)
+    scene = (number(mass1, "mass1"), number(mass2, "mass2"), number(clearance, "clearance"), number(force, "force"))
+    found = _core.regime_map(*scene, restitution, omega, options, reporter(progress, "map"))
+    found["regime_code"] = found.pop("regime")
+    return RegimeMap({"omega": omega, "restitution": restitution, **found})
+
+
+class OrbitBranch(_Record):
+    """Periodic orbits of one pattern along a parameter.
+
+    Attributes
+    ----------
+    period, impacts : int
+        Force periods and impacts of each orbit.
+    symmetric : bool
+    parameter, omega, response, stable, multipliers : ndarray
+        Of each orbit.
+    bifurcations : list of dict
+        With kind, parameter, response, and the index of the orbit before.
+    begin, end : str
+        Why the branch ends there.
+    """
+
+    def __repr__(self) -> str:
+        name = f"{self.impacts} impacts in {self.period} periods"  # type: ignore[attr-defined]
+        low, high = self.parameter.min(), self.parameter.max()  # type: ignore[attr-defined]
+        stable = int(self.stable.sum())  # type: ignore[attr-defined]
+        return f"OrbitBranch({name}, {low:.5g} to {high:.5g}, {stable} of {len(self.stable)} orbits stable)"  # type: ignore[attr-defined]
+
+
+def orbits(
+    start: float,
+    stop: float,
+    *,
+    parameter: str = "omega",
+    omega: float | None = None,
+    restitution: float | None = None,
+    force: float = 1.0,
+    clearance: float = 1.0,
+    mass1: float = 1.0,
+    mass2: float = 1.0,
+    body: str = "x1",
+    longest_period: int = 4,
+    most_impacts: int = 16,
+    threads: int = 0,
+    progress: Any = None,
+) -> list[OrbitBranch]:
+    """Branches of periodic orbits, stable and unstable, between two values of a parameter.
+
+    Parameters
+    ----------
+    start, stop : float
+    parameter : {"omega", "force", "clearance", "restitution"}
+        What changes; the others are held.
+
+    Examples
+    --------
+    >>> import fracfit
+    >>> branch = fracfit.orbits(1.9, 2.5, restitution=0.6)[0]
+    >>> branch.symmetric, branch.impacts, bool(branch.stable.all())
+    (True, 2, True)
+    """
+    for name, value in (("omega", omega), ("restitution", restitution)):
+        if value is None and parameter != name:
+            raise ValueError(f"{name} has no value; it is needed where {parameter} changes")
+    found = _core.orbits(
+        number(mass1, "mass1"),
+        number(mass2, "mass2"),
+        number(clearance, "clearance"),
+        0.0 if restitution is None else number(restitution, "restitution"),
+        number(force, "force"),
+        number(start, "start") if omega is None else number(omega, "omega"),
+        parameter,
+        number(start, "start"),
+        number(stop, "stop"),
+        body,
+        longest_period,
+        most_impacts,
+        threads,
+        reporter(progress, "orbits"),
+    )
+    return [OrbitBranch(each) for each in found]
+
+
+class LimitCycles(_Record):
+    """Limit cycles of a loop.
+
+    Attributes
+    ----------
+    cycles : list of dict
+        Exact, by rising frequency: omega (rad/s), admissible with the reason, stable, impact_speed (m/s),
+        dominant_multiplier, and harmonics as tuples of order and the phasors of x1, x2 (m) and the force (N).
+    predicted : list of dict
+        What the describing function predicts.
+    searched : (float, float)
+        rad/s.
+    certain : bool
+        None in that range can be missing.
+    any_frequency : bool
+    """
+
+    def __repr__(self) -> str:
+        lines = [f"LimitCycles({len(self.cycles)} found, {len(self.predicted)} predicted)"]  # type: ignore[attr-defined]
+        for cycle in self.cycles:  # type: ignore[attr-defined]
+            kind = "stable" if cycle["stable"] else "unstable"
+            lines.append(f"  {cycle['omega']:.6g} rad/s, " + (kind if cycle["admissible"] else cycle["reason"]))
+        return "\n".join(lines)
+
+
+def limit_cycles(
+    controller: Model | str,
+    *,
+    restitution: float,
+    clearance: float = 1.0,
+    mass1: float = 1.0,
+    mass2: float = 1.0,
+    body: str = "x1",
+    band: tuple[float, float] | None = None,
+    harmonics: int = 5,
+) -> LimitCycles:
+    """Symmetric limit cycles of two masses with backlash under the force ``-C(s) x`` on mass 2.
+
+    Parameters
+    ----------
+    controller : Model or str
+        C, N per m.
+    body : {"x1", "x2"}
+        Mass that is measured.
+    band : (float, float), optional
+        Where to look, rad/s.
+
+    Examples
+    --------
+    >>> import fracfit
+    >>> fracfit.limit_cycles("1 + s^0.5", restitution=0.6)
+    LimitCycles(1 found, 1 predicted)
+      1.58132 rad/s, stable
+    """
+    model = controller if isinstance(controller, Model) else Model(controller)
+    found = _core.limit_cycles(
+        model._tf,
+        number(mass1, "mass1"),
+        number(mass2, "mass2"),
+        number(clearance, "clearance"),
+        number(restitution, "restitution"),
+        body,
+        None if band is None else tuple(number(each, "band") for each in band),
+        harmonics,
+    )
+    return LimitCycles(found)
+
+
+def jump_frequency(
+    *,
+    restitution: float,
+    force: float = 1.0,
+    clearance: float = 1.0,
+    mass1: float = 1.0,
+    mass2: float = 1.0,
+    criterion: str = "sweep-up",
+) -> float | None:
+    """Frequency at which the describing function jumps, rad/s; None where there is no jump.
+
+    Parameters
+    ----------
+    criterion : {"two-impact-loss", "symmetry-loss", "saddle-node", "contact-at-rest", "mid-gap-at-rest", "sweep-up", "sweep-down"}
+
+    Examples
+    --------
+    >>> import fracfit
+    >>> round(fracfit.jump_frequency(restitution=0.5, criterion="contact-at-rest"), 6)  # sqrt(2)
+    1.414214
+    """
+    scene = (mass1, mass2, clearance, restitution, force)
+    return _core.jump_frequency(*(number(each, "scene") for each in scene), criterion)
+
+
+def _options(protocol: str, body: str, tolerance: float, mean_tolerance: float, threads: int) -> dict[str, Any]:
+    return {
+        "protocol": protocol,
+        "body": body,
+        "tolerance": number(tolerance, "tolerance"),
+        "mean_tolerance": number(mean_tolerance, "mean_tolerance"),
+        "threads": threads,
+    }

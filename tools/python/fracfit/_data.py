@@ -1,0 +1,393 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Measured data: frequency responses, records over time, and files of them."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Iterator, Mapping, Sequence
+
+import numpy as np
+
+from . import _core
+from ._arrays import NO_NUMBERS, complex_array, number, real_array
+
+
+class FrequencyResponse:
+    """Samples of a frequency response.
+
+    Parameters
+    ----------
+    omega : array_like
+        Angular frequencies, rad/s, positive.  They are sorted; equal ones are repeated measurements.
+    response : array_like of complex
+        Values, output per input.
+    sigma : array_like, optional
+        Standard deviation of the real and of the imaginary part of each value, > 0.
+    unit : str, optional
+        Unit of the values, for labels.
+    metadata : mapping, optional
+        Further facts, such as the header of a file.
+
+    Raises
+    ------
+    ValueError
+        Lengths differ, a frequency is not positive, or a number is not finite; the sentence names the first one.
+
+    See Also
+    --------
+    read : from a file.
+    FrequencyResponse.from_hz : from frequencies in Hz.
+
+    Examples
+    --------
+    >>> import fracfit
+    >>> data = fracfit.FrequencyResponse([1, 2, 4], [1 - 1j, 0.5 - 0.8j, 0.2 - 0.5j])
+    >>> data
+    FrequencyResponse(3 points, 1 to 4 rad/s)
+    >>> omega, response = data
+    >>> response[0]
+    (1-1j)
+    """
+
+    def __init__(
+        self,
+        omega: Any,
+        response: Any,
+        sigma: Any = None,
+        *,
+        unit: str = "",
+        metadata: Mapping[str, str] | None = None,
+    ) -> None:
+        omega = real_array(omega, "omega")
+        response = complex_array(response, "response")
+        spread = NO_NUMBERS if sigma is None else real_array(sigma, "sigma")
+        if omega.size == response.size and spread.size in (0, omega.size) and np.any(omega[1:] < omega[:-1]):
+            order = np.argsort(omega, kind="stable")
+            omega, response = omega[order], response[order]
+            if spread.size:
+                spread = spread[order]
+        _core.check_frequency_response(omega, response, spread)
+        self._omega = _frozen(omega)
+        self._response = _frozen(response)
+        self._sigma = _frozen(spread) if spread.size else None
+        self.unit = unit
+        self.metadata = dict(metadata or {})
+
+    @classmethod
+    def from_hz(cls, f: Any, response: Any, sigma: Any = None, **more: Any) -> FrequencyResponse:
+        """The same from frequencies in Hz.
+
+        Examples
+        --------
+        >>> import fracfit
+        >>> fracfit.FrequencyResponse.from_hz([100, 10], [1, 2]).f
+        array([ 10., 100.])
+        """
+        return cls(2 * np.pi * real_array(f, "f"), response, sigma, **more)
+
+    @property
+    def omega(self) -> np.ndarray:
+        """Angular frequencies, rad/s, rising."""
+        return self._omega
+
+    @property
+    def f(self) -> np.ndarray:
+        """Frequencies, Hz."""
+        return self._omega / (2 * np.pi)
+
+    @property
+    def response(self) -> np.ndarray:
+        """Complex values."""
+        return self._response
+
+    @property
+    def sigma(self) -> np.ndarray | None:
+        """Standard deviations, or None."""
+        return self._sigma
+
+    @property
+    def magnitude(self) -> np.ndarray:
+        """Moduli of the values."""
+        return np.abs(self._response)
+
+    @property
+    def phase(self) -> np.ndarray:
+        """Phases, rad, without jumps by 2 pi."""
+        return np.unwrap(np.angle(self._response))
+
+    def where(self, *conditions: Any) -> FrequencyResponse:
+        """The points that satisfy all conditions.
+
+        Parameters
+        ----------
+        *conditions : str or array_like of bool
+            A comparison of re, im, magnitude, omega (rad/s) or f (Hz) with a number, as in ``"im<0"``; or a mask.
+
+        Examples
+        --------
+        >>> import fracfit
+        >>> data = fracfit.FrequencyResponse([1, 2, 4], [1 - 1j, 0.5 - 0.8j, 0.2 + 0.5j])
+        >>> len(data.where("omega >= 2", "im<0"))
+        1
+        """
+        kept = np.ones(len(self), dtype=bool)
+        for condition in conditions:
+            if isinstance(condition, str):
+                from . import _files
+
+                kept &= _files.points_where(condition, self._omega, self._response)
+                continue
+            mask = np.asarray(condition)
+            if mask.dtype != bool or mask.shape != kept.shape:
+                raise ValueError(f"a condition has the shape {mask.shape} and the dtype {mask.dtype}; expected {kept.shape} and bool")
+            kept &= mask
+        sigma = None if self._sigma is None else self._sigma[kept]
+        return FrequencyResponse(self._omega[kept], self._response[kept], sigma, unit=self.unit, metadata=self.metadata)
+
+    def plot(self, *, kind: str = "bode", **options: Any) -> Any:
+        """A picture with matplotlib, ``kind`` "bode" or "nyquist"; see `plot_bode` and `plot_nyquist`."""
+        from . import plots
+
+        draw = {"bode": plots.plot_bode, "nyquist": plots.plot_nyquist}.get(kind)
+        if draw is None:
+            raise ValueError(f"kind is {kind!r}; expected bode or nyquist")
+        return draw(self, **options)
+
+    def __iter__(self) -> Iterator[np.ndarray]:
+        return iter((self._omega, self._response))
+
+    def __len__(self) -> int:
+        return len(self._omega)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, FrequencyResponse):
+            return NotImplemented
+        return (
+            np.array_equal(self._omega, other._omega)
+            and np.array_equal(self._response, other._response)
+            and _same(self._sigma, other._sigma)
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        sigma = "" if self._sigma is None else ", with sigma"
+        unit = f", {self.unit}" if self.unit else ""
+        count = f"{len(self)} point" + ("s" if len(self) > 1 else "")
+        return f"FrequencyResponse({count}, {self._omega[0]:g} to {self._omega[-1]:g} rad/s{unit}{sigma})"
+
+    def _arrays(self) -> dict[str, Any]:
+        return {
+            "omega": self._omega,
+            "response": self._response,
+            "sigma": NO_NUMBERS if self._sigma is None else self._sigma,
+        }
+
+
+class TimeSeries:
+    """Samples of the input and the output of a system over time.
+
+    Parameters
+    ----------
+    time : array_like
+        s, strictly rising, steps of any length.
+    input, output : array_like
+        What drove the system and what it answered.
+    sigma : array_like, optional
+        Standard deviation of each output, > 0.
+    hold : {"zero-order", "first-order"}
+        How the input runs between samples: constant, or straight to the next.
+    input_at_rest : float
+        Input before the first sample, long enough for the output to have settled.
+
+    Examples
+    --------
+    >>> import fracfit
+    >>> fracfit.TimeSeries([0, 1, 2], [1, 1, 1], [0, 0.6, 0.9])
+    TimeSeries(3 samples, 0 to 2 s)
+    """
+
+    def __init__(
+        self,
+        time: Any,
+        input: Any,
+        output: Any,
+        sigma: Any = None,
+        *,
+        hold: str = "zero-order",
+        input_at_rest: float = 0.0,
+        kept: Any = None,
+        metadata: Mapping[str, str] | None = None,
+    ) -> None:
+        if hold not in ("zero-order", "first-order"):
+            raise ValueError(f"hold is {hold!r}; expected zero-order or first-order")
+        time = real_array(time, "time")
+        input = real_array(input, "input")
+        output = real_array(output, "output")
+        spread = NO_NUMBERS if sigma is None else real_array(sigma, "sigma")
+        _core.check_time_response(time, input, output, spread)
+        self._time = _frozen(time)
+        self._input = _frozen(input)
+        self._output = _frozen(output)
+        self._sigma = _frozen(spread) if spread.size else None
+        self.hold = hold
+        self.input_at_rest = number(input_at_rest, "input_at_rest")
+        self._kept = None if kept is None else np.ascontiguousarray(kept, dtype=np.int64)
+        self.metadata = dict(metadata or {})
+
+    @property
+    def time(self) -> np.ndarray:
+        """s."""
+        return self._time
+
+    @property
+    def input(self) -> np.ndarray:
+        """Samples of the input."""
+        return self._input
+
+    @property
+    def output(self) -> np.ndarray:
+        """Samples of the output."""
+        return self._output
+
+    @property
+    def sigma(self) -> np.ndarray | None:
+        """Standard deviations of the output, or None."""
+        return self._sigma
+
+    def __iter__(self) -> Iterator[np.ndarray]:
+        return iter((self._time, self._output))
+
+    def __len__(self) -> int:
+        return len(self._time)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, TimeSeries):
+            return NotImplemented
+        return (
+            np.array_equal(self._time, other._time)
+            and np.array_equal(self._input, other._input)
+            and np.array_equal(self._output, other._output)
+            and _same(self._sigma, other._sigma)
+            and _same(self._kept, other._kept)
+            and (self.hold, self.input_at_rest) == (other.hold, other.input_at_rest)
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        sigma = "" if self._sigma is None else ", with sigma"
+        return f"TimeSeries({len(self)} samples, {self._time[0]:g} to {self._time[-1]:g} s{sigma})"
+
+    def _arrays(self) -> dict[str, Any]:
+        return {
+            "time": self._time,
+            "input": self._input,
+            "output": self._output,
+            "sigma": NO_NUMBERS if self._sigma is None else self._sigma,
+            "hold": self.hold,
+            "input_at_rest": self.input_at_rest,
+            "kept": self._kept,
+        }
+
+
+def read(
+    path: str | os.PathLike[str],
+    *,
+    columns: str = "",
+    frequency_unit: str = "",
+    select: str | int = "",
+    where: str | Sequence[str] = (),
+    weight_column: str | None = None,
+    repeats: bool = False,
+    hold: str = "zero-order",
+    input_at_rest: float = 0.0,
+) -> FrequencyResponse | TimeSeries:
+    """Reads a measured frequency response, or samples of input and output over time.
+
+    Tables with named columns and the files of common instruments (Gamry, BioLogic, ZView, VersaStudio, Touchstone,
+    universal files) are recognised by their content, as on the command line.
+
+    Parameters
+    ----------
+    path : path
+    columns : str
+        Which column is what where the names do not tell, by number or name, e.g. ``"f=1,re=2,-im=3"``.
+    frequency_unit : str
+        Unit of a frequency whose name has none, e.g. ``"Hz"``.
+    select : str or int
+        One of several sweeps in the file, by its name or its number from 1.
+    where : str or sequence of str
+        Points to keep, e.g. ``"omega<100"``; columns of the file may be compared too.
+    weight_column : str, optional
+        Column with standard deviations, or with weights of the squared residuals.
+    repeats : bool
+        Rows that repeat frequencies are repeated measurements, not further sweeps.
+    hold, input_at_rest
+        Of samples over time, see `TimeSeries`.
+
+    Returns
+    -------
+    FrequencyResponse or TimeSeries
+        With what was assumed of the file as ``notes`` in its metadata.
+
+    Raises
+    ------
+    RuntimeError
+        The file cannot be read or is damaged; the sentence names file, line and column.
+    ValueError
+        An argument does not go with the file.
+    """
+    from . import _files
+
+    given = {
+        "columns": columns,
+        "frequency_unit": frequency_unit,
+        "select": str(select),
+        "weight_column": weight_column,
+        "repeats": repeats,
+    }
+    conditions = [where] if isinstance(where, str) else list(where)
+    found = _files.read(os.fspath(path), given, conditions)
+    metadata = dict(found["metadata"])
+    if found["notes"]:
+        metadata["notes"] = " ".join(found["notes"])
+    sigma = found["sigma"] if found["sigma"].size else None
+    if "omega" in found:
+        return FrequencyResponse(found["omega"], found["response"], sigma, unit=found["unit"], metadata=metadata)
+    kept = found["kept"]
+    return TimeSeries(
+        found["time"],
+        found["input"],
+        found["output"],
+        sigma,
+        hold=hold,
+        input_at_rest=input_at_rest,
+        kept=None if kept.size == found["time"].size else kept,
+        metadata=metadata,
+    )
+
+
+def sweep_names(path: str | os.PathLike[str], key_column: str = "") -> list[str]:
+    """Names of the curves in a file that holds several, as `read` takes them for ``select``; empty where it holds one.
+
+    Parameters
+    ----------
+    path : path
+    key_column : str
+        Column whose values tell the curves apart.
+    """
+    from . import _files
+
+    return _files.sweep_names(os.fspath(path), key_column)
+
+
+def _frozen(array: np.ndarray) -> np.ndarray:
+    # A caller's own array is not to change what was checked, nor to be made read-only.
+    array = np.array(array)
+    array.flags.writeable = False
+    return array
+
+
+def _same(a: np.ndarray | None, b: np.ndarray | None) -> bool:
+    return (a is None) == (b is None) and (a is None or np.array_equal(a, b))

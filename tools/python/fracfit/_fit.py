@@ -1,0 +1,765 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Fits: one structure, many data, structures against each other, scenes with backlash, controllers."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Mapping, Sequence
+
+import numpy as np
+
+from . import _fitting
+from ._arrays import complex_array, number, real_array
+from ._controller import FractionalPid
+from ._data import FrequencyResponse, TimeSeries
+from ._model import EXACT, Model, _equal, _Record
+from ._text import escaped, html_table, reporter, short
+
+
+class FitResult:
+    """A structure fitted to data.
+
+    ``result["a"]`` is the value of a parameter, ``result.parameters`` all of them; numbers a fit cannot tell are NaN.
+
+    Attributes
+    ----------
+    formula, message, termination : str
+        What was fitted and what became of the search.
+    cost, rms, max_residual, aicc, bic : float
+        Of the weighted residuals.
+    residuals, free_parameters, starts, starts_at_best : int
+    confidence_of_optimum, condition, noise_floor, noise_correlation, gain_factor : float
+    outliers : list of int
+        Points whose residual exceeds five robust standard deviations.
+
+    Examples
+    --------
+    >>> import fracfit, numpy as np
+    >>> data = fracfit.Model("2/(0.5 s^0.7 + 1)").frequency_response(np.logspace(-1, 2, 20))
+    >>> result = fracfit.fit(data, "K/(T s^a + 1)")
+    >>> {name: round(value, 9) for name, value in result.parameters.items()}
+    {'K': 2.0, 'T': 0.5, 'a': 0.7}
+    >>> result.usable
+    True
+    """
+
+    def __init__(self, values: Mapping[str, Any], data: Any = None, options: Mapping[str, Any] | None = None) -> None:
+        self._values = dict(values)
+        self._data = data
+        self._options = dict(options or {})
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_") or name not in self._values:
+            raise AttributeError(f"a fit result has no attribute {name!r}")
+        return self._values[name]
+
+    @property
+    def usable(self) -> bool:
+        """The search converged."""
+        return self._values["termination"] == "converged"
+
+    @property
+    def data(self) -> Any:
+        """What was fitted."""
+        return self._data
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Value of each parameter."""
+        return self._each("value")
+
+    @property
+    def standard_errors(self) -> dict[str, float]:
+        """Standard error of each parameter: 0 where fixed, NaN where the data do not tell it."""
+        return self._each("standard_error")
+
+    @property
+    def ci95(self) -> dict[str, tuple[float, float]]:
+        """Interval of 95 % of each parameter."""
+        return {p["name"]: (p["ci95_lower"], p["ci95_upper"]) for p in self._values["parameters"]}
+
+    @property
+    def identified(self) -> dict[str, bool]:
+        """Whether the data tell the parameter."""
+        return self._each("identified")
+
+    @property
+    def covariance(self) -> np.ndarray:
+        """Covariance of the parameters."""
+        return np.array(self._values["covariance"], dtype=float)
+
+    @property
+    def model(self) -> Model:
+        """The formula with the values found."""
+        names = Model(self.formula).parameter_names
+        return Model(self.formula, **{name: value for name, value in self.parameters.items() if name in names})
+
+    def summary(self) -> str:
+        """A few lines for a person."""
+        return self._values["summary"]
+
+    def predict(self, omega: Any = None) -> np.ndarray:
+        """Fitted values: at frequencies (rad/s, any order), or of a record over time at its own instants."""
+        if isinstance(self._data, TimeSeries):
+            if omega is not None:
+                raise ValueError("a fit over time predicts at the instants of its record; for others see result.model.respond")
+            return _fitting.fitted_output(self._data._arrays(), self._request(), self._values)
+        omega = self._data.omega if omega is None else real_array(omega, "omega")
+        return _fitting.fitted_response(self._values, self._options.get("realisation", EXACT), omega)
+
+    def deviation(self, omega: Any) -> np.ndarray:
+        """Standard deviation of the fitted curve: columns real part, imaginary part, ln of the magnitude, phase (rad)."""
+        return _fitting.response_deviation(self._values, self._options.get("realisation", EXACT), real_array(omega, "omega"))
+
+    def profile(self, parameter: str) -> tuple[float, float]:
+        """Interval of 95 % of a parameter that follows the cost itself; a side without end is infinite.
+
+        Raises
+        ------
+        RuntimeError
+            A refit went below the cost of the result, which is then no minimum.
+        """
+        lower, upper, better = _fitting.profile(self._data_arrays(), self._request(), self._values, parameter)
+        if better:
+            raise RuntimeError(f"a refit with {parameter} held went below the cost of the result; fit again with another seed")
+        return lower, upper
+
+    def bootstrap(self, samples: int = 200, *, threads: int = 0) -> dict[str, tuple[float, float]]:
+        """Intervals of 95 % of all parameters from refits to resampled residuals."""
+        found = _fitting.bootstrap(self._data_arrays(), self._request(), self._values, samples, threads)
+        return {p["name"]: (lower, upper) for p, (lower, upper, _) in zip(self._values["parameters"], found)}
+
+    def lack_of_fit(self) -> dict[str, Any]:
+        """Whether the fit follows the data to within their noise: adequate, misfit, p_value, noise, correlation."""
+        return _fitting.lack_of_fit(self._data_arrays(), self._request(), self._values)
+
+    def plot(self, **options: Any) -> Any:
+        """Data and fit in one picture, with matplotlib; see `fracfit.plots.plot_fit`."""
+        from .plots import plot_fit
+
+        return plot_fit(self, **options)
+
+    def _each(self, key: str) -> dict[str, Any]:
+        return {p["name"]: p[key] for p in self._values["parameters"]}
+
+    def _data_arrays(self) -> dict[str, Any]:
+        if self._data is None:
+            raise ValueError("this result has no data with it; those of identify() and batch() have them")
+        return self._data._arrays()
+
+    def _request(self) -> dict[str, Any]:
+        return {**self._options, "constraints": self._values["constraints"], "global_start": self._values["global_start"]}
+
+    def __getitem__(self, name: str) -> float:
+        values = self.parameters
+        if name not in values:
+            raise KeyError(f"{self.formula} has no parameter {name}")
+        return values[name]
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, FitResult):
+            return NotImplemented
+        skipped = {"seconds"}
+        mine, others = self._values, other._values
+        return mine.keys() == others.keys() and all(_alike(mine[key], others[key]) for key in mine if key not in skipped)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def _rows(self) -> list[tuple[Any, ...]]:
+        return [
+            (p["name"], p["value"], p["standard_error"], p["ci95_lower"], p["ci95_upper"], _remark(p))
+            for p in self._values["parameters"]
+        ]
+
+    def __repr__(self) -> str:
+        return self.summary()
+
+    def _repr_html_(self) -> str:
+        head = ["parameter", "value", "standard error", "from", "to (95 %)", ""]
+        return html_table(head, self._rows(), self.formula) + f"<p>{escaped(self.message)}</p>"
+
+
+def fit(
+    data: FrequencyResponse | TimeSeries,
+    model: Model | str,
+    *,
+    component: str = "both",
+    weight: str = "learned",
+    loss: str = "none",
+    fixed: Mapping[str, float] | None = None,
+    bounds: Mapping[str, tuple[float | None, float | None]] | None = None,
+    start: Mapping[str, float] | None = None,
+    realisation: Mapping[str, Any] | None = None,
+    noise_floor: float | None = None,
+    loss_scale: float | None = None,
+    seed: int = 1,
+    global_start: bool = True,
+    offset: float | None = None,
+    trend: bool = False,
+    earlier_input: bool = False,
+) -> FitResult:
+    """Fits the parameters of a structure to a frequency response, or to samples of input and output over time.
+
+    Parameters
+    ----------
+    data : FrequencyResponse or TimeSeries
+    model : Model or str
+        A model, a formula, the name of a preset (see `presets`) or of a family such as ``"rational:1..4"``.
+    component : {"both", "imaginary", "real", "magnitude", "phase"}
+        Part of a response that is fitted.  (The command line takes "imaginary" unless told otherwise.)
+    weight : {"learned", "relative", "absolute", "given", "smoothed-relative", "log-complex", "repeats"}
+        What residuals are divided by.  Over time the sigma of the record counts where it has one.
+    loss : {"none", "huber", "cauchy"}
+    fixed, bounds, start : mapping, optional
+        What is known of parameters beforehand; ``bounds={"K": (None, None)}`` lifts the limits of K.
+    realisation : mapping, optional
+        What stands for the powers of s, see `Model.frequency_response`.
+    seed : int
+        Of the multi-start; the same seed gives the same result.
+    global_start : bool
+        False: one local solve from the given starts.
+    offset, trend, earlier_input
+        Over time: what the output shows at rest (estimated if None), a drift, an unknown input before the record.
+
+    Returns
+    -------
+    FitResult
+
+    Raises
+    ------
+    ValueError
+        A name or number is wrong, or the data do not suffice.
+
+    Examples
+    --------
+    >>> import fracfit, numpy as np
+    >>> data = fracfit.Model("2/(0.5 s^0.7 + 1)").frequency_response(np.logspace(-1, 2, 20))
+    >>> fracfit.fit(data, "K/(T s^a + 1)", fixed={"K": 2}).standard_errors["K"]
+    0.0
+    """
+    name, starts = _structure(model)
+    options = {
+        "component": component,
+        "weight": weight,
+        "loss": loss,
+        "realisation": dict(realisation or EXACT),
+        "noise_floor": noise_floor,
+        "loss_scale": loss_scale,
+        "seed": seed,
+        "global_start": global_start,
+        "offset": offset,
+        "trend": trend,
+        "earlier_input": earlier_input,
+        "fixed": _numbers(fixed, "fixed"),
+        "bounds": _ranges(bounds),
+        "start": _starts(starts, start, fixed),
+    }
+    if isinstance(data, TimeSeries):
+        return FitResult(_fitting.fit_record(data._arrays(), name, options), data, options)
+    if not isinstance(data, FrequencyResponse):
+        raise ValueError(f"data are of the type {type(data).__name__}; expected FrequencyResponse or TimeSeries")
+    return FitResult(_fitting.fit_spectrum(data._arrays(), name, options), data, options)
+
+
+class BatchResult(Sequence[Any]):
+    """Fits of one structure to many data; a list of `FitResult`, with None where there is none.
+
+    Attributes
+    ----------
+    results : list of FitResult or None
+    errors : dict of int to str
+        Why there is none, by index.
+    """
+
+    def __init__(self, results: list[FitResult | None], errors: dict[int, str]) -> None:
+        self.results = results
+        self.errors = errors
+
+    @property
+    def parameters(self) -> dict[str, np.ndarray]:
+        """Values of each parameter over all data, NaN where there is none."""
+        return self._columns("parameters")
+
+    @property
+    def standard_errors(self) -> dict[str, np.ndarray]:
+        """Standard errors likewise."""
+        return self._columns("standard_errors")
+
+    @property
+    def usable(self) -> np.ndarray:
+        """Which fits converged."""
+        return np.array([result is not None and result.usable for result in self.results])
+
+    def _columns(self, attribute: str) -> dict[str, np.ndarray]:
+        columns: dict[str, np.ndarray] = {}
+        for i, result in enumerate(self.results):
+            for name, value in (getattr(result, attribute) if result is not None else {}).items():
+                columns.setdefault(name, np.full(len(self.results), math.nan))[i] = value
+        return columns
+
+    def __getitem__(self, index: Any) -> Any:
+        return self.results[index]
+
+    def __len__(self) -> int:
+        return len(self.results)
+
+    def __repr__(self) -> str:
+        return f"BatchResult({len(self)} fits, {int(self.usable.sum())} usable, {len(self.errors)} without a result)"
+
+    def _repr_html_(self) -> str:
+        columns = self.parameters
+        rows = [(i, *(column[i] for column in columns.values())) for i in range(min(len(self), 50))]
+        return html_table(["", *columns], rows, repr(self))
+
+
+def batch(
+    data: Sequence[FrequencyResponse],
+    model: Model | str,
+    *,
+    threads: int = 0,
+    progress: Any = None,
+    **options: Any,
+) -> BatchResult:
+    """Fits one structure to each of many frequency responses, in parallel.
+
+    Parameters
+    ----------
+    data : sequence of FrequencyResponse
+    model : Model or str
+    threads : int
+        0 for one per core; no influence on results.
+    progress : bool or function of (done, total), optional
+    **options
+        As of `fit`.
+
+    Examples
+    --------
+    >>> import fracfit, numpy as np
+    >>> omega = np.logspace(-1, 2, 20)
+    >>> curves = [fracfit.Model("K/(0.5 s^0.7 + 1)", K=k).frequency_response(omega) for k in (1, 2)]
+    >>> fracfit.batch(curves, "K/(T s^a + 1)").parameters["K"].round(9)
+    array([1., 2.])
+    """
+    curves = list(data)
+    for i, curve in enumerate(curves):
+        if not isinstance(curve, FrequencyResponse):
+            raise ValueError(f"data[{i}] is of the type {type(curve).__name__}; expected FrequencyResponse")
+    name, starts = _structure(model)
+    known = ("component", "weight", "loss", "realisation", "noise_floor", "loss_scale", "seed", "global_start")
+    request: dict[str, Any] = {"component": "both", "weight": "learned", "realisation": dict(EXACT)}
+    for key, value in options.items():
+        if key not in (*known, "fixed", "bounds", "start"):
+            raise ValueError(f"batch has no option {key}; expected {', '.join(known)}, fixed, bounds or start")
+        request[key] = value
+    request["fixed"] = _numbers(options.get("fixed"), "fixed")
+    request["bounds"] = _ranges(options.get("bounds"))
+    request["start"] = _starts(starts, options.get("start"), options.get("fixed"))
+    found = _fitting.fit_many([curve._arrays() for curve in curves], name, request, threads, reporter(progress, "batch"))
+    errors = {i: each for i, each in enumerate(found) if isinstance(each, str)}
+    results = [None if isinstance(each, str) else FitResult(each, curve, request) for each, curve in zip(found, curves)]
+    return BatchResult(results, errors)
+
+
+class Identification(_Record):
+    """Structures ranked on the same data, and what the data say of fractional orders.
+
+    Attributes
+    ----------
+    verdict : str
+        fractional-supported, fractional-not-supported, undecided or no-adequate-model.
+    verdict_sentence : str
+    evidence, log10_odds : float
+        For a fractional model.
+    ranking : list of dict
+        Best first: name, model_class, fit (`FitResult`), delta_aicc, akaike_weight, adequate, misfit.
+    chosen : int
+        Index of the simplest that is as good as the best.
+    skipped : list of str
+    usable : bool
+    """
+
+    @property
+    def best(self) -> FitResult:
+        """The chosen fit."""
+        return self.ranking[self.chosen]["fit"]  # type: ignore[attr-defined]
+
+    def __repr__(self) -> str:
+        return self.summary  # type: ignore[attr-defined, no-any-return]
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (each["name"], each["model_class"], each["delta_aicc"], each["akaike_weight"], each["fit"].rms)
+            for each in self.ranking  # type: ignore[attr-defined]
+        ]
+        return html_table(["model", "class", "delta AICc", "weight", "rms"], rows, self.verdict_sentence)  # type: ignore[attr-defined]
+
+
+def identify(
+    data: FrequencyResponse | TimeSeries,
+    models: Sequence[Model | str] = (),
+    *,
+    curves: Mapping[str, Any] | None = None,
+    threads: int = 0,
+    component: str = "both",
+    weight: str = "relative",
+    loss: str = "none",
+    realisation: Mapping[str, Any] | None = None,
+    seed: int = 1,
+    offset: float | None = None,
+    trend: bool = False,
+    earlier_input: bool = False,
+) -> Identification:
+    """Ranks structures on data and says whether they speak for a fractional order.
+
+    Parameters
+    ----------
+    data : FrequencyResponse or TimeSeries
+    models : sequence of Model or str
+        Formulas, presets and families such as ``"rational:1..8"``; all presets and families if empty.
+    curves : mapping of str to array_like, optional
+        Further candidates given by their values at the frequencies of the data.
+
+    Examples
+    --------
+    >>> import fracfit, numpy as np
+    >>> data = fracfit.Model("2/(0.5 s^0.7 + 1)").frequency_response(np.logspace(-1, 2, 20))
+    >>> fracfit.identify(data, ["fractional-lag", "lag"]).ranking[0]["name"]
+    'fractional-lag'
+    """
+    if not isinstance(data, (FrequencyResponse, TimeSeries)):
+        raise ValueError(f"data are of the type {type(data).__name__}; expected FrequencyResponse or TimeSeries")
+    names = [_structure(each)[0] for each in ([models] if isinstance(models, (str, Model)) else models)]
+    options = {
+        "component": component,
+        "weight": weight,
+        "loss": loss,
+        "realisation": dict(realisation or EXACT),
+        "seed": seed,
+        "offset": offset,
+        "trend": trend,
+        "earlier_input": earlier_input,
+    }
+    given = {name: complex_array(value, name) for name, value in (curves or {}).items()}
+    found = _fitting.identify(data._arrays(), names, given, options, threads)
+    for each in found["ranking"]:
+        each["fit"]["constraints"] = each.pop("constraints")
+        each["fit"]["global_start"] = not each["from_family"]
+        each["fit"] = FitResult(each["fit"], data, options)
+    return Identification(found)
+
+
+class Tuning(_Record):
+    """A controller found for a plant: gains kp, ki, kd, orders lambda_ and mu, and what its loop reaches.
+
+    Attributes
+    ----------
+    usable : bool
+        The closed loop is stable and the whole specification kept.
+    specification : list of tuple
+        Name, asked, reached, met.
+    phase_margin, phase_slope : float
+        rad, rad per e-fold.
+    crossover, gain_margin, max_sensitivity, max_complementary_sensitivity, iae, itae : float
+    """
+
+    @property
+    def model(self) -> Model:
+        """The controller as a transfer function."""
+        return Model(self.controller)  # type: ignore[attr-defined]
+
+    def pid(self, sample_time: float, band: tuple[float, float] | None = None, **options: Any) -> FractionalPid:
+        """The controller as it runs in a loop; options as of `FractionalPid`."""
+        gains = {name: getattr(self, name) for name in ("kp", "ki", "kd", "lambda_", "mu", "derivative_filter_time")}
+        return FractionalPid(**gains, sample_time=sample_time, band=band, **options)
+
+    def __repr__(self) -> str:
+        return self.summary  # type: ignore[attr-defined, no-any-return]
+
+
+def tune(
+    plant: Model | str,
+    *,
+    crossover: float | None = None,
+    phase_margin: float | None = None,
+    flat_phase: bool = False,
+    max_sensitivity: float = math.inf,
+    max_complementary_sensitivity: float = math.inf,
+    high_frequency: tuple[float, float] | None = None,
+    low_frequency: tuple[float, float] | None = None,
+    structure: str = "pid",
+    lambda_: float | tuple[float, float] = (0.1, 1.9),
+    mu: float | tuple[float, float] = (0.1, 1.9),
+    derivative_filter_time: float = 0.0,
+    minimise: str = "sensitivity",
+    load_step: bool = False,
+    horizon: float = 0.0,
+    seed: int = 1,
+) -> Tuning:
+    """Gains and orders of a fractional PID for a plant.
+
+    Parameters
+    ----------
+    plant : Model or str
+    crossover : float, optional
+        rad/s where ``|L| = 1``.
+    phase_margin : float, optional
+        rad, there.
+    flat_phase : bool
+        No slope of the phase there.
+    max_sensitivity, max_complementary_sensitivity : float
+    high_frequency, low_frequency : (float, float), optional
+        (omega, gain): ``|T| <= gain`` from omega on; ``|S| <= gain`` up to omega.
+    structure : {"pid", "pi", "pd"}
+    lambda_, mu : float or (float, float)
+        Orders, held or within a range.
+    minimise : {"sensitivity", "iae", "itae"}
+        The integrals are of a step response of length `horizon` (s).
+
+    Examples
+    --------
+    >>> import fracfit, math
+    >>> found = fracfit.tune("1/(s^1.5 + s)", crossover=1.0, phase_margin=math.radians(60), structure="pi")
+    >>> found.usable, round(math.degrees(found.phase_margin), 6)
+    (True, 60.0)
+    """
+    model = plant if isinstance(plant, Model) else Model(plant)
+    specification = {
+        "crossover": crossover,
+        "phase_margin": phase_margin,
+        "flat_phase": flat_phase,
+        "max_sensitivity": number(max_sensitivity, "max_sensitivity"),
+        "max_complementary_sensitivity": number(max_complementary_sensitivity, "max_complementary_sensitivity"),
+        "high_frequency": high_frequency,
+        "low_frequency": low_frequency,
+    }
+    options = {
+        "structure": structure,
+        "lambda_": _range(lambda_, "lambda_"),
+        "mu": _range(mu, "mu"),
+        "derivative_filter_time": number(derivative_filter_time, "derivative_filter_time"),
+        "minimise": minimise,
+        "load_step": load_step,
+        "horizon": number(horizon, "horizon"),
+        "seed": seed,
+    }
+    return Tuning(_fitting.tune(model._tf, specification, options))
+
+
+class SceneIdentification(_Record):
+    """Masses, clearance and restitution from measured describing functions.
+
+    Attributes
+    ----------
+    parameters, combinations : list of dict
+        Estimates with name, unit, value, standard_error, ci95_lower, ci95_upper, fixed, at_bound, identified.
+    free_directions : list of str
+        What the data leave free, a sentence each.
+    curve, omega, used, response : ndarray
+        Of each point: which curve it is of, its frequency, whether it was used, and the fitted value.
+    usable : bool
+    message : str
+    """
+
+    def __getitem__(self, name: str) -> float:
+        for each in (*self.parameters, *self.combinations):  # type: ignore[attr-defined]
+            if each["name"] == name:
+                return each["value"]
+        raise KeyError(f"a scene has no quantity {name}")
+
+    def __repr__(self) -> str:
+        lines = [f"  {each['name']} = {short(each['value'])} {each['unit']} +- {short(each['standard_error'])}" for each in self.parameters]  # type: ignore[attr-defined]
+        return "\n".join(["SceneIdentification:", *lines, *self.free_directions, self.message])  # type: ignore[attr-defined]
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (each["name"], each["unit"], each["value"], each["standard_error"], each["ci95_lower"], each["ci95_upper"])
+            for each in (*self.parameters, *self.combinations)  # type: ignore[attr-defined]
+        ]
+        return html_table(["", "unit", "value", "standard error", "from", "to (95 %)"], rows, self.message)  # type: ignore[attr-defined]
+
+
+def identify_scene(
+    curves: Sequence[FrequencyResponse],
+    force: Any,
+    *,
+    fixed: Mapping[str, float] | None = None,
+    bounds: Mapping[str, tuple[float | None, float | None]] | None = None,
+    body: str = "x1",
+    component: str = "both",
+    weight: str = "relative",
+    threads: int = 0,
+) -> SceneIdentification:
+    """Estimates masses, clearance and restitution from describing functions of two masses with backlash.
+
+    Parameters
+    ----------
+    curves : sequence of FrequencyResponse
+        N in m/N, one for each force amplitude.
+    force : array_like
+        Those amplitudes, N.
+    fixed, bounds : mapping, optional
+        Of mass1, mass2 (kg), clearance (m) and restitution.  From x1 one mass or the clearance has to be fixed.
+    body : {"x1", "x2"}
+        Whose position was measured.
+    component : {"both", "real", "imaginary"}
+    weight : {"relative", "given", "absolute"}
+
+    Examples
+    --------
+    >>> import fracfit, numpy as np
+    >>> omega = np.linspace(15, 35, 21)
+    >>> curves = [fracfit.describing_function(omega, restitution=0.6, force=f, clearance=0.3).data() for f in (20, 40)]
+    >>> found = fracfit.identify_scene(curves, [20, 40], fixed={"mass1": 1})
+    >>> round(found["restitution"], 6), round(found["clearance"], 6)
+    (0.6, 0.3)
+    """
+    curves = [curves] if isinstance(curves, FrequencyResponse) else list(curves)
+    forces = real_array(np.atleast_1d(force), "force")
+    if forces.size != len(curves):
+        raise ValueError(f"force has {forces.size} entries for {len(curves)} curves")
+    request = {
+        "fixed": _numbers(fixed, "fixed"),
+        "bounds": _ranges(bounds),
+        "start": {},
+        "body": body,
+        "component": component,
+        "weight": weight,
+        "threads": threads,
+    }
+    return SceneIdentification(_fitting.identify_scene([curve._arrays() for curve in curves], forces.tolist(), request))
+
+
+class CustomCircuit:
+    """A circuit fitted to an impedance, in the manner of impedance.py; frequencies are in Hz.
+
+    Parameters
+    ----------
+    circuit : str
+        A formula of s such as ``"R0 + R1/(1 + R1 Q1 s^n1)"``, or the name of a preset.
+    initial_guess : mapping of str to float, optional
+        Starts of some parameters; none is needed.
+    **options
+        As of `fit`.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from fracfit import CustomCircuit, Model
+    >>> f = np.logspace(-2, 4, 40)
+    >>> Z = Model("0.02 + 0.03/(1 + 0.03*0.5 s^0.85)")(2j * np.pi * f)
+    >>> circuit = CustomCircuit("R0 + R1/(1 + R1 Q1 s^n1)").fit(f, Z)
+    >>> [round(value, 9) for value in circuit.parameters_]
+    [0.02, 0.03, 0.5, 0.85]
+    >>> bool(np.allclose(circuit.predict(f), Z))
+    True
+    """
+
+    def __init__(self, circuit: str, initial_guess: Mapping[str, float] | None = None, **options: Any) -> None:
+        self.circuit = circuit
+        self.initial_guess = dict(initial_guess or {})
+        self.options = options
+        self.result_: FitResult | None = None
+
+    def fit(self, frequencies: Any, impedance: Any, sigma: Any = None, **options: Any) -> CustomCircuit:
+        """Fits the circuit and returns it; options as of `fracfit.fit`."""
+        data = FrequencyResponse.from_hz(frequencies, impedance, sigma, unit="ohm")
+        self.result_ = fit(data, self.circuit, **{"start": self.initial_guess, **self.options, **options})
+        return self
+
+    def _fitted(self) -> FitResult:
+        if self.result_ is None:
+            raise RuntimeError("the circuit has not been fitted; call fit(f, Z) first")
+        return self.result_
+
+    @property
+    def parameters_(self) -> np.ndarray:
+        """Values, in order of appearance."""
+        return np.array(list(self._fitted().parameters.values()))
+
+    @property
+    def conf_(self) -> np.ndarray:
+        """Standard errors."""
+        return np.array(list(self._fitted().standard_errors.values()))
+
+    def get_param_names(self) -> list[str]:
+        """Names, in order of appearance."""
+        return list(self._fitted().parameters)
+
+    def predict(self, frequencies: Any) -> np.ndarray:
+        """Impedance at frequencies in Hz, in any order."""
+        return self._fitted().predict(2 * np.pi * real_array(frequencies, "frequencies"))
+
+    def plot(self, **options: Any) -> Any:
+        """Data and fit in a Nyquist diagram of the impedance, -Im upwards."""
+        return self._fitted().plot(**{"kind": "nyquist", "negative": True, **options})
+
+    def __repr__(self) -> str:
+        return f"CustomCircuit({self.circuit!r})" + ("" if self.result_ is None else f"\n{self.result_!r}")
+
+
+def presets() -> dict[str, str]:
+    """Formulas of the model library by name.
+
+    Examples
+    --------
+    >>> import fracfit
+    >>> fracfit.presets()["power-law"]
+    'K s^a'
+    """
+    return {name: formula for name, formula, _ in _fitting.presets()}
+
+
+def _structure(model: Model | str) -> tuple[str, dict[str, float]]:
+    if isinstance(model, Model):
+        return model.formula, model.parameters
+    if not isinstance(model, str):
+        raise ValueError(f"model is of the type {type(model).__name__}; expected a Model, a formula or the name of a preset")
+    return model, {}
+
+
+def _starts(starts: Mapping[str, float], start: Any, fixed: Any) -> dict[str, float]:
+    both = set(start or {}) & set(fixed or {})
+    if both:
+        raise ValueError(f"parameter {sorted(both)[0]} is fixed, so it takes no start")
+    return {**starts, **_numbers(start, "start")}
+
+
+def _numbers(given: Mapping[str, float] | None, what: str) -> dict[str, float]:
+    return {name: number(value, f"{what} {name}") for name, value in (given or {}).items()}
+
+
+def _ranges(given: Mapping[str, tuple[float | None, float | None]] | None) -> dict[str, tuple[float | None, float | None]]:
+    ranges = {}
+    for name, pair in (given or {}).items():
+        try:
+            lower, upper = pair
+        except (TypeError, ValueError):
+            raise ValueError(f"bounds of {name} are {pair!r}; expected (lower, upper), None where there is none") from None
+        ranges[name] = (
+            None if lower is None else number(lower, f"bounds {name}"),
+            None if upper is None else number(upper, f"bounds {name}"),
+        )
+    return ranges
+
+
+def _range(value: Any, name: str) -> tuple[float, float]:
+    if np.ndim(value) == 0:
+        return number(value, name), number(value, name)
+    lower, upper = value
+    return number(lower, name), number(upper, name)
+
+
+def _remark(parameter: Mapping[str, Any]) -> str:
+    if parameter["fixed"]:
+        return "fixed"
+    if parameter["at_bound"]:
+        return "at bound"
+    return "" if parameter["identified"] else "not identified"
+
+
+def _alike(a: Any, b: Any) -> bool:
+    if isinstance(a, dict) and isinstance(b, dict):
+        return a.keys() == b.keys() and all(_alike(a[key], b[key]) for key in a)
+    if isinstance(a, (list, tuple)) and isinstance(b, (list, tuple)):
+        return len(a) == len(b) and all(map(_alike, a, b))
+    return _equal(a, b)

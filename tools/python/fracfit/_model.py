@@ -1,0 +1,590 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Models given by a formula of s: responses, poles, margins, algebra, realisations."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Iterator, Mapping
+
+import numpy as np
+
+from . import _core
+from ._arrays import complex_array, number, real_array
+from ._data import FrequencyResponse, TimeSeries
+from ._text import escaped, html_table, short
+
+EXACT = {"name": "exact"}
+
+
+class _Record:
+    """Named values of a result, as attributes; prints and pickles."""
+
+    def __init__(self, values: Mapping[str, Any]) -> None:
+        self.__dict__.update(values)
+
+    def __eq__(self, other: object) -> bool:
+        if type(other) is not type(self):
+            return NotImplemented
+        mine, others = self.__dict__, other.__dict__
+        return mine.keys() == others.keys() and all(_equal(mine[key], others[key]) for key in mine)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        lines = [f"  {name} = {_shown(value)}" for name, value in self.__dict__.items() if name != "summary"]
+        return f"{type(self).__name__}:\n" + "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        rows = [(name, _shown(value)) for name, value in self.__dict__.items() if name != "summary"]
+        return html_table(["", ""], rows, type(self).__name__)
+
+
+class Stability(_Record):
+    """Stability and poles of a model.
+
+    Attributes
+    ----------
+    stability : str
+        stable, marginal, unstable, integrating, differentiating or undetermined.
+    poles : ndarray of complex
+        Roots of the denominator with ``|arg s| <= pi``, rad/s; of a pair the one above the real axis.
+    multiplicity, cancelled : ndarray
+        Of each pole.
+    commensurate_order : float or None
+    remark : str
+        Why it is undetermined, else empty.
+    """
+
+
+class Margins(_Record):
+    """Margins of a loop.
+
+    Attributes
+    ----------
+    gain_margin, gain_reduction : float
+        The factors above and below 1 nearest to it that put a closed-loop pole on the imaginary axis.
+    phase_margin : float
+        rad.
+    delay_margin : float
+        s.
+    phase_crossovers : ndarray
+        Rows of frequency (rad/s) and factor where the loop is real and negative.
+    gain_crossovers : ndarray
+        Rows of frequency (rad/s) and phase margin (rad) where its modulus is 1.
+    remark : str
+    """
+
+
+class Realisation(_Record):
+    """State space that stands for a model on a band; ``realisation.ss`` goes into `scipy.signal` and python-control.
+
+    Attributes
+    ----------
+    A, B, C, D : ndarray
+    delay : float
+        Dead time that belongs in front, s.
+    max_relative_error, omega_at_maximum : float
+        Largest ``|H/G - 1|`` on the band, measured, and where (rad/s).
+    usable : bool
+        The tolerance is kept.
+    """
+
+    @property
+    def ss(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """(A, B, C, D)."""
+        return self.A, self.B, self.C, self.D  # type: ignore[attr-defined]
+
+
+class Approximation(_Record):
+    """Zeros, poles and gain that stand for a power of s on a band: ``gain s^integer_order prod(s - z)/prod(s - p)``."""
+
+    @property
+    def zpk(self) -> tuple[np.ndarray, np.ndarray, float]:
+        """(zeros, poles, gain) with the whole power of s as roots at 0, as `scipy.signal` takes them."""
+        at_zero = np.zeros(abs(self.integer_order))  # type: ignore[attr-defined]
+        zeros, poles = self.zeros, self.poles  # type: ignore[attr-defined]
+        if self.integer_order > 0:  # type: ignore[attr-defined]
+            zeros = np.concatenate([zeros, at_zero])
+        else:
+            poles = np.concatenate([poles, at_zero])
+        return zeros, poles, self.gain  # type: ignore[attr-defined]
+
+
+class TimeResponse(_Record):
+    """Answer of a model over time; ``t, y = response`` takes it apart.
+
+    Attributes
+    ----------
+    time, output : ndarray
+    method : str
+        How it was computed.
+    error_estimate : float
+        Absolute.
+    meets_tolerance : bool
+    """
+
+    def __iter__(self) -> Iterator[np.ndarray]:
+        return iter((self.time, self.output))  # type: ignore[attr-defined]
+
+
+class Model:
+    """A model as a formula of s with named parameters.
+
+    Parameters
+    ----------
+    formula : str
+        Numbers, names, s, ``+ - * / ^``, parentheses, products by juxtaposition, exp, log, sqrt, sinh, cosh, tanh, coth,
+        sech.  ``exp(-L s)`` is a dead time.
+    **parameters : float
+        Values of its parameters.  Those left out have to be fitted first; in a fit the others start there.
+
+    Raises
+    ------
+    ValueError
+        The formula does not parse (with a caret under the place), or has no such parameter.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from fracfit import Model
+    >>> lag = Model("K/(T s^a + 1)", K=2, T=0.5, a=0.7)
+    >>> lag
+    Model('K/(T s^a + 1)', K=2, T=0.5, a=0.7)
+    >>> omega, response = lag.frequency_response([1.0, 10.0])
+    >>> response.round(4)
+    array([1.4401-0.5229j, 0.4474-0.4674j])
+    >>> lag(1j).round(4)
+    (1.4401-0.5229j)
+    >>> (lag * Model("1/s")).feedback().is_stable()
+    True
+    """
+
+    def __init__(self, formula: str | Model, **parameters: float) -> None:
+        if isinstance(formula, Model):
+            parameters = {**formula.parameters, **parameters}
+            formula = formula.formula
+        if not isinstance(formula, str):
+            raise ValueError(f"formula is of the type {type(formula).__name__}; expected a text such as 'K/(T s^a + 1)'")
+        self._structure = _core.Structure(formula)
+        self._transfer_function: Any = None
+        names = self._structure.parameter_names
+        unknown = [name for name in parameters if name not in names]
+        if unknown:
+            known = ", ".join(names) if names else "none"
+            raise ValueError(f"{formula} has no parameter {unknown[0]}; its parameters: {known}")
+        self._parameters = {name: number(parameters[name], name) for name in names if name in parameters}
+
+    @property
+    def formula(self) -> str:
+        """As it was given."""
+        return self._structure.formula
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Values of those parameters that have one, in order of appearance."""
+        return dict(self._parameters)
+
+    @property
+    def parameter_names(self) -> list[str]:
+        """All parameters in order of appearance."""
+        return list(self._structure.parameter_names)
+
+    @property
+    def grouped(self) -> str:
+        """The formula as it was understood.
+
+        Examples
+        --------
+        >>> from fracfit import Model
+        >>> Model("K/(T s + 1) exp(-L s)").grouped
+        '(K/(T s + 1)) exp(-L s)'
+        """
+        return self._structure.grouped
+
+    @property
+    def numerator(self) -> list[tuple[float, float]]:
+        """Terms (coefficient, order), by falling order.
+
+        Examples
+        --------
+        >>> from fracfit import Model
+        >>> Model("(s^0.5 + 2)/(s + 1)").numerator
+        [(1.0, 0.5), (2.0, 0.0)]
+        """
+        return self._tf.numerator
+
+    @property
+    def denominator(self) -> list[tuple[float, float]]:
+        """Terms (coefficient, order), by falling order."""
+        return self._tf.denominator
+
+    @property
+    def delay(self) -> float:
+        """Dead time, s."""
+        return self._tf.delay
+
+    @property
+    def is_fractional(self) -> bool:
+        """Whether s stands under a power that is not whole, or whose order is a parameter."""
+        return self._structure.is_fractional
+
+    def with_parameters(self, **parameters: float) -> Model:
+        """The same formula with these values.
+
+        Examples
+        --------
+        >>> from fracfit import Model
+        >>> Model("K/s^a", K=1, a=0.5).with_parameters(a=0.6)
+        Model('K/s^a', K=1, a=0.6)
+        """
+        return Model(self.formula, **{**self._parameters, **parameters})
+
+    def _values(self) -> list[float]:
+        missing = [name for name in self._structure.parameter_names if name not in self._parameters]
+        if missing:
+            raise ValueError(f"{self.formula} has no value for {', '.join(missing)}; give them, or fit the model first")
+        return [self._parameters[name] for name in self._structure.parameter_names]
+
+    @property
+    def _tf(self) -> Any:
+        if self._transfer_function is None:
+            self._transfer_function = self._structure.transfer_function(self._values())
+        return self._transfer_function
+
+    def __call__(self, s: Any) -> Any:
+        """Value at complex s (rad/s), with the principal values of the powers; at ``1j*omega`` that of the formula.
+
+        Returns
+        -------
+        complex or ndarray of the shape of s
+        """
+        shape = np.shape(s)
+        points = complex_array(s, "s", ())
+        if np.all((points.real == 0) & (points.imag > 0)):
+            values = self._structure.response(self._values(), np.ascontiguousarray(points.imag), EXACT)
+        else:
+            values = self._tf.values_at(points)
+        return values.reshape(shape) if shape else values[0]
+
+    def frequency_response(self, omega: Any, *, realisation: Mapping[str, Any] | None = None) -> FrequencyResponse:
+        """Response at angular frequencies.
+
+        Parameters
+        ----------
+        omega : array_like
+            rad/s, > 0, in any order; the answer is sorted.
+        realisation : mapping, optional
+            What stands for the powers of s: ``{"name": "oustaloup", "band": (1e-2, 1e3), "poles": 9}``, "ladder", or
+            ``{"name": "grunwald-letnikov", "sample_time": 1e-3, "memory": 0}``.  Exact if not given.
+
+        Returns
+        -------
+        FrequencyResponse
+            ``omega, response = ...`` takes it apart.
+        """
+        omega = real_array(omega, "omega")
+        values = self._structure.response(self._values(), omega, dict(realisation or EXACT))
+        return FrequencyResponse(omega, values)
+
+    def poles(self) -> np.ndarray:
+        """Poles on the principal sheet, rad/s, both members of each pair.
+
+        Examples
+        --------
+        >>> from fracfit import Model
+        >>> Model("1/(s^2 + 2 s + 5)").poles()
+        array([-1.+2.j, -1.-2.j])
+        """
+        found = self._tf.stability()
+        all_poles = []
+        for pole, times in zip(found["poles"], found["multiplicity"]):
+            pair = [pole] if pole.imag == 0 else [pole, pole.conjugate()]
+            all_poles.extend(p for p in pair for _ in range(times))
+        return np.array(all_poles, dtype=complex)
+
+    def stability(self) -> Stability:
+        """Poles, their multiplicity, and what they say."""
+        return Stability(self._tf.stability())
+
+    def is_stable(self) -> bool:
+        """Whether a bounded input has a bounded output.
+
+        Raises
+        ------
+        RuntimeError
+            The poles could not be counted.
+        """
+        found = self._tf.stability()
+        if found["stability"] == "undetermined":
+            raise RuntimeError(f"the stability of {self.formula} is undetermined: {found['remark']}")
+        return found["stability"] == "stable"
+
+    def margins(self) -> Margins:
+        """Gain, phase and delay margin of the model as a loop.
+
+        Examples
+        --------
+        >>> from fracfit import Model
+        >>> margins = Model("2/(s (s + 1)^2)").margins()
+        >>> round(margins.gain_margin, 6)
+        1.0
+        """
+        return Margins(self._tf.margins())
+
+    def closed_loop_stability(self) -> str:
+        """Stability under unity feedback, dead time included: stable, marginal, unstable or undetermined."""
+        return self._tf.closed_loop()[0]
+
+    def h2_norm(self) -> float:
+        """``sqrt(1/pi int |G|^2 d omega)``; infinite for a model that is not stable."""
+        return self._tf.h2_norm()
+
+    def hinf_norm(self) -> tuple[float, float]:
+        """Largest ``|G|`` and where (rad/s)."""
+        return self._tf.peak_gain()
+
+    def step(self, time: Any, *, tolerance: float = 1e-9, method: str = "auto") -> TimeResponse:
+        """Answer to a unit step at 0.
+
+        Parameters
+        ----------
+        time : array_like
+            Instants, s, rising.
+        tolerance : float
+            Over the largest output.
+        method : {"auto", "reference", "exponential-sum", "grunwald-letnikov", "bdf2", "ladder"}
+
+        Examples
+        --------
+        >>> from fracfit import Model
+        >>> t, y = Model("1/(s + 1)").step([0, 1, 2])
+        >>> y.round(6)
+        array([0.      , 0.632121, 0.864665])
+        """
+        return self._respond("step", 0.0, time, tolerance, method)
+
+    def impulse(self, time: Any, *, tolerance: float = 1e-9, method: str = "auto") -> TimeResponse:
+        """Answer to a unit impulse at 0; see `step`."""
+        return self._respond("impulse", 0.0, time, tolerance, method)
+
+    def ramp(self, time: Any, *, tolerance: float = 1e-9, method: str = "auto") -> TimeResponse:
+        """Answer to the input t; see `step`."""
+        return self._respond("ramp", 0.0, time, tolerance, method)
+
+    def sine(self, time: Any, omega: float, *, tolerance: float = 1e-9, method: str = "auto") -> TimeResponse:
+        """Answer to ``sin(omega t)`` from rest, omega in rad/s; see `step`."""
+        return self._respond("sine", number(omega, "omega"), time, tolerance, method)
+
+    def _respond(self, kind: str, omega: float, time: Any, tolerance: float, method: str) -> TimeResponse:
+        time = real_array(time, "time")
+        found = _core.respond_named(self._tf, kind, omega, time, tolerance, method)
+        return _time_response(time, found)
+
+    def respond(
+        self,
+        time: Any,
+        input: Any = None,
+        *,
+        hold: str = "zero-order",
+        at: Any = None,
+        tolerance: float = 1e-9,
+        method: str = "auto",
+    ) -> TimeResponse:
+        """Answer to any input given by samples, from rest.
+
+        Parameters
+        ----------
+        time : array_like or TimeSeries
+            Instants of the samples, s, rising; or a record, whose input is taken.
+        input : array_like
+            Samples.
+        hold : {"zero-order", "first-order"}
+            How the input runs between them.
+        at : array_like, optional
+            Instants of the answer; those of the samples if not given.
+
+        Examples
+        --------
+        >>> from fracfit import Model
+        >>> t, y = Model("1/s^0.5").respond([0, 1, 2, 3], [1, 1, 0, 0])
+        >>> y.round(4)  # 2/sqrt(pi) (sqrt(t) - sqrt(t - 2))
+        array([0.    , 1.1284, 1.5958, 0.826 ])
+        """
+        if isinstance(time, TimeSeries):
+            time, input, hold = time.time, time.input, time.hold
+        if hold not in ("zero-order", "first-order"):
+            raise ValueError(f"hold is {hold!r}; expected zero-order or first-order")
+        time = real_array(time, "time")
+        input = real_array(input, "input", time.shape)
+        instants = time if at is None else real_array(at, "at")
+        found = _core.respond_sampled(self._tf, time, input, hold, instants, tolerance, method)
+        return _time_response(instants, found)
+
+    def realise(self, band: tuple[float, float], tolerance: float = 1e-3, *, method: str = "joint") -> Realisation:
+        """State space with the fewest states that keeps a tolerance on a band.
+
+        Parameters
+        ----------
+        band : (float, float)
+            rad/s.
+        tolerance : float
+            Largest ``|H/G - 1|``.
+        method : {"joint", "term-by-term"}
+
+        Examples
+        --------
+        >>> from fracfit import Model
+        >>> small = Model("1/(s^0.5 + 1)").realise((0.01, 100), 1e-2)
+        >>> small.max_relative_error < 1e-2
+        True
+        """
+        lower, upper = (number(each, "band") for each in band)
+        return Realisation(_core.realise(self._tf, lower, upper, tolerance, method))
+
+    def simplified(self) -> Model:
+        """The same function of s with fewer terms where it has them."""
+        return _model_of(self._tf.simplified())
+
+    def feedback(self, other: Model | float = 1, sign: int = -1) -> Model:
+        """Closed loop ``self/(1 - sign self other)``.
+
+        Examples
+        --------
+        >>> from fracfit import Model
+        >>> Model("1/s^0.5").feedback()
+        Model('1/(s^0.5 + 1)')
+        """
+        if sign not in (-1, 1):
+            raise ValueError(f"sign is {sign!r}; expected -1 for negative or 1 for positive feedback")
+        back = _transfer_function(other)
+        if sign == 1:
+            back = _core.TransferFunction.parse("-1").multiply(back)
+        return _model_of(self._tf.feedback(back))
+
+    def _combined(self, operation: str, other: Any, *, swapped: bool = False) -> Any:
+        if not isinstance(other, (Model, int, float, np.number)):
+            return NotImplemented
+        a, b = self._tf, _transfer_function(other)
+        return _model_of(getattr(b, operation)(a) if swapped else getattr(a, operation)(b))
+
+    def __add__(self, other: Any) -> Any:
+        return self._combined("add", other)
+
+    def __radd__(self, other: Any) -> Any:
+        return self._combined("add", other, swapped=True)
+
+    def __sub__(self, other: Any) -> Any:
+        return self._combined("subtract", other)
+
+    def __rsub__(self, other: Any) -> Any:
+        return self._combined("subtract", other, swapped=True)
+
+    def __mul__(self, other: Any) -> Any:
+        return self._combined("multiply", other)
+
+    def __rmul__(self, other: Any) -> Any:
+        return self._combined("multiply", other, swapped=True)
+
+    def __truediv__(self, other: Any) -> Any:
+        return self._combined("divide", other)
+
+    def __rtruediv__(self, other: Any) -> Any:
+        return self._combined("divide", other, swapped=True)
+
+    def __neg__(self) -> Any:
+        return self._combined("multiply", -1)
+
+    def fit(self, data: Any, **options: Any) -> Any:
+        """Fits the parameters to a frequency response or a record over time; see `fracfit.fit`.
+
+        Those parameters that have values start there.
+        """
+        from . import fit
+
+        return fit(data, self, **options)
+
+    # Numbers of numpy leave products with models to the models.
+    __array_ufunc__ = None
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Model):
+            return NotImplemented
+        return self.formula == other.formula and self._parameters == other._parameters
+
+    def __hash__(self) -> int:
+        return hash((self.formula, tuple(self._parameters.items())))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _restored, (self.formula, self._parameters)
+
+    def __repr__(self) -> str:
+        values = "".join(f", {name}={value:.6g}" for name, value in self._parameters.items())
+        return f"Model({self.formula!r}{values})"
+
+    def _repr_html_(self) -> str:
+        rows = [(name, self._parameters.get(name, math.nan)) for name in self.parameter_names]
+        return f"<code>{escaped(self.formula)}</code>" + (html_table(["parameter", "value"], rows) if rows else "")
+
+
+def approximate(
+    order: float,
+    band: tuple[float, float],
+    *,
+    tolerance: float | None = None,
+    poles: int | None = None,
+    method: str = "ladder",
+) -> Approximation:
+    """Rational approximation of ``s^order`` on a band.
+
+    Parameters
+    ----------
+    order : float
+    band : (float, float)
+        rad/s.
+    tolerance : float, optional
+        Largest relative error to keep with the fewest poles; or
+    poles : int, optional
+        Their number.
+    method : {"ladder", "oustaloup", "oustaloup-widened", "refined-oustaloup", "matsuda", "carlson", "cfe", "charef"}
+
+    Examples
+    --------
+    >>> import fracfit
+    >>> half = fracfit.approximate(0.5, (0.01, 100), tolerance=1e-3)
+    >>> half.max_relative_error < 1e-3
+    True
+    """
+    lower, upper = (number(each, "band") for each in band)
+    return Approximation(_core.approximate(number(order, "order"), lower, upper, tolerance, poles, method))
+
+
+def _restored(formula: str, parameters: dict[str, float]) -> Model:
+    return Model(formula, **parameters)
+
+
+def _model_of(transfer_function: Any) -> Model:
+    return Model(transfer_function.formula)
+
+
+def _transfer_function(value: Any) -> Any:
+    if isinstance(value, Model):
+        return value._tf
+    return _core.TransferFunction.parse(f"{number(value, 'factor'):.17g}")
+
+
+def _time_response(time: np.ndarray, found: dict[str, Any]) -> TimeResponse:
+    return TimeResponse({"time": time, **found})
+
+
+def _equal(a: Any, b: Any) -> bool:
+    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
+        return np.array_equal(a, b, equal_nan=np.asarray(a).dtype.kind in "fc")
+    return a == b or (isinstance(a, float) and isinstance(b, float) and math.isnan(a) and math.isnan(b))
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, np.ndarray) and value.size > 6:
+        return f"array of {value.dtype} of the shape {value.shape}"
+    if isinstance(value, (list, tuple)) and len(value) > 6:
+        return f"{len(value)} entries"
+    return short(value)

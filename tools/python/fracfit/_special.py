@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Mittag-Leffler function and fractional derivatives of samples."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from . import _core
+from ._arrays import complex_array, number, real_array
+
+
+def mittag_leffler(alpha: Any, beta: Any, z: Any, *, derivative: bool = False) -> Any:
+    """Mittag-Leffler function ``sum_k z^k / Gamma(alpha k + beta)``, or its derivative by z.
+
+    Parameters
+    ----------
+    alpha, beta : array_like
+        Orders, ``0 < alpha <= 100`` and ``|beta| <= 50``.
+    z : array_like of float or complex
+        Arguments; the three are broadcast against each other.
+    derivative : bool
+
+    Returns
+    -------
+    float, complex or ndarray
+
+    Examples
+    --------
+    >>> from fracfit import mittag_leffler
+    >>> round(mittag_leffler(1, 1, -1.0), 12), round(mittag_leffler(0.5, 1, -3.0), 12)
+    (0.367879441171, 0.179001151181)
+    >>> mittag_leffler(0.5, 1, [-3, -2, -1]).round(6)
+    array([0.179001, 0.255396, 0.427584])
+    """
+    is_complex = np.iscomplexobj(z)
+    convert = complex_array if is_complex else real_array
+    points = convert(z, "z", ())
+    shapes = np.shape(alpha), np.shape(beta), np.shape(z)
+    shape = np.broadcast_shapes(*shapes)
+    if shapes[:2] == ((), ()) and not derivative and shape:
+        values = _core.mittag_leffler_points(number(alpha, "alpha"), number(beta, "beta"), points)
+        return values.reshape(shape)
+
+    def spread(array: np.ndarray, own: tuple[int, ...]) -> np.ndarray:
+        return np.ascontiguousarray(np.broadcast_to(array.reshape(own), shape)).reshape(-1)
+
+    orders = [spread(real_array(each, name, ()), own) for each, name, own in zip((alpha, beta), ("alpha", "beta"), shapes)]
+    values = _core.mittag_leffler(*orders, spread(points, shapes[2]), derivative)
+    return values.reshape(shape) if shape else values[0].item()
+
+
+def derivative(samples: Any, order: float, sample_time: float, *, tolerance: float = 1e-12) -> np.ndarray:
+    """Fractional derivative (order > 0) or integral (order < 0) of samples that were 0 before the first.
+
+    By the Gruenwald-Letnikov sum with its whole memory, at a cost per sample that does not grow.
+
+    Parameters
+    ----------
+    samples : array_like
+    order : float
+        -20 to 20.
+    sample_time : float
+        s.
+    tolerance : float
+        Largest relative error of a weight of the sum.
+
+    Examples
+    --------
+    >>> import fracfit
+    >>> fracfit.derivative([1, 1, 1, 1], 0.5, 1.0)
+    array([1.    , 0.5   , 0.375 , 0.3125])
+    """
+    return _core.derivative(real_array(samples, "samples"), number(order, "order"), number(sample_time, "sample_time"), tolerance)

@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "frac/identification/fit.hpp"
+
+#include <string>
+#include <variant>
+
+#include "arrays.hpp"
+#include "fit_request.hpp"
+#include "frac/cancellation.hpp"
+#include "frac/identification/lack_of_fit.hpp"
+#include "frac/identification/uncertainty.hpp"
+#include "parts.hpp"
+#include "realisation_choice.hpp"
+#include "run.hpp"
+
+namespace python {
+namespace {
+
+// A fit with the constraints and the kind of start it was made with.
+struct Fitted {
+  frac::FitResult result;
+  std::vector<frac::ParameterConstraint> constraints;
+  bool global_start;
+};
+
+// The model as given, or the member of a family that suits the data.
+template <typename Data, typename Options>
+Fitted fitted(const Data& data, const frac::NamedModel& model,
+              const std::vector<frac::ParameterConstraint>& constraints, Options options) {
+  options.constraints = constraints;
+  if (!model.is_family())
+    return {frac::fit(data, frac::Structure(model.formula), options), constraints, options.global_start};
+  const frac::NamedModel member = frac::resolved_model(data, model, options);
+  options.constraints = member.constraints;
+  options.global_start = false;
+  return {frac::fit(data, frac::Structure(member.formula), options), member.constraints, false};
+}
+
+// A family has its names and ranges with the data only.
+std::vector<frac::ParameterConstraint> asked_constraints(const frac::NamedModel& model, const py::dict& given) {
+  auto constraints = constraints_of(model, given);
+  if (model.is_family() && !constraints.empty())
+    throw std::invalid_argument("fixed, bounds and start have no meaning with the family " + model.name +
+                                ", whose parameters follow from the data");
+  return constraints;
+}
+
+py::dict dict_of_fitted(const Fitted& fit) {
+  py::dict result = dict_of(fit.result);
+  result["constraints"] = list_of(fit.constraints);
+  result["global_start"] = fit.global_start;
+  return result;
+}
+
+py::dict fit_spectrum(const py::dict& data, const std::string& name, const py::dict& given) {
+  const frac::NamedModel model = frac::find_model(name);
+  const auto constraints = asked_constraints(model, given);
+  const frac::FitOptions options = fit_options(given);
+  const frac::FrequencyResponseData points = spectrum_of(data);
+  return dict_of_fitted(result_of([&](frac::Progress&) { return fitted(points, model, constraints, options); }));
+}
+
+py::dict fit_record(const py::dict& data, const std::string& name, const py::dict& given) {
+  const frac::NamedModel model = frac::find_model(name);
+  const auto constraints = asked_constraints(model, given);
+  const frac::TimeFitOptions options = time_fit_options(given);
+  const frac::TimeResponseData record = record_of(data);
+  return dict_of_fitted(result_of([&](frac::Progress&) { return fitted(record, model, constraints, options); }));
+}
+
+// One dict or one sentence for each set of data.
+py::list fit_many(const py::list& data, const std::string& name, const py::dict& given, int threads,
+                  const py::object& report) {
+  const frac::NamedModel model = frac::find_model(name);
+  const auto constraints = asked_constraints(model, given);
+  const frac::FitOptions options = fit_options(given);
+  std::vector<frac::FrequencyResponseData> curves;
+  for (const auto& each : data) curves.push_back(spectrum_of(each.cast<py::dict>()));
+  using Outcome = std::variant<std::string, Fitted>;
+  const auto outcomes = result_of(
+      [&](frac::Progress& progress) {
+        std::vector<Outcome> all(curves.size());
+        progress.total = curves.size();
+        frac::parallel_for(curves.size(), threads, [&](std::size_t i) {
+          try {
+            all[i] = fitted(curves[i], model, constraints, options);
+          } catch (const std::invalid_argument& reason) {
+            all[i] = std::string(reason.what());
+          }
+          ++progress.done;
+        });
+        return all;
+      },
+      report);
+  py::list list;
+  for (const Outcome& outcome : outcomes) {
+    if (const auto* reason = std::get_if<std::string>(&outcome))
+      list.append(*reason);
+    else
+      list.append(dict_of_fitted(std::get<Fitted>(outcome)));
+  }
+  return list;
+}
+
+// The work for a frequency response or for a record over time, with the options that the result was made with.
+template <typename Work>
+auto on_data(const py::dict& data, const py::dict& given, const Work& work) {
+  if (data.contains("omega")) {
+    const frac::FitOptions options = fit_options(given);
+    const frac::FrequencyResponseData points = spectrum_of(data);
+    return result_of([&](frac::Progress&) { return work(points, options); });
+  }
+  const frac::TimeFitOptions options = time_fit_options(given);
+  const frac::TimeResponseData record = record_of(data);
+  return result_of([&](frac::Progress&) { return work(record, options); });
+}
+
+py::tuple profile(const py::dict& data, const py::dict& given, const py::dict& fit, const std::string& parameter) {
+  const frac::FitResult result = fit_result_from(fit);
+  const auto interval = on_data(data, given, [&](const auto& points, const auto& options) {
+    return frac::profile_interval(points, options, result, parameter);
+  });
+  return py::make_tuple(interval.lower, interval.upper, interval.better_minimum_found);
+}
+
+py::list bootstrap(const py::dict& data, const py::dict& given, const py::dict& fit, std::size_t samples, int threads) {
+  const frac::FitResult result = fit_result_from(fit);
+  const auto intervals = on_data(data, given, [&](const auto& points, const auto& options) {
+    return frac::bootstrap(points, options, result, samples, threads);
+  });
+  py::list list;
+  for (const auto& each : intervals) list.append(py::make_tuple(each.lower, each.upper, each.standard_error));
+  return list;
+}
+
+py::dict lack_of_fit(const py::dict& data, const py::dict& given, const py::dict& fit) {
+  const frac::FitResult result = fit_result_from(fit);
+  const auto found = on_data(
+      data, given, [&](const auto& points, const auto& options) { return frac::lack_of_fit(points, options, result); });
+  py::dict dict;
+  dict["adequate"] = found.adequate;
+  dict["noise"] = found.noise;
+  dict["misfit"] = found.misfit;
+  dict["p_value"] = found.p_value;
+  dict["correlation"] = found.correlation;
+  return dict;
+}
+
+Complexes fitted_response(const py::dict& fit, const py::dict& realisation, const Reals& omega) {
+  return array_of(frac::fitted_response(fit_result_from(fit), realisation_of(realisation), vector_of(omega)));
+}
+
+py::array_t<double> fitted_output(const py::dict& data, const py::dict& given, const py::dict& fit) {
+  return array_of(frac::fitted_output(fit_result_from(fit), record_of(data), time_fit_options(given)));
+}
+
+// Columns: real part, imaginary part, ln of the magnitude, phase.
+py::array response_deviation(const py::dict& fit, const py::dict& realisation, const Reals& omega) {
+  const auto deviations = frac::response_deviation(fit_result_from(fit), realisation_of(realisation), vector_of(omega));
+  std::vector<double> numbers;
+  for (const auto& each : deviations)
+    numbers.insert(numbers.end(), {each.real, each.imaginary, each.log_magnitude, each.phase});
+  return array_of(std::move(numbers), {static_cast<py::ssize_t>(deviations.size()), 4});
+}
+
+}  // namespace
+
+void add_fit(py::module_& module) {
+  module.def("fit_spectrum", &fit_spectrum);
+  module.def("fit_record", &fit_record);
+  module.def("fit_many", &fit_many);
+  module.def("profile", &profile);
+  module.def("bootstrap", &bootstrap);
+  module.def("lack_of_fit", &lack_of_fit);
+  module.def("fitted_response", &fitted_response);
+  module.def("fitted_output", &fitted_output);
+  module.def("response_deviation", &response_deviation);
+  module.def("presets", [] {
+    py::list list;
+    for (const auto& model : frac::model_library())
+      list.append(py::make_tuple(model.name, model.formula, model.description));
+    return list;
+  });
+}
+
+}  // namespace python

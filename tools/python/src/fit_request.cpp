@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "fit_request.hpp"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+
+#include "arrays.hpp"
+#include "realisation_choice.hpp"
+
+namespace python {
+namespace {
+
+using Constraint =
+    std::tuple<std::string, std::optional<double>, std::optional<double>, std::optional<double>, std::optional<double>>;
+
+template <typename T>
+void take(T& value, const py::dict& given, const char* key) {
+  if (given.contains(key) && !given[key].is_none()) value = given[key].cast<T>();
+}
+
+std::string text_of(const py::dict& given, const char* key) {
+  std::string text;
+  take(text, given, key);
+  return text;
+}
+
+frac::ParameterConstraint& constraint_of(std::vector<frac::ParameterConstraint>& constraints, const std::string& name) {
+  for (auto& constraint : constraints)
+    if (constraint.name == name) return constraint;
+  constraints.push_back({name, {}, {}, {}, {}});
+  return constraints.back();
+}
+
+template <typename Enum, std::size_t N>
+Enum from_spelling(const std::array<Enum, N>& all, const std::string& text) {
+  for (const Enum each : all)
+    if (text == frac::to_string(each)) return each;
+  throw std::invalid_argument("'" + text + "' is no word of a fit result");
+}
+
+constexpr std::array terminations = {frac::FitTermination::converged, frac::FitTermination::not_converged,
+                                     frac::FitTermination::no_usable_start};
+constexpr std::array interval_kinds = {frac::IntervalKind::curvature, frac::IntervalKind::profile};
+
+// Calls visit(name, member) for each member that is a plain value, of a const result or of one to be filled.
+template <typename Estimate, typename Visit>
+void visit_estimate(Estimate& p, const Visit& visit) {
+  visit("name", p.name);
+  visit("value", p.value);
+  visit("standard_error", p.standard_error);
+  visit("ci95_lower", p.ci95_lower);
+  visit("ci95_upper", p.ci95_upper);
+  visit("fixed", p.fixed);
+  visit("at_bound", p.at_bound);
+  visit("identified", p.identified);
+  visit("centre_value", p.centre_value);
+  visit("centre_standard_error", p.centre_standard_error);
+  visit("from_other_component", p.from_other_component);
+  visit("widening", p.widening);
+}
+
+template <typename Result, typename Visit>
+void visit_result(Result& r, const Visit& visit) {
+  visit("formula", r.model);
+  visit("cost", r.cost);
+  visit("rms", r.rms);
+  visit("max_residual", r.max_residual);
+  visit("aicc", r.aicc);
+  visit("bic", r.bic);
+  visit("message", r.message);
+  visit("residuals", r.residuals);
+  visit("free_parameters", r.free_parameters);
+  visit("starts", r.starts);
+  visit("starts_at_best", r.starts_at_best);
+  visit("distinct_minima", r.distinct_minima);
+  visit("confidence_of_optimum", r.confidence_of_optimum);
+  visit("condition", r.condition);
+  visit("outliers", r.outliers);
+  visit("covariance", r.covariance);
+  visit("centre_omega", r.centre_omega);
+  visit("loss_cost", r.loss_cost);
+  visit("loss_scale", r.loss_scale);
+  visit("loss_unit", r.loss_unit);
+  visit("seconds", r.seconds);
+  visit("gain_factor", r.gain_factor);
+  visit("earlier_input", r.earlier_input);
+  visit("noise_floor", r.noise_floor);
+  visit("noise_correlation", r.noise_correlation);
+}
+
+auto writer(py::dict& dict) {
+  return [&dict](const char* name, const auto& value) { dict[name] = value; };
+}
+auto reader(const py::dict& dict) {
+  return [&dict]<typename T>(const char* name, T& value) { value = dict[name].template cast<T>(); };
+}
+
+}  // namespace
+
+frac::FitOptions fit_options(const py::dict& given) {
+  frac::FitOptions options;
+  if (const auto text = text_of(given, "component"); !text.empty())
+    options.component = frac::component_from_string(text);
+  if (const auto text = text_of(given, "weight"); !text.empty()) options.weight = frac::weight_from_string(text);
+  if (const auto text = text_of(given, "loss"); !text.empty()) options.loss = frac::loss_from_string(text);
+  take(options.noise_floor, given, "noise_floor");
+  take(options.loss_scale, given, "loss_scale");
+  take(options.seed, given, "seed");
+  take(options.global_start, given, "global_start");
+  if (given.contains("realisation")) options.realisation = realisation_of(given["realisation"].cast<py::dict>());
+  if (given.contains("constraints")) options.constraints = constraints_from(given["constraints"].cast<py::list>());
+  return options;
+}
+
+frac::TimeFitOptions time_fit_options(const py::dict& given) {
+  frac::TimeFitOptions options;
+  if (const auto text = text_of(given, "loss"); !text.empty()) options.loss = frac::loss_from_string(text);
+  take(options.offset, given, "offset");
+  take(options.trend, given, "trend");
+  take(options.earlier_input, given, "earlier_input");
+  take(options.loss_scale, given, "loss_scale");
+  take(options.seed, given, "seed");
+  take(options.global_start, given, "global_start");
+  if (given.contains("constraints")) options.constraints = constraints_from(given["constraints"].cast<py::list>());
+  return options;
+}
+
+frac::FrequencyResponseData spectrum_of(const py::dict& data) {
+  return {vector_of(data["omega"].cast<Reals>()), vector_of(data["response"].cast<Complexes>()),
+          vector_of(data["sigma"].cast<Reals>())};
+}
+
+frac::TimeResponseData record_of(const py::dict& data) {
+  const bool straight = text_of(data, "hold") == "first-order";
+  const frac::TimeResponseData record(vector_of(data["time"].cast<Reals>()), vector_of(data["input"].cast<Reals>()),
+                                      vector_of(data["output"].cast<Reals>()), vector_of(data["sigma"].cast<Reals>()),
+                                      straight ? frac::Hold::first_order : frac::Hold::zero_order,
+                                      data["input_at_rest"].cast<double>());
+  if (data["kept"].is_none()) return record;
+  const auto kept = data["kept"].cast<py::array_t<std::int64_t, py::array::c_style>>();
+  return record.observed_at({kept.data(), kept.data() + kept.size()});
+}
+
+std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& model, const py::dict& given) {
+  auto constraints = model.constraints;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  // Limits and a start are the model's own here: those of the caller come below.
+  for (const auto& [name, value] : given["fixed"].cast<py::dict>())
+    constraint_of(constraints, name.cast<std::string>()) = {name.cast<std::string>(), value.cast<double>(), {}, {}, {}};
+  for (const auto& [name, range] : given["bounds"].cast<py::dict>()) {
+    const auto [lower, upper] = range.cast<std::pair<std::optional<double>, std::optional<double>>>();
+    auto& constraint = constraint_of(constraints, name.cast<std::string>());
+    const bool is_free = !lower && !upper;
+    if (lower || is_free) constraint.lower = lower.value_or(-infinity);
+    if (upper || is_free) constraint.upper = upper.value_or(infinity);
+  }
+  for (const auto& [name, value] : given["start"].cast<py::dict>()) {
+    auto& constraint = constraint_of(constraints, name.cast<std::string>());
+    if (!constraint.fixed) constraint.start = value.cast<double>();
+  }
+  return constraints;
+}
+
+py::list list_of(const std::vector<frac::ParameterConstraint>& constraints) {
+  py::list list;
+  for (const auto& each : constraints)
+    list.append(py::cast(Constraint(each.name, each.fixed, each.lower, each.upper, each.start)));
+  return list;
+}
+
+std::vector<frac::ParameterConstraint> constraints_from(const py::list& list) {
+  std::vector<frac::ParameterConstraint> constraints;
+  for (const auto& each : list) {
+    const auto [name, fixed, lower, upper, start] = each.cast<Constraint>();
+    constraints.push_back({name, fixed, lower, upper, start});
+  }
+  return constraints;
+}
+
+py::dict dict_of(const frac::FitResult& result) {
+  py::dict dict;
+  visit_result(result, writer(dict));
+  dict["termination"] = std::string(frac::to_string(result.termination));
+  dict["summary"] = result.summary();
+  py::list parameters;
+  for (const auto& each : result.parameters) {
+    py::dict entry;
+    visit_estimate(each, writer(entry));
+    entry["interval"] = std::string(frac::to_string(each.interval));
+    parameters.append(entry);
+  }
+  dict["parameters"] = parameters;
+  return dict;
+}
+
+frac::FitResult fit_result_from(const py::dict& dict) {
+  frac::FitResult result{};
+  visit_result(result, reader(dict));
+  result.termination = from_spelling(terminations, dict["termination"].cast<std::string>());
+  for (const auto& each : dict["parameters"].cast<py::list>()) {
+    const auto entry = each.cast<py::dict>();
+    frac::ParameterEstimate estimate{};
+    visit_estimate(estimate, reader(entry));
+    estimate.interval = from_spelling(interval_kinds, entry["interval"].cast<std::string>());
+    result.parameters.push_back(std::move(estimate));
+  }
+  return result;
+}
+
+}  // namespace python

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <vector>
+
+#include "frac/identification/fit.hpp"
+#include "frac/identification/model_library.hpp"
+#include "frac/identification/time_fit.hpp"
+
+namespace python {
+
+/// Options from a dict whose keys are those of fit(); what is None or missing keeps its default.
+[[nodiscard]] frac::FitOptions fit_options(const pybind11::dict& given);
+[[nodiscard]] frac::TimeFitOptions time_fit_options(const pybind11::dict& given);
+
+/// Data from a dict of arrays: omega, response, sigma; time, input, output, sigma, hold, input_at_rest, kept.
+[[nodiscard]] frac::FrequencyResponseData spectrum_of(const pybind11::dict& data);
+[[nodiscard]] frac::TimeResponseData record_of(const pybind11::dict& data);
+
+/// The constraints of a model with what "fixed", "bounds" and "start" of the options add to them.
+[[nodiscard]] std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& model,
+                                                                    const pybind11::dict& given);
+/// As a list of tuples (name, fixed, lower, upper, start), and back.
+[[nodiscard]] pybind11::list list_of(const std::vector<frac::ParameterConstraint>& constraints);
+[[nodiscard]] std::vector<frac::ParameterConstraint> constraints_from(const pybind11::list& list);
+
+/// A result as a dict of plain values, and back.
+[[nodiscard]] pybind11::dict dict_of(const frac::FitResult& result);
+[[nodiscard]] frac::FitResult fit_result_from(const pybind11::dict& dict);
+
+}  // namespace python
