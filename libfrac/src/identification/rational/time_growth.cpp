@@ -19,7 +19,9 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 // Samples that are enough to tell members of a family apart.
-constexpr std::size_t few_samples = 150;
+constexpr std::size_t few_samples = 100;
+// Records resolve few modes, and each pole more takes a second of searching.
+constexpr std::size_t most_over_time = 6;
 
 /// exp(-L s) (b0 + b1 s + ...)/((s^2 + c1 s + e1) (s^2 + c2 s + e2) ... (s + p)): integrators, unstable poles, real and
 /// complex ones without a seam.
@@ -91,7 +93,7 @@ class Growth {
   Ratio best() {
     std::optional<Member> least;
     std::size_t in_vain = 0;
-    for (std::size_t poles = 0; poles <= family_.most_poles && in_vain < 2; ++poles) {
+    for (std::size_t poles = 0; poles <= std::min(family_.most_poles, most_over_time) && in_vain < 2; ++poles) {
       const std::size_t parameters = 2 * poles + 2;
       if (parameters + 3 >= points(*data_)) break;
       Member next = poles == 0 ? searched(0) : extended();
@@ -239,6 +241,7 @@ FamilyMembers best_member(const TimeResponseData& data, const NamedModel& family
   const Ratio best = Growth(data, options, *family.rational).best();
   FamilyMembers members;
   members.models.push_back(written_out(best));
+  members.models.back().ends_its_family = best.poles() == most_over_time;
   members.relaxations = best.relaxations();
   return members;
 }
