@@ -422,4 +422,15 @@ TEST(Report, WithoutGnuplotTheNumbersAreWrittenAll) {
   EXPECT_TRUE(Json::accept(content_of(folder.path("report/results.json"))));
 }
 
+TEST(Contract, EveryExportIsASubcommandOfItsOwn) {
+  const std::string help = successful({"--help"});
+  for (const std::string target : {"arduino", "c99", "fmu", "spice"}) {
+    EXPECT_NE(help.find("\n  export " + target + " "), std::string::npos) << target;
+    EXPECT_NE(successful({"export", target, "--help"}).find("\n  fracfit export " + target + " "), std::string::npos);
+  }
+  // The old way to C stays.
+  EXPECT_NE(successful({"controller", "--kp", "1", "--sample-time", "1", "--format", "c"}).find("controller_step("),
+            std::string::npos);
+}
+
 }  // namespace
