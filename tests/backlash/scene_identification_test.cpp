@@ -210,6 +210,63 @@ TEST(SceneIdentification, OutliersAreListed) {
   EXPECT_EQ(result.points[30 + 7].index, 7u);
 }
 
+// A band in which x2 has the orbit of two impacts, then moves freely: a scene of hardly any clearance explains the
+// second half to within the noise, and would leave out the first.
+TEST(SceneIdentification, PointsLeftOutCostEvidence) {
+  support::Random random(21);
+  for (const double restitution : {0.35, 0.5, 0.65}) {
+    const TwoMassSystem system(1.1, 0.9, 0.2, restitution);
+    SceneIdentificationOptions options;
+    options.output = Output::x2;
+    const auto result = identify_scene(measured(system, 1.4, 4.5, 24, 0.01, random, Output::x2), options);
+    const auto truth = truth_of(system);
+    for (std::size_t k = 0; k < 4; ++k) {
+      EXPECT_TRUE(result.parameters[k].identified) << result.message;
+      EXPECT_NEAR(result.parameters[k].value, truth[k], 5 * result.parameters[k].standard_error) << result.message;
+    }
+  }
+}
+
+TEST(SceneIdentification, IrregularPointsDoNotDrawIt) {
+  support::Random random(22);
+  // Chaos between chatter and the two-impact band, at every second point.
+  for (const double restitution : {0.45, 0.75}) {
+    const TwoMassSystem system(1.2, 0.7, 0.15, restitution);
+    SceneIdentificationOptions options;
+    options.output = Output::x2;
+    const auto result = identify_scene(measured(system, 0.6, 3, 24, 0, random, Output::x2), options);
+    const auto truth = truth_of(system);
+    for (std::size_t k = 0; k < 4; ++k) {
+      EXPECT_NEAR(result.parameters[k].value, truth[k], 1e-6 * truth[k]) << result.message;
+    }
+  }
+}
+
+TEST(SceneIdentification, ACurveThatContradictsTheOthersIsSaid) {
+  for (const double factor : {0.93, 1.1}) {
+    support::Random random(23);
+    auto curves = measured(scene, band_lower, band_upper, 20, 0.01, random);
+    curves.erase(curves.begin() + 3, curves.end());
+    auto value = curves[1].data.value();
+    for (Complex& z : value) z *= factor;
+    curves[1].data = {curves[1].data.omega(), value};
+    const auto result = identify_scene(curves, with_mass1(1.5));
+    ASSERT_FALSE(result.misfits.empty()) << result.message;
+    EXPECT_NE(result.message.find("20 N"), std::string::npos) << result.message;
+    for (std::size_t k = 1; k < 4; ++k) EXPECT_FALSE(result.parameters[k].identified) << k;
+  }
+}
+
+TEST(SceneIdentification, AParameterAtItsLimitIsNotIdentified) {
+  support::Random random(24);
+  auto options = with_mass1(1.5);
+  options.constraints.push_back({"restitution", {}, 0.0, 0.5, {}});
+  const auto result = identify_scene(measured(scene, band_lower, band_upper, 20, 0.01, random), options);
+  EXPECT_TRUE(result.parameters[3].at_bound);
+  for (std::size_t k = 1; k < 4; ++k) EXPECT_FALSE(result.parameters[k].identified) << k;
+  EXPECT_NE(result.message.find("pull restitution beyond its limit 0.5"), std::string::npos) << result.message;
+}
+
 TEST(SceneIdentification, SigmaWeighsThePoints) {
   support::Random random(9);
   auto curves = measured(scene, band_lower, band_upper, 30, 0.01, random);

@@ -47,6 +47,9 @@ function(fracfit_warnings target)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     # False alarms on `"literal" + std::string` (GCC bug 105651), of all three kinds once headers are precompiled.
     target_compile_options(${target} PRIVATE -Wno-restrict -Wno-stringop-overflow -Wno-array-bounds)
+  elseif(CMAKE_CXX_COMPILER_ID MATCHES "Clang")
+    # GCC leaves it out of -Wconversion.
+    target_compile_options(${target} PRIVATE -Wno-sign-conversion)
   endif()
 endfunction()
 

@@ -10,9 +10,9 @@
 
 #include "backlash/jump_frequency.hpp"
 #include "base/check.hpp"
-#include "frac/parallel_for.hpp"
-#include "scene_solver.hpp"
-#include "scene_start.hpp"
+#include "scene_adequacy.hpp"
+#include "scene_search.hpp"
+#include "scene_text.hpp"
 #include "scene_uncertainty.hpp"
 #include "steady_state/two_impact_orbit.hpp"
 
@@ -25,18 +25,6 @@ using Complex = std::complex<double>;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array<std::string_view, 4> parameter_names = {"mass1", "mass2", "clearance", "restitution"};
 
-constexpr std::size_t starts_solved = 8;
-constexpr std::size_t starts_at_once = 2;
-// Before the table of irregular motion is made, to see whether all the data can be explained without.
-constexpr std::size_t starts_of_first_look = 4;
-// Of the places looked at, those with at most so many times the robust cost of the best are pursued, or with a cost per
-// point that small.
-constexpr double worth_settling = 3;
-constexpr double negligible_cost = 0.1;
-// Robust cost per point below which nothing is left to explain: noise of 2 %.
-constexpr double complete_cost = 0.6;
-// Estimates that agree to this are one.
-constexpr double same_estimate = 1e-4;
 // Factor by which masses and clearance may differ from what the data suggest.
 const double default_range = std::log(1e6);
 // gamma where the motion of the low-frequency side ends: between 0.463 and 0.533 for restitution 0.2 to 0.8.
@@ -91,12 +79,6 @@ detail::SceneData scene_data(const std::vector<MeasuredDescribingFunction>& curv
   return data;
 }
 
-struct KnownScene {
-  detail::SceneBounds bounds;
-  detail::FixedScene fixed;
-  detail::FixedScene start;
-};
-
 std::string allowed_range(std::size_t k) {
   return k == 3 ? "in [0, 1]" : "positive and finite";
 }
@@ -111,7 +93,8 @@ double coordinate(std::size_t k, const char* what, double value) {
   return k == 3 ? value : std::log(value);
 }
 
-KnownScene known_scene(const detail::SceneData& data, const std::vector<frac::ParameterConstraint>& constraints) {
+detail::KnownScene known_scene(const detail::SceneData& data,
+                               const std::vector<frac::ParameterConstraint>& constraints) {
   std::vector<double> masses, amplitudes;
   for (const detail::MeasuredPoint& point : data.points) {
     const double size = std::abs(point.value);
@@ -121,7 +104,7 @@ KnownScene known_scene(const detail::SceneData& data, const std::vector<frac::Pa
   }
   const double mass = detail::median_of(masses);
   const double amplitude = detail::median_of(amplitudes);
-  KnownScene known{};
+  detail::KnownScene known{};
   known.bounds.lower = {mass - default_range, mass - default_range, amplitude - default_range, 0};
   known.bounds.upper = {mass + default_range, mass + default_range, amplitude + default_range, 1};
   std::array<bool, 4> seen{};
@@ -172,12 +155,6 @@ KnownScene known_scene(const detail::SceneData& data, const std::vector<frac::Pa
   return known;
 }
 
-std::size_t free_count(const detail::SceneBounds& bounds) {
-  std::size_t count = 0;
-  for (std::size_t k = 0; k < 4; ++k) count += bounds.is_free(k) ? 1 : 0;
-  return count;
-}
-
 // mass2 clearance = F/(gamma omega_J^2) with the jump of the data at omega_J.
 std::vector<double> products_from_jumps(const std::vector<MeasuredDescribingFunction>& curves) {
   std::vector<double> products;
@@ -191,74 +168,6 @@ std::vector<double> products_from_jumps(const std::vector<MeasuredDescribingFunc
     }
   }
   return products;
-}
-
-bool same_scene(const detail::LocalScene& one, const detail::LocalScene& other) {
-  return std::abs(one.theta[1] + one.theta[2] - other.theta[1] - other.theta[2]) < same_estimate &&
-         std::abs(one.theta[3] - other.theta[3]) < same_estimate;
-}
-
-bool better(const detail::LocalScene& one, const detail::LocalScene& other) {
-  return one.robust_cost < other.robust_cost;
-}
-
-// Every point lies on its motion, within what counts as tolerable.
-bool complete(const detail::LocalScene& local) {
-  return std::all_of(local.choices.begin(), local.choices.end(),
-                     [](const detail::PointChoice& choice) { return choice.used; }) &&
-         local.robust_cost < complete_cost * static_cast<double>(local.choices.size());
-}
-
-struct Search {
-  detail::LocalScene best;
-  std::size_t starts;
-  std::size_t starts_at_best;
-};
-
-Search search(const detail::SceneData& data, const KnownScene& known, const std::vector<double>& jumps,
-              bool rate_irregular, int threads) {
-  std::vector<SceneVector> starts = detail::scene_starts(data, known.bounds, known.fixed, jumps, rate_irregular,
-                                                         rate_irregular ? starts_solved : starts_of_first_look);
-  const bool has_start =
-      std::any_of(known.start.begin(), known.start.end(), [](const auto& s) { return s.has_value(); });
-  if (has_start) {
-    SceneVector given = starts.empty() ? known.bounds.lower : starts.front();
-    for (std::size_t k = 0; k < 4; ++k) {
-      if (starts.empty() && known.bounds.is_free(k)) given[k] = 0.5 * (known.bounds.lower[k] + known.bounds.upper[k]);
-      if (known.start[k]) given[k] = *known.start[k];
-    }
-    starts.insert(starts.begin(), given);
-  }
-  // In batches, so that places after one that explains all the data cost nothing.
-  std::vector<detail::LocalScene> solved;
-  std::size_t tried = 0;
-  while (tried < starts.size() && std::none_of(solved.begin(), solved.end(), complete)) {
-    const std::size_t batch = std::min(starts.size() - tried, starts_at_once);
-    std::vector<detail::LocalScene> glances(batch);
-    frac::parallel_for(batch, threads, [&](std::size_t i) {
-      glances[i] = detail::solve_scene(data, known.bounds, starts[tried + i], detail::Effort::glance, rate_irregular);
-    });
-    tried += batch;
-    for (detail::LocalScene& glance : glances) {
-      if (glance.usable) solved.push_back(std::move(glance));
-    }
-  }
-  const bool explained = std::any_of(solved.begin(), solved.end(), complete);
-  if (solved.empty() || (!rate_irregular && !explained)) return {{}, tried, 0};
-  const double least = std::min_element(solved.begin(), solved.end(), better)->robust_cost;
-  std::erase_if(solved, [&](const detail::LocalScene& local) {
-    return local.robust_cost > worth_settling * least + static_cast<double>(data.points.size()) * negligible_cost;
-  });
-  frac::parallel_for(solved.size(), threads, [&](std::size_t i) {
-    solved[i] = detail::solve_scene(data, known.bounds, solved[i].theta, detail::Effort::settle, rate_irregular);
-  });
-  std::erase_if(solved, [](const detail::LocalScene& local) { return !local.usable; });
-  if (solved.empty()) return {{}, tried, 0};
-  std::stable_sort(solved.begin(), solved.end(), better);
-
-  const auto agreeing = static_cast<std::size_t>(std::count_if(
-      solved.begin(), solved.end(), [&](const auto& local) { return same_scene(local, solved.front()); }));
-  return {solved.front(), tried, agreeing};
 }
 
 PointStatus status_of(const detail::PointChoice& choice) {
@@ -305,18 +214,29 @@ void report_points(const detail::SceneData& data, const detail::LocalScene& loca
   }
 }
 
+void stretch_over(const SceneEstimate& rival, SceneEstimate& estimate) {
+  if (estimate.fixed || estimate.at_bound) return;
+  // A rival at a limit has a value only.
+  const bool has_interval = std::isfinite(rival.ci95_lower);
+  estimate.ci95_lower = std::min(estimate.ci95_lower, has_interval ? rival.ci95_lower : rival.value);
+  estimate.ci95_upper = std::max(estimate.ci95_upper, has_interval ? rival.ci95_upper : rival.value);
+  estimate.identified = detail::is_narrow(estimate);
+}
+
+// Stretches the intervals of an estimate over those of another one that explains the data nearly as well.
+void stretch_over(const detail::SceneUncertainty& rival, detail::SceneUncertainty& estimate) {
+  for (std::size_t k = 0; k < rival.parameters.size(); ++k) stretch_over(rival.parameters[k], estimate.parameters[k]);
+  for (std::size_t c = 0; c < rival.combinations.size(); ++c) {
+    stretch_over(rival.combinations[c], estimate.combinations[c]);
+  }
+}
+
 std::string list_text(const std::vector<std::string>& words) {
   std::string text;
   for (std::size_t i = 0; i < words.size(); ++i) {
     text += (i == 0 ? "" : i + 1 < words.size() ? ", " : " and ") + words[i];
   }
   return text;
-}
-
-std::string short_text(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.3g", value);
-  return buffer;
 }
 
 std::string message_of(const SceneIdentification& result) {
@@ -326,13 +246,23 @@ std::string message_of(const SceneIdentification& result) {
     (parameter.at_bound ? at_bound : parameter.identified ? determined : open).push_back(parameter.name);
   }
   std::string text = std::to_string(result.points_used) + " of " + std::to_string(result.points.size()) +
-                     " points, rms " + short_text(result.rms) + ", ";
+                     " points, rms " + detail::short_text(result.rms) + ", ";
   if (determined.empty() && open.empty() && at_bound.empty()) return text + "compared with the given scene.";
   text += determined.empty() ? "determine none of the free parameters" : "determine " + list_text(determined);
-  if (!at_bound.empty()) text += "; " + list_text(at_bound) + " at a limit";
+  if (!at_bound.empty()) text += "; " + list_text(at_bound) + " at a limit: fix what is known to lie there";
   if (!open.empty()) text += "; " + list_text(open) + " not identified";
   if (result.termination != frac::FitTermination::converged) text += "; the search had not settled when it was ended";
-  return text + ".";
+  if (result.residual_correlation > 0 && result.misfits.empty()) {
+    text += "; neighbouring residuals go together (correlation " + detail::short_text(result.residual_correlation) +
+            "), which widens the intervals";
+  }
+  text += ".";
+  if (!result.rivals.empty()) {
+    text += " Other scenes explain the data nearly as well, and the intervals reach over them: see rivals.";
+  }
+  for (const std::string& misfit : result.misfits) text += " " + misfit;
+  if (!result.misfits.empty()) text += " The scene does not describe the data, so that nothing counts as identified.";
+  return text;
 }
 
 }  // namespace
@@ -358,15 +288,14 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
   const auto begin = std::chrono::steady_clock::now();
   check(curves, options);
   const detail::SceneData data = scene_data(curves, options);
-  const KnownScene known = known_scene(data, options.constraints);
+  const detail::KnownScene known = known_scene(data, options.constraints);
   const std::size_t residuals = data.points.size() * data.residuals_per_point();
-  if (residuals < free_count(known.bounds)) {
+  if (residuals < known.bounds.free_count()) {
     throw std::invalid_argument("the data form " + std::to_string(residuals) + " residuals, fewer than the " +
-                                std::to_string(free_count(known.bounds)) + " free parameters");
+                                std::to_string(known.bounds.free_count()) + " free parameters");
   }
   const std::vector<double> jumps = products_from_jumps(curves);
-  Search found = search(data, known, jumps, false, options.threads);
-  if (!found.best.usable || !complete(found.best)) found = search(data, known, jumps, true, options.threads);
+  const detail::SceneSearch found = detail::search_scene(data, known, jumps, options.threads);
 
   SceneIdentification result{};
   result.starts = found.starts;
@@ -384,9 +313,31 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
       combination = {"", "", nan, nan, nan, nan, false, false, false};
   } else {
     const detail::NormalEquations equations = detail::normal_equations(data, found.best.theta, found.best.choices);
-    const detail::SceneUncertainty uncertainty = detail::scene_uncertainty(equations, known.bounds, found.best.theta);
+    const detail::SceneAdequacy adequacy = detail::scene_adequacy(data, found.best.choices, known.bounds.free_count());
+    result.misfits = adequacy.misfits;
+    result.residual_correlation = adequacy.correlation;
+    // Of the mean of an autoregressive sequence.
+    const double widening = std::sqrt((1 + adequacy.correlation) / (1 - adequacy.correlation));
+    detail::SceneUncertainty uncertainty =
+        detail::scene_uncertainty(equations, known.bounds, found.best.theta, widening);
+    for (const detail::LocalScene& rival : found.rivals) {
+      stretch_over(detail::scene_uncertainty(detail::normal_equations(data, rival.theta, rival.choices), known.bounds,
+                                             rival.theta, widening),
+                   uncertainty);
+      result.rivals.push_back(
+          {{std::exp(rival.theta[0]), std::exp(rival.theta[1]), std::exp(rival.theta[2]), rival.theta[3]},
+           std::exp(0.5 * (rival.deviance - found.best.deviance))});
+    }
+    result.misfits.insert(result.misfits.end(), uncertainty.strained.begin(), uncertainty.strained.end());
     result.parameters = uncertainty.parameters;
     result.combinations = uncertainty.combinations;
+    // At a limit of one parameter the intervals of the others hold for a scene that has it there.
+    const bool at_limit = std::any_of(result.parameters.begin(), result.parameters.end(),
+                                      [](const SceneEstimate& estimate) { return estimate.at_bound; });
+    if (!result.misfits.empty() || !found.best.converged || at_limit) {
+      for (SceneEstimate& estimate : result.parameters) estimate.identified = estimate.fixed;
+      for (SceneEstimate& estimate : result.combinations) estimate.identified = estimate.fixed;
+    }
     result.free_directions = uncertainty.free_directions;
     result.covariance = uncertainty.covariance;
     result.condition = uncertainty.condition;

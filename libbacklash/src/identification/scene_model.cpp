@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace backlash::detail {
 namespace {
@@ -44,18 +45,23 @@ double SceneData::deviation(const MeasuredPoint& point, Complex model) const {
 }
 
 double SceneData::robust_cost(const MeasuredPoint& point, std::optional<Complex> model) const {
-  const double misfit = size((model ? *model : Complex(0)) - point.value);
   double tolerable = tolerable_share * typical;
   if (weight == frac::Weight::given) tolerable = tolerable_sigmas * point.sigma;
   if (weight == frac::Weight::relative) {
     const bool whole = component == frac::Component::both && model;
     tolerable = tolerable_share * std::max(std::abs(point.value), whole ? std::abs(*model) : 0.0);
   }
-  // Where only part of N is fitted, a point without motion is as bad as one missed by the whole of N.
-  const double share = misfit / tolerable;
-  if (model) return tolerable > 0 ? std::log1p(share * share) : 0;
-  const double whole = std::abs(point.value) / tolerable;
-  return tolerable > 0 ? std::log1p(whole * whole) : 0;
+  if (!(tolerable > 0)) return 0;
+  if (model) {
+    const double share = size(*model - point.value) / tolerable;
+    return std::log1p(share * share);
+  }
+  // ln(1 + share^2) is the price of a Cauchy distribution, in one or two dimensions, against its peak.  A value of
+  // which only the size is known is spread evenly over an interval or a disc.
+  const double width = tolerable / std::abs(point.value);
+  const double price = component == frac::Component::both ? -2.0 / 3 * std::log(2 * width * width)
+                                                          : -std::log(0.5 * std::numbers::pi * width);
+  return std::max(price, 0.0);
 }
 
 OutputCoefficients output_coefficients(const SceneVector& theta, Output output) {

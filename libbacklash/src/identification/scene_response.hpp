@@ -24,7 +24,7 @@ struct GapResponse {
 /// h of the motion that sticks every period after release from contact, mostly after chatter: it has forgotten its
 /// past, so there is only one.  Empty where the motion from contact at rest becomes another one.
 [[nodiscard]] std::optional<std::complex<double>> sticking_h(double gamma, double restitution);
-/// With derivatives by differences; empty also where a neighbour they need does not stick.
+/// With derivatives by differences, to five digits; empty also where a neighbour they need does not stick.
 [[nodiscard]] std::optional<GapResponse> sticking_response(double gamma, double restitution);
 
 /// Contact at rest, the force at its peak: leads to the chattering motion where there is one.

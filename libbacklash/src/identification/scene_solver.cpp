@@ -5,11 +5,13 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 
 #include "frac/cancellation.hpp"
-#include "scene_start.hpp"
+#include "response_table.hpp"
+#include "scene_evidence.hpp"
 #include "steady_state/two_impact_orbit.hpp"
 
 namespace backlash::detail {
@@ -20,27 +22,24 @@ using Matrix4 = Eigen::Matrix<double, 4, 4>;
 using Vector4 = Eigen::Matrix<double, 4, 1>;
 
 constexpr int most_rounds = 20;
-constexpr int most_iterations = 40;
+constexpr int most_iterations = 12;
 constexpr int rounds_of_a_glance = 2;
 constexpr int iterations_of_a_glance = 6;
-// Robust standard deviations beyond which a point does not lie on its motion; normally distributed noise leaves a point
-// in 10^8 beyond, so the choice does not narrow the intervals.
-constexpr double far_away = 6;
-// What the motions themselves are known to, as a share of their deviation: below it no point counts as far away.
-constexpr double model_accuracy = 1e-7;
 // A round that moves the estimate by less than this, in standard errors, is the last.
 constexpr double settled_step = 1e-4;
 // The two-impact orbit is followed this far beyond its loss of stability in the first rounds, whose estimates may place
 // the loss beside that of the data; not to the end, since a period that has just doubled lies near to it.
 constexpr double beyond_loss = 1.1;
 constexpr int rounds_beyond_loss = 3;
-// Median of the modulus of two, and of one, standard normal variables.
-constexpr double median_of_two = 1.1774100225154747;
-constexpr double median_of_one = 0.67448975019608171;
-
 double two_impact_end(double restitution) {
   // At restitution 0 the orbit of two impacts, each followed by a rest, goes on; without rests it ends at 1/pi.
   return restitution > 0 ? two_impact_loss(restitution).gamma : std::numbers::inv_pi;
+}
+
+std::optional<Complex> sticking_h_of(double gamma, double restitution, Effort effort) {
+  if (effort == Effort::settle) return sticking_h(gamma, restitution);
+  const auto response = rough_sticking_response(gamma, restitution);
+  return response ? std::optional<Complex>(response->h) : std::nullopt;
 }
 
 struct Evaluation {
@@ -50,18 +49,19 @@ struct Evaluation {
 
 class Solver {
  public:
-  Solver(const SceneData& data, const SceneBounds& bounds, bool rate_irregular)
-      : data_(data), bounds_(bounds), rate_irregular_(rate_irregular), choices_(data.points.size()) {}
+  Solver(const SceneData& data, const SceneBounds& bounds, Motions motions)
+      : data_(data), bounds_(bounds), motions_(motions), choices_(data.points.size()) {}
 
   LocalScene run(const SceneVector& start, Effort effort) {
     LocalScene result;
     theta_ = start;
+    effort_ = effort;
     iterations_ = effort == Effort::glance ? iterations_of_a_glance : most_iterations;
     const int rounds = effort == Effort::glance ? rounds_of_a_glance : most_rounds;
     for (int round = 0; round < rounds; ++round) {
       const std::vector<PointChoice> before = choices_;
       choose(round);
-      if (count_used() * data_.residuals_per_point() < free_count()) break;
+      if (count_used() * data_.residuals_per_point() < bounds_.free_count()) break;
       result.usable = true;
       if (round > rounds_beyond_loss && settled(before) && moved_ < settled_step) {
         result.converged = least_squares_converged_;
@@ -70,23 +70,14 @@ class Solver {
       least_squares();
     }
     choose(rounds);
-    result.usable = count_used() * data_.residuals_per_point() >= std::max<std::size_t>(1, free_count());
+    result.usable = count_used() * data_.residuals_per_point() >= std::max<std::size_t>(1, bounds_.free_count());
     result.theta = theta_;
-    for (std::size_t i = 0; i < choices_.size(); ++i) {
-      const bool known = choices_[i].kind != PointChoice::Kind::none;
-      result.robust_cost +=
-          data_.robust_cost(data_.points[i], known ? std::optional<Complex>(choices_[i].model) : mean_of_irregular(i));
-    }
+    result.deviance = scene_evidence(data_, choices_, bounds_.free_count(), effort).deviance;
     result.choices = std::move(choices_);
     return result;
   }
 
  private:
-  [[nodiscard]] std::size_t free_count() const {
-    std::size_t count = 0;
-    for (std::size_t k = 0; k < 4; ++k) count += bounds_.is_free(k) ? 1 : 0;
-    return count;
-  }
   [[nodiscard]] std::size_t count_used() const {
     return static_cast<std::size_t>(
         std::count_if(choices_.begin(), choices_.end(), [](const PointChoice& choice) { return choice.used; }));
@@ -97,14 +88,6 @@ class Solver {
       if (choices_[i].used && choices_[i].kind != before[i].kind) return false;
     }
     return true;
-  }
-
-  // What N is about where the scene is irregular.
-  [[nodiscard]] std::optional<Complex> mean_of_irregular(std::size_t i) const {
-    if (!rate_irregular_) return std::nullopt;
-    const auto h = irregular_h(gamma_at(theta_, data_.points[i]), theta_[3]);
-    if (!h) return std::nullopt;
-    return point_value(output_coefficients(theta_, data_.output), data_.points[i], *h);
   }
 
   // Takes the candidate when it lies nearer to the data than what is there.
@@ -132,33 +115,29 @@ class Solver {
       }
     }
     // Without impacts x1 stands still, and the imaginary part of x2 is 0.
-    if (data_.output == Output::x2 && data_.component != frac::Component::imaginary && gamma <= limit) {
+    if (motions_ == Motions::all && data_.output == Output::x2 && data_.component != frac::Component::imaginary &&
+        gamma <= limit) {
       offer(i, coefficients, PointChoice::Kind::free, 0.0);
     }
     if (gamma >= onset) {
-      if (const auto h = sticking_h(gamma, restitution)) offer(i, coefficients, PointChoice::Kind::sticking, *h);
+      if (const auto h = sticking_h_of(gamma, restitution, effort_))
+        offer(i, coefficients, PointChoice::Kind::sticking, *h);
     }
-  }
-
-  // Misfit up to which a point counts as lying on its motion.
-  [[nodiscard]] double near_limit() const {
-    std::vector<double> misfits;
-    for (const PointChoice& choice : choices_) {
-      if (choice.kind != PointChoice::Kind::none) misfits.push_back(choice.misfit);
+    if (choices_[i].kind != PointChoice::Kind::none) return;
+    // What N is about where the scene is irregular.
+    if (const auto h = mean_h(gamma, restitution)) {
+      choices_[i].model = point_value(coefficients, point, *h);
+      choices_[i].has_mean = true;
     }
-    const double unit = data_.residuals_per_point() == 2 ? median_of_two : median_of_one;
-    return far_away * std::max(median_of(misfits) / unit, model_accuracy * data_.typical_misfit);
   }
 
   void choose(int round) {
     const OutputCoefficients coefficients = output_coefficients(theta_, data_.output);
-    const double limit = two_impact_end(theta_[3]) * (round < rounds_beyond_loss ? beyond_loss : 1);
-    const double onset = chatter_onset(theta_[3]);
+    const double limit =
+        two_impact_end(theta_[3]) * (effort_ == Effort::glance && round < rounds_beyond_loss ? beyond_loss : 1);
+    const double onset = motions_ == Motions::all ? chatter_onset(theta_[3]) : std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < choices_.size(); ++i) offer_motions(i, coefficients, limit, onset);
-    const double near = near_limit();
-    for (PointChoice& choice : choices_) {
-      choice.used = choice.kind != PointChoice::Kind::none && choice.misfit <= near;
-    }
+    use_by_evidence(data_, choices_, bounds_.free_count(), effort_);
   }
 
   [[nodiscard]] std::vector<double> deviations() const {
@@ -179,7 +158,7 @@ class Solver {
       case PointChoice::Kind::sticking:
         // Chaotic motion takes a long mean to be told from motion that sticks: not tried where it is expected.
         if (gamma < chatter_onset(theta[3])) return std::nullopt;
-        return sticking_h(gamma, theta[3]);
+        return sticking_h_of(gamma, theta[3], effort_);
       default:
         return Complex(0);
     }
@@ -211,22 +190,23 @@ class Solver {
 
   const SceneData& data_;
   const SceneBounds& bounds_;
-  bool rate_irregular_;
+  Motions motions_;
   std::vector<PointChoice> choices_;
   SceneVector theta_{};
+  Effort effort_ = Effort::settle;
   int iterations_ = most_iterations;
   double moved_ = 0;
   bool least_squares_converged_ = false;
 };
 
 std::optional<GapResponse> response_of(const SceneData& data, const SceneVector& theta, std::size_t i,
-                                       const PointChoice& choice) {
+                                       const PointChoice& choice, Effort effort) {
   const double gamma = gamma_at(theta, data.points[i]);
   switch (choice.kind) {
     case PointChoice::Kind::two_impact:
       return two_impact_response(gamma, theta[3]);
     case PointChoice::Kind::sticking:
-      return sticking_response(gamma, theta[3]);
+      return effort == Effort::settle ? sticking_response(gamma, theta[3]) : rough_sticking_response(gamma, theta[3]);
     case PointChoice::Kind::free:
       return GapResponse{};
     case PointChoice::Kind::none:
@@ -236,13 +216,13 @@ std::optional<GapResponse> response_of(const SceneData& data, const SceneVector&
 }
 
 NormalEquations products(const SceneData& data, const SceneVector& theta, const std::vector<PointChoice>& choices,
-                         const std::vector<double>* deviation) {
+                         const std::vector<double>* deviation, Effort effort) {
   NormalEquations result;
   const OutputCoefficients coefficients = output_coefficients(theta, data.output);
   const std::size_t per_point = data.residuals_per_point();
   for (std::size_t i = 0; i < choices.size(); ++i) {
     if (!choices[i].used) continue;
-    const auto response = response_of(data, theta, i, choices[i]);
+    const auto response = response_of(data, theta, i, choices[i], effort);
     if (!response) continue;
     const MeasuredPoint& point = data.points[i];
     const PointGradient model = point_gradient(coefficients, point, *response);
@@ -273,7 +253,7 @@ void Solver::least_squares() {
   drop(current.ended);
   for (int iteration = 0; iteration < iterations_ && !least_squares_converged_;) {
     frac::throw_if_cancelled();
-    const NormalEquations equations = products(data_, theta_, choices_, &deviation);
+    const NormalEquations equations = products(data_, theta_, choices_, &deviation, effort_);
     std::array<bool, 4> inner{};
     double largest = 0;
     for (std::size_t k = 0; k < 4; ++k) {
@@ -338,7 +318,7 @@ void Solver::least_squares() {
     }
   }
   // Length of the way in units of the standard errors, rounding aside.
-  const NormalEquations end = products(data_, theta_, choices_, &deviation);
+  const NormalEquations end = products(data_, theta_, choices_, &deviation, effort_);
   double square = 0;
   for (std::size_t k = 0; k < 4; ++k) {
     for (std::size_t l = 0; l < 4; ++l) square += (theta_[k] - start[k]) * end.matrix[k][l] * (theta_[l] - start[l]);
@@ -352,12 +332,12 @@ void Solver::least_squares() {
 
 NormalEquations normal_equations(const SceneData& data, const SceneVector& theta,
                                  const std::vector<PointChoice>& choices) {
-  return products(data, theta, choices, nullptr);
+  return products(data, theta, choices, nullptr, Effort::settle);
 }
 
 LocalScene solve_scene(const SceneData& data, const SceneBounds& bounds, const SceneVector& start, Effort effort,
-                       bool rate_irregular) {
-  return Solver(data, bounds, rate_irregular).run(start, effort);
+                       Motions motions) {
+  return Solver(data, bounds, motions).run(start, effort);
 }
 
 }  // namespace backlash::detail

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
 #include "scene_model.hpp"
@@ -11,15 +12,21 @@ namespace backlash::detail {
 struct SceneBounds {
   SceneVector lower, upper;  // equal where fixed
   [[nodiscard]] bool is_free(std::size_t k) const { return lower[k] < upper[k]; }
+  [[nodiscard]] std::size_t free_count() const {
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < 4; ++k) count += is_free(k) ? 1 : 0;
+    return count;
+  }
 };
 
 /// The steady motion a point is compared with.
 struct PointChoice {
   enum class Kind { none, two_impact, sticking, free };
   Kind kind = Kind::none;
-  bool used = false;           // near enough to form residuals
-  std::complex<double> model;  // at the estimate
-  double misfit = 0;           // |model - data| of the fitted parts over its deviation
+  bool used = false;           // forms residuals, see scene_evidence
+  std::complex<double> model;  // at the estimate; of kind none: about where an irregular motion has its mean
+  bool has_mean = false;       // of kind none: model is known
+  double misfit = 0;           // |model - data| of the fitted parts over its deviation; 0 of kind none
 };
 
 /// Sums of products over the residuals.
@@ -36,22 +43,26 @@ struct NormalEquations {
 struct LocalScene {
   SceneVector theta{};
   std::vector<PointChoice> choices;
-  double robust_cost = 0;
+  double deviance = 0;  // see scene_evidence
   bool converged = false;
   bool usable = false;  // at least as many residuals as free parameters
 };
 
 enum class Effort {
-  glance,  // a few steps, to see whether the place is worth more
-  settle,  // until nothing changes
+  glance,  // a few steps with what a table knows of sticking motion, to see whether the place is worth more
+  rough,   // with the table until nothing changes
+  settle,  // with exact motions until nothing changes
 };
 
-/// Alternates between choosing the steady motion of each point at the estimate and least squares over the points near
-/// enough to theirs, until neither changes.
-/// @param rate_irregular  the robust cost compares points where the scene is irregular with its mean there, from a
-/// table
-///                        that takes a second to make; else they count as not explained at all
+/// Motions that points may be compared with.
+enum class Motions {
+  all,
+  two_impact,  // in closed form, so that many starts cost little
+};
+
+/// Alternates between choosing the steady motion of each point at the estimate and least squares over the points with
+/// which the evidence is greatest, until neither changes.
 [[nodiscard]] LocalScene solve_scene(const SceneData& data, const SceneBounds& bounds, const SceneVector& start,
-                                     Effort effort, bool rate_irregular);
+                                     Effort effort, Motions motions);
 
 }  // namespace backlash::detail

@@ -5,10 +5,10 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 #include "frac/identification/statistics.hpp"
+#include "scene_text.hpp"
 
 namespace backlash::detail {
 namespace {
@@ -23,6 +23,9 @@ constexpr double free_condition = 1e6;
 constexpr double free_share = 0.01;
 // The residuals do not see a parameter whose column is this much shorter than the longest.
 constexpr double unseen_column = 1e-10;
+
+// Standard deviations that chance exceeds on one side once in a thousand.
+constexpr double significant_pull = 3.09;
 
 constexpr std::array<const char*, 4> names = {"mass1", "mass2", "clearance", "restitution"};
 constexpr std::array<const char*, 4> units = {"kg", "kg", "m", "1"};
@@ -112,12 +115,6 @@ bool unseen(const FisherMatrix& fisher, const Vector4& gradient) {
   return false;
 }
 
-std::string short_text(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.3g", value);
-  return buffer;
-}
-
 std::string direction_text(const FisherMatrix& fisher, Eigen::Index direction) {
   Vector4 change = Vector4::Zero();
   for (std::size_t k = 0; k < 4; ++k) {
@@ -158,10 +155,35 @@ SceneEstimate estimate(const FisherMatrix& fisher, const Vector4& gradient, doub
   return result;
 }
 
+// How hard the data press a parameter against its limit, in standard deviations of what noise does: the square is the
+// fall of the cost to be expected beyond the limit, the inner parameters being free to follow.
+double pull(const NormalEquations& equations, const std::array<bool, 4>& inner, std::size_t at_limit, double variance) {
+  Matrix4 matrix = Matrix4::Identity();
+  Vector4 coupling = Vector4::Zero();
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (!inner[k] || !(equations.matrix[k][k] > 0)) continue;
+    const auto row = static_cast<Eigen::Index>(k);
+    coupling[row] = equations.matrix[k][at_limit] / std::sqrt(equations.matrix[k][k]);
+    for (std::size_t l = 0; l < 4; ++l) {
+      if (!inner[l] || !(equations.matrix[l][l] > 0)) continue;
+      matrix(row, static_cast<Eigen::Index>(l)) =
+          equations.matrix[k][l] / std::sqrt(equations.matrix[k][k] * equations.matrix[l][l]);
+    }
+  }
+  const double own = equations.matrix[at_limit][at_limit];
+  const double left = own - coupling.dot(matrix.ldlt().solve(coupling));
+  return left > 1e-12 * own ? std::abs(equations.gradient[at_limit]) / std::sqrt(left * variance) : 0;
+}
+
 }  // namespace
 
+bool is_narrow(const SceneEstimate& estimate) {
+  const double range = estimate.name == names[3] ? 1.0 : estimate.value;
+  return estimate.ci95_upper - estimate.ci95_lower <= range;
+}
+
 SceneUncertainty scene_uncertainty(const NormalEquations& equations, const SceneBounds& bounds,
-                                   const SceneVector& theta) {
+                                   const SceneVector& theta, double widening) {
   SceneUncertainty result{};
   std::array<bool, 4> inner{}, at_bound{};
   std::size_t bound_count = 0;
@@ -175,8 +197,15 @@ SceneUncertainty scene_uncertainty(const NormalEquations& equations, const Scene
   result.condition = fisher.condition;
   result.rank = fisher.determined + bound_count;
   const double degrees = static_cast<double>(equations.residuals) - static_cast<double>(result.rank);
-  const double variance = degrees > 0 ? equations.cost / degrees : nan;
+  const double variance = degrees > 0 ? widening * widening * equations.cost / degrees : nan;
   const double t = frac::student_t_95(degrees);
+
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (at_bound[k] && pull(equations, inner, k, variance) > significant_pull) {
+      result.strained.push_back(std::string("The data pull ") + names[k] + " beyond its limit " +
+                                short_text(k == 3 ? theta[k] : std::exp(theta[k])) + ".");
+    }
+  }
 
   const std::array<double, 4> value = {std::exp(theta[0]), std::exp(theta[1]), std::exp(theta[2]), theta[3]};
   std::array<Vector4, 4> gradient;
@@ -195,8 +224,7 @@ SceneUncertainty scene_uncertainty(const NormalEquations& equations, const Scene
     } else if (parameter.at_bound) {
       parameter.standard_error = parameter.ci95_lower = parameter.ci95_upper = nan;
     }
-    const double half_width = parameter.ci95_upper - value[k];
-    parameter.identified = parameter.fixed || parameter.at_bound || half_width <= 0.5 * (k == 3 ? 1.0 : value[k]);
+    parameter.identified = parameter.fixed || is_narrow(parameter);
   }
   for (std::size_t k = 0; k < 4; ++k) {
     for (std::size_t l = 0; l < 4; ++l) {
@@ -233,8 +261,7 @@ SceneUncertainty scene_uncertainty(const NormalEquations& equations, const Scene
     } else if (combination.at_bound) {
       combination.standard_error = combination.ci95_lower = combination.ci95_upper = nan;
     }
-    combination.identified = combination.fixed || combination.at_bound ||
-                             combination.ci95_upper - combination.value <= 0.5 * combination.value;
+    combination.identified = combination.fixed || is_narrow(combination);
   }
   for (Eigen::Index direction = 0; direction < 4; ++direction) {
     if (fisher.is_free[static_cast<std::size_t>(direction)]) {

@@ -15,11 +15,18 @@ struct SceneUncertainty {
   std::array<SceneEstimate, 4> parameters;
   std::array<SceneEstimate, 3> combinations;
   std::vector<std::string> free_directions;
+  /// One sentence per parameter at a limit beyond which the data pull it by more than their noise does.
+  std::vector<std::string> strained;
   std::array<std::array<double, 4>, 4> covariance;
   double condition;
   std::size_t rank;  // directions determined, parameters at a bound among them
 };
+/// @param widening  factor on the standard errors
 [[nodiscard]] SceneUncertainty scene_uncertainty(const NormalEquations& equations, const SceneBounds& bounds,
-                                                 const SceneVector& theta);
+                                                 const SceneVector& theta, double widening);
+
+/// Whether the interval is no wider than the value, or the range of restitution: what `identified` asks for.  False
+/// without an interval, as at a limit.
+[[nodiscard]] bool is_narrow(const SceneEstimate& estimate);
 
 }  // namespace backlash::detail

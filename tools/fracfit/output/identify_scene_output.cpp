@@ -54,6 +54,17 @@ std::string scene_json(const SceneRun& run, const backlash::SceneIdentification&
   json["combinations"] = Json::array();
   for (const auto& combination : result.combinations) json["combinations"].push_back(estimate_json(combination));
   json["free_directions"] = result.free_directions;
+  json["misfits"] = result.misfits;
+  json["residual_correlation"] = result.residual_correlation;
+  json["rivals"] = Json::array();
+  for (const auto& rival : result.rivals) {
+    const auto& [mass1, mass2, clearance, restitution] = rival.parameters;
+    json["rivals"].push_back({{"mass1", mass1},
+                              {"mass2", mass2},
+                              {"clearance", clearance},
+                              {"restitution", restitution},
+                              {"odds_against", rival.odds}});
+  }
   json["cost"] = result.cost;
   json["rms"] = result.rms;
   json["max_residual"] = result.max_residual;

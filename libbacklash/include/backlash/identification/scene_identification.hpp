@@ -37,19 +37,22 @@ struct SceneEstimate {
   std::string name;
   std::string unit;
   double value;
-  double standard_error;          // scaled by the residual variance; 0 when fixed; NaN at a bound, or when no
-                                  // value is better than another
-  double ci95_lower, ci95_upper;  // Student t; NaN like standard_error
+  /// Scaled by the residual variance, and by the correlation of neighbouring residuals where it is no chance; 0 when
+  /// fixed; NaN at a bound, or when no value is better than another.
+  double standard_error;
+  /// Student t, stretched over the intervals of rival scenes; NaN like standard_error.
+  double ci95_lower, ci95_upper;
   bool fixed;
   bool at_bound;
-  bool identified;  // false: the data leave it free, or the half width of the interval exceeds half of the value (of
-                    // the range [0, 1] for restitution)
+  /// Fixed, or the search settled, no parameter is at a limit, the scene describes the data and the interval is no
+  /// wider than the value (than the range [0, 1] for restitution).
+  bool identified;
 };
 
 enum class PointStatus {
   used,
-  off_branch,  // more than six robust standard deviations from every steady motion of the fitted scene: another
-               // motion than predicted (near a jump), or an outlier
+  off_branch,  // so far from every steady motion of the fitted scene that it is likelier another motion than predicted
+               // (near a jump), or an outlier
   irregular,   // the fitted scene has neither two impacts per period nor a motion that sticks: more impacts,
                // subharmonics or chaos, which depend on how the frequency was reached; or x1 without impacts, which
                // stands still
@@ -67,11 +70,22 @@ struct ScenePoint {
   std::complex<double> residual;  // (model - data) over its standard deviation (sigma, |N| or 1 m/N); NaN likewise
 };
 
+/// Another scene that explains the data nearly as well.
+struct RivalScene {
+  std::array<double, 4> parameters;  // mass1, mass2, clearance, restitution
+  double odds;                       // evidence of the estimate over that of this scene, 1 to 150
+};
+
 struct SceneIdentification {
   std::array<SceneEstimate, 4> parameters;    // mass1, mass2, clearance, restitution
   std::array<SceneEstimate, 3> combinations;  // mass1 + mass2, mass2 clearance, mass1/mass2
   /// One sentence per direction in the space of the parameters that the data leave free.
   std::vector<std::string> free_directions;
+  /// One sentence for each way in which the data contradict the scene: residuals that follow a shape, curves that
+  /// contradict each other, points off all of its motions.  Nothing counts as identified then.
+  std::vector<std::string> misfits;
+  double residual_correlation;     // of neighbours; 0 where it may be chance
+  std::vector<RivalScene> rivals;  // best first
   std::vector<ScenePoint> points;
   std::size_t points_used;
   std::size_t residuals;        // count
@@ -105,11 +119,14 @@ struct SceneIdentification {
 /// (closed form, with exact derivatives, at first also followed past its loss of stability, so that a jump in the data
 /// does not trap the search), motion that sticks every period after chatter, or none at all (x2).  Between the first
 /// two, where the motion is chaotic or depends on its history, points are left out, as are points far from every
-/// motion; which ones is decided anew at each estimate and listed.
+/// motion; which ones is decided anew at each estimate and listed.  A point left out costs the scene as much evidence
+/// as a value of which only the size is explained, so that a scene does not gain by explaining little.
 ///
-/// The search begins on a grid over mass2 clearance and restitution, with the masses from linear least squares, and
-/// where the discontinuities of the data place the jump; the best places are solved by Levenberg and Marquardt's method
-/// in ln mass1, ln mass2, ln clearance and restitution.
+/// The search begins on a grid over mass2 clearance and restitution, with the masses from linear least squares, where
+/// the discontinuities of the data place the jump, and where the orbits of two impacts alone explain part of the data;
+/// the best places are solved by Levenberg and Marquardt's method in ln mass1, ln mass2, ln clearance and restitution,
+/// and the estimate is the one of greatest evidence.  Others of nearly equal evidence are listed and stretch the
+/// intervals.
 /// @throws std::invalid_argument  no curve; a force amplitude not positive; component magnitude or phase; weight
 ///     smoothed-relative, log-complex or repeats, or given without sigma; a constraint of an unknown name, out of range
 ///     or contradictory; fewer residuals than free parameters; all data zero.

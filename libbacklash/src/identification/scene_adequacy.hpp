@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "scene_solver.hpp"
+
+namespace backlash::detail {
+
+/// Whether a scene describes the data to within their noise.
+struct SceneAdequacy {
+  /// Of residuals that are neighbours on one curve and one kind of motion; 0 where it may be chance.
+  double correlation = 0;
+  /// One sentence for each way in which the data contradict the scene.
+  std::vector<std::string> misfits;
+};
+
+/// Three tests, each of which rejects a true scene with white noise about once in a thousand:
+///  - neighbouring residuals do not go together so much that the scene misses the shape of the data,
+///  - the means of the residuals of the curves do not differ by more than noise makes of them, where noise is told by
+///    the differences of neighbours,
+///  - no curve has most of its points off the motions that the scene has there, nor have all curves together more than
+///    a quarter of them.
+[[nodiscard]] SceneAdequacy scene_adequacy(const SceneData& data, const std::vector<PointChoice>& choices,
+                                           std::size_t parameters);
+
+}  // namespace backlash::detail

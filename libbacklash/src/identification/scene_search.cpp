@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "frac/parallel_for.hpp"
+#include "scene_adequacy.hpp"
+
+namespace backlash::detail {
+namespace {
+
+// Before the table of irregular motion is made, to see whether all the data can be explained without.
+constexpr std::size_t starts_of_first_look = 4;
+constexpr std::size_t starts_of_full_look = 16;
+// Starts from which the orbits of two impacts alone are fitted, and of those how many are pursued.
+constexpr std::size_t two_impact_starts = 48;
+constexpr std::size_t two_impact_pursued = 4;
+// Places that are followed with the table, and of their estimates those that are followed with exact motions.  Those
+// of much worse evidence than the best are not: a few steps take a glance only so far, and the table is good to 1 %.
+constexpr std::size_t roughly_settled = 12;
+constexpr double worth_a_rough_look = 400;
+constexpr std::size_t settled_at_most = 4;
+constexpr double worth_settling = 100;
+// -2 ln of odds of 150 to 1.
+constexpr double rival_deviance = 10;
+// Estimates that agree to this are one.
+constexpr double same_estimate = 1e-4;
+// Places that agree to this lead to the same estimate.
+constexpr double same_place = 0.01;
+
+bool agree(const LocalScene& one, const LocalScene& other, double within) {
+  return std::abs(one.theta[1] + one.theta[2] - other.theta[1] - other.theta[2]) < within &&
+         std::abs(one.theta[3] - other.theta[3]) < within;
+}
+
+bool better(const LocalScene& one, const LocalScene& other) {
+  return one.deviance < other.deviance;
+}
+
+// Every point lies on its motion, and what is left of them is noise.
+bool complete(const SceneData& data, const SceneBounds& bounds, const LocalScene& local) {
+  return local.usable &&
+         std::all_of(local.choices.begin(), local.choices.end(),
+                     [](const PointChoice& choice) { return choice.used; }) &&
+         scene_adequacy(data, local.choices, bounds.free_count()).misfits.empty();
+}
+
+class SceneSearcher {
+ public:
+  SceneSearcher(const SceneData& data, const KnownScene& known, int threads)
+      : data_(data), known_(known), threads_(threads) {}
+
+  [[nodiscard]] std::size_t starts() const { return tried_; }
+
+  std::vector<LocalScene> solve(const std::vector<SceneVector>& starts, Effort effort, Motions motions) {
+    std::vector<LocalScene> solved(starts.size());
+    frac::parallel_for(starts.size(), threads_, [&](std::size_t i) {
+      solved[i] = solve_scene(data_, known_.bounds, starts[i], effort, motions);
+    });
+    std::erase_if(solved, [](const LocalScene& local) { return !local.usable; });
+    std::stable_sort(solved.begin(), solved.end(), better);
+    return solved;
+  }
+
+  void glance(const std::vector<SceneVector>& starts) {
+    tried_ += starts.size();
+    for (LocalScene& local : solve(starts, Effort::glance, Motions::all)) glances_.push_back(std::move(local));
+  }
+
+  // The best places seen so far, each followed to its estimate, best first.
+  std::vector<LocalScene> settle() {
+    std::stable_sort(glances_.begin(), glances_.end(), better);
+    const auto rough = solve(places_of(glances_, roughly_settled, worth_a_rough_look), Effort::rough, Motions::all);
+    return solve(places_of(rough, settled_at_most, worth_settling), Effort::settle, Motions::all);
+  }
+
+ private:
+  // Of those that are not near each other, the best ones.
+  static std::vector<SceneVector> places_of(const std::vector<LocalScene>& sorted, std::size_t most, double worth) {
+    std::vector<SceneVector> places;
+    std::vector<const LocalScene*> taken;
+    for (const LocalScene& local : sorted) {
+      if (places.size() == most || local.deviance > sorted.front().deviance + worth) break;
+      const bool is_known =
+          std::any_of(taken.begin(), taken.end(), [&](const auto* other) { return agree(local, *other, same_place); });
+      if (is_known) continue;
+      taken.push_back(&local);
+      places.push_back(local.theta);
+    }
+    return places;
+  }
+
+  const SceneData& data_;
+  const KnownScene& known_;
+  int threads_;
+  std::vector<LocalScene> glances_;
+  std::size_t tried_ = 0;
+};
+
+std::vector<SceneVector> given_start(const KnownScene& known, const std::vector<SceneVector>& others) {
+  const bool has_start =
+      std::any_of(known.start.begin(), known.start.end(), [](const auto& s) { return s.has_value(); });
+  if (!has_start) return {};
+  SceneVector given = others.empty() ? known.bounds.lower : others.front();
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (others.empty() && known.bounds.is_free(k)) given[k] = 0.5 * (known.bounds.lower[k] + known.bounds.upper[k]);
+    if (known.start[k]) given[k] = *known.start[k];
+  }
+  return {given};
+}
+
+}  // namespace
+
+SceneSearch search_scene(const SceneData& data, const KnownScene& known, const std::vector<double>& jumps,
+                         int threads) {
+  SceneSearcher searcher(data, known, threads);
+  const auto starts_of = [&](bool rate_irregular, std::size_t count) {
+    return scene_starts(data, known.bounds, known.fixed, jumps, rate_irregular, count);
+  };
+  const std::vector<SceneVector> regular = starts_of(false, two_impact_starts);
+  searcher.glance(given_start(known, regular));
+  searcher.glance(
+      {regular.begin(), regular.begin() + static_cast<std::ptrdiff_t>(std::min(regular.size(), starts_of_first_look))});
+  std::vector<LocalScene> settled = searcher.settle();
+  if (settled.empty() || !complete(data, known.bounds, settled.front())) {
+    std::vector<SceneVector> parts;
+    for (const LocalScene& local : searcher.solve(regular, Effort::settle, Motions::two_impact)) {
+      if (parts.size() < two_impact_pursued) parts.push_back(local.theta);
+    }
+    searcher.glance(parts);
+    searcher.glance(starts_of(true, starts_of_full_look));
+    settled = searcher.settle();
+  }
+  SceneSearch result;
+  result.starts = searcher.starts();
+  if (settled.empty()) return result;
+  result.best = settled.front();
+  for (const LocalScene& local : settled) {
+    if (agree(local, result.best, same_estimate)) {
+      ++result.starts_at_best;
+    } else if (local.deviance < result.best.deviance + rival_deviance &&
+               std::none_of(result.rivals.begin(), result.rivals.end(),
+                            [&](const LocalScene& other) { return agree(local, other, same_estimate); })) {
+      result.rivals.push_back(local);
+    }
+  }
+  return result;
+}
+
+}  // namespace backlash::detail

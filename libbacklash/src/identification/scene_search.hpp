@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "scene_solver.hpp"
+#include "scene_start.hpp"
+
+namespace backlash::detail {
+
+/// What the caller knows of the scene.
+struct KnownScene {
+  SceneBounds bounds;
+  FixedScene fixed;
+  FixedScene start;
+};
+
+struct SceneSearch {
+  /// Of greatest evidence; not usable when no start was.
+  LocalScene best;
+  /// Other estimates whose odds against the best one are less than 150 to 1, best first.
+  std::vector<LocalScene> rivals;
+  std::size_t starts = 0;
+  std::size_t starts_at_best = 0;
+};
+
+/// Looks for the scene of greatest evidence: from the best places of a grid, where data without irregular points are
+/// explained at once; else also from where the orbits of two impacts alone explain part of the data best, and from more
+/// places of a grid that knows the means of irregular motion.
+/// @param jumps  values of mass2 clearance, see scene_starts
+[[nodiscard]] SceneSearch search_scene(const SceneData& data, const KnownScene& known, const std::vector<double>& jumps,
+                                       int threads);
+
+}  // namespace backlash::detail
