@@ -29,7 +29,7 @@ class ExportC99 : public Command {
         "pi.h\n"
         "  fracfit export c99 --model '1/(0.8 s^2.2 + 0.5 s^0.9 + 1)' --sample-time 0.01 --precision float --out "
         "plant.h\n"
-        "  fracfit export c99 --model 's^-0.5' --band 0.1:70 --sample-time 0.02 --discretisation tustin --fixed-point "
+        "  fracfit export c99 --model 's^-0.5' --band 0.01:2 --sample-time 0.02 --discretisation tustin --fixed-point "
         "5:100 "
         "--out half.h");
   }
