@@ -105,8 +105,8 @@ TEST_P(Pages, SayInProseWhatTheirBlocksShow) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Pages, testing::ValuesIn(pages_with_commands()), [](const auto& info) {
-  std::string name = fs::path(info.param).stem().string();
+INSTANTIATE_TEST_SUITE_P(All, Pages, testing::ValuesIn(pages_with_commands()), [](const auto& page) {
+  std::string name = fs::path(page.param).stem().string();
   std::replace_if(
       name.begin(), name.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
   return name;

@@ -4,6 +4,7 @@
 import doctest
 import importlib
 import inspect
+import os
 import pathlib
 
 import pytest
@@ -18,6 +19,14 @@ def test_examples_give_what_they_say(name):
     module = fracfit if name == "__init__" else importlib.import_module(f"fracfit.{name}")
     failed, _ = doctest.testmod(module)
     assert failed == 0
+
+
+@pytest.mark.parametrize("page", ["tools/docs/python.md"])
+def test_examples_of_pages_give_what_they_say(page, monkeypatch):
+    root = pathlib.Path(os.environ["FRACFIT_DATA"]).parent
+    monkeypatch.chdir(root)
+    failed, attempted = doctest.testfile(str(root / page), module_relative=False)
+    assert failed == 0 and attempted > 20
 
 
 @pytest.mark.parametrize("name", fracfit.__all__)

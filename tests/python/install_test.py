@@ -58,3 +58,15 @@ def test_stubs_name_what_the_extensions_have():
             if isinstance(node, ast.ClassDef):
                 members = {each.name for each in node.body if isinstance(each, ast.FunctionDef)}
                 assert members - {"__init__"} == {each for each in vars(getattr(module, node.name)) if not each.startswith("_")}
+
+
+def test_without_the_solvers_the_rest_works_and_fits_say_why_not(installed, tmp_path):
+    import shutil
+
+    core = tmp_path / "fracfit"
+    shutil.copytree(installed, core, ignore=shutil.ignore_patterns("_fitting.*"))
+    code = "import fracfit; print(fracfit.Model('1/s')(1j))\ntry: fracfit.fit\nexcept ImportError as e: print(e)"
+    environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
+    done = subprocess.run([sys.executable, "-c", code], env=environment, cwd=tmp_path, capture_output=True, text=True)
+    first, second = done.stdout.splitlines()
+    assert complex(first) == -1j and "cannot fit" in second and "Ceres" in second

@@ -50,6 +50,8 @@ struct Bands;  // bands.hpp
 [[nodiscard]] Section jump_section(const Work& work, const Curves& curves);
 /// Regimes of the dimensionless scene; every scene is one point of this map.
 [[nodiscard]] Section map_section(const Work& work);
+/// Loops around the two masses: exact limit cycles beside those of the describing function.  Needs a clearance above 0.
+[[nodiscard]] Section limit_cycles_section(const Work& work);
 /// Needs a clearance above 0.
 [[nodiscard]] Section orbit_section(const Work& work);
 [[nodiscard]] Section speed_section(const Work& work);

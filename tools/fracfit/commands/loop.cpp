@@ -20,7 +20,7 @@ class LoopCommand : public Command {
                 "at every impact") {
     Options& o = options();
     o.parsed("--controller", controller_, formula_of,
-             "C of the force -C(s) x on mass 2; a sum of powers of s with a dead time", "FORMULA")
+             "C of the force -C(s) x on body 2; a sum of powers of s with a dead time", "FORMULA")
         .required();
     add_masses(o, mass1_, mass2_);
     o.number("--clearance", clearance_);

@@ -18,8 +18,9 @@ namespace fracfit {
 /// A recursion in the samples as asked for on the command line: a fractional PID, or a filter for a --model.
 class ControllerRequest {
  public:
+  enum class SampleTime { required, optional };
   /// Declares the options that say what is designed.
-  void declare(Options& options);
+  void declare(Options& options, SampleTime sample_time = SampleTime::required);
   /// @throws std::invalid_argument  options do not fit together.
   void check(const Options& options) const;
 
@@ -29,6 +30,8 @@ class ControllerRequest {
   [[nodiscard]] Design design(Options& options);
 
   [[nodiscard]] const std::optional<frac::FractionalTransferFunction>& model() const { return model_; }
+  [[nodiscard]] const std::optional<frac::FrequencyBand>& band() const { return band_; }
+  [[nodiscard]] const std::optional<double>& tolerance() const { return goal_.tolerance; }
 
  private:
   [[nodiscard]] frac::FractionalPidDesign pid(Options& options);

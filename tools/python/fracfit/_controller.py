@@ -97,7 +97,10 @@ class FractionalPid:
             "most_swing": number(most_swing, "most_swing"),
         }
         self._controller = _core.Controller(self._config)
-        self.step = self._controller.step
+
+    def step(self, setpoint: float, measured: float) -> float:
+        """Output for the next sample; the last one where an input is not finite, see `bad_input`."""
+        return self._controller.step(setpoint, measured)
 
     def run(self, setpoint: Any, measured: Any) -> np.ndarray:
         """Outputs for many samples, from where the last call ended.
@@ -165,7 +168,6 @@ class FractionalPid:
         other = FractionalPid.__new__(FractionalPid)
         other._config = dict(self._config)
         other._controller = self._controller.copy()
-        other.step = other._controller.step
         return other
 
     def __deepcopy__(self, memo: dict[int, Any]) -> FractionalPid:

@@ -8,12 +8,16 @@ from typing import Any, Mapping, Sequence
 
 import numpy as np
 
-from . import _fitting
 from ._arrays import complex_array, number, real_array
 from ._controller import FractionalPid
 from ._data import FrequencyResponse, TimeSeries
 from ._model import EXACT, Model, _equal, _Record
 from ._text import escaped, html_table, reporter, short
+
+try:
+    from . import _fitting
+except ImportError as reason:
+    raise ImportError(f"this installation of fracfit cannot fit: {reason}; it needs its part _fitting, with Ceres and NLopt") from reason
 
 
 class FitResult:
