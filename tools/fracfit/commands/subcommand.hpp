@@ -20,6 +20,7 @@ namespace fracfit {
 [[nodiscard]] std::unique_ptr<Command> make_drt();
 [[nodiscard]] std::unique_ptr<Command> make_export_arduino();
 [[nodiscard]] std::unique_ptr<Command> make_export_c99();
+[[nodiscard]] std::unique_ptr<Command> make_export_fmu();
 [[nodiscard]] std::unique_ptr<Command> make_export_spice();
 [[nodiscard]] std::unique_ptr<Command> make_fit();
 [[nodiscard]] std::unique_ptr<Command> make_history();
