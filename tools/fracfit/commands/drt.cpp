@@ -39,9 +39,11 @@ class Drt : public Command {
         "tau.\n"
         "A fit gives g and the lines exactly, through the cut and the poles of its formula, with 95 % intervals by "
         "its\n"
-        "covariance.  Data give the smoothest g >= 0 that follows them to within their noise, with a 95 % band and "
+        "covariance.  Data give the smoothest g >= 0 that follows them to within their noise, with the three ends and "
         "the\n"
-        "three ends.  With both, one picture shows both.  Kinds of rows: density, line, peak.\n"
+        "range of 95 % of such g: it holds smooth densities, but may miss the maximum of an arc that is nearly a "
+        "line.\n"
+        "The area of a peak of data is that within the band.  Kinds of rows: density, line, peak.\n"
         "Examples:\n"
         "  fracfit drt cell.csv --out times.csv --picture times.svg\n"
         "  fracfit drt --fit fit.json --tau 1e-6:100:161log\n"
@@ -90,7 +92,7 @@ class Drt : public Command {
                          report::Panel& panel) {
     if (!of.lower.empty())
       panel.curves.push_back(
-          report::make_band(label + ", 95 %", colour == 0 ? "#b3d4e8" : "#f3cdb0", of.tau, of.lower, of.upper));
+          report::make_band(label + ", range", colour == 0 ? "#b3d4e8" : "#f3cdb0", of.tau, of.lower, of.upper));
     panel.curves.push_back(
         report::make_curve(label, report::category_colour(colour), report::Mark::line, of.tau, of.density));
     // A line has no density; its area stands at its time.
@@ -129,8 +131,7 @@ class Drt : public Command {
       add_rows("fit", times, rows);
       add_curves("fit", 1, times, panel);
     }
-    document.rows.columns = {"source",         "kind",  "tau_s",      "tau_ci95_lower",
-                             "tau_ci95_upper", "value", "ci95_lower", "ci95_upper"};
+    document.rows.columns = {"source", "kind", "tau_s", "tau_lower", "tau_upper", "value", "lower", "upper"};
     document.rows.count = rows.size();
     document.rows.fill = [&](std::size_t i, std::vector<Cell>& cells) {
       const Row& row = rows[i];

@@ -23,14 +23,14 @@ enum class TimesKernel {
 struct TimesLine {
   double tau;                                           // s
   double area;                                          // in the unit of the response
-  double tau_lower, tau_upper, area_lower, area_upper;  // 95 %, NaN where unknown
+  double tau_lower, tau_upper, area_lower, area_upper;  // see relaxation_times(), NaN where unknown
 };
 
 /// A maximum of the density between its minima.
 struct TimesPeak {
-  double tau;                                           // s, of the maximum
-  double area;                                          // between the minima, within the times asked for
-  double tau_lower, tau_upper, area_lower, area_upper;  // 95 %, NaN where unknown
+  double tau;   // s, of the maximum
+  double area;  // between the minima, within the times asked for or, of data, within the band
+  double tau_lower, tau_upper, area_lower, area_upper;  // see relaxation_times(), NaN where unknown
 };
 
 /// Distribution of relaxation or retardation times:
@@ -40,11 +40,11 @@ struct TimesDistribution {
   TimesKernel kernel;
   std::vector<double> tau;           // s, rising
   std::vector<double> density;       // g per e-fold of tau, in the unit of the response
-  std::vector<double> lower, upper;  // 95 % at each tau; empty where unknown
+  std::vector<double> lower, upper;  // at each tau, see relaxation_times(); empty where unknown
   std::vector<TimesLine> lines;
   std::vector<TimesPeak> peaks;
   double constant, inductance, elastance;  // of data only, NaN of a formula
-  double smoothness;  // of data only: weight of the squared second differences in units of the noise
+  double smoothness;  // of data only: weight of the roughness, that is of the squared second differences
 };
 
 /// Exactly, from the two sides of the cut of a formula along the negative real axis: g = -(1/pi) Im Z(e^{j pi}/tau),
@@ -54,13 +54,15 @@ struct TimesDistribution {
 [[nodiscard]] TimesDistribution relaxation_times(const Structure& structure, std::span<const double> parameters,
                                                  std::span<const double> tau, TimesKernel kernel);
 
-/// The same of a fit, with intervals by linear propagation of its covariance and Student's t.
+/// The same of a fit, with 95 % intervals by linear propagation of its covariance and Student's t.
 [[nodiscard]] TimesDistribution relaxation_times(const FitResult& fit, std::span<const double> tau, TimesKernel kernel);
 
 /// From data without a model: the density of least misfit and roughness that is nowhere negative, beside the three
-/// ends, none negative either, on 12 times per decade from half a decade beyond the band.  The noise is that of
-/// validate(), the weight of the roughness that of the largest evidence; the bands are quantiles of solutions of data
-/// and prior moved by their noise (Bardsley, Fox 2012).
+/// ends, none negative either, on 12 times per decade from 1.5 decades beyond the band.  The noise is that of
+/// validate(), the weight of the roughness that of the largest evidence, the roughness relative to the density.  Bands
+/// and intervals hold 95 % of the solutions of data and prior moved by their noise (Bardsley, Fox 2012): they are those
+/// of a density as smooth as the prior has it, and hold less of a line or of an arc that is nearly one
+/// (tools/docs/times_coverage.md).
 /// @throws std::invalid_argument  fewer than 6 points, or all at one frequency
 [[nodiscard]] TimesDistribution relaxation_times(const FrequencyResponseData& data, TimesKernel kernel,
                                                  std::uint64_t seed = 1);

@@ -7,6 +7,8 @@
 #include <limits>
 #include <random>
 #include <stdexcept>
+#include <utility>
+#include <vector>
 
 #include "frac/identification/relaxation_times.hpp"
 #include "frac/identification/validate.hpp"
@@ -20,12 +22,13 @@ using Complex = std::complex<double>;
 
 constexpr Eigen::Index ends = 3;
 constexpr double per_decade = 12;
-constexpr double reach = 0.5;  // decades beyond the band
+constexpr double reach = 1.5;  // decades beyond the band
 
 /// Weighted rows of a response that is linear in its ends and in the density at each time.
 struct Equations {
   std::vector<double> log_tau;
-  Eigen::MatrixXd columns;  // of size 1 at the ends, so that no unit matters
+  std::size_t first_seen, last_seen;  // times within the band
+  Eigen::MatrixXd columns;            // of size 1 at the ends, so that no unit matters
   Eigen::VectorXd end_scale;
   Eigen::VectorXd target;
   Eigen::MatrixXd roughness;  // second differences, the density being 0 beyond the times
@@ -47,6 +50,10 @@ Equations equations(const FrequencyResponseData& data, TimesKernel kernel) {
   const auto times = static_cast<Eigen::Index>(std::ceil((last - first) / std::log(10.0) * per_decade)) + 1;
   const double spacing = (last - first) / static_cast<double>(times - 1);
   for (Eigen::Index j = 0; j < times; ++j) made.log_tau.push_back(first + spacing * static_cast<double>(j));
+
+  const double reached = reach * std::log(10.0) / spacing;
+  made.first_seen = static_cast<std::size_t>(std::lround(reached));
+  made.last_seen = made.log_tau.size() - 1 - made.first_seen;
 
   const auto rows = 2 * static_cast<Eigen::Index>(kept.size());
   made.columns.resize(rows, ends + times);
@@ -104,6 +111,42 @@ double best_smoothness(const Equations& of, const Eigen::MatrixXd& normal, const
   return best;
 }
 
+/// The smoothest density that follows the data.
+struct Solution {
+  Eigen::MatrixXd roughness;  // of the prior
+  double smoothness;
+  Eigen::MatrixXd hessian;
+  Eigen::VectorXd x;
+  std::vector<bool> free;
+};
+
+Solution solution(const Equations& of, const Eigen::MatrixXd& normal, Eigen::MatrixXd roughness) {
+  Solution made{std::move(roughness), 0, {}, {}, {}};
+  const Eigen::MatrixXd rough = made.roughness.transpose() * made.roughness;
+  made.smoothness = best_smoothness(of, normal, rough);
+  made.hessian = normal + made.smoothness * rough;
+  // Ends that no point sees stay at 0.
+  made.hessian.diagonal().array() += 1e-13 * made.hessian.diagonal().maxCoeff();
+  made.free.assign(static_cast<std::size_t>(made.hessian.cols()), true);
+  made.x = detail::nonnegative_minimum(made.hessian, of.columns.transpose() * of.target, made.free);
+  return made;
+}
+
+/// Second differences in units of the density around them: that of an arc falls as a power of tau, so that its
+/// curvature is in proportion to itself, and one roughness for all would cut its maximum.
+Eigen::MatrixXd relative_roughness(const Equations& of, const Eigen::VectorXd& density) {
+  constexpr double floor = 0.02;  // of the maximum: less is not told from nothing
+  const double top = density.maxCoeff();
+  Eigen::MatrixXd result = of.roughness;
+  if (!(top > 0)) return result;
+  const Eigen::Index last = density.size() - 1;
+  for (Eigen::Index i = 0; i < result.rows(); ++i) {
+    const Eigen::Index from = std::max<Eigen::Index>(i - 2, 0), to = std::min(i, last);
+    result.row(i) *= top / std::max(density.segment(from, to - from + 1).maxCoeff(), floor * top);
+  }
+  return result;
+}
+
 double quantile(std::vector<double> values, double share) {
   std::sort(values.begin(), values.end());
   const double place = share * static_cast<double>(values.size() - 1);
@@ -117,17 +160,16 @@ double quantile(std::vector<double> values, double share) {
 TimesDistribution relaxation_times(const FrequencyResponseData& data, TimesKernel kernel, std::uint64_t seed) {
   const Equations of = equations(data, kernel);
   const Eigen::MatrixXd normal = of.columns.transpose() * of.columns;
-  const Eigen::MatrixXd rough = of.roughness.transpose() * of.roughness;
-  const double smoothness = best_smoothness(of, normal, rough);
-  Eigen::MatrixXd hessian = normal + smoothness * rough;
-  // Ends that no point sees stay at 0.
-  hessian.diagonal().array() += 1e-13 * hessian.diagonal().maxCoeff();
-  std::vector<bool> free(static_cast<std::size_t>(hessian.cols()), true);
-  const Eigen::VectorXd best = detail::nonnegative_minimum(hessian, of.columns.transpose() * of.target, free);
+  Solution of_data = solution(of, normal, of.roughness);
+  constexpr int rounds = 3;  // the scale of the density settles
+  for (int round = 0; round < rounds; ++round)
+    of_data =
+        solution(of, normal, relative_roughness(of, of_data.x.tail(static_cast<Eigen::Index>(of.log_tau.size()))));
+  const Eigen::VectorXd& best = of_data.x;
 
   TimesDistribution result{};
   result.kernel = kernel;
-  result.smoothness = smoothness;
+  result.smoothness = of_data.smoothness;
   result.constant = best(0) * of.end_scale(0);
   result.inductance = best(1) * of.end_scale(1);
   result.elastance = best(2) * of.end_scale(2);
@@ -140,12 +182,12 @@ TimesDistribution relaxation_times(const FrequencyResponseData& data, TimesKerne
   std::normal_distribution<double> normal_draw;
   std::vector<std::vector<double>> density(of.log_tau.size()), drawn(samples);
   for (std::size_t k = 0; k < samples; ++k) {
-    Eigen::VectorXd moved = of.target, prior(of.roughness.rows());
+    Eigen::VectorXd moved = of.target, prior(of_data.roughness.rows());
     for (double& each : moved) each += normal_draw(engine);
-    for (double& each : prior) each = std::sqrt(smoothness) * normal_draw(engine);
-    std::vector<bool> guess = free;
-    const Eigen::VectorXd sample =
-        detail::nonnegative_minimum(hessian, of.columns.transpose() * moved + of.roughness.transpose() * prior, guess);
+    for (double& each : prior) each = std::sqrt(of_data.smoothness) * normal_draw(engine);
+    std::vector<bool> guess = of_data.free;
+    const Eigen::VectorXd sample = detail::nonnegative_minimum(
+        of_data.hessian, of.columns.transpose() * moved + of_data.roughness.transpose() * prior, guess);
     for (std::size_t j = 0; j < of.log_tau.size(); ++j) {
       drawn[k].push_back(sample(ends + static_cast<Eigen::Index>(j)));
       density[j].push_back(drawn[k].back());
@@ -156,9 +198,14 @@ TimesDistribution relaxation_times(const FrequencyResponseData& data, TimesKerne
     result.lower.push_back(quantile(each, low));
     result.upper.push_back(quantile(each, high));
   }
-  const auto ranges = detail::large_peaks(
+  auto ranges = detail::large_peaks(
       detail::joined_peaks(detail::peak_ranges(result.density), result.density, result.lower, result.upper), of.log_tau,
       result.density);
+  // Beyond the band stands what the prior continues.
+  std::erase_if(ranges, [&](const auto& range) { return range.top < of.first_seen || range.top > of.last_seen; });
+  const auto seen = [&](const detail::PeakRange& range) {
+    return detail::PeakRange{std::max(range.first, of.first_seen), range.top, std::min(range.last, of.last_seen)};
+  };
   for (std::size_t i = 0; i < ranges.size(); ++i) {
     std::vector<double> place, area;
     for (const auto& each : drawn) {
@@ -172,11 +219,12 @@ TimesDistribution relaxation_times(const FrequencyResponseData& data, TimesKerne
       if (i > 0) range.first = minimum_between(ranges[i - 1].top, range.top);
       if (i + 1 < ranges.size()) range.last = minimum_between(range.top, ranges[i + 1].top);
       place.push_back(detail::peak_place(of.log_tau, each, range));
-      area.push_back(detail::peak_area(of.log_tau, each, range));
+      area.push_back(detail::peak_area(of.log_tau, each, seen(range)));
     }
     result.peaks.push_back({std::exp(detail::peak_place(of.log_tau, result.density, ranges[i])),
-                            detail::peak_area(of.log_tau, result.density, ranges[i]), std::exp(quantile(place, low)),
-                            std::exp(quantile(place, high)), quantile(area, low), quantile(area, high)});
+                            detail::peak_area(of.log_tau, result.density, seen(ranges[i])),
+                            std::exp(quantile(place, low)), std::exp(quantile(place, high)), quantile(area, low),
+                            quantile(area, high)});
   }
   return result;
 }
