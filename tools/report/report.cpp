@@ -304,7 +304,8 @@ ReportOutcome write_report(const ReportOptions& options) {
       sections.push_back(stages.run("fits of " + name, [&] {
         const auto* record = std::get_if<TimeRecord>(&data[i].content);
         return record ? time_section(work, name, record->data, record->notes, i + 1)
-                      : data_section(work, name, std::get<io::FrequencyResponseFile>(data[i].content), i + 1);
+                      : data_section(work, name, std::get<io::FrequencyResponseFile>(data[i].content), i + 1,
+                                     options.field);
       }));
     }
   }
