@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -154,6 +155,22 @@ TEST(LoopCommand, WritesTheMotionWithItsImpacts) {
     return;
   }
   ADD_FAILURE() << text;
+}
+
+// A hundred samples and that of the start, a force that keeps its limit, and no limit without samples.
+TEST(LoopCommand, RunsASampledController) {
+  std::vector<std::string> command{"loop", "--controller", "2 + s", "--restitution", "0",    "--velocity2",
+                                   "1",    "--duration",   "1",     "--force-limit", "0.25", "--body",
+                                   "x2"};
+  EXPECT_EQ(run_fracfit(command).code, 2);
+  command.insert(command.end(), {"--sample-time", "0.01", "--format", "csv"});
+  const auto result = run_fracfit(command);
+  ASSERT_EQ(result.code, 0) << result.error;
+  std::istringstream lines(result.output);
+  std::size_t rows = 0;
+  for (std::string line; std::getline(lines, line);) rows += line.find(",sample") != std::string::npos;
+  EXPECT_EQ(rows, 101U);
+  EXPECT_NE(result.output.find(",-0.25,sample"), std::string::npos) << result.output;
 }
 
 TEST(LoopCommand, SaysWhatItDoesNotFollow) {

@@ -79,6 +79,7 @@ Figure nyquist_figure(const LoopPicture& picture, std::string name, std::string 
       top = std::max(top, 2 * std::abs(points->y[i]));
     }
   }
+  top = std::max(0.58, top);  // where the line of ε = 0.2 shows
   top = std::max(top, 1.6 * pi * (1 - restitution) / (4 * (1 + restitution)));
   Points loop;
   for (const double omega : logarithmic_grid(from, to, 600)) {

@@ -37,6 +37,7 @@ namespace fracfit {
 [[nodiscard]] std::unique_ptr<Command> make_respond();
 [[nodiscard]] std::unique_ptr<Command> make_simulate();
 [[nodiscard]] std::unique_ptr<Command> make_tune();
+[[nodiscard]] std::unique_ptr<Command> make_validate();
 [[nodiscard]] std::unique_ptr<Command> make_completion();
 [[nodiscard]] std::unique_ptr<Command> make_man();
 

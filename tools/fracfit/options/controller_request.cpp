@@ -136,7 +136,7 @@ void CodeRequest::check(bool is_filter) {
 }
 
 std::string CodeRequest::words() const {
-  return " --precision " + std::string(frac::to_string(header_.precision)) + " --name " + header_.name;
+  return " --precision " + std::string(frac::to_string(header_.precision)) + name_in_words();
 }
 
 frac::CHeaderOptions CodeRequest::with_comment(const ControllerRequest& request,
@@ -156,6 +156,12 @@ std::string CodeRequest::header(const ControllerRequest& request, const Controll
   const frac::CHeaderOptions options = with_comment(request, design, command);
   if (const auto* pid = std::get_if<frac::FractionalPidDesign>(&design)) return frac::c_header(*pid, options);
   return frac::c_header(std::get<frac::FilterChoice>(design).design, options);
+}
+
+frac::FixedPointHeader CodeRequest::fixed_point(const ControllerRequest& request, const frac::FilterChoice& filter,
+                                                const frac::FixedPointRanges& ranges,
+                                                const std::string& command) const {
+  return frac::fixed_point_header(filter.design, ranges, with_comment(request, filter, command));
 }
 
 std::vector<frac::NamedText> CodeRequest::arduino_library(const ControllerRequest& request,
