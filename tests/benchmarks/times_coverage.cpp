@@ -2,6 +2,7 @@
 // How often the band and the intervals of relaxation_times() of data hold the density that made the data, which the
 // formula gives exactly.  Prints a table for tools/docs/times_coverage.md.  Arguments: [seeds] [first seed]
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
