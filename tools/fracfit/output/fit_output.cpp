@@ -7,15 +7,12 @@
 #include "output/aligned_table.hpp"
 #include "output/document.hpp"
 #include "output/json.hpp"
+#include "output/parameter_output.hpp"
 
 namespace fracfit {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-std::string interval(double lower, double upper) {
-  return short_number(lower) + " .. " + short_number(upper);
-}
 
 std::string option_of(const FitRun& run, std::string_view key) {
   return std::string(io::find_value(run.options, key).value_or(std::string_view{}));
@@ -46,13 +43,6 @@ std::string reading(const std::string& formula) {
   return bare(grouped) == bare(formula) ? "" : "read as    " + grouped + "\n";
 }
 
-std::string state_of(const frac::ParameterEstimate& parameter) {
-  if (parameter.fixed) return "fixed";
-  if (parameter.at_bound) return "at its bound";
-  if (!parameter.identified) return "not identified";
-  return "";
-}
-
 std::string note_on_profiles(const frac::FitResult& result) {
   std::string names;
   for (const auto& parameter : result.parameters) {
@@ -68,7 +58,7 @@ std::string parameter_table(const frac::FitResult& result) {
     const bool has_interval = parameter.ci95_lower == parameter.ci95_lower && !parameter.fixed;
     table.add({parameter.name, short_number(parameter.value),
                parameter.fixed ? "-" : short_number(parameter.standard_error),
-               has_interval ? interval(parameter.ci95_lower, parameter.ci95_upper) : "-", state_of(parameter)});
+               has_interval ? interval(parameter.ci95_lower, parameter.ci95_upper) : "-", parameter_state(parameter)});
   }
   return table.text() + note_on_profiles(result);
 }
@@ -129,18 +119,6 @@ io::Metadata head_of(const FitRun& run) {
   io::Metadata head{{"data", run.file}};
   head.insert(head.end(), run.options.begin(), run.options.end());
   return head;
-}
-
-Json parameter_json(const frac::ParameterEstimate& parameter) {
-  return {{"name", parameter.name},
-          {"value", parameter.value},
-          {"standard_error", parameter.standard_error},
-          {"ci95", {parameter.ci95_lower, parameter.ci95_upper}},
-          {"interval", frac::to_string(parameter.interval)},
-          {"widening", parameter.widening},
-          {"identified", parameter.identified},
-          {"at_bound", parameter.at_bound},
-          {"fixed", parameter.fixed}};
 }
 
 void append_fit(Json& json, const frac::FitResult& result) {
