@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "backlash/loops/forced_bodies.hpp"
 #include "backlash/loops/limit_cycles.hpp"
 #include "backlash/loops/predicted_cycles.hpp"
 #include "loops/forced_orbits.hpp"
@@ -263,7 +264,8 @@ TEST(LinearBodies, TakeFromTheControllerWhatImpactsAndFrictionCost) {
   const ControlLoop loops[] = {
       {LinearBodies(parsed("1/(s^2 + 0.1 s)"), parsed("1/(2 s^2 + 0.2 s)"), 1, .6), parsed("3 + 2 s^0.7")},
       {LinearBodies(parsed("1/(s^2 + 0.1 s^0.4 + 0.5)"), free_mass(1), 1, .6), parsed("3 + s^0.8")},
-      {LinearBodies(parsed("1/(s^2 + 0.01 s)"), parsed("1/(s^2 + 0.01 s)"), .1, .9), parsed("4 + 3/s + s"), Output::x2}};
+      {LinearBodies(parsed("1/(s^2 + 0.01 s)"), parsed("1/(s^2 + 0.01 s)"), .1, .9), parsed("4 + 3/s + s"),
+       Output::x2}};
   for (const ControlLoop& loop : loops) {
     LimitCycleOptions options = within(.1, 30);
     options.harmonics = 4000;
@@ -307,6 +309,117 @@ TEST(LinearBodies, ForcedOrbitsAreThoseOfTheSimulation) {
     EXPECT_NEAR(std::abs(orbit.force), each.force, 1e-12 * each.force);
     EXPECT_LT(std::abs(orbit.x1 / orbit.force - each.describing_function), 7e-11);  // half a digit in both parts
   }
+}
+
+// Bodies whose factor cancels are free masses that go the way of all others: where the sweep of the free masses follows
+// the symmetric orbit, N and stability agree, to the 1e-11 of the inverse transform.
+TEST(ForcedBodies, AreTheFreeMassesWhereTheyAreFree) {
+  const TwoMassSystem masses(1, 2, .3, .6);
+  const LinearBodies detour(parsed("(s + 3)/(s^3 + 3 s^2)"), parsed("(s + 2)/(2 s^3 + 4 s^2)"), .3, .6);
+  std::vector<double> omega;
+  for (int i = 0; i < 30; ++i) omega.push_back(8 + i);
+  SweepOptions options;
+  options.protocol = Protocol::two_impact;
+  for (const Output output : {Output::x1, Output::x2}) {
+    options.output = output;
+    const DescribingFunctionSweep known = describing_function_sweep(masses, 40, omega, options);
+    const DescribingFunctionSweep found = bodies_describing_function(detour, 40, omega, output);
+    const DescribingFunctionSweep plain =
+        bodies_describing_function(LinearBodies(free_mass(1), free_mass(2), .3, .6), 40, omega, output);
+    int compared = 0;
+    for (std::size_t i = 0; i < omega.size(); ++i) {
+      EXPECT_EQ(plain.points[i].value, known.points[i].value);
+      EXPECT_EQ(known.points[i].regime == Regime::symmetric, found.points[i].regime == Regime::symmetric) << omega[i];
+      if (known.points[i].regime != Regime::symmetric || !found.points[i].usable()) continue;
+      const double size = std::abs(known.points[i].value);
+      EXPECT_LT(std::abs(found.points[i].value - known.points[i].value), 1e-11 * size);
+      EXPECT_NEAR(found.points[i].third_harmonic_ratio, known.points[i].third_harmonic_ratio, 1e-11);
+      EXPECT_NEAR(found.points[i].lyapunov_exponent, known.points[i].lyapunov_exponent, 1e-6);
+      ++compared;
+    }
+    EXPECT_GT(compared, 10);
+  }
+}
+
+// A run of bodies with friction and springs, flight by flight with matrix exponentials and impacts found on a fine grid
+// of each period, settles on the orbit: amplitude and phase of the fundamental of both bodies.
+TEST(ForcedBodies, AreWhatASimulationSettlesOn) {
+  for (const bool has_springs : {false, true}) {
+    const double m1 = 1, m2 = 1.5, b1 = .4, b2 = .6, k1 = has_springs ? 30 : 0, k2 = has_springs ? 12 : 0;
+    const double restitution = .6, force = 60, omega = 20, half = .15;
+    const LinearBodies bodies(FractionalTransferFunction({{1, 0}}, {{m1, 2}, {b1, 1}, {k1, 0}}),
+                              FractionalTransferFunction({{1, 0}}, {{m2, 2}, {b2, 1}, {k2, 0}}), 2 * half, restitution);
+    const DescribingFunctionPoint x1 = bodies_describing_function(bodies, force, {omega}, Output::x1).points[0];
+    const DescribingFunctionPoint x2 = bodies_describing_function(bodies, force, {omega}, Output::x2).points[0];
+    ASSERT_EQ(x1.regime, Regime::symmetric);
+    // State (x1, x1', x2, x2', cos, sin) of the force; steps of a 4096th of a period.
+    using Matrix = Eigen::Matrix<double, 6, 6>;
+    using State = Eigen::Matrix<double, 6, 1>;
+    Matrix a = Matrix::Zero();
+    a(0, 1) = a(2, 3) = 1;
+    a(1, 0) = -k1 / m1;
+    a(1, 1) = -b1 / m1;
+    a(3, 2) = -k2 / m2;
+    a(3, 3) = -b2 / m2;
+    a(3, 4) = force / m2;
+    a(4, 5) = -omega;
+    a(5, 4) = omega;
+    const auto flight = [&](double time) {
+      Matrix sum = Matrix::Identity(), power = sum;
+      for (int i = 1; i < 12; ++i) {
+        power = power * a * (time / i);
+        sum += power;
+      }
+      return sum;
+    };
+    constexpr int steps = 4096, periods = 400, read = 8;
+    const double step = 2 * pi / omega / steps;
+    const Matrix whole = flight(step);
+    State state = State::Zero();
+    state(4) = 1;
+    state(3) = 1;
+    Complex sum1 = 0, sum2 = 0;
+    for (int i = 0; i < periods * steps; ++i) {
+      State next = whole * state;
+      double left = step;
+      while (std::abs(next(2) - next(0)) > half && std::abs(state(2) - state(0)) <= half * (1 + 1e-12)) {
+        double low = 0, high = left;
+        for (int k = 0; k < 50; ++k) {
+          const double middle = .5 * (low + high);
+          const State there = flight(middle) * state;
+          (std::abs(there(2) - there(0)) > half ? high : low) = middle;
+        }
+        if (low == 0) break;
+        state = flight(low) * state;
+        const double common = (m1 * state(1) + m2 * state(3)) / (m1 + m2), rate = state(3) - state(1);
+        state(1) = common + restitution * rate * m2 / (m1 + m2);
+        state(3) = common - restitution * rate * m1 / (m1 + m2);
+        left -= low;
+        next = flight(left) * state;
+      }
+      state = next;
+      if (i < (periods - read) * steps) continue;
+      // The means of the bodies, which drift without springs, leave the fundamental over whole periods.
+      const Complex turn(state(4), -state(5));
+      sum1 += state(0) * turn;
+      sum2 += state(2) * turn;
+    }
+    const double count = .5 * read * steps;
+    // The rule over a kink errs by the square of the step, and so do rests of the transient of that length.
+    EXPECT_LT(std::abs(sum1 / count / force - x1.value), 2e-5 * std::abs(x1.value)) << has_springs;
+    EXPECT_LT(std::abs(sum2 / count / force - x2.value), 2e-5 * std::abs(x2.value)) << has_springs;
+  }
+}
+
+TEST(ForcedBodies, SayWhereTheMotionIsAnotherOne) {
+  const LinearBodies bodies(parsed("1/(s^2 + 0.2 s)"), parsed("1/(s^2 + 0.3 s)"), .3, .6);
+  const DescribingFunctionSweep found = bodies_describing_function(bodies, 1, {.5, 20});
+  EXPECT_FALSE(found.points[0].usable());
+  EXPECT_EQ(found.points[0].regime, Regime::averaged);
+  EXPECT_EQ(found.points[1].regime, Regime::free);
+  EXPECT_EQ(found.points[1].value, Complex(0));
+  support::expect_invalid_argument([&] { (void)bodies_describing_function(bodies, -1, {1}); }, {"force"});
+  support::expect_invalid_argument([&] { (void)bodies_describing_function(bodies, 1, {2, 1}); }, {"omega"});
 }
 
 }  // namespace

@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "backlash/basins.hpp"
 #include "backlash/jump_frequency.hpp"
 #include "continuation/orbit_branch.hpp"
 #include "motion/gap_motion.hpp"
@@ -29,6 +30,8 @@ using backlash::OrbitBranch;
 using backlash::OrbitDiagram;
 using backlash::OrbitParameter;
 using backlash::PeriodicOrbit;
+using backlash::Regime;
+using backlash::TwoMassSystem;
 using backlash::Wall;
 using backlash::detail::GapMotion;
 using backlash::detail::GapState;
@@ -111,6 +114,36 @@ TEST(OrbitDiagram, FollowsTheSymmetricOrbitThroughItsFold) {
 }
 
 // Every orbit of a diagram closes under the event-driven motion, in the same impacts.
+// Closed orbits without rests that the default starts of basins settle on, each in a range in which chance may miss it.
+TEST(OrbitDiagram, HoldsWhatBasinsFindsWhereAsked) {
+  struct Case {
+    double restitution, omega;
+  };
+  for (const auto& [restitution, omega] : {Case{0.7, 1.748}, Case{0.62, 1.31}, Case{0.4, 1.21}}) {
+    const TwoMassSystem system(1, 1, 1, restitution);
+    std::vector<double> position, velocity;
+    for (int i = 0; i <= 40; ++i) {
+      position.push_back(i / 40.0);
+      velocity.push_back(omega * (i / 20.0 - 1));
+    }
+    backlash::OrbitContinuationOptions options;
+    options.basins_at = {omega};
+    const auto diagram = backlash::orbit_diagram(system, 1, omega / 1.6, omega * 1.6, options);
+    for (const backlash::Attractor& attractor : backlash::basins(system, 1, omega, position, velocity).attractors) {
+      const auto& point = attractor.point;
+      const bool closed = point.regime == Regime::periodic || point.regime == Regime::symmetric;
+      const int impacts = static_cast<int>(std::lround(point.impacts_per_period * point.period));
+      if (!closed || point.period > options.longest_period || impacts > options.most_impacts) continue;
+      EXPECT_TRUE(support::lists(diagram, omega, {point.period, impacts, {}, {}}, point.value))
+          << restitution << ": period " << point.period << ", " << impacts << " impacts";
+    }
+  }
+  backlash::OrbitContinuationOptions outside;
+  outside.basins_at = {3};
+  EXPECT_THROW(static_cast<void>(backlash::orbit_diagram(TwoMassSystem(1, 1, 1, 0.7), 1, 1, 2, outside)),
+               std::invalid_argument);
+}
+
 TEST(OrbitDiagram, HoldsOrbitsThatTheEventDrivenMotionRepeats) {
   std::size_t orbits = 0;
   for (const double restitution : {0.15, 0.6, 0.9}) {

@@ -158,6 +158,9 @@ TEST(SimulateLoop, RefusesWhatItDoesNotFollow) {
   support::expect_invalid_argument([&] { (void)simulate_loop(loop_of("1 + s^1.2", .6), {}, {1, 0}); }, {"s^1.2"});
   support::expect_invalid_argument([&] { (void)simulate_loop(loop_of("1/(s + 1)", .6), {}, {}); }, {"sum of powers"});
   support::expect_invalid_argument([&] { (void)simulate_loop(loop_of("1 + s", 0), {}, {}); }, {"restitution 0"});
+  const frac::FractionalTransferFunction damped = frac::FractionalTransferFunction::parse("1/(s^2 + s)");
+  const ControlLoop with_friction(LinearBodies(damped, free_mass(1), 1, .6), loop.controller());
+  support::expect_invalid_argument([&] { (void)simulate_loop(with_friction, {}, {}); }, {"free masses"});
   LoopSimulationOptions options;
   options.duration = -1;
   support::expect_invalid_argument([&] { (void)simulate_loop(loop, {}, {}, options); }, {"duration"});

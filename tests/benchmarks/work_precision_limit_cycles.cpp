@@ -2,10 +2,12 @@
 // Exact symmetric limit cycles with their stability: all of one loop, by closed form, and in a range of two decades by
 // search where there is dead time or a ratio.  Prints case,method,setting,error,seconds; error is that of the frequency
 // against its known value (a ratio whose factor cancels has that of the sum it is), seconds the least and the median of
-// the repeats.  --smoke: one repeat.
+// the repeats.  The map is of 1 + k s^q over k and q, on two threads; its error counts the loops that come out another
+// way on one thread.  --smoke: one repeat and a small map.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
 #include <cstring>
 #include <limits>
@@ -14,6 +16,7 @@
 #include <vector>
 
 #include "backlash/loops/limit_cycles.hpp"
+#include "frac/parallel_for.hpp"
 
 namespace {
 
@@ -45,6 +48,32 @@ void run(const Case& each, int repeats) {
     std::printf("%s,%s,%s,%.3e,%.3e\n", each.name, each.method, name, error, value);
 }
 
+// Bits: a stable motion, an unstable one.
+std::vector<int> map_of(std::size_t side, int threads) {
+  std::vector<int> map(side * side);
+  frac::parallel_for(map.size(), threads, [&](std::size_t i) {
+    const double share = 1 / static_cast<double>(side - 1);
+    const double gain = std::pow(10, -1.5 + 3 * share * static_cast<double>(i / side));
+    const double order = 0.05 + 1.55 * share * static_cast<double>(i % side);
+    const backlash::ControlLoop loop({1, 1, 1, .6},
+                                     frac::FractionalTransferFunction({{gain, order}, {1, 0}}, {{1, 0}}));
+    for (const backlash::SymmetricCycle& cycle : backlash::symmetric_cycles(loop).cycles) {
+      if (cycle.admissible) map[i] |= cycle.stability.stable ? 1 : 2;
+    }
+  });
+  return map;
+}
+
+void run_map(std::size_t side) {
+  const auto start = std::chrono::steady_clock::now();
+  const std::vector<int> map = map_of(side, 2);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const std::vector<int> again = map_of(side, 1);
+  int different = 0;
+  for (std::size_t i = 0; i < map.size(); ++i) different += map[i] != again[i];
+  std::printf("map of %zu loops,closed form,once,%d,%.3e\n", map.size(), different, seconds);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -59,4 +88,5 @@ int main(int argc, char** argv) {
       {"1 + s^0.5 as a ratio", "inverse transform", "(s + 2) (1 + s^0.5)/(s + 2)", .6, 1.58131922051927},
       {"filtered", "inverse transform", "(1 + s)/(1 + 0.01 s)", .6, unknown}};
   for (const Case& each : cases) run(each, is_smoke ? 1 : 200);
+  run_map(is_smoke ? 10 : 100);
 }

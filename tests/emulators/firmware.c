@@ -2,12 +2,13 @@
 /* Runs an exported controller on a processor or its emulator and prints the bits of its outputs, one sample a line, for
  * reference.cpp to be compared with; on an AVR also the cycles of the longest and of the mean step.
  *
- * Defined by the command line: HEADER, the file; IS_FILTER where it has one input; REAL and BITS, the type of a sample
- * and an unsigned one of its size; SAMPLES.
+ * Defined by the command line: HEADER, the file; IS_FILTER where it has one input, IS_FIXED where that is a whole
+ * number; REAL and BITS, the type of a sample and an unsigned one of its size; SAMPLES.
  */
+#include <stdint.h>
+
 #include HEADER
 
-#include <stdint.h>
 #include <string.h>
 
 #ifdef __AVR__
@@ -39,14 +40,20 @@ static void put_hex(uint64_t value, int digits)
 
 static uint32_t drawn = 1;
 
-/* In [-1, 1), 24 bits, which every type here holds. */
+/* In [-1, 1), 24 bits, which every type here holds; of whole numbers the whole range. */
 static REAL draw(void)
 {
   drawn = drawn * 1664525u + 1013904223u;
+#ifdef IS_FIXED
+  return (REAL)drawn;
+#else
   return (REAL)((int32_t)drawn / 256) / (REAL)8388608;
+#endif
 }
 
-#ifdef IS_FILTER
+#if defined(IS_FIXED)
+#define STEP(setpoint, measured) ((void)(setpoint), model_step(&state, measured))
+#elif defined(IS_FILTER)
 #define STEP(setpoint, measured) model_step(&state, (setpoint) - (measured))
 #else
 #define STEP(setpoint, measured) model_step(&state, setpoint, measured)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // usage: emulator_reference <case> <float|double> <samples> <header>
 // Writes the C header of a case, and prints the bits of what the library's own class gives for the samples of
-// firmware.c.
+// firmware.c; in fixed point, for which there is no class, the header alone.
 #include <bit>
 #include <cstdint>
 #include <cstdio>
@@ -10,6 +10,7 @@
 #include <string>
 
 #include "frac/digital/c_header.hpp"
+#include "frac/digital/fixed_point.hpp"
 
 namespace {
 
@@ -45,6 +46,11 @@ void print_bits(int samples, Step step) {
   }
 }
 
+std::string fixed_point(const frac::CHeaderOptions& options) {
+  const auto power = frac::digital_power(-0.5, {0.1, 70}, frac::PoleCount{8}, 0.02, frac::Discretisation::tustin);
+  return frac::fixed_point_header(frac::filter_design(power), {.input = 5, .output = 100}, options).text;
+}
+
 template <typename Real>
 void run(const std::string& name, int samples, const frac::CHeaderOptions& options, std::ofstream& header) {
   if (name == "filter") {
@@ -67,7 +73,9 @@ int main(int argc, char** argv) {
   const frac::CHeaderOptions options{.name = "model", .precision = frac::precision_from_string(argv[2])};
   std::ofstream header(argv[4]);
   const int samples = std::stoi(argv[3]);
-  if (options.precision == frac::Precision::float_type) {
+  if (std::string(argv[1]) == "fixed") {
+    header << fixed_point(options);
+  } else if (options.precision == frac::Precision::float_type) {
     run<float>(argv[1], samples, options, header);
   } else {
     run<double>(argv[1], samples, options, header);

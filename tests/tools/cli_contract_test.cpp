@@ -355,8 +355,8 @@ TEST(Identify, TheCommandInTheResultGivesTheSameResult) {
   const auto data = folder.write("data.csv", power_law_data());
   const auto first = successful_json({"identify", data, "--models", "power-law,gain"});
   EXPECT_EQ(first["command"], "fracfit identify " + data +
-                                  " --models power-law,gain --component imaginary --weight relative --loss none "
-                                  "--realisation exact --seed 1");
+                                  " --models power-law,gain --component imaginary --weight learned --loss none "
+                                  "--realisation exact --seed 1 --outliers leave-out");
   const auto csv = successful({"identify", data, "--models", "power-law,gain", "--format", "csv"});
   EXPECT_EQ(entry_of(csv, "command"), first["command"]);
   EXPECT_EQ(rows_of(csv).size(), 2U);
@@ -420,6 +420,17 @@ TEST(Report, WithoutGnuplotTheNumbersAreWrittenAll) {
   EXPECT_NE(result.error.find("gnuplot-nox"), std::string::npos) << result.error;
   EXPECT_GT(fs::file_size(folder.path("report/index.html")), 0U);
   EXPECT_TRUE(Json::accept(content_of(folder.path("report/results.json"))));
+}
+
+TEST(Contract, EveryExportIsASubcommandOfItsOwn) {
+  const std::string help = successful({"--help"});
+  for (const std::string target : {"arduino", "c99", "fmu", "spice"}) {
+    EXPECT_NE(help.find("\n  export " + target + " "), std::string::npos) << target;
+    EXPECT_NE(successful({"export", target, "--help"}).find("\n  fracfit export " + target + " "), std::string::npos);
+  }
+  // The old way to C stays.
+  EXPECT_NE(successful({"controller", "--kp", "1", "--sample-time", "1", "--format", "c"}).find("controller_step("),
+            std::string::npos);
 }
 
 }  // namespace

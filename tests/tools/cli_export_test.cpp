@@ -100,6 +100,20 @@ TEST(ExportC99, WritesWhatControllerWrites) {
   EXPECT_EQ(body(code.output), body(old.output));
 }
 
+TEST(ExportC99, FixedPointStatesItsError) {
+  const std::vector<std::string> filter{"export", "c99",           "--model", "s^-0.5",        "--band",
+                                        "0.1:70", "--sample-time", "0.02",    "--fixed-point", "5:100"};
+  const auto result = run_fracfit(with(filter, {"--discretisation", "tustin"}));
+  ASSERT_EQ(result.code, 0) << result.error;
+  EXPECT_NE(result.output.find("int32_t filter_step(filter_state *s, int32_t sample)"), std::string::npos);
+  EXPECT_NE(result.output.find("an output differs from the exact one by "), std::string::npos);
+  EXPECT_NE(result.output.find("--fixed-point 5:100 --name filter\n"), std::string::npos) << result.output;
+  expect_refusal(filter, "taps; fixed point takes sections alone");
+  expect_refusal(with(filter, {"--precision", "float"}), "--fixed-point has no meaning with --precision float");
+  expect_refusal({"export", "c99", "--kp", "1", "--sample-time", "1", "--fixed-point", "1:1"},
+                 "--fixed-point has no meaning without --model");
+}
+
 TEST(ExportArduino, WritesALibraryWithASketchThatCompiles) {
   const TemporaryFolder folder;
   const auto result = run_fracfit(with(with({"export", "arduino"}, design), {"--out", folder.path("loop")}));

@@ -2,7 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -66,6 +69,23 @@ TEST(LimitCyclesCommand, TakesBodiesAsReceptances) {
   EXPECT_LT(loops[1]["cycles"][0]["omega"].get<double>(), 3.1);
   EXPECT_TRUE(loops[1]["scene"].contains("load_receptance"));
   for (const auto& cycle : loops[2]["cycles"]) EXPECT_EQ(cycle["admissible"], false) << cycle;
+}
+
+// The describing function's line and the motion over a period, or the frequencies over what varies.  The gap's plane
+// closes at the speeds of the impacts: 1.36364 m/s for 2 + s at restitution .6.
+TEST(LimitCyclesCommand, DrawsLoopsAndFamilies) {
+  const TemporaryFolder folder;
+  // The scripts are written whether gnuplot is there or not.
+  (void)run_fracfit(limit_cycles(
+      "k + s", {"--restitution", "0.6", "--quiet", "--over", "k=2:14:3", "--pictures", folder.path("family")}));
+  (void)run_fracfit(limit_cycles("2 + s", {"--restitution", "0.6", "--quiet", "--pictures", folder.path("one")}));
+  const auto script = [&](const std::string& name) {
+    std::ifstream file(folder.path(name));
+    return std::string(std::istreambuf_iterator<char>(file), {});
+  };
+  EXPECT_NE(script("family/cycles-frequency.gp").find("events"), std::string::npos);
+  EXPECT_NE(script("one/cycles-nyquist.gp").find("predicted"), std::string::npos);
+  EXPECT_NE(script("one/cycle-1.gp").find("1.3636"), std::string::npos);
 }
 
 // Where "kp + s" ceases to have a cycle is tested with the library; here that the command says it.
@@ -137,10 +157,53 @@ TEST(LoopCommand, WritesTheMotionWithItsImpacts) {
   ADD_FAILURE() << text;
 }
 
+// A hundred samples and that of the start, a force that keeps its limit, and no limit without samples.
+TEST(LoopCommand, RunsASampledController) {
+  std::vector<std::string> command{"loop", "--controller", "2 + s", "--restitution", "0",    "--velocity2",
+                                   "1",    "--duration",   "1",     "--force-limit", "0.25", "--body",
+                                   "x2"};
+  EXPECT_EQ(run_fracfit(command).code, 2);
+  command.insert(command.end(), {"--sample-time", "0.01", "--format", "csv"});
+  const auto result = run_fracfit(command);
+  ASSERT_EQ(result.code, 0) << result.error;
+  std::istringstream lines(result.output);
+  std::size_t rows = 0;
+  for (std::string line; std::getline(lines, line);) rows += line.find(",sample") != std::string::npos;
+  EXPECT_EQ(rows, 101U);
+  EXPECT_NE(result.output.find(",-0.25,sample"), std::string::npos) << result.output;
+}
+
 TEST(LoopCommand, SaysWhatItDoesNotFollow) {
   const auto result = run_fracfit({"loop", "--controller", "1/(s + 1)", "--restitution", "0.6"});
   EXPECT_EQ(result.code, 2);
   EXPECT_NE(result.error.find("sum of powers"), std::string::npos) << result.error;
+}
+
+// N of bodies with viscous friction that an event-driven simulation gave, to the digits that it agreed in.
+TEST(SimulateCommand, TakesBodiesAsReceptances) {
+  std::vector<std::string> command{"simulate",
+                                   "--force",
+                                   "40",
+                                   "--clearance",
+                                   "0.3",
+                                   "--restitution",
+                                   "0.6",
+                                   "--omega",
+                                   "21",
+                                   "--load-receptance",
+                                   "1/(s^2 + 0.2 s)",
+                                   "--drive-receptance",
+                                   "1/(s^2 + 0.3 s)",
+                                   "--format",
+                                   "json"};
+  const auto result = run_fracfit(command);
+  ASSERT_EQ(result.code, 0) << result.error;
+  EXPECT_NE(result.output.find("-0.00213465"), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find("0.00097455"), std::string::npos) << result.output;
+  command.insert(command.end(), {"--mass1", "2"});
+  const auto refused = run_fracfit(command);
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.error.find("--mass1"), std::string::npos) << refused.error;
 }
 
 }  // namespace

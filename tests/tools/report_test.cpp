@@ -12,6 +12,7 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <optional>
 #include <regex>
 #include <set>
@@ -21,8 +22,10 @@
 #include <vector>
 
 #include "io/data_error.hpp"
+#include "io/frequency_response_file.hpp"
 #include "io/number.hpp"
 #include "io/text_table.hpp"
+#include "report/field.hpp"
 #include "report/figure.hpp"
 #include "report/fixed_step_reference.hpp"
 #include "report/html.hpp"
@@ -224,6 +227,94 @@ TEST(WriteScript, NeedsNoGnuplotAndHoldsTheData) {
   // The break of the first curve is a blank line between its points.
   EXPECT_NE(script.find("$panel1_curve1 << e\n1 1 1 1\n\n3 3 3 3\n4 4.5 4.5 4.5\n"), std::string::npos)
       << script.substr(0, 400);
+}
+
+// Margins of a panel of a script: the axes box in shares of the picture, left, right, top, bottom.
+std::vector<double> margins_of(const std::string& script, std::size_t panel) {
+  const std::regex margin(R"(set [lrtb]margin at screen (\S+))");
+  std::vector<double> all;
+  for (std::sregex_iterator it(script.begin(), script.end(), margin), end; it != end; ++it)
+    all.push_back(std::stod((*it)[1]));
+  const auto first = all.begin() + static_cast<std::ptrdiff_t>(4 * panel);
+  return {first, first + 4};
+}
+
+TEST(WriteScript, PutsAPanelOfSeveralPlacesBesideSmallOnes) {
+  Figure figure = small_figure("picture");
+  figure.panels.resize(4, figure.panels.front());
+  for (Panel& panel : figure.panels) panel.key = false;
+  figure.columns = 2;
+  figure.panels[0].tall = 2;
+  figure.panels[3].wide = 2;
+  const std::string script = gnuplot_script(figure);
+  const auto tall = margins_of(script, 0);
+  const auto upper = margins_of(script, 1);
+  const auto lower = margins_of(script, 2);
+  const auto wide = margins_of(script, 3);
+  // Nine digits are written.
+  constexpr double digits = 1e-8;
+  EXPECT_NEAR(tall[2], upper[2], digits);
+  EXPECT_NEAR(tall[3], lower[3], digits);
+  EXPECT_LT(tall[1], upper[0]);
+  EXPECT_LT(lower[2], upper[3]);
+  EXPECT_LT(wide[2], lower[3]);
+  EXPECT_NEAR(wide[0], tall[0], digits);
+  EXPECT_NEAR(wide[1], upper[1], digits);
+}
+
+TEST(WriteScript, DrawsEqualAxesWithOneScale) {
+  Figure figure = small_figure("picture");
+  Panel& panel = figure.panels.front();
+  figure.panels.pop_back();
+  panel.x.logarithmic = false;
+  panel.equal_axes = true;
+  const std::string script = gnuplot_script(figure);
+  const auto numbers = [&](const char* pattern) {
+    std::smatch found;
+    EXPECT_TRUE(std::regex_search(script, found, std::regex(pattern))) << pattern;
+    return std::make_pair(std::stod(found[1]), std::stod(found[2]));
+  };
+  const auto [x_from, x_to] = numbers(R"(set xrange \[(\S+):(\S+)\])");
+  const auto [y_from, y_to] = numbers(R"(set yrange \[(\S+):(\S+)\])");
+  const auto [width, height] = numbers(R"(terminal svg size (\d+),(\d+))");
+  const auto margins = margins_of(script, 0);
+  const double x_unit = (x_to - x_from) / (width * (margins[1] - margins[0]));
+  const double y_unit = (y_to - y_from) / (height * (margins[2] - margins[3]));
+  // Nine digits of each number, of which the differences keep seven.
+  EXPECT_NEAR(x_unit / y_unit, 1, 1e-6);
+  // Nothing of the curves, 1 to 4 and 1 to 4.5, is cut off.
+  EXPECT_LT(x_from, 1);
+  EXPECT_GT(x_to, 4);
+  EXPECT_LT(y_from, 1);
+  EXPECT_GT(y_to, 4.5);
+}
+
+io::FrequencyResponseFile read_text(const std::string& text) {
+  const TemporaryFolder folder;
+  return io::read_frequency_response(folder.write("file.csv", text));
+}
+
+TEST(FieldOf, IsToldByNamesThenByUnits) {
+  const std::pair<const char*, Field> headers[] = {{"f_hz,re_ohm,im_ohm", Field::impedance},
+                                                   {"Freq/Hz,Z' (kOhm),Z'' (kOhm)", Field::impedance},
+                                                   {"f_hz,re_S,im_S", Field::admittance},
+                                                   {"omega (rad/s),G' (Pa),G'' (Pa)", Field::shear_modulus},
+                                                   {"omega (rad/s),E' (MPa),E'' (MPa)", Field::tensile_modulus},
+                                                   {"omega,re_kPa,im_kPa", Field::shear_modulus},
+                                                   {"f (Hz),eps',eps''", Field::permittivity},
+                                                   {"omega_rad_s,re_m_per_n,im_m_per_n", Field::transfer_function},
+                                                   {"omega_rad_s,re,im", Field::transfer_function}};
+  for (const auto& [header, field] : headers) {
+    EXPECT_EQ(to_string(field_of(read_text(std::string(header) + "\n1,2,3\n2,3,4\n"))), to_string(field)) << header;
+  }
+}
+
+TEST(NotationOf, KeepsThePrefixOfAUnit) {
+  EXPECT_EQ(notation_of(Field::impedance, "kohm").unit, "kΩ");
+  EXPECT_EQ(notation_of(Field::impedance, "ohm").unit, "Ω");
+  EXPECT_EQ(notation_of(Field::shear_modulus, "MPa").unit, "MPa");
+  EXPECT_EQ(notation_of(Field::transfer_function, "m_per_n").unit, "m_per_n");
+  EXPECT_EQ(with_unit("Z", ""), "Z");
 }
 
 TEST(WriteScript, DrawsAMapOfCellsRowByRowFromTheLowest) {
@@ -668,6 +759,94 @@ TEST(WriteReport, FindsTheStructureThatMadeTheData) {
   ASSERT_TRUE(order);
   // Six digits per value leave the order uncertain by about 1e-6.
   EXPECT_NEAR(*order, 0.7, 1e-5);
+}
+
+// 1 + 2/(1 + (j 2 pi f 0.1)^0.8) ohm, rounded to 6 digits.
+std::string arc_csv() {
+  std::string text = "f_hz,re_ohm,im_ohm\n";
+  for (int i = 0; i < 30; ++i) {
+    const double hertz = std::pow(10.0, -2 + 4.0 * i / 29);
+    const std::complex<double> z =
+        1.0 + 2.0 / (1.0 + std::pow(std::complex<double>(0, 0.2 * std::numbers::pi * hertz), 0.8));
+    char line[128];
+    std::snprintf(line, sizeof line, "%.6g,%.6g,%.6g\n", hertz, z.real(), z.imag());
+    text += line;
+  }
+  return text;
+}
+
+TEST(WriteReport, ShowsAnImpedanceAsReadersOfSpectraDo) {
+  const SearchPath nothing("");
+  const TemporaryFolder folder;
+  ReportOptions options;
+  options.out = folder.path("out");
+  const std::string file = folder.write("arc.csv", arc_csv());
+  options.data = {file};
+  static_cast<void>(write_report(options));
+  const auto json = nlohmann::json::parse(content_of(folder.path("out/results.json")));
+  EXPECT_EQ(json.at("facts").at("quantity_data-1"), "impedance");
+  const std::string script = content_of(folder.path("out/figures/data-1.gp"));
+  EXPECT_NE(script.find("set xlabel 'Z′ in Ω'"), std::string::npos);
+  EXPECT_NE(script.find("set ylabel '−Z″ in Ω'"), std::string::npos);
+  EXPECT_NE(script.find("set xlabel 'f in Hz'"), std::string::npos);
+
+  // The values of the pictures are those of the file.
+  const io::TextTable written(file);
+  const auto& rows = json.at("tables").at("data-1-curves");
+  std::size_t row = 0;
+  written.for_each_row([&](const io::TextTable::Row& cells) {
+    // 2 pi is multiplied and divided again.
+    const double hertz = *io::parse_number(cells.fields[0]);
+    EXPECT_NEAR(rows.at(row).at("f_hz").get<double>(), hertz, 4e-16 * hertz);
+    EXPECT_EQ(rows.at(row).at("re").get<double>(), *io::parse_number(cells.fields[1]));
+    EXPECT_EQ(rows.at(row).at("im").get<double>(), *io::parse_number(cells.fields[2]));
+    ++row;
+  });
+  EXPECT_EQ(rows.size(), row);
+  char drawn[64];
+  std::snprintf(drawn, sizeof drawn, "%.9g %.9g ", rows.at(12).at("re").get<double>(),
+                -rows.at(12).at("im").get<double>());
+  EXPECT_NE(script.find(drawn), std::string::npos) << "−Im points upward: " << drawn;
+
+  // The verdict stands in the frame of the picture, the intervals in a table of their own.
+  const std::string page = content_of(folder.path("out/index.html"));
+  const std::size_t figure = page.find("<figure id=\"figure-data-1\"");
+  const std::size_t verdict = page.find("class=\"verdict\"", figure);
+  ASSERT_NE(figure, std::string::npos);
+  EXPECT_LT(verdict, page.find("</figure>", figure));
+  const auto& parameters = json.at("tables").at("data-1-chosen");
+  ASSERT_FALSE(parameters.empty());
+  for (const auto& parameter : parameters) {
+    EXPECT_LT(parameter.at("ci95_lower").get<double>(), parameter.at("value").get<double>());
+    EXPECT_GT(parameter.at("ci95_upper").get<double>(), parameter.at("value").get<double>());
+  }
+
+  options.field = Field::transfer_function;
+  static_cast<void>(write_report(options));
+  const std::string changed = content_of(folder.path("out/figures/data-1.gp"));
+  EXPECT_EQ(changed.find("Nyquist"), std::string::npos);
+  EXPECT_NE(changed.find("dB re 1 Ω"), std::string::npos);
+}
+
+TEST(WriteReport, ShowsAModulusAsStorageAndLoss) {
+  const SearchPath nothing("");
+  const TemporaryFolder folder;
+  std::string text = "omega (rad/s),G' (Pa),G'' (Pa)\n";
+  for (int i = 0; i < 20; ++i) {
+    const double omega = std::pow(10.0, -1 + 3.0 * i / 19);
+    const std::complex<double> modulus = 20.0 * std::pow(std::complex<double>(0, omega), 0.4);
+    char line[128];
+    std::snprintf(line, sizeof line, "%.6g,%.6g,%.6g\n", omega, modulus.real(), modulus.imag());
+    text += line;
+  }
+  ReportOptions options;
+  options.out = folder.path("out");
+  options.data = {folder.write("gel.csv", text)};
+  static_cast<void>(write_report(options));
+  const std::string script = content_of(folder.path("out/figures/data-1.gp"));
+  EXPECT_NE(script.find("set ylabel 'G′, G″ in Pa'\nset logscale y"), std::string::npos);
+  EXPECT_NE(script.find("'data, G″'"), std::string::npos);
+  EXPECT_NE(script.find("set ylabel 'G″/G′'"), std::string::npos);
 }
 
 // Step response 2 - 2 exp(-t) + 1 of 2/(s + 1), six digits: a lag, and no fractional order.

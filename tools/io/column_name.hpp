@@ -26,8 +26,8 @@ struct ColumnMeaning {
   double factor;        // to rad/s for a frequency, to rad for a phase; 1 otherwise
   std::string unit;     // as written; empty when the name gives none
   std::string problem;  // of the unit, one sentence; empty when it is understood
-  // What the name speaks of: z impedance, y admittance, g modulus, eps permittivity, w an angular frequency; empty when
-  // it does not tell.
+  // What the name speaks of: z impedance, y admittance, g shear modulus, e tensile modulus, eps permittivity, w an
+  // angular frequency; empty when it does not tell.
   std::string symbol = {};
   std::string assumption = {};  // what was taken for granted, one sentence
 };

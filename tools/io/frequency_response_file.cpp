@@ -618,7 +618,11 @@ FrequencyResponseFile read_table(const Measurement& measurement, const TextTable
   if (!what.empty() && !unit.empty()) what += " in " + unit;
   say_what_was_taken(measurement, what, points.omega.size(), notes);
   return {frac::FrequencyResponseData(std::move(points.omega), std::move(points.value), std::move(points.sigma)),
-          std::move(metadata), unit, std::move(notes), measurement.fingerprint};
+          std::move(metadata),
+          unit,
+          std::move(notes),
+          measurement.fingerprint,
+          planner.meaning(plan.first).symbol};
 }
 
 FrequencyResponseFile read_curve(const Measurement& measurement, const Measurement::Sweep& sweep,

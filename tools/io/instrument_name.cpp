@@ -69,9 +69,9 @@ constexpr std::array known{
     Known{"phasey", Quantity::phase, "y"}, Known{"g'", Quantity::real, "g"}, Known{"gstor", Quantity::real, "g"},
     Known{"gstorage", Quantity::real, "g"}, Known{"storagemodulus", Quantity::real, "g"},
     Known{"g''", Quantity::imaginary, "g"}, Known{"gloss", Quantity::imaginary, "g"},
-    Known{"lossmodulus", Quantity::imaginary, "g"}, Known{"e'", Quantity::real, "g"},
-    Known{"estor", Quantity::real, "g"}, Known{"estorage", Quantity::real, "g"}, Known{"e''", Quantity::imaginary, "g"},
-    Known{"eloss", Quantity::imaginary, "g"},
+    Known{"lossmodulus", Quantity::imaginary, "g"}, Known{"e'", Quantity::real, "e"},
+    Known{"estor", Quantity::real, "e"}, Known{"estorage", Quantity::real, "e"}, Known{"e''", Quantity::imaginary, "e"},
+    Known{"eloss", Quantity::imaginary, "e"},
     // The loss of a dielectric is counted positive: eps = eps' - i eps''.
     Known{"eps'", Quantity::real, "eps"}, Known{"epsilon'", Quantity::real, "eps"},
     Known{"eps''", Quantity::negative_imaginary, "eps"}, Known{"epsilon''", Quantity::negative_imaginary, "eps"}};

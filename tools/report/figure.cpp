@@ -30,11 +30,12 @@ std::string hex(const Rgb& colour) {
 }  // namespace
 
 Curve make_curve(std::string label, std::string colour, Mark mark, const std::vector<double>& x,
-                 const std::vector<double>& y) {
+                 const std::vector<double>& y, const std::vector<double>& at) {
   Curve curve{std::move(label), std::move(colour), mark, {{}}};
   for (std::size_t i = 0; i < x.size(); ++i) {
     if (std::isfinite(x[i]) && std::isfinite(y[i])) {
-      curve.segments.back().push_back({x[i], y[i], y[i], y[i]});
+      PlotPoint& point = curve.segments.back().emplace_back(PlotPoint{x[i], y[i], y[i], y[i]});
+      if (!at.empty()) point.at = at[i];
     } else if (!curve.segments.back().empty()) {
       curve.segments.emplace_back();
     }

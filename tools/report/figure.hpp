@@ -3,6 +3,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -15,6 +16,7 @@ struct PlotPoint {
   double y;
   double lower;  // error bar, equal to y where there is none
   double upper;
+  double at = std::numeric_limits<double>::quiet_NaN();  // what tells the point apart in other panels; NaN: its x
 };
 
 enum class Mark {
@@ -60,21 +62,26 @@ struct Panel {
   Axis x, y;
   std::vector<Curve> curves = {};
   std::optional<CellMap> map = {};
-  bool key = false;  // the key stands to the right of the panel, so it never covers a curve
+  bool key = false;         // the key stands to the right of the panel, so it never covers a curve
+  bool equal_axes = false;  // one unit is as long along x as along y; both axes are then linear
+  int wide = 1, tall = 1;   // places of the grid that the panel takes
 };
 
-/// A picture: panels on a grid, filled row by row.
+/// A picture: panels on a grid, each in the first place row by row that is free.
 struct Figure {
   std::string name;     // file stem, [a-z0-9-]
   std::string caption;  // HTML
   std::vector<Panel> panels;
   int columns = 1;
-  int panel_height = 300;  // px of the axes box
+  int panel_height = 300;    // px of the axes box of a panel one place tall
+  std::string verdict = {};  // HTML that stands above the picture, in its frame; empty: none
+  std::string link = {};     // pictures of the same link show one point under the pointer together; empty: none
 };
 
 /// Curves of the plain kinds; points where x or y is not finite break the line.
+/// @param at  of each point, see PlotPoint; empty: none
 [[nodiscard]] Curve make_curve(std::string label, std::string colour, Mark mark, const std::vector<double>& x,
-                               const std::vector<double>& y);
+                               const std::vector<double>& y, const std::vector<double>& at = {});
 
 /// The area between two curves.
 [[nodiscard]] Curve make_band(std::string label, std::string colour, const std::vector<double>& x,

@@ -285,12 +285,15 @@ void add_band(Section& section, const Work& work, const std::vector<DescribingFu
   const auto curve = static_model(scene, omega);
   const frac::IdentificationResult result =
       frac::identify(data, imaginary_candidates(), {{"static backlash", curve}}, imaginary_options(), work.threads);
-  section.add(fit_figure("fit-" + band.id, prose("fits", "figure", {{"band", band.name}}), points,
-                         drawn_models(result, omega, curve)));
+  Figure figure = fit_figure("fit-" + band.id, prose("fits", "figure", {{"band", band.name}}), points,
+                             drawn_models(result, omega, curve));
+  figure.verdict = verdict_html(result) + " " + prose("fits", "one-misfit");
+  section.add(std::move(figure));
+  section.add(chosen_table("chosen-" + band.id, result));
   add_ranking(
       section, band.id, result,
       {"ranking-" + band.id, prose("fits", "ranking", {{"points", std::to_string(points.size())}, {"band", band.name}}),
-       "parameters-" + band.id, prose("fits", "parameters"), " " + prose("fits", "one-misfit")});
+       "parameters-" + band.id, prose("fits", "parameters")});
 
   const auto power_law = std::find_if(result.ranking.begin(), result.ranking.end(),
                                       [](const frac::RankedFit& fit) { return fit.name == "power-law"; });

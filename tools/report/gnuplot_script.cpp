@@ -15,6 +15,7 @@
 #include <string_view>
 #include <system_error>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "report/figure.hpp"
@@ -96,6 +97,90 @@ Range axis_range(const Panel& panel, bool horizontal) {
   const Axis& axis = horizontal ? panel.x : panel.y;
   const Range fitted = fitted_range(panel, horizontal);
   return {axis.from.value_or(fitted.from), axis.to.value_or(fitted.to)};
+}
+
+// The axes box of a panel in px.
+struct Box {
+  int left, top, width, height;
+};
+
+Range widened(Range range, double length) {
+  const double middle = (range.from + range.to) / 2;
+  return {middle - length / 2, middle + length / 2};
+}
+
+// Ranges of both axes; the shorter one of equal axes is widened round its middle.
+std::pair<Range, Range> axis_ranges(const Panel& panel, const Box& box) {
+  const Range x = axis_range(panel, true);
+  const Range y = axis_range(panel, false);
+  if (!panel.equal_axes) return {x, y};
+  const double unit = std::max((x.to - x.from) / box.width, (y.to - y.from) / box.height);
+  return {widened(x, unit * box.width), widened(y, unit * box.height)};
+}
+
+// Where the boxes of a figure stand.
+struct Layout {
+  std::vector<Box> boxes;
+  int width, height;
+};
+
+struct Place {
+  int column, row;
+};
+
+// The first places row by row where the panels fit, and the number of rows they take.
+std::pair<std::vector<Place>, int> places_of(const Figure& figure, int columns) {
+  std::vector<std::vector<bool>> taken;
+  const auto is_free = [&](const Panel& panel, int column, int row) {
+    if (column + panel.wide > columns) return false;
+    for (int r = row; r < row + panel.tall; ++r) {
+      for (int c = column; c < column + panel.wide; ++c) {
+        if (static_cast<std::size_t>(r) < taken.size() &&
+            taken[static_cast<std::size_t>(r)][static_cast<std::size_t>(c)])
+          return false;
+      }
+    }
+    return true;
+  };
+  std::vector<Place> places;
+  for (const Panel& panel : figure.panels) {
+    Place place{0, 0};
+    while (!is_free(panel, place.column, place.row)) {
+      if (++place.column == columns) place = {0, place.row + 1};
+    }
+    const auto end = static_cast<std::size_t>(place.row + panel.tall);
+    if (taken.size() < end) taken.resize(end, std::vector<bool>(static_cast<std::size_t>(columns), false));
+    for (auto row = static_cast<std::size_t>(place.row); row < end; ++row)
+      std::fill_n(taken[row].begin() + place.column, panel.wide, true);
+    places.push_back(place);
+  }
+  return {places, static_cast<int>(taken.size())};
+}
+
+Layout layout_of(const Figure& figure) {
+  const int columns = std::max(1, std::min(figure.columns, static_cast<int>(figure.panels.size())));
+  const auto [places, rows] = places_of(figure, columns);
+  // A key beside a panel as wide as the picture narrows that panel alone.
+  const auto has_own_key = [columns](const Panel& panel) { return panel.key && columns > 1 && panel.wide == columns; };
+  const bool key = std::any_of(figure.panels.begin(), figure.panels.end(),
+                               [&](const Panel& panel) { return panel.key && !has_own_key(panel); });
+  const int right = key ? key_width(figure) : right_margin;
+  const int column_gap = left_margin + right_margin;
+  const int row_gap = top_margin + bottom_margin + 10;
+  const int panel_width = (page_width - left_margin - right - (columns - 1) * column_gap) / columns;
+  Layout layout{{},
+                left_margin + columns * panel_width + (columns - 1) * column_gap + right,
+                top_margin + rows * figure.panel_height + (rows - 1) * row_gap + bottom_margin};
+  for (std::size_t p = 0; p < places.size(); ++p) {
+    const Panel& panel = figure.panels[p];
+    Box box{left_margin + places[p].column * (panel_width + column_gap),
+            top_margin + places[p].row * (figure.panel_height + row_gap),
+            panel.wide * panel_width + (panel.wide - 1) * column_gap,
+            panel.tall * figure.panel_height + (panel.tall - 1) * row_gap};
+    if (has_own_key(panel)) box.width -= key_width(figure) - right_margin;
+    layout.boxes.push_back(box);
+  }
+  return layout;
 }
 
 // Equal steps of 1, 2 or 5 times a power of ten.
@@ -246,10 +331,11 @@ void write_palette(std::ostream& script, const CellMap& map) {
   script << ")\nset cbrange [0:" << last << "]\nunset colorbox\n";
 }
 
-void write_panel(std::ostream& script, const Panel& panel, std::size_t index) {
+void write_panel(std::ostream& script, const Panel& panel, std::size_t index, const Box& box) {
+  const auto [x, y] = axis_ranges(panel, box);
   script << "set title " << quoted(panel.title) << "\n";
-  write_axis(script, 'x', panel.x, axis_range(panel, true));
-  write_axis(script, 'y', panel.y, axis_range(panel, false));
+  write_axis(script, 'x', panel.x, x);
+  write_axis(script, 'y', panel.y, y);
   script << (panel.key ? "set key at graph 1.02, graph 1 left top Left reverse samplen 2 spacing 1.15\n"
                        : "unset key\n");
   if (panel.map) write_palette(script, *panel.map);
@@ -276,18 +362,7 @@ void write_panel(std::ostream& script, const Panel& panel, std::size_t index) {
 }
 
 void write_commands(Gnuplot& script, const Figure& figure) {
-  const int count = static_cast<int>(figure.panels.size());
-  const int columns = std::max(1, std::min(figure.columns, count));
-  const int rows = (count + columns - 1) / columns;
-  const bool key =
-      std::any_of(figure.panels.begin(), figure.panels.end(), [](const Panel& panel) { return panel.key; });
-  const int right = key ? key_width(figure) : right_margin;
-  const int column_gap = left_margin + right_margin;
-  const int row_gap = top_margin + bottom_margin + 10;
-  const int panel_width = (page_width - left_margin - right - (columns - 1) * column_gap) / columns;
-  const int width = left_margin + columns * panel_width + (columns - 1) * column_gap + right;
-  const int height = top_margin + rows * figure.panel_height + (rows - 1) * row_gap + bottom_margin;
-
+  const Layout layout = layout_of(figure);
   script << std::defaultfloat << std::setprecision(9);
   script << "# Makes " << figure.name << ".svg and " << figure.name << ".png:  gnuplot " << figure.name << ".gp\n"
          << "set encoding utf8\nset minussign\n";
@@ -302,22 +377,22 @@ void write_commands(Gnuplot& script, const Figure& figure) {
     }
   }
   script << "do for [form in 'svg png'] {\n"
-         << "if (form eq 'svg') { set terminal svg size " << width << "," << height
+         << "if (form eq 'svg') { set terminal svg size " << layout.width << "," << layout.height
          << " dynamic font 'Helvetica,Arial,sans-serif,13' lw 0.9 } else { "
-         << "set terminal pngcairo size " << 2 * width << "," << 2 * height << " font 'sans,12' fontscale 2 lw 1.8 "
+         << "set terminal pngcairo size " << 2 * layout.width << "," << 2 * layout.height
+         << " font 'sans,12' fontscale 2 lw 1.8 "
          << "pointscale 2 background 'white' }\n"
          << "set output '" << figure.name << ".' . form\n"
          << "set multiplot\nset grid lc rgb '#dddddd' lw 0.8 lt 1\nset border lc rgb '#333333' lw 0.8\n"
          << "set tics nomirror\nset bars small\nset title offset 0,-0.4\n";
   for (std::size_t p = 0; p < figure.panels.size(); ++p) {
-    const int column = static_cast<int>(p) % columns;
-    const int row = static_cast<int>(p) / columns;
-    const double left = left_margin + column * (panel_width + column_gap);
-    const double top = top_margin + row * (figure.panel_height + row_gap);
-    script << "set lmargin at screen " << left / width << "\nset rmargin at screen " << (left + panel_width) / width
-           << "\nset tmargin at screen " << 1 - top / height << "\nset bmargin at screen "
-           << 1 - (top + figure.panel_height) / height << "\n";
-    write_panel(script, figure.panels[p], p);
+    const Box& box = layout.boxes[p];
+    const double width = layout.width;
+    const double height = layout.height;
+    script << "set lmargin at screen " << box.left / width << "\nset rmargin at screen "
+           << (box.left + box.width) / width << "\nset tmargin at screen " << 1 - box.top / height
+           << "\nset bmargin at screen " << 1 - (box.top + box.height) / height << "\n";
+    write_panel(script, figure.panels[p], p, box);
   }
   script << "unset multiplot\nunset output\n}\n";
 }

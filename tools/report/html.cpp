@@ -33,6 +33,7 @@ nav li{margin:0;padding:.15rem 0}
 nav a,a{color:#00538a}
 .reading{background:#eef4f8;border-left:4px solid #0072b2;padding:.6rem .9rem;font-size:.93rem;max-width:46rem;margin:.8rem 0 1.2rem}
 .reading b{color:#00538a}
+.verdict{background:#f3f3ef;border-left:4px solid #1c1c1c;padding:.55rem .9rem;margin:0 0 .9rem;max-width:none}
 .notice{background:#fdf1e3;border-left:4px solid #d55e00;padding:.7rem .9rem;margin:1rem 0;max-width:46rem}
 figure{margin:1.6rem 0 1.8rem}
 figure svg{width:100%;height:auto;display:block;background:#fff}
@@ -85,6 +86,7 @@ std::string figure_html(const Figure& figure, const std::filesystem::path& folde
   const std::string svg = read_text(folder / "figures" / (figure.name + ".svg"));
   const std::string stem = "figures/" + figure.name;
   std::string html = "<figure id=\"figure-" + figure.name + "\">\n";
+  if (!figure.verdict.empty()) html += "<p class=\"verdict\">" + figure.verdict + "</p>\n";
   if (svg.empty()) {
     html += "<div class=\"notice\">" + prose("page", "no-picture", {{"name", figure.name}}) + "</div>\n";
   } else {
@@ -117,8 +119,10 @@ std::string table_html(const Table& table) {
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
     if (table.columns[c].on_page) shown.push_back(c);
   }
-  std::string html =
-      "<div class=\"scroll\"><table>\n<caption>" + table.caption + " " + link + "</caption>\n<thead><tr>";
+  const std::string caption = table.caption + " " + link;
+  std::string html = table.folded ? "<details><summary>" + caption + "</summary>\n" : "";
+  html +=
+      "<div class=\"scroll\"><table>\n" + (table.folded ? "" : "<caption>" + caption + "</caption>\n") + "<thead><tr>";
   for (const std::size_t c : shown) {
     html += (is_word_column(table, c) ? "<th class=\"word\">" : "<th>") + table.columns[c].heading + "</th>";
   }
@@ -141,7 +145,7 @@ std::string table_html(const Table& table) {
                   {{"shown", std::to_string(table.rows_on_page)}, {"all", std::to_string(table.rows.size())}}) +
             "</p>";
   }
-  return html + "</div>\n";
+  return html + "</div>\n" + (table.folded ? "</details>\n" : "");
 }
 
 std::string block_html(const Block& block, const std::filesystem::path& folder) {

@@ -62,6 +62,31 @@ std::string estimate_text(const frac::ParameterEstimate& parameter) {
   return text + " (" + plain_number(parameter.ci95_lower, 4) + " … " + plain_number(parameter.ci95_upper, 4) + ")";
 }
 
+std::string verdict_html(const frac::IdentificationResult& result) {
+  std::string verdict = prose("ranking", "verdict", {{"sentence", escape_html(result.verdict_sentence)}});
+  for (const std::string& skipped : result.skipped) {
+    verdict += " " + prose("ranking", "left-out", {{"structure", escape_html(skipped)}});
+    if (!skipped.ends_with('.')) verdict += '.';
+  }
+  return verdict;
+}
+
+Table chosen_table(const std::string& name, const frac::IdentificationResult& result) {
+  const frac::RankedFit& chosen = result.ranking.at(result.chosen);
+  Table table{name,
+              prose("ranking", "chosen", {{"model", html_formula(described(chosen))}}),
+              {{"parameter", "parameter"},
+               {"value", "value", 5},
+               {"standard_error", "standard error", 2},
+               {"ci95_lower", "95 % from", 5},
+               {"ci95_upper", "to", 5},
+               {"remark", "remark"}}};
+  for (const auto& parameter : chosen.fit.parameters)
+    table.rows.push_back({parameter.name, parameter.value, parameter.standard_error, parameter.ci95_lower,
+                          parameter.ci95_upper, remark(parameter)});
+  return table;
+}
+
 Table ranking_table(const std::string& name, const std::string& caption, const frac::IdentificationResult& result) {
   Table table{name,
               caption,
@@ -74,7 +99,8 @@ Table ranking_table(const std::string& name, const std::string& caption, const f
                {"akaike_weight", "weight", 3, false},
                {"rms_relative", "rms residual", 3},
                {"largest_relative", "largest", 3, false},
-               {"parameters", "parameters (95 % interval)"}}};
+               {"parameters", "parameters (95 % interval)", 0, false},
+               {"remark", "remark"}}};
   for (std::size_t i = 0; i < result.ranking.size(); ++i) {
     const frac::RankedFit& ranked = result.ranking[i];
     std::string parameters;
@@ -82,12 +108,16 @@ Table ranking_table(const std::string& name, const std::string& caption, const f
       parameters += (parameters.empty() ? "" : "; ") + part;
     };
     for (const auto& parameter : ranked.fit.parameters) append(estimate_text(parameter));
-    if (ranked.fit.termination != frac::FitTermination::converged) append(ranked.fit.message);
+    std::string note = i == result.chosen ? "chosen" : "";
+    if (ranked.fit.termination != frac::FitTermination::converged) {
+      append(ranked.fit.message);
+      note += (note.empty() ? "" : "; ") + ranked.fit.message;
+    }
     if (i == result.chosen) append("[chosen]");
     table.rows.push_back({static_cast<double>(i + 1), described(ranked),
                           std::string(frac::to_string(ranked.model_class)),
                           static_cast<double>(ranked.fit.free_parameters), ranked.fit.aicc, ranked.delta_aicc,
-                          ranked.akaike_weight, ranked.fit.rms, ranked.fit.max_residual, parameters});
+                          ranked.akaike_weight, ranked.fit.rms, ranked.fit.max_residual, parameters, note});
   }
   table.rows_on_page = 12;
   return table;
@@ -97,15 +127,15 @@ Table parameter_table(const std::string& name, const std::string& caption, const
   Table table{name,
               caption,
               {{"rank", "rank"},
-               {"model", "structure"},
+               {"model", "structure", 0, true, true},
                {"parameter", "parameter"},
                {"value", "value"},
                {"standard_error", "standard error"},
                {"ci95_lower", "95 % from"},
                {"ci95_upper", "to"},
-               {"remark", "remark"}},
-              {},
-              false};
+               {"remark", "remark"}}};
+  table.in_results = false;
+  table.folded = true;
   for (std::size_t i = 0; i < result.ranking.size(); ++i) {
     for (const auto& parameter : result.ranking[i].fit.parameters) {
       table.rows.push_back({static_cast<double>(i + 1), described(result.ranking[i]), parameter.name, parameter.value,
@@ -117,12 +147,6 @@ Table parameter_table(const std::string& name, const std::string& caption, const
 
 void add_ranking(Section& section, const std::string& id, const frac::IdentificationResult& result,
                  const RankingWords& words) {
-  std::string verdict = prose("ranking", "verdict", {{"sentence", escape_html(result.verdict_sentence)}});
-  for (const std::string& skipped : result.skipped) {
-    verdict += " " + prose("ranking", "left-out", {{"structure", escape_html(skipped)}});
-    if (!skipped.ends_with('.')) verdict += '.';
-  }
-  section.add(Html{"<p>" + verdict + words.after_verdict + "</p>"});
   section.add(ranking_table(words.ranking_name, words.ranking_caption, result));
   section.add(parameter_table(words.parameters_name, words.parameters_caption, result));
   section.fact("verdict_" + id, std::string(frac::to_string(result.verdict)));

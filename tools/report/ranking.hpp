@@ -23,11 +23,17 @@ namespace report {
 /// "0.667 (0.661 … 0.673)", plain text.
 [[nodiscard]] std::string estimate_text(const frac::ParameterEstimate& parameter);
 
-/// Ranking with AICc, evidence, rms and the parameters in one cell each.
+/// The sentence of the verdict and what was left out, HTML.
+[[nodiscard]] std::string verdict_html(const frac::IdentificationResult& result);
+
+/// Parameters of the chosen structure with their intervals.
+[[nodiscard]] Table chosen_table(const std::string& name, const frac::IdentificationResult& result);
+
+/// Ranking with AICc, evidence and rms; CSV also has the parameters in one cell each.
 [[nodiscard]] Table ranking_table(const std::string& name, const std::string& caption,
                                   const frac::IdentificationResult& result);
 
-/// One row per parameter, all digits in CSV.
+/// One row per parameter of every structure, folded on the page.
 [[nodiscard]] Table parameter_table(const std::string& name, const std::string& caption,
                                     const frac::IdentificationResult& result);
 
@@ -35,10 +41,9 @@ namespace report {
 struct RankingWords {
   std::string ranking_name, ranking_caption;
   std::string parameters_name, parameters_caption;
-  std::string after_verdict = {};  // ends the paragraph of the verdict
 };
 
-/// Adds the verdict, the tables and the facts of an identification.
+/// Adds the tables and the facts of an identification; its verdict stands with its picture.
 /// @param id  ends the names of the facts
 void add_ranking(Section& section, const std::string& id, const frac::IdentificationResult& result,
                  const RankingWords& words);

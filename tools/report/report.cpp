@@ -102,6 +102,9 @@ std::vector<Section> scene_sections(const Work& work, Stages& stages) {
   sections.push_back(stages.run("jump laws", [&] { return jump_section(work, curves); }));
   if (work.scene.clearance > 0) sections.push_back(stages.run("orbits", [&] { return orbit_section(work); }));
   if (work.scene.of_the_paper) sections.push_back(stages.run("regime map", [&] { return map_section(work); }));
+  if (work.scene.of_the_paper) {
+    sections.push_back(stages.run("limit cycles", [&] { return limit_cycles_section(work); }));
+  }
   if (work.scene.of_the_paper) sections.push_back(stages.run("approximations", [] { return approximation_section(); }));
   sections.push_back(stages.run("speed against error", [&] { return speed_section(work); }));
   sections.push_back(model_section());
@@ -301,7 +304,8 @@ ReportOutcome write_report(const ReportOptions& options) {
       sections.push_back(stages.run("fits of " + name, [&] {
         const auto* record = std::get_if<TimeRecord>(&data[i].content);
         return record ? time_section(work, name, record->data, record->notes, i + 1)
-                      : data_section(work, name, std::get<io::FrequencyResponseFile>(data[i].content), i + 1);
+                      : data_section(work, name, std::get<io::FrequencyResponseFile>(data[i].content), i + 1,
+                                     options.field);
       }));
     }
   }

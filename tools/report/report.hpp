@@ -10,19 +10,22 @@
 
 #include "frac/parallel_for.hpp"
 #include "io/measurement.hpp"
+#include "report/field.hpp"
 
 namespace report {
 
 /// What to report on and where to write it.  scene and data exclude each other; with neither, the paper's scenes are
 /// used.
 struct ReportOptions {
-  std::filesystem::path out;                   // folder, made if missing
-  std::vector<std::filesystem::path> data;     // measured files: the report is then on these alone
-  io::MeasurementOptions how = {};             // what these files do not tell of themselves
-  std::optional<std::filesystem::path> scene;  // JSON with mass1, mass2, clearance, restitution, force, omega (see scene.hpp)
-  int threads = 0;                             // 0: one per core
-  std::string command;                         // command line, quoted in the report so that it can be made again
-  frac::Progress* progress = nullptr;          // counts steps of the current stage, if given
+  std::filesystem::path out;                // folder, made if missing
+  std::vector<std::filesystem::path> data;  // measured files: the report is then on these alone
+  io::MeasurementOptions how = {};          // what these files do not tell of themselves
+  Field field = Field::automatic;           // decides the pictures of measured frequency responses
+  std::optional<std::filesystem::path>
+      scene;                           // JSON with mass1, mass2, clearance, restitution, force, omega (see scene.hpp)
+  int threads = 0;                     // 0: one per core
+  std::string command;                 // command line, quoted in the report so that it can be made again
+  frac::Progress* progress = nullptr;  // counts steps of the current stage, if given
   std::function<void(std::string_view)> stage;  // called at the start of each stage with its name, if given
 };
 

@@ -49,7 +49,7 @@ std::string results_json(const Provenance& provenance, const std::vector<Section
     for (const Block& block : section.blocks) {
       if (const Table* table = std::get_if<Table>(&block)) {
         json["files"].push_back("tables/" + table->name + ".csv");
-        if (table->on_page) json["tables"][table->name] = json_of(*table);
+        if (table->in_results) json["tables"][table->name] = json_of(*table);
       } else if (const Figure* figure = std::get_if<Figure>(&block)) {
         json["files"].push_back("figures/" + figure->name + ".gp");
         if (!pictures) continue;

@@ -22,7 +22,8 @@ struct Provenance {
   Metadata inputs;  // what it was made from: the scene in SI units, or the data files
 };
 
-/// results.json: provenance, headline numbers, every table of the page in full and the names of the rest.
+/// results.json: provenance, headline numbers, every table of the page in full, what the figures of
+/// measured data show, and the names of the rest.
 [[nodiscard]] std::string results_json(const Provenance& provenance, const std::vector<Section>& sections,
                                        bool pictures);
 

@@ -10,6 +10,7 @@
 #include "frac/model/time_response_data.hpp"
 #include "frac/parallel_for.hpp"
 #include "io/frequency_response_file.hpp"
+#include "report/field.hpp"
 #include "report/scene.hpp"
 #include "report/section.hpp"
 
@@ -49,6 +50,8 @@ struct Bands;  // bands.hpp
 [[nodiscard]] Section jump_section(const Work& work, const Curves& curves);
 /// Regimes of the dimensionless scene; every scene is one point of this map.
 [[nodiscard]] Section map_section(const Work& work);
+/// Loops around the two masses: exact limit cycles beside those of the describing function.  Needs a clearance above 0.
+[[nodiscard]] Section limit_cycles_section(const Work& work);
 /// Needs a clearance above 0.
 [[nodiscard]] Section orbit_section(const Work& work);
 [[nodiscard]] Section speed_section(const Work& work);
@@ -61,8 +64,9 @@ struct Bands;  // bands.hpp
 /// Fits to a measured frequency response.
 /// @param name    of the file, for the reader
 /// @param number  from 1, makes the names of figures and tables
+/// @param asked   how to draw it
 [[nodiscard]] Section data_section(const Work& work, const std::string& name, const io::FrequencyResponseFile& file,
-                                   std::size_t number);
+                                   std::size_t number, Field asked);
 /// Fits to samples of input and output over time; parameters as above.
 /// @param notes  what was assumed of the file, a sentence each
 [[nodiscard]] Section time_section(const Work& work, const std::string& name, const frac::TimeResponseData& data,

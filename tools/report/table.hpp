@@ -29,6 +29,8 @@ struct Table {
   std::vector<std::vector<Cell>> rows = {};
   bool on_page = true;              // false: too long to be read, CSV only
   std::size_t rows_on_page = 1000;  // the rest stands in the CSV, and the page says so
+  bool in_results = on_page;        // in results.json
+  bool folded = false;              // the page shows the caption, and the rows on a click
 };
 
 using Metadata = std::vector<std::pair<std::string, std::string>>;

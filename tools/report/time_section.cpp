@@ -7,6 +7,7 @@
 #include "report/html.hpp"
 #include "report/measured.hpp"
 #include "report/prose.hpp"
+#include "report/ranking.hpp"
 #include "report/sections.hpp"
 
 namespace report {
@@ -66,7 +67,8 @@ Figure time_figure(const std::string& name, const frac::TimeResponseData& data,
           prose("time", "figure", {{"model", escape_html(result.ranking.at(result.chosen).name)}}),
           {std::move(output), std::move(residual), std::move(input)},
           1,
-          230};
+          230,
+          verdict_html(result)};
 }
 
 }  // namespace
@@ -100,6 +102,7 @@ Section time_section(const Work& work, const std::string& name, const frac::Time
   }
   const frac::IdentificationResult& result = *found;
   section.add(time_figure(section.id, data, result));
+  section.add(chosen_table(section.id + "-chosen", result));
   add_verdict(section, name, result);
   return section;
 }

@@ -89,6 +89,10 @@ struct OrbitContinuationOptions {
   int longest_period = 4;  // force periods: longer orbits are left out, >= 1
   int most_impacts = 16;   // per orbit: orbits of more are left out, >= 2
   int threads = 0;         // 0: one per core
+  /// Values of the parameter within the range at which all orbits are followed that a grid of 41 x 41 starts settles
+  /// on, positions from wall to wall and velocities up to clearance times omega either way: those that basins() finds
+  /// from the same starts.
+  std::vector<double> basins_at = {};
 };
 
 struct OrbitDiagram {
@@ -109,8 +113,8 @@ struct OrbitDiagram {
 /// Regime::chatter) are not among them: a branch ends at the grazing before.  The value that `system`,
 /// `force_amplitude` or `omega` gives for the parameter itself is not used. Not promised: every orbit.  Unstable
 /// branches are listed where a bifurcation of a stable one leads to them, and so are branches that are stable over less
-/// than 1e-4 of the range.  An orbit that attracts few starts over a short piece of the range may be missed; basins()
-/// shows what a scene's starts settle on.
+/// than 1e-4 of the range.  An orbit that attracts few starts over a short piece of the range may be missed, unless
+/// basins_at names a value where it does.
 /// @param force_amplitude  N, > 0
 /// @param omega            rad/s, > 0
 /// @param from,to   0 < from < to, for restitution 0 <= from < to <= 1

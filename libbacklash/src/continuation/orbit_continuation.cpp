@@ -53,6 +53,8 @@ constexpr std::size_t settling_starts = 1024;
 constexpr std::size_t passing_starts = 512;
 // What is looked for among those passed: unstable orbits of longer periods are without number.
 constexpr detail::OrbitLimits longest_passed{8, 32};
+// Starts per side of the grid at a value of basins_at, as the command basins has them.
+constexpr std::size_t basin_side = 41;
 // Values at which the symmetric two-impact orbit is looked for.
 constexpr std::size_t two_impact_values = 96;
 
@@ -100,6 +102,27 @@ void check(const TwoMassSystem& system, double force_amplitude, double omega, Or
                                   std::to_string(least));
     }
   }
+  for (const double value : options.basins_at) {
+    if (value >= from && value <= to) continue;
+    throw std::invalid_argument("basins_at holds " + detail::text(value) + "; it must lie within " +
+                                detail::text(from) + " to " + detail::text(to));
+  }
+}
+
+// The orbits that the grid of starts at one value settles on, each once or more often.
+std::vector<OrbitSegment> basin_orbits(const OrbitSegment& at, int threads) {
+  const detail::GapMotion motion(at.gamma(), at.restitution);
+  std::vector<std::optional<OrbitSegment>> settled(basin_side * basin_side);
+  frac::parallel_for(settled.size(), threads, [&](std::size_t i) {
+    const auto share = [](std::size_t k) { return static_cast<double>(k) / (basin_side - 1); };
+    const detail::DistanceAndVelocity start{share(i / basin_side), 2 * share(i % basin_side) - 1};
+    settled[i] = detail::settled_orbit(at, motion.peak_state(0, start), detail::Transients::outlasted);
+  });
+  std::vector<OrbitSegment> found;
+  for (auto& orbit : settled) {
+    if (orbit) found.push_back(std::move(*orbit));
+  }
+  return found;
 }
 
 }  // namespace
@@ -156,7 +179,8 @@ OrbitDiagram orbit_diagram(const TwoMassSystem& system, double force_amplitude, 
     const OrbitSegment at = motion_at(start.share);
     const detail::GapState state = state_of(start, detail::GapMotion(at.gamma(), at.restitution));
     if (i < settling_starts) {
-      settled[i] = detail::settled_orbit(at, state);
+      // What a motion passes on a long transient orbits_passed finds sooner.
+      settled[i] = detail::settled_orbit(at, state, detail::Transients::ignored);
     } else {
       passed[i - settling_starts] = detail::orbits_passed(at, state, limits);
     }
@@ -170,6 +194,11 @@ OrbitDiagram orbit_diagram(const TwoMassSystem& system, double force_amplitude, 
   }
   for (const auto& orbit : settled) {
     if (orbit) explorer.follow(*orbit);
+  }
+  for (const double value : options.basins_at) {
+    for (const OrbitSegment& orbit : basin_orbits(scene.motion_at(scene.range(value, value).lower), options.threads)) {
+      explorer.follow(orbit);
+    }
   }
   for (const auto& orbits : passed) {
     for (const OrbitSegment& orbit : orbits) explorer.follow_if_stable(orbit);

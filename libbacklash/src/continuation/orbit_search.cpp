@@ -8,8 +8,6 @@
 #include <numbers>
 #include <utility>
 
-#include "steady_state/steady_state.hpp"
-
 namespace backlash::detail {
 namespace {
 
@@ -44,10 +42,10 @@ GapState state_of(const SearchStart& start, const GapMotion& motion) {
   return motion.peak_state(0, {start.position, speed * start.velocity});
 }
 
-std::optional<OrbitSegment> settled_orbit(const OrbitSegment& at, const GapState& start) {
+std::optional<OrbitSegment> settled_orbit(const OrbitSegment& at, const GapState& start, Transients transients) {
   const GapMotion motion(at.gamma(), at.restitution);
-  // Only closed orbits count here.  What a motion passes on a long transient orbits_passed finds sooner.
-  const SteadyState steady = find_steady_state(motion, start, tolerance, {0, 0, Transients::ignored});
+  // Only closed orbits count here.
+  const SteadyState steady = find_steady_state(motion, start, tolerance, {0, 0, transients});
   if (steady.regime != Regime::periodic && steady.regime != Regime::symmetric) return std::nullopt;
   const auto impacts = static_cast<int>(std::lround(steady.impacts_per_period * steady.period));
   std::optional<OrbitSegment> found = orbit_through(motion, steady.end, impacts, 2 * steady.period);

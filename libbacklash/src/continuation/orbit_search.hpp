@@ -7,6 +7,7 @@
 
 #include "motion/gap_motion.hpp"
 #include "orbit_segment.hpp"
+#include "steady_state/steady_state.hpp"
 
 namespace backlash::detail {
 
@@ -23,7 +24,8 @@ struct SearchStart {
 
 /// The orbit that the motion settles on.  Empty where it does not close, rests or meets no wall.
 /// @param at  gives the motion and the parameter of the branch; its impacts are not used
-[[nodiscard]] std::optional<OrbitSegment> settled_orbit(const OrbitSegment& at, const GapState& start);
+[[nodiscard]] std::optional<OrbitSegment> settled_orbit(const OrbitSegment& at, const GapState& start,
+                                                        Transients transients);
 
 /// Longest orbits that are looked for.
 struct OrbitLimits {

@@ -110,16 +110,17 @@ std::vector<double> positive_roots(std::vector<frac::PowerTerm> sum) {
   return roots;
 }
 
-std::vector<double> roots_on_grid(const std::function<double(double)>& function, const std::vector<double>& grid) {
+std::vector<double> roots_on_grid(const std::function<double(double)>& scanned,
+                                  const std::function<double(double)>& function, const std::vector<double>& grid) {
   std::vector<double> roots;
-  double before = function(grid.front());
+  double before = scanned(grid.front());
   for (std::size_t i = 1; i < grid.size(); ++i) {
     frac::throw_if_cancelled();
-    const double after = function(grid[i]);
+    const double after = scanned(grid[i]);
     if (after == 0) {
       roots.push_back(grid[i]);
     } else if (before != 0 && (before > 0) != (after > 0)) {
-      roots.push_back(refined(function, grid[i - 1], grid[i], before, after));
+      roots.push_back(refined(function, grid[i - 1], grid[i], function(grid[i - 1]), function(grid[i])));
     }
     before = after;
   }

@@ -13,7 +13,9 @@ namespace backlash::detail {
 [[nodiscard]] std::vector<double> positive_roots(std::vector<frac::PowerTerm> sum);
 
 /// Sign changes of a function between neighbouring grid points, refined.
-[[nodiscard]] std::vector<double> roots_on_grid(const std::function<double(double)>& function,
+/// @param scanned  the function at grid points, where its sign has to be right
+[[nodiscard]] std::vector<double> roots_on_grid(const std::function<double(double)>& scanned,
+                                                const std::function<double(double)>& function,
                                                 const std::vector<double>& grid);
 
 }  // namespace backlash::detail

@@ -18,11 +18,18 @@ constexpr double deepest = -3;
 // Distance, in s tau, from the two points z = 1 and z = -1 at which the path begins and ends.
 constexpr double near_point = 1e-3;
 
-// D(z)/(1 - 1/z) as a function of s tau = ln(-z).
+// D(z), without the root of a shift in time where there is one, as a function of s tau = ln(-z).
 class Characteristic {
  public:
+  /// Of a loop.
   Characteristic(const ImpulseTrain& train, double exchange)
-      : train_(train), exchange_(exchange), acceleration_(train.sums({0, pi / train.half_period()})[2].real()) {}
+      : train_(train),
+        exchange_(exchange),
+        acceleration_(train.sums({0, pi / train.half_period()})[2].real()),
+        has_shift_(true) {}
+  /// Under a force.
+  Characteristic(const ImpulseTrain& train, double exchange, double acceleration)
+      : train_(train), exchange_(exchange), acceleration_(acceleration), has_shift_(false) {}
 
   /// Poles of D with Re ln(-z) > edge, those at z = -1 left out: those of the flights between impacts.
   [[nodiscard]] int poles_beyond(double edge) const {
@@ -42,13 +49,14 @@ class Characteristic {
     const std::array<Complex, 3> g = train_.sums(log_z / train_.half_period());
     const Complex rate = exchange_ + g[1];
     const Complex inverse_z = -std::exp(-log_z);
-    return (rate * rate - g[0] * (g[2] - acceleration_)) / (1.0 - inverse_z);
+    return (rate * rate - g[0] * (g[2] - acceleration_)) / (has_shift_ ? 1.0 - inverse_z : 1.0);
   }
 
  private:
   const ImpulseTrain& train_;
   double exchange_;
   double acceleration_;
+  bool has_shift_;
 };
 
 // Change of the argument along a straight line; NaN where it runs into a root.
@@ -168,16 +176,19 @@ double furthest_real_root(const Characteristic& d, double height, double from, d
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-}  // namespace
-
-CycleStability cycle_stability(const ImpulseTrain& train, double exchange) {
-  const Characteristic d(train, exchange);
+CycleStability stability_by(const Characteristic& d, bool has_whole_powers) {
   // A root is the furthest when none lies beyond a line next to it.
   const auto is_furthest = [&](Complex root) {
     return std::isfinite(root.real()) && roots_beyond(d, root.real() + 1e-3) == 0;
   };
   Complex log_z = furthest_root(d, 0, 0, 1, 4);
   bool known = is_furthest(log_z);
+  if (!known) {
+    // From further left, which finds most of those that the first line leads past.
+    const Complex other = furthest_root(d, 0, -0.3, 1, 6);
+    if (other.real() > log_z.real()) log_z = other;
+    known = is_furthest(log_z);
+  }
   CycleStability result{false, known && log_z.real() < -1e-3 ? 0 : roots_beyond(d, 0), 0, StabilityLoss::none};
   for (int effort = 1; effort <= 3 && !known; ++effort) {
     const bool is_unstable = result.unstable_multipliers != 0;
@@ -193,7 +204,7 @@ CycleStability cycle_stability(const ImpulseTrain& train, double exchange) {
     }
     known = is_furthest(log_z);
   }
-  if (train.has_whole_powers() && log_z.real() < -near_point) {
+  if (has_whole_powers && log_z.real() < -near_point) {
     // The path of the count passes above the axis: its roots are looked for apart.
     const double real = furthest_real_root(d, 0, std::max(deepest, log_z.real()), -near_point);
     if (real > log_z.real()) log_z = real;
@@ -210,6 +221,16 @@ CycleStability cycle_stability(const ImpulseTrain& train, double exchange) {
                                                : StabilityLoss::saddle_node;
   }
   return result;
+}
+
+}  // namespace
+
+CycleStability cycle_stability(const ImpulseTrain& train, double exchange) {
+  return stability_by(Characteristic(train, exchange), train.has_whole_powers());
+}
+
+CycleStability forced_stability(const ImpulseTrain& train, double exchange, double acceleration) {
+  return stability_by(Characteristic(train, exchange, acceleration), train.has_whole_powers());
 }
 
 }  // namespace backlash::detail

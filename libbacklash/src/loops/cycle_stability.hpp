@@ -13,4 +13,9 @@ namespace backlash::detail {
 /// @param exchange  q = (1/M1 + 1/M2)/(1 + restitution)
 [[nodiscard]] CycleStability cycle_stability(const ImpulseTrain& train, double exchange);
 
+/// Of a symmetric orbit under a force of fixed phase, which knows no shift in time: the roots of
+///   (q + G1(z))^2 - G0(z) (G2(z) - acceleration).
+/// @param acceleration  (x2 - x1)'' just before the impact at +clearance/2, over minus the impulse
+[[nodiscard]] CycleStability forced_stability(const ImpulseTrain& train, double exchange, double acceleration);
+
 }  // namespace backlash::detail

@@ -142,6 +142,19 @@ void add_image(GapResponse& response, Terms numerator, const std::vector<Terms>&
   response.images.emplace_back(frac::detail::PowerProduct{{}, std::move(numerator)}, std::move(denominator), delay);
 }
 
+template <typename Real>
+double rate_by(const GapResponse& response, double half_period) {
+  double rate = 0;
+  for (const PowerPart& part : response.parts) {
+    const FirstPulse first = first_pulse(part.delay, half_period);
+    const double sum = part.coefficient * part.exponent * std::pow(half_period, part.exponent - 1) *
+                       AlternatingSums<Real>(part.exponent - 1, static_cast<Real>(first.age)).sum();
+    rate += first.index % 2 == 0 ? sum : -sum;
+  }
+  for (const ImagePart& part : response.images) rate += ImageTrain::rate(part, half_period);
+  return rate;
+}
+
 }  // namespace
 
 double alternating_sum(double power, double v) {
@@ -308,15 +321,11 @@ ImpulseTrain::Wave ImpulseTrain::wave(double t) const {
 }
 
 double rate_before_impact(const GapResponse& response, double half_period) {
-  double rate = 0;
-  for (const PowerPart& part : response.parts) {
-    const FirstPulse first = first_pulse(part.delay, half_period);
-    const double sum = part.coefficient * part.exponent * std::pow(half_period, part.exponent - 1) *
-                       alternating_sum(part.exponent - 1, first.age);
-    rate += first.index % 2 == 0 ? sum : -sum;
-  }
-  for (const ImagePart& part : response.images) rate += ImageTrain::rate(part, half_period);
-  return rate;
+  return rate_by<long double>(response, half_period);
+}
+
+double rough_rate_before_impact(const GapResponse& response, double half_period) {
+  return rate_by<double>(response, half_period);
 }
 
 }  // namespace backlash::detail

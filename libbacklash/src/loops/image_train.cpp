@@ -82,13 +82,14 @@ Complex ImageTrain::parameter(Complex s) const {
 
 // The rule bears poles next to the path, but none at a node.
 void ImageTrain::choose_angle() {
+  std::vector<double> angles;
+  for (const ImagePart::Exponential& pole : part_->poles) angles.push_back(-std::asin(pole.rate * tau_ - 1.0).real());
   double widest = -1;
   constexpr int choices = 13;
   for (int i = 0; i < choices; ++i) {
     const double angle = lowest_angle + (highest_angle - lowest_angle) * i / (choices - 1);
     double clearance = 1;
-    for (const ImagePart::Exponential& pole : part_->poles)
-      clearance = std::min(clearance, std::abs(std::asin(pole.rate * tau_ - 1.0).real() + angle));
+    for (const double pole : angles) clearance = std::min(clearance, std::abs(pole - angle));
     if (clearance > widest + 1e-9) {
       widest = clearance;
       angle_ = angle;
@@ -106,6 +107,7 @@ void ImageTrain::add_contour(double earliest) {
   const double cosine = std::cos(angle_);
   const double end = std::acosh((decayed / earliest + 1) / sine);
   const double last_begun = std::acosh((decayed * tau_ / age_ + 1) / sine);
+  nodes_.reserve(nodes_.size() + static_cast<std::size_t>(end / step) + 1);
   for (double x = step / 2; x < end; x += step) {
     const Complex r = Complex(1 - sine * std::cosh(x), cosine * std::sinh(x)) / tau_;
     const Complex slope = Complex(-sine * std::sinh(x), cosine * std::cosh(x)) / tau_;

@@ -155,9 +155,9 @@ class BodiesBalance {
 std::vector<PredictedCycle> predicted_for_bodies(const ControlLoop& loop, const std::optional<FrequencyRange>& range) {
   const BodiesBalance balance(loop);
   std::vector<PredictedCycle> cycles;
-  for (const double omega :
-       detail::roots_on_grid([&](double at) { return balance.rate_defect(at); },
-                             detail::search_grid(detail::search_range(loop, range), loop.controller().delay()))) {
+  const auto defect = [&](double omega) { return balance.rate_defect(omega); };
+  for (const double omega : detail::roots_on_grid(
+           defect, defect, detail::search_grid(detail::search_range(loop, range), loop.controller().delay()))) {
     if (!(std::abs(balance.rate_defect(omega)) < 1e-6)) continue;  // a pole
     if (const auto cycle = balance.cycle_at(omega)) cycles.push_back(*cycle);
   }
@@ -177,9 +177,9 @@ std::vector<PredictedCycle> predicted_limit_cycles(const ControlLoop& loop,
     frequencies = detail::positive_roots(detail::frequency_equation(loop, detail::Harmonics::first));
     if (range) std::erase_if(frequencies, [&](double omega) { return omega < range->from || omega > range->to; });
   } else {
-    frequencies =
-        detail::roots_on_grid([&](double omega) { return balance.off_line(omega); },
-                              detail::search_grid(detail::search_range(loop, range), loop.controller().delay()));
+    const auto distance = [&](double omega) { return balance.off_line(omega); };
+    frequencies = detail::roots_on_grid(
+        distance, distance, detail::search_grid(detail::search_range(loop, range), loop.controller().delay()));
   }
   std::vector<PredictedCycle> cycles;
   for (const double omega : frequencies) {

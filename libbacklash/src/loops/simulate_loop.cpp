@@ -207,6 +207,7 @@ double crossing(const Loop& loop, double wall, double to) {
 void require_valid(const ControlLoop& loop, const LoopStart& start, const SetPoint& set_point,
                    const LoopSimulationOptions& options) {
   const std::vector<frac::PowerTerm> powers = detail::controller_powers(loop);
+  if (!loop.bodies().are_free()) throw std::invalid_argument("a loop is simulated with two free masses");
   if (loop.measured() != Output::x1 || powers.empty()) {
     throw std::invalid_argument(
         "a loop is simulated with the load measured (x1) and a controller that is a sum of powers of s with a dead "

@@ -2,14 +2,17 @@
 #include "symmetric_search.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numbers>
 #include <stdexcept>
 
 #include "base/check.hpp"
 #include "cycle_frequencies.hpp"
 #include "cycle_stability.hpp"
+#include "excursion.hpp"
 #include "frequency_search.hpp"
 
 namespace backlash::detail {
@@ -17,34 +20,6 @@ namespace {
 
 using Complex = std::complex<double>;
 constexpr double pi = std::numbers::pi;
-
-// Largest excursion towards either wall between the impacts, in units of the clearance.
-double largest_excursion(const ImpulseTrain& train, double impulse, double clearance) {
-  constexpr int points = 96;
-  const double tau = train.half_period();
-  const auto y = [&](double share) { return -impulse * train.wave(share * tau).value / clearance; };
-  const auto rate = [&](double share) { return -impulse * train.wave(share * tau).slope; };
-  double largest = 0;
-  // Denser at the ends, where the motion leaves a wall and meets the other one; an extremum lies where the rate changes
-  // its sign, and the ends themselves are the impacts.
-  double before_at = 1e-6;
-  double before = rate(before_at);
-  for (int i = 1; i <= points; ++i) {
-    const double at = i == points ? 1 - 1e-6 : 0.5 - 0.5 * std::cos(pi * i / points);
-    const double after = rate(at);
-    if ((before > 0) != (after > 0)) {
-      double low = before_at, high = at;
-      for (int k = 0; k < 40; ++k) {
-        const double middle = 0.5 * (low + high);
-        ((rate(middle) > 0) == (before > 0) ? low : high) = middle;
-      }
-      largest = std::max(largest, std::abs(y(0.5 * (low + high))));
-    }
-    before_at = at;
-    before = after;
-  }
-  return largest;
-}
 
 std::string reason_against(const ControlLoop& loop, const ImpulseTrain& train, double impulse) {
   if (!(impulse > 0) || !std::isfinite(impulse)) {
@@ -54,7 +29,13 @@ std::string reason_against(const ControlLoop& loop, const ImpulseTrain& train, d
   const double just_after = 1e-6 * train.half_period();
   if (-impulse * train.wave(just_after).slope > 0)
     return "the masses would be pressed into the wall they have just hit";
-  const double excursion = largest_excursion(train, impulse, loop.system().clearance());
+  const double clearance = loop.system().clearance();
+  const double excursion = largest_excursion(
+      [&](double t) {
+        const ImpulseTrain::Wave wave = train.wave(t);
+        return GapMotion{-impulse / clearance * wave.value, -impulse / clearance * wave.slope};
+      },
+      train.half_period());
   if (excursion >= 0.5) {
     return "between its impacts the motion would reach " + text(std::round(1e4 * excursion) / 1e4) +
            " of the clearance from the middle, beyond the walls at 0.5";
@@ -131,8 +112,13 @@ double SymmetricSearch::rate_defect(double omega) const {
 
 std::vector<double> SymmetricSearch::frequencies() const {
   if (!is_closed_form()) {
-    return roots_on_grid([&](double omega) { return rate_defect(omega); },
-                         search_grid(range_, loop_->controller().delay()));
+    const auto rough_defect = [&](double omega) {
+      const double rough = 1 + rough_rate_before_impact(response_, pi / omega) / exchange_;
+      return std::abs(rough) > 1e-6 ? rough : rate_defect(omega);
+    };
+    return roots_on_grid(
+        rough_defect, [&](double omega) { return rate_defect(omega); },
+        search_grid(range_, loop_->controller().delay()));
   }
   std::vector<double> found = positive_roots(frequency_equation(*loop_, Harmonics::all));
   std::erase_if(found, [&](double omega) { return omega < range_.from || omega > range_.to; });

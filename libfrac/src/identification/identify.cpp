@@ -6,11 +6,15 @@
 #include <limits>
 #include <optional>
 #include <stdexcept>
+#include <type_traits>
 
 #include "frac/parallel_for.hpp"
 #include "identification/contained_optimum.hpp"
 #include "identification/data/fit_data.hpp"
+#include "identification/data/noise_floor.hpp"
 #include "identification/data/residual_rule.hpp"
+#include "identification/rational/family_members.hpp"
+#include "identification/rational/time_growth.hpp"
 #include "identification/statistics/curvature_fit.hpp"
 #include "identification/statistics/information.hpp"
 #include "identification/statistics/residual_tests.hpp"
@@ -30,6 +34,10 @@ struct Outcome {
   std::optional<FitResult> fit;
   std::string reason;
   bool from_family = false;
+  bool refuted = false;  // by the record itself, so that it is no rival any more
+  /// Of a family, see detail::FamilyMembers.
+  double departed = std::numeric_limits<double>::infinity();
+  std::size_t relaxations = 0;
 };
 
 /// A candidate nothing is fitted to, with its weighted residuals.
@@ -84,6 +92,14 @@ std::size_t chosen_of(const std::vector<RankedFit>& ranking) {
   return chosen;
 }
 
+template <class Data, class Options>
+void resolve(const Data& data, const Options& options, Outcome& outcome) {
+  detail::FamilyMembers members = detail::best_member(data, outcome.model, options);
+  outcome.model = std::move(members.models.front());
+  outcome.departed = members.departed;
+  outcome.relaxations = members.relaxations;
+}
+
 /// The fit of a candidate that is a formula.
 template <class Data, class Options>
 void fit_candidate(const Data& data, const Options& options, double hopeless, Outcome& outcome) {
@@ -91,7 +107,7 @@ void fit_candidate(const Data& data, const Options& options, double hopeless, Ou
   try {
     outcome.from_family = outcome.model.is_family();
     if (outcome.from_family) {
-      outcome.model = resolved_model(data, outcome.model, options);
+      resolve(data, options, outcome);
       of_model.global_start = false;
     }
     const auto& own = outcome.model.constraints;
@@ -102,6 +118,8 @@ void fit_candidate(const Data& data, const Options& options, double hopeless, Ou
     outcome.fit = rational ? detail::curvature_fit(data, structure, of_model)
                            : detail::fit_in_reach(data, structure, of_model, hopeless);
     if (outcome.fit->termination == FitTermination::no_usable_start) {
+      // What has no finite response to an input whose output is finite.
+      outcome.refuted = std::is_same_v<Data, TimeResponseData>;
       outcome.reason = outcome.fit->message;
       outcome.fit.reset();
     }
@@ -157,6 +175,24 @@ void start_from_contained(const Data& data, const Options& options, std::vector<
   }
 }
 
+/// The floor of the noise as the residuals of the family of ratios tell it, which follows most data.
+double learned_floor(const FrequencyResponseData& data, const FitOptions& options) {
+  if (options.component == Component::magnitude || options.component == Component::phase) return 0;
+  FitOptions trial = options;
+  // Under relative weight a ratio might follow nothing but the noise of what lies below the floor.
+  trial.noise_floor = detail::noise_floor(data, options.component);
+  constexpr double settled = 0.3;
+  constexpr int most_rounds = 3;
+  for (int round = 0; round < most_rounds; ++round) {
+    const std::vector<std::complex<double>> model = detail::ratio_response(data, trial);
+    if (model.empty()) break;
+    const double before = *trial.noise_floor, floor = detail::noise_floor(data, model, options.component);
+    if (std::abs(floor - before) <= settled * before) break;
+    trial.noise_floor = floor;
+  }
+  return *trial.noise_floor;
+}
+
 template <class Data, class Options>
 IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& models,
                             const std::vector<ComparedCurve>& curves, const Options& options, int threads) {
@@ -182,14 +218,15 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
   for (Outcome& outcome : outcomes) {
     if (!outcome.fit) {
       result.skipped.push_back(outcome.model.name + ": " + outcome.reason);
-      if (outcome.model.model_class != ModelClass::fractional) skipped_rivals.push_back(outcome.model.name);
+      if (outcome.model.model_class != ModelClass::fractional && !outcome.refuted)
+        skipped_rivals.push_back(outcome.model.name);
       continue;
     }
     LackOfFit lack = lack_of_fit(data, options, *outcome.fit);
     std::vector<double> residual = detail::weighted_residuals(data, options, *outcome.fit);
     RankedFit ranked{outcome.model.name, outcome.model.model_class, std::move(*outcome.fit), 0, 0,
                      outcome.model,      std::move(lack),           outcome.from_family};
-    competitors.push_back({std::move(ranked), std::move(residual)});
+    competitors.push_back({std::move(ranked), std::move(residual), outcome.departed, outcome.relaxations});
   }
   competitors.insert(competitors.end(), curves.begin(), curves.end());
   if (competitors.empty()) {
@@ -234,11 +271,17 @@ std::string_view to_string(Verdict verdict) {
 IdentificationResult identify(const FrequencyResponseData& data, const std::vector<NamedModel>& models,
                               const std::vector<FixedCurve>& curves, const FitOptions& options, int threads) {
   // Refuses weights that do not go with the data once, before every candidate would be skipped for it.
-  const detail::ResidualRule rule = detail::residual_rule(data, options);
+  static_cast<void>(detail::residual_rule(data, options));
+  FitOptions told_floor = options;
+  if (options.weight == Weight::learned && !options.noise_floor) told_floor.noise_floor = learned_floor(data, options);
+  const detail::ResidualRule rule = detail::residual_rule(data, told_floor);
   std::vector<ComparedCurve> residuals;
   const bool told = options.weight == Weight::given || options.weight == Weight::repeats;
   for (const FixedCurve& curve : curves) residuals.push_back(compared(data, curve, rule, told));
-  return ranked(data, models, residuals, options, threads);
+  IdentificationResult result = ranked(data, models, residuals, told_floor, threads);
+  result.noise_floor = told_floor.noise_floor.value_or(0);
+  for (RankedFit& candidate : result.ranking) candidate.fit.noise_floor = result.noise_floor;
+  return result;
 }
 
 IdentificationResult identify(const TimeResponseData& data, const std::vector<NamedModel>& models,

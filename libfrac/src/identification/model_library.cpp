@@ -8,6 +8,7 @@
 
 #include "frac/structure.hpp"
 #include "identification/rational/family_members.hpp"
+#include "identification/rational/time_growth.hpp"
 
 namespace frac {
 
@@ -248,15 +249,11 @@ std::vector<NamedModel> default_candidates() {
 }
 
 NamedModel resolved_model(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options) {
-  return model.is_family() ? detail::best_member(data, model, options) : model;
+  return model.is_family() ? detail::best_member(data, model, options).models.front() : model;
 }
 
-NamedModel resolved_model(const TimeResponseData&, const NamedModel& model, const TimeFitOptions&) {
-  if (model.is_family()) {
-    throw std::invalid_argument("model '" + model.name +
-                                "' is grown on frequency responses only; over time write the model as a formula");
-  }
-  return model;
+NamedModel resolved_model(const TimeResponseData& data, const NamedModel& model, const TimeFitOptions& options) {
+  return model.is_family() ? detail::best_member(data, model, options).models.front() : model;
 }
 
 NamedModel find_model(std::string_view name_or_formula) {

@@ -68,7 +68,9 @@ std::optional<NextMeasurement> next_measurement(const FrequencyResponseData& dat
   if (!part || !std::holds_alternative<ExactRealisation>(options.realisation)) return std::nullopt;
   const bool relative = options.weight == Weight::relative || options.weight == Weight::smoothed_relative ||
                         options.weight == Weight::log_complex;
-  if ((!relative && options.weight != Weight::absolute) || !(noise > 0)) return std::nullopt;
+  const bool learned = options.weight == Weight::learned;
+  if ((!relative && !learned && options.weight != Weight::absolute) || !(noise > 0)) return std::nullopt;
+  const double floor = learned ? options.noise_floor.value_or(0) : 0;
 
   const double half_decade = std::sqrt(10.0);
   const auto gain = [&](double lower, std::size_t points, double accuracy) {
@@ -78,7 +80,9 @@ std::optional<NextMeasurement> next_measurement(const FrequencyResponseData& dat
       omega.push_back(lower * std::pow(half_decade, share));
     }
     const auto of_a = fitted_response(a, options.realisation, omega);
-    for (const std::complex<double>& value : of_a) scale.push_back(relative ? std::abs(value) : 1);
+    for (const std::complex<double>& value : of_a) {
+      scale.push_back(relative || learned ? std::hypot(std::abs(value), floor) : 1);
+    }
     const Prediction first = predicted(a, options.component, omega, scale);
     const Prediction second = predicted(b, options.component, omega, scale);
     const Eigen::VectorXd difference = first.value - second.value;

@@ -21,7 +21,9 @@
 #include "identification/search/robust.hpp"
 #include "identification/search/time_search.hpp"
 #include "identification/statistics/confidence.hpp"
+#include "identification/statistics/curvature_fit.hpp"
 #include "identification/statistics/estimates.hpp"
+#include "identification/time_scout.hpp"
 
 namespace frac {
 namespace {
@@ -381,9 +383,9 @@ std::string ending(const detail::GlobalSolution& solution, bool is_exact) {
          " ended at the lowest cost; " + solves;
 }
 
-}  // namespace
-
-FitResult fit(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& wanted) {
+/// @param hopeless  see TimeProblem
+FitResult fit_record(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& wanted,
+                     double hopeless) {
   const auto begin = std::chrono::steady_clock::now();
   detail::require_function_of_s(structure);
   require_squares(data);
@@ -402,7 +404,7 @@ FitResult fit(const TimeResponseData& data, const Structure& structure, const Ti
     }
   }
   const double unit = unit_of(data, options.offset);
-  const detail::TimeProblem problem{data, structure, map, options, unit};
+  const detail::TimeProblem problem{data, structure, map, options, unit, hopeless};
   const std::string silence = explained_by_offset(data, options.offset);
   const detail::GlobalSolution solution = silence.empty() ? time_search(problem) : detail::GlobalSolution{};
   detail::LocalSolution best = solution.best;
@@ -445,6 +447,33 @@ FitResult fit(const TimeResponseData& data, const Structure& structure, const Ti
   result.termination = best.converged ? FitTermination::converged : FitTermination::not_converged;
   result.seconds = seconds();
   return result;
+}
+
+}  // namespace
+
+FitResult fit(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& options) {
+  return fit_record(data, structure, options, std::numeric_limits<double>::infinity());
+}
+
+detail::Scouted detail::scouted(const TimeResponseData& data, const Structure& structure,
+                                const TimeFitOptions& options) {
+  const ParameterMap map(structure, with_delay_limits(structure, options.constraints, length_of(data)),
+                         data_scale(data, options.offset));
+  const double unit = unit_of(data, options.offset);
+  const TimeProblem problem{data, structure, map, options, unit};
+  const TimeResiduals residuals = problem.residuals(data.observed(), 1e-6);
+  const std::vector<double> theta = map.to_theta(map.start());
+  if (!std::isfinite(residuals.cost(theta))) return {{}, std::numeric_limits<double>::infinity()};
+  LocalOptions quick;
+  quick.iterations = 30;
+  quick.cost_tolerance = 1e-5;
+  const LocalSolution found = local_solve(residuals, theta, quick);
+  return {map.to_user(found.theta), found.cost * unit * unit};
+}
+
+FitResult detail::fit_in_reach(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& options,
+                               double hopeless) {
+  return fit_record(data, structure, options, hopeless);
 }
 
 std::vector<double> fitted_output(const FitResult& result, const TimeResponseData& data,

@@ -8,10 +8,12 @@
 #include <stdexcept>
 
 #include "base/counted.hpp"
+#include "frac/identification/statistics.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/residual_rule.hpp"
 #include "identification/next_measurement.hpp"
 #include "identification/prediction.hpp"
+#include "identification/rational/family_members.hpp"
 #include "identification/statistics/autocorrelation.hpp"
 #include "identification/statistics/information.hpp"
 
@@ -21,9 +23,11 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double supported_evidence = 10;  // posterior odds of 150 to 1
-constexpr double refuted_evidence = -4;    // odds of 1 to 7, and cross-validation agrees
+constexpr double refuted_evidence = -8;    // posterior odds of 1 to 55
 constexpr double no_evidence = 2;
-constexpr double whole_order = 0.1;    // half width of an interval that tells an order to be whole
+// Real poles and dead time that a ratio may have before they count as an approximation of what no candidate is, and the
+// evidence asked for each further one: odds of 3000 to 1.
+constexpr double few_relaxations = 2, price_of_relaxation = 16;
 constexpr double nearly_whole = 0.02;  // an order that is known to be so near a whole number counts as one
 constexpr double worse = 1.05, clearly_worse = 1.5;  // rms of predictions
 constexpr double most_model_error = 0.05;            // of the data
@@ -79,11 +83,14 @@ std::optional<std::size_t> best_of(const std::vector<Competitor>& competitors, b
 struct Orders {
   bool any_free = false;
   const ParameterEstimate* decided = nullptr;  // the one farthest (in intervals) from every whole number
-  bool all_whole = true;                       // each known to be a whole number to 0.1
+  /// By how much evidence falls, to the curvature of the cost, on the way to the nearest order that departs(); 0 where
+  /// one does already.
+  double departure = infinity;
   bool all_nearly_whole = true;  // each known to be within 0.02 of one, which may lie outside the interval
 };
 Orders orders_of(const FitResult& fit, double share) {
   const Structure structure(fit.model);
+  const auto degrees = static_cast<double>(fit.residuals) - static_cast<double>(fit.free_parameters);
   Orders orders;
   double farthest = 1;
   // The offset of a fit over time comes after the structure's own.
@@ -92,27 +99,34 @@ Orders orders_of(const FitResult& fit, double share) {
     if (structure.parameter_roles()[i] != ParameterRole::order) continue;
     orders.any_free = true;
     const double distance = std::abs(estimate.value - std::round(estimate.value));
+    if (departs(estimate.value)) orders.departure = 0;
     if (estimate.at_bound) {
-      orders.all_whole = orders.all_whole && distance < 1e-3;
       orders.all_nearly_whole = orders.all_nearly_whole && distance < 1e-3;
       continue;
     }
     if (!estimate.fixed && !std::isfinite(estimate.standard_error)) {
-      orders.all_whole = orders.all_nearly_whole = false;
+      orders.all_nearly_whole = false;
+      orders.departure = 0;
       continue;
     }
-    const bool whole_above = std::round(estimate.value) > estimate.value;
-    const double side = whole_above ? estimate.ci95_upper - estimate.value : estimate.value - estimate.ci95_lower;
-    const double half_width = estimate.fixed ? 0 : side / std::sqrt(share);
+    const double above = estimate.ci95_upper - estimate.value, below = estimate.value - estimate.ci95_lower;
+    const double side = std::round(estimate.value) > estimate.value ? above : below;
+    const double widening = 1 / std::sqrt(share), half_width = estimate.fixed ? 0 : side * widening;
     const double widths = half_width > 0 ? distance / half_width : (distance > 0 ? 1e300 : 0);
-    orders.all_whole = orders.all_whole && widths <= 1 && half_width <= whole_order;
+    if (!estimate.fixed && degrees > 0) {
+      const double widest = std::max(above, below) * widening / student_t_95(degrees);
+      const double deviations = std::max(0.0, least_departure - distance) / widest;
+      const double fall = static_cast<double>(fit.residuals) * std::log1p(deviations * deviations / degrees);
+      orders.departure = std::min(orders.departure, std::isnan(fall) ? 0 : fall);
+    }
     orders.all_nearly_whole = orders.all_nearly_whole && distance + half_width <= nearly_whole;
     if (widths > farthest) {
       farthest = widths;
       orders.decided = &estimate;
     }
   }
-  orders.all_whole = orders.all_whole && orders.any_free;
+  // A structure whose fractional order is written into it departs by what it is.
+  if (!orders.any_free) orders.departure = 0;
   orders.all_nearly_whole = orders.all_nearly_whole && orders.any_free;
   return orders;
 }
@@ -189,17 +203,30 @@ struct Comparison {
   Orders orders;
 };
 
-double evidence_of(const Comparison& pair) {
-  const double n = static_cast<double>(pair.fractional.residual.size());
+/// @param share  of the points that carry news
+double evidence_for(const Competitor& fractional, const Competitor& integer, double share) {
+  const double n = static_cast<double>(fractional.residual.size());
   // Where both meet the data to rounding, what each needed for it is all that tells them apart.
-  if (meets_exactly(pair.fractional.ranked) && meets_exactly(pair.integer.ranked)) {
-    return price_of_parameters(parameters(pair.integer.ranked), n) -
-           price_of_parameters(parameters(pair.fractional.ranked), n);
+  if (meets_exactly(fractional.ranked) && meets_exactly(integer.ranked)) {
+    return price_of_parameters(parameters(integer.ranked), n) - price_of_parameters(parameters(fractional.ranked), n);
   }
-  const double news = std::log(std::max(pair.share * n, 2.0)) / std::log(n);
+  const double news = std::log(std::max(share * n, 2.0)) / std::log(n);
   const auto price = [&](const Competitor& each) { return news * price_of_parameters(parameters(each.ranked), n); };
-  return pair.share * (misfit_term(pair.integer.ranked, n) - misfit_term(pair.fractional.ranked, n)) +
-         price(pair.integer) - price(pair.fractional);
+  return share * (misfit_term(integer.ranked, n) - misfit_term(fractional.ranked, n)) + price(integer) -
+         price(fractional);
+}
+
+/// Evidence for the best candidate with an order that departs() against the integer-order finalist.
+double evidence_of_departure(const std::vector<Competitor>& competitors, const Competitor& integer, double share) {
+  double most = -infinity;
+  for (const Competitor& each : competitors) {
+    if (each.ranked.model_class != ModelClass::fractional) continue;
+    const double evidence = evidence_for(each, integer, share);
+    if (!(evidence > most)) continue;
+    const double falls = std::min(orders_of(each.ranked.fit, share).departure, share * each.departed);
+    most = std::max(most, evidence - falls);
+  }
+  return most;
 }
 
 /// rms of predictions, which are infinite where the rest of the data does not determine the model.
@@ -234,6 +261,8 @@ void suggest_next(IdentificationResult& result, const FrequencyResponseData& dat
   const double noise = std::max(better.lack_of_fit.noise, better.fit.rms);
   const double wanted = std::max(supported_evidence - result.evidence, result.evidence - refuted_evidence);
   result.next = next_measurement(data, options, pair.fractional.ranked.fit, pair.integer.ranked.fit, noise, wanted);
+  // Where the two are one model in two spellings, nothing tells them apart.
+  if (result.next && !(result.next->expected_evidence > no_evidence)) result.next.reset();
   if (!result.next) return;
   result.verdict_sentence += " To decide, measure " + std::to_string(result.next->points) + " points from " +
                              number(result.next->lower) + " to " + number(result.next->upper) +
@@ -271,7 +300,7 @@ std::string advice_on_skipped(const FrequencyResponseData&, const FitOptions& op
                     : "";
 }
 std::string advice_on_skipped(const TimeResponseData&, const TimeFitOptions&) {
-  return ", and families of ratios are compared over frequency only";
+  return "";
 }
 
 /// The verdict that the rules of IdentificationResult give, and what was missing where it is undecided.
@@ -293,28 +322,42 @@ Ruling ruling(const IdentificationResult& result, const Comparison& pair,
   }
   // A ratio with enough poles follows any data.  One that needed all the poles it may have shows no integer order.
   const bool integer_settled = !pair.integer.ranked.model.ends_its_family;
+  // Rows of real poles approximate fractional systems, also such as are among no candidates.
+  const double relaxations = static_cast<double>(pair.integer.relaxations);
+  const double refuted = refuted_evidence - price_of_relaxation * std::max(0.0, relaxations - few_relaxations);
+  const bool no_better = result.evidence < no_evidence || orders.all_nearly_whole;
   if (pair.integer_fits && integer_settled) {
     const auto integer_predicts = [&](double at_most) {
       return not_above(i.prediction_rms, at_most, f.prediction_rms) &&
              not_above(i.extrapolation_rms, clearly_worse, f.extrapolation_rms);
     };
-    // A fractional model with whole orders is an integer-order model, even where it is the better one of the two.
-    const bool whole = result.evidence < no_evidence
-                           ? (orders.all_nearly_whole || orders.all_whole) && integer_predicts(clearly_worse)
-                           : orders.all_nearly_whole && predicts;
-    if (whole) return {Verdict::fractional_not_supported, "; every order of the fractional one is whole"};
     // Where both meet the data to rounding, the simpler one has done so with less.
     const bool both_exact = meets_exactly(pair.integer.ranked) && meets_exactly(pair.fractional.ranked) &&
                             parameters(pair.integer.ranked) <= parameters(pair.fractional.ranked);
-    if (both_exact || (result.evidence < refuted_evidence && (integer_predicts(worse) || !pair.fractional_fits))) {
-      return {Verdict::fractional_not_supported, ""};
+    // A fractional model with whole orders is the integer-order model over again, and may predict as well.
+    const bool same_again = orders.departure > 0;
+    const bool integer_holds = integer_predicts(same_again ? clearly_worse : worse) || !pair.fractional_fits;
+    if (both_exact || (result.departure_evidence < refuted && no_better && integer_holds)) {
+      return {Verdict::fractional_not_supported, same_again ? "; every order of the fractional one is whole" : ""};
     }
   }
-  if (result.evidence < refuted_evidence) {
-    return {Verdict::undecided, integer_settled ? ", but the integer-order one predicts left-out points worse"
-                                                : ", but the integer-order one has as many poles as are tried"};
+  if (result.departure_evidence < refuted) {
+    return {Verdict::undecided, !no_better        ? ", but the better one has an order that may be other than whole"
+                                : integer_settled ? ", but the integer-order one predicts left-out points worse"
+                                                  : ", but the integer-order one has as many poles as are tried"};
   }
-  if (!strong) return {Verdict::undecided, ", which is too little"};
+  if (!strong) {
+    const std::string departing = " against orders that depart from whole numbers by " + number(least_departure) +
+                                  " is " + number(-result.departure_evidence);
+    if (result.departure_evidence < refuted_evidence) {
+      return {Verdict::undecided, ", and evidence" + departing + ", while a row of " + number(relaxations) +
+                                      " real poles and dead times, which may approximate another fractional system, "
+                                      "asks for " +
+                                      number(-refuted)};
+    }
+    const bool whole = result.evidence < refuted_evidence || orders.departure > 0;
+    return {Verdict::undecided, whole ? ", and evidence" + departing + " only" : ", which is too little"};
+  }
   if (!decided) return {Verdict::undecided, ", but no order can be told from a whole number"};
   if (!predicts) return {Verdict::undecided, ", but the fractional one predicts left-out points worse"};
   if (!skipped_rivals.empty()) return {Verdict::undecided, ", but " + unfitted(skipped_rivals)};
@@ -325,7 +368,7 @@ template <class Data, class Options>
 void judge_any(IdentificationResult& result, const Data& data, const Options& options,
                const std::vector<Competitor>& competitors, const std::vector<std::string>& skipped_rivals) {
   result.verdict = Verdict::undecided;
-  result.evidence = result.log10_odds = result.differ_most = result.differ_most_omega = nan;
+  result.evidence = result.departure_evidence = result.log10_odds = result.differ_most = result.differ_most_omega = nan;
   if (std::none_of(competitors.begin(), competitors.end(), is_comparable)) {
     result.verdict_sentence = "Undecided: too few residuals (" + std::to_string(competitors.front().residual.size()) +
                               ") to judge any candidate; at least three more are needed than it has parameters.";
@@ -367,7 +410,8 @@ void judge_any(IdentificationResult& result, const Data& data, const Options& op
     pair.integer_fits = within_model_error(data, options, i.ranked.fit);
     if (!pair.fractional_fits && !pair.integer_fits) return call_inadequate();
   }
-  result.evidence = evidence_of(pair);
+  result.evidence = evidence_for(f, i, share);
+  result.departure_evidence = evidence_of_departure(competitors, i, share);
   result.log10_odds = result.evidence / (2 * std::log(10.0));
   if (f.ranked.model_class == ModelClass::fractional && i.ranked.model_class == ModelClass::integer_order) {
     differ_most(result, data, options, f.ranked.fit, i.ranked.fit);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "frac/identification/identify.hpp"
@@ -11,6 +13,9 @@ namespace frac::detail {
 struct Competitor {
   RankedFit ranked;
   std::vector<double> residual;  // weighted
+  /// Of the member of a family, see FamilyMembers.
+  double departed = std::numeric_limits<double>::infinity();
+  std::size_t relaxations = 0;
 };
 
 /// Fills in the verdict of a ranking as IdentificationResult defines it.

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
-#include <filesystem>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
 
+#include "commands/pictures.hpp"
 #include "commands/subcommand.hpp"
 #include "frac/model/algebra.hpp"
 #include "frac/stability.hpp"
@@ -12,7 +12,6 @@
 #include "output/aligned_table.hpp"
 #include "output/json.hpp"
 #include "report/model_figures.hpp"
-#include "report/staged_folder.hpp"
 
 namespace fracfit {
 namespace {
@@ -132,32 +131,6 @@ std::string table_text(const Analysis& result) {
   return text;
 }
 
-// Scripts, SVG and PNG of the diagrams, into the folder. @return false with a message where gnuplot is missing or
-// fails.
-bool draw_pictures(const Command& command, const std::filesystem::path& target,
-                   const frac::FractionalTransferFunction& model) {
-  report::StagedFolder folder(target);
-  std::string script;
-  const auto gnuplot = report::find_gnuplot();
-  std::string trouble = gnuplot ? "" : "gnuplot was not found; the scripts are written";
-  for (const report::Figure& figure : report::model_figures(model, "model")) {
-    script = figure.name + ".gp";
-    folder.write(script, report::gnuplot_script(figure));
-    if (gnuplot && trouble.empty()) trouble = report::draw(*gnuplot, folder.path(), figure.name);
-  }
-  folder.publish(script);
-  if (!trouble.empty()) command.say(trouble);
-  return trouble.empty();
-}
-
-void make_folder(const std::string& path) {
-  std::error_code trouble;
-  std::filesystem::create_directories(path, trouble);
-  // The library reports no error when a file stands in place of the folder, so this is checked here.
-  if (!trouble && !std::filesystem::is_directory(path)) trouble = std::make_error_code(std::errc::not_a_directory);
-  if (trouble) throw std::invalid_argument("--pictures " + path + ": cannot be made a folder: " + trouble.message());
-}
-
 class Analyse : public Command {
  public:
   Analyse() : Command("analyse", "Poles, stability, norms and margins of a fractional transfer function") {
@@ -168,7 +141,7 @@ class Analyse : public Command {
              "as the model: its analysis says whether it is stable when closed",
              "FORMULA");
     o.text("--pictures", pictures_,
-           "Draw Bode, Nyquist and Nichols diagrams and the step response into this folder (SVG, PNG, gnuplot)",
+           "Draw into this folder (SVG, PNG, gnuplot); Bode, Nyquist and Nichols diagrams and the step response",
            "FOLDER")
         .unsaid();
     add_common({"json", "table"});
@@ -181,14 +154,15 @@ class Analyse : public Command {
 
  private:
   int run() override {
-    if (!pictures_.empty()) make_folder(pictures_);
+    if (!pictures_.empty()) make_picture_folder(pictures_);
     const Analysis result = analysis_of(feedback_ ? frac::simplified(frac::feedback(*model_, *feedback_)) : *model_);
     write(format() == "table" ? table_text(result) : json_text(result, command_line()));
     if (result.stability.stability == frac::Stability::undetermined)
       say("the stability is undetermined: the " + std::to_string(result.stability.poles.size()) +
           " poles found are not as many as the argument principle counts, as where poles lie too close together to be "
           "told apart");
-    const bool drawn = pictures_.empty() || draw_pictures(*this, pictures_, result.model);
+    const bool drawn =
+        pictures_.empty() || draw_pictures(*this, pictures_, report::model_figures(result.model, "model"));
     return drawn && result.stability.stability != frac::Stability::undetermined ? usable_result : no_usable_result;
   }
 

@@ -5,17 +5,12 @@
 #include <vector>
 
 #include "commands/subcommand.hpp"
-#include "io/frequency_response_file.hpp"
 #include "options/data_options.hpp"
+#include "options/measured_curves.hpp"
 #include "output/document.hpp"
 
 namespace fracfit {
 namespace {
-
-struct NamedCurve {
-  std::string name;
-  io::FrequencyResponseFile file;
-};
 
 // "re_ohm", or "re [m/s^2]" for a unit that is no word.
 std::string column(const std::string& quantity, const std::string& unit) {
@@ -52,38 +47,9 @@ class Convert : public Command {
  private:
   [[nodiscard]] std::vector<std::string> inputs() const override { return {file_}; }
 
-  [[nodiscard]] std::vector<NamedCurve> read() const {
-    const io::Measurement measurement = io::read_measurement(file_, how_);
-    io::FrequencyResponseReadOptions options;
-    options.how = how_;
-    std::vector<NamedCurve> curves;
-    const auto labels = how_.select.empty() ? io::curve_labels(measurement, "") : std::vector<std::string>{};
-    for (const auto& label : labels) {
-      options.curve = label;
-      curves.push_back({label, io::read_frequency_response(measurement, options)});
-    }
-    const auto scenes =
-        labels.empty() && how_.select.empty() ? io::scenes_in(measurement) : std::vector<io::Metadata>{};
-    for (const auto& scene : scenes) {
-      options.rows = scene;
-      std::string name;
-      for (const auto& [key, value] : scene) name += (name.empty() ? "" : " ") + key + "=" + value;
-      curves.push_back({name, io::read_frequency_response(measurement, options)});
-    }
-    if (curves.empty()) curves.push_back({"", io::read_frequency_response(measurement, options)});
-    return curves;
-  }
-
   int run() override {
-    const auto curves = read();
-    std::vector<std::string> said;
-    for (const auto& [name, file] : curves) {
-      for (const auto& note : file.notes) {
-        if (std::find(said.begin(), said.end(), note) != said.end()) continue;
-        said.push_back(note);
-        say(file_ + ": " + note);
-      }
-    }
+    const auto curves = read_curves(file_, how_);
+    for (const auto& note : notes_of(curves)) say(file_ + ": " + note);
     const io::FrequencyResponseFile& first = curves.front().file;
     const bool has_sigma =
         std::any_of(curves.begin(), curves.end(), [](const auto& each) { return !each.file.data.sigma().empty(); });
@@ -95,7 +61,7 @@ class Convert : public Command {
     if (curves.size() > 1) columns.emplace_back("curve");
     columns.insert(columns.end(), {"omega_rad_s", column("re", first.value_unit), column("im", first.value_unit)});
     if (has_sigma) columns.push_back(column("sigma", first.value_unit));
-    std::vector<std::pair<const NamedCurve*, std::size_t>> places;
+    std::vector<std::pair<const MeasuredCurve*, std::size_t>> places;
     for (const auto& curve : curves)
       for (std::size_t i = 0; i < curve.file.data.size(); ++i) places.emplace_back(&curve, i);
     document.rows.count = places.size();

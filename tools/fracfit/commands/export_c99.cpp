@@ -5,18 +5,33 @@
 namespace fracfit {
 namespace {
 
+frac::FixedPointRanges ranges_of(std::string_view name, const std::string& text) {
+  const auto [input, output] = pair_of(name, text, "INPUT:OUTPUT");
+  return {number_of(name, input), number_of(name, output)};
+}
+
 class ExportC99 : public Command {
  public:
   ExportC99() : Command("export c99", "Fractional PID, or any model, as a C99 header without heap or library") {
     request_.declare(options());
     code_.declare(options());
+    options()
+        .parsed("--fixed-point", ranges_, ranges_of,
+                "Whole numbers of 32 bits instead, fractions of these ranges, for processors without a floating-point "
+                "unit; the error is stated. For a filter of sections alone, e.g. of --discretisation tustin",
+                "INPUT:OUTPUT")
+        .only_with({"--model"})
+        .not_with({"--precision", {"float"}}, "which it takes the place of");
     add_common({"c"});
     set_footer(
         "Examples:\n"
         "  fracfit export c99 --kp 2 --ki 3 --lambda 0.8 --sample-time 1e-3 --band 0.1:300 --min -5 --max 5 --out "
         "pi.h\n"
         "  fracfit export c99 --model '1/(0.8 s^2.2 + 0.5 s^0.9 + 1)' --sample-time 0.01 --precision float --out "
-        "plant.h");
+        "plant.h\n"
+        "  fracfit export c99 --model 's^-0.5' --band 0.01:2 --sample-time 0.02 --discretisation tustin --fixed-point "
+        "5:100 "
+        "--out half.h");
   }
 
  private:
@@ -27,13 +42,20 @@ class ExportC99 : public Command {
 
   int run() override {
     const ControllerRequest::Design design = request_.design(options());
-    write(code_.header(request_, design, command_line() + code_.words()));
+    if (ranges_) {
+      const frac::FixedPointHeader header = code_.fixed_point(request_, std::get<frac::FilterChoice>(design), *ranges_,
+                                                              command_line() + code_.name_in_words());
+      write(header.text);
+    } else {
+      write(code_.header(request_, design, command_line() + code_.words()));
+    }
     if (const std::string note = note_of(design); !note.empty()) say(note);
     return usable_result;
   }
 
   ControllerRequest request_;
   CodeRequest code_{frac::Precision::double_type};
+  std::optional<frac::FixedPointRanges> ranges_;
 };
 
 }  // namespace

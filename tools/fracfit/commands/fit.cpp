@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "commands/subcommand.hpp"
+#include "frac/identification/outliers.hpp"
 #include "frac/structure.hpp"
 #include "io/time_series_file.hpp"
 #include "options/fit_request.hpp"
@@ -24,7 +25,6 @@ class Fit : public Command {
   Fit() : Command("fit", "Fits one structure to a frequency response, or to samples of input and output over time") {
     constexpr std::size_t fewest_samples = 20;
     Options& o = options();
-    request_.weight = "learned";
     add_data(o, request_);
     o.text("--model", model_, "or a preset; letters other than s are parameters").suggest(preset_names()).or_argument();
     o.choice("--grow", grow_, frac::growth_families(),
@@ -131,6 +131,9 @@ class Fit : public Command {
     auto fit = fit_options(request_);
     fit.constraints = chosen_.constraints;
     const auto file = read_data(request_, note);
+    const auto outliers = frac::isolated_outliers(file.data, request_.component);
+    if (!outliers.empty() && !options()["--loss"].is_given())
+      say(contradicted_points(file.data, outliers) + "; --loss cauchy limits what they do to the fit");
     return fit_and_write(file.data, fit, fit_run(request_, options(), file, command_line()));
   }
 

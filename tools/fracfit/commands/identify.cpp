@@ -9,6 +9,7 @@
 #include "backlash/static_backlash.hpp"
 #include "commands/subcommand.hpp"
 #include "frac/identification/model_choice.hpp"
+#include "frac/identification/outliers.hpp"
 #include "frac/parallel_for.hpp"
 #include "io/time_series_file.hpp"
 #include "options/fit_request.hpp"
@@ -60,6 +61,10 @@ class Identify : public Command {
     add_residual_options(o, request_);
     add_time_options(o, over_time_);
     add_points_and_seed(o, request_);
+    o.text("--outliers", outliers_,
+           "What becomes of points that contradict their neighbours on both sides; a robust loss keeps them", "HOW")
+        .one_of({"leave-out", "keep"})
+        .only_for(frequency_response);
     const auto of_static_backlash = [&](const char* name, std::optional<double>& value) -> Option& {
       return o.number(name, value, "of the static-backlash candidate").only_for(frequency_response);
     };
@@ -146,18 +151,30 @@ class Identify : public Command {
     const auto record =
         read_time_record(request_, over_time_, options(), [this](const std::string& note) { say(note); });
     check_folds(record.data.observed().size());
-    // Families are grown on frequency responses only.
-    if (models_text_.empty()) std::erase_if(models_, [](const auto& model) { return model.is_family(); });
+    // Of the families that of ratios is grown over time, the others on frequency responses only.
+    const auto other_family = [](const auto& model) {
+      return model.is_family() && !(model.rational && !model.rational->free_order);
+    };
+    if (models_text_.empty()) std::erase_if(models_, other_family);
     const auto result = frac::identify(record.data, models_, fit, threads());
     return write_ranking(record.data, fit, result, time_fit_run(request_, record, options(), command_line()));
   }
 
   [[nodiscard]] std::vector<std::string> inputs() const override { return {request_.data}; }
 
+  // What is left out of the comparison.
+  [[nodiscard]] std::vector<std::size_t> outliers_of(const frac::FrequencyResponseData& data) const {
+    if (outliers_ == "keep" || request_.loss != frac::Loss::none) return {};
+    const auto outliers = frac::isolated_outliers(data, request_.component);
+    if (outliers.empty()) return {};
+    say(contradicted_points(data, outliers) + "; the comparison leaves them out, and has them with --outliers keep");
+    return outliers;
+  }
+
   int run() override {
     if (io::holds_time_response(request_.data, request_.how)) return run_over_time();
     options().settle(frequency_response);
-    const auto fit = fit_options(request_);
+    auto fit = fit_options(request_);
     const auto file = read_data(request_, [this](const std::string& note) { say(note); });
     check_folds(file.data.size());
     std::vector<frac::FixedCurve> curves;
@@ -167,13 +184,20 @@ class Identify : public Command {
       if (io::find_value(file.metadata, "output") == "x2")
         say(request_.data + ": the data are of x2, while the static-backlash curve describes x1");
     }
-    const auto result = frac::identify(file.data, models_, curves, fit, threads());
-    return write_ranking(file.data, fit, result, fit_run(request_, options(), file, command_line()));
+    const auto outliers = outliers_of(file.data);
+    for (auto& curve : curves) {
+      for (auto at = outliers.rbegin(); at != outliers.rend(); ++at)
+        curve.value.erase(curve.value.begin() + static_cast<std::ptrdiff_t>(*at));
+    }
+    const auto data = frac::without_points(file.data, outliers);
+    const auto result = frac::identify(data, models_, curves, fit, threads());
+    if (request_.weight == frac::to_string(frac::Weight::learned)) fit.noise_floor = result.noise_floor;
+    return write_ranking(data, fit, result, fit_run(request_, options(), file, command_line()));
   }
 
   FitRequest request_;
   TimeRequest over_time_;
-  std::string models_text_;
+  std::string models_text_, outliers_ = "leave-out";
   std::vector<frac::NamedModel> models_;
   std::optional<double> force_, clearance_, mass1_, mass2_;
   std::optional<std::size_t> folds_;

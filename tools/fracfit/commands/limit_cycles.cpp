@@ -8,12 +8,14 @@
 #include <stdexcept>
 
 #include "backlash/loops/predicted_cycles.hpp"
+#include "commands/pictures.hpp"
 #include "commands/subcommand.hpp"
 #include "frac/model/algebra.hpp"
 #include "io/data_error.hpp"
 #include "io/number.hpp"
 #include "options/loop_options.hpp"
 #include "output/limit_cycles_output.hpp"
+#include "report/loop_figures.hpp"
 
 namespace fracfit {
 namespace {
@@ -44,6 +46,12 @@ class LimitCyclesCommand : public Command {
     o.parsed("--over", over_, variation_of,
              "One loop for each value of mass1, mass2, clearance, restitution or a name in a formula",
              "NAME=FROM:TO:N");
+    o.text(
+         "--pictures", pictures_,
+         "Draw into this folder (SVG, PNG, gnuplot); the rigid loop against the lines of the describing function and a "
+         "period of each motion, or with --over the frequencies",
+         "FOLDER")
+        .unsaid();
     add_common({"csv", "json", "table"});
     set_footer(
         "Cycles are symmetric, with two impacts per period; roots of the equations that are no motion are listed with\n"
@@ -85,7 +93,34 @@ class LimitCyclesCommand : public Command {
 
   void check() override { loop_.check(over_.name); }
 
+  [[nodiscard]] std::vector<report::Figure> figures_of(const std::vector<LoopCycles>& loops,
+                                                       const backlash::CycleContinuation* followed) const {
+    std::vector<report::Figure> figures;
+    if (!over_.values.empty()) {
+      report::LoopFamilyPicture family{report::enhanced_escape(over_.name), over_.values, {}, {}};
+      for (const LoopCycles& loop : loops) family.loops.push_back({loop.loop, loop.exact, loop.predicted});
+      if (followed) family.events = followed->events;
+      figures.push_back(report::frequencies_figure(family, "cycles-frequency", {}));
+      return figures;
+    }
+    const LoopCycles& loop = loops.front();
+    if (loop.loop.bodies().are_free() && loop.loop.measured() == backlash::Output::x1) {
+      figures.push_back(report::nyquist_figure({loop.loop, loop.exact, loop.predicted}, "cycles-nyquist", {}));
+    }
+    backlash::LimitCycleOptions request;
+    request.range = range_;
+    request.harmonics = 400;
+    int number = 0;
+    for (const backlash::SymmetricCycle& cycle : backlash::symmetric_cycles(loop.loop, request).cycles) {
+      ++number;
+      if (!cycle.admissible) continue;
+      figures.push_back(report::cycle_figure(loop.loop, cycle, "cycle-" + std::to_string(number), {}));
+    }
+    return figures;
+  }
+
   int run() override {
+    if (!pictures_.empty()) make_picture_folder(pictures_);
     std::vector<LoopCycles> loops;
     if (over_.values.empty()) {
       loops.push_back(cycles_of({}));
@@ -94,26 +129,26 @@ class LimitCyclesCommand : public Command {
       }
     }
     for (const double value : over_.values) loops.push_back(cycles_of(value));
-    if (format() == "csv") {
-      write(limit_cycles_csv(loops, command_line()));
-      return usable_result;
-    }
     std::optional<backlash::CycleContinuation> followed;
-    if (over_.values.size() > 1 &&
+    if ((format() != "csv" || !pictures_.empty()) && over_.values.size() > 1 &&
         std::adjacent_find(over_.values.begin(), over_.values.end(), std::greater_equal<>()) == over_.values.end()) {
       backlash::LimitCycleOptions request;
       request.range = range_;
       followed =
           backlash::continue_cycles([&](double value) { return loop_.loop(over_.name, value); }, over_.values, request);
     }
-    write(format() == "json" ? limit_cycles_json(loops, followed ? &*followed : nullptr, command_line())
-                             : limit_cycles_table(loops, followed ? &*followed : nullptr));
-    return usable_result;
+    const backlash::CycleContinuation* events = followed ? &*followed : nullptr;
+    write(format() == "json"  ? limit_cycles_json(loops, events, command_line())
+          : format() == "csv" ? limit_cycles_csv(loops, command_line())
+                              : limit_cycles_table(loops, events));
+    if (pictures_.empty() || draw_pictures(*this, pictures_, figures_of(loops, events))) return usable_result;
+    return no_usable_result;
   }
 
   LoopOptions loop_;
   std::optional<backlash::FrequencyRange> range_;
   Variation over_;
+  std::string pictures_;
 };
 
 }  // namespace

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "backlash/orbit_continuation.hpp"
 #include "commands/subcommand.hpp"
+#include "io/number.hpp"
 #include "io/progress_bar.hpp"
 #include "options/scene_options.hpp"
 #include "output/orbits_output.hpp"
@@ -36,13 +38,16 @@ class Orbits : public Command {
     o.choice("--body", continuation_.output, backlash::outputs());
     o.count("--longest-period", continuation_.longest_period, 1, most, "Force periods of the longest orbits kept", "N");
     o.count("--most-impacts", continuation_.most_impacts, 2, most, "Impacts of the longest orbits kept", "N");
+    o.numbers("--basins-at", continuation_.basins_at,
+              "Values within the range at which every orbit is followed that basins finds from its default starts",
+              "VALUES");
     add_progress();
     add_common({"csv", "json", "table"});
     set_footer(
         "With force, clearance and masses 1 the frequency is that over sqrt(F/(M2 Delta)).\n"
         "Not every orbit is promised: one that is stable over less than a ten-thousandth of the range, or that\n"
         "attracts few starts over a short piece of it, may be missed, and unstable ones are listed where a stable\n"
-        "one leads to them.  A narrower range finds more; fracfit basins shows what starts of one scene settle on.\n"
+        "one leads to them.  A narrower range finds more, and --basins-at those that fracfit basins finds.\n"
         "Orbits in which the masses rest in contact are not followed: a branch ends at the grazing before; simulate "
         "and\nmap give them (regime chatter), each the only one that its stick leaves.\n"
         "Examples:\n"
@@ -53,6 +58,13 @@ class Orbits : public Command {
   }
 
  private:
+  void check() override {
+    for (const double value : continuation_.basins_at) {
+      if (!(value >= from_ && value <= to_))
+        throw std::invalid_argument("--basins-at " + io::format_number(value) + " lies outside of --from to --to");
+    }
+  }
+
   int run() override {
     const bool over_restitution = parameter_ == backlash::OrbitParameter::restitution;
     const backlash::TwoMassSystem system = scene_.system(over_restitution ? 0 : restitution_);

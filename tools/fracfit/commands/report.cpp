@@ -20,6 +20,10 @@ class Report : public Command {
             "FILE");
     add_file_options(o, how_);
     add_select(o, how_);
+    o.choice(
+         "--quantity", field_, report::fields(),
+         "What DATA measures, which decides how the pictures show it; auto: as the names and units of the file tell")
+        .only_with({"DATA"});
     o.text("--scene", scene_, "Scene as JSON: mass1, mass2, clearance, restitution, force, omega", "FILE")
         .not_with({"DATA"});
     o.text("--out", folder_, "Folder to write, made if missing", "DIR").also("-o").required();
@@ -41,6 +45,7 @@ class Report : public Command {
     options.out = folder_;
     options.data.assign(data_.begin(), data_.end());
     options.how = how_;
+    options.field = field_;
     if (!scene_.empty()) options.scene = scene_;
     options.command = command_line();
     options.threads = threads();
@@ -58,6 +63,7 @@ class Report : public Command {
 
   std::vector<std::string> data_;
   io::MeasurementOptions how_;
+  report::Field field_ = report::Field::automatic;
   std::string scene_, folder_;
 };
 

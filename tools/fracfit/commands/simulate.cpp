@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <optional>
 #include <stdexcept>
 
 #include "backlash/describing_function.hpp"
+#include "backlash/loops/forced_bodies.hpp"
 #include "backlash/static_backlash.hpp"
 #include "commands/subcommand.hpp"
 #include "commands/sweep_command.hpp"
 #include "io/progress_bar.hpp"
+#include "options/loop_options.hpp"
 #include "options/scene_options.hpp"
 #include "output/sweep_output.hpp"
 
@@ -19,7 +24,9 @@ class Simulate : public SweepCommand {
     o.parsed("--force", force_, scene_values_of, "several: FROM:TO:COUNT or a list").required();
     o.parsed("--clearance", clearance_, scene_values_of, ">= 0; several too").required();
     o.parsed("--restitution", restitution_, scene_values_of, "several too").needed_with({"--motion", {"dynamic"}});
-    add_masses(o, mass1_, mass2_);
+    o.number("--mass1", mass1_).default_is("1");
+    o.number("--mass2", mass2_).default_is("1");
+    add_receptances(o, load_, drive_);
     o.numbers("--omega", omega_, "several: FROM:TO:COUNT, FROM:TO:COUNTlog or a list").required();
     o.text("--motion", motion_, "Motion with impacts, or the closed form without inertia", "MOTION")
         .one_of({"dynamic", "static"})
@@ -28,6 +35,11 @@ class Simulate : public SweepCommand {
     o.choice("--body", sweep_.output, backlash::outputs()).not_with(is_static, "whose closed form gives x1 alone");
     o.choice("--protocol", sweep_.protocol, backlash::protocols()).not_with(is_static, "which is a closed form");
     o.number("--orbit-tolerance", sweep_.tolerance).not_with(is_static, "which is a closed form");
+    for (const char* receptance : {"--load-receptance", "--drive-receptance"}) {
+      o[receptance].not_with(is_static, "which knows masses alone");
+      for (const char* other : {"--protocol", "--orbit-tolerance"})
+        o[other].not_with({receptance}, "whose symmetric two-impact orbit is exact");
+    }
     o.flag("--diagnostics", diagnostics_,
            "More columns: even-harmonic ratio, energy defect, Lyapunov exponent, periods followed, whether it may be a "
            "transient, sensitivity to the force")
@@ -49,11 +61,44 @@ class Simulate : public SweepCommand {
         "curve.csv\n"
         "  fracfit simulate --force 40 --clearance 0.3 --omega 0.5:25:200log --motion static --format json\n"
         "  fracfit simulate --force 10:50:5 --clearance 0.1:0.3:2 --restitution 0.6 --omega 5:35:200log --shard 1/2 "
-        "--out part1.csv");
+        "--out part1.csv\n"
+        "  fracfit simulate --force 40 --clearance 0.3 --restitution 0.6 --omega 15:40:50 --load-receptance "
+        "'1/(s^2 + 0.2 s^0.5)'");
   }
 
  private:
-  int run() override { return motion_ == "static" ? run_static() : run_dynamic(); }
+  int run() override {
+    if (std::isnan(mass1_)) mass1_ = 1;
+    if (std::isnan(mass2_)) mass2_ = 1;
+    if (!load_ && !drive_) return motion_ == "static" ? run_static() : run_dynamic();
+    return run_bodies();
+  }
+
+  int run_bodies() {
+    if (force_.size() * clearance_.size() * restitution_.size() > 1 || shard().count > 1) {
+      throw std::invalid_argument("with receptances simulate takes one force, one clearance and one restitution");
+    }
+    const backlash::LinearBodies bodies(load_.value_or(backlash::free_mass(mass1_)),
+                                        drive_.value_or(backlash::free_mass(mass2_)), clearance_.front(),
+                                        restitution_.front());
+    const backlash::DescribingFunctionSweep sweep =
+        backlash::bodies_describing_function(bodies, force_.front(), omega_, sweep_.output);
+    if (format() == "json") {
+      write(sweep_json(sweep, command_line()));
+    } else {
+      const std::vector<backlash::SweepScene> scene{{bodies.system(), sweep.force_amplitude}};
+      const SweepTable table = sweep_table(
+          scene, scene, sweep.options, diagnostics_ ? PointColumns::with_diagnostics : PointColumns::basic, shard());
+      write(text_of(document_of(table, 0, omega_.size(), sweep.points), format(), command_line()));
+    }
+    const auto missing = std::count_if(sweep.points.begin(), sweep.points.end(),
+                                       [](const backlash::DescribingFunctionPoint& point) { return !point.usable(); });
+    if (missing == 0) return usable_result;
+    say(std::to_string(missing) +
+        " of the points have no value: there no symmetric two-impact orbit is stable, and other motions of bodies with "
+        "friction or springs are not followed");
+    return no_usable_result;
+  }
 
   int run_static() {
     for (const auto& [name, values] : {std::pair{"--force", &force_}, std::pair{"--clearance", &clearance_}})
@@ -106,7 +151,8 @@ class Simulate : public SweepCommand {
   }
 
   std::vector<double> force_, clearance_, restitution_, omega_;
-  double mass1_ = 1, mass2_ = 1;
+  double mass1_ = NAN, mass2_ = NAN;
+  std::optional<frac::FractionalTransferFunction> load_, drive_;
   std::string motion_ = "dynamic";
   backlash::SweepOptions sweep_;
   bool diagnostics_ = false;

@@ -19,6 +19,7 @@ namespace fracfit {
 [[nodiscard]] std::unique_ptr<Command> make_evaluate();
 [[nodiscard]] std::unique_ptr<Command> make_export_arduino();
 [[nodiscard]] std::unique_ptr<Command> make_export_c99();
+[[nodiscard]] std::unique_ptr<Command> make_export_fmu();
 [[nodiscard]] std::unique_ptr<Command> make_export_spice();
 [[nodiscard]] std::unique_ptr<Command> make_fit();
 [[nodiscard]] std::unique_ptr<Command> make_history();
@@ -37,6 +38,7 @@ namespace fracfit {
 [[nodiscard]] std::unique_ptr<Command> make_respond();
 [[nodiscard]] std::unique_ptr<Command> make_simulate();
 [[nodiscard]] std::unique_ptr<Command> make_tune();
+[[nodiscard]] std::unique_ptr<Command> make_validate();
 [[nodiscard]] std::unique_ptr<Command> make_completion();
 [[nodiscard]] std::unique_ptr<Command> make_man();
 

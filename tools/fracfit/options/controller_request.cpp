@@ -26,7 +26,8 @@ std::vector<frac::Discretisation> section_discretisations() {
 
 }  // namespace
 
-void ControllerRequest::declare(Options& o) {
+void ControllerRequest::declare(Options& o, SampleTime sample_time) {
+  config_.sample_time = std::numeric_limits<double>::quiet_NaN();
   const Condition model{"--model"};
   constexpr const char* why = "which is a filter in place of a PID";
   o.number("--kp", config_.gains.kp, "Gain of the error", "K").not_with(model, why);
@@ -37,7 +38,8 @@ void ControllerRequest::declare(Options& o) {
   o.number("--mu", config_.gains.mu, "above 0 and below 2").not_with(model, why);
   o.parsed("--model", model_, formula_of,
            "a filter instead of a PID: a proper model, with fewer states on a --band; or a power of s on a --band");
-  o.number("--sample-time", config_.sample_time).required();
+  Option& time = o.number("--sample-time", config_.sample_time);
+  if (sample_time == SampleTime::required) time.required();
   o.parsed("--band", band_, band_of, "the orders hold there; cut at a quarter of the sampling frequency");
   add_goal(o, goal_, "on the band; of a --model without band: of its step response", "instead of a tolerance");
   o["--tolerance"].default_is("1e-3, without a band 1e-9");
@@ -124,7 +126,7 @@ std::string note_of(const ControllerRequest::Design& design) {
 }
 
 void CodeRequest::declare(Options& o) {
-  o.choice("--precision", header_.precision, frac::precisions(), "Of C code", "REAL").unsaid();
+  o.choice("--precision", header_.precision, frac::precisions(), "of C code").unsaid();
   o.text("--name", name_, "prefix of the functions of C code").default_is("controller or filter").unsaid();
 }
 
@@ -134,7 +136,7 @@ void CodeRequest::check(bool is_filter) {
 }
 
 std::string CodeRequest::words() const {
-  return " --precision " + std::string(frac::to_string(header_.precision)) + " --name " + header_.name;
+  return " --precision " + std::string(frac::to_string(header_.precision)) + name_in_words();
 }
 
 frac::CHeaderOptions CodeRequest::with_comment(const ControllerRequest& request,
@@ -154,6 +156,12 @@ std::string CodeRequest::header(const ControllerRequest& request, const Controll
   const frac::CHeaderOptions options = with_comment(request, design, command);
   if (const auto* pid = std::get_if<frac::FractionalPidDesign>(&design)) return frac::c_header(*pid, options);
   return frac::c_header(std::get<frac::FilterChoice>(design).design, options);
+}
+
+frac::FixedPointHeader CodeRequest::fixed_point(const ControllerRequest& request, const frac::FilterChoice& filter,
+                                                const frac::FixedPointRanges& ranges,
+                                                const std::string& command) const {
+  return frac::fixed_point_header(filter.design, ranges, with_comment(request, filter, command));
 }
 
 std::vector<frac::NamedText> CodeRequest::arduino_library(const ControllerRequest& request,

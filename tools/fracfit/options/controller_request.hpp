@@ -9,6 +9,7 @@
 #include "frac/digital/arduino_library.hpp"
 #include "frac/digital/c_header.hpp"
 #include "frac/digital/digital_filter.hpp"
+#include "frac/digital/fixed_point.hpp"
 #include "frac/digital/fractional_pid.hpp"
 #include "options/model_options.hpp"
 #include "options/options.hpp"
@@ -18,8 +19,9 @@ namespace fracfit {
 /// A recursion in the samples as asked for on the command line: a fractional PID, or a filter for a --model.
 class ControllerRequest {
  public:
+  enum class SampleTime { required, optional };
   /// Declares the options that say what is designed.
-  void declare(Options& options);
+  void declare(Options& options, SampleTime sample_time = SampleTime::required);
   /// @throws std::invalid_argument  options do not fit together.
   void check(const Options& options) const;
 
@@ -29,6 +31,8 @@ class ControllerRequest {
   [[nodiscard]] Design design(Options& options);
 
   [[nodiscard]] const std::optional<frac::FractionalTransferFunction>& model() const { return model_; }
+  [[nodiscard]] const std::optional<frac::FrequencyBand>& band() const { return band_; }
+  [[nodiscard]] const std::optional<double>& tolerance() const { return goal_.tolerance; }
 
  private:
   [[nodiscard]] frac::FractionalPidDesign pid(Options& options);
@@ -55,10 +59,15 @@ class CodeRequest {
   void check(bool is_filter);
   /// The options, for a command line.
   [[nodiscard]] std::string words() const;
+  [[nodiscard]] std::string name_in_words() const { return " --name " + header_.name; }
   /// The code of a design.
   /// @param command  command line that makes it again
   [[nodiscard]] std::string header(const ControllerRequest& request, const ControllerRequest::Design& design,
                                    const std::string& command) const;
+  /// @throws std::invalid_argument  as frac::fixed_point_header().
+  [[nodiscard]] frac::FixedPointHeader fixed_point(const ControllerRequest& request, const frac::FilterChoice& filter,
+                                                   const frac::FixedPointRanges& ranges,
+                                                   const std::string& command) const;
   [[nodiscard]] std::vector<frac::NamedText> arduino_library(const ControllerRequest& request,
                                                              const ControllerRequest::Design& design,
                                                              const std::string& command) const;

@@ -2,6 +2,7 @@
 #include "options/fit_request.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <limits>
 #include <stdexcept>
 
@@ -116,6 +117,18 @@ std::string where_text(const FitRequest& request) {
   std::string text;
   for (const auto& test : request.where) text += (text.empty() ? "" : " and ") + test;
   return text.empty() ? "all points" : text;
+}
+
+std::string contradicted_points(const frac::FrequencyResponseData& data, const std::vector<std::size_t>& points) {
+  std::string omega;
+  for (const std::size_t point : points) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4g", data.omega()[point]);
+    omega += (omega.empty() ? "" : ", ") + std::string(text);
+  }
+  return std::to_string(points.size()) + " of " + std::to_string(data.size()) +
+         (points.size() == 1 ? " points contradicts its" : " points contradict their") +
+         " neighbours on both sides (omega = " + omega + " rad/s)";
 }
 
 FitRun fit_run(const FitRequest& request, const Options& options, const io::FrequencyResponseFile& file,

@@ -18,7 +18,7 @@ namespace fracfit {
 struct FitRequest {
   std::string data;
   frac::Component component = frac::Component::imaginary;
-  std::string weight = "relative";
+  std::string weight = "learned";
   frac::Loss loss = frac::Loss::none;
   std::string realisation = "exact";
   std::optional<frac::FrequencyBand> band;
@@ -48,6 +48,10 @@ void add_points_and_seed(Options& options, FitRequest& request);
 
 /// Tests of --where as one text, the entry that outputs show.
 [[nodiscard]] std::string where_text(const FitRequest& request);
+
+/// "2 of 60 points contradict their neighbours on both sides (omega = 1, 3 rad/s)"
+[[nodiscard]] std::string contradicted_points(const frac::FrequencyResponseData& data,
+                                              const std::vector<std::size_t>& points);
 
 /// What the outputs say of where a result came from.
 [[nodiscard]] FitRun fit_run(const FitRequest& request, const Options& options, const io::FrequencyResponseFile& file,

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "frac/structure.hpp"
+#include "options/model_options.hpp"
 
 namespace fracfit {
 namespace {
@@ -36,7 +37,30 @@ class Formula {
   frac::Structure structure_;
 };
 
+constexpr const char* load_help =
+    "Displacement per force of body 1, m/N, instead of the free mass 1/(M1 s^2); e.g. '1/(2 s^2 + 0.1 s + 3)'";
+constexpr const char* drive_help = "That of body 2, on which the force acts";
+
+void exclude_masses(Option& load, Option& drive) {
+  const char* const why = "the mass is that in the receptance";
+  load.not_with({"--mass1"}, why);
+  drive.not_with({"--mass2"}, why);
+}
+
 }  // namespace
+
+void add_receptances(Options& options, std::string& load, std::string& drive) {
+  options.text("--load-receptance", load, load_help, "FORMULA");
+  options.text("--drive-receptance", drive, drive_help, "FORMULA");
+  exclude_masses(options["--load-receptance"], options["--drive-receptance"]);
+}
+
+void add_receptances(Options& options, std::optional<frac::FractionalTransferFunction>& load,
+                     std::optional<frac::FractionalTransferFunction>& drive) {
+  options.parsed("--load-receptance", load, formula_of, load_help, "FORMULA");
+  options.parsed("--drive-receptance", drive, formula_of, drive_help, "FORMULA");
+  exclude_masses(options["--load-receptance"], options["--drive-receptance"]);
+}
 
 void LoopOptions::add(Options& options) {
   options
@@ -45,13 +69,7 @@ void LoopOptions::add(Options& options) {
       .required();
   options.number("--mass1", mass1_).default_is("1");
   options.number("--mass2", mass2_).default_is("1");
-  const char* const why = "the mass is that in the receptance";
-  options
-      .text("--load-receptance", load_,
-            "Displacement per force of body 1, m/N, instead of the free mass 1/(M1 s^2); e.g. '1/(2 s^2 + 0.1 s + 3)'",
-            "FORMULA")
-      .not_with({"--mass1"}, why);
-  options.text("--drive-receptance", drive_, "That of body 2", "FORMULA").not_with({"--mass2"}, why);
+  add_receptances(options, load_, drive_);
   options.number("--clearance", clearance_);
   options.number("--restitution", restitution_);
 }

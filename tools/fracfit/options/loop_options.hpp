@@ -2,12 +2,19 @@
 #pragma once
 
 #include <cmath>
+#include <optional>
 #include <string>
 
 #include "backlash/loops/control_loop.hpp"
 #include "options/options.hpp"
 
 namespace fracfit {
+
+/// --load-receptance and --drive-receptance, in place of masses.
+void add_receptances(Options& options, std::string& load, std::string& drive);
+/// Without names in them.
+void add_receptances(Options& options, std::optional<frac::FractionalTransferFunction>& load,
+                     std::optional<frac::FractionalTransferFunction>& drive);
 
 /// Two bodies with clearance under a controller, as formulas with names in them.
 class LoopOptions {

@@ -34,6 +34,7 @@ const Meaning& meaning_of(std::string_view name) {
       {"--lambda", "ORDER", "Order of integration"},
       {"--mu", "ORDER", "Order of differentiation"},
       {"--name", "NAME", "What the exported text is called"},
+      {"--precision", "REAL", "Arithmetic"},
       {"--derivative-filter", "T", "Time constant of the lag before the derivative, s"},
       // Fitting.
       {"--models", "LIST", "Presets or formulas to rank, separated by commas"},

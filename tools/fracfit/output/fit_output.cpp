@@ -345,6 +345,7 @@ std::string identification_json(const FitRun& run, const frac::IdentificationRes
   json["chosen"] = result.ranking.at(result.chosen).name;
   json["verdict"] = frac::to_string(result.verdict);
   json["evidence"] = result.evidence;
+  json["departure_evidence"] = result.departure_evidence;
   json["verdict_sentence"] = result.verdict_sentence;
   json["log10_odds"] = result.log10_odds;
   json["fractional"] = finalist_json(result, result.fractional);

@@ -69,8 +69,8 @@ struct LoopSimulationOptions {
 /// time, so that s^q x1 is a sum of (t - t_i)^(1 - q)/Gamma(2 - q) over all earlier impacts.  No impact is missed:
 /// steps are taken where bounds of the velocity, a sum of monotone powers, exclude a wall or a second crossing.
 /// Rounding grows with the time since the start, as that to the power of 2 less the lowest order of the controller.
-/// @throws std::invalid_argument  restitution 0; x2 measured, or a controller that is no sum of powers of s with a dead
-/// time; a step of
+/// @throws std::invalid_argument  bodies that are no free masses; restitution 0; x2 measured, or a controller that is
+/// no sum of powers of s with a dead time; a step of
 ///                                the set-point with powers above 1, whose force throws mass 2 at infinite speed; a
 ///                                start outside the clearance or not finite; a duration, sample time or number of
 ///                                impacts that is none, or more than 10^7 rows.

@@ -69,18 +69,20 @@ struct NextMeasurement {
 /// the residuals of the better one follow each other (lag-one correlation r above 0), n is the number of points that
 /// carry news, n (1 - r)/(1 + r).
 ///
-/// An order counts as whole where its interval, widened by that correlation, lies within 0.02 of a whole number, or
-/// holds a whole number and is no wider than 0.1 on either side while evidence is below 2.
+/// An order departs where it lies 0.1 or more from every whole number.  Departure evidence is that of the best
+/// candidate with such an order, members that a family did not choose and the finalist with an order moved so far among
+/// them.
 ///
 /// supported      evidence above 10, cross-validation not worse by more than a twentieth and extrapolation not by more
 ///                than a half, an order whose interval (widened by the correlation) excludes every whole number while
-///                not every order counts as whole, and no integer-order candidate that could not be fitted.
+///                not every order lies within 0.02 of one, and no integer-order candidate that could not be fitted.
 /// not supported  an integer-order candidate follows the data, no more poles might improve it (see
-///                NamedModel::ends_its_family), and one of these holds.  Evidence is below -4, and its cross-validation
-///                is not worse by more than a twentieth, its extrapolation not by more than a half.  Every order of the
-///                fractional one counts as whole, and where evidence is below 2 the integer-order one predicts not
-///                worse by more than a half, above it the fractional one predicts as well as supported asks.  Both meet
-///                the data to rounding, and the integer-order one has no more parameters.
+///                NamedModel::ends_its_family), and it predicts not worse by more than a twentieth, extrapolates not
+///                by more than a half (both a half where the fractional finalist has whole orders).  Departure evidence
+///                is below -8, and by 16 more for each stable real pole and dead time of a ratio beyond two, because
+///                rows of these approximate fractional systems, also such as are among no candidates; evidence is below
+///                2, or each order within 0.02 of a whole number.  Or both meet the data to rounding, and the
+///                integer-order one has no more parameters.
 /// undecided      anything else, with the next measurement that would decide.
 ///
 /// Where no candidate follows the data to within their noise, what is left is model error, as of computed data, whose
@@ -98,6 +100,9 @@ struct IdentificationResult {
   std::size_t chosen;                // index into ranking
   Verdict verdict;
   double evidence;  // NaN when one side has no candidate
+  /// Evidence for the best fractional candidate, members that its family had not chosen among them, with an order at
+  /// least 0.1 from every whole number.
+  double departure_evidence;
   std::string verdict_sentence;
   std::optional<Finalist> fractional, integer;  // what was compared; unset where the class has no candidate
   double log10_odds;                            // of fractional to integer order, evidence/(2 ln 10)
@@ -106,6 +111,8 @@ struct IdentificationResult {
   double differ_most_omega, differ_most;
   bool model_error = false;             // no candidate follows the data to within their noise
   std::optional<NextMeasurement> next;  // where undecided between two models of a frequency response
+  /// Floor of weight `learned` that all candidates were fitted with, in the unit of the data; 0 under other weights.
+  double noise_floor = 0;
 };
 
 /// None of the candidates could be fitted; what() gives the reason of the first.

@@ -78,7 +78,10 @@ struct NamedModel {
 /// @throws std::invalid_argument  fewer residuals than parameters, or a component other than both, imaginary and real.
 [[nodiscard]] NamedModel resolved_model(const FrequencyResponseData& data, const NamedModel& model,
                                         const FitOptions& options);
-/// Over time. @throws std::invalid_argument  a family, which is grown on frequency responses only.
+/// Over time, where ratios in s are strictly proper unless a direct term pays, and denominators are products of
+/// s^2 + c1 s + e1 and s + p.
+/// @throws std::invalid_argument  another family, which is grown on frequency responses only; fewer samples than
+///     parameters.
 [[nodiscard]] NamedModel resolved_model(const TimeResponseData& data, const NamedModel& model,
                                         const TimeFitOptions& options);
 

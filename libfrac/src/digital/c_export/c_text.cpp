@@ -62,15 +62,6 @@ void replace_all(std::string& text, const std::string& from, const std::string& 
   }
 }
 
-// FNV-1a (Fowler, Noll, Vo), 64 bits, as hexadecimal digits.
-std::string fingerprint(const std::string& text) {
-  std::uint64_t hash = 0xcbf29ce484222325;
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
-  std::array<char, 16> digits;
-  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), hash, 16);
-  return std::string(digits.data(), end.ptr);
-}
-
 // Stands for the fingerprint until the whole text is known.
 constexpr const char* content_mark = "@content@";
 
@@ -90,6 +81,14 @@ std::string shortest(Real value) {
 }
 
 }  // namespace
+
+std::string fingerprint(const std::string& text) {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+  std::array<char, 16> digits;
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), hash, 16);
+  return std::string(digits.data(), end.ptr);
+}
 
 CText::CText(const CHeaderOptions& options)
     : name_(options.name), is_float_(options.precision == Precision::float_type) {

@@ -56,6 +56,9 @@ class CText {
   bool is_float_;
 };
 
+/// FNV-1a (Fowler, Noll, Vo), 64 bits, as hexadecimal digits.
+[[nodiscard]] std::string fingerprint(const std::string& text);
+
 /// Adds the sizes of a filter under its prefix in capitals, e.g. INTEGRAL_TAPS and HAS_INTEGRAL_TAPS.
 void describe(const CSections& sections, CWords& words, CConditions& conditions);
 

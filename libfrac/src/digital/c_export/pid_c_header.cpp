@@ -6,6 +6,7 @@
 
 #include "c_text.hpp"
 #include "runtime_text.hpp"
+#include "tuned_header.hpp"
 
 namespace frac {
 namespace {
@@ -22,7 +23,7 @@ detail::CSections sections_of(const PidOperator& design, const char* prefix) {
 }
 
 template <typename Real>
-std::string text_of(const FractionalPidDesign& design, const CHeaderOptions& options) {
+std::string text_of(const FractionalPidDesign& design, const CHeaderOptions& options, bool is_tuned) {
   const detail::CText c(options);
   const PidCoefficients<Real> k(design);
   const detail::CSections integral = sections_of(design.integral(), "integral");
@@ -49,7 +50,18 @@ std::string text_of(const FractionalPidDesign& design, const CHeaderOptions& opt
                        {"INTEGRAL_GAIN", number(k.integral_gain)},
                        {"INVERSE_INTEGRAL_GAIN", number(k.inverse_integral_gain)},
                        {"HIGH_GAIN", number(static_cast<Real>(design.integral().high_gain))}};
-  detail::CConditions conditions{{"HAS_ANY_STATE", integral.has_state() || derivative.has_state()},
+  if (is_tuned) {
+    words["KP"] = "s->kp";
+    words["KI"] = "s->ki";
+    words["KD"] = "s->kd";
+    words["SETPOINT_WEIGHT"] = "s->setpoint_weight";
+    words["DERIVATIVE_SETPOINT_WEIGHT"] = "s->derivative_setpoint_weight";
+    words["MINIMUM"] = "s->minimum";
+    words["MAXIMUM"] = "s->maximum";
+    words["REST_OUTPUT"] = "s->minimum > 0 ? s->minimum : s->maximum < 0 ? s->maximum : 0";
+  }
+  detail::CConditions conditions{{"IS_TUNED", is_tuned},
+                                 {"HAS_ANY_STATE", integral.has_state() || derivative.has_state()},
                                  {"DIFFERENTIATES", k.differentiates},
                                  {"FOLLOWS_INPUT", derivative.has_state() && !k.differentiates},
                                  {"BACK_CALCULATION", k.anti_windup == AntiWindup::back_calculation},
@@ -61,11 +73,19 @@ std::string text_of(const FractionalPidDesign& design, const CHeaderOptions& opt
                   c.filled(detail::runtime::pid, words, conditions));
 }
 
+std::string text_of(const FractionalPidDesign& design, const CHeaderOptions& options, bool is_tuned) {
+  return options.precision == Precision::float_type ? text_of<float>(design, options, is_tuned)
+                                                    : text_of<double>(design, options, is_tuned);
+}
+
 }  // namespace
 
 std::string c_header(const FractionalPidDesign& design, const CHeaderOptions& options) {
-  return options.precision == Precision::float_type ? text_of<float>(design, options)
-                                                    : text_of<double>(design, options);
+  return text_of(design, options, false);
+}
+
+std::string detail::tuned_c_header(const FractionalPidDesign& design, const CHeaderOptions& options) {
+  return text_of(design, options, true);
 }
 
 }  // namespace frac

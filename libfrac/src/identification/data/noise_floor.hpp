@@ -16,5 +16,8 @@ namespace frac::detail {
 /// @return 0 where noise relative to |G| everywhere is not clearly beaten
 [[nodiscard]] double noise_floor(const FrequencyResponseData& data, std::span<const std::complex<double>> model,
                                  Component component);
+/// The same without a model: what each value lies off the curve through its neighbours, which takes a bend of the
+/// response between neighbouring points for noise.
+[[nodiscard]] double noise_floor(const FrequencyResponseData& data, Component component);
 
 }  // namespace frac::detail

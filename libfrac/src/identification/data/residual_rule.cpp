@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/median.hpp"
 #include "base/wide_vectors.hpp"
 
 namespace frac::detail {
@@ -60,10 +61,7 @@ double noise_of(const std::vector<double>& x, const std::vector<double>& y) {
     const double line = (1 - share) * y[i - 1] + share * y[i + 1];
     distance.push_back(std::abs(y[i] - line) / std::sqrt(1 + share * share + (1 - share) * (1 - share)));
   }
-  if (distance.empty()) return 0;
-  const auto middle = distance.begin() + static_cast<std::ptrdiff_t>(distance.size() / 2);
-  std::nth_element(distance.begin(), middle, distance.end());
-  return 1.4826 * *middle;
+  return 1.4826 * median(std::move(distance));
 }
 
 /// |data| as its neighbours tell it: exp of a straight line through ln|data| over ln omega of up to four on either

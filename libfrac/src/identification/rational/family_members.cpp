@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "family_members.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -39,14 +40,27 @@ FamilyMembers rational_members(const RationalProblem& problem, const RationalFam
   const RationalLadder ladder = grow_rational(problem, family.fewest_poles, family.most_poles, kind);
   for (const RationalFit& fit : ladder.fits) members.models.push_back(written_out(problem, fit.shape, component));
   members.chosen = ladder.chosen;
+  if (ladder.fits.empty()) return members;
+  const RationalFit& best = ladder.fits[ladder.chosen];
+  if (!family.free_order) members.relaxations = best.shape.relaxations();
+  for (const RationalFit& fit : ladder.fits) {
+    if (!fit.shape.searches_order() || !departs(fit.shape.order)) continue;
+    members.departed = std::min(members.departed, schwarz(problem, fit) - schwarz(problem, best));
+  }
   return members;
 }
 
 FamilyMembers term_members(const TermProblem& problem, const TermFamily& family) {
   const TermLadder ladder = grow_terms(problem, family.most_terms);
   FamilyMembers members;
-  for (const TermFit& fit : ladder.fits) members.models.push_back(written_out(problem, fit.sum));
   members.chosen = ladder.chosen;
+  const auto value = [&](const TermFit& fit) { return schwarz(problem, fit.cost, fit.parameters); };
+  for (const TermFit& fit : ladder.fits) {
+    members.models.push_back(written_out(problem, fit.sum));
+    const bool any =
+        std::any_of(fit.sum.begin(), fit.sum.end(), [](const Term& term) { return !term.held && departs(term.order); });
+    if (any) members.departed = std::min(members.departed, value(fit) - value(ladder.fits[ladder.chosen]));
+  }
   return members;
 }
 
@@ -63,12 +77,21 @@ FamilyMembers family_members(const FrequencyResponseData& data, const NamedModel
   return members;
 }
 
-NamedModel best_member(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options) {
+std::vector<std::complex<double>> ratio_response(const FrequencyResponseData& data, const FitOptions& options) {
+  const RationalProblem problem(data, rule_of(data, options));
+  const RationalLadder ladder = grow_rational(problem, 0, RationalFamily{}.most_poles, {});
+  return ladder.fits.empty() ? std::vector<std::complex<double>>{}
+                             : problem.response(ladder.fits.at(ladder.chosen).shape);
+}
+
+FamilyMembers best_member(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options) {
   FamilyMembers members = family_members(data, model, options);
   NamedModel& best = members.models.at(members.chosen);
   const bool open_range = model.rational && model.rational->most_poles == RationalFamily{}.most_poles;
   best.ends_its_family = open_range && members.chosen > 0 && members.chosen + 1 == members.models.size();
-  return std::move(best);
+  members.models = {std::move(best)};
+  members.chosen = 0;
+  return members;
 }
 
 }  // namespace frac::detail

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
+#include <complex>
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "frac/identification/model_library.hpp"
@@ -12,14 +15,29 @@ namespace frac::detail {
 struct FamilyMembers {
   std::vector<NamedModel> models;
   std::size_t chosen = 0;  // by BIC and the price of the search
+  /// By how much the best member with an order that departs from whole numbers lies above the chosen one, in the
+  /// measure of schwarz(); infinite without such a member.
+  double departed = std::numeric_limits<double>::infinity();
+  std::size_t relaxations = 0;  // RationalShape::relaxations() of the chosen one, for ratios in s
 };
+
+/// An order departs from the whole numbers that is at least that far from each.
+inline constexpr double least_departure = 0.1;
+[[nodiscard]] inline bool departs(double order) {
+  return std::abs(order - std::round(order)) >= least_departure;
+}
 
 /// @param model  with a family
 /// @throws std::invalid_argument  as resolved_model()
 [[nodiscard]] FamilyMembers family_members(const FrequencyResponseData& data, const NamedModel& model,
                                            const FitOptions& options);
 
-[[nodiscard]] NamedModel best_member(const FrequencyResponseData& data, const NamedModel& model,
-                                     const FitOptions& options);
+/// What the best ratio of the default family gives at the frequencies of the data; empty where there is none.
+[[nodiscard]] std::vector<std::complex<double>> ratio_response(const FrequencyResponseData& data,
+                                                               const FitOptions& options);
+
+/// The chosen member alone, which knows whether it ends its family.
+[[nodiscard]] FamilyMembers best_member(const FrequencyResponseData& data, const NamedModel& model,
+                                        const FitOptions& options);
 
 }  // namespace frac::detail

@@ -84,6 +84,11 @@ std::size_t RationalShape::poles() const {
   return count;
 }
 
+std::size_t RationalShape::relaxations() const {
+  const auto stable = [](const PoleFactor& factor) { return !factor.pair && factor.sign > 0; };
+  return static_cast<std::size_t>(std::count_if(factors.begin(), factors.end(), stable)) + (delayed ? 1 : 0);
+}
+
 // The numerators of degree `degree` are spanned by the partial products of the factors, slowest first, so that each
 // column is the response of the faster poles alone: far better conditioned than powers of z.
 Eigen::MatrixXcd RationalProblem::columns(const RationalShape& shape) const {
@@ -200,6 +205,12 @@ std::vector<double> RationalProblem::residual_sizes(const RationalShape& shape) 
   Linear linear;
   if (!solve(columns(shape), linear)) return std::vector<double>(log_omega().size(), 0.0);
   return sizes(linear);
+}
+
+std::vector<std::complex<double>> RationalProblem::response(const RationalShape& shape) const {
+  Linear linear;
+  if (!solve(columns(shape), linear)) return {};
+  return {linear.model.begin(), linear.model.end()};
 }
 
 std::vector<double> RationalProblem::numerator(const RationalShape& shape) const {

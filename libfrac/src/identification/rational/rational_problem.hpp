@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <complex>
 #include <cstddef>
 #include <vector>
 
@@ -36,6 +37,8 @@ struct RationalShape {
   [[nodiscard]] std::size_t poles() const;
   /// Whether the order makes a difference and is searched for.
   [[nodiscard]] bool searches_order() const { return free_order && (poles() > 0 || degree > 0); }
+  /// Stable real poles, and a dead time as one: what approximations of fractional systems consist of.
+  [[nodiscard]] std::size_t relaxations() const;
   /// Parameters that act nonlinearly.
   [[nodiscard]] std::size_t nonlinear() const {
     return poles() - integrators + (delayed ? 1 : 0) + (searches_order() ? 1 : 0);
@@ -61,6 +64,8 @@ class RationalProblem : public ProjectedData {
   [[nodiscard]] RationalFit refine(const RationalShape& start, int iterations) const;
   /// Size of the residual at each point.
   [[nodiscard]] std::vector<double> residual_sizes(const RationalShape& shape) const;
+  /// Values at the frequencies of the data; empty where the model overflows.
+  [[nodiscard]] std::vector<std::complex<double>> response(const RationalShape& shape) const;
   /// Coefficients of z^low .. z^degree, s in rad/s, of the numerator; the shortest where some are not seen.
   [[nodiscard]] std::vector<double> numerator(const RationalShape& shape) const;
 

@@ -55,7 +55,7 @@ class TimeSearch {
         if (found.starts_at_best > 0) try_from(found.best.theta);
         result_.starts += found.starts;
       }
-      if (std::isfinite(result_.best.cost)) look_about(sparse);
+      if (std::isfinite(result_.best.cost) && !is_hopeless()) look_about(sparse);
     }
     if (!std::isfinite(result_.best.cost)) return {};
     result_.starts_at_best = at_best();
@@ -79,6 +79,11 @@ class TimeSearch {
 
   [[nodiscard]] bool is_exact() const { return result_.best.cost <= few_.rounding_cost(); }
 
+  [[nodiscard]] bool is_hopeless(double times = 1) const {
+    const double of_all = static_cast<double>(problem_.data.observed().size()) / static_cast<double>(few_.points());
+    return result_.best.cost * problem_.unit * problem_.unit * of_all > times * problem_.hopeless;
+  }
+
   [[nodiscard]] bool as_good_as_best(double cost) const {
     return cost <= result_.best.cost * (1 + equally_good) + few_.rounding_cost();
   }
@@ -98,7 +103,8 @@ class TimeSearch {
           global_search(transformed, transformed, suggested_orders(transformed.quotient()), problem_.options.seed);
       result_.starts += found.starts;
       if (found.starts_at_best > 0) try_from(found.best.theta);
-      if (is_exact() || at_best() > 1) return;
+      constexpr double far_beyond = 5;
+      if (is_exact() || at_best() > 1 || is_hopeless(far_beyond)) return;
     }
   }
 
@@ -163,7 +169,7 @@ class TimeSearch {
     const std::vector<double> start = map.to_theta(
         with_labels_in_order(problem_.structure, problem_.options.constraints, map.to_user(result_.best.theta)));
     result_.best = local_solve(all, start, {});
-    if (result_.best.converged) return;
+    if (result_.best.converged || is_hopeless()) return;
     LocalOptions patient;
     patient.iterations = 1000;
     result_.best = local_solve(all, result_.best.theta, patient);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "frac/identification/time_fit.hpp"
@@ -19,6 +20,8 @@ struct TimeProblem {
   const ParameterMap& map;
   const TimeFitOptions& options;
   double unit;  // of the residuals
+  /// Cost, in the unit of FitResult, above which nobody looks about the best fit to the transforms.
+  double hopeless = std::numeric_limits<double>::infinity();
 
   [[nodiscard]] TimeResiduals residuals(std::vector<std::size_t> index, double tolerance) const {
     return {data,      structure, map, {options.offset, options.trend, options.earlier_input}, std::move(index),

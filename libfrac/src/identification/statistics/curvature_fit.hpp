@@ -19,9 +19,7 @@ namespace frac::detail {
 /// from the curvature.
 [[nodiscard]] FitResult fit_in_reach(const FrequencyResponseData& data, const Structure& structure,
                                      const FitOptions& options, double hopeless);
-[[nodiscard]] inline FitResult fit_in_reach(const TimeResponseData& data, const Structure& structure,
-                                            const TimeFitOptions& options, double) {
-  return fit(data, structure, options);
-}
+[[nodiscard]] FitResult fit_in_reach(const TimeResponseData& data, const Structure& structure,
+                                     const TimeFitOptions& options, double hopeless);
 
 }  // namespace frac::detail

@@ -2,6 +2,9 @@
 // State of a fractional PID: the filters of its integral and its derivative, and what is around them.
 
 typedef struct {
+#if IS_TUNED
+  REAL kp, ki, kd, setpoint_weight, derivative_setpoint_weight, minimum, maximum; /* to be set from outside */
+#endif
 #if HAS_INTEGRAL_TAPS
   REAL integral_past[INTEGRAL_TAPS]; /* inputs, the newest first */
 #endif

@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: BSD-3-Clause */
+/* Two masses with a clearance as a model: backlash/two_mass_plant.hpp, operation for operation, so that both give the
+ * same bits.  The force is constant within a step; flights are parabolas and impacts are met at exact instants.
+ */
+#include <math.h>
+
+enum {
+  at_force,
+  at_position1,
+  at_velocity1,
+  at_position2,
+  at_velocity2,
+  at_gap,
+  at_energy_loss,
+  at_impacts,
+  at_mass1,
+  at_mass2,
+  at_clearance,
+  at_restitution,
+  at_start_position1,
+  at_start_velocity1,
+  at_start_position2,
+  at_start_velocity2
+};
+
+typedef struct {
+  double real[MODEL_REALS];
+  int boolean[MODEL_BOOLEANS]; /* whether the masses rest in contact */
+  double mass1, mass2, clearance, restitution;
+  double total_mass, reduced_mass;
+  double centre, centre_rate;
+  /* The gap from the wall last touched, so that short hops keep relative precision at either wall. */
+  int at_far;
+  double distance, rate;
+  double energy_loss, impacts;
+} model;
+
+typedef struct {
+  double after;
+  double speed;
+} first_contact;
+
+/* First t > 0 at which distance + rate t + acceleration t^2/2 falls to 0, and the speed there. */
+static first_contact fall(double distance, double rate, double acceleration)
+{
+  first_contact result = {HUGE_VAL, 0};
+  const double square = rate * rate - 2 * acceleration * distance;
+  if (square < 0 || (rate >= 0 && acceleration >= 0)) return result;
+  result.speed = sqrt(square);
+  result.after = rate < 0 ? 2 * distance / (result.speed - rate) : (rate + result.speed) / -acceleration;
+  return result;
+}
+
+static double impact_energy_loss(const model *m, double speed)
+{
+  const double e = m->restitution;
+  const double reduced = m->mass1 / (m->mass1 + m->mass2) * m->mass2;
+  return (1 - e) * (1 + e) * reduced / 2 * speed * speed;
+}
+
+static void hit(model *m, double speed)
+{
+  m->distance = 0;
+  m->rate = m->restitution * speed;
+  m->energy_loss += impact_energy_loss(m, speed);
+  m->impacts += 1;
+}
+
+static const char *model_start(model *m, double time)
+{
+  double share2, gap;
+  (void)time;
+  m->mass1 = m->real[at_mass1];
+  m->mass2 = m->real[at_mass2];
+  m->clearance = m->real[at_clearance];
+  m->restitution = m->real[at_restitution];
+  if (!(m->mass1 > 0 && m->mass2 > 0)) return "mass1 and mass2 must be above 0 kg";
+  if (!(m->clearance >= 0)) return "clearance must not be below 0 m";
+  if (!(m->restitution >= 0 && m->restitution <= 1)) return "restitution must be in [0, 1]";
+  m->total_mass = m->mass1 + m->mass2;
+  m->reduced_mass = m->mass1 / m->total_mass * m->mass2;
+  gap = m->real[at_start_position2] - m->real[at_start_position1];
+  if (!(gap >= 0 && gap <= m->clearance)) return "start_position2 - start_position1 must be in [0, clearance]";
+  share2 = m->mass2 / m->total_mass;
+  m->energy_loss = 0;
+  m->impacts = 0;
+  m->boolean[0] = 0;
+  m->centre = m->real[at_start_position1] + share2 * gap;
+  m->centre_rate =
+      m->real[at_start_velocity1] + share2 * (m->real[at_start_velocity2] - m->real[at_start_velocity1]);
+  m->at_far = gap > m->clearance / 2;
+  m->distance = m->at_far ? m->clearance - gap : gap;
+  m->rate = (m->at_far ? -1 : 1) * (m->real[at_start_velocity2] - m->real[at_start_velocity1]);
+  if (m->clearance == 0) {
+    /* Without clearance the masses are one body. */
+    if (m->rate != 0) m->energy_loss = 0.5 * m->reduced_mass * m->rate * m->rate;
+    m->rate = 0;
+    m->boolean[0] = 1;
+  } else if (m->distance == 0 && m->rate < 0) {
+    hit(m, -m->rate);
+  }
+  return 0;
+}
+
+/* Hops from the wall that stay short of the other one: hop k starts with rate eps^k v and lasts 2 eps^k v/pressure.
+ * Returns the time that is left when they have ended in rest, or 0. */
+static double hop_along_wall(model *m, double pressure, double duration)
+{
+  const double restitution = m->restitution;
+  const double first = 2 * m->rate / pressure;
+  const double all = restitution < 1 ? first / (1 - restitution) : HUGE_VAL;
+  double hops = 0, passed = 0, rest, before;
+  if (all <= duration) {
+    m->energy_loss += 0.5 * m->reduced_mass * m->rate * m->rate;
+    m->impacts += 1;
+    m->rate = 0;
+    m->distance = 0;
+    return duration - all;
+  }
+  if (restitution == 1) {
+    const double remainder = fmod(duration, first);
+    passed = duration - remainder;
+    hops = round(passed / first);
+  } else if (first < duration) {
+    hops = floor(log1p(-duration / all) / log(restitution));
+    passed = -all * expm1(hops * log(restitution));
+    if (passed > duration) {
+      hops -= 1;
+      passed = -all * expm1(hops * log(restitution));
+    }
+  }
+  before = m->rate;
+  m->rate *= pow(restitution, hops);
+  m->energy_loss += 0.5 * m->reduced_mass * (before - m->rate) * (before + m->rate);
+  m->impacts += hops;
+  rest = duration - passed;
+  if (rest < 0) rest = 0;
+  if (2 * m->rate / pressure < rest) rest = 2 * m->rate / pressure;
+  m->distance = rest * (m->rate - 0.5 * pressure * rest);
+  if (!(m->distance > 0)) m->distance = 0;
+  m->rate -= pressure * rest;
+  if (m->distance == 0 && m->rate < 0) hit(m, -m->rate);
+  return 0;
+}
+
+static void move_gap(model *m, double acceleration, double duration)
+{
+  double left = duration, away;
+  m->boolean[0] = 0;
+  while (left > 0) {
+    first_contact back = {HUGE_VAL, 0}, across, first;
+    int is_across;
+    away = m->at_far ? -acceleration : acceleration;
+    if (m->distance == 0 && m->rate == 0 && away <= 0) {
+      m->boolean[0] = 1;
+      return;
+    }
+    if (m->distance != 0) back = fall(m->distance, m->rate, away);
+    across = fall(m->clearance - m->distance, -m->rate, -away);
+    if (m->distance == 0 && away < 0 && across.after == HUGE_VAL) {
+      left = hop_along_wall(m, -away, left);
+      continue;
+    }
+    is_across = !(back.after <= across.after);
+    first = is_across ? across : back;
+    if (first.after > left) {
+      m->distance = m->distance + left * (m->rate + 0.5 * away * left);
+      if (m->distance < 0) m->distance = 0;
+      if (m->distance > m->clearance) m->distance = m->clearance;
+      m->rate += away * left;
+      /* A contact within rounding of the end of the step. */
+      if (m->distance == 0 && m->rate < 0) hit(m, -m->rate);
+      if (m->distance == m->clearance && m->rate > 0) {
+        m->at_far = !m->at_far;
+        hit(m, m->rate);
+      }
+      return;
+    }
+    left -= first.after;
+    if (is_across) m->at_far = !m->at_far;
+    hit(m, first.speed);
+  }
+  away = m->at_far ? -acceleration : acceleration;
+  m->boolean[0] = m->distance == 0 && m->rate == 0 && away <= 0;
+}
+
+static const char *model_step(model *m, double time, double duration)
+{
+  const double force = m->real[at_force];
+  const double acceleration = force / m->mass2;
+  const double common = force / m->total_mass;
+  (void)time;
+  if (m->clearance > 0) {
+    const double fastest = sqrt(m->rate * m->rate + 2 * fabs(acceleration) * m->clearance);
+    if (!(fastest * duration <= 1e7 * m->clearance)) return "the clearance would be crossed more than 1e7 times in a step";
+    move_gap(m, acceleration, duration);
+  }
+  m->centre += duration * (m->centre_rate + 0.5 * common * duration);
+  m->centre_rate += common * duration;
+  return 0;
+}
+
+static void model_results(model *m)
+{
+  const double share1 = m->mass1 / m->total_mass;
+  const double share2 = m->mass2 / m->total_mass;
+  const double y = m->at_far ? m->clearance - m->distance : m->distance;
+  const double y_rate = m->at_far ? -m->rate : m->rate;
+  m->real[at_position1] = m->centre - share2 * y;
+  m->real[at_velocity1] = m->centre_rate - share2 * y_rate;
+  m->real[at_position2] = m->centre + share1 * y;
+  m->real[at_velocity2] = m->centre_rate + share1 * y_rate;
+  m->real[at_gap] = y;
+  m->real[at_energy_loss] = m->energy_loss;
+  m->real[at_impacts] = m->impacts;
+}

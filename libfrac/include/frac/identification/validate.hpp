@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "frac/model/frequency_response_data.hpp"
+
+namespace frac {
+
+/// Whether data can be the response of one linear, causal, stable system that stayed the same during the measurement.
+enum class Validity {
+  valid,      // nothing speaks against it
+  suspect,    // single points do: outliers or mains; the others are consistent
+  invalid,    // the points as a whole do: drift, or misses that follow each other
+  undecided,  // band, points or noise leave too little to judge by
+};
+[[nodiscard]] std::string_view to_string(Validity validity);
+
+/// What is tested.  The chance of each comes from the noise that the data themselves show.
+enum class ValidityTest {
+  neighbours,      // residuals of neighbouring points follow each other: no consistent response goes through the data
+  neighbourhoods,  // the same over a twelfth of the points
+  drift_even,      // the response scaled up or down during the sweep, each point taking as long as the others
+  drift_periods,   // the same, each point taking as many periods as the others
+  outliers,        // the largest residual
+  mains_50,        // residuals within 2 % of 50 Hz and its first ten harmonics
+  mains_60,
+};
+[[nodiscard]] std::string_view to_string(ValidityTest test);
+
+struct ValidityFinding {
+  ValidityTest test;
+  double p_value;  // chance of as much by noise alone; NaN where the test does not apply
+  bool alarm;      // p_value < level / 10, so that all tests together keep the level
+};
+
+struct ValidationOptions {
+  double level = 0.05;  // chance that data without a fault are not called valid, 0 < level < 1
+};
+
+/// Kramers-Kronig consistency: the response of a linear, causal and stable system, its real and its imaginary part
+/// together, is followed by a sum of poles
+///
+///     c_0 + c_1 s + c_2/s + sum r_k/(1 + s tau_k),   tau_k on a logarithmic grid, r_k of either sign
+///
+/// as closely as wanted, and real poles and pairs at free places take over where these do not follow the data
+/// (resonances).  The number of poles is that of the best AICc.  What is left is noise if the data are consistent.  How
+/// much white noise such residuals show by themselves follows from the projection that made them, in closed form.
+///
+/// An amplitude-dependent but stationary response can be consistent: linearity is tested only as far as it shows here.
+struct ValidationResult {
+  Validity validity;
+  double level;
+  std::vector<ValidityFinding> findings;
+
+  std::size_t real_poles, pole_pairs;  // of the consistent model
+  std::vector<std::complex<double>> model;
+  std::vector<double> deviation;  // of the noise of real and imaginary part each, per point, in the unit of the data
+
+  double noise;        // root mean square of deviation / |model| over the points
+  double noise_floor;  // additive part of the noise relative to |model|: deviation ~ sqrt(|model|^2 + floor^2); 0: none
+  double noise_slope;  // d ln deviation / d ln omega beside that; 0 where no slope is clear
+  double correlation;  // of residuals of neighbouring points, less what white noise would show
+  double drift;        // change of the response during the sweep, share of its size, towards low frequencies
+  double drift_deviation;             // standard deviation of `drift`
+  ValidityTest drift_law;             // drift_even or drift_periods: the one with the smaller chance
+  bool drift_explains;                // without the drift no residuals follow each other
+  double detectable_drift;            // drift that is found in nine of ten such measurements
+  double freedom;                     // residuals less parameters
+  std::vector<std::size_t> outliers;  // points, by index
+  std::vector<std::size_t> mains;     // points at a mains frequency that has an alarm
+
+  /// Decided.
+  [[nodiscard]] bool usable() const { return validity != Validity::undecided; }
+  /// The verdict in one sentence with its figures.
+  [[nodiscard]] std::string summary() const;
+};
+
+/// @throws std::invalid_argument  level outside of (0, 1)
+[[nodiscard]] ValidationResult validate(const FrequencyResponseData& data, const ValidationOptions& options = {});
+
+}  // namespace frac

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+#include <cstddef>
+#include <vector>
+
+#include "projected_residual.hpp"
+
+namespace frac::detail {
+
+/// Points of a response with the standard deviation of each part.
+struct WeightedPoints {
+  std::vector<double> omega;  // rising, rad/s
+  Eigen::VectorXcd value;
+  Eigen::VectorXd deviation;
+};
+
+/// A response of a linear, causal, stable system, fitted to points.
+struct ConsistentModel {
+  ProjectedResidual rest;  // weighted
+  Eigen::VectorXcd value;
+  std::size_t grid_poles = 0;
+  std::vector<std::complex<double>> free_poles;  // real, or the upper one of a pair; in units of the middle of the band
+  double criterion = 0;                          // AICc, of the same points and weights
+};
+
+/// c_0 + c_1 s + c_2/s + sum r_k/(1 + s tau_k), the tau_k evenly on the logarithm; the best of many counts and reaches.
+[[nodiscard]] ConsistentModel best_on_grid(const WeightedPoints& points);
+
+/// The same with poles at free places in the left half plane, real or in pairs, found by vector fitting (Gustavsen,
+/// Semlyen 1999) and brought to least squares by Gauss-Newton steps.  A pair is at least half as wide as the
+/// points are apart there: a narrower one would follow single points.
+[[nodiscard]] ConsistentModel best_with_free_poles(const WeightedPoints& points);
+
+/// A model with free poles, from its poles on, for other weights or fewer points of the same band.
+[[nodiscard]] ConsistentModel refitted(const WeightedPoints& points, const ConsistentModel& model);
+
+}  // namespace frac::detail

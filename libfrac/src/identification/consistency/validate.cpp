@@ -1,0 +1,519 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "frac/identification/validate.hpp"
+
+#include <algorithm>
+#include <array>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <stdexcept>
+
+#include "base/short_text.hpp"
+#include "base/spelling.hpp"
+#include "consistent_model.hpp"
+#include "identification/data/noise_floor.hpp"
+#include "projected_residual.hpp"
+
+namespace frac {
+namespace {
+
+using Complex = std::complex<double>;
+using detail::ConsistentModel;
+using detail::WeightedPoints;
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr std::array all_tests{ValidityTest::neighbours,    ValidityTest::neighbourhoods, ValidityTest::drift_even,
+                               ValidityTest::drift_periods, ValidityTest::outliers,       ValidityTest::mains_50,
+                               ValidityTest::mains_60};
+// Each test has this share of the level.  Seven shares of a seventh would do if weights and poles were given; they are
+// learned from the same residuals, which makes alarms up to 1.4 times as frequent (measured, see validity_rates).
+constexpr double share_of_level = 0.1;
+constexpr double fewest_degrees = 8;
+// Departures smaller than these shares of the response are no reason for an alarm: the model itself follows exact data
+// of a fractional system to some 1e-5, and no instrument is better.
+constexpr double negligible_residual = 1e-4;
+constexpr double negligible_drift = 1e-3;
+constexpr double highest_leverage = 0.5;
+
+std::size_t index_of(ValidityTest test) {
+  return static_cast<std::size_t>(test);
+}
+
+/// Points by index into the data, and a model of them.
+struct Fitted {
+  std::vector<std::size_t> kept;
+  WeightedPoints points;
+  ConsistentModel model;
+  double floor = 0, slope = 0;
+};
+
+double largest_of(const Eigen::VectorXcd& value) {
+  const double largest = value.cwiseAbs().maxCoeff();
+  return largest > 0 ? largest : 1;
+}
+
+WeightedPoints points_of(const FrequencyResponseData& data, const std::vector<std::size_t>& kept) {
+  WeightedPoints points;
+  const auto count = static_cast<Eigen::Index>(kept.size());
+  points.value.resize(count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    points.omega.push_back(data.omega()[kept[static_cast<std::size_t>(i)]]);
+    points.value(i) = data.value()[kept[static_cast<std::size_t>(i)]];
+  }
+  points.deviation = points.value.cwiseAbs().cwiseMax(1e-9 * largest_of(points.value));
+  if (!data.sigma().empty())
+    for (Eigen::Index i = 0; i < count; ++i) points.deviation(i) = data.sigma()[kept[static_cast<std::size_t>(i)]];
+  return points;
+}
+
+/// Slope of the logarithm of the residuals over that of frequency, 0 unless it is clear: ln |r|^2 of two normal parts
+/// has the variance pi^2/6.
+double noise_slope(const WeightedPoints& points, const ConsistentModel& model) {
+  const auto count = static_cast<double>(points.omega.size());
+  if (count < 12) return 0;
+  double mean = 0, mean_log = 0;
+  std::vector<double> log_square;
+  for (std::size_t k = 0; k < points.omega.size(); ++k) {
+    const double square = model.rest.residual.segment(static_cast<Eigen::Index>(2 * k), 2).squaredNorm();
+    if (!(square > 0)) return 0;
+    log_square.push_back(std::log(square));
+    mean += log_square.back() / count;
+    mean_log += std::log(points.omega[k]) / count;
+  }
+  double product = 0, power = 0;
+  for (std::size_t k = 0; k < points.omega.size(); ++k) {
+    const double x = std::log(points.omega[k]) - mean_log;
+    product += x * (log_square[k] - mean);
+    power += x * x;
+  }
+  if (!(power > 0)) return 0;
+  const double slope = product / power;
+  const double deviation = std::numbers::pi / std::sqrt(6 * power);
+  constexpr double clearly = 3;
+  return std::abs(slope) > clearly * deviation ? slope / 2 : 0;
+}
+
+/// Noise as the residuals show it: in part relative to the model, in part additive.
+void weigh_by_residuals(Fitted& fitted) {
+  WeightedPoints& points = fitted.points;
+  const Complex* model = fitted.model.value.data();
+  const FrequencyResponseData data(points.omega, {points.value.data(), points.value.data() + points.value.size()});
+  fitted.floor = detail::noise_floor(data, {model, points.omega.size()}, Component::both);
+  const double smallest = 1e-9 * largest_of(points.value);
+  for (Eigen::Index k = 0; k < points.value.size(); ++k)
+    points.deviation(k) = std::hypot(std::max(std::abs(fitted.model.value(k)), smallest), fitted.floor);
+}
+
+/// Noise that rises or falls with frequency besides.
+void weigh_by_slope(Fitted& fitted) {
+  fitted.slope = noise_slope(fitted.points, fitted.model);
+  const auto& omega = fitted.points.omega;
+  const double centre = std::sqrt(omega.front()) * std::sqrt(omega.back());
+  for (Eigen::Index k = 0; k < fitted.points.value.size(); ++k)
+    fitted.points.deviation(k) *= std::pow(omega[static_cast<std::size_t>(k)] / centre, fitted.slope);
+}
+
+/// AICc with the part of the likelihood that depends on the weights.
+double likelihood_criterion(const Fitted& fitted) {
+  return fitted.model.criterion + 4 * fitted.points.deviation.array().log().sum();
+}
+
+/// Elapsed share of the sweep from high to low frequency.
+Eigen::VectorXd elapsed(const FrequencyResponseData& data, ValidityTest law) {
+  const auto count = static_cast<Eigen::Index>(data.size());
+  Eigen::VectorXd time(count);
+  double sum = 0;
+  for (Eigen::Index k = count - 1; k >= 0; --k) {
+    const double step = law == ValidityTest::drift_even ? 1 : 1 / data.omega()[static_cast<std::size_t>(k)];
+    time(k) = sum + step / 2;
+    sum += step;
+  }
+  return time / sum;
+}
+
+Eigen::VectorXd drift_column(const FrequencyResponseData& data, const Fitted& fitted, ValidityTest law) {
+  const Eigen::VectorXd time = elapsed(data, law);
+  Eigen::VectorXd column(2 * static_cast<Eigen::Index>(fitted.kept.size()));
+  for (Eigen::Index i = 0; i < fitted.points.value.size(); ++i) {
+    const Complex moved = fitted.model.value(i) *
+                          time(static_cast<Eigen::Index>(fitted.kept[static_cast<std::size_t>(i)])) /
+                          fitted.points.deviation(i);
+    column(2 * i) = moved.real();
+    column(2 * i + 1) = moved.imag();
+  }
+  return column;
+}
+
+detail::AddedColumn drift_of(const FrequencyResponseData& data, const Fitted& fitted, ValidityTest law) {
+  return detail::added_column(fitted.model.rest, drift_column(data, fitted, law));
+}
+
+/// Positions among the kept points.
+std::vector<Eigen::Index> at_mains(const Fitted& fitted, double mains) {
+  constexpr int harmonics = 10;
+  constexpr double width = 0.02;
+  std::vector<Eigen::Index> found;
+  for (std::size_t i = 0; i < fitted.points.omega.size(); ++i) {
+    const double multiple = fitted.points.omega[i] / (2 * std::numbers::pi * mains);
+    const double nearest = std::round(multiple);
+    if (nearest >= 1 && nearest <= harmonics && std::abs(multiple - nearest) <= width * nearest)
+      found.push_back(static_cast<Eigen::Index>(i));
+  }
+  return found;
+}
+
+double relative_residual(const Fitted& fitted, Eigen::Index i) {
+  const double size = std::abs(fitted.model.value(i));
+  return size > 0 ? std::abs(fitted.points.value(i) - fitted.model.value(i)) / size : 0;
+}
+
+double rms_of_residuals(const Fitted& fitted) {
+  double sum = 0;
+  for (Eigen::Index i = 0; i < fitted.points.value.size(); ++i) sum += std::pow(relative_residual(fitted, i), 2);
+  // Two parts, and the parameters took their share.
+  const double degrees = std::max(fitted.model.rest.freedom(), 1.0);
+  return std::sqrt(sum / degrees);
+}
+
+/// Findings about one model, and the point of the largest residual.
+struct Tested {
+  std::array<double, all_tests.size()> p_value;
+  std::array<bool, all_tests.size()> counts;  // the departure is not negligible
+  double correlation = 0;
+  detail::AddedColumn drift;
+  ValidityTest drift_law = ValidityTest::drift_even;
+  double chance_beside_drift = nan;  // the least of both neighbour tests, the drift taken out
+  std::vector<double> point_chance;  // of each residual
+
+  [[nodiscard]] bool alarm(ValidityTest test, double level) const {
+    const std::size_t i = index_of(test);
+    return counts[i] && p_value[i] < level * share_of_level;
+  }
+  /// The points that each would be an alarm.
+  [[nodiscard]] std::vector<Eigen::Index> standing_out(double level) const {
+    std::vector<Eigen::Index> points;
+    const double limit = level * share_of_level / static_cast<double>(point_chance.size());
+    for (std::size_t i = 0; i < point_chance.size(); ++i)
+      if (point_chance[i] < limit) points.push_back(static_cast<Eigen::Index>(i));
+    return points;
+  }
+};
+
+Tested tested(const FrequencyResponseData& data, const Fitted& fitted) {
+  Tested result;
+  result.p_value.fill(nan);
+  result.counts.fill(true);
+  const auto& rest = fitted.model.rest;
+  const auto points = static_cast<Eigen::Index>(fitted.kept.size());
+  const bool seen = rms_of_residuals(fitted) > negligible_residual;
+
+  const std::array next{1.0};
+  const auto short_range = detail::correlation_test(rest, next);
+  std::vector<double> wide;
+  const auto reach = std::clamp<std::size_t>(static_cast<std::size_t>(points) / 12, 3, 30);
+  for (std::size_t l = 1; l <= reach; ++l) wide.push_back(1 - static_cast<double>(l) / static_cast<double>(reach + 1));
+  const auto long_range = detail::correlation_test(rest, wide);
+  result.correlation = short_range.excess;
+  const auto put = [&](ValidityTest test, double p_value, bool counts) {
+    result.p_value[index_of(test)] = p_value;
+    result.counts[index_of(test)] = counts;
+  };
+  put(ValidityTest::neighbours, short_range.p_value, seen);
+  put(ValidityTest::neighbourhoods, long_range.p_value, seen);
+
+  const auto even = drift_of(data, fitted, ValidityTest::drift_even);
+  const auto periods = drift_of(data, fitted, ValidityTest::drift_periods);
+  put(ValidityTest::drift_even, even.p_value, std::abs(even.coefficient) > negligible_drift);
+  put(ValidityTest::drift_periods, periods.p_value, std::abs(periods.coefficient) > negligible_drift);
+  const bool by_periods = std::isnan(even.p_value) || periods.p_value < even.p_value;
+  result.drift_law = by_periods ? ValidityTest::drift_periods : ValidityTest::drift_even;
+  result.drift = by_periods ? periods : even;
+
+  const auto steady = detail::with_column(rest, drift_column(data, fitted, result.drift_law));
+  result.chance_beside_drift =
+      std::fmin(detail::correlation_test(steady, next).p_value, detail::correlation_test(steady, wide).p_value);
+
+  for (Eigen::Index i = 0; i < points; ++i) {
+    const std::array one{i};
+    // A point that free poles have come to follow by itself tells nothing: its leverage is not that of places given
+    // beforehand.
+    const bool judged = fitted.model.free_poles.empty() || detail::leverage(rest, i) < highest_leverage;
+    const bool counts = relative_residual(fitted, i) > negligible_residual;
+    const double chance = judged && counts ? detail::excess_chance(rest, one) : 1;
+    result.point_chance.push_back(std::isnan(chance) ? 1 : chance);
+  }
+  const double least = *std::min_element(result.point_chance.begin(), result.point_chance.end());
+  put(ValidityTest::outliers, std::min(1.0, static_cast<double>(points) * least), true);
+  for (const auto& [test, mains] : {std::pair{ValidityTest::mains_50, 50.0}, std::pair{ValidityTest::mains_60, 60.0}}) {
+    const auto hit = at_mains(fitted, mains);
+    const bool counts =
+        std::any_of(hit.begin(), hit.end(), [&](auto i) { return relative_residual(fitted, i) > negligible_residual; });
+    put(test, detail::excess_chance(rest, hit), counts);
+  }
+  return result;
+}
+
+using Search = ConsistentModel (*)(const WeightedPoints&);
+
+/// The best consistent model of the kept points that a search finds, with weights that follow from what it leaves.
+Fitted fit_points(const FrequencyResponseData& data, std::vector<std::size_t> kept, Search search) {
+  Fitted fitted;
+  fitted.points = points_of(data, kept);
+  fitted.kept = std::move(kept);
+  if (!data.sigma().empty()) {
+    fitted.model = search(fitted.points);
+    return fitted;
+  }
+  // Noise of either kind is told best from residuals of a fit with weights of that kind.
+  Fitted additive = fitted;
+  additive.points.deviation.setConstant(largest_of(fitted.points.value));
+  for (Fitted* each : {&fitted, &additive}) {
+    each->model = search(each->points);
+    weigh_by_residuals(*each);
+    each->model = search(each->points);
+  }
+  if (likelihood_criterion(additive) < likelihood_criterion(fitted)) fitted = std::move(additive);
+  weigh_by_slope(fitted);
+  if (fitted.slope != 0) fitted.model = search(fitted.points);
+  return fitted;
+}
+
+/// The weights and the model with poles at free places, in turn.
+void settle_free_poles(const FrequencyResponseData& data, Fitted& fitted) {
+  if (!data.sigma().empty()) return;
+  for (int pass = 0; pass < 2; ++pass) {
+    weigh_by_residuals(fitted);
+    fitted.model = detail::refitted(fitted.points, fitted.model);
+  }
+  weigh_by_slope(fitted);
+  if (fitted.slope != 0) fitted.model = detail::refitted(fitted.points, fitted.model);
+}
+
+/// Of fewer points than the model was fitted to.
+Fitted refitted_points(const FrequencyResponseData& data, std::vector<std::size_t> kept, const ConsistentModel& model) {
+  Fitted fitted;
+  fitted.points = points_of(data, kept);
+  fitted.kept = std::move(kept);
+  fitted.model = detail::refitted(fitted.points, model);
+  settle_free_poles(data, fitted);
+  return fitted;
+}
+
+std::vector<std::size_t> without(const std::vector<std::size_t>& kept, const std::vector<Eigen::Index>& removed) {
+  std::vector<std::size_t> rest;
+  for (std::size_t i = 0; i < kept.size(); ++i)
+    if (std::find(removed.begin(), removed.end(), static_cast<Eigen::Index>(i)) == removed.end())
+      rest.push_back(kept[i]);
+  return rest;
+}
+
+bool is_of_points(ValidityTest test) {
+  return test == ValidityTest::outliers || test == ValidityTest::mains_50 || test == ValidityTest::mains_60;
+}
+
+/// A model of the points that do not stand out, and what was found on the way.
+struct Judgement {
+  Fitted fitted;
+  Tested first, last;  // with all points, and without those that stand out
+  std::vector<ValidityTest> of_points;
+  std::vector<std::size_t> outliers, mains;
+
+  [[nodiscard]] bool pattern(double level) const {
+    return std::any_of(all_tests.begin(), all_tests.end(),
+                       [&](ValidityTest test) { return !is_of_points(test) && last.alarm(test, level); });
+  }
+};
+
+/// Sets points that stand out aside, so that the others are judged without them.
+/// @param most  points set aside
+template <typename Fit>
+Judgement judge(const FrequencyResponseData& data, double level, std::size_t most, const Fit& fit) {
+  std::vector<std::size_t> kept(data.size());
+  std::iota(kept.begin(), kept.end(), std::size_t{0});
+  Judgement judgement;
+  judgement.fitted = fit(std::move(kept));
+  judgement.last = tested(data, judgement.fitted);
+  judgement.first = judgement.last;
+  while (true) {
+    const Fitted& fitted = judgement.fitted;
+    const auto alarmed = std::find_if(all_tests.rbegin(), all_tests.rend(), [&](ValidityTest test) {
+      return is_of_points(test) && judgement.last.alarm(test, level);
+    });
+    if (alarmed == all_tests.rend()) break;
+    const bool outlier = *alarmed == ValidityTest::outliers;
+    const std::vector<Eigen::Index> removed = outlier
+                                                  ? judgement.last.standing_out(level)
+                                                  : at_mains(fitted, *alarmed == ValidityTest::mains_50 ? 50.0 : 60.0);
+    judgement.of_points.push_back(*alarmed);
+    auto& list = outlier ? judgement.outliers : judgement.mains;
+    for (const Eigen::Index i : removed) list.push_back(fitted.kept[static_cast<std::size_t>(i)]);
+    if (judgement.outliers.size() + judgement.mains.size() > most) break;
+    judgement.fitted = fit(without(fitted.kept, removed));
+    judgement.last = tested(data, judgement.fitted);
+  }
+  std::sort(judgement.outliers.begin(), judgement.outliers.end());
+  std::sort(judgement.mains.begin(), judgement.mains.end());
+  return judgement;
+}
+
+Judgement judge(const FrequencyResponseData& data, double level) {
+  const std::size_t some = std::max<std::size_t>(1, data.size() / 20), many = data.size() / 5;
+  Judgement on_grid =
+      judge(data, level, some, [&](auto kept) { return fit_points(data, std::move(kept), detail::best_on_grid); });
+  const bool too_many = on_grid.outliers.size() + on_grid.mains.size() > some;
+  if (!on_grid.pattern(level) && !too_many) return on_grid;
+  const Fitted& start = on_grid.fitted;
+  const Fitted free = fit_points(data, start.kept, detail::best_with_free_poles);
+  if (!(likelihood_criterion(free) < likelihood_criterion(start)) && !too_many) return on_grid;
+  return judge(data, level, many, [&](auto kept) { return refitted_points(data, std::move(kept), free.model); });
+}
+
+}  // namespace
+
+std::string_view to_string(Validity validity) {
+  constexpr detail::Spellings<Validity, 4> spellings{{{Validity::valid, "valid"},
+                                                      {Validity::suspect, "suspect"},
+                                                      {Validity::invalid, "invalid"},
+                                                      {Validity::undecided, "undecided"}}};
+  return detail::spelling(spellings, validity);
+}
+
+std::string_view to_string(ValidityTest test) {
+  constexpr detail::Spellings<ValidityTest, 7> spellings{{{ValidityTest::neighbours, "neighbours"},
+                                                          {ValidityTest::neighbourhoods, "neighbourhoods"},
+                                                          {ValidityTest::drift_even, "drift-even"},
+                                                          {ValidityTest::drift_periods, "drift-periods"},
+                                                          {ValidityTest::outliers, "outliers"},
+                                                          {ValidityTest::mains_50, "mains-50"},
+                                                          {ValidityTest::mains_60, "mains-60"}}};
+  return detail::spelling(spellings, test);
+}
+
+ValidationResult validate(const FrequencyResponseData& data, const ValidationOptions& options) {
+  const double level = options.level;
+  if (!(level > 0 && level < 1)) throw std::invalid_argument("level must be between 0 and 1");
+  ValidationResult result{};
+  result.level = level;
+  result.validity = Validity::undecided;
+  result.noise = result.drift = result.drift_deviation = result.detectable_drift = nan;
+  constexpr std::size_t fewest_points = 6;
+  if (data.size() < fewest_points || !(data.omega().back() > data.omega().front())) {
+    for (const ValidityTest test : all_tests) result.findings.push_back({test, nan, false});
+    return result;
+  }
+
+  const Judgement judgement = judge(data, level);
+  const Fitted& fitted = judgement.fitted;
+  const Tested& now = judgement.last;
+  const std::vector<ValidityTest>& of_points = judgement.of_points;
+  const bool pattern = judgement.pattern(level);
+  for (const ValidityTest test : all_tests) {
+    const bool alarm = is_of_points(test) ? std::find(of_points.begin(), of_points.end(), test) != of_points.end()
+                                          : now.alarm(test, level);
+    result.findings.push_back({test, (is_of_points(test) ? judgement.first : now).p_value[index_of(test)], alarm});
+  }
+  result.outliers = judgement.outliers;
+  result.mains = judgement.mains;
+  result.real_poles = fitted.model.grid_poles;
+  for (const Complex& pole : fitted.model.free_poles) (pole.imag() == 0 ? result.real_poles : result.pole_pairs) += 1;
+  result.freedom = fitted.model.rest.freedom();
+  result.correlation = now.correlation;
+  result.drift = now.drift.coefficient;
+  result.drift_deviation = now.drift.deviation;
+  result.drift_law = now.drift_law;
+  result.drift_explains = !(now.chance_beside_drift < level * share_of_level);
+  result.noise_floor = fitted.floor;
+  result.noise_slope = fitted.slope;
+  // Points set aside are shown by what their neighbours make of them.
+  const double scale = std::sqrt(fitted.model.rest.square() / std::max(result.freedom, 1.0));
+  double sum = 0;
+  for (std::size_t k = 0, i = 0; k < data.size(); ++k) {
+    if (i < fitted.kept.size() && fitted.kept[i] == k) {
+      const auto at = static_cast<Eigen::Index>(i);
+      result.model.push_back(fitted.model.value(at));
+      result.deviation.push_back(scale * fitted.points.deviation(at));
+      sum += std::pow(result.deviation.back() / std::abs(result.model.back()), 2);
+      ++i;
+    } else {
+      result.model.emplace_back(nan, nan);
+      result.deviation.push_back(nan);
+    }
+  }
+  result.noise = std::sqrt(sum / static_cast<double>(fitted.kept.size()));
+  if (result.freedom > 1) {
+    const boost::math::students_t t(result.freedom - 1);
+    const double found =
+        boost::math::quantile(boost::math::complement(t, level * share_of_level / 2)) + boost::math::quantile(t, 0.9);
+    const auto other =
+        drift_of(data, fitted,
+                 now.drift_law == ValidityTest::drift_even ? ValidityTest::drift_periods : ValidityTest::drift_even);
+    result.detectable_drift = found * std::fmin(now.drift.deviation, other.deviation);
+  }
+  if (pattern) {
+    result.validity = Validity::invalid;
+  } else if (!(result.freedom >= fewest_degrees) || !(result.detectable_drift < 1)) {
+    result.validity = Validity::undecided;
+  } else {
+    result.validity = of_points.empty() ? Validity::valid : Validity::suspect;
+  }
+  return result;
+}
+
+namespace {
+
+std::string percent(double share) {
+  return detail::short_text(100 * share) + " %";
+}
+
+std::string count_of(std::size_t count, const std::string& noun) {
+  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
+}
+
+}  // namespace
+
+std::string ValidationResult::summary() const {
+  if (model.empty()) return "undecided: fewer than 6 points, or all at one frequency";
+  const auto alarmed = [&](ValidityTest test) {
+    return std::any_of(findings.begin(), findings.end(),
+                       [&](const auto& each) { return each.test == test && each.alarm; });
+  };
+  const std::string noise_text = "noise of " + percent(noise);
+  std::string text(to_string(validity));
+  std::vector<std::string> parts;
+  const bool drifts = alarmed(ValidityTest::drift_even) || alarmed(ValidityTest::drift_periods);
+  const bool follow = alarmed(ValidityTest::neighbours) || alarmed(ValidityTest::neighbourhoods);
+  if (drifts && (drift_explains || !follow))
+    parts.push_back("the response drifts by " + percent(drift) + " +- " + percent(drift_deviation) +
+                    " during the sweep");
+  if (follow && !(drifts && drift_explains))
+    parts.push_back("residuals of neighbouring points follow each other (correlation " +
+                    detail::short_text(correlation) + " beyond that of white noise)");
+  if (!mains.empty())
+    parts.push_back(count_of(mains.size(), "point") + " at " + (alarmed(ValidityTest::mains_50) ? "50" : "60") +
+                    " Hz or a harmonic stand out");
+  if (!outliers.empty()) parts.push_back(count_of(outliers.size(), "outlier"));
+  const auto joined = [&] {
+    std::string all;
+    for (const auto& part : parts) all += (all.empty() ? "" : "; ") + part;
+    return all;
+  };
+  switch (validity) {
+    case Validity::valid:
+      return text + ": a linear, stable, steady system explains all points to within " + noise_text +
+             "; a drift above " + percent(detectable_drift) + " would have been seen";
+    case Validity::suspect:
+      return text + ": " + joined() + "; the other points are consistent to within " + noise_text;
+    case Validity::invalid:
+      return text + ": " + joined() + "; no linear, stable, steady system explains the points to within " + noise_text;
+    case Validity::undecided:
+      break;
+  }
+  return text + ": band, points and noise leave too little to judge by (" + detail::short_text(freedom) +
+         " degrees of freedom" +
+         (std::isfinite(detectable_drift) ? ", a drift of " + percent(detectable_drift) + " would go unseen" : "") +
+         ")" + (parts.empty() ? "" : "; " + joined());
+}
+
+}  // namespace frac

@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "frac/identification/outliers.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+
+#include "base/median.hpp"
+#include "identification/data/local_curve.hpp"
+#include "identification/data/noise_floor.hpp"
+
+namespace frac {
+namespace {
+
+using detail::median;
+
+constexpr std::size_t fewest_points = 12;
+constexpr double most_of_the_data = 0.15;
+// Two points of a resonance look like two outliers, so a pair has to stand out farther.
+constexpr double of_all = 5.5, of_neighbours = 4, of_neighbours_of_pair = 10;
+
+/// Distances of points from the curves through their neighbours, in units of the noise they would have if all noise
+/// were alike.
+class Distances {
+ public:
+  Distances(const FrequencyResponseData& data, Component component) : value_(data.value()), component_(component) {
+    for (const double omega : data.omega()) log_omega_.push_back(std::log(omega));
+    const double floor = detail::noise_floor(data, component);
+    for (const std::complex<double>& value : value_) size_.push_back(std::hypot(std::abs(value), floor));
+  }
+
+  [[nodiscard]] double operator()(const std::vector<std::size_t>& usable, std::size_t point) const {
+    const detail::LocalCurve curve = detail::local_curve(log_omega_, usable, point);
+    std::complex<double> distance = value_[point];
+    std::vector<double> sizes;
+    for (std::size_t i = 0; i < curve.count; ++i) {
+      distance -= curve.weight[i] * value_[curve.neighbour[i]];
+      sizes.push_back(size_[curve.neighbour[i]]);
+    }
+    const double off = component_ == Component::imaginary ? std::abs(distance.imag())
+                       : component_ == Component::real    ? std::abs(distance.real())
+                                                          : std::abs(distance);
+    return off / (curve.noise * detail::median(sizes));
+  }
+
+ private:
+  const std::vector<std::complex<double>>& value_;
+  Component component_;
+  std::vector<double> log_omega_, size_;
+};
+
+/// Points that stand out together, and by how much.
+struct Block {
+  std::size_t first, last;  // into the usable points
+  double excess;            // over what is allowed: above 1 for an outlier
+};
+
+/// How far points [first, last) of the usable ones stand out.
+double excess(const Distances& distance, const std::vector<std::size_t>& usable, std::size_t first, std::size_t last,
+              double usual) {
+  std::vector<std::size_t> rest(usable.begin(), usable.begin() + static_cast<std::ptrdiff_t>(first));
+  rest.insert(rest.end(), usable.begin() + static_cast<std::ptrdiff_t>(last), usable.end());
+  double allowed = of_all * usual;
+  const double times = last - first > 1 ? of_neighbours_of_pair : of_neighbours;
+  const std::size_t reach = 2;
+  for (std::size_t i = first > reach ? first - reach : 0; i < std::min(first + reach, rest.size()); ++i) {
+    allowed = std::max(allowed, times * distance(rest, rest[i]));
+  }
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = first; i < last; ++i) least = std::min(least, distance(rest, usable[i]) / allowed);
+  return least;
+}
+
+}  // namespace
+
+std::vector<std::size_t> isolated_outliers(const FrequencyResponseData& data, Component component) {
+  const auto& omega = data.omega();
+  const bool repeats = std::adjacent_find(omega.begin(), omega.end()) != omega.end();
+  if (data.size() < fewest_points || repeats || component == Component::magnitude || component == Component::phase) {
+    return {};
+  }
+  const Distances distance(data, component);
+  std::vector<std::size_t> usable(data.size()), outliers;
+  for (std::size_t i = 0; i < usable.size(); ++i) usable[i] = i;
+  const auto most = static_cast<std::size_t>(most_of_the_data * static_cast<double>(data.size()));
+  for (;;) {
+    std::vector<double> all;
+    for (const std::size_t point : usable) all.push_back(distance(usable, point));
+    // Medians of the absolute value of normal noise, of one part and of both.
+    const double median_of_noise = component == Component::both ? 1.1774 : 0.6745;
+    const double usual = detail::median(all) / median_of_noise;
+    // Data that follow each other to rounding have no noise to stand out of.
+    if (!(usual > 1e-9)) return {};
+    Block worst{0, 0, 1};
+    for (std::size_t first = 0; first < usable.size(); ++first) {
+      if (!(all[first] > usual)) continue;
+      for (const std::size_t length : {1, 2}) {
+        if (first + length > usable.size()) continue;
+        const double by = excess(distance, usable, first, first + length, usual);
+        if (by > worst.excess) worst = {first, first + length, by};
+      }
+    }
+    if (worst.last == worst.first) break;
+    for (std::size_t i = worst.first; i < worst.last; ++i) outliers.push_back(usable[i]);
+    usable.erase(usable.begin() + static_cast<std::ptrdiff_t>(worst.first),
+                 usable.begin() + static_cast<std::ptrdiff_t>(worst.last));
+    if (outliers.size() > most) return {};
+  }
+  std::sort(outliers.begin(), outliers.end());
+  return outliers;
+}
+
+FrequencyResponseData without_points(const FrequencyResponseData& data, const std::vector<std::size_t>& points) {
+  std::vector<double> omega, sigma;
+  std::vector<std::complex<double>> value;
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    if (std::binary_search(points.begin(), points.end(), i)) continue;
+    omega.push_back(data.omega()[i]);
+    value.push_back(data.value()[i]);
+    if (!data.sigma().empty()) sigma.push_back(data.sigma()[i]);
+  }
+  return {std::move(omega), std::move(value), std::move(sigma)};
+}
+
+}  // namespace frac

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How often `validate` is wrong: alarms on consistent data by model and noise, and detection of stated violations.
+// Prints two tables for tools/docs/validity_rates.md.  Arguments: [seeds]
+// [first seed] [impedances|resonances|violations].
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "frac/identification/validate.hpp"
+#include "support/validity_cases.hpp"
+
+namespace {
+
+using frac::Validity;
+using support::NoiseKind;
+using support::Random;
+using support::Sweep;
+
+struct Counts {
+  int all = 0, valid = 0, suspect = 0, invalid = 0, undecided = 0;
+  double seconds = 0;
+  void add(const frac::ValidationResult& result) {
+    ++all;
+    ++(result.validity == Validity::valid     ? valid
+       : result.validity == Validity::suspect ? suspect
+       : result.validity == Validity::invalid ? invalid
+                                              : undecided);
+  }
+  [[nodiscard]] double percent(int count) const { return 100.0 * count / all; }
+};
+
+void judge(const Sweep& sweep, Counts& counts) {
+  const auto data = sweep.data();
+  const std::clock_t start = std::clock();
+  counts.add(frac::validate(data));
+  counts.seconds += static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+}
+
+const std::vector<std::pair<NoiseKind, const char*>> kinds{{NoiseKind::relative, "relative"},
+                                                           {NoiseKind::additive, "additive"},
+                                                           {NoiseKind::mixed, "mixed"},
+                                                           {NoiseKind::towards_low, "rising towards low frequency"}};
+
+void false_alarms(const std::vector<support::ValidityModel>& models, int seeds, int first) {
+  std::printf(
+      "| model | noise | measurements | suspect | invalid | undecided | false alarms | ms each |\n"
+      "|---|---|---|---|---|---|---|---|\n");
+  for (const auto& model : models) {
+    for (const auto& [kind, name] : kinds) {
+      Counts counts;
+      for (int seed = first; seed < first + seeds; ++seed) {
+        Random random(static_cast<std::uint64_t>(seed) * 1000003 + static_cast<std::uint64_t>(kind));
+        const double noise = random.log_uniform(0.001, 0.02);
+        const int per_decade = 7 + static_cast<int>(random.below(9));
+        Sweep sweep =
+            support::sweep(model, model.upper / model.lower < 1e4 ? 3 * per_decade : per_decade, kind, noise, random);
+        support::add_noise(sweep, random);
+        judge(sweep, counts);
+      }
+      std::printf("| %s | %s | %d | %d | %d | %d | %.1f %% | %.1f |\n", model.name.c_str(), name, counts.all,
+                  counts.suspect, counts.invalid, counts.undecided, counts.percent(counts.suspect + counts.invalid),
+                  1e3 * counts.seconds / counts.all);
+      std::fflush(stdout);
+    }
+  }
+}
+
+using Violation = std::function<void(Sweep&, Random&)>;
+
+void scale_above(Sweep& sweep, double share) {
+  for (std::size_t i = sweep.exact.size() / 2; i < sweep.exact.size(); ++i) sweep.exact[i] *= 1 + share;
+}
+
+// An element that answers to the size of its own response, at constant amplitude of the input.
+void amplitude_dependence(Sweep& sweep, double share) {
+  double largest = 0;
+  for (const auto& each : sweep.exact) largest = std::max(largest, std::abs(each));
+  for (auto& each : sweep.exact) each *= 1 - share * std::norm(each) / (largest * largest);
+}
+
+void push_out(Sweep& sweep, std::size_t point, double deviations, Random& random) {
+  sweep.exact[point] += std::polar(deviations * sweep.deviation[point], random.uniform(0, 6.2832));
+}
+
+void mains(Sweep& sweep, double deviations, Random& random) {
+  for (std::size_t i = 0; i < sweep.omega.size(); ++i) {
+    const double multiple = sweep.omega[i] / (2 * 3.14159265358979 * 50);
+    for (const double harmonic : {1.0, 3.0})
+      if (std::abs(multiple / harmonic - 1) < 0.02) push_out(sweep, i, deviations, random);
+  }
+}
+
+void detections(int seeds, int first) {
+  const std::vector<std::pair<std::string, Violation>> violations{
+      {"drift 1 %, points of equal time", [](Sweep& s, Random&) { support::drift(s, 0.01, false); }},
+      {"drift 3 %, points of equal time", [](Sweep& s, Random&) { support::drift(s, 0.03, false); }},
+      {"drift 10 %, points of equal time", [](Sweep& s, Random&) { support::drift(s, 0.1, false); }},
+      {"drift 1 %, points of equal periods", [](Sweep& s, Random&) { support::drift(s, 0.01, true); }},
+      {"drift 3 %, points of equal periods", [](Sweep& s, Random&) { support::drift(s, 0.03, true); }},
+      {"drift 10 %, points of equal periods", [](Sweep& s, Random&) { support::drift(s, 0.1, true); }},
+      {"step of 1 % in mid-band", [](Sweep& s, Random&) { scale_above(s, 0.01); }},
+      {"step of 3 % in mid-band", [](Sweep& s, Random&) { scale_above(s, 0.03); }},
+      {"step of 10 % in mid-band", [](Sweep& s, Random&) { scale_above(s, 0.1); }},
+      {"amplitude dependence 10 %", [](Sweep& s, Random&) { amplitude_dependence(s, 0.1); }},
+      {"amplitude dependence 30 %", [](Sweep& s, Random&) { amplitude_dependence(s, 0.3); }},
+      {"one point 6 deviations off", [](Sweep& s, Random& r) { push_out(s, 3 + r.below(s.exact.size() - 6), 6, r); }},
+      {"one point 10 deviations off", [](Sweep& s, Random& r) { push_out(s, 3 + r.below(s.exact.size() - 6), 10, r); }},
+      {"three points 10 deviations off",
+       [](Sweep& s, Random& r) {
+         for (int i = 0; i < 3; ++i) push_out(s, 3 + r.below(s.exact.size() - 6), 10, r);
+       }},
+      {"50 and 150 Hz 4 deviations off", [](Sweep& s, Random& r) { mains(s, 4, r); }},
+      {"50 and 150 Hz 8 deviations off", [](Sweep& s, Random& r) { mains(s, 8, r); }},
+      {"phase reversed",
+       [](Sweep& s, Random&) {
+         for (auto& each : s.exact) each = std::conj(each);
+       }},
+  };
+  const auto& models = support::impedance_models();
+  std::printf(
+      "| violation | noise | measurements | valid | suspect | invalid | undecided | found |\n"
+      "|---|---|---|---|---|---|---|---|\n");
+  for (const auto& [name, violate] : violations) {
+    for (const double noise : {0.001, 0.003, 0.01}) {
+      Counts counts;
+      for (int seed = first; seed < first + seeds; ++seed) {
+        Random random(static_cast<std::uint64_t>(seed) * 7000003 + 17);
+        // Ten points per decade from 0.01 Hz meet 50.1 Hz.
+        Sweep sweep = support::sweep(models[random.below(6)], 10, NoiseKind::relative, noise, random);
+        violate(sweep, random);
+        support::add_noise(sweep, random);
+        judge(sweep, counts);
+      }
+      std::printf("| %s | %.1f %% | %d | %d | %d | %d | %d | %.0f %% |\n", name.c_str(), 100 * noise, counts.all,
+                  counts.valid, counts.suspect, counts.invalid, counts.undecided,
+                  counts.percent(counts.suspect + counts.invalid));
+      std::fflush(stdout);
+    }
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const int seeds = argc > 1 ? std::atoi(argv[1]) : 1000;
+  const int first = argc > 2 ? std::atoi(argv[2]) : 1;
+  const std::string only = argc > 3 ? argv[3] : "";
+  std::printf("%s, GCC %s, seeds %d to %d\n", FRACFIT_BUILD_TYPE, __VERSION__, first, first + seeds - 1);
+  if (only.empty() || only == "impedances") {
+    std::printf("\n## False alarms: impedances and moduli\n\n");
+    false_alarms(support::impedance_models(), seeds, first);
+  }
+  if (only.empty() || only == "resonances") {
+    std::printf("\n## False alarms: transfer functions with complex poles or delay\n\n");
+    false_alarms(support::resonant_models(), seeds, first);
+  }
+  if (only.empty() || only == "violations") {
+    std::printf("\n## Detection\n\n");
+    detections(seeds, first);
+  }
+}

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "frac/identification/outliers.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <cstddef>
+#include <random>
+#include <vector>
+
+#include "frac/identification/identify.hpp"
+#include "identification/data/noise_floor.hpp"
+#include "support/both_parts.hpp"
+#include "support/noisy_response.hpp"
+
+namespace {
+
+using frac::Component;
+
+// A cubic through four points meets a smooth response within noise of 1 %, so what is named is chance.  Of 60 points
+// white normal noise names one in fewer than 1 of 1000 records; in 200 records more than three have a chance of 1e-4.
+TEST(Outliers, AreNotSeenInWhiteNoise) {
+  int records = 0;
+  for (unsigned seed = 1; seed <= 100; ++seed) {
+    for (const char* formula : {"1/(s + 1)", "0.1 + 1/(s^0.7 + 1)"}) {
+      const auto data = support::noisy_response(formula, {}, 0.01, seed);
+      records += !frac::isolated_outliers(data, Component::both).empty();
+    }
+  }
+  EXPECT_LE(records, 3);
+}
+
+// Displaced by 30 to 60 % at noise of 1 %, far from each other and from the ends: each is named and nothing else.
+TEST(Outliers, AreNamedWhereBothSidesContradictThem) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    const auto clean = support::noisy_response("2/(s^0.7 + 1)", {}, 0.01, seed);
+    std::vector<std::complex<double>> value = clean.value();
+    std::mt19937_64 generator(seed);
+    std::uniform_real_distribution<double> size(0.3, 0.6), turn(0, 6.28);
+    const std::vector<std::size_t> moved{7, 21, 25 + seed, 52};
+    for (const std::size_t i : moved) value[i] += std::abs(value[i]) * std::polar(size(generator), turn(generator));
+    const frac::FrequencyResponseData data(clean.omega(), value);
+    EXPECT_EQ(frac::isolated_outliers(data, Component::both), moved) << seed;
+    const auto left = frac::without_points(data, moved);
+    EXPECT_EQ(left.size(), data.size() - moved.size());
+    EXPECT_EQ(left.value()[7], data.value()[8]);
+  }
+}
+
+// A resonance three points wide shows at the neighbours of its peak.
+TEST(Outliers, AResonanceIsNone) {
+  const auto data = support::noisy_response("1/(s^2 + 0.15 s + 1)", {}, 0.001, 3u);
+  EXPECT_TRUE(frac::isolated_outliers(data, Component::both).empty());
+}
+
+// Too few points, repeats and one number per point tell nothing.
+TEST(Outliers, AreNotSoughtWhereNothingTellsThem) {
+  const auto few = support::noisy_response("1/(s + 1)", {}, 0.01, 1u, 11);
+  EXPECT_TRUE(frac::isolated_outliers(few, Component::both).empty());
+  const frac::FrequencyResponseData repeated(std::vector<double>(20, 1.0), std::vector<std::complex<double>>(20, 1.0));
+  EXPECT_TRUE(frac::isolated_outliers(repeated, Component::both).empty());
+}
+
+/// Response of a second-order lag with normal noise of one size everywhere, which is 1e-3 of the largest value.
+frac::FrequencyResponseData with_additive_noise(unsigned seed) {
+  const auto exact = support::noisy_response("1/((s + 1) (s + 1))", {}, 1e-12, seed);
+  std::mt19937_64 generator(seed);
+  std::normal_distribution<double> normal(0, 1e-3);
+  std::vector<std::complex<double>> value = exact.value();
+  for (auto& each : value) each += std::complex<double>(normal(generator), normal(generator));
+  return {exact.omega(), value};
+}
+
+// The response falls to 1e-4, below noise of 1e-3.  Purely additive noise is a floor above all values.  Where there is
+// none, a likelihood ratio of e^2 is asked of it, which chance gives to one record of 40: more than four of 20 have a
+// chance of 1e-4.
+TEST(NoiseFloor, IsToldWithoutAModel) {
+  int seen = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    EXPECT_GT(frac::detail::noise_floor(with_additive_noise(seed), Component::both), 0.3) << seed;
+    const auto relative = support::noisy_response("1/((s + 1) (s + 1))", {}, 0.01, seed);
+    seen += frac::detail::noise_floor(relative, Component::both) > 0;
+  }
+  EXPECT_LE(seen, 4);
+}
+
+// Under relative weight the noise in the tail outweighs the response, and no structure follows the data.
+TEST(Identify, LearnsOneFloorForAllCandidates) {
+  frac::FitOptions options = support::both_parts();
+  options.weight = frac::Weight::learned;
+  const std::vector<frac::NamedModel> models{frac::find_model("lag"), frac::find_model("fractional-lag"),
+                                             frac::find_model("rational:1..4")};
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const auto result = frac::identify(with_additive_noise(seed), models, {}, options);
+    EXPECT_EQ(result.verdict, frac::Verdict::fractional_not_supported) << result.verdict_sentence;
+    EXPECT_GT(result.noise_floor, 0.3);
+    for (const auto& ranked : result.ranking) EXPECT_EQ(ranked.fit.noise_floor, result.noise_floor);
+    ASSERT_TRUE(result.integer.has_value());
+    EXPECT_EQ(result.ranking[result.integer->index].fit.free_parameters, 3u) << result.verdict_sentence;
+  }
+}
+
+}  // namespace

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Ratios grown over time, and verdicts on records.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <stdexcept>
+#include <vector>
+
+#include "frac/identification/identify.hpp"
+#include "frac/mittag_leffler.hpp"
+
+namespace {
+
+/// Step response with normal noise: the input is 1 from the first of `count` samples on.
+template <class Output>
+frac::TimeResponseData step_record(Output output, double length, std::size_t count, double noise, unsigned seed) {
+  std::mt19937_64 generator(seed);
+  std::normal_distribution<double> normal(0, noise);
+  std::vector<double> time, input(count, 1.0), value;
+  for (std::size_t i = 0; i < count; ++i) {
+    time.push_back(length * static_cast<double>(i) / static_cast<double>(count - 1));
+    value.push_back(output(time.back()) + normal(generator));
+  }
+  return {time, input, value};
+}
+
+// 1/((s + 1)(2 s + 1)(0.4 s + 1)): with time constants T_i the response is 1 - sum_i T_i^2/prod(T_i - T_j) exp(-t/T_i).
+double three_lags(double t) {
+  const double times[] = {1, 2, 0.4};
+  double sum = 1;
+  for (int i = 0; i < 3; ++i) {
+    double share = times[i] * times[i];
+    for (int j = 0; j < 3; ++j) share /= j == i ? 1 : times[i] - times[j];
+    sum -= share * std::exp(-t / times[i]);
+  }
+  return sum;
+}
+
+TEST(TimeGrowth, FindsThreePoles) {
+  const auto data = step_record(three_lags, 15, 301, 1e-3, 1);
+  const frac::NamedModel model = frac::resolved_model(data, frac::find_model("rational"), frac::TimeFitOptions{});
+  EXPECT_TRUE(model.name.ends_with("/3")) << model.name;
+  frac::TimeFitOptions options;
+  options.constraints = model.constraints;
+  options.global_start = false;
+  const auto fit = frac::fit(data, frac::Structure(model.formula), options);
+  // 301 residuals tell the noise to 4 % (1/sqrt(602)); four times that.
+  EXPECT_NEAR(fit.rms / 1e-3, 1, 0.16) << model.formula;
+}
+
+TEST(TimeGrowth, OtherFamiliesAreRefused) {
+  const auto data = step_record(three_lags, 15, 61, 1e-3, 1);
+  for (const char* family : {"commensurate", "terms", "rational:1/2"}) {
+    EXPECT_THROW((void)frac::resolved_model(data, frac::find_model(family), frac::TimeFitOptions{}),
+                 std::invalid_argument)
+        << family;
+  }
+}
+
+std::vector<frac::NamedModel> candidates() {
+  std::vector<frac::NamedModel> models;
+  for (const char* name : {"lag", "fractional-lag", "oscillator", "differentiator", "rational:1..5"}) {
+    models.push_back(frac::find_model(name));
+  }
+  return models;
+}
+
+// The step response of 1/(s^0.6 + 1) is t^0.6 E_{0.6,1.6}(-t^0.6).  A differentiator answers a step with an impulse,
+// so the record itself refutes it and it holds nothing back.
+TEST(Verdict, OverTimeAFractionalLagIsSupported) {
+  const auto data = step_record(
+      [](double t) { return std::pow(t, 0.6) * frac::mittag_leffler(0.6, 1.6, -std::pow(t, 0.6)); }, 20, 151, 1e-3, 2);
+  const auto result = frac::identify(data, candidates(), frac::TimeFitOptions{});
+  EXPECT_EQ(result.verdict, frac::Verdict::fractional_supported) << result.verdict_sentence;
+  ASSERT_EQ(result.skipped.size(), 1u);
+  EXPECT_NE(result.skipped[0].find("differentiator"), std::string::npos) << result.skipped[0];
+}
+
+TEST(Verdict, OverTimeThreeLagsAreNotFractional) {
+  const auto result = frac::identify(step_record(three_lags, 15, 151, 1e-3, 3), candidates(), frac::TimeFitOptions{});
+  EXPECT_EQ(result.verdict, frac::Verdict::fractional_not_supported) << result.verdict_sentence;
+}
+
+}  // namespace

@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "frac/identification/validate.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <vector>
+
+#include "identification/consistency/projected_residual.hpp"
+#include "support/expect_invalid_argument.hpp"
+#include "support/random.hpp"
+#include "support/validity_cases.hpp"
+
+namespace {
+
+using frac::Validity;
+using support::NoiseKind;
+using support::Random;
+
+bool has_alarm(const frac::ValidationResult& result, frac::ValidityTest test) {
+  return std::any_of(result.findings.begin(), result.findings.end(),
+                     [&](const auto& finding) { return finding.test == test && finding.alarm; });
+}
+
+support::Sweep noisy(const support::ValidityModel& model, double noise, std::uint64_t seed,
+                     NoiseKind kind = NoiseKind::relative, int per_decade = 10) {
+  Random random(seed);
+  support::Sweep sweep = support::sweep(model, per_decade, kind, noise, random);
+  support::add_noise(sweep, random);
+  return sweep;
+}
+
+// The chances of white noise that a projection has passed are uniform: of 2000 the share below p is p within four
+// standard deviations of the binomial.  Projections of a smooth basis leave the residuals far from white themselves.
+TEST(ProjectedResidual, ChancesOfWhiteNoiseAreUniform) {
+  constexpr Eigen::Index points = 30, width = 12;
+  Eigen::MatrixXd basis(2 * points, width);
+  for (Eigen::Index k = 0; k < points; ++k)
+    for (Eigen::Index j = 0; j < width; ++j) {
+      const double x = static_cast<double>(k) / points;
+      basis(2 * k, j) = std::cos(std::numbers::pi * static_cast<double>(j) * x);
+      basis(2 * k + 1, j) = std::cos(std::numbers::pi * static_cast<double>(j) * x + 1);
+    }
+  const Eigen::MatrixXd q =
+      Eigen::HouseholderQR<Eigen::MatrixXd>(basis).householderQ() * Eigen::MatrixXd::Identity(2 * points, width);
+  Eigen::VectorXd column(2 * points);
+  for (Eigen::Index i = 0; i < 2 * points; ++i) column(i) = static_cast<double>(i * i);
+  const std::vector<double> near{1.0}, far{0.75, 0.5, 0.25};
+  const std::vector<Eigen::Index> some{0, 7, 8};
+  Random random(41);
+  constexpr int trials = 2000;
+  std::vector<std::vector<double>> chances(4);
+  for (int trial = 0; trial < trials; ++trial) {
+    Eigen::VectorXd noise(2 * points);
+    for (double& each : noise) each = random.normal();
+    const frac::detail::ProjectedResidual rest{q, noise - q * (q.transpose() * noise)};
+    chances[0].push_back(frac::detail::correlation_test(rest, near).p_value);
+    chances[1].push_back(frac::detail::correlation_test(rest, far).p_value);
+    chances[2].push_back(frac::detail::added_column(rest, column).p_value);
+    chances[3].push_back(frac::detail::excess_chance(rest, some));
+  }
+  for (const auto& each : chances)
+    for (const double p : {0.01, 0.05, 0.5, 0.95}) {
+      const auto below = static_cast<double>(std::count_if(each.begin(), each.end(), [&](double c) { return c < p; }));
+      EXPECT_NEAR(below / trials, p, 4 * std::sqrt(p * (1 - p) / trials)) << &each - chances.data() << " at " << p;
+    }
+}
+
+// At the 5 % level; the bound is 5 % and three standard deviations of the binomial.  Rates of a thousand times as many
+// stand in tools/docs/validity_rates.md.
+TEST(Validate, FalseAlarmsStayBelowTheLevel) {
+  int all = 0, alarms = 0;
+  for (const auto& model : support::impedance_models())
+    for (const NoiseKind kind : {NoiseKind::relative, NoiseKind::additive, NoiseKind::mixed, NoiseKind::towards_low})
+      for (std::uint64_t seed = 900; seed < 905; ++seed, ++all) {
+        const auto result = frac::validate(noisy(model, 0.003, seed, kind).data());
+        alarms += result.validity == Validity::suspect || result.validity == Validity::invalid;
+      }
+  EXPECT_LE(alarms, 0.05 * all + 3 * std::sqrt(0.05 * 0.95 * all));
+}
+
+TEST(Validate, ResonancesAndDelaysAreNoViolation) {
+  int all = 0, alarms = 0;
+  for (const auto& model : support::resonant_models())
+    for (std::uint64_t seed = 300; seed < 308; ++seed, ++all) {
+      const auto result = frac::validate(noisy(model, 0.005, seed, NoiseKind::relative, 30).data());
+      alarms += result.validity == Validity::suspect || result.validity == Validity::invalid;
+    }
+  EXPECT_LE(alarms, 0.05 * all + 3 * std::sqrt(0.05 * 0.95 * all));
+}
+
+TEST(Validate, FindsADriftAndItsSize) {
+  for (const bool by_periods : {false, true}) {
+    Random random(77);
+    support::Sweep sweep = support::sweep(support::impedance_models()[1], 10, NoiseKind::relative, 0.001, random);
+    support::drift(sweep, 0.1, by_periods);
+    support::add_noise(sweep, random);
+    const auto result = frac::validate(sweep.data());
+    EXPECT_EQ(result.validity, Validity::invalid);
+    EXPECT_TRUE(has_alarm(result, by_periods ? frac::ValidityTest::drift_periods : frac::ValidityTest::drift_even));
+    EXPECT_EQ(result.drift_law, by_periods ? frac::ValidityTest::drift_periods : frac::ValidityTest::drift_even);
+    // 0.1 of the response at the start of the sweep, which the poles share with the drift: a third of it at most.
+    EXPECT_NEAR(result.drift, 0.1, 0.035) << result.summary();
+  }
+}
+
+// The complex conjugate of a response is that of a system with its poles in the right half plane.
+TEST(Validate, AReversedSignOfTheImaginaryPartIsFound) {
+  for (const auto& model : support::impedance_models()) {
+    support::Sweep sweep = noisy(model, 0.003, 12);
+    for (auto& each : sweep.value) each = std::conj(each);
+    EXPECT_EQ(frac::validate(sweep.data()).validity, Validity::invalid) << model.name;
+  }
+}
+
+TEST(Validate, NamesOutliersAndMains) {
+  support::Sweep sweep = noisy(support::impedance_models()[2], 0.002, 5);
+  const auto mains =
+      static_cast<std::size_t>(std::min_element(sweep.omega.begin(), sweep.omega.end(),
+                                                [](double a, double b) {
+                                                  const double w = 2 * std::numbers::pi * 50;
+                                                  return std::abs(std::log(a / w)) < std::abs(std::log(b / w));
+                                                }) -
+                               sweep.omega.begin());
+  ASSERT_NEAR(sweep.omega[mains] / (2 * std::numbers::pi), 50, 0.2);
+  for (const std::size_t point : {std::size_t{12}, std::size_t{35}}) {
+    support::Sweep far = sweep;
+    far.value[point] *= std::polar(1.02, 0.02);  // 14 deviations
+    const auto result = frac::validate(far.data());
+    EXPECT_EQ(result.validity, Validity::suspect);
+    EXPECT_EQ(result.outliers, std::vector<std::size_t>{point});
+  }
+  support::Sweep far = sweep;
+  far.value[mains] *= std::polar(1.02, 0.02);
+  const auto result = frac::validate(far.data());
+  EXPECT_EQ(result.validity, Validity::suspect);
+  EXPECT_TRUE(has_alarm(result, frac::ValidityTest::mains_50)) << result.summary();
+  EXPECT_TRUE(std::find(result.mains.begin(), result.mains.end(), mains) != result.mains.end());
+}
+
+TEST(Validate, TellsTheNoise) {
+  for (const double noise : {0.001, 0.01}) {
+    const auto result = frac::validate(noisy(support::impedance_models()[3], noise, 8).data());
+    // Half of 142 squares of two parts each: 6 % is one standard deviation of their root.
+    EXPECT_NEAR(result.noise, noise, 0.24 * noise);
+    EXPECT_EQ(result.noise_slope, 0);
+  }
+  // omega^-0.15 over 240 values of pi^2/6: the slope has a standard deviation of 0.01.
+  const auto rising =
+      frac::validate(noisy(support::impedance_models()[3], 0.003, 9, NoiseKind::towards_low, 30).data());
+  EXPECT_NEAR(rising.noise_slope, -0.15, 0.04);
+}
+
+TEST(Validate, ExactDataAreValid) {
+  for (const auto& model : support::impedance_models()) {
+    Random random(3);
+    const auto sweep = support::sweep(model, 10, NoiseKind::relative, 0, random);
+    const auto result = frac::validate({sweep.omega, sweep.exact});
+    EXPECT_EQ(result.validity, Validity::valid) << model.name << ": " << result.summary();
+  }
+}
+
+TEST(Validate, TooLittleIsUndecided) {
+  const auto sweep = noisy(support::impedance_models()[1], 0.01, 1);
+  const auto few =
+      frac::validate({{sweep.omega.begin(), sweep.omega.begin() + 5}, {sweep.value.begin(), sweep.value.begin() + 5}});
+  EXPECT_EQ(few.validity, Validity::undecided);
+  EXPECT_TRUE(few.summary().starts_with("undecided")) << few.summary();
+  EXPECT_FALSE(few.usable());
+  // A third of the response as noise hides every drift in half a decade.
+  const auto rough = noisy(support::impedance_models()[1], 0.3, 1);
+  const frac::FrequencyResponseData narrow({rough.omega.begin() + 20, rough.omega.begin() + 26},
+                                           {rough.value.begin() + 20, rough.value.begin() + 26});
+  EXPECT_EQ(frac::validate(narrow).validity, Validity::undecided);
+  EXPECT_EQ(frac::validate({{1, 1, 1, 1, 1, 1, 1}, std::vector<std::complex<double>>(7, 2.0)}).validity,
+            Validity::undecided);
+}
+
+// Units do not matter, but for the mains.
+TEST(Validate, DoesNotDependOnUnits) {
+  const auto sweep = noisy(support::impedance_models()[4], 0.004, 21, NoiseKind::mixed);
+  auto other = sweep;
+  for (auto& omega : other.omega) omega *= 0x1p+20;
+  for (auto& value : other.value) value *= 0x1p-40;
+  const auto one = frac::validate(sweep.data()), two = frac::validate(other.data());
+  EXPECT_EQ(one.validity, two.validity);
+  EXPECT_EQ(one.real_poles, two.real_poles);
+  // Least squares with a condition of 1e6 at most, squared by nothing.
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_NEAR(one.findings[i].p_value, two.findings[i].p_value, 1e-6);
+}
+
+TEST(Validate, RefusesALevelThatIsNoChance) {
+  const auto data = noisy(support::impedance_models()[0], 0.01, 1).data();
+  for (const double level : {0.0, 1.0, -0.1, std::nan("")})
+    support::expect_invalid_argument([&] { static_cast<void>(frac::validate(data, {level})); }, {"level"});
+}
+
+}  // namespace

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <cstddef>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "run_program.hpp"
+
+namespace {
+
+// An arc with a resistance before it, 8 points per decade over five decades, rounded to four digits.
+std::string spectrum(double drift) {
+  std::string text = "frequency_hz,re_ohm,im_ohm\n";
+  constexpr int last = 40;
+  for (int i = 0; i <= last; ++i) {
+    const double frequency = 0.1 * std::pow(10, i / 8.0);
+    const std::complex<double> s(0, 2 * 3.14159265358979 * frequency);
+    auto value = 10.0 + 100.0 / (1.0 + std::pow(0.01 * s, 0.8));
+    value *= 1 + drift * (last - i) / last;
+    char line[96];
+    std::snprintf(line, sizeof line, "%.9g,%.4g,%.4g\n", frequency, value.real(), value.imag());
+    text += line;
+  }
+  return text;
+}
+
+TEST(ValidateCommand, JudgesEveryCurveAndKeepsItsColumns) {
+  const TemporaryFolder folder;
+  const auto good = folder.write("good.csv", spectrum(0)), drifting = folder.write("drift.csv", spectrum(0.1));
+  const auto result = run_fracfit({"validate", good, drifting, "--format", "json"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const auto json = nlohmann::json::parse(result.output);
+  EXPECT_EQ(json.at("level"), 0.05);
+  const auto& rows = json.at("rows");
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0].at("file"), good);
+  EXPECT_EQ(rows[0].at("validity"), "valid");
+  EXPECT_EQ(rows[0].at("points"), 41);
+  EXPECT_EQ(rows[1].at("validity"), "invalid");
+  EXPECT_NEAR(rows[1].at("drift").get<double>(), 0.1, 0.05);
+  for (const char* key : {"curve",        "decades",         "noise",           "noise_floor",      "noise_slope",
+                          "correlation",  "drift_law",       "drift_deviation", "detectable_drift", "outliers_rad_s",
+                          "mains_rad_s",  "real_poles",      "pole_pairs",      "p_neighbours",     "p_neighbourhoods",
+                          "p_drift_even", "p_drift_periods", "p_outliers",      "p_mains_50",       "p_mains_60",
+                          "summary"})
+    EXPECT_TRUE(rows[0].contains(key)) << key;
+  const auto table = run_fracfit({"validate", good, "--format", "table"});
+  EXPECT_NE(table.output.find("good.csv: valid: "), std::string::npos) << table.output;
+}
+
+TEST(ValidateCommand, DrawsTheResiduals) {
+  const TemporaryFolder folder;
+  const auto data = folder.write("data.csv", spectrum(0)), picture = folder.path("rest.svg");
+  const auto result = run_fracfit({"validate", data, "--picture", picture});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const std::string drawn = content_of(picture);
+  EXPECT_NE(drawn.find("</svg>"), std::string::npos);
+  EXPECT_NE(drawn.find("imaginary part"), std::string::npos);
+}
+
+TEST(ValidateCommand, WrongUsageAndTooLittleDataAreNamed) {
+  const TemporaryFolder folder;
+  const auto data = folder.write("data.csv", spectrum(0));
+  EXPECT_EQ(run_fracfit({"validate"}).code, 2);
+  EXPECT_EQ(run_fracfit({"validate", data, "--level", "1"}).code, 2);
+  EXPECT_EQ(run_fracfit({"validate", data, "--picture", folder.path("rest.pdf")}).code, 2);
+  const auto onto_itself = run_fracfit({"validate", data, "--picture", data});
+  EXPECT_EQ(onto_itself.code, 2) << onto_itself.error;
+  EXPECT_EQ(run_fracfit({"validate", folder.path("none.csv")}).code, 3);
+  const auto few = run_fracfit({"validate", folder.write("few.csv", "omega_rad_s,re,im\n1,1,0\n2,1,0\n")});
+  EXPECT_EQ(few.code, 1);
+  EXPECT_NE(few.output.find("undecided"), std::string::npos);
+}
+
+}  // namespace

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "frac/identification/validate.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "commands/subcommand.hpp"
+#include "options/data_options.hpp"
+#include "options/measured_curves.hpp"
+#include "output/document.hpp"
+#include "report/picture.hpp"
+
+namespace fracfit {
+namespace {
+
+struct Judged {
+  std::string file, curve;
+  frac::FrequencyResponseData data;
+  frac::ValidationResult result;
+};
+
+std::string frequencies(const Judged& judged, const std::vector<std::size_t>& points) {
+  std::string text;
+  for (const std::size_t i : points) text += (text.empty() ? "" : " ") + io::format_number(judged.data.omega()[i]);
+  return text;
+}
+
+// Residuals over frequency with the band that holds 95 % of the noise.
+report::Panel panel_of(const Judged& judged) {
+  const auto& result = judged.result;
+  std::vector<double> omega, real, imaginary, lower, upper;
+  for (std::size_t i = 0; i < result.model.size(); ++i) {
+    const double size = std::abs(result.model[i]);
+    if (!(size > 0)) continue;
+    const auto rest = (judged.data.value()[i] - result.model[i]) / size;
+    omega.push_back(judged.data.omega()[i]);
+    real.push_back(100 * rest.real());
+    imaginary.push_back(100 * rest.imag());
+    upper.push_back(196 * result.deviation[i] / size);
+    lower.push_back(-upper.back());
+  }
+  std::string title = judged.file + (judged.curve.empty() ? "" : ", " + judged.curve);
+  title += ": " + std::string(to_string(result.validity));
+  report::Panel panel{report::enhanced_escape(title), {"{/Symbol w} (rad/s)", true}, {"data - model (% of model)"}};
+  panel.key = true;
+  panel.curves.push_back(report::make_band("95 % of noise", "#bbbbbb", omega, lower, upper));
+  panel.curves.push_back(
+      report::make_curve("real part", report::category_colour(0), report::Mark::line_points, omega, real));
+  panel.curves.push_back(
+      report::make_curve("imaginary part", report::category_colour(1), report::Mark::line_points, omega, imaginary));
+  return panel;
+}
+
+class Validate : public Command {
+ public:
+  Validate()
+      : Command("validate",
+                "Checks whether measured frequency responses can be those of a linear, stable, steady system") {
+    Options& o = options();
+    o.texts("FILE", files_, "Frequency responses as tables or as instruments write them; - for standard input", "FILE")
+        .required();
+    add_file_options(o, how_);
+    add_select(o, how_);
+    o.number("--level", level_, "Chance that data without a fault are not called valid, between 0 and 1", "P");
+    o.text("--picture", picture_, "A picture beside the result, SVG or PNG by its ending; here the residuals", "FILE");
+    add_common({"csv", "json", "table"});
+    set_footer(
+        "Real and imaginary part of a linear, causal, stable, steady response belong together (Kramers, Kronig).  The\n"
+        "best sum of poles, their number told by evidence, is such a response; what it leaves must be noise.\n"
+        "Verdicts: valid; suspect (outliers or mains, the other points are consistent); invalid (drift, or residuals\n"
+        "that follow each other); undecided (band, points or noise leave too little to judge by; exit code 1 if all "
+        "are).\n"
+        "A response that depends on amplitude but stays the same during the sweep can pass.\n"
+        "Examples:\n"
+        "  fracfit validate cell.DTA --format table\n"
+        "  fracfit validate sweep1.mpt sweep2.mpt --out validity.csv\n"
+        "  fracfit validate cell.csv --picture residuals.svg");
+  }
+
+ private:
+  [[nodiscard]] std::vector<std::string> inputs() const override { return files_; }
+
+  void check() override {
+    if (!(level_ > 0 && level_ < 1)) throw std::invalid_argument("--level must be between 0 and 1");
+    if (picture_.empty()) return;
+    try {
+      drawing_.emplace(picture_, files_);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(std::string("--picture: ") + error.what());
+    }
+  }
+
+  int run() override {
+    std::vector<Judged> all;
+    for (const auto& file : files_) {
+      auto curves = read_curves(file, how_);
+      for (const auto& note : notes_of(curves)) say(file + ": " + note);
+      for (auto& curve : curves) {
+        auto result = frac::validate(curve.file.data, {level_});
+        all.push_back({file, curve.name, std::move(curve.file.data), std::move(result)});
+      }
+    }
+    Document document;
+    document.head.emplace_back("level", io::format_number(level_));
+    auto& columns = document.rows.columns;
+    columns = {"file",       "curve",           "validity",         "points",         "decades",
+               "noise",      "noise_floor",     "noise_slope",      "correlation",    "drift",
+               "drift_law",  "drift_deviation", "detectable_drift", "outliers_rad_s", "mains_rad_s",
+               "real_poles", "pole_pairs"};
+    for (const auto& finding : all.front().result.findings) {
+      std::string name(to_string(finding.test));
+      std::replace(name.begin(), name.end(), '-', '_');
+      columns.push_back("p_" + name);
+    }
+    columns.emplace_back("summary");
+    document.rows.count = all.size();
+    document.rows.fill = [&](std::size_t row, std::vector<Cell>& cells) {
+      const Judged& judged = all[row];
+      const auto& result = judged.result;
+      const auto& omega = judged.data.omega();
+      cells.insert(
+          cells.end(),
+          {judged.file, judged.curve, std::string(to_string(result.validity)), static_cast<std::int64_t>(omega.size()),
+           std::log10(omega.back() / omega.front()), result.noise, result.noise_floor, result.noise_slope,
+           result.correlation, result.drift, std::string(to_string(result.drift_law)), result.drift_deviation,
+           result.detectable_drift, frequencies(judged, result.outliers), frequencies(judged, result.mains),
+           static_cast<std::int64_t>(result.real_poles), static_cast<std::int64_t>(result.pole_pairs)});
+      for (const auto& finding : result.findings) cells.emplace_back(finding.p_value);
+      cells.emplace_back(result.summary());
+    };
+    write(format() == "table" ? sentences(all) : text_of(document, format(), command_line()));
+    if (drawing_) draw(all);
+    const bool usable = std::any_of(all.begin(), all.end(), [](const Judged& each) { return each.result.usable(); });
+    if (!usable) say("nothing can be judged");
+    return usable ? usable_result : no_usable_result;
+  }
+
+  // For people: the verdicts, and what they rest on.
+  [[nodiscard]] static std::string sentences(const std::vector<Judged>& all) {
+    std::string text;
+    for (const auto& each : all) {
+      text += each.file + (each.curve.empty() ? "" : ", " + each.curve) + ": " + each.result.summary() + "\n";
+      for (const auto& [points, name] : {std::pair{&each.result.outliers, "outliers"}, {&each.result.mains, "mains"}})
+        if (!points->empty()) text += std::string("  ") + name + " at rad/s: " + frequencies(each, *points) + "\n";
+    }
+    return text;
+  }
+
+  void draw(const std::vector<Judged>& all) const {
+    report::Figure figure;
+    constexpr std::size_t most_panels = 12;
+    for (std::size_t i = 0; i < std::min(all.size(), most_panels); ++i)
+      if (!all[i].result.model.empty()) figure.panels.push_back(panel_of(all[i]));
+    if (all.size() > most_panels) say("the picture shows the first 12 curves of " + std::to_string(all.size()));
+    if (figure.panels.empty()) {
+      say("no picture: no curve has points enough");
+      return;
+    }
+    drawing_->write(std::move(figure));
+  }
+
+  std::vector<std::string> files_;
+  io::MeasurementOptions how_;
+  double level_ = 0.05;
+  std::string picture_;
+  std::optional<report::PictureFile> drawing_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_validate() {
+  return std::make_unique<Validate>();
+}
+
+}  // namespace fracfit

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/field.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <numbers>
+#include <utility>
+
+namespace report {
+
+namespace {
+
+constexpr std::array<std::string_view, 7> names{
+    "auto", "impedance", "admittance", "shear-modulus", "tensile-modulus", "permittivity", "transfer-function"};
+constexpr std::array all{Field::automatic,       Field::impedance,    Field::admittance,       Field::shear_modulus,
+                         Field::tensile_modulus, Field::permittivity, Field::transfer_function};
+
+// A unit and its prefix apart; both empty where the unit is none of those known.
+struct Unit {
+  std::string base, prefix;
+};
+
+constexpr std::string_view prefixes[] = {"", "n", "u", "µ", "m", "k", "M", "G"};
+
+Unit taken_apart(const std::string& unit) {
+  static constexpr std::pair<std::string_view, std::string_view> bases[] = {
+      {"ohm", "Ω"},
+      {"ohms", "Ω"},
+      {"Ohm", "Ω"},
+      {"Ohms", "Ω"},
+      {"\xCE\xA9", "Ω"},      // the letter
+      {"\xE2\x84\xA6", "Ω"},  // the sign of the unit
+      {"S", "S"},
+      {"siemens", "S"},
+      {"Pa", "Pa"},
+      {"pa", "Pa"}};
+  for (const std::string_view prefix : prefixes) {
+    if (!unit.starts_with(prefix)) continue;
+    const std::string_view rest = std::string_view(unit).substr(prefix.size());
+    for (const auto& [written, base] : bases) {
+      if (rest == written) return {std::string(base), std::string(prefix == "u" ? "µ" : prefix)};
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string_view to_string(Field field) {
+  return names.at(static_cast<std::size_t>(field));
+}
+
+std::span<const Field> fields() {
+  return all;
+}
+
+Field field_of(const io::FrequencyResponseFile& file) {
+  static constexpr std::pair<std::string_view, Field> symbols[] = {{"z", Field::impedance},
+                                                                   {"y", Field::admittance},
+                                                                   {"g", Field::shear_modulus},
+                                                                   {"e", Field::tensile_modulus},
+                                                                   {"eps", Field::permittivity}};
+  for (const auto& [symbol, field] : symbols) {
+    if (file.symbol == symbol) return field;
+  }
+  const std::string base = taken_apart(file.value_unit).base;
+  if (base == "Ω") return Field::impedance;
+  if (base == "S") return Field::admittance;
+  if (base == "Pa") return Field::shear_modulus;
+  return Field::transfer_function;
+}
+
+Notation notation_of(Field field, const std::string& unit) {
+  const Unit apart = taken_apart(unit);
+  const std::string shown = apart.base.empty() ? unit : apart.prefix + apart.base;
+  constexpr double hertz = 1 / (2 * std::numbers::pi);
+  switch (field) {
+    case Field::impedance:
+      return {"Z", "Z′", "−Z″", -1, shown, "f_hz", "f in Hz", hertz};
+    case Field::admittance:
+      return {"Y", "Y′", "Y″", 1, shown, "f_hz", "f in Hz", hertz};
+    case Field::shear_modulus:
+      return {"G", "G′", "G″", 1, shown, "omega_rad_s", "ω in rad/s", 1};
+    case Field::tensile_modulus:
+      return {"E", "E′", "E″", 1, shown, "omega_rad_s", "ω in rad/s", 1};
+    case Field::permittivity:
+      return {"ε", "ε′", "ε″", -1, shown, "f_hz", "f in Hz", hertz};
+    case Field::automatic:
+    case Field::transfer_function:
+      break;
+  }
+  return {"H", "Re", "Im", 1, shown, "omega_rad_s", "ω in rad/s", 1};
+}
+
+std::string with_unit(const std::string& quantity, const std::string& unit) {
+  return unit.empty() || unit == "1" ? quantity : quantity + " in " + unit;
+}
+
+std::vector<double> axis_values(const Notation& notation, const std::vector<double>& omega) {
+  std::vector<double> axis(omega.size());
+  std::transform(omega.begin(), omega.end(), axis.begin(), [&](double each) { return each * notation.axis_factor; });
+  return axis;
+}
+
+}  // namespace report

@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "io/frequency_response_file.hpp"
+
+namespace report {
+
+/// What a measured response is, which decides how readers of its field draw it.
+enum class Field {
+  automatic,          // told by the names and units of the file
+  impedance,          // -Im Z over Re Z beside magnitude and phase over Hz
+  admittance,         // Im Y over Re Y beside magnitude and phase over Hz
+  shear_modulus,      // G' and G'' over rad/s, both axes logarithmic
+  tensile_modulus,    // E' and E'', likewise
+  permittivity,       // eps' and eps'' over Hz, likewise
+  transfer_function,  // magnitude in dB and phase over rad/s
+};
+
+/// Command-line spellings.
+[[nodiscard]] std::string_view to_string(Field field);
+[[nodiscard]] std::span<const Field> fields();
+
+/// The field of a file: that of its columns' names, else that of its unit, else a transfer function.
+[[nodiscard]] Field field_of(const io::FrequencyResponseFile& file);
+
+/// How one field writes its quantities.
+struct Notation {
+  std::string symbol;           // Z
+  std::string real, imaginary;  // Z', -Z''
+  double sign;                  // of the imaginary part as drawn
+  std::string unit;             // as on axes; empty: none is known
+  std::string axis_name;        // of the frequency in tables: f_hz or omega_rad_s
+  std::string axis_label;       // f in Hz
+  double axis_factor;           // from rad/s
+};
+
+/// @param field  not automatic
+/// @param unit   of the file, as it stands there
+[[nodiscard]] Notation notation_of(Field field, const std::string& unit);
+
+/// "Z' in ohm": a quantity with its unit, if there is one.
+[[nodiscard]] std::string with_unit(const std::string& quantity, const std::string& unit);
+
+/// Frequencies as the field gives them.
+[[nodiscard]] std::vector<double> axis_values(const Notation& notation, const std::vector<double>& omega);
+
+}  // namespace report

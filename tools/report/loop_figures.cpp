@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/loop_figures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <utility>
+
+#include "report/grid.hpp"
+
+namespace report {
+namespace {
+
+using Complex = std::complex<double>;
+using backlash::SymmetricCycle;
+constexpr double pi = std::numbers::pi;
+
+constexpr const char* exact_colour = "#0072b2";
+constexpr const char* predicted_colour = "#d55e00";
+
+Complex rigid_loop(const backlash::ControlLoop& loop, double omega) {
+  return loop.controller().response(omega) / ((loop.system().mass1() + loop.system().mass2()) * omega * omega);
+}
+
+struct Points {
+  std::vector<double> x, y;
+  void add(double at_x, double at_y) {
+    x.push_back(at_x);
+    y.push_back(at_y);
+  }
+};
+
+Curve curve_of(std::string label, std::string colour, Mark mark, const Points& points) {
+  return make_curve(std::move(label), std::move(colour), mark, points.x, points.y);
+}
+
+std::vector<double> other_restitutions(double own) {
+  std::vector<double> all;
+  for (const double each : {0.2, 0.4, 0.6, 0.8}) {
+    if (std::abs(each - own) > 0.05) all.push_back(each);
+  }
+  return all;
+}
+
+std::string rounded(double value) {
+  std::string text = std::to_string(std::round(1000 * value) / 1000);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text;
+}
+
+}  // namespace
+
+Figure nyquist_figure(const LoopPicture& picture, std::string name, std::string caption) {
+  const double restitution = picture.loop.system().restitution();
+  Points exact, other, predicted;
+  std::vector<double> marked;
+  for (const SymmetricCycle& cycle : picture.exact.cycles) {
+    const Complex at = rigid_loop(picture.loop, cycle.omega);
+    (cycle.admissible ? exact : other).add(at.real(), at.imag());
+    if (cycle.admissible) marked.push_back(cycle.omega);
+  }
+  for (const backlash::PredictedCycle& cycle : picture.predicted) {
+    const Complex at = rigid_loop(picture.loop, cycle.omega);
+    predicted.add(at.real(), at.imag());
+    marked.push_back(cycle.omega);
+  }
+  const auto [lowest, highest] = std::minmax_element(marked.begin(), marked.end());
+  const double from = marked.empty() ? picture.exact.searched.from : *lowest / 3;
+  const double to = marked.empty() ? picture.exact.searched.to : *highest * 6;
+  // -1/nu ends at pi^2/8, where the impacts are infinitely fast.  The axes hold the marks and that end.
+  constexpr double end = pi * pi / 8;
+  double left = -0.5, right = 1.2 * end, top = 0;
+  for (const Points* points : {&exact, &predicted}) {
+    for (std::size_t i = 0; i < points->x.size(); ++i) {
+      left = std::min(left, points->x[i] - 0.3);
+      right = std::max(right, 1.3 * points->x[i]);
+      top = std::max(top, 2 * std::abs(points->y[i]));
+    }
+  }
+  top = std::max(0.58, top);  // where the line of ε = 0.2 shows
+  top = std::max(top, 1.6 * pi * (1 - restitution) / (4 * (1 + restitution)));
+  Points loop;
+  for (const double omega : logarithmic_grid(from, to, 600)) {
+    const Complex at = rigid_loop(picture.loop, omega);
+    loop.add(at.real(), at.imag());
+  }
+  Panel panel{"", {"Re", false, left, right}, {"Im", false, -0.15 * top, top}};
+  panel.key = true;
+  const auto line = [&](double eps, const char* colour, Mark mark, const std::string& label) {
+    const double height = pi * (1 - eps) / (4 * (1 + eps));
+    panel.curves.push_back(make_curve(label, colour, mark, {left, end}, {height, height}));
+  };
+  std::string others;
+  for (const double eps : other_restitutions(restitution)) others += (others.empty() ? "ε = " : ", ") + rounded(eps);
+  for (const double eps : other_restitutions(restitution)) {
+    line(eps, "#bbbbbb", Mark::line, others);
+    others.clear();  // one entry of the key for all
+  }
+  line(restitution, "#000000", Mark::line, "-1/{/Symbol n}, ε = " + rounded(restitution));
+  panel.curves.push_back(curve_of("C(jω)/((M_1 + M_2) ω^2)", "#009e73", Mark::line, loop));
+  if (!predicted.x.empty()) {
+    panel.curves.push_back(curve_of("predicted", predicted_colour, Mark::open_points, predicted));
+  }
+  if (!exact.x.empty()) panel.curves.push_back(curve_of("exact cycle", exact_colour, Mark::points, exact));
+  if (!other.x.empty()) panel.curves.push_back(curve_of("root, no motion", "#888888", Mark::faint_points, other));
+  return {std::move(name), std::move(caption), {std::move(panel)}, 1, 360};
+}
+
+Figure cycle_figure(const backlash::ControlLoop& loop, const SymmetricCycle& cycle, std::string name,
+                    std::string caption) {
+  const double clearance = loop.system().clearance();
+  const auto at = [&](std::complex<double> backlash::CycleHarmonic::*phasor, double share, bool is_rate) {
+    double sum = 0;
+    for (const backlash::CycleHarmonic& harmonic : cycle.harmonics) {
+      const Complex turned = harmonic.*phasor * std::polar(1.0, 2 * pi * harmonic.order * share);
+      // The weight takes the ripples off the rate, whose harmonics fall as slowly as its jumps ask for.
+      const double angle = pi * harmonic.order / (cycle.harmonics.back().order + 2);
+      sum += is_rate ? -harmonic.order * cycle.omega * turned.imag() * std::sin(angle) / angle : turned.real();
+    }
+    return sum;
+  };
+  Points x1, x2, force, portrait;
+  const double period = 2 * pi / cycle.omega;
+  constexpr int points = 600;
+  for (int i = 0; i <= points; ++i) {
+    const double share = static_cast<double>(i) / points;
+    const double time = share * period;
+    x1.add(time, at(&backlash::CycleHarmonic::x1, share, false));
+    x2.add(time, at(&backlash::CycleHarmonic::x2, share, false));
+    force.add(time, at(&backlash::CycleHarmonic::force, share, false));
+  }
+  // The harmonics of the rate do not converge next to the impacts, where both rates are known.
+  constexpr int half = points / 2;
+  constexpr int left_out = 8;
+  for (const double side : {-1.0, 1.0}) {
+    const int first = side < 0 ? 0 : half;
+    portrait.add(-side * 0.5, side * loop.system().restitution() * cycle.impact_speed);
+    for (int i = first + left_out; i <= first + half - left_out; ++i) {
+      const double share = static_cast<double>(i) / points;
+      portrait.add(
+          (at(&backlash::CycleHarmonic::x2, share, false) - at(&backlash::CycleHarmonic::x1, share, false)) / clearance,
+          at(&backlash::CycleHarmonic::x2, share, true) - at(&backlash::CycleHarmonic::x1, share, true));
+    }
+    portrait.add(side * 0.5, side * cycle.impact_speed);
+  }
+  portrait.add(0.5, -loop.system().restitution() * cycle.impact_speed);
+  Panel motion{"", {"t / s", false, 0.0, period}, {"x / m"}};
+  motion.key = true;
+  motion.curves = {curve_of("x_1", exact_colour, Mark::line, x1), curve_of("x_2", predicted_colour, Mark::line, x2)};
+  Panel drive{"", {"t / s", false, 0.0, period}, {"force / N"}};
+  drive.key = true;
+  drive.curves = {curve_of("force", "#009e73", Mark::line, force)};
+  Panel phase{"", {"(x_2 - x_1)/Δ", false, -0.55, 0.55}, {"(x_2 - x_1)' / (m/s)"}};
+  phase.key = true;
+  phase.curves = {
+      curve_of("gap", exact_colour, Mark::line, portrait),
+  };
+  return {std::move(name), std::move(caption), {std::move(motion), std::move(drive), std::move(phase)}, 1, 220};
+}
+
+Figure frequencies_figure(const LoopFamilyPicture& family, std::string name, std::string caption) {
+  Points stable, unstable, none, predicted, events;
+  for (std::size_t i = 0; i < family.loops.size(); ++i) {
+    for (const SymmetricCycle& cycle : family.loops[i].exact.cycles) {
+      Points& points = !cycle.admissible ? none : cycle.stability.stable ? stable : unstable;
+      points.add(family.values[i], cycle.omega);
+    }
+    for (const backlash::PredictedCycle& cycle : family.loops[i].predicted)
+      predicted.add(family.values[i], cycle.omega);
+  }
+  for (const backlash::CycleEvent& event : family.events) {
+    if (event.is_admissible) events.add(event.parameter, event.omega);
+  }
+  Panel panel{"", {family.quantity, false, family.values.front(), family.values.back()}, {"ω / (rad/s)", true}};
+  panel.key = true;
+  const auto add = [&](const char* label, const char* colour, Mark mark, const Points& points) {
+    if (!points.x.empty()) panel.curves.push_back(curve_of(label, colour, mark, points));
+  };
+  add("root, no motion", "#999999", Mark::faint_points, none);
+  add("describing function", predicted_colour, Mark::open_points, predicted);
+  add("exact, unstable", "#cc79a7", Mark::points, unstable);
+  add("exact, stable", exact_colour, Mark::points, stable);
+  add("events", "#000000", Mark::open_points, events);
+  return {std::move(name), std::move(caption), {std::move(panel)}, 1, 360};
+}
+
+}  // namespace report
