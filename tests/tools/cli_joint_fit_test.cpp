@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -40,7 +41,7 @@ struct PowerLaws {
   [[nodiscard]] ProgramResult joint(std::vector<std::string> data, const std::vector<std::string>& more) const {
     std::vector<std::string> arguments{"joint-fit"};
     arguments.insert(arguments.end(), data.begin(), data.end());
-    arguments.insert(arguments.end(), {"--model", "K s^a", "--component", "both", "--format", "json"});
+    arguments.insert(arguments.end(), {"--model", "K s^a", "--component", "both"});
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run_fracfit(arguments);
   }
@@ -81,6 +82,28 @@ TEST(CliJointFit, TableAndCsvNameSharedAndOwnParameters) {
   EXPECT_NE(csv.output.find("\ncurve,name,value,standard_error,ci95_lower,ci95_upper,identified,at_bound,shared\n"),
             std::string::npos)
       << csv.output;
+}
+
+// 1/(2 pi K) of each gain, in JSON and as a row of each curve.
+TEST(CliJointFit, DerivesQuantitiesOfEachCurve) {
+  const PowerLaws data;
+  const auto result = data.joint(data.files, {"--shared", "a", "--derive", "g = 1/(2 pi K)"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const auto json = Json::parse(result.output);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double expected = 1 / (2 * std::numbers::pi * (2 + static_cast<double>(c)));
+    EXPECT_EQ(json["curves"][c]["derived"][0]["name"], "g");
+    EXPECT_NEAR(json["curves"][c]["derived"][0]["value"].get<double>(), expected, 1e-7);
+  }
+  const auto single =
+      run_fracfit({"fit", data.files[0], "--model", "K s^a", "--component", "both", "--derive", "g=K^2"});
+  ASSERT_EQ(single.code, 0) << single.error;
+  const auto fit = Json::parse(single.output);
+  ASSERT_EQ(fit["derived"].size(), 1U);
+  EXPECT_NEAR(fit["derived"][0]["value"].get<double>(), 4, 1e-6);
+  const auto wrong = run_fracfit({"fit", data.files[0], "--model", "K s^a", "--derive", "g=M"});
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_NE(wrong.error.find("--derive"), std::string::npos) << wrong.error;
 }
 
 TEST(CliJointFit, WrongUsageIsNamed) {

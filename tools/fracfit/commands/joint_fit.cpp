@@ -46,6 +46,7 @@ class JointFit : public Command {
     add_residual_options(o, request_);
     add_points_and_seed(o, request_);
     add_parameter_options(o, parameters_);
+    o.texts("--derive", derive_);
     add_common({"json", "csv", "table"});
     set_footer(
         "Several curves in one file stand in columns re_<label>,im_<label> or in rows told apart by --by, as in "
@@ -85,13 +86,14 @@ class JointFit : public Command {
     if (fit_.shared.empty())
       throw std::invalid_argument("--each " + each_ + " leaves no parameter that is shared; use fracfit batch");
     fit_.threads = threads();
+    quantities_ = quantities_of(derive_, structure.parameter_names());
   }
 
   [[nodiscard]] std::vector<std::string> inputs() const override { return data_; }
 
   int run() override {
     std::vector<frac::JointCurve> curves;
-    JointRun run{command_line(), {}, {}, {}};
+    JointRun run{command_line(), {}, {}, {}, quantities_};
     const auto note = [this](const std::string& text) { say(text); };
     bool same_unit = true;
     for (const auto& curve : curves_of(io::input_files(data_, writes_file() ? out() : ""), request_)) {
@@ -115,7 +117,8 @@ class JointFit : public Command {
   }
 
   FitRequest request_;
-  std::vector<std::string> data_;
+  std::vector<std::string> data_, derive_;
+  std::vector<frac::DerivedQuantity> quantities_;
   std::string model_, shared_, each_;
   ParameterOptions parameters_;
   frac::NamedModel chosen_{};

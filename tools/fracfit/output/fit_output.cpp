@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "output/fit_output.hpp"
 
+#include <cmath>
 #include <limits>
 
 #include "io/number.hpp"
@@ -145,6 +146,15 @@ void append_fit(Json& json, const frac::FitResult& result) {
   json["seconds"] = result.seconds;
 }
 
+/// A row of the CSV: no bound, no profile and no bootstrap.
+void append_derived(std::vector<Cell>& cells, const frac::DerivedEstimate& derived, std::size_t columns) {
+  cells.emplace_back(derived.name);
+  for (const double value : {derived.value, derived.standard_error, derived.ci95_lower, derived.ci95_upper})
+    cells.emplace_back(value);
+  for (const bool flag : {std::isfinite(derived.standard_error), false, false}) cells.emplace_back(flag);
+  while (cells.size() < columns) cells.emplace_back(nan);
+}
+
 Json lack_of_fit_json(const frac::LackOfFit& lack) {
   Json json{{"noise_from", frac::to_string(lack.source)},
             {"noise", lack.noise},
@@ -228,7 +238,8 @@ Json origin_of_fit(const FitRun& run) {
 std::string fit_table(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
   return "model      " + result.model + "\n" + reading(result.model) + heading(run) + "\n" +
          (statistics.growth ? growth_table(*statistics.growth) : "") + parameter_table(result) + "\n" +
-         added_intervals(result, statistics) + residual_remarks(run, result, statistics) + closing(result);
+         derived_table(statistics.derived) + added_intervals(result, statistics) +
+         residual_remarks(run, result, statistics) + closing(result);
 }
 
 std::string identification_table(const FitRun& run, const frac::IdentificationResult& result,
@@ -263,7 +274,7 @@ std::string identification_table(const FitRun& run, const frac::IdentificationRe
 }
 
 std::string fit_csv(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
-  Document document{head_of(run), {{}, result.parameters.size(), {}}};
+  Document document{head_of(run), {{}, result.parameters.size() + statistics.derived.size(), {}}};
   for (const auto& [key, value] :
        io::Metadata{{"formula", result.model},
                     {"cost", io::format_number(result.cost)},
@@ -280,6 +291,10 @@ std::string fit_csv(const FitRun& run, const frac::FitResult& result, const FitS
   if (!statistics.bootstrap.empty())
     columns.insert(columns.end(), {"bootstrap_lower", "bootstrap_upper", "bootstrap_standard_error"});
   document.rows.fill = [&](std::size_t i, std::vector<Cell>& cells) {
+    if (i >= result.parameters.size()) {
+      append_derived(cells, statistics.derived[i - result.parameters.size()], columns.size());
+      return;
+    }
     const auto& parameter = result.parameters[i];
     cells.emplace_back(parameter.name);
     for (const double value : {parameter.value, parameter.standard_error, parameter.ci95_lower, parameter.ci95_upper})
@@ -326,6 +341,7 @@ std::string fit_json(const FitRun& run, const frac::FitResult& result, const Fit
   Json json = origin_of_fit(run);
   append_fit(json, result);
   append_statistics(json, result, statistics, run.over_time);
+  if (!statistics.derived.empty()) json["derived"] = derived_json(statistics.derived);
   return json.dump() + "\n";
 }
 

@@ -25,6 +25,15 @@ std::vector<frac::ParameterEstimate> own_of(const frac::JointFitResult& result, 
   return own;
 }
 
+std::vector<frac::DerivedEstimate> derived_of(const JointRun& run, const frac::JointFitResult& result,
+                                              const frac::JointCurveResult& curve) {
+  std::vector<double> values;
+  for (const auto& parameter : curve.parameters) values.push_back(parameter.value);
+  std::vector<frac::DerivedEstimate> derived;
+  for (const auto& each : run.derived) derived.push_back(each.at(values, curve.covariance, result.half_width));
+  return derived;
+}
+
 std::string shared_table(const frac::JointFitResult& result) {
   AlignedTable table({"shared", "value", "standard error", "95 % interval", ""}, AlignedTable::Last::remark);
   for (const auto& parameter : result.shared)
@@ -35,10 +44,14 @@ std::string shared_table(const frac::JointFitResult& result) {
   return table.text();
 }
 
-std::string curve_table(const frac::JointFitResult& result) {
+std::string curve_table(const JointRun& run, const frac::JointFitResult& result) {
   std::vector<std::string> heading{"curve"};
   for (const auto& parameter : own_of(result, result.curves.front())) {
     heading.push_back(parameter.name);
+    heading.emplace_back("+-");
+  }
+  for (const auto& each : run.derived) {
+    heading.push_back(each.name());
     heading.emplace_back("+-");
   }
   for (const char* name : {"rms", "alone", ""}) heading.emplace_back(name);
@@ -51,6 +64,10 @@ std::string curve_table(const frac::JointFitResult& result) {
       row.push_back(short_number(result.half_width * parameter.standard_error));
       if (const auto state = parameter_state(parameter); !state.empty())
         remark += (remark.empty() ? "" : ", ") + parameter.name + " " + state;
+    }
+    for (const auto& each : derived_of(run, result, curve)) {
+      row.push_back(short_number(each.value));
+      row.push_back(short_number(result.half_width * each.standard_error));
     }
     row.push_back(short_number(curve.rms));
     row.push_back(short_number(curve.rms_alone));
@@ -68,7 +85,7 @@ std::string joint_fit_table(const JointRun& run, const frac::JointFitResult& res
   text += "\nresiduals  " + std::string(io::find_value(run.options, "component").value_or("")) + ", " +
           std::string(io::find_value(run.options, "weight").value_or("")) + " weight\n\n";
   if (!result.curves.empty())
-    text += shared_table(result) + "\n" + curve_table(result) +
+    text += shared_table(result) + "\n" + curve_table(run, result) +
             "+- is half of the 95 % interval; alone: rms where the curve shares nothing.\n\n";
   text += "chance of curves that share to differ as these do " + short_number(result.sharing_p_value) + "\n";
   return text + paragraph(std::string(frac::to_string(result.termination)) + ": " + result.message + " " +
@@ -82,8 +99,19 @@ std::string joint_fit_csv(const JointRun& run, const frac::JointFitResult& resul
   };
   std::vector<Row> rows;
   for (const auto& parameter : result.shared) rows.push_back({"", parameter});
-  for (const auto& curve : result.curves)
+  for (const auto& curve : result.curves) {
     for (const auto& parameter : own_of(result, curve)) rows.push_back({curve.name, parameter});
+    for (const auto& each : derived_of(run, result, curve)) {
+      frac::ParameterEstimate row{};
+      row.name = each.name;
+      row.value = each.value;
+      row.standard_error = each.standard_error;
+      row.ci95_lower = each.ci95_lower;
+      row.ci95_upper = each.ci95_upper;
+      row.identified = each.standard_error == each.standard_error;
+      rows.push_back({curve.name, row});
+    }
+  }
   Document document{run.options, {{}, rows.size(), {}}};
   for (const auto& [key, value] : io::Metadata{{"formula", result.model},
                                                {"curves", std::to_string(run.curves.size())},
@@ -125,6 +153,7 @@ std::string joint_fit_json(const JointRun& run, const frac::JointFitResult& resu
                                             {"max_residual", curve.max_residual},
                                             {"noise", curve.noise}});
     for (const auto& parameter : curve.parameters) entry["parameters"].push_back(parameter_json(parameter));
+    if (!run.derived.empty()) entry["derived"] = derived_json(derived_of(run, result, curve));
   }
   json["cost"] = result.cost;
   json["residuals"] = result.residuals;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "frac/identification/derived.hpp"
 #include "frac/identification/joint_fit.hpp"
 #include "io/text_table.hpp"
 
@@ -19,6 +20,7 @@ struct JointRun {
   std::vector<Curve> curves;  // as in the result
   std::string value_unit;     // empty where the curves give none or not the same
   io::Metadata options;
+  std::vector<frac::DerivedQuantity> derived;  // computed for each curve
 };
 
 [[nodiscard]] std::string joint_fit_table(const JointRun& run, const frac::JointFitResult& result);

@@ -28,4 +28,24 @@ Json parameter_json(const frac::ParameterEstimate& parameter) {
           {"fixed", parameter.fixed}};
 }
 
+Json derived_json(const std::vector<frac::DerivedEstimate>& derived) {
+  Json list = Json::array();
+  for (const auto& each : derived)
+    list.push_back({{"name", each.name},
+                    {"formula", each.formula},
+                    {"value", each.value},
+                    {"standard_error", each.standard_error},
+                    {"ci95", {each.ci95_lower, each.ci95_upper}}});
+  return list;
+}
+
+std::string derived_table(const std::vector<frac::DerivedEstimate>& derived) {
+  if (derived.empty()) return {};
+  AlignedTable table({"derived", "value", "standard error", "95 % interval", "formula"}, AlignedTable::Last::remark);
+  for (const auto& each : derived)
+    table.add({each.name, short_number(each.value), short_number(each.standard_error),
+               each.ci95_lower == each.ci95_lower ? interval(each.ci95_lower, each.ci95_upper) : "-", each.formula});
+  return table.text() + "\n";
+}
+
 }  // namespace fracfit

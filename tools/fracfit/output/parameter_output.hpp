@@ -2,7 +2,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "frac/identification/derived.hpp"
 #include "frac/identification/fit.hpp"
 #include "output/json.hpp"
 
@@ -15,5 +17,9 @@ namespace fracfit {
 /// Why it has no interval worth the name; empty where it has one.
 [[nodiscard]] std::string parameter_state(const frac::ParameterEstimate& parameter);
 [[nodiscard]] Json parameter_json(const frac::ParameterEstimate& parameter);
+
+[[nodiscard]] Json derived_json(const std::vector<frac::DerivedEstimate>& derived);
+/// One line each, below the name of the table; empty where there are none.
+[[nodiscard]] std::string derived_table(const std::vector<frac::DerivedEstimate>& derived);
 
 }  // namespace fracfit
