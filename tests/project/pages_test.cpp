@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <regex>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -111,6 +112,44 @@ INSTANTIATE_TEST_SUITE_P(All, Pages, testing::ValuesIn(pages_with_commands()), [
       name.begin(), name.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
   return name;
 });
+
+/// Targets of the links and pictures of a page, without anchors; addresses in the web left out.
+std::vector<std::string> links_of(const fs::path& page) {
+  static const std::regex link(R"(\]\(([^)#:]+)(#[^)]*)?\)|^```\{(?:figure|image|include|literalinclude)\} (\S+))");
+  std::istringstream lines(content_of(page.string()));
+  std::vector<std::string> targets;
+  for (std::string line; std::getline(lines, line);) {
+    for (std::sregex_iterator match(line.begin(), line.end(), link), end; match != end; ++match) {
+      targets.push_back((*match)[1].matched ? (*match)[1].str() : (*match)[3].str());
+    }
+  }
+  return targets;
+}
+
+// Pages under reference/ are made by tools/make-docs: those of the commands from their help, those of C++ from the
+// headers.
+TEST(Links, LeadToFilesThatExist) {
+  std::vector<fs::path> pages{root / "README.md", root / "CONTRIBUTING.md"};
+  for (const auto& entry : fs::recursive_directory_iterator(root / "tools/docs")) {
+    if (entry.path().extension() == ".md") pages.push_back(entry.path());
+  }
+  std::size_t links = 0;
+  for (const fs::path& page : pages) {
+    for (const std::string& target : links_of(page)) {
+      ++links;
+      const fs::path path = (page.parent_path() / target).lexically_normal();
+      const std::string made = path.lexically_relative(root / "tools/docs/reference").string();
+      if (made.starts_with("commands/") || made == "cpp/index.rst") continue;
+      bool found = fs::exists(path);
+      if (made.starts_with("cpp/")) {
+        const fs::path header = fs::path(made.substr(4)).replace_extension(".hpp");
+        found = fs::exists(root / "libfrac/include" / header) || fs::exists(root / "libbacklash/include" / header);
+      }
+      EXPECT_TRUE(found) << page << ": " << target;
+    }
+  }
+  EXPECT_GE(links, 50u);
+}
 
 class ShellBlocks : public testing::TestWithParam<std::string> {};
 

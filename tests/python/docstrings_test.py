@@ -21,12 +21,12 @@ def test_examples_give_what_they_say(name):
     assert failed == 0
 
 
-@pytest.mark.parametrize("page", ["tools/docs/python.md"])
-def test_examples_of_pages_give_what_they_say(page, monkeypatch):
+@pytest.mark.parametrize("page, least", [("tools/docs/python.md", 20), ("README.md", 8)])
+def test_examples_of_pages_give_what_they_say(page, least, monkeypatch):
     root = pathlib.Path(os.environ["FRACFIT_DATA"]).parent
     monkeypatch.chdir(root)
     failed, attempted = doctest.testfile(str(root / page), module_relative=False)
-    assert failed == 0 and attempted > 20
+    assert failed == 0 and attempted >= least
 
 
 @pytest.mark.parametrize("name", fracfit.__all__)

@@ -5,7 +5,15 @@ function(fracfit_library name)
   set(target fracfit_${name})
   add_library(${target} ${ARGN})
   add_library(fracfit::${name} ALIAS ${target})
-  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  # Interfaces may change with each minor version before 1.0.
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} VERSION ${PROJECT_VERSION}
+                                             SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  get_target_property(type ${target} TYPE)
+  if(type STREQUAL "SHARED_LIBRARY")
+    set(names ${PROJECT_SOURCE_DIR}/tools/cmake/exported_names.map)
+    target_link_options(${target} PRIVATE -Wl,--version-script=${names})
+    set_property(TARGET ${target} APPEND PROPERTY LINK_DEPENDS ${names})
+  endif()
   target_compile_features(${target} PUBLIC cxx_std_20)
   target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/include>
                                               $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)

@@ -1,16 +1,27 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Settings of the site that tools/make-docs builds.
 import os
+import sys
+
+from pygments.lexer import RegexLexer, bygroups
+from pygments.token import Generic, Text
 
 project = "fracfit"
 version = release = os.environ.get("FRACFIT_VERSION", "")
 html_title = f"fracfit {version}"
 copyright = "the authors of fracfit"
-extensions = ["myst_parser", "sphinx_copybutton"]
+extensions = ["myst_parser", "sphinx_copybutton", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
+# The Python module is described by its own texts; its compiled parts need not be built for that.
+sys.path.insert(0, os.path.abspath("../python"))
+autodoc_mock_imports = ["numpy", "matplotlib", "fracfit._core", "fracfit._files", "fracfit._fitting"]
+autodoc_typehints = "none"
+napoleon_google_docstring = False
+default_role = "py:obj"
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
-exclude_patterns = ["generate", "**/README.md"]
+exclude_patterns = ["generate"]
 myst_enable_extensions = ["deflist"]
 myst_heading_anchors = 3
+smartquotes = False  # "--model" is no dash
 html_theme = "furo"
 html_static_path = ["style"]
 html_css_files = ["site.css"]
@@ -22,5 +33,23 @@ pygments_style = "tango"
 # A button copies the commands of a block, not what they print.
 copybutton_prompt_text = r"\$ |> "
 copybutton_prompt_is_regexp = True
-primary_domain = "cpp"
 highlight_language = "text"
+
+
+class TerminalLexer(RegexLexer):
+    """What is typed after "$ ", its continued lines after "> ", and below it what is printed, as it is."""
+
+    tokens = {
+        "root": [
+            (r"(\$ )(.*\n)", bygroups(Generic.Prompt, Text), "typed"),
+            (r".*\n", Generic.Output),
+        ],
+        "typed": [
+            (r"(> )(.*\n)", bygroups(Generic.Prompt, Text)),
+            (r"", Text, "#pop"),
+        ],
+    }
+
+
+def setup(app):
+    app.add_lexer("console", TerminalLexer)

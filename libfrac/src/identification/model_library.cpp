@@ -8,7 +8,7 @@
 
 #include "frac/structure.hpp"
 #include "identification/rational/family_members.hpp"
-#include "identification/rational/time_growth.hpp"
+#include "identification/time_growth.hpp"
 
 namespace frac {
 

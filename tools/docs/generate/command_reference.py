@@ -45,7 +45,7 @@ def escaped(text):
 
 def command_page(name, summary):
     page = [f"# fracfit {name}", "", escaped(summary) + ".", ""]
-    for heading, lines in blocks(help_of(name, "--help")):
+    for heading, lines in blocks(help_of(*name.split(), "--help")):
         if not heading:
             page += [f"`{line[7:]}`" for line in lines if line.startswith("Usage: ")] + [""]
         elif heading == "Examples":
@@ -70,9 +70,10 @@ for heading, lines in overview:
     index += [f"## {heading}", ""]
     names = []
     for name, summary in entries(lines):
-        (folder / f"{name}.md").write_text(command_page(name, summary))
-        index += [f"[`{name}`]({name}.md)", f": {escaped(summary)}", ""]
-        names.append(name)
+        file = name.replace(" ", "-")
+        (folder / f"{file}.md").write_text(command_page(name, summary))
+        index += [f"[`{name}`]({file}.md)", f": {escaped(summary)}", ""]
+        names.append(file)
     index += ["```{toctree}", ":hidden:", *names, "```", ""]
     pages += len(names)
 codes = re.search(r"Exit codes: (.*)", help_of("--help"))

@@ -5,54 +5,73 @@
 Usage: cpp_reference.py XML_FOLDER FOLDER
 """
 import pathlib
+import re
 import sys
 import xml.etree.ElementTree as ElementTree
 
 xml, folder = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
 
 
+def escaped(text):
+    return re.sub(r"([\\*|`])", r"\\\1", text or "")
+
+
 def words(element):
     """Text of a paragraph as reStructuredText."""
-    text = (element.text or "").replace("\\", "\\\\").replace("*", "\\*").replace("|", "\\|").replace("`", "\\`")
-    text = text.replace("_ ", "\\_ ")
+    text = escaped(element.text)
     for child in element:
-        if child.tag == "computeroutput":
-            text += "``" + "".join(child.itertext()).strip() + "``"
-        elif child.tag == "emphasis":
-            text += "*" + "".join(child.itertext()).strip() + "*"
-        elif child.tag not in ("itemizedlist", "orderedlist", "simplesect", "parameterlist", "programlisting", "verbatim"):
+        if child.tag in ("computeroutput", "emphasis"):
+            mark = "``" if child.tag == "computeroutput" else "*"
+            text += mark + "".join(child.itertext()).strip() + mark
+        else:
             text += words(child)
-        text += (child.tail or "").replace("\\", "\\\\").replace("*", "\\*").replace("|", "\\|").replace("`", "\\`")
-    return " ".join(text.split())
+        text += escaped(child.tail)
+    return text
+
+
+def list_item(lines):
+    lines = [line for line in lines if line]
+    return ["* " + lines[0], *["  " + line for line in lines[1:]]] if lines else []
+
+
+def block(part):
+    """Lines of a part of a description that is no running text; None for one that is."""
+    lines = []
+    if part.tag in ("itemizedlist", "orderedlist"):
+        for item in part.findall("listitem"):
+            lines += list_item(prose(item))
+    elif part.tag == "verbatim":
+        lines += ["::", "", *["   " + re.sub(r"^ */// ?", "", line) for line in part.text.strip("\n").split("\n")]]
+    elif part.tag == "simplesect":
+        kind = {"return": "Returns: ", "see": "See ", "note": "Note: "}.get(part.get("kind"), "")
+        lines += [kind + " ".join(line for line in prose(part) if line)]
+    elif part.tag == "parameterlist":
+        before = "Throws " if part.get("kind") == "exception" else ""
+        for item in part.findall("parameteritem"):
+            name = ", ".join(n.text for n in item.iter("parametername") if n.text)
+            meaning = " ".join(line for line in prose(item.find("parameterdescription")) if line)
+            lines += [f"* {before}``{name}``: {meaning}"]
+    else:
+        return None
+    return [*lines, ""]
 
 
 def prose(element):
-    """Lines of a description: paragraphs, lists, code, parameters, what is returned."""
+    """Lines of a description: paragraphs, lists, columns, parameters, what is returned and thrown."""
     lines = []
-    for child in [] if element is None else element:
-        if child.tag != "para":
-            continue
-        if words(child):
-            lines += [words(child), ""]
-        for part in child:
-            if part.tag in ("itemizedlist", "orderedlist"):
-                for item in part.findall("listitem"):
-                    inner = [line for line in prose(item) if line]
-                    lines += ["* " + inner[0], *["  " + line for line in inner[1:]]] if inner else []
-                lines.append("")
-            elif part.tag in ("programlisting", "verbatim"):
-                code = [("".join((" " if e.tag == "sp" else "") + (e.text or "") + (e.tail or "") for e in line.iter()))
-                        for line in part.iter("codeline")] if part.tag == "programlisting" else part.text.split("\n")
-                lines += ["::", "", *["   " + line for line in code], ""]
-            elif part.tag == "simplesect":
-                kind = {"return": "Returns: ", "see": "See ", "note": "Note: "}.get(part.get("kind"), "")
-                inner = [line for line in prose(part) if line]
-                lines += [kind + " ".join(inner), ""]
-            elif part.tag == "parameterlist":
-                for item in part.findall("parameteritem"):
-                    name = ", ".join(n.text for n in item.iter("parametername") if n.text)
-                    lines += [f"* ``{name}``: " + " ".join(line for line in prose(item.find("parameterdescription")) if line)]
-                lines.append("")
+    for paragraph in [] if element is None else element.findall("para"):
+        text = escaped(paragraph.text)
+        for part in paragraph:
+            part_lines = block(part)
+            if part_lines is None:
+                holder = ElementTree.Element("holder")
+                holder.append(part)
+                text += words(holder)  # with the text that follows the part
+            else:
+                lines += [" ".join(text.split()), ""] if text.strip() else []
+                lines += part_lines
+                text = escaped(part.tail)
+        lines += [" ".join(text.split()), ""] if text.strip() else []
     return lines
 
 
@@ -80,7 +99,8 @@ def template_of(member):
 
 
 def directive(kind, declaration, body):
-    return [f".. cpp:{kind}:: {' '.join(declaration.split())}", "", *indented(body), ""]
+    declaration = re.sub(r"(\d) '(\d)", r"\1'\2", " ".join(declaration.split()))  # Doxygen takes 1'000 apart
+    return [f".. cpp:{kind}:: {declaration}", "", *indented(body), ""]
 
 
 def member_lines(member, scope):
@@ -134,33 +154,41 @@ def class_lines(identifier, scope=""):
     return directive("struct" if kind == "struct" else "class", template_of(compound) + title, body)
 
 
-def header_page(compound, header):
+def header_page(compound, header, members):
     lines = [header, "=" * len(header), "", "``#include <" + header + ">``", "", *description(compound)]
     classes = [c for c in compound.findall("innerclass")]
     names = {c.text for c in classes}
     for inner in classes:
         if inner.text.rsplit("::", 1)[0] not in names and "::detail" not in inner.text and inner.get("prot") == "public":
             lines += class_lines(inner.get("refid"))
-    for section in compound.findall("sectiondef"):
-        for member in section.findall("memberdef"):
-            qualified = member.find("qualifiedname")
-            definition = qualified.text if qualified is not None else member.find("definition").text
-            if member.get("kind") == "define" or "::detail::" in definition or not description(member):
-                continue
-            scope = definition.rsplit("::", 1)[0] + "::" if "::" in definition else ""
-            lines += member_lines(member, scope)
+    for member in members:
+        definition = member.find("qualifiedname").text
+        if "::detail::" not in definition and description(member):
+            lines += member_lines(member, definition.rsplit("::", 1)[0] + "::")
     return lines
 
 
+def header_of(element):
+    return element.find("location").get("file").split("/include/")[-1]
+
+
+# Free functions, enumerations and the like are listed with their namespace, whichever header declares them.
+entries = ElementTree.parse(xml / "index.xml").getroot().findall("compound")
+free_members = {}
+for entry in entries:
+    if entry.get("kind") == "namespace":
+        for member in ElementTree.parse(xml / f"{entry.get('refid')}.xml").getroot().iter("memberdef"):
+            free_members.setdefault(header_of(member), []).append(member)
+
 groups = {}
-for entry in ElementTree.parse(xml / "index.xml").getroot().findall("compound"):
+for entry in entries:
     if entry.get("kind") != "file" or not entry.find("name").text.endswith(".hpp"):
         continue
     compound = ElementTree.parse(xml / f"{entry.get('refid')}.xml").getroot().find("compounddef")
-    header = compound.find("location").get("file").split("/include/")[-1]
+    header = header_of(compound)
     page = folder / header.replace(".hpp", ".rst")
     page.parent.mkdir(parents=True, exist_ok=True)
-    page.write_text("\n".join(header_page(compound, header)) + "\n")
+    page.write_text("\n".join(header_page(compound, header, free_members.get(header, []))) + "\n")
     groups.setdefault(str(pathlib.PurePath(header).parent), []).append(header)
 if not groups:
     sys.exit(f"no header in {xml}")

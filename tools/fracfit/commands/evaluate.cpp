@@ -23,7 +23,7 @@ class Evaluate : public Command {
     o.text("--model", model_, "or a preset; letters other than s are parameters, see --fix")
         .suggest(preset_names())
         .or_argument();
-    o.text("--fit", fit_, "Result of fracfit fit as JSON: its model, parameters and their covariance", "FILE");
+    o.text("--fit", fit_);
     o.exactly_one({"--model", "--fit"}, "the formula, or the fit that has one");
     o.texts("--fix", fix_).not_with({"--fit"}, "which has the values");
     o.numbers("--omega", omega_, "several: FROM:TO:COUNT, FROM:TO:COUNTlog or a list").required();

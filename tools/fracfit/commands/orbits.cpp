@@ -39,7 +39,7 @@ class Orbits : public Command {
     o.count("--longest-period", continuation_.longest_period, 1, most, "Force periods of the longest orbits kept", "N");
     o.count("--most-impacts", continuation_.most_impacts, 2, most, "Impacts of the longest orbits kept", "N");
     o.numbers("--basins-at", continuation_.basins_at,
-              "Values within the range at which every orbit is followed that basins finds from its default starts",
+              "Values within the range at which every orbit is followed that basins finds from its usual starts",
               "VALUES");
     add_progress();
     add_common({"csv", "json", "table"});

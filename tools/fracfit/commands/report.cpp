@@ -22,7 +22,8 @@ class Report : public Command {
     add_select(o, how_);
     o.choice(
          "--quantity", field_, report::fields(),
-         "What DATA measures, which decides how the pictures show it; auto: as the names and units of the file tell")
+         "What DATA measures, which decides how the pictures show it; auto: as the names and units of the file tell",
+         "NAME")
         .only_with({"DATA"});
     o.text("--scene", scene_, "Scene as JSON: mass1, mass2, clearance, restitution, force, omega", "FILE")
         .not_with({"DATA"});

@@ -1,25 +1,44 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "commands/subcommand.hpp"
 
+#include "options/completion.hpp"
 #include "options/pages.hpp"
 
 namespace fracfit {
 namespace {
 
-// Prints a page about the whole program.
-class Page : public Command {
+class Man : public Command {
  public:
-  Page(std::string name, std::string about, std::string footer, std::string (*page)(const std::vector<CommandGroup>&))
-      : Command(std::move(name), std::move(about)), page_(page) {
-    set_footer(std::move(footer));
+  Man() : Command("man", "Prints the manual page") {
+    set_footer("Examples:\n  man <(fracfit man)\n  fracfit man > ~/.local/share/man/man1/fracfit.1");
   }
 
  private:
   int run() override {
-    write(page_(all_commands()));
+    write(manual_page(all_commands()));
     return usable_result;
   }
-  std::string (*page_)(const std::vector<CommandGroup>&);
+};
+
+class Completion : public Command {
+ public:
+  Completion() : Command("completion", "Prints the completion script of a shell") {
+    options().text("--shell", shell_, "Shell it is for", "SHELL").one_of({"bash", "zsh", "fish"}).or_argument();
+    set_footer(
+        "Examples:\n"
+        "  source <(fracfit completion)\n"
+        "  fracfit completion zsh > ~/.zfunc/_fracfit\n"
+        "  fracfit completion fish > ~/.config/fish/completions/fracfit.fish");
+  }
+
+ private:
+  int run() override {
+    const auto script = shell_ == "zsh" ? zsh_completion : shell_ == "fish" ? fish_completion : bash_completion;
+    write(script(all_commands()));
+    return usable_result;
+  }
+
+  std::string shell_ = "bash";
 };
 
 template <class... Makers>
@@ -32,14 +51,11 @@ CommandGroup group(std::string name, Makers... makers) {
 }  // namespace
 
 std::unique_ptr<Command> make_completion() {
-  return std::make_unique<Page>("completion", "Prints the completion script for bash",
-                                "Example:\n  source <(fracfit completion)", completion_script);
+  return std::make_unique<Completion>();
 }
 
 std::unique_ptr<Command> make_man() {
-  return std::make_unique<Page>("man", "Prints the manual page",
-                                "Examples:\n  man <(fracfit man)\n  fracfit man > ~/.local/share/man/man1/fracfit.1",
-                                manual_page);
+  return std::make_unique<Man>();
 }
 
 std::vector<CommandGroup> all_commands() {

@@ -134,10 +134,7 @@ class Tune : public Command {
   Tune() : Command("tune", "Gains and orders of a fractional PID for a plant") {
     Options& o = options();
     add_model(o, plant_, "the plant").was("--plant");
-    o.text("--fit", fit_,
-           "Plant from the JSON of fracfit fit; |S| and |T| are kept by all plants of the joint 95 % region of its "
-           "parameters",
-           "FILE");
+    o.text("--fit", fit_, "|S| and |T| are kept by all plants of the joint 95 % region of its parameters");
     o.text("--from-relay", relay_,
            "Plant from samples of input and output (columns time_s,input,output) of a relay experiment or any other: a "
            "lag, a fractional lag or a second order, each with dead time, whichever explains them best; then as --fit",

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "options/pages.hpp"
 
-#include <map>
 #include <sstream>
 #include <string_view>
 
@@ -44,18 +43,6 @@ std::string heading_of(const Option& option) {
   std::string heading = option.short_name().empty() ? option.name() : option.short_name() + "," + option.name();
   if (!option.type().empty()) heading += " " + option.type();
   return heading;
-}
-
-std::string completion_of(const Command& command, std::string& choices) {
-  std::string words;
-  for (const Option& option : command.options().all()) {
-    if (option.is_argument()) continue;
-    words += (words.empty() ? "" : " ") + option.name();
-    std::string values;
-    for (const std::string& value : option.words()) values += (values.empty() ? "" : " ") + value;
-    if (!values.empty()) choices += "    '" + command.name() + "/" + option.name() + "') words='" + values + "' ;;\n";
-  }
-  return "    '" + command.name() + "') options='" + words + (words.empty() ? "" : " ") + "--help' ;;\n";
 }
 
 // Text for troff: backslashes and dashes as such, no line that begins a request.
@@ -112,48 +99,6 @@ std::string command_help(const Command& command) {
   if (!arguments.empty()) text += "Arguments:\n" + arguments + "\n";
   text += "Options:\n" + entry("-h,--help", "Print this help and exit") + options;
   return command.footer().empty() ? text : text + "\n" + command.footer() + "\n";
-}
-
-std::string completion_script(const std::vector<CommandGroup>& groups) {
-  std::string names, options, choices;
-  std::map<std::string, std::string> seconds;  // by first word, of names such as "export spice"
-  for (const auto& group : groups) {
-    for (const auto& command : group.commands) {
-      const std::string& name = command->name();
-      const std::size_t space = name.find(' ');
-      const bool is_new = space == std::string::npos || !seconds.contains(name.substr(0, space));
-      if (is_new) names += (names.empty() ? "" : " ") + name.substr(0, space);
-      if (space != std::string::npos) seconds[name.substr(0, space)] += name.substr(space) + " ";
-      options += completion_of(*command, choices);
-    }
-  }
-  std::string two_words;
-  for (const auto& [first, rest] : seconds) {
-    two_words += "  if [[ $command == " + first + " ]]; then\n    if ((COMP_CWORD == 2)); then\n" +
-                 "      mapfile -t COMPREPLY < <(compgen -W '" + rest + "' -- \"$current\")\n      return\n    fi\n" +
-                 "    command=\"$command ${COMP_WORDS[2]}\"\n  fi\n";
-  }
-  return "# bash completion of fracfit " + std::string(io::version()) +
-         ":  source <(fracfit completion)\n"
-         "_fracfit() {\n"
-         "  local current=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} command=${COMP_WORDS[1]}\n"
-         "  local options='' words=''\n"
-         "  if ((COMP_CWORD == 1)) || [[ $COMP_CWORD == 2 && $command == help ]]; then\n"
-         "    mapfile -t COMPREPLY < <(compgen -W '" +
-         names +
-         " help --help --version' -- \"$current\")\n"
-         "    return\n"
-         "  fi\n" +
-         two_words + "  case $command in\n" + options +
-         "  esac\n"
-         "  case $command/$before in\n" +
-         choices +
-         "  esac\n"
-         "  [[ -z $words && $current == -* ]] && words=$options\n"
-         "  mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$current\")\n"
-         "  ((${#COMPREPLY[@]})) || mapfile -t COMPREPLY < <(compgen -f -- \"$current\")\n"
-         "}\n"
-         "complete -o filenames -F _fracfit fracfit\n";
 }
 
 std::string manual_page(const std::vector<CommandGroup>& groups) {

@@ -11,8 +11,6 @@ namespace fracfit {
 // Pages made from the declarations that the arguments are checked against.
 [[nodiscard]] std::string program_help(const std::vector<CommandGroup>& groups);
 [[nodiscard]] std::string command_help(const Command& command);
-/// Completion for bash.
-[[nodiscard]] std::string completion_script(const std::vector<CommandGroup>& groups);
 /// In troff.
 [[nodiscard]] std::string manual_page(const std::vector<CommandGroup>& groups);
 

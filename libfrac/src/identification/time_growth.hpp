@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "family_members.hpp"
+#include "identification/rational/family_members.hpp"
 
 namespace frac::detail {
 
