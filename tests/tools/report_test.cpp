@@ -27,6 +27,7 @@
 #include "io/text_table.hpp"
 #include "report/field.hpp"
 #include "report/figure.hpp"
+#include "report/figure_data.hpp"
 #include "report/fixed_step_reference.hpp"
 #include "report/html.hpp"
 #include "report/prose.hpp"
@@ -649,8 +650,9 @@ void expect_complete(const fs::path& out, bool pictures) {
   }
   EXPECT_GT(tables, 0U);
   EXPECT_EQ(drawings > 0, pictures);
-  // Self-contained: nothing to load, nothing to run, no link out.
-  for (const char* foreign : {"<script", "<link", "<img", "<iframe", " src=", "href=\"http", "@import"}) {
+  // Self-contained: nothing to load and no link out; scripts stand in the page.
+  for (const char* foreign :
+       {"<link", "<img", "<iframe", " src=", "href=\"http", "@import", "fetch(", "XMLHttpRequest", "import("}) {
     EXPECT_EQ(page.find(foreign), std::string::npos) << foreign;
   }
   // One page, one meaning per id.
@@ -826,6 +828,59 @@ TEST(WriteReport, ShowsAnImpedanceAsReadersOfSpectraDo) {
   const std::string changed = content_of(folder.path("out/figures/data-1.gp"));
   EXPECT_EQ(changed.find("Nyquist"), std::string::npos);
   EXPECT_NE(changed.find("dB re 1 Ω"), std::string::npos);
+}
+
+// JSON of the figures in a page.
+std::vector<nlohmann::json> figures_in(const std::string& page) {
+  std::vector<nlohmann::json> figures;
+  const std::string begin = "class=\"figure-data\">";
+  for (std::size_t at = page.find(begin); at != std::string::npos; at = page.find(begin, at + 1)) {
+    const std::size_t first = at + begin.size();
+    figures.push_back(nlohmann::json::parse(page.substr(first, page.find("</script>", first) - first)));
+  }
+  return figures;
+}
+
+TEST(FigureData, KeepsEveryDigitAndEndsNoElement) {
+  Figure figure = small_figure("picture");
+  figure.panels.front().curves.front().label = "</script><b>";
+  figure.panels.front().curves.front().segments.front().front() = {0.1 + 0.2, 1.0 / 3, 1.0 / 3, 1.0 / 3, 7};
+  const std::string text = figure_data(figure);
+  EXPECT_EQ(text.find('<'), std::string::npos);
+  const auto json = nlohmann::json::parse(text);
+  const auto& curve = json.at("panels").at(0).at("curves").at(0);
+  EXPECT_EQ(curve.at("label"), "</script><b>");
+  const auto point = curve.at("segments").at(0).at(0).get<std::vector<double>>();
+  EXPECT_EQ(point, (std::vector<double>{0.1 + 0.2, 1.0 / 3, 1.0 / 3, 1.0 / 3, 7}));
+  EXPECT_EQ(json.at("panels").at(0).at("curves").at(1).at("segments").at(0).at(0).size(), 2U);
+}
+
+TEST(WriteReport, GivesTheScriptTheValuesOfTheResults) {
+  const SearchPath nothing("");
+  const TemporaryFolder folder;
+  ReportOptions options;
+  options.out = folder.path("out");
+  options.data = {folder.write("arc.csv", arc_csv())};
+  static_cast<void>(write_report(options));
+  const std::string page = content_of(folder.path("out/index.html"));
+  expect_complete(options.out, false);
+  EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
+  const auto figures = figures_in(page);
+  ASSERT_EQ(figures.size(), 2U) << "response and residuals";
+  const auto json = nlohmann::json::parse(content_of(folder.path("out/results.json")));
+  const auto& rows = json.at("tables").at("data-1-curves");
+  // The data are the last curve of the Nyquist panel.
+  const auto& points = figures[0].at("panels").at(0).at("curves").back().at("segments").at(0);
+  const auto& residuals = figures[1].at("panels").at(0).at("curves").back().at("segments").at(0);
+  ASSERT_EQ(points.size(), rows.size());
+  ASSERT_EQ(residuals.size(), rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    EXPECT_EQ(points[i][0], rows[i].at("re"));
+    EXPECT_EQ(points[i][1].get<double>(), -rows[i].at("im").get<double>());
+    EXPECT_EQ(points[i][4], rows[i].at("f_hz")) << "what other panels find the point by";
+    EXPECT_EQ(residuals[i][0], rows[i].at("f_hz"));
+    EXPECT_EQ(residuals[i][1], rows[i].at("residual_magnitude_percent"));
+  }
 }
 
 TEST(WriteReport, ShowsAModulusAsStorageAndLoss) {

@@ -183,11 +183,15 @@ Layout layout_of(const Figure& figure) {
   return layout;
 }
 
-// Equal steps of 1, 2 or 5 times a power of ten.
-std::vector<double> equal_ticks(Range range) {
+// 1, 2 or 5 times a power of ten, about a sixth of the range.
+double tick_step(Range range) {
   const double rough = (range.to - range.from) / 6;
   const double power = std::pow(10.0, std::floor(std::log10(rough)));
-  const double step = power * (rough / power < 1.5 ? 1 : rough / power < 3.5 ? 2 : rough / power < 7.5 ? 5 : 10);
+  return power * (rough / power < 1.5 ? 1 : rough / power < 3.5 ? 2 : rough / power < 7.5 ? 5 : 10);
+}
+
+std::vector<double> equal_ticks(Range range) {
+  const double step = tick_step(range);
   std::vector<double> ticks;
   for (double index = std::ceil(range.from / step); index * step <= range.to; ++index) ticks.push_back(index * step);
   return ticks;
@@ -336,6 +340,10 @@ void write_panel(std::ostream& script, const Panel& panel, std::size_t index, co
   script << "set title " << quoted(panel.title) << "\n";
   write_axis(script, 'x', panel.x, x);
   write_axis(script, 'y', panel.y, y);
+  if (panel.equal_axes) {
+    const double step = std::max(tick_step(x), tick_step(y));
+    script << "set xtics " << step << "\nset ytics " << step << "\n";
+  }
   script << (panel.key ? "set key at graph 1.02, graph 1 left top Left reverse samplen 2 spacing 1.15\n"
                        : "unset key\n");
   if (panel.map) write_palette(script, *panel.map);

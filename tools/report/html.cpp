@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "report/figure_data.hpp"
 #include "report/prose.hpp"
 
 namespace report {
@@ -16,7 +17,7 @@ namespace report {
 namespace {
 
 constexpr std::string_view style = R"css(
-:root{color-scheme:light}
+:root{color-scheme:light dark;--ink:#222;--grid:#ddd;--mix:0%}
 *{box-sizing:border-box}
 body{margin:0;background:#f4f4f1;color:#1c1c1c;font:16px/1.55 "Source Serif 4",Charter,"Bitstream Charter",Georgia,"DejaVu Serif",serif}
 main{max-width:66rem;margin:0 auto;padding:2.5rem 2.75rem 4rem;background:#fff;box-shadow:0 0 12px #0001}
@@ -51,10 +52,42 @@ td.long{min-width:22rem}
 .more{font-size:.9rem;color:#333;margin:.3rem 0}
 details{margin:1rem 0}summary{cursor:pointer}
 .formula{font-family:"Source Sans 3","Helvetica Neue",Arial,"DejaVu Sans",sans-serif;font-size:.95em}
+td>.formula{display:inline-block;min-width:13rem}
 tbody tr:hover{background:#f6f8fa}
 code,pre{font:.88em/1.4 "DejaVu Sans Mono",Consolas,monospace}
 pre{background:#f4f4f1;padding:.6rem .8rem;overflow-x:auto}
-@media print{body{background:#fff}main{box-shadow:none;max-width:none;padding:0}figure,table{break-inside:avoid}}
+.live,.tooltip{font-family:"Source Sans 3","Helvetica Neue",Arial,"DejaVu Sans",sans-serif}
+.live .bar{display:flex;flex-wrap:wrap;gap:.3rem 1rem;align-items:center;font-size:.88rem;margin:.2rem 0 .5rem}
+.bar label{display:inline-flex;gap:.35rem;align-items:center}
+.bar sup{line-height:0}
+.bar i{width:1.5rem;height:0;border-top:2px solid var(--stroke)}
+.bar i.dashed{border-top-style:dashed}.bar i.dotted{border-top-style:dotted}
+.bar i.band{height:.7rem;border:0;background:var(--stroke);opacity:.4}
+.bar i.open_points{width:.55rem;height:.55rem;border:1.5px solid var(--stroke);border-radius:50%}
+.live .panels{display:grid;gap:.3rem}
+.live svg{background:none;width:100%;touch-action:pan-y;cursor:crosshair;user-select:none}
+.live svg text{font-size:13px;fill:currentColor}.live svg .title{font-size:14.5px}
+.live .grid{stroke:var(--grid);stroke-width:.8}
+.live .frame,.live .box{fill:none;stroke:currentColor;stroke-width:.8}
+.live .box{stroke-dasharray:4 3;fill:#8883}.live .box[width="0"]{display:none}
+.live g,.marks circle,.bar i{--stroke:color-mix(in srgb,var(--c),white var(--mix))}
+.live g path,.live g circle{fill:none;stroke:var(--stroke);stroke-width:1.6}
+.live g circle{stroke-width:1.2}.live .points circle{fill:var(--stroke)}
+.live .dashed path{stroke-dasharray:8 5}.live .dotted path{stroke-dasharray:2 4}
+.live .band path{fill:var(--stroke);stroke:none;opacity:.35}
+.live .marks circle{stroke:var(--stroke);stroke-width:2.4}
+.tooltip{position:absolute;z-index:2;pointer-events:none;background:#fff;color:#222;border:1px solid #999;padding:.3rem .55rem;font-size:.85rem;line-height:1.35;white-space:pre}
+@media screen{.answers>.print,.answers>.notice{display:none}}
+@media screen and (prefers-color-scheme:dark){
+:root{--ink:#f0f0ec;--grid:#3a3a3a;--mix:35%}
+body,pre{background:#121212;color:#e6e6e2}main{background:#1b1b1b;box-shadow:none}
+h2{border-color:#e6e6e2}th{border-color:#bbb}td{border-color:#333}tbody tr:hover{background:#262b30}
+a,nav a,.reading b{color:#7cc0ee}.sub,.files,.more,figcaption,caption{color:#b5b5b0}
+.reading{background:#1d2a33}.notice{background:#35281b}.verdict{background:#262624;border-color:#e6e6e2}
+.tooltip{background:#2a2a2a;color:#eee;border-color:#777}
+.print svg{color-scheme:light;color:#000}
+}
+@media print{.live,.tooltip{display:none}body{background:#fff}main{box-shadow:none;max-width:none;padding:0}figure,table{break-inside:avoid}}
 @media (max-width:640px){main{padding:1.2rem}nav{columns:1}}
 )css";
 
@@ -90,13 +123,15 @@ std::string figure_html(const Figure& figure, const std::filesystem::path& folde
   if (svg.empty()) {
     html += "<div class=\"notice\">" + prose("page", "no-picture", {{"name", figure.name}}) + "</div>\n";
   } else {
-    html += "<div role=\"img\" aria-label=\"" + escape_html(plain_text(figure.caption)) + "\">" +
+    html += "<div class=\"print\" role=\"img\" aria-label=\"" + escape_html(plain_text(figure.caption)) + "\">" +
             inline_svg(svg, figure.name + "-") + "</div>\n";
   }
   html += "<figcaption>" + figure.caption + " <span class=\"files\">[";
   if (!svg.empty()) html += "<a href=\"" + stem + ".svg\">SVG</a>, <a href=\"" + stem + ".png\">PNG</a>, ";
-  html += "<a href=\"" + stem + ".gp\">script with the data</a>]</span></figcaption>\n</figure>\n";
-  return html;
+  html += "<a href=\"" + stem + ".gp\">script with the data</a>]</span></figcaption>\n";
+  if (!figure.link.empty())
+    html += "<script type=\"application/json\" class=\"figure-data\">" + figure_data(figure) + "</script>\n";
+  return html + "</figure>\n";
 }
 
 bool is_word_column(const Table& table, std::size_t column) {
@@ -146,6 +181,13 @@ std::string table_html(const Table& table) {
             "</p>";
   }
   return html + "</div>\n" + (table.folded ? "</details>\n" : "");
+}
+
+bool answers(const Section& section) {
+  return std::any_of(section.blocks.begin(), section.blocks.end(), [](const Block& block) {
+    const Figure* figure = std::get_if<Figure>(&block);
+    return figure != nullptr && !figure->link.empty();
+  });
 }
 
 std::string block_html(const Block& block, const std::filesystem::path& folder) {
@@ -264,7 +306,10 @@ std::string inline_svg(std::string_view svg, std::string_view prefix) {
 std::string page_html(const Page& page, const std::filesystem::path& folder) {
   std::string html =
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      // Browsers then refuse whatever would be loaded.
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'; "
+      "script-src 'unsafe-inline'\">\n<title>" +
       escape_html(page.title) + "</title>\n<style>" + std::string(style) + "</style>\n</head>\n<body>\n<main>\n<h1>" +
       escape_html(page.title) + "</h1>\n<p class=\"sub\">" + page.subtitle + "</p>\n";
   if (!page.notice.empty()) html += "<div class=\"notice\">" + page.notice + "</div>\n";
@@ -282,7 +327,10 @@ std::string page_html(const Page& page, const std::filesystem::path& folder) {
     for (const Block& block : section.blocks) html += block_html(block, folder);
     html += "</section>\n";
   }
-  return html + "</main>\n</body>\n</html>\n";
+  html += "</main>\n";
+  if (std::any_of(page.sections.begin(), page.sections.end(), answers))
+    html += "<script>\n" + std::string(figure_script()) + "</script>\n";
+  return html + "</body>\n</html>\n";
 }
 
 }  // namespace report

@@ -68,7 +68,8 @@ Figure time_figure(const std::string& name, const frac::TimeResponseData& data,
           {std::move(output), std::move(residual), std::move(input)},
           1,
           230,
-          verdict_html(result)};
+          verdict_html(result),
+          name};
 }
 
 }  // namespace
