@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <tuple>
@@ -162,6 +163,52 @@ TEST(Map, TakesItsShardFromTheEnvironment) {
            {"auto/4", {{"SLURM_ARRAY_TASK_ID", "5"}}, "at most 4"},
            {"auto/4", {{"PMI_RANK", "0"}, {"PMI_SIZE", "3"}}, "3 processes"}}) {
     const auto result = run(shard, variables);
+    EXPECT_EQ(result.code, 2) << part;
+    EXPECT_NE(result.error.find(part), std::string::npos) << result.error;
+  }
+}
+
+// Programs that stand for the batch system run the tasks at once, one after the other.
+TEST(ClusterScript, RunsAllShardsAndJoinsThemUnderSlurmAndGnuParallel) {
+  const TemporaryFolder folder;
+  const auto program = [&](const std::string& name, const std::string& text) {
+    namespace fs = std::filesystem;
+    fs::permissions(folder.write(name, "#!/bin/bash\n" + text), fs::perms::owner_all);
+  };
+  program("sbatch",
+          "for word in \"$@\"; do case $word in --array=*) array=${word#*=} ;; --*) ;; *) script+=(\"$word\") ;; esac; "
+          "done\n"
+          "[ -n \"$array\" ] || exec bash \"${script[@]}\"\n"
+          "for i in $(seq ${array%-*} ${array#*-}); do SLURM_ARRAY_TASK_ID=$i bash \"${script[@]}\" || exit; "
+          "done\necho 1\n");
+  program("parallel", "while read -r i; do bash -c \"${@:3:1} $i\" || exit; done\n");
+  const auto whole = folder.path("whole.csv");
+  const auto request = map({"--restitution", "0.1:0.9:5", "--out"});
+  for (const char* system : {"--slurm", "--parallel"}) {
+    const auto joined = folder.path(std::string("joined") + system + ".csv");
+    std::vector<std::string> arguments{"cluster-script", system, "--shards", "3"};
+    for (const auto& word : request)
+      if (word != "--threads" && word != "2") arguments.push_back(word);
+    arguments.push_back(joined);
+    const auto script = run_fracfit(arguments);
+    ASSERT_EQ(script.code, 0) << script.error;
+    const auto ran = run_program("/bin/bash", {folder.write("job.sh", script.output)},
+                                 {.search_path = folder.path() + ":/usr/bin:/bin"});
+    ASSERT_EQ(ran.code, 0) << ran.error;
+    auto direct = request;
+    direct.push_back(whole);
+    ASSERT_EQ(run_fracfit(direct).code, 0);
+    EXPECT_EQ(content_of(joined), content_of(whole)) << system;
+  }
+  for (const auto& [arguments, part] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{}, "expected a command"},
+           {{"fit", "x.csv"}, "expected map, simulate or batch"},
+           {map({"--restitution", "0.2"}), "--threads of map"},
+           {{"map", "--restitution", "0.2", "--omega", "1"}, "--out of map is required"},
+           {{"map", "--restitution", "0.2", "--omegas", "1"}, "did you mean --omega"}}) {
+    std::vector<std::string> all{"cluster-script", "--slurm"};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    const auto result = run_fracfit(all);
     EXPECT_EQ(result.code, 2) << part;
     EXPECT_NE(result.error.find(part), std::string::npos) << result.error;
   }

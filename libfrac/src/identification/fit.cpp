@@ -399,23 +399,6 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   return result;
 }
 
-/// Starts at the estimates of another fit, and searches no more.
-FitOptions from_there(const FitOptions& options, const FitResult& result) {
-  FitOptions started = options;
-  started.global_start = false;
-  for (const ParameterEstimate& estimate : result.parameters) {
-    if (estimate.fixed) continue;
-    auto known = std::find_if(started.constraints.begin(), started.constraints.end(),
-                              [&](const ParameterConstraint& each) { return each.name == estimate.name; });
-    if (known == started.constraints.end()) {
-      known = started.constraints.insert(known, ParameterConstraint{estimate.name, {}, {}, {}, {}});
-    }
-    known->start = std::clamp(estimate.value, known->lower.value_or(-std::numeric_limits<double>::infinity()),
-                              known->upper.value_or(std::numeric_limits<double>::infinity()));
-  }
-  return started;
-}
-
 /// fit_component(), with a floor told by the residuals of the fit before where one is wanted.
 FitResult fit_with_floor(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
                          Extent extent) {
@@ -446,7 +429,7 @@ FitResult fit_with_floor(const FrequencyResponseData& data, const Structure& str
     result = quick;
     result.seconds = seconds;
     const double again = floor_of(quick);
-    next = from_there(options, quick);
+    next = detail::started_at(options, quick);
     if (std::abs(again - floor) <= settled * floor) break;
     floor = again;
     if (floor == 0) return relative;

@@ -80,11 +80,7 @@ void set_data(RowBuilder& row, const BatchTask& task, const io::FrequencyRespons
 }
 
 io::FrequencyResponseFile data_of(const BatchTask& task, const BatchCurve& curve) {
-  auto request = task.request;
-  request.data = curve.file;
-  request.curve = curve.label;
-  const auto ignore = [](const std::string&) {};
-  return curve.measurement ? read_data(request, *curve.measurement, ignore) : read_data(request, ignore);
+  return read_curve(task.request, curve, [](const std::string&) {});
 }
 
 void set_result(RowBuilder& row, const BatchTask& task, const io::FrequencyResponseFile& file) {
@@ -128,6 +124,13 @@ std::vector<std::string> batch_columns(const BatchTask& task) {
       throw std::invalid_argument("a batch would have two columns " + io::quoted(column) +
                                   "; give the parameter another name in the formula");
   return columns;
+}
+
+io::FrequencyResponseFile read_curve(FitRequest request, const BatchCurve& curve,
+                                     const std::function<void(const std::string&)>& note) {
+  request.data = curve.file;
+  request.curve = curve.label;
+  return curve.measurement ? read_data(request, *curve.measurement, note) : read_data(request, note);
 }
 
 std::vector<BatchCurve> curves_of(const std::vector<std::string>& files, const FitRequest& request) {

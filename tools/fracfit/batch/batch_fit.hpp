@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -22,6 +23,10 @@ struct BatchCurve {
 
 /// The curves of the files, see io::curve_labels; a file that cannot be read counts as one.
 [[nodiscard]] std::vector<BatchCurve> curves_of(const std::vector<std::string>& files, const FitRequest& request);
+
+/// The data of one curve; `note` is told what was assumed.
+[[nodiscard]] io::FrequencyResponseFile read_curve(FitRequest request, const BatchCurve& curve,
+                                                   const std::function<void(const std::string&)>& note);
 
 /// What is done with each curve of a batch.
 struct BatchTask {

@@ -38,6 +38,7 @@ class Fit : public Command {
            "Add profile-likelihood intervals of every parameter: they follow the cost itself");
     o.count("--bootstrap", bootstrap_, fewest_samples, largest_table,
             "Add intervals from N refits to resampled residuals, N >= 20", "N");
+    o.texts("--derive", derive_).not_with({"--grow"}, "whose parameters the data choose");
     add_common({"json", "csv", "table"});
     set_footer(
         "Samples over time take --weight given (the default where the file has a column sigma) or absolute, --where\n"
@@ -48,6 +49,7 @@ class Fit : public Command {
         "Examples:\n"
         "  fracfit fit curve.csv --model power-law --where 'omega<4'\n"
         "  fracfit fit cell.csv --model 'R0 + R1/(1 + R1 Q1 s^n1)' --component both --bound n1=:1 --profile\n"
+        "  fracfit fit cell.csv --model zarc --component both --derive 'f1 = (R1 Q1)^(-1/n1)/(2 pi)'\n"
         "  fracfit fit cell.csv --grow arcs --component both\n"
         "  fracfit fit step.csv --model 'K exp(-L s)/(T s^a + 1)'      # columns time_s,input,output\n"
         "  fracfit fit curve.csv --model 'K/(T s^a + 1)' --where 'omega<4' --realisation oustaloup --band 0.01:1000 "
@@ -68,9 +70,17 @@ class Fit : public Command {
       if (!chosen_.is_family()) {
         const frac::Structure parsed(chosen_.formula);
         chosen_.constraints = constraints_of(chosen_, parameters_);
+        // Over time a fit has the output at rest and its drift among its parameters.
+        auto names = parsed.parameter_names();
+        names.insert(names.end(), {"offset", "drift"});
+        static_cast<void>(quantities(names));
       }
     }
     statistics_.bootstrap_samples = bootstrap_.value_or(0);
+  }
+
+  [[nodiscard]] std::vector<frac::DerivedQuantity> quantities(const std::vector<std::string>& names) const {
+    return quantities_of(derive_, names);
   }
 
   // Structures are compared under one weight: that which the residuals of the structure grown first have told.
@@ -109,6 +119,9 @@ class Fit : public Command {
     const auto [result, growth] = fitted(data, fit);
     auto statistics = fit_statistics(data, fit, result, statistics_, threads());
     statistics.growth = growth;
+    std::vector<std::string> names;
+    for (const auto& parameter : result.parameters) names.push_back(parameter.name);
+    statistics.derived = frac::derived_estimates(result, quantities(names));
     write(format() == "json"  ? fit_json(run, result, statistics)
           : format() == "csv" ? fit_csv(run, result, statistics)
                               : fit_table(run, result, statistics));
@@ -139,6 +152,7 @@ class Fit : public Command {
 
   FitRequest request_;
   std::string model_;
+  std::vector<std::string> derive_;
   std::optional<frac::GrowthFamily> grow_;
   frac::NamedModel chosen_{};
   ParameterOptions parameters_;

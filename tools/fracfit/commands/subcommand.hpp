@@ -26,6 +26,7 @@ namespace fracfit {
 [[nodiscard]] std::unique_ptr<Command> make_history();
 [[nodiscard]] std::unique_ptr<Command> make_identify();
 [[nodiscard]] std::unique_ptr<Command> make_identify_scene();
+[[nodiscard]] std::unique_ptr<Command> make_joint_fit();
 [[nodiscard]] std::unique_ptr<Command> make_jump_law();
 [[nodiscard]] std::unique_ptr<Command> make_limit_cycles();
 [[nodiscard]] std::unique_ptr<Command> make_loop();

@@ -114,6 +114,22 @@ std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& mo
   return constraints;
 }
 
+std::vector<frac::DerivedQuantity> quantities_of(const std::vector<std::string>& definitions,
+                                                 const std::vector<std::string>& parameter_names) {
+  std::vector<frac::DerivedQuantity> quantities;
+  for (const auto& definition : definitions) {
+    try {
+      quantities.emplace_back(definition, parameter_names);
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument("--derive " + std::string(error.what()));
+    }
+    for (std::size_t i = 0; i + 1 < quantities.size(); ++i)
+      if (quantities[i].name() == quantities.back().name())
+        throw std::invalid_argument("--derive names " + quantities.back().name() + " twice");
+  }
+  return quantities;
+}
+
 std::vector<std::string> preset_names() {
   std::vector<std::string> names;
   for (const auto& model : frac::model_library()) names.push_back(model.name);

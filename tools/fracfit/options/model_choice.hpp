@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "frac/identification/derived.hpp"
 #include "frac/identification/model_library.hpp"
 
 namespace fracfit {
@@ -31,6 +32,11 @@ void add_parameter_options(Options& options, ParameterOptions& given);
 /// @throws std::invalid_argument  naming option, text and what is expected.
 [[nodiscard]] std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& model,
                                                                     const ParameterOptions& given);
+
+/// What --derive names.
+/// @throws std::invalid_argument  naming the option and what is wrong with its text.
+[[nodiscard]] std::vector<frac::DerivedQuantity> quantities_of(const std::vector<std::string>& definitions,
+                                                               const std::vector<std::string>& parameter_names);
 
 [[nodiscard]] std::vector<std::string> preset_names();
 /// One line per preset: name, formula, description.

@@ -1,21 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "output/fit_output.hpp"
 
+#include <cmath>
 #include <limits>
 
 #include "io/number.hpp"
 #include "output/aligned_table.hpp"
 #include "output/document.hpp"
 #include "output/json.hpp"
+#include "output/parameter_output.hpp"
 
 namespace fracfit {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-std::string interval(double lower, double upper) {
-  return short_number(lower) + " .. " + short_number(upper);
-}
 
 std::string option_of(const FitRun& run, std::string_view key) {
   return std::string(io::find_value(run.options, key).value_or(std::string_view{}));
@@ -46,13 +44,6 @@ std::string reading(const std::string& formula) {
   return bare(grouped) == bare(formula) ? "" : "read as    " + grouped + "\n";
 }
 
-std::string state_of(const frac::ParameterEstimate& parameter) {
-  if (parameter.fixed) return "fixed";
-  if (parameter.at_bound) return "at its bound";
-  if (!parameter.identified) return "not identified";
-  return "";
-}
-
 std::string note_on_profiles(const frac::FitResult& result) {
   std::string names;
   for (const auto& parameter : result.parameters) {
@@ -68,7 +59,7 @@ std::string parameter_table(const frac::FitResult& result) {
     const bool has_interval = parameter.ci95_lower == parameter.ci95_lower && !parameter.fixed;
     table.add({parameter.name, short_number(parameter.value),
                parameter.fixed ? "-" : short_number(parameter.standard_error),
-               has_interval ? interval(parameter.ci95_lower, parameter.ci95_upper) : "-", state_of(parameter)});
+               has_interval ? interval(parameter.ci95_lower, parameter.ci95_upper) : "-", parameter_state(parameter)});
   }
   return table.text() + note_on_profiles(result);
 }
@@ -131,18 +122,6 @@ io::Metadata head_of(const FitRun& run) {
   return head;
 }
 
-Json parameter_json(const frac::ParameterEstimate& parameter) {
-  return {{"name", parameter.name},
-          {"value", parameter.value},
-          {"standard_error", parameter.standard_error},
-          {"ci95", {parameter.ci95_lower, parameter.ci95_upper}},
-          {"interval", frac::to_string(parameter.interval)},
-          {"widening", parameter.widening},
-          {"identified", parameter.identified},
-          {"at_bound", parameter.at_bound},
-          {"fixed", parameter.fixed}};
-}
-
 void append_fit(Json& json, const frac::FitResult& result) {
   json["model"] = result.model;
   json["parameters"] = Json::array();
@@ -165,6 +144,15 @@ void append_fit(Json& json, const frac::FitResult& result) {
   json["noise_correlation"] = result.noise_correlation;
   json["noise_floor"] = result.noise_floor;
   json["seconds"] = result.seconds;
+}
+
+/// A row of the CSV: no bound, no profile and no bootstrap.
+void append_derived(std::vector<Cell>& cells, const frac::DerivedEstimate& derived, std::size_t columns) {
+  cells.emplace_back(derived.name);
+  for (const double value : {derived.value, derived.standard_error, derived.ci95_lower, derived.ci95_upper})
+    cells.emplace_back(value);
+  for (const bool flag : {std::isfinite(derived.standard_error), false, false}) cells.emplace_back(flag);
+  while (cells.size() < columns) cells.emplace_back(nan);
 }
 
 Json lack_of_fit_json(const frac::LackOfFit& lack) {
@@ -250,7 +238,8 @@ Json origin_of_fit(const FitRun& run) {
 std::string fit_table(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
   return "model      " + result.model + "\n" + reading(result.model) + heading(run) + "\n" +
          (statistics.growth ? growth_table(*statistics.growth) : "") + parameter_table(result) + "\n" +
-         added_intervals(result, statistics) + residual_remarks(run, result, statistics) + closing(result);
+         derived_table(statistics.derived) + added_intervals(result, statistics) +
+         residual_remarks(run, result, statistics) + closing(result);
 }
 
 std::string identification_table(const FitRun& run, const frac::IdentificationResult& result,
@@ -285,7 +274,7 @@ std::string identification_table(const FitRun& run, const frac::IdentificationRe
 }
 
 std::string fit_csv(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
-  Document document{head_of(run), {{}, result.parameters.size(), {}}};
+  Document document{head_of(run), {{}, result.parameters.size() + statistics.derived.size(), {}}};
   for (const auto& [key, value] :
        io::Metadata{{"formula", result.model},
                     {"cost", io::format_number(result.cost)},
@@ -302,6 +291,10 @@ std::string fit_csv(const FitRun& run, const frac::FitResult& result, const FitS
   if (!statistics.bootstrap.empty())
     columns.insert(columns.end(), {"bootstrap_lower", "bootstrap_upper", "bootstrap_standard_error"});
   document.rows.fill = [&](std::size_t i, std::vector<Cell>& cells) {
+    if (i >= result.parameters.size()) {
+      append_derived(cells, statistics.derived[i - result.parameters.size()], columns.size());
+      return;
+    }
     const auto& parameter = result.parameters[i];
     cells.emplace_back(parameter.name);
     for (const double value : {parameter.value, parameter.standard_error, parameter.ci95_lower, parameter.ci95_upper})
@@ -348,6 +341,7 @@ std::string fit_json(const FitRun& run, const frac::FitResult& result, const Fit
   Json json = origin_of_fit(run);
   append_fit(json, result);
   append_statistics(json, result, statistics, run.over_time);
+  if (!statistics.derived.empty()) json["derived"] = derived_json(statistics.derived);
   return json.dump() + "\n";
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "frac/identification/derived.hpp"
 #include "frac/identification/lack_of_fit.hpp"
 #include "frac/identification/model_choice.hpp"
 #include "frac/identification/time_fit.hpp"
@@ -30,7 +31,8 @@ struct FitStatistics {
   std::vector<std::optional<frac::ProfileInterval>> profile;
   std::vector<frac::BootstrapInterval> bootstrap;  // empty when not asked for
   std::size_t bootstrap_samples = 0;
-  std::optional<frac::Growth> growth;  // the structures tried, where the structure was grown
+  std::vector<frac::DerivedEstimate> derived;  // empty when not asked for
+  std::optional<frac::Growth> growth;          // the structures tried, where the structure was grown
 };
 
 /// @param options  of the fit, with the constraints of the fitted structure

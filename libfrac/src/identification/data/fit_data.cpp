@@ -2,6 +2,7 @@
 #include "fit_data.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "residual_rule.hpp"
 
@@ -19,6 +20,22 @@ FitOptions settled(const FitOptions& options, const FitResult& result) {
   FitOptions known = options;
   if (options.weight == Weight::learned && !options.noise_floor) known.noise_floor = result.noise_floor;
   return known;
+}
+
+FitOptions started_at(const FitOptions& options, const FitResult& result) {
+  FitOptions started = options;
+  started.global_start = false;
+  for (const ParameterEstimate& estimate : result.parameters) {
+    if (estimate.fixed) continue;
+    auto known = std::find_if(started.constraints.begin(), started.constraints.end(),
+                              [&](const ParameterConstraint& each) { return each.name == estimate.name; });
+    if (known == started.constraints.end()) {
+      known = started.constraints.insert(known, ParameterConstraint{estimate.name, {}, {}, {}, {}});
+    }
+    known->start = std::clamp(estimate.value, known->lower.value_or(-std::numeric_limits<double>::infinity()),
+                              known->upper.value_or(std::numeric_limits<double>::infinity()));
+  }
+  return started;
 }
 
 std::vector<double> weighted_residuals(const FrequencyResponseData& data, const FitOptions& options,

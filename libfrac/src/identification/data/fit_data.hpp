@@ -17,6 +17,9 @@ inline constexpr const char* drift_name = "drift";
 /// The options with what a fit has learned from the data: its noise floor.
 [[nodiscard]] FitOptions settled(const FitOptions& options, const FitResult& result);
 
+/// The options with a start at the estimates of another fit, and no search.
+[[nodiscard]] FitOptions started_at(const FitOptions& options, const FitResult& result);
+
 /// Weighted residuals (model - data) of a result, points in order, each with as many as residuals_per_point().
 [[nodiscard]] std::vector<double> weighted_residuals(const FrequencyResponseData& data, const FitOptions& options,
                                                      const FitResult& result);

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "frac/identification/fit.hpp"
+#include "frac/model/frequency_response_data.hpp"
+#include "frac/structure.hpp"
+
+namespace frac {
+
+/// One of the curves that are fitted together.
+struct JointCurve {
+  std::string name;  // for messages and results
+  FrequencyResponseData data;
+};
+
+struct JointFitOptions {
+  /// Component, weight, realisation, seed and constraints, which hold in every curve.  No robust loss.
+  FitOptions fit;
+  /// Parameters that all curves have in common; of the others each curve has its own.
+  std::vector<std::string> shared;
+  int threads = 0;  // 0: one per core; without influence on the result
+};
+
+struct JointCurveResult {
+  std::string name;
+  /// All parameters of the formula, the shared ones too, as they hold for this curve.
+  std::vector<ParameterEstimate> parameters;
+  std::vector<std::vector<double>> covariance;  // of them, as FitResult::covariance
+  std::size_t residuals;                        // count
+  double rms, max_residual;                     // weighted as in fit()
+  double rms_alone;                             // of the fit of this curve alone; NaN where it has none
+  double noise;                                 // standard deviation of a residual by which the curve counts
+};
+
+/// One structure fitted to many curves at once.
+struct JointFitResult {
+  [[nodiscard]] bool usable() const noexcept { return termination == FitTermination::converged; }
+  /// Formula, shared parameters with their 95 % intervals, and what became of the search.
+  [[nodiscard]] std::string summary() const;
+
+  std::string model;  // the formula
+  std::vector<ParameterEstimate> shared;
+  std::vector<JointCurveResult> curves;
+  double cost;  // sum of squares of the residuals, each divided by the noise of its curve
+  FitTermination termination;
+  std::string message;                     // one or a few sentences
+  std::size_t residuals, free_parameters;  // counts over all curves
+  std::size_t starts, starts_at_best;      // joint searches, and how many of them ended at the least cost
+  /// Chance that curves which do share these parameters ask for separate ones as strongly as these do (F test of the
+  /// joint fit against the fits alone, white noise taken for granted): small where the curves do not share them.  NaN
+  /// where a curve has no fit of its own, or where nothing is left to compare.
+  double sharing_p_value;
+  double condition;   // of the scaled Fisher matrix of the shared parameters, the others fitted along
+  double half_width;  // of a 95 % interval in standard errors (Student's t)
+  double seconds;
+};
+
+/// Fits one structure to several curves with shared parameters and parameters of each curve.
+///
+/// Each curve is fitted alone first, which gives starts and noise; then all parameters are refined together from a few
+/// starts (Ceres, with the parameters of the curves eliminated, so that the time grows in proportion to their number).
+/// Curves count by their noise as their own fits leave it, drawn towards the common level as far as the levels differ
+/// no more than chance makes them (Smyth 2004); with weight `given` and `repeats` as the weight says.  Intervals come
+/// from the full covariance and allow for correlated neighbours as those of fit(); those of parameters fitted by their
+/// logarithm are even in the logarithm.
+/// @throws std::invalid_argument  as fit(); no curve; a loss; a shared name that is unknown, repeated or fixed, or
+/// none;
+///     fewer residuals than parameters; or no curve that determines all parameters alone, unless all have starts.
+[[nodiscard]] JointFitResult joint_fit(const std::vector<JointCurve>& curves, const Structure& structure,
+                                       const JointFitOptions& options);
+
+}  // namespace frac

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "joint_solve.hpp"
+
+#include <ceres/cost_function.h>
+#include <ceres/ordered_groups.h>
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "frac/cancellation.hpp"
+#include "identification/search/triangular_form.hpp"
+
+namespace frac::detail {
+namespace {
+
+/// One curve as a Ceres residual block over its own variables, where there are any, and the shared ones: reduced to as
+/// many rows as there are columns, with the same cost, gradient and steps.
+class CurveCost final : public ceres::CostFunction {
+ public:
+  CurveCost(CurveResiduals& curve, std::size_t own, std::size_t shared)
+      : curve_(curve),
+        own_(own),
+        shared_(shared),
+        at_(own + shared, std::numeric_limits<double>::quiet_NaN()),
+        residual_(curve.count()),
+        jacobian_(curve.count() * width()),
+        triangle_((width() + 1) * (width() + 1)) {
+    set_num_residuals(static_cast<int>(width() + 1));
+    if (own > 0) mutable_parameter_block_sizes()->push_back(static_cast<int>(own));
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(shared));
+  }
+
+  bool Evaluate(const double* const* parameters, double* residual, double** jacobians) const override {
+    if (!evaluate_at(parameters)) return false;
+    for (std::size_t row = 0; row <= width(); ++row) residual[row] = triangle_[row * (width() + 1) + width()];
+    if (!jacobians) return true;
+    std::size_t block = 0, first = 0;
+    for (const std::size_t size : {own_, shared_}) {
+      if (size == 0) continue;
+      if (jacobians[block]) {
+        for (std::size_t row = 0; row <= width(); ++row)
+          std::copy_n(triangle_.data() + row * (width() + 1) + first, size, jacobians[block] + row * size);
+      }
+      ++block;
+      first += size;
+    }
+    return true;
+  }
+
+ private:
+  [[nodiscard]] std::size_t width() const { return own_ + shared_; }
+
+  // Ceres asks for the cost of a step first and for its Jacobian when it is taken, which most are: both at once.
+  bool evaluate_at(const double* const* parameters) const {
+    std::vector<double> now(parameters[0], parameters[0] + (own_ > 0 ? own_ : shared_));
+    if (own_ > 0) now.insert(now.end(), parameters[1], parameters[1] + shared_);
+    if (now == at_) return finite_;
+    at_ = std::move(now);
+    const std::span<const double> all(at_);
+    finite_ =
+        !is_cancelled() && curve_.evaluate(all.subspan(own_), all.first(own_), residual_.data(), jacobian_.data());
+    if (!finite_) return false;
+    triangular_form(jacobian_, residual_, triangle_);
+    finite_ = std::all_of(triangle_.begin(), triangle_.end(), [](double each) { return std::isfinite(each); });
+    return finite_;
+  }
+
+  CurveResiduals& curve_;
+  std::size_t own_, shared_;
+  mutable std::vector<double> at_, residual_, jacobian_, triangle_;
+  mutable bool finite_ = false;
+};
+
+void add_block(ceres::Problem& problem, double* values, const std::vector<JointVariable>& variables) {
+  problem.AddParameterBlock(values, static_cast<int>(variables.size()));
+  for (std::size_t k = 0; k < variables.size(); ++k) {
+    problem.SetParameterLowerBound(values, static_cast<int>(k), variables[k].lower);
+    problem.SetParameterUpperBound(values, static_cast<int>(k), variables[k].upper);
+  }
+}
+
+}  // namespace
+
+JointPoint joint_solve(std::vector<CurveResiduals>& curves, const JointLayout& layout, JointPoint start,
+                       double cost_tolerance) {
+  throw_if_cancelled();
+  // Ceres orders blocks by their addresses: in one array they stay in the order of the curves.
+  std::vector<double> own;
+  for (const std::vector<double>& each : start.own) own.insert(own.end(), each.begin(), each.end());
+  ceres::Problem problem;
+  ceres::Solver::Options solver;
+  solver.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
+  add_block(problem, start.shared.data(), layout.shared);
+  solver.linear_solver_ordering->AddElementToGroup(start.shared.data(), 1);
+  for (std::size_t c = 0; c < curves.size(); ++c) {
+    std::vector<double*> blocks;
+    if (!layout.own.empty()) {
+      add_block(problem, own.data() + c * layout.own.size(), layout.own);
+      solver.linear_solver_ordering->AddElementToGroup(own.data() + c * layout.own.size(), 0);
+      blocks.push_back(own.data() + c * layout.own.size());
+    }
+    blocks.push_back(start.shared.data());
+    problem.AddResidualBlock(new CurveCost(curves[c], layout.own.size(), layout.shared.size()), nullptr, blocks);
+  }
+  solver.linear_solver_type = layout.own.empty() ? ceres::DENSE_QR : ceres::DENSE_SCHUR;
+  solver.max_num_iterations = 200;
+  solver.function_tolerance = cost_tolerance;
+  solver.gradient_tolerance = 1e-300;  // residuals are in units of the noise, so only relative changes say when to stop
+  solver.parameter_tolerance = 1e-14;
+  solver.max_num_consecutive_invalid_steps = 20;
+  solver.max_num_line_search_step_size_iterations = 0;  // as in local_solve()
+  solver.num_threads = 1;                               // sums in one order, so that results do not depend on threads
+  solver.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, &problem, &summary);
+  throw_if_cancelled();
+  for (std::size_t c = 0; c < curves.size(); ++c)
+    std::copy_n(own.data() + c * layout.own.size(), layout.own.size(), start.own[c].data());
+  start.cost = 2 * summary.final_cost;
+  start.converged = summary.termination_type == ceres::CONVERGENCE;
+  if (summary.termination_type == ceres::FAILURE) start.cost = std::numeric_limits<double>::infinity();
+  return start;
+}
+
+}  // namespace frac::detail

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "frac/identification/derived.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <stdexcept>
+
+#include "frac/identification/statistics.hpp"
+
+namespace frac {
+namespace {
+
+std::string trimmed(std::string_view text) {
+  constexpr const char* blanks = " \t";
+  const auto first = text.find_first_not_of(blanks);
+  if (first == std::string_view::npos) return {};
+  return std::string(text.substr(first, text.find_last_not_of(blanks) - first + 1));
+}
+
+std::string_view part_after_equals(std::string_view definition) {
+  const auto equals = definition.find('=');
+  if (equals == std::string_view::npos || trimmed(definition.substr(0, equals)).empty())
+    throw std::invalid_argument("'" + std::string(definition) + "' is no definition; expected NAME = FORMULA");
+  return definition.substr(equals + 1);
+}
+
+/// The formula with the number instead of each word `pi`, which is no name of a parameter.
+std::string with_pi(std::string_view formula) {
+  const auto in_name = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
+  std::string text;
+  for (std::size_t i = 0; i < formula.size();) {
+    if (!in_name(formula[i])) {
+      text += formula[i++];
+      continue;
+    }
+    std::size_t end = i;
+    while (end < formula.size() && in_name(formula[end])) ++end;
+    const std::string_view word = formula.substr(i, end - i);
+    text += word == "pi" ? "(3.1415926535897932)" : word;
+    i = end;
+  }
+  return text;
+}
+
+}  // namespace
+
+DerivedQuantity::DerivedQuantity(std::string_view definition, std::span<const std::string> parameter_names)
+    : name_(trimmed(definition.substr(0, std::min(definition.find('='), definition.size())))),
+      text_(trimmed(part_after_equals(definition))),
+      formula_(with_pi(text_)) {
+  if (formula_.depends_on_s())
+    throw std::invalid_argument("'" + text_ + "' depends on s, so it is no number that parameters tell");
+  std::string known;
+  for (const std::string& each : parameter_names) known += (known.empty() ? "" : ", ") + each;
+  for (const std::string& name : formula_.parameter_names()) {
+    const auto found = std::find(parameter_names.begin(), parameter_names.end(), name);
+    if (found == parameter_names.end())
+      throw std::invalid_argument("'" + name + "' in '" + text_ + "' is no parameter; known are " + known);
+    parameter_.push_back(static_cast<std::size_t>(found - parameter_names.begin()));
+  }
+}
+
+DerivedEstimate DerivedQuantity::at(std::span<const double> parameters,
+                                    const std::vector<std::vector<double>>& covariance, double half_width) const {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  std::vector<double> values;
+  for (const std::size_t i : parameter_) values.push_back(parameters[i]);
+  std::vector<std::complex<double>> gradient(values.size());
+  const double value = formula_.response_and_gradient(values, 1.0, ExactRealisation{}, gradient).real();
+  double variance = 0;
+  for (std::size_t a = 0; a < values.size(); ++a) {
+    for (std::size_t b = 0; b < values.size(); ++b) {
+      const double product = gradient[a].real() * gradient[b].real();
+      // What the quantity does not depend on may have no error.
+      if (product != 0) variance += product * covariance[parameter_[a]][parameter_[b]];
+    }
+  }
+  DerivedEstimate result{name_, text_, std::isfinite(value) ? value : nan, nan, nan, nan};
+  if (!std::isfinite(value) || !(variance >= 0)) return result;
+  result.standard_error = std::sqrt(variance);
+  result.ci95_lower = value - half_width * result.standard_error;
+  result.ci95_upper = value + half_width * result.standard_error;
+  return result;
+}
+
+std::vector<DerivedEstimate> derived_estimates(const FitResult& result, std::span<const DerivedQuantity> quantities) {
+  const double half_width =
+      student_t_95(static_cast<double>(result.residuals) - static_cast<double>(result.free_parameters));
+  std::vector<double> values;
+  for (const ParameterEstimate& each : result.parameters) values.push_back(each.value);
+  std::vector<DerivedEstimate> derived;
+  for (const DerivedQuantity& each : quantities) derived.push_back(each.at(values, result.covariance, half_width));
+  return derived;
+}
+
+}  // namespace frac

@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "frac/identification/joint_fit.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "identification/joint/noise_levels.hpp"
+#include "support/expect_invalid_argument.hpp"
+#include "support/noisy_response.hpp"
+
+namespace {
+
+using namespace frac;
+
+constexpr const char* lag = "K/(1 + (T s)^a)";
+
+/// Lags of the same T and a, with gains 1, 2, 3 ... and relative noise that differs from curve to curve by up to four.
+std::vector<JointCurve> lags(std::size_t count, int points, double noise, std::mt19937_64& generator) {
+  std::vector<JointCurve> curves;
+  for (std::size_t c = 0; c < count; ++c) {
+    const double gain = static_cast<double>(c) + 1, level = noise * std::pow(2.0, static_cast<double>(c % 3));
+    curves.push_back(
+        {"curve " + std::to_string(c), support::noisy_response(lag, {gain, 0.7, 0.8}, level, generator, points)});
+  }
+  return curves;
+}
+
+JointFitOptions sharing(std::vector<std::string> names) {
+  JointFitOptions options;
+  options.fit.component = Component::both;
+  options.shared = std::move(names);
+  return options;
+}
+
+bool covers(const ParameterEstimate& estimate, double truth) {
+  return estimate.ci95_lower <= truth && truth <= estimate.ci95_upper;
+}
+
+TEST(JointFit, RecoversWhatMadeExactCurves) {
+  std::mt19937_64 generator(1);
+  const JointFitResult result = joint_fit(lags(4, 30, 0, generator), Structure(lag), sharing({"T", "a"}));
+  ASSERT_TRUE(result.usable()) << result.message;
+  // The search stops where the cost no longer changes in its 14th digit: at exact data, far below these.
+  EXPECT_NEAR(result.shared[0].value, 0.7, 1e-8);
+  EXPECT_NEAR(result.shared[1].value, 0.8, 1e-8);
+  for (std::size_t c = 0; c < 4; ++c)
+    EXPECT_NEAR(result.curves[c].parameters[0].value, static_cast<double>(c) + 1, 1e-7);
+}
+
+// The errors come from block elimination; here from the inverse of the whole normal matrix, with derivatives by
+// differences.
+TEST(JointFit, ErrorsAreThoseOfTheWholeNormalMatrix) {
+  std::mt19937_64 generator(2);
+  const auto curves = lags(3, 40, 0.01, generator);
+  const JointFitResult result = joint_fit(curves, Structure(lag), sharing({"T", "a"}));
+  ASSERT_TRUE(result.usable());
+  Eigen::VectorXd values(5);  // T, a, then the gains
+  values << result.shared[0].value, result.shared[1].value, result.curves[0].parameters[0].value,
+      result.curves[1].parameters[0].value, result.curves[2].parameters[0].value;
+  const auto residuals = [&](const Eigen::VectorXd& at) {
+    Eigen::VectorXd all(3 * 80);
+    Eigen::Index row = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::vector<double> parameters{at[2 + static_cast<Eigen::Index>(c)], at[0], at[1]};
+      for (std::size_t i = 0; i < 40; ++i) {
+        const std::complex<double> data = curves[c].data.value()[i];
+        const std::complex<double> rest =
+            (Structure(lag).response(parameters, curves[c].data.omega()[i]) - data) / std::abs(data);
+        all[row++] = rest.real() / result.curves[c].noise;
+        all[row++] = rest.imag() / result.curves[c].noise;
+      }
+    }
+    return all;
+  };
+  Eigen::MatrixXd jacobian(240, 5);
+  for (Eigen::Index k = 0; k < 5; ++k) {
+    const double h = 1e-5 * values[k];
+    Eigen::VectorXd up = values, down = values;
+    up[k] += h;
+    down[k] -= h;
+    jacobian.col(k) = (residuals(up) - residuals(down)) / (2 * h);
+  }
+  const double cost = residuals(values).squaredNorm();
+  EXPECT_NEAR(result.cost, cost, 1e-9 * cost);
+  // At the minimum the gradient vanishes but for the tolerance of the search.
+  EXPECT_LT((jacobian.transpose() * residuals(values)).norm(), 1e-5 * jacobian.norm() * std::sqrt(cost));
+  const Eigen::MatrixXd covariance = cost / (240 - 5) * (jacobian.transpose() * jacobian).inverse();
+  // Differences of step 1e-5 err by 1e-10; both ways square a condition of some hundreds.
+  const auto expect_error = [&](const ParameterEstimate& estimate, Eigen::Index k) {
+    const double expected = std::sqrt(covariance(k, k));
+    EXPECT_NEAR(estimate.standard_error / estimate.widening, expected, 1e-6 * expected) << estimate.name;
+  };
+  expect_error(result.shared[0], 0);
+  expect_error(result.shared[1], 1);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto gain = 2 + static_cast<Eigen::Index>(c);
+    expect_error(result.curves[c].parameters[0], gain);
+    const double with_shared = covariance(gain, 0);
+    // The widening, here within a few per cent of 1, differs from parameter to parameter.
+    EXPECT_NEAR(result.curves[c].covariance[0][1], with_shared, 0.25 * std::abs(with_shared));
+  }
+}
+
+// 200 trials of five curves with three levels of noise, seeds used for nothing else.  The number of intervals that hold
+// the truth is binomial; the limits are 3.3 standard deviations below 95 %, and for p values above 5 %.
+TEST(JointFit, IntervalsHoldTheTruthAndCurvesThatShareAreBelieved) {
+  constexpr int trials = 200;
+  std::mt19937_64 generator(90210);
+  double shared[2] = {0, 0}, own = 0, doubted = 0;
+  for (int trial = 0; trial < trials; ++trial) {
+    const JointFitResult result = joint_fit(lags(5, 25, 0.01, generator), Structure(lag), sharing({"T", "a"}));
+    shared[0] += covers(result.shared[0], 0.7);
+    shared[1] += covers(result.shared[1], 0.8);
+    for (std::size_t c = 0; c < 5; ++c) own += covers(result.curves[c].parameters[0], static_cast<double>(c) + 1) / 5.0;
+    doubted += result.sharing_p_value < 0.05;
+  }
+  const double deviation = std::sqrt(0.95 * 0.05 / trials);
+  RecordProperty("shared_T", std::to_string(shared[0] / trials));
+  RecordProperty("shared_a", std::to_string(shared[1] / trials));
+  RecordProperty("own_K", std::to_string(own / trials));
+  RecordProperty("doubted", std::to_string(doubted / trials));
+  EXPECT_GT(shared[0] / trials, 0.95 - 3.3 * deviation);
+  EXPECT_GT(shared[1] / trials, 0.95 - 3.3 * deviation);
+  EXPECT_GT(own / trials, 0.95 - 3.3 * deviation);
+  EXPECT_LT(doubted / trials, 0.05 + 3.3 * deviation);
+}
+
+TEST(JointFit, CurvesThatDoNotShareAreTold) {
+  std::mt19937_64 generator(3);
+  auto curves = lags(3, 40, 0.01, generator);
+  curves.push_back({"other", support::noisy_response(lag, {1, 0.7, 0.85}, 0.01, generator, 40)});
+  const JointFitResult result = joint_fit(curves, Structure(lag), sharing({"T", "a"}));
+  EXPECT_LT(result.sharing_p_value, 1e-6);
+  EXPECT_NE(result.message.find("separate values"), std::string::npos) << result.message;
+  EXPECT_GT(result.curves[3].rms, 1.5 * result.curves[3].rms_alone);
+}
+
+// One point tells two residuals, fewer than the parameters, but the other curves know all but its gain.
+TEST(JointFit, ACurveOfOnePointGetsItsGain) {
+  std::mt19937_64 generator(4);
+  auto curves = lags(3, 40, 0.001, generator);
+  curves.push_back({"short", {{1.0}, {Structure(lag).response(std::vector<double>{5, 0.7, 0.8}, 1.0)}}});
+  const JointFitResult result = joint_fit(curves, Structure(lag), sharing({"T", "a"}));
+  ASSERT_TRUE(result.usable()) << result.message;
+  const ParameterEstimate& gain = result.curves[3].parameters[0];
+  EXPECT_TRUE(gain.identified);
+  EXPECT_TRUE(covers(gain, 5)) << gain.ci95_lower << " " << gain.ci95_upper;
+  EXPECT_TRUE(std::isnan(result.curves[3].rms_alone));
+}
+
+TEST(JointFit, DoesNotDependOnThreads) {
+  std::mt19937_64 generator(5);
+  const auto curves = lags(6, 20, 0.01, generator);
+  JointFitOptions options = sharing({"T", "a"});
+  options.threads = 1;
+  const JointFitResult one = joint_fit(curves, Structure(lag), options);
+  options.threads = 3;
+  const JointFitResult three = joint_fit(curves, Structure(lag), options);
+  EXPECT_EQ(one.cost, three.cost);
+  EXPECT_EQ(one.shared[0].value, three.shared[0].value);
+  EXPECT_EQ(one.shared[0].standard_error, three.shared[0].standard_error);
+}
+
+TEST(JointFit, SaysWhatItCannotTake) {
+  std::mt19937_64 generator(6);
+  const auto curves = lags(2, 20, 0.01, generator);
+  const auto refused = [&](const JointFitOptions& options, const std::vector<std::string>& parts) {
+    support::expect_invalid_argument([&] { return joint_fit(curves, Structure(lag), options); }, parts);
+  };
+  refused(sharing({}), {"no parameter is shared"});
+  refused(sharing({"T", "T"}), {"'T'", "twice"});
+  refused(sharing({"b"}), {"b"});
+  JointFitOptions fixed = sharing({"T"});
+  fixed.fit.constraints.push_back({"T", 0.7, {}, {}, {}});
+  refused(fixed, {"'T'", "fixed"});
+  JointFitOptions robust = sharing({"T"});
+  robust.fit.loss = Loss::huber;
+  refused(robust, {"robust loss"});
+  support::expect_invalid_argument([&] { return joint_fit({}, Structure(lag), sharing({"T"})); }, {"no curve"});
+}
+
+// Spreads as chance makes them with ten degrees of freedom say nothing against one common variance; factors of a
+// hundred do; what is not told gets the common level.
+TEST(ModeratedVariances, FollowTheDataAsFarAsTheyDiffer) {
+  using detail::moderated_variances;
+  const auto alike = moderated_variances(std::vector<detail::CurveVariance>{{1.1, 10}, {0.9, 10}, {1.0, 10}, {0, 0}});
+  for (const double each : alike) EXPECT_EQ(each, alike.front());
+  EXPECT_NEAR(alike.front(), 1.1, 0.1);  // ln of a variance of ten degrees is too low by 0.1 on average
+  const auto apart = moderated_variances(std::vector<detail::CurveVariance>{{1e-4, 100}, {1, 100}, {1e4, 100}});
+  EXPECT_NEAR(apart[0] / 1e-4, 1, 0.1);
+  EXPECT_NEAR(apart[2] / 1e4, 1, 0.1);
+  EXPECT_EQ(moderated_variances(std::vector<detail::CurveVariance>{{0, 0}, {0, 0}}), (std::vector<double>{1, 1}));
+}
+
+}  // namespace
