@@ -64,8 +64,8 @@ std::vector<CommandGroup> all_commands() {
                          make_limit_cycles, make_loop));
   groups.push_back(group("Fitting", make_validate, make_fit, make_identify, make_identify_scene, make_batch,
                          make_joint_fit, make_report));
-  groups.push_back(
-      group("Models", make_analyse, make_evaluate, make_respond, make_approximate, make_realise, make_mittag_leffler));
+  groups.push_back(group("Models", make_analyse, make_evaluate, make_drt, make_respond, make_approximate, make_realise,
+                         make_mittag_leffler));
   groups.push_back(group("Controllers", make_controller, make_tune));
   groups.push_back(group("Exports", make_export_c99, make_export_arduino, make_export_fmu, make_export_spice));
   groups.push_back(group("Files and shell", make_convert, make_merge, make_cluster_script, make_completion, make_man));

@@ -17,6 +17,7 @@ namespace fracfit {
 [[nodiscard]] std::unique_ptr<Command> make_controller();
 [[nodiscard]] std::unique_ptr<Command> make_convert();
 [[nodiscard]] std::unique_ptr<Command> make_evaluate();
+[[nodiscard]] std::unique_ptr<Command> make_drt();
 [[nodiscard]] std::unique_ptr<Command> make_export_arduino();
 [[nodiscard]] std::unique_ptr<Command> make_export_c99();
 [[nodiscard]] std::unique_ptr<Command> make_export_fmu();

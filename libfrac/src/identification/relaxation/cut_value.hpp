@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <complex>
+#include <span>
+#include <vector>
+
+#include "formula/expression.hpp"
+
+namespace frac::detail {
+
+/// A formula on the upper side of the cut along the negative real axis, at given parameters.
+class CutValue {
+ public:
+  CutValue(const Expression& expression, std::span<const double> parameters);
+
+  /// At s = -rate + j 0, rate > 0.
+  [[nodiscard]] std::complex<double> operator()(double rate);
+
+ private:
+  const Expression& expression_;
+  std::vector<double> real_;
+  std::vector<std::complex<double>> value_;
+};
+
+}  // namespace frac::detail

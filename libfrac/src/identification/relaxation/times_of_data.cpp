@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <random>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "frac/identification/relaxation_times.hpp"
+#include "frac/identification/validate.hpp"
+#include "nonnegative.hpp"
+#include "peaks.hpp"
+
+namespace frac {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr Eigen::Index ends = 3;
+constexpr double per_decade = 12;
+constexpr double reach = 1.5;  // decades beyond the band
+
+/// Weighted rows of a response that is linear in its ends and in the density at each time.
+struct Equations {
+  std::vector<double> log_tau;
+  std::size_t first_seen, last_seen;  // times within the band
+  Eigen::MatrixXd columns;            // of size 1 at the ends, so that no unit matters
+  Eigen::VectorXd end_scale;
+  Eigen::VectorXd target;
+  Eigen::MatrixXd roughness;  // second differences, the density being 0 beyond the times
+};
+
+Equations equations(const FrequencyResponseData& data, TimesKernel kernel) {
+  const ValidationResult noise = validate(data);
+  if (noise.model.empty())
+    throw std::invalid_argument("a distribution of times needs 6 points at different frequencies");
+  std::vector<std::size_t> kept;
+  for (std::size_t i = 0; i < data.size(); ++i)
+    if (std::isfinite(noise.deviation[i])) kept.push_back(i);
+  double largest = 0;
+  for (const Complex& each : data.value()) largest = std::max(largest, std::abs(each));
+
+  Equations made;
+  const double first = -std::log(data.omega().back()) - reach * std::log(10.0);
+  const double last = -std::log(data.omega().front()) + reach * std::log(10.0);
+  const auto times = static_cast<Eigen::Index>(std::ceil((last - first) / std::log(10.0) * per_decade)) + 1;
+  const double spacing = (last - first) / static_cast<double>(times - 1);
+  for (Eigen::Index j = 0; j < times; ++j) made.log_tau.push_back(first + spacing * static_cast<double>(j));
+
+  const double reached = reach * std::log(10.0) / spacing;
+  made.first_seen = static_cast<std::size_t>(std::lround(reached));
+  made.last_seen = made.log_tau.size() - 1 - made.first_seen;
+
+  const auto rows = 2 * static_cast<Eigen::Index>(kept.size());
+  made.columns.resize(rows, ends + times);
+  made.target.resize(rows);
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    const double omega = data.omega()[kept[i]];
+    // Exact data have no noise of their own: what the model follows them to.
+    const double weight =
+        1 / std::max(noise.deviation[kept[i]], 1e-5 * std::abs(data.value()[kept[i]]) + 1e-12 * largest);
+    const auto put = [&](Eigen::Index column, Complex value) {
+      made.columns(2 * static_cast<Eigen::Index>(i), column) = weight * value.real();
+      made.columns(2 * static_cast<Eigen::Index>(i) + 1, column) = weight * value.imag();
+    };
+    put(0, 1);
+    put(1, Complex(0, omega));
+    put(2, Complex(0, -1 / omega));
+    for (Eigen::Index j = 0; j < times; ++j) {
+      const Complex s_tau(0, omega * std::exp(made.log_tau[static_cast<std::size_t>(j)]));
+      put(ends + j, spacing * (kernel == TimesKernel::falling ? 1.0 / (1.0 + s_tau) : s_tau / (1.0 + s_tau)));
+    }
+    made.target(2 * static_cast<Eigen::Index>(i)) = weight * data.value()[kept[i]].real();
+    made.target(2 * static_cast<Eigen::Index>(i) + 1) = weight * data.value()[kept[i]].imag();
+  }
+  made.end_scale = made.columns.leftCols(ends).colwise().norm().cwiseInverse();
+  made.columns.leftCols(ends) *= made.end_scale.asDiagonal();
+  made.roughness = Eigen::MatrixXd::Zero(times + 2, ends + times);
+  for (Eigen::Index i = 0; i < times + 2; ++i)
+    for (const auto& [shift, weight] : {std::pair<Eigen::Index, double>{-2, 1}, {-1, -2}, {0, 1}})
+      if (i + shift >= 0 && i + shift < times) made.roughness(i, ends + i + shift) = weight / (spacing * spacing);
+  // The squares are summed over ln tau.
+  made.roughness *= std::sqrt(spacing);
+  return made;
+}
+
+/// The weight of the roughness of the largest evidence: a normal prior on the second differences, noise as given, ends
+/// anywhere.  -2 ln p = misfit + smoothness roughness + ln |A'A + smoothness D'D| - times ln smoothness.
+double best_smoothness(const Equations& of, const Eigen::MatrixXd& normal, const Eigen::MatrixXd& rough) {
+  const Eigen::VectorXd right = of.columns.transpose() * of.target;
+  const double times = static_cast<double>(of.log_tau.size());
+  const double scale =
+      normal.diagonal().tail(normal.cols() - ends).mean() / rough.diagonal().tail(rough.cols() - ends).mean();
+  double least = std::numeric_limits<double>::infinity(), best = scale;
+  for (double exponent = -10; exponent <= 4; exponent += 0.5) {
+    const double smoothness = scale * std::pow(10, exponent);
+    const Eigen::LLT<Eigen::MatrixXd> factor(normal + smoothness * rough);
+    if (factor.info() != Eigen::Success) continue;
+    const double explained = right.dot(factor.solve(right));
+    const double log_determinant = 2 * factor.matrixLLT().diagonal().array().log().sum();
+    const double value = of.target.squaredNorm() - explained + log_determinant - times * std::log(smoothness);
+    if (value < least) {
+      least = value;
+      best = smoothness;
+    }
+  }
+  return best;
+}
+
+/// The smoothest density that follows the data.
+struct Solution {
+  Eigen::MatrixXd roughness;  // of the prior
+  double smoothness;
+  Eigen::MatrixXd hessian;
+  Eigen::VectorXd x;
+  std::vector<bool> free;
+};
+
+Solution solution(const Equations& of, const Eigen::MatrixXd& normal, Eigen::MatrixXd roughness) {
+  Solution made{std::move(roughness), 0, {}, {}, {}};
+  const Eigen::MatrixXd rough = made.roughness.transpose() * made.roughness;
+  made.smoothness = best_smoothness(of, normal, rough);
+  made.hessian = normal + made.smoothness * rough;
+  // Ends that no point sees stay at 0.
+  made.hessian.diagonal().array() += 1e-13 * made.hessian.diagonal().maxCoeff();
+  made.free.assign(static_cast<std::size_t>(made.hessian.cols()), true);
+  made.x = detail::nonnegative_minimum(made.hessian, of.columns.transpose() * of.target, made.free);
+  return made;
+}
+
+/// Second differences in units of the density around them: that of an arc falls as a power of tau, so that its
+/// curvature is in proportion to itself, and one roughness for all would cut its maximum.
+Eigen::MatrixXd relative_roughness(const Equations& of, const Eigen::VectorXd& density) {
+  constexpr double floor = 0.02;  // of the maximum: less is not told from nothing
+  const double top = density.maxCoeff();
+  Eigen::MatrixXd result = of.roughness;
+  if (!(top > 0)) return result;
+  const Eigen::Index last = density.size() - 1;
+  for (Eigen::Index i = 0; i < result.rows(); ++i) {
+    const Eigen::Index from = std::max<Eigen::Index>(i - 2, 0), to = std::min(i, last);
+    result.row(i) *= top / std::max(density.segment(from, to - from + 1).maxCoeff(), floor * top);
+  }
+  return result;
+}
+
+double quantile(std::vector<double> values, double share) {
+  std::sort(values.begin(), values.end());
+  const double place = share * static_cast<double>(values.size() - 1);
+  const auto below = static_cast<std::size_t>(place);
+  const std::size_t above = std::min(below + 1, values.size() - 1);
+  return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
+}
+
+}  // namespace
+
+TimesDistribution relaxation_times(const FrequencyResponseData& data, TimesKernel kernel, std::uint64_t seed) {
+  const Equations of = equations(data, kernel);
+  const Eigen::MatrixXd normal = of.columns.transpose() * of.columns;
+  Solution of_data = solution(of, normal, of.roughness);
+  constexpr int rounds = 3;  // the scale of the density settles
+  for (int round = 0; round < rounds; ++round)
+    of_data =
+        solution(of, normal, relative_roughness(of, of_data.x.tail(static_cast<Eigen::Index>(of.log_tau.size()))));
+  const Eigen::VectorXd& best = of_data.x;
+
+  TimesDistribution result{};
+  result.kernel = kernel;
+  result.smoothness = of_data.smoothness;
+  result.constant = best(0) * of.end_scale(0);
+  result.inductance = best(1) * of.end_scale(1);
+  result.elastance = best(2) * of.end_scale(2);
+  for (std::size_t j = 0; j < of.log_tau.size(); ++j) {
+    result.tau.push_back(std::exp(of.log_tau[j]));
+    result.density.push_back(best(ends + static_cast<Eigen::Index>(j)));
+  }
+  constexpr std::size_t samples = 100;
+  std::mt19937_64 engine(seed);
+  std::normal_distribution<double> normal_draw;
+  std::vector<std::vector<double>> density(of.log_tau.size()), drawn(samples);
+  for (std::size_t k = 0; k < samples; ++k) {
+    Eigen::VectorXd moved = of.target, prior(of_data.roughness.rows());
+    for (double& each : moved) each += normal_draw(engine);
+    for (double& each : prior) each = std::sqrt(of_data.smoothness) * normal_draw(engine);
+    std::vector<bool> guess = of_data.free;
+    const Eigen::VectorXd sample = detail::nonnegative_minimum(
+        of_data.hessian, of.columns.transpose() * moved + of_data.roughness.transpose() * prior, guess);
+    for (std::size_t j = 0; j < of.log_tau.size(); ++j) {
+      drawn[k].push_back(sample(ends + static_cast<Eigen::Index>(j)));
+      density[j].push_back(drawn[k].back());
+    }
+  }
+  constexpr double low = 0.025, high = 0.975;
+  for (const auto& each : density) {
+    result.lower.push_back(quantile(each, low));
+    result.upper.push_back(quantile(each, high));
+  }
+  auto ranges = detail::large_peaks(
+      detail::joined_peaks(detail::peak_ranges(result.density), result.density, result.lower, result.upper), of.log_tau,
+      result.density);
+  // Beyond the band stands what the prior continues.
+  std::erase_if(ranges, [&](const auto& range) { return range.top < of.first_seen || range.top > of.last_seen; });
+  const auto seen = [&](const detail::PeakRange& range) {
+    return detail::PeakRange{std::max(range.first, of.first_seen), range.top, std::min(range.last, of.last_seen)};
+  };
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    std::vector<double> place, area;
+    for (const auto& each : drawn) {
+      // Where a minimum lies is as uncertain as the density: each solution has its own.
+      const auto minimum_between = [&](std::size_t from, std::size_t to) {
+        const auto first = each.begin() + static_cast<std::ptrdiff_t>(from);
+        return static_cast<std::size_t>(std::min_element(first, each.begin() + static_cast<std::ptrdiff_t>(to) + 1) -
+                                        each.begin());
+      };
+      detail::PeakRange range = ranges[i];
+      if (i > 0) range.first = minimum_between(ranges[i - 1].top, range.top);
+      if (i + 1 < ranges.size()) range.last = minimum_between(range.top, ranges[i + 1].top);
+      place.push_back(detail::peak_place(of.log_tau, each, range));
+      area.push_back(detail::peak_area(of.log_tau, each, seen(range)));
+    }
+    result.peaks.push_back({std::exp(detail::peak_place(of.log_tau, result.density, ranges[i])),
+                            detail::peak_area(of.log_tau, result.density, seen(ranges[i])),
+                            std::exp(quantile(place, low)), std::exp(quantile(place, high)), quantile(area, low),
+                            quantile(area, high)});
+  }
+  return result;
+}
+
+}  // namespace frac

@@ -1,0 +1,178 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+
+#include "cut_value.hpp"
+#include "frac/identification/relaxation_times.hpp"
+#include "frac/identification/statistics.hpp"
+#include "peaks.hpp"
+
+namespace frac {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+std::vector<double> logarithms(std::span<const double> tau) {
+  if (tau.size() < 3) throw std::invalid_argument("tau needs at least 3 values");
+  std::vector<double> result;
+  for (std::size_t i = 0; i < tau.size(); ++i) {
+    if (!(tau[i] > 0) || !std::isfinite(tau[i]) || (i > 0 && !(tau[i] > tau[i - 1])))
+      throw std::invalid_argument("tau[" + std::to_string(i) + "] = " + std::to_string(tau[i]) +
+                                  " must be positive and rising");
+    result.push_back(std::log(tau[i]));
+  }
+  return result;
+}
+
+double sign_of(TimesKernel kernel) {
+  return kernel == TimesKernel::falling ? 1 : -1;
+}
+
+/// Real poles: zeros of 1/Z on the cut.  Beside a continuous part Im 1/Z does not vanish, and Re 1/Z changes sign
+/// without a pole.
+class Lines {
+ public:
+  Lines(detail::CutValue& value, double sign) : value_(value), sign_(sign) {}
+
+  /// All between neighbouring times.
+  [[nodiscard]] std::vector<TimesLine> between(std::span<const double> log_tau) {
+    std::vector<TimesLine> lines;
+    std::complex<double> before = inverse(log_tau[0]);
+    for (std::size_t i = 1; i < log_tau.size(); ++i) {
+      const std::complex<double> here = inverse(log_tau[i]);
+      if ((before.real() < 0) != (here.real() < 0)) add(log_tau[i - 1], log_tau[i], before.real() < 0, lines);
+      before = here;
+    }
+    return lines;
+  }
+
+ private:
+  [[nodiscard]] std::complex<double> inverse(double log_tau) { return 1.0 / value_(std::exp(-log_tau)); }
+
+  void add(double low, double high, bool low_is_negative, std::vector<TimesLine>& lines) {
+    const double width = high - low;
+    const double size = std::max(std::abs(inverse(low)), std::abs(inverse(high)));
+    for (int i = 0; i < 60 && high - low > 1e-15 * (1 + std::abs(low)); ++i) {
+      const double middle = (low + high) / 2;
+      ((inverse(middle).real() < 0) == low_is_negative ? low : high) = middle;
+    }
+    const double place = (low + high) / 2;
+    // Rounding of the exponent leaves 1e-15 of the slope; a jump through infinity or an imaginary part leaves much
+    // more.
+    if (!(std::abs(inverse(place)) < 1e-9 * size)) return;
+    // With t = ln tau, 1 + s tau_k is t - t_k near the pole, so 1/Z = (t - t_k)/area.
+    const double step = 1e-5 * width;
+    const double slope = ((inverse(place + step) - inverse(place - step)) / (2 * step)).real();
+    lines.push_back({std::exp(place), sign_ / slope, nan, nan, nan, nan});
+  }
+
+  detail::CutValue& value_;
+  double sign_;
+};
+
+TimesDistribution exact_times(const Structure& structure, std::span<const double> parameters,
+                              std::span<const double> log_tau, TimesKernel kernel) {
+  detail::CutValue value(structure.expression(), parameters);
+  TimesDistribution result{};
+  result.kernel = kernel;
+  result.constant = result.inductance = result.elastance = result.smoothness = nan;
+  double largest = 0;
+  for (const double each : log_tau) {
+    const std::complex<double> here = value(std::exp(-each));
+    result.tau.push_back(std::exp(each));
+    result.density.push_back(-sign_of(kernel) / std::numbers::pi * here.imag());
+    largest = std::max(largest, std::abs(here));
+  }
+  // What rounding leaves where the values on both sides agree is no density.
+  for (double& each : result.density)
+    if (std::abs(each) < 1e-13 * largest) each = 0;
+  result.lines = Lines(value, sign_of(kernel)).between(log_tau);
+  for (const auto& range : detail::large_peaks(detail::peak_ranges(result.density), log_tau, result.density))
+    result.peaks.push_back({std::exp(detail::peak_place(log_tau, result.density, range)),
+                            detail::peak_area(log_tau, result.density, range), nan, nan, nan, nan});
+  return result;
+}
+
+void check_parameters(const Structure& structure, std::size_t count) {
+  if (count != structure.parameter_names().size())
+    throw std::invalid_argument(structure.formula() + " has " + std::to_string(structure.parameter_names().size()) +
+                                " parameters, not " + std::to_string(count));
+}
+
+}  // namespace
+
+std::string_view to_string(TimesKernel kernel) {
+  return kernel == TimesKernel::falling ? "falling" : "rising";
+}
+
+TimesDistribution relaxation_times(const Structure& structure, std::span<const double> parameters,
+                                   std::span<const double> tau, TimesKernel kernel) {
+  check_parameters(structure, parameters.size());
+  return exact_times(structure, parameters, logarithms(tau), kernel);
+}
+
+TimesDistribution relaxation_times(const FitResult& fit, std::span<const double> tau, TimesKernel kernel) {
+  const Structure structure(fit.model);
+  check_parameters(structure, fit.parameters.size());
+  const std::vector<double> log_tau = logarithms(tau);
+  std::vector<double> values;
+  for (const auto& each : fit.parameters) values.push_back(each.value);
+  TimesDistribution result = exact_times(structure, values, log_tau, kernel);
+  const double freedom = static_cast<double>(fit.residuals) - static_cast<double>(fit.free_parameters);
+  if (!(freedom >= 1) || fit.covariance.size() != values.size()) return result;
+
+  // Everything that has an interval, as one list; the logarithm of a time.
+  const auto quantities = [](const TimesDistribution& of) {
+    std::vector<double> list = of.density;
+    for (const auto& line : of.lines) list.insert(list.end(), {std::log(line.tau), line.area});
+    for (const auto& peak : of.peaks) list.insert(list.end(), {std::log(peak.tau), peak.area});
+    return list;
+  };
+  const std::vector<double> centre = quantities(result);
+  std::vector<std::vector<double>> slopes;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    std::vector<double>& slope = slopes.emplace_back(centre.size(), 0.0);
+    const double variance = fit.covariance[i][i];
+    if (!(variance > 0)) continue;  // held
+    // Small against the curvature, large against rounding.
+    const double step = std::min(0.01 * std::sqrt(variance), 1e-3 * std::abs(values[i]) + 1e-300);
+    std::vector<double> moved = values;
+    moved[i] = values[i] + step;
+    const auto above = quantities(exact_times(structure, moved, log_tau, kernel));
+    moved[i] = values[i] - step;
+    const auto below = quantities(exact_times(structure, moved, log_tau, kernel));
+    // A peak or a line that comes or goes has no slope.
+    for (std::size_t k = 0; k < centre.size(); ++k)
+      slope[k] =
+          above.size() == centre.size() && below.size() == centre.size() ? (above[k] - below[k]) / (2 * step) : nan;
+  }
+  std::vector<double> half(centre.size());
+  const double t = student_t_95(freedom);
+  for (std::size_t k = 0; k < centre.size(); ++k) {
+    double variance = 0;
+    for (std::size_t i = 0; i < values.size(); ++i)
+      for (std::size_t j = 0; j < values.size(); ++j)
+        if (std::isfinite(fit.covariance[i][j])) variance += slopes[i][k] * fit.covariance[i][j] * slopes[j][k];
+    half[k] = t * std::sqrt(std::max(variance, 0.0));
+  }
+  std::size_t at = 0;
+  for (; at < result.density.size(); ++at) {
+    result.lower.push_back(centre[at] - half[at]);
+    result.upper.push_back(centre[at] + half[at]);
+  }
+  const auto put = [&](auto& of) {
+    of.tau_lower = std::exp(centre[at] - half[at]);
+    of.tau_upper = std::exp(centre[at] + half[at]);
+    of.area_lower = centre[at + 1] - half[at + 1];
+    of.area_upper = centre[at + 1] + half[at + 1];
+    at += 2;
+  };
+  for (auto& line : result.lines) put(line);
+  for (auto& peak : result.peaks) put(peak);
+  return result;
+}
+
+}  // namespace frac

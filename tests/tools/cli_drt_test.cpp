@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <string>
+
+#include "run_program.hpp"
+
+namespace {
+
+using nlohmann::json;
+
+// An arc of 100 at 10 ms with a resistance before it, rounded to four digits.
+std::string spectrum() {
+  std::string text = "omega_rad_s,re_ohm,im_ohm\n";
+  for (int i = 0; i <= 60; ++i) {
+    const double omega = 0.1 * std::pow(10, i / 10.0);
+    const auto value = 10.0 + 100.0 / (1.0 + std::pow(std::complex<double>(0, 0.01 * omega), 0.8));
+    char line[96];
+    std::snprintf(line, sizeof line, "%.9g,%.4g,%.4g\n", omega, value.real(), value.imag());
+    text += line;
+  }
+  return text;
+}
+
+json only(const json& rows, const std::string& source, const std::string& kind) {
+  json found = json::array();
+  for (const auto& row : rows)
+    if (row.at("source") == source && row.at("kind") == kind) found.push_back(row);
+  return found;
+}
+
+// The whole area of the arc is 100; sin(0.8 pi)/(0.8 pi) (1e-3)^0.8 of it, less than 0.1 %, lies on each side of the
+// band.
+TEST(DrtCommand, DataAndAFitShowTheSameArc) {
+  const TemporaryFolder folder;
+  const auto data = folder.write("data.csv", spectrum()), fit = folder.path("fit.json"),
+             picture = folder.path("times.svg");
+  const auto fitted = run_fracfit({"fit", data, "--model", "R0 + R/(1 + (T s)^a)", "--format", "json", "--out", fit});
+  ASSERT_EQ(fitted.code, 0) << fitted.error;
+  const auto result =
+      run_fracfit({"drt", data, "--fit", fit, "--tau", "1e-5:10:121log", "--format", "json", "--picture", picture});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const auto found = json::parse(result.output);
+  EXPECT_NEAR(found.at("constant").get<double>(), 10, 0.5);
+  for (const char* key : {"inductance", "elastance", "smoothness", "model"}) EXPECT_TRUE(found.contains(key)) << key;
+  const auto exact = only(found.at("rows"), "fit", "density");
+  ASSERT_EQ(exact.size(), 121U);
+  for (const auto& row : exact) {
+    // K. S. Cole, R. H. Cole (1941), eq. 15; parameters from four digits of 61 points.
+    const double tau = row.at("tau_s").get<double>(), order = 0.8 * std::numbers::pi;
+    const double density =
+        100 * std::sin(order) / (2 * std::numbers::pi * (std::cosh(0.8 * std::log(tau / 0.01)) + std::cos(order)));
+    EXPECT_NEAR(row.at("value").get<double>(), density, 0.1) << tau;
+    EXPECT_LE(row.at("lower"), row.at("value"));
+    EXPECT_GE(row.at("upper"), row.at("value"));
+  }
+  for (const char* source : {"data", "fit"}) {
+    const auto peaks = only(found.at("rows"), source, "peak");
+    ASSERT_EQ(peaks.size(), 1U) << source;
+    EXPECT_NEAR(std::log10(peaks[0].at("tau_s").get<double>()), -2, 0.05) << source;
+    EXPECT_NEAR(peaks[0].at("value").get<double>(), 100, 2) << source;
+    EXPECT_LT(peaks[0].at("lower"), peaks[0].at("upper")) << source;
+    EXPECT_LT(peaks[0].at("tau_lower"), peaks[0].at("tau_upper")) << source;
+  }
+  const std::string drawn = content_of(picture);
+  EXPECT_NE(drawn.find("</svg>"), std::string::npos);
+  EXPECT_NE(drawn.find("data, range"), std::string::npos);
+  EXPECT_NE(drawn.find("fit, range"), std::string::npos);
+  const auto csv = run_fracfit({"drt", data, "--format", "csv"});
+  EXPECT_NE(csv.output.find("source,kind,tau_s,tau_lower,tau_upper,value,lower,upper\n"), std::string::npos);
+  EXPECT_EQ(run_fracfit({"drt", data, "--format", "table"}).code, 0);
+}
+
+TEST(DrtCommand, WrongUsageAndUselessDataAreNamed) {
+  const TemporaryFolder folder;
+  const auto data = folder.write("data.csv", spectrum());
+  EXPECT_EQ(run_fracfit({"drt"}).code, 2);
+  EXPECT_EQ(run_fracfit({"drt", data, "--tau", "1:10:5log"}).code, 2);
+  EXPECT_EQ(run_fracfit({"drt", data, "--kernel", "sideways"}).code, 2);
+  EXPECT_EQ(run_fracfit({"drt", data, "--picture", folder.path("times.pdf")}).code, 2);
+  EXPECT_EQ(run_fracfit({"drt", "--fit", folder.path("none.json")}).code, 2);
+  EXPECT_EQ(run_fracfit({"drt", "--fit", folder.path("none.json"), "--tau", "1:10:5log"}).code, 3);
+  EXPECT_EQ(run_fracfit({"drt", folder.path("none.csv")}).code, 3);
+  const auto few = run_fracfit({"drt", folder.write("few.csv", "omega_rad_s,re,im\n1,1,0\n2,1,0\n")});
+  EXPECT_NE(few.code, 0);
+  EXPECT_NE(few.error.find("6 points"), std::string::npos) << few.error;
+}
+
+}  // namespace

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "commands/subcommand.hpp"
+#include "frac/identification/relaxation_times.hpp"
+#include "io/frequency_response_file.hpp"
+#include "options/data_options.hpp"
+#include "options/fit_record.hpp"
+#include "output/document.hpp"
+#include "report/picture.hpp"
+
+namespace fracfit {
+namespace {
+
+constexpr std::array kernels{frac::TimesKernel::falling, frac::TimesKernel::rising};
+
+class Drt : public Command {
+ public:
+  Drt() : Command("drt", "Distribution of relaxation times, of a fit exactly or of measured data without a model") {
+    Options& o = options();
+    o.text("--data", data_, "A frequency response as a table or as an instrument writes it", "FILE").or_argument();
+    add_file_options(o, how_);
+    add_select(o, how_);
+    o.text("--fit", fit_, "Result of fracfit fit as JSON: its model, parameters and their covariance", "FILE");
+    o.numbers("--tau", tau_, "Times at which a fit is shown, s; FROM:TO:COUNTlog", "TAU").only_with({"--fit"});
+    o.choice("--kernel", kernel_, kernels, "falling: impedance, compliance, permittivity; rising: modulus, admittance",
+             "KERNEL");
+    o.text("--picture", picture_, "A picture beside the result, SVG or PNG by its ending; here the distributions",
+           "FILE");
+    add_common({"csv", "json", "table"});
+    set_footer(
+        "Z(s) = constant + inductance s + elastance/s + lines + integral of g/(1 + s tau) d ln tau; g per e-fold of "
+        "tau.\n"
+        "A fit gives g and the lines exactly, through the cut and the poles of its formula, with 95 % intervals by "
+        "its\n"
+        "covariance.  Data give the smoothest g >= 0 that follows them to within their noise, with the three ends and "
+        "the\n"
+        "range of 95 % of such g: it holds smooth densities, but may miss the maximum of an arc that is nearly a "
+        "line.\n"
+        "The area of a peak of data is that within the band.  Kinds of rows: density, line, peak.\n"
+        "Examples:\n"
+        "  fracfit drt cell.csv --out times.csv --picture times.svg\n"
+        "  fracfit drt --fit fit.json --tau 1e-6:100:161log\n"
+        "  fracfit drt cell.csv --fit fit.json --tau 1e-6:100:161log --picture both.svg");
+  }
+
+ private:
+  [[nodiscard]] std::vector<std::string> inputs() const override {
+    std::vector<std::string> files;
+    for (const auto& each : {data_, fit_})
+      if (!each.empty()) files.push_back(each);
+    return files;
+  }
+
+  void check() override {
+    if (data_.empty() && fit_.empty())
+      throw std::invalid_argument("--data or --fit is required: what has the distribution");
+    if (!fit_.empty() && tau_.empty()) throw std::invalid_argument("--fit needs --tau, the times at which it is shown");
+    if (picture_.empty()) return;
+    try {
+      drawing_.emplace(picture_, inputs());
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(std::string("--picture: ") + error.what());
+    }
+  }
+
+  struct Row {
+    std::string source, kind;
+    double tau, tau_lower, tau_upper, value, lower, upper;
+  };
+
+  static void add_rows(const std::string& source, const frac::TimesDistribution& of, std::vector<Row>& rows) {
+    const bool has_band = !of.lower.empty();
+    for (std::size_t i = 0; i < of.tau.size(); ++i)
+      rows.push_back({source, "density", of.tau[i], of.tau[i], of.tau[i], of.density[i], has_band ? of.lower[i] : NAN,
+                      has_band ? of.upper[i] : NAN});
+    const auto add = [&](const char* kind, const auto& each) {
+      rows.push_back(
+          {source, kind, each.tau, each.tau_lower, each.tau_upper, each.area, each.area_lower, each.area_upper});
+    };
+    for (const auto& line : of.lines) add("line", line);
+    for (const auto& peak : of.peaks) add("peak", peak);
+  }
+
+  static void add_curves(const std::string& label, std::size_t colour, const frac::TimesDistribution& of,
+                         report::Panel& panel) {
+    if (!of.lower.empty())
+      panel.curves.push_back(
+          report::make_band(label + ", range", colour == 0 ? "#b3d4e8" : "#f3cdb0", of.tau, of.lower, of.upper));
+    panel.curves.push_back(
+        report::make_curve(label, report::category_colour(colour), report::Mark::line, of.tau, of.density));
+    // A line has no density; its area stands at its time.
+    std::vector<double> tau, area;
+    for (const auto& line : of.lines) {
+      tau.push_back(line.tau);
+      area.push_back(line.area);
+    }
+    if (!tau.empty())
+      panel.curves.push_back(report::make_curve(label + ", areas of lines", report::category_colour(colour),
+                                                report::Mark::open_points, tau, area));
+  }
+
+  int run() override {
+    Document document;
+    std::vector<Row> rows;
+    report::Panel panel{"", {"{/Symbol t} (s)", true}, {"density per e-fold"}};
+    panel.key = true;
+    if (!data_.empty()) {
+      io::FrequencyResponseReadOptions read;
+      read.how = how_;
+      const auto file = io::read_frequency_response(data_, read);
+      for (const auto& note : file.notes) say(data_ + ": " + note);
+      const auto times = frac::relaxation_times(file.data, kernel_);
+      add_rows("data", times, rows);
+      add_curves("data", 0, times, panel);
+      document.head.emplace_back("constant", io::format_number(times.constant));
+      document.head.emplace_back("inductance", io::format_number(times.inductance));
+      document.head.emplace_back("elastance", io::format_number(times.elastance));
+      document.head.emplace_back("smoothness", io::format_number(times.smoothness));
+    }
+    if (!fit_.empty()) {
+      const auto fit = read_fit(fit_);
+      const auto times = frac::relaxation_times(fit, tau_, kernel_);
+      document.head.emplace_back("model", fit.model);
+      add_rows("fit", times, rows);
+      add_curves("fit", 1, times, panel);
+    }
+    document.rows.columns = {"source", "kind", "tau_s", "tau_lower", "tau_upper", "value", "lower", "upper"};
+    document.rows.count = rows.size();
+    document.rows.fill = [&](std::size_t i, std::vector<Cell>& cells) {
+      const Row& row = rows[i];
+      cells.insert(cells.end(),
+                   {row.source, row.kind, row.tau, row.tau_lower, row.tau_upper, row.value, row.lower, row.upper});
+    };
+    write(text_of(document, format(), command_line()));
+    if (drawing_) drawing_->write({"times", "", {std::move(panel)}});
+    return usable_result;
+  }
+
+  std::string data_, fit_, picture_;
+  io::MeasurementOptions how_;
+  std::vector<double> tau_;
+  frac::TimesKernel kernel_ = frac::TimesKernel::falling;
+  std::optional<report::PictureFile> drawing_;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_drt() {
+  return std::make_unique<Drt>();
+}
+
+}  // namespace fracfit
