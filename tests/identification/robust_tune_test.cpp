@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <random>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 namespace {
@@ -129,6 +130,14 @@ TEST(RobustTune, PlantsStandOnTheBorderOfTheRegion) {
 
 TEST(RobustTune, NeedsToKnowHowSureTheFitIs) {
   frac::FitResult fit = measured_plant(1);
+  // The parameter without a standard error is named, not the one whose row its column stands in.
+  for (std::size_t i = 0; i < 3; ++i) fit.covariance[1][i] = fit.covariance[i][1] = std::nan("");
+  try {
+    static_cast<void>(frac::plants_of_region(fit));
+    ADD_FAILURE() << "accepted";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("'L'"), std::string::npos) << error.what();
+  }
   fit.covariance.clear();
   EXPECT_THROW(static_cast<void>(frac::plants_of_region(fit)), std::invalid_argument);
 }

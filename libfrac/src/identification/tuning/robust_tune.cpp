@@ -99,16 +99,17 @@ std::vector<FractionalTransferFunction> plants_of_region(const FitResult& fit, s
   const std::vector<double> values = model_values(fit, structure);
   const auto count = static_cast<Eigen::Index>(values.size());
   Eigen::MatrixXd covariance(count, count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    for (Eigen::Index j = 0; j < count; ++j) {
-      const auto row = static_cast<std::size_t>(i), column = static_cast<std::size_t>(j);
-      const bool is_known = row < fit.covariance.size() && column < fit.covariance[row].size();
-      covariance(i, j) = is_known ? fit.covariance[row][column] : std::numeric_limits<double>::quiet_NaN();
-      if (!std::isfinite(covariance(i, j)))
-        throw std::invalid_argument("the fit has no standard error of its parameter '" + fit.parameters[row].name +
-                                    "', so that no region of plants is known");
-    }
-  }
+  const auto known = [&](std::size_t row, std::size_t column) {
+    const bool is_there = row < fit.covariance.size() && column < fit.covariance[row].size();
+    return is_there ? fit.covariance[row][column] : std::numeric_limits<double>::quiet_NaN();
+  };
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!std::isfinite(known(i, i)))
+      throw std::invalid_argument("the fit has no standard error of its parameter '" + fit.parameters[i].name +
+                                  "', so that no region of plants is known");
+  for (Eigen::Index i = 0; i < count; ++i)
+    for (Eigen::Index j = 0; j < count; ++j)
+      covariance(i, j) = known(static_cast<std::size_t>(i), static_cast<std::size_t>(j));
   // Symmetric and not negative: its singular vectors are the principal axes.  Held parameters have none.
   const auto [squares, axes] = detail::right_singular_vectors(covariance);
   const auto free = (squares.array() > 1e-16 * squares[0]).count();
