@@ -5,11 +5,12 @@
 #include <array>
 #include <cmath>
 
-#include "scene_text.hpp"
+#include "base/short_text.hpp"
 
 namespace backlash::detail {
 namespace {
 
+using frac::detail::short_text;
 // Standard deviations that chance exceeds on one side once in a thousand.
 constexpr double significant = 3.09;
 // Residuals below this share of the data are rounding, whose neighbours may go together.

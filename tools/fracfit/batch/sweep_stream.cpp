@@ -21,31 +21,17 @@ PointCounts counts_of(const Points& points) {
   return counts;
 }
 
-// Computes the pieces that are not there yet, in parallel.  The last curves of a map take longest: begun first, they
-// keep no thread waiting at the end.
-template <class IsThere, class Take>
-void for_each_piece(const backlash::SweepPieces& pieces, frac::Progress& progress, const IsThere& is_there,
-                    const Take& take) {
-  progress.total += pieces.scenes().size() * pieces.omega().size();
-  frac::parallel_for(pieces.count(), pieces.options().threads, [&](std::size_t i) {
-    const std::size_t number = pieces.count() - 1 - i;
-    if (is_there(number))
-      progress.done += pieces.piece(number).count;
-    else
-      take(number, pieces.points(number, &progress));
-  });
-}
-
 PointCounts write_whole(const backlash::SweepPieces& pieces, const SweepTable& table, const SweepTarget& target,
                         frac::Progress& progress) {
   const std::size_t width = pieces.omega().size();
   Points all(pieces.scenes().size() * width);
-  for_each_piece(
-      pieces, progress, [](std::size_t) { return false; },
-      [&](std::size_t number, const Points& points) {
-        const auto [scene, first, count] = pieces.piece(number);
-        std::copy(points.begin(), points.end(), all.begin() + static_cast<std::ptrdiff_t>(scene * width + first));
-      });
+  pieces.compute([](std::size_t) { return false; },
+                 [&](std::size_t number, const Points& points) {
+                   const auto [scene, first, count] = pieces.piece(number);
+                   std::copy(points.begin(), points.end(),
+                             all.begin() + static_cast<std::ptrdiff_t>(scene * width + first));
+                 },
+                 &progress);
   target.file.write(text_of(document_of(table, 0, width, all), target.format, target.command));
   return counts_of(all);
 }
@@ -58,14 +44,15 @@ PointCounts write_stream(const backlash::SweepPieces& pieces, const SweepTable& 
   for (std::size_t number = 0; number < pieces.count(); ++number)
     if (stream.contains(std::to_string(number))) counts.of_earlier_run += pieces.piece(number).count;
   std::mutex counting;
-  for_each_piece(
-      pieces, progress, [&](std::size_t number) { return stream.contains(std::to_string(number)); },
-      [&](std::size_t number, const Points& points) {
-        const backlash::SweepPiece piece = pieces.piece(number);
-        stream.append(std::to_string(number), csv_rows(document_of(table, piece.scene, piece.count, points).rows));
-        const std::lock_guard guard(counting);
-        counts += counts_of(points);
-      });
+  pieces.compute([&](std::size_t number) { return stream.contains(std::to_string(number)); },
+                 [&](std::size_t number, const Points& points) {
+                   const backlash::SweepPiece piece = pieces.piece(number);
+                   stream.append(std::to_string(number),
+                                 csv_rows(document_of(table, piece.scene, piece.count, points).rows));
+                   const std::lock_guard guard(counting);
+                   counts += counts_of(points);
+                 },
+                 &progress);
   target.file.write([&](const io::OutputFile::Sink& sink) {
     io::Fingerprint fingerprint;
     const auto write = [&](const std::string& text) {
