@@ -317,7 +317,7 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
     const detail::SceneAdequacy adequacy = detail::scene_adequacy(data, found.best.choices, known.bounds.free_count());
     result.misfits = adequacy.misfits;
     result.residual_correlation = adequacy.correlation;
-    // Of the mean of an autoregressive sequence.
+    // The factor by which the standard error of a mean is larger for an autoregressive sequence than for white noise.
     const double widening = std::sqrt((1 + adequacy.correlation) / (1 - adequacy.correlation));
     detail::SceneUncertainty uncertainty =
         detail::scene_uncertainty(equations, known.bounds, found.best.theta, widening);
@@ -344,7 +344,7 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
     result.condition = uncertainty.condition;
     result.free_parameters = uncertainty.rank;
     for (std::size_t k = 0; k < 4; ++k) {
-      // Not by way of the logarithm.
+      // A fixed value is given back as it was, not through its logarithm.
       if (known.fixed[k]) {
         result.parameters[k].value = *known.fixed[k];
         result.parameters[k].ci95_lower = result.parameters[k].ci95_upper = *known.fixed[k];

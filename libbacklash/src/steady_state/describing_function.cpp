@@ -282,7 +282,7 @@ SweepPieces::SweepPieces(std::vector<SweepScene> scenes, std::vector<double> ome
       throw std::invalid_argument("scene " + std::to_string(i) + ": " + error.what());
     }
   }
-  // Many pieces share well among threads; some hundred points are milliseconds of work, little to lose.
+  // Many pieces load the threads evenly; one of some hundred points takes milliseconds, so that little is lost with it.
   width_ = omega_.size();
   if (has_independent_points(options_.protocol)) width_ = std::clamp<std::size_t>(omega_.size() / 32, 1, 256);
   per_scene_ = (omega_.size() + width_ - 1) / width_;
