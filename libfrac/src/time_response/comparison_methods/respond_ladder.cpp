@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <map>
 
+#include "base/eigenvalues.hpp"
 #include "frac/approximation/approximate.hpp"
 #include "frac/time_response/response_methods.hpp"
 #include "special/phi_functions.hpp"
@@ -124,14 +124,12 @@ std::vector<double> respond_ladder(const FractionalTransferFunction& model, std:
     return output;
   }
 
-  // Modes: y = Re sum weight x + d u, x' = rate x + u.
-  const Eigen::EigenSolver<Eigen::MatrixXd> modes(system.a);
-  const Eigen::VectorXcd driven = modes.eigenvectors().fullPivLu().solve(system.b.cast<Complex>());
-  const Eigen::ArrayXcd weight = (system.c.cast<Complex>() * modes.eigenvectors()).transpose().array() * driven.array();
-  const Eigen::Index size = weight.size();
+  // Modes: y = Re sum residue x + d u, x' = pole x + u.
+  const auto [poles, residues] = detail::partial_fractions(system.a, system.b, system.c);
+  const Eigen::Index size = poles.size();
   Eigen::ArrayXcd factor(size), held(size), rising(size);
   for (Eigen::Index k = 0; k < size; ++k) {
-    const Complex z = modes.eigenvalues()[k] * sample_time;
+    const Complex z = poles[k] * sample_time;
     Complex phis[2];
     detail::phi(z, phis);
     factor[k] = std::exp(z);
@@ -144,7 +142,7 @@ std::vector<double> respond_ladder(const FractionalTransferFunction& model, std:
       state = factor * state + held * samples[n - 1];
       if (hold == Hold::first_order) state += rising * (samples[n] - samples[n - 1]);
     }
-    output[n] = (weight * state).real().sum() + system.d * samples[n];
+    output[n] = (residues.array() * state).real().sum() + system.d * samples[n];
   }
   detail::delay_samples(output, model.delay(), sample_time);
   return output;
