@@ -180,6 +180,7 @@ class Batch : public Command {
     }
     const auto files = io::part_of(inputs, shard());
     std::vector<BatchCurve> in_order;
+    in_order.reserve(inputs.size());
     for (const auto& name : inputs) in_order.push_back(curves.at(name));
     if (const auto fault = fault_of_command(task_, in_order); !fault.empty()) throw std::invalid_argument(fault);
     check_variables(laws_, task_, in_order);

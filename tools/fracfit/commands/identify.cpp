@@ -159,7 +159,7 @@ class Identify : public Command {
   // What is left out of the comparison.
   [[nodiscard]] std::vector<std::size_t> outliers_of(const frac::FrequencyResponseData& data) const {
     if (outliers_ == "keep" || request_.loss != frac::Loss::none) return {};
-    const auto outliers = frac::isolated_outliers(data, request_.component);
+    auto outliers = frac::isolated_outliers(data, request_.component);
     if (outliers.empty()) return {};
     say(contradicted_points(data, outliers) + "; the comparison leaves them out, and has them with --outliers keep");
     return outliers;
