@@ -116,12 +116,13 @@ std::vector<std::string> batch_columns(const BatchTask& task) {
   for (const char* name : {"points", "omega_lower", "omega_upper"}) columns.emplace_back(name);
   if (task.ranked)
     for (const char* name : {"chosen", "verdict", "evidence"}) columns.emplace_back(name);
-  for (const char* name : {"model", "cost", "rms", "aicc", "bic", "outliers", "left_out"}) columns.emplace_back(name);
+  for (const char* name : {"model", "cost", "rms", "aicc", "bic", "outliers"}) columns.emplace_back(name);
   if (!task.ranked)
     for (const char* name : {"lag_one_correlation", "whiteness_p_value"}) columns.emplace_back(name);
   for (const auto& name : parameter_names(task))
     for (const char* suffix : parameter_suffixes) columns.push_back(name + suffix);
   columns.emplace_back("message");
+  columns.emplace_back("left_out");
   columns.emplace_back(fingerprint_column);
   std::set<std::string> seen;
   for (const auto& column : columns)
