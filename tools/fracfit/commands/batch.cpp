@@ -108,6 +108,7 @@ class Batch : public Command {
     add_file_options(o, request_.how);
     add_residual_options(o, request_);
     add_points_and_seed(o, request_);
+    add_outliers(o, request_);
     add_parameter_options(o, parameters_);
     for (const char* name : {"--fix", "--bound", "--start"}) o[name].not_with({"--models"});
     o.text("--by", request_.key_column,
