@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "frac/identification/fit.hpp"
 #include "frac/identification/identify.hpp"
+#include "frac/identification/validate.hpp"
 #include "io/text_table.hpp"
 #include "output/fit_statistics.hpp"
 
@@ -20,6 +22,7 @@ struct FitRun {
   io::Metadata file_header;  // "# key: value" lines of the data file
   io::Metadata options;
   bool over_time = false;
+  std::optional<frac::ValidationResult> validity = {};  // of a frequency response of which both parts are fitted
 };
 
 // Tables for people.  prediction_rms: of cross-validation, one per candidate of the ranking; empty when not asked for.
