@@ -135,8 +135,9 @@ TEST(Validate, JudgesPointsInBetween) {
   EXPECT_EQ(some.model.size(), sweep.omega.size());
   EXPECT_TRUE(std::isfinite(some.model[3].real()) && std::isnan(some.model[4].real()));
   EXPECT_NE(some.summary().find("one point in 3"), std::string::npos) << some.summary();
-  // Few points tell the same noise, by 15 % standard deviation.
-  EXPECT_NEAR(some.noise, 0.002, 3 * 0.15 * 0.002);
+  // Three points per decade allow fewer poles, whose misfit counts as noise.
+  EXPECT_GT(some.noise, 0.5 * 0.002);
+  EXPECT_LT(some.noise, 2 * 0.002);
 }
 
 TEST(Validate, FindsADriftAndItsSize) {
