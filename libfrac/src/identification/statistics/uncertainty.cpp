@@ -301,8 +301,10 @@ BootstrapRefits::BootstrapRefits(const TimeResponseData& data, const TimeFitOpti
 std::vector<BootstrapInterval> bootstrap_intervals(const std::vector<std::vector<double>>& refits) {
   check_samples(refits.size());
   std::vector<BootstrapInterval> intervals;
+  intervals.reserve(refits.front().size());
   for (std::size_t k = 0; k < refits.front().size(); ++k) {
     std::vector<double> values;
+    values.reserve(refits.size());
     for (const std::vector<double>& refit : refits) values.push_back(refit.at(k));
     intervals.push_back(percentiles(std::move(values)));
   }
