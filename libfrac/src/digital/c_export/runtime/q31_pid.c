@@ -64,10 +64,12 @@ static inline int32_t NAME_step(NAME_state *s, int32_t setpoint, int32_t measure
 #if HAS_DERIVATIVE
   const int32_t input = (error - (int32_t)(((int64_t)DERIVATIVE_SETPOINT_GAP * half) >> 30)) >> 2;
   const int32_t difference = input - (int32_t)((s->lag + ((int64_t)1 << 29)) >> 30);
-  int32_t derivative_input = difference;
+  int32_t derivative_input;
   s->lag += (int64_t)LAG_SHARE * difference;
 #if FOLLOWS_LAG
   derivative_input = (int32_t)((s->lag + ((int64_t)1 << 29)) >> 30);
+#else
+  derivative_input = difference;
 #endif
   sum += DERIVATIVE_OUTPUT >> DERIVATIVE_SHIFT;
 #if HAS_DERIVATIVE_SECTIONS
