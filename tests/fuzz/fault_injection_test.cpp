@@ -258,6 +258,14 @@ TEST_F(Faults, ASearchForBasinsGoesOnAfterAnyFault) {
                           out);
 }
 
+// So does a study of the noise, refit by refit.
+TEST_F(Faults, ABootstrapGoesOnAfterAnyFault) {
+  const auto out = path("refits.csv");
+  goes_on_after_any_fault({"fit", folder.path("curve.csv"), "--model", "K/(T s + 1)", "--component", "both",
+                           "--bootstrap", "20", "--quiet", "--refits", out},
+                          out);
+}
+
 // A report is a folder: each of its files is old or new, the page comes last, and the folder under construction goes.
 TEST_F(Faults, AReportThatFailsLeavesNoFolderUnderConstruction) {
   const auto gnuplot = folder.write("gnuplot",
