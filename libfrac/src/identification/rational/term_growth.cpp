@@ -11,7 +11,6 @@
 namespace frac::detail {
 namespace {
 
-constexpr int scouting = 12, thorough = 60;  // iterations
 constexpr double infinity = std::numeric_limits<double>::infinity();
 // Sums that the next term is added to: the best one may have a term in another's place.
 constexpr std::size_t kept = 2;
@@ -38,15 +37,6 @@ TermSum with(const TermSum& sum, const Term& term) {
   TermSum result = sum;
   result.push_back(term);
   return result;
-}
-
-/// The lowest of the terms along a line of places, orders ..., each local minimum of the cost.
-void add_local_minima(std::vector<TermFit> along, std::vector<TermFit>& starts) {
-  for (std::size_t i = 0; i < along.size(); ++i) {
-    const bool below_left = i == 0 || along[i].cost <= along[i - 1].cost;
-    const bool below_right = i + 1 == along.size() || along[i].cost < along[i + 1].cost;
-    if (below_left && below_right && std::isfinite(along[i].cost)) starts.push_back(std::move(along[i]));
-  }
 }
 
 /// Refines the few starts of least cost.
