@@ -10,11 +10,12 @@
 namespace backlash {
 namespace {
 
-constexpr std::array<std::pair<StabilityLoss, std::string_view>, 4> loss_names{
+constexpr std::array<std::pair<StabilityLoss, std::string_view>, 5> loss_names{
     {{StabilityLoss::none, "none"},
      {StabilityLoss::symmetry_breaking, "symmetry-breaking"},
      {StabilityLoss::saddle_node, "saddle-node"},
-     {StabilityLoss::torus, "torus"}}};
+     {StabilityLoss::torus, "torus"},
+     {StabilityLoss::period_doubling, "period-doubling"}}};
 
 }  // namespace
 
