@@ -93,16 +93,6 @@ TEST(StaticDescribingFunction, IsThePlayInSeriesWithTheRigidMass) {
   }
 }
 
-TEST(StaticDescribingFunction, WithTheForcedMassInFrontVanishesFromTheLimitFrequencyOn) {
-  const backlash::TwoMassSystem system(1, 1, 0.3, 0.6);
-  const double limit = backlash::limit_frequency(system, 40);
-  const auto value = backlash::static_describing_function(1, 1, 0.3, 40, {0.999 * limit, 1.001 * limit, 2 * limit},
-                                                          backlash::FrontMass::forced);
-  EXPECT_GT(value[0].imag(), 0);
-  EXPECT_EQ(value[1], 0.0);
-  EXPECT_EQ(value[2], 0.0);
-}
-
 TEST(StaticDescribingFunction, ImaginaryPartIsFlatAtLowFrequencyAndTheInverseRisesWith80DecibelsPerDecade) {
   // X = F/(M w^2) >> clearance: Im N -> 2 clearance/(pi F), so Im(-1/N) = Im N/|N|^2 -> M^2 w^4 Im N; next term
   // relative clearance/X.

@@ -63,7 +63,7 @@ std::vector<ComparedCurve> compared_curves(const std::vector<MeasuredDescribingF
 std::vector<Complex> static_curve(double mass, double clearance, const ComparedCurve& curve) {
   std::vector<double> grid = curve.omega;
   grid.erase(std::unique(grid.begin(), grid.end()), grid.end());
-  // FrontMass::both depends on the sum of the masses only.
+  // The static model depends on the sum of the masses only.
   const std::vector<Complex> values = static_describing_function(0.5 * mass, 0.5 * mass, clearance, curve.force, grid);
   std::vector<Complex> result;
   std::size_t at = 0;
