@@ -9,7 +9,6 @@
 #include <limits>
 #include <numbers>
 
-#include "backlash/two_mass_system.hpp"
 #include "support/expect_invalid_argument.hpp"
 
 namespace {
