@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "consistent_model.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <limits>
 
+#include "base/eigenvalues.hpp"
 #include "frac/identification/statistics.hpp"
 
 namespace frac::detail {
@@ -172,7 +172,7 @@ bool relocate(const Problem& problem, const Eigen::MatrixXcd& fixed, Poles& pole
       at += 2;
     }
   }
-  const Eigen::VectorXcd zeros = Eigen::EigenSolver<Eigen::MatrixXd>(state, false).eigenvalues();
+  const Eigen::VectorXcd zeros = eigenvalues(state);
   Poles next;
   for (const Complex& zero : zeros)
     if (zero.imag() >= 0) next.push_back(admitted(problem, zero));

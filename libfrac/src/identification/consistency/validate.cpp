@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -15,6 +14,7 @@
 #include "consistent_model.hpp"
 #include "identification/data/noise_floor.hpp"
 #include "projected_residual.hpp"
+#include "special/distributions.hpp"
 
 namespace frac {
 namespace {
@@ -443,9 +443,9 @@ ValidationResult validate(const FrequencyResponseData& data, const ValidationOpt
   }
   result.noise = std::sqrt(sum / static_cast<double>(fitted.kept.size()));
   if (result.freedom > 1) {
-    const boost::math::students_t t(result.freedom - 1);
+    const double degrees = result.freedom - 1;
     const double found =
-        boost::math::quantile(boost::math::complement(t, level * share_of_level / 2)) + boost::math::quantile(t, 0.9);
+        detail::student_t_quantile(0.9, degrees) - detail::student_t_quantile(level * share_of_level / 2, degrees);
     const auto other =
         drift_of(data, fitted,
                  now.drift_law == ValidityTest::drift_even ? ValidityTest::drift_periods : ValidityTest::drift_even);
