@@ -162,6 +162,13 @@ double integral_at(const ExponentialSum& sum, const Purpose& purpose, double sha
   return value;
 }
 
+// Number of the constants that diverge as sums over fast nodes, one at least: Y s grows as s^q, q >= 1 with
+// integrations split off, and its polynomial part has no node.  They are read from the image instead.
+std::size_t anchored_count(const LaplaceImage& image) {
+  const double growth = image.numerator().front().order - image.denominator().front().order + 1;
+  return growth >= 1 ? static_cast<std::size_t>(std::floor(growth)) + 1 : 1;
+}
+
 ExponentialSum with_tolerance(const LaplaceImage& image, const Purpose& purpose) {
   const auto [earliest, latest, tolerance, integrations, constants, fast] = purpose;
   const bool is_direct = fast == FastTerms::direct && integrations > 0;
@@ -208,11 +215,6 @@ ExponentialSum with_tolerance(const LaplaceImage& image, const Purpose& purpose)
 }
 
 }  // namespace
-
-std::size_t anchored_count(const LaplaceImage& image) {
-  const double growth = image.numerator().front().order - image.denominator().front().order + 1;
-  return growth >= 1 ? static_cast<std::size_t>(std::floor(growth)) + 1 : 1;
-}
 
 std::vector<double> log_anchors(const LaplaceImage& image, double latest, std::size_t count) {
   struct Candidate {

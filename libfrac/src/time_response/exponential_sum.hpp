@@ -45,11 +45,8 @@ enum class FastTerms { integrated, direct };
 /// Size of what a term contributes to the m-fold integral by the end of the horizon, over latest^m.
 [[nodiscard]] double effect(double weight, double rate, double latest, std::size_t integrations);
 
-/// Number of the constants above that diverge as sums over fast nodes, one at least: Y s grows as s^q, q >= 1 with
-/// integrations split off, and its polynomial part has no node.  They are read from the image instead.
-[[nodiscard]] std::size_t anchored_count(const LaplaceImage& image);
-
-/// Where they are read: ln s at `count` points of the positive axis at the scale of the horizon, away from poles.
+/// Where constants are read from the image: ln s at `count` points of the positive axis at the scale of the horizon,
+/// away from poles.
 [[nodiscard]] std::vector<double> log_anchors(const LaplaceImage& image, double latest, std::size_t count);
 
 }  // namespace frac::detail
