@@ -45,4 +45,10 @@ class SweepPieces {
   std::size_t per_scene_;  // pieces of a scene
 };
 
+/// Time that a curve takes, about, in a unit of its own: for sharing curves out before they are computed.  An impact
+/// takes the share 1 - restitution of the relative speed, so the impacts until a transient has died away, or a mean is
+/// known, grow as its inverse, up to the periods that a point is followed at most.  The same number on every machine.
+/// @param restitution  in [0, 1]
+[[nodiscard]] double expected_cost(double restitution);
+
 }  // namespace backlash

@@ -307,6 +307,13 @@ std::vector<DescribingFunctionPoint> SweepPieces::points(std::size_t number, fra
   return points;
 }
 
+double expected_cost(double restitution) {
+  // Of a point whose transient is short; the loss at which the limit of periods takes over.  Measured on the curves of
+  // one map, 801 restitutions over frequencies of 0.5 to 4.
+  constexpr double least = 1, smallest_loss = 0.006;
+  return least + 1 / (1 - restitution + smallest_loss);
+}
+
 std::vector<DescribingFunctionSweep> describing_function_sweeps(const std::vector<SweepScene>& scenes,
                                                                 const std::vector<double>& omega,
                                                                 const SweepOptions& options, frac::Progress* progress) {

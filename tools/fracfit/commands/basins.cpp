@@ -2,10 +2,14 @@
 #include "backlash/basins.hpp"
 
 #include <cmath>
+#include <optional>
+#include <stdexcept>
 
+#include "batch/basin_stream.hpp"
 #include "commands/subcommand.hpp"
 #include "io/number.hpp"
 #include "io/progress_bar.hpp"
+#include "io/shard_file.hpp"
 #include "options/scene_options.hpp"
 #include "output/document.hpp"
 #include "output/json.hpp"
@@ -108,6 +112,9 @@ class Basins : public Command {
     set_footer(
         "Attractors are numbered by their share of the starts and listed in the header.  At restitution 1 nothing\n"
         "attracts; the motions of the starts are listed instead.\n"
+        "Into a file, FILE.partial holds what has been found until FILE stands, and the same command goes on with it "
+        "after\n"
+        "an interruption.\n"
         "Examples:\n"
         "  fracfit basins --restitution 0.6 --omega 1.41\n"
         "  fracfit basins --force 40 --clearance 0.3 --restitution 0.4 --omega 17 --position 0:0.3:101 \\\n"
@@ -123,21 +130,42 @@ class Basins : public Command {
     const double speed = system.clearance() * omega_;
     if (velocity_.empty()) velocity_ = report::linear_grid(-speed, speed, starts_per_side);
     require_table_size({{"--position", position_.size()}, {"--velocity", velocity_.size()}});
-    frac::Progress progress;
-    const auto map = [&] {
-      const io::ProgressBar bar("basins", progress, progress_style());
-      return backlash::basins(system, scene_.force, omega_, position_, velocity_, sweep_, &progress);
-    }();
+    const backlash::BasinMap map = writes_file() ? search_on_disk(system) : search(system, nullptr);
     write(format() == "json" ? json(map, sweep_.output, command_line())
                              : text_of(document(map, sweep_.output), format(), command_line()));
+    if (partial_) partial_->remove();
     if (!map.attracts()) say(no_attractor);
     return usable_result;
+  }
+
+  // What has been found stands in FILE.partial until FILE does.
+  backlash::BasinMap search_on_disk(const backlash::TwoMassSystem& system) {
+    const backlash::BasinMap nothing{system, scene_.force, omega_, {}, {}, {}, {}};
+    const std::string head = csv_head({scene_of(nothing, sweep_.output), {{"outcome"}, 0, {}}}, command_line());
+    const std::string path = out() + ".partial";
+    partial_.emplace(path, std::string(io::unfinished_line) + "\n" + head);
+    if (!partial_->is_new()) say("goes on with " + path);
+    try {
+      return search(system, &*partial_);
+    } catch (const std::invalid_argument&) {
+      if (partial_->is_new()) partial_->remove();
+      throw;
+    }
+  }
+
+  backlash::BasinMap search(const backlash::TwoMassSystem& system, backlash::OutcomeStore* store) {
+    frac::Progress progress;
+    const io::ProgressBar bar("basins", progress, progress_style());
+    const double force = scene_.force;
+    return store == nullptr ? backlash::basins(system, force, omega_, position_, velocity_, sweep_, &progress)
+                            : backlash::basins(system, force, omega_, position_, velocity_, sweep_, &progress, *store);
   }
 
   Scene scene_;
   double restitution_ = NAN, omega_ = NAN;
   std::vector<double> position_, velocity_;
   backlash::SweepOptions sweep_;
+  std::optional<BasinStream> partial_;
 };
 
 }  // namespace

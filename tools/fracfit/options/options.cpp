@@ -235,9 +235,9 @@ Option& Options::numbers(const std::string& name, std::vector<double>& target, c
 
 Option& Options::one_number(const std::string& name, double& target, const std::string& help, const std::string& type) {
   const auto parse = [](std::string_view of, const std::string& text) {
-    const std::vector<double> values = numbers_of(of, text);
-    if (values.size() > 1) refuse(of, text, "expected a single number");
-    return values.front();
+    if (text.find_first_of(":,") != std::string::npos)
+      refuse(of, text, "expected a single number; this command takes no grid or list of it");
+    return number_of(of, text);
   };
   return parsed(name, target, parse, help, type).otherwise(std::isnan(target) ? "" : io::format_number(target));
 }
