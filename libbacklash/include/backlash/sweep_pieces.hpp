@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "backlash/describing_function.hpp"
@@ -32,6 +33,14 @@ class SweepPieces {
   /// @param progress  counts points, if given
   [[nodiscard]] std::vector<DescribingFunctionPoint> points(std::size_t number,
                                                             frac::Progress* progress = nullptr) const;
+
+  /// Computes the pieces in parallel on the threads of the options, the last ones first.
+  /// @param is_there  whether a piece is known already and is passed over
+  /// @param take  is given each piece on the thread that computed it, several at a time
+  /// @param progress  counts points, those passed over included
+  void compute(const std::function<bool(std::size_t number)>& is_there,
+               const std::function<void(std::size_t number, std::vector<DescribingFunctionPoint> points)>& take,
+               frac::Progress* progress = nullptr) const;
 
   [[nodiscard]] const std::vector<SweepScene>& scenes() const noexcept { return scenes_; }
   [[nodiscard]] const std::vector<double>& omega() const noexcept { return omega_; }

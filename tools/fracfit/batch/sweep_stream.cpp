@@ -22,21 +22,6 @@ PointCounts counts_of(const Points& points) {
   return counts;
 }
 
-// Computes the pieces that are not there yet, in parallel.  The last curves of a map take longest: begun first, they
-// keep no thread waiting at the end.
-template <class IsThere, class Take>
-void for_each_piece(const backlash::SweepPieces& pieces, frac::Progress& progress, const IsThere& is_there,
-                    const Take& take) {
-  progress.total += pieces.scenes().size() * pieces.omega().size();
-  frac::parallel_for(pieces.count(), pieces.options().threads, [&](std::size_t i) {
-    const std::size_t number = pieces.count() - 1 - i;
-    if (is_there(number))
-      progress.done += pieces.piece(number).count;
-    else
-      take(number, pieces.points(number, &progress));
-  });
-}
-
 // How the stream keeps the counts of a piece.
 std::string text_of(const PointCounts& counts) {
   return std::to_string(counts.not_finite) + "," + std::to_string(counts.transient_possible) + "," +
@@ -57,12 +42,13 @@ PointCounts write_whole(const backlash::SweepPieces& pieces, const SweepTable& t
                         frac::Progress& progress) {
   const std::size_t width = pieces.omega().size();
   Points all(pieces.scenes().size() * width);
-  for_each_piece(
-      pieces, progress, [](std::size_t) { return false; },
-      [&](std::size_t number, const Points& points) {
-        const auto [scene, first, count] = pieces.piece(number);
-        std::copy(points.begin(), points.end(), all.begin() + static_cast<std::ptrdiff_t>(scene * width + first));
-      });
+  pieces.compute([](std::size_t) { return false; },
+                 [&](std::size_t number, const Points& points) {
+                   const auto [scene, first, count] = pieces.piece(number);
+                   std::copy(points.begin(), points.end(),
+                             all.begin() + static_cast<std::ptrdiff_t>(scene * width + first));
+                 },
+                 &progress);
   target.file.write(text_of(document_of(table, 0, width, all), target.format, target.command));
   return counts_of(all);
 }
@@ -78,16 +64,16 @@ PointCounts write_stream(const backlash::SweepPieces& pieces, const SweepTable& 
     counts.of_earlier_run += pieces.piece(number).count;
   }
   std::mutex counting;
-  for_each_piece(
-      pieces, progress, [&](std::size_t number) { return stream.contains(std::to_string(number)); },
-      [&](std::size_t number, const Points& points) {
-        const backlash::SweepPiece piece = pieces.piece(number);
-        const PointCounts now = counts_of(points);
-        stream.append(std::to_string(number), csv_rows(document_of(table, piece.scene, piece.count, points).rows),
-                      text_of(now));
-        const std::lock_guard guard(counting);
-        counts += now;
-      });
+  pieces.compute([&](std::size_t number) { return stream.contains(std::to_string(number)); },
+                 [&](std::size_t number, const Points& points) {
+                   const backlash::SweepPiece piece = pieces.piece(number);
+                   const PointCounts now = counts_of(points);
+                   stream.append(std::to_string(number),
+                                 csv_rows(document_of(table, piece.scene, piece.count, points).rows), text_of(now));
+                   const std::lock_guard guard(counting);
+                   counts += now;
+                 },
+                 &progress);
   target.file.write([&](const io::OutputFile::Sink& sink) {
     io::Fingerprint fingerprint;
     const auto write = [&](const std::string& text) {

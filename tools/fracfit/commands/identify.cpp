@@ -156,8 +156,6 @@ class Identify : public Command {
     return write_ranking(record.data, fit, result, time_fit_run(request_, record, options(), command_line()));
   }
 
-  [[nodiscard]] std::vector<std::string> inputs() const override { return {request_.data}; }
-
   // What is left out of the comparison.
   [[nodiscard]] std::vector<std::size_t> outliers_of(const frac::FrequencyResponseData& data) const {
     if (outliers_ == "keep" || request_.loss != frac::Loss::none) return {};
