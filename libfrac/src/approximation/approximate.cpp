@@ -120,11 +120,13 @@ class Designer {
     system.integer_order = static_cast<int>(whole_);
     const auto scaled = [&](const std::vector<long double>& roots) {
       std::vector<double> result;
+      result.reserve(roots.size());
       for (const long double root : roots) result.push_back(root == 0 ? 0.0 : static_cast<double>(-root * centre));
       return result;
     };
     const auto scaled_pairs = [&](const std::vector<std::complex<long double>>& roots) {
       std::vector<std::complex<double>> result;
+      result.reserve(roots.size());
       for (const auto& root : roots) result.emplace_back(-std::conj(root) * centre);
       return result;
     };

@@ -151,6 +151,7 @@ void measure(DigitalPower& result) {
     return result.response(omega) / (detail::real_power(omega, result.order) * detail::quarter_turns(result.order));
   };
   std::vector<double> on_band;
+  on_band.reserve(static_cast<std::size_t>(points) + 1);
   for (int i = 0; i < points; ++i) {
     on_band.push_back(result.band.lower * std::exp(fall * static_cast<double>(i) / points));
   }
@@ -166,6 +167,7 @@ void measure(DigitalPower& result) {
   };
   const std::vector<double> beyond = frequencies_beyond(result);
   std::vector<double> values;
+  values.reserve(beyond.size());
   for (const double omega : beyond) values.push_back(amplification(omega));
   result.most_amplification = amplification(detail::refined_maximum(beyond, values, amplification));
 }

@@ -108,6 +108,7 @@ class Batch : public Command {
     add_file_options(o, request_.how);
     add_residual_options(o, request_);
     add_points_and_seed(o, request_);
+    add_outliers(o, request_);
     add_parameter_options(o, parameters_);
     for (const char* name : {"--fix", "--bound", "--start"}) o[name].not_with({"--models"});
     o.text("--by", request_.key_column,
@@ -180,6 +181,7 @@ class Batch : public Command {
     }
     const auto files = io::part_of(inputs, shard());
     std::vector<BatchCurve> in_order;
+    in_order.reserve(inputs.size());
     for (const auto& name : inputs) in_order.push_back(curves.at(name));
     if (const auto fault = fault_of_command(task_, in_order); !fault.empty()) throw std::invalid_argument(fault);
     check_variables(laws_, task_, in_order);

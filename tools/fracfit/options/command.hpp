@@ -29,7 +29,7 @@ class Command {
 
   /// True for a command that works on another one, whose words follow its own options.
   [[nodiscard]] virtual bool takes_command() const { return false; }
-  virtual void set_words(std::vector<std::string>) {}
+  virtual void set_words(const std::vector<std::string>&) {}
 
   /// Checks the options and runs. @return the exit code
   int execute();

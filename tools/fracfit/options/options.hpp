@@ -25,6 +25,7 @@ namespace fracfit {
 template <class Enumerators>
 std::vector<std::string> spellings(const Enumerators& enumerators) {
   std::vector<std::string> words;
+  words.reserve(std::size(enumerators));
   for (const auto enumerator : enumerators) words.emplace_back(to_string(enumerator));
   return words;
 }

@@ -26,12 +26,14 @@ EventResponse event_response(const TimeResponseData& data, const std::vector<std
 std::vector<EventResponse> earlier_steps(const TimeResponseData& data, const std::vector<std::size_t>& index) {
   const double first = data.time().front(), length = data.time().back() - first;
   std::vector<double> output_time;
+  output_time.reserve(index.size());
   for (const std::size_t i : index) output_time.push_back(data.time()[i]);
   std::vector<double> before{length / 8, length / 64};
   const bool input_changes =
       std::any_of(data.input().begin(), data.input().end(), [&](double each) { return each != data.input().front(); });
   if (input_changes) before.push_back(0);
   std::vector<EventResponse> steps;
+  steps.reserve(before.size());
   for (const double each : before) {
     steps.emplace_back(std::vector{first - each, data.time().back()}, std::vector{1.0, 1.0}, Hold::zero_order,
                        output_time);
