@@ -100,6 +100,7 @@ class Batch : public Command {
     o.texts("DATA", data_, "Frequency responses as tables or as instruments write them, or folders of them",
             "FILE|FOLDER")
         .required()
+        .names_input()
         .unsaid();
     o.text("--model", model_, "or a preset; letters other than s are parameters").suggest(preset_names());
     o.text("--models", models_);
@@ -167,8 +168,6 @@ class Batch : public Command {
     }
   }
 
-  [[nodiscard]] std::vector<std::string> inputs() const override { return data_; }
-
   int run() override {
     const auto rows_format = row_format();
     const bool to_file = !out().empty() && out() != "-";
@@ -182,6 +181,7 @@ class Batch : public Command {
     }
     const auto files = io::part_of(inputs, shard());
     std::vector<BatchCurve> in_order;
+    in_order.reserve(inputs.size());
     std::map<std::string, std::size_t> place;
     for (const auto& name : inputs) {
       place.emplace(name, in_order.size());

@@ -153,8 +153,6 @@ class Identify : public Command {
     return write_ranking(record.data, fit, result, time_fit_run(request_, record, options(), command_line()));
   }
 
-  [[nodiscard]] std::vector<std::string> inputs() const override { return {request_.data}; }
-
   int run() override {
     if (io::holds_time_response(request_.data, request_.how)) return run_over_time();
     options().settle(frequency_response);

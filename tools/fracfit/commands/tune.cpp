@@ -199,11 +199,13 @@ class Tune : public Command {
   Tune() : Command("tune", "Gains and orders of a fractional PID for a plant") {
     Options& o = options();
     add_model(o, plant_, "the plant").was("--plant");
-    o.text("--fit", fit_, "|S| and |T| are kept by all plants of the joint 95 % region of its parameters");
+    o.text("--fit", fit_, "|S| and |T| are kept by all plants of the joint 95 % region of its parameters")
+        .names_input();
     o.text("--from-relay", relay_,
            "Plant from samples of input and output (columns time_s,input,output) of a relay experiment or any other: a "
            "lag, a fractional lag or a second order, each with dead time, whichever explains them best; then as --fit",
-           "FILE");
+           "FILE")
+        .names_input();
     o.number("--clearance", clearance_,
              "The plant is two bodies with clearance: no motion is to persist, or the smallest; the demands are of the "
              "loop with the clearance closed",
@@ -212,7 +214,7 @@ class Tune : public Command {
     o.number("--mass1", mass1_);
     o.number("--mass2", mass2_);
     add_receptances(o, load_, drive_);
-    o.number("--restitution", restitution_);
+    o.one_number("--restitution", restitution_);
     o.choice("--body", body_, backlash::outputs(), "that the controller gets: x1, the load, or x2, the driven body");
     for (const char* name :
          {"--mass1", "--mass2", "--load-receptance", "--drive-receptance", "--restitution", "--body"})
@@ -255,13 +257,6 @@ class Tune : public Command {
   }
 
  private:
-  [[nodiscard]] std::vector<std::string> inputs() const override {
-    std::vector<std::string> files;
-    for (const auto& file : {fit_, relay_})
-      if (!file.empty()) files.push_back(file);
-    return files;
-  }
-
   // Of the plants that relay experiments are described by, the one with the best evidence.
   [[nodiscard]] frac::FitResult fit_of_relay() const {
     const frac::TimeResponseData data = io::time_response_data(relay_, io::read_time_response(relay_));
