@@ -65,7 +65,8 @@ TEST(CliTune, TunesTwoBodiesWithClearance) {
   EXPECT_EQ(json["status"], "met");
   const Json& gains = json["controller"];
   std::vector<std::string> cycles{"limit-cycles", "--controller",
-                                  gains["kp"].dump() + " + " + gains["kd"].dump() + " s^" + gains["mu"].dump()};
+                                  gains["kp"].dump() + " + " + gains["kd"].dump() + " s^" + gains["mu"].dump(),
+                                  "--format", "json"};
   cycles.insert(cycles.end(), bodies.begin(), bodies.end());
   const auto listed = run_fracfit(cycles);
   ASSERT_EQ(listed.code, 0) << listed.error;
