@@ -207,9 +207,8 @@ class Tune : public Command {
            "FILE")
         .names_input();
     o.number("--clearance", clearance_,
-             "The plant is two bodies with clearance: no motion is to persist, or the smallest; the demands are of the "
-             "loop with the clearance closed",
-             "DELTA");
+             "of two bodies that are the plant: no motion is to persist, or the smallest; the demands are of the loop "
+             "with it closed");
     o.exactly_one({"--model", "--fit", "--from-relay", "--clearance"}, "the plant");
     o.number("--mass1", mass1_);
     o.number("--mass2", mass2_);
