@@ -37,6 +37,7 @@ Settled settled(const ControlLoop& loop, double velocity, int harmonics = 5) {
   LoopSimulationOptions options;
   options.duration = 1e5;
   options.most_impacts = 300;
+  options.whole_memory = true;
   Settled result{simulate_loop(loop, {0, .1, 0, velocity}, {}, options), {}};
   if (const auto guess = repeated_pattern(loop, result.history.impacts)) {
     result.cycle = close_cycle(loop, *guess, harmonics);
@@ -255,6 +256,30 @@ TEST(ImpactCycles, ScaleWithTheClearance) {
   const ImpactCycle large = close_cycle(wide, guess).value();
   EXPECT_NEAR(large.period, small.period, 1e-11);
   EXPECT_NEAR(large.impacts[1].impulse, 3 * small.impacts[1].impulse, 1e-10);
+}
+
+// Each motion that settles does so on a cycle that is stable, and one that was simulated with the whole memory is among
+// them.  The chaotic loop was found by its exponent, which is that of its largest multiplier over long times.
+TEST(ImpactCycles, AreFoundFromSeededStarts) {
+  const ImpactCycles found = impact_cycles(free_loop("20 + s", .6));
+  ASSERT_EQ(found.cycles.size(), 1U);
+  EXPECT_EQ(found.cycles[0].impacts.size(), 4U);
+  EXPECT_NEAR(found.cycles[0].impacts[1].time, .38239689, 6e-9);
+  ASSERT_EQ(found.motions.size(), 3U);
+  for (const LoopMotion& motion : found.motions) {
+    EXPECT_EQ(motion.regime, LoopRegime::cycle);
+    EXPECT_EQ(motion.cycle, 0U);
+    EXPECT_TRUE(std::isnan(motion.lyapunov_exponent));
+  }
+  // Friction of the bodies alone leaves no motion; a pure integral drives it apart.
+  const ControlLoop damped(LinearBodies(formula("1/(s^2 + s)"), formula("1/(s^2 + s)"), 1, .3),
+                           formula("0.05 + 0.01 s"));
+  for (const LoopMotion& motion : impact_cycles(damped).motions) EXPECT_EQ(motion.regime, LoopRegime::quiet);
+  for (const LoopMotion& motion : impact_cycles(free_loop("3/s", .6)).motions) {
+    EXPECT_EQ(motion.regime, LoopRegime::diverged);
+  }
+  EXPECT_TRUE(impact_cycles(free_loop("1 + s", .6), {.starts = 0}).motions.empty());
+  support::expect_invalid_argument([] { (void)impact_cycles(free_loop("1 + s", .6), {.starts = -1}); }, {"starts"});
 }
 
 TEST(ImpactCycles, RefuseAGuessThatIsNone) {
