@@ -53,20 +53,27 @@ TEST(JointFit, RecoversWhatMadeExactCurves) {
 }
 
 // The errors come from block elimination; here from the inverse of the whole normal matrix, with derivatives by
-// differences.
-TEST(JointFit, ErrorsAreThoseOfTheWholeNormalMatrix) {
+// differences.  Of K, T and a each curve has the first `own` of its own.
+void expect_errors_of_the_whole_normal_matrix(std::size_t own, const std::vector<std::string>& shared) {
   std::mt19937_64 generator(2);
   const auto curves = lags(3, 40, 0.01, generator);
-  const JointFitResult result = joint_fit(curves, Structure(lag), sharing({"T", "a"}));
+  const JointFitResult result = joint_fit(curves, Structure(lag), sharing(shared));
   ASSERT_TRUE(result.usable());
-  Eigen::VectorXd values(5);  // T, a, then the gains
-  values << result.shared[0].value, result.shared[1].value, result.curves[0].parameters[0].value,
-      result.curves[1].parameters[0].value, result.curves[2].parameters[0].value;
+  const auto place = [&](std::size_t curve, std::size_t parameter) {
+    return static_cast<Eigen::Index>(parameter < own ? shared.size() + own * curve + parameter : parameter - own);
+  };
+  const auto estimate = [&](std::size_t curve, std::size_t parameter) {
+    return parameter < own ? result.curves[curve].parameters[parameter] : result.shared[parameter - own];
+  };
+  const auto unknowns = static_cast<Eigen::Index>(shared.size() + 3 * own);
+  Eigen::VectorXd values(unknowns);
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t p = 0; p < 3; ++p) values[place(c, p)] = estimate(c, p).value;
   const auto residuals = [&](const Eigen::VectorXd& at) {
     Eigen::VectorXd all(3 * 80);
     Eigen::Index row = 0;
     for (std::size_t c = 0; c < 3; ++c) {
-      const std::vector<double> parameters{at[2 + static_cast<Eigen::Index>(c)], at[0], at[1]};
+      const std::vector<double> parameters{at[place(c, 0)], at[place(c, 1)], at[place(c, 2)]};
       for (std::size_t i = 0; i < 40; ++i) {
         const std::complex<double> data = curves[c].data.value()[i];
         const std::complex<double> rest =
@@ -77,8 +84,8 @@ TEST(JointFit, ErrorsAreThoseOfTheWholeNormalMatrix) {
     }
     return all;
   };
-  Eigen::MatrixXd jacobian(240, 5);
-  for (Eigen::Index k = 0; k < 5; ++k) {
+  Eigen::MatrixXd jacobian(240, unknowns);
+  for (Eigen::Index k = 0; k < unknowns; ++k) {
     const double h = 1e-5 * values[k];
     Eigen::VectorXd up = values, down = values;
     up[k] += h;
@@ -89,21 +96,27 @@ TEST(JointFit, ErrorsAreThoseOfTheWholeNormalMatrix) {
   EXPECT_NEAR(result.cost, cost, 1e-9 * cost);
   // At the minimum the gradient vanishes but for the tolerance of the search.
   EXPECT_LT((jacobian.transpose() * residuals(values)).norm(), 1e-5 * jacobian.norm() * std::sqrt(cost));
-  const Eigen::MatrixXd covariance = cost / (240 - 5) * (jacobian.transpose() * jacobian).inverse();
-  // Differences of step 1e-5 err by 1e-10; both ways square a condition of some hundreds.
-  const auto expect_error = [&](const ParameterEstimate& estimate, Eigen::Index k) {
-    const double expected = std::sqrt(covariance(k, k));
-    EXPECT_NEAR(estimate.standard_error / estimate.widening, expected, 1e-6 * expected) << estimate.name;
-  };
-  expect_error(result.shared[0], 0);
-  expect_error(result.shared[1], 1);
+  const Eigen::MatrixXd covariance =
+      cost / static_cast<double>(240 - unknowns) * (jacobian.transpose() * jacobian).inverse();
   for (std::size_t c = 0; c < 3; ++c) {
-    const auto gain = 2 + static_cast<Eigen::Index>(c);
-    expect_error(result.curves[c].parameters[0], gain);
-    const double with_shared = covariance(gain, 0);
+    for (std::size_t p = 0; p < 3; ++p) {
+      // Differences of step 1e-5 err by 1e-10; both ways square a condition of some hundreds.
+      const double expected = std::sqrt(covariance(place(c, p), place(c, p)));
+      EXPECT_NEAR(estimate(c, p).standard_error / estimate(c, p).widening, expected, 1e-6 * expected)
+          << estimate(c, p).name;
+    }
+    const double both = covariance(place(c, 0), place(c, 1));
     // The widening, here within a few per cent of 1, differs from parameter to parameter.
-    EXPECT_NEAR(result.curves[c].covariance[0][1], with_shared, 0.25 * std::abs(with_shared));
+    EXPECT_NEAR(result.curves[c].covariance[0][1], both, 0.25 * std::abs(both));
   }
+}
+
+TEST(JointFit, ErrorsAreThoseOfTheWholeNormalMatrix) {
+  expect_errors_of_the_whole_normal_matrix(1, {"T", "a"});
+}
+
+TEST(JointFit, ErrorsOfSeveralOwnParametersAreThoseOfTheWholeNormalMatrix) {
+  expect_errors_of_the_whole_normal_matrix(2, {"a"});
 }
 
 // 200 trials of five curves with three levels of noise, seeds used for nothing else.  The number of intervals that hold

@@ -7,7 +7,8 @@ function(fracfit_library name)
   add_library(fracfit::${name} ALIAS ${target})
   # Interfaces may change with each minor version before 1.0.
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} VERSION ${PROJECT_VERSION}
-                                             SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+                                             SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}
+                                             DEFINE_SYMBOL "")  # objects of shared and static libraries are the same
   get_target_property(type ${target} TYPE)
   if(type STREQUAL "SHARED_LIBRARY")
     set(names ${PROJECT_SOURCE_DIR}/tools/cmake/exported_names.map)

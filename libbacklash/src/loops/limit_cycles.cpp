@@ -20,7 +20,7 @@ constexpr std::array<std::pair<StabilityLoss, std::string_view>, 5> loss_names{
 }  // namespace
 
 std::string_view to_string(StabilityLoss loss) {
-  return detail::spelling(loss_names, loss);
+  return frac::detail::spelling(loss_names, loss);
 }
 
 LimitCycles symmetric_cycles(const ControlLoop& loop, const LimitCycleOptions& options) {

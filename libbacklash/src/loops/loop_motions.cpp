@@ -72,7 +72,7 @@ bool are_one(const ImpactCycle& a, const ImpactCycle& b) {
 }  // namespace
 
 std::string_view to_string(LoopRegime regime) {
-  return detail::spelling(regime_names, regime);
+  return frac::detail::spelling(regime_names, regime);
 }
 
 ImpactCycles impact_cycles(const ControlLoop& loop, const ImpactCycleOptions& options) {

@@ -43,8 +43,12 @@ Eigen::VectorXd PlainQr::solve_triangle(const Eigen::VectorXd& right) const {
 }
 
 Eigen::MatrixXd PlainQr::dual() const {
-  const Eigen::MatrixXd triangle = factors_.matrixQR().topRows(factors_.cols()).triangularView<Eigen::Upper>();
-  return triangle.transpose().triangularView<Eigen::Lower>().solve(basis().transpose()).transpose();
+  // The transpose of R^-1 Q'.
+  return factors_.matrixQR()
+      .topRows(factors_.cols())
+      .triangularView<Eigen::Upper>()
+      .solve(basis().transpose())
+      .transpose();
 }
 
 RightSingularVectors right_singular_vectors(const Eigen::MatrixXd& matrix) {
@@ -53,7 +57,11 @@ RightSingularVectors right_singular_vectors(const Eigen::MatrixXd& matrix) {
 }
 
 Eigen::MatrixXd shortest_solution(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& right) {
-  return matrix.completeOrthogonalDecomposition().solve(right);
+  // Into the space of the columns; there the rows are independent, and the solution lies in their space.
+  const Eigen::MatrixXd basis = PivotedQr(matrix).basis();
+  if (basis.cols() == 0) return Eigen::MatrixXd::Zero(matrix.cols(), right.cols());
+  const Eigen::MatrixXd rows = basis.transpose() * matrix;
+  return PlainQr(rows.transpose()).dual() * (basis.transpose() * right);
 }
 
 Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right) {

@@ -151,6 +151,7 @@ void measure(DigitalPower& result) {
     return result.response(omega) / (detail::real_power(omega, result.order) * detail::quarter_turns(result.order));
   };
   std::vector<double> on_band;
+  on_band.reserve(static_cast<std::size_t>(points) + 1);
   for (int i = 0; i < points; ++i) {
     on_band.push_back(result.band.lower * std::exp(fall * static_cast<double>(i) / points));
   }
@@ -166,6 +167,7 @@ void measure(DigitalPower& result) {
   };
   const std::vector<double> beyond = frequencies_beyond(result);
   std::vector<double> values;
+  values.reserve(beyond.size());
   for (const double omega : beyond) values.push_back(amplification(omega));
   result.most_amplification = amplification(detail::refined_maximum(beyond, values, amplification));
 }
@@ -291,7 +293,7 @@ DigitalPower detail::power_in_sections(const SplitOrder& split, FrequencyBand ba
   check_power(order, band, sample_time, method, 1, limits.amplification);
   const auto* tolerance = std::get_if<Tolerance>(&goal);
   Attempt best = attempt(split, band, goal, sample_time, method, approximation, limits);
-  // What the ends of the band leave over.
+  // Where the ends of the band make the error exceed the tolerance, the design is repeated for a smaller share of it.
   double share = 1;
   for (int again = 0; again < 3 && method == Discretisation::direct && tolerance != nullptr; ++again) {
     const double excess = best.power.error.max_relative / tolerance->value;

@@ -416,7 +416,7 @@ FitResult fit_with_floor(const FrequencyResponseData& data, const Structure& str
   };
   double floor = floor_of(result);
   if (floor == 0) return result;
-  const FitResult relative = result;
+  FitResult relative = result;
   // What relative weight has made of noise below the floor may be anything, so the first fit with one searches anew.
   constexpr double settled = 0.1;
   constexpr int most_rounds = 4;

@@ -2,8 +2,6 @@
 #include "frac/identification/model_choice.hpp"
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
-#include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -15,6 +13,7 @@
 #include "identification/rational/family_members.hpp"
 #include "identification/statistics/autocorrelation.hpp"
 #include "identification/statistics/curvature_fit.hpp"
+#include "special/distributions.hpp"
 
 namespace frac {
 
@@ -232,8 +231,7 @@ FTest f_test(const FitResult& simple, const FitResult& full) {
   if (!(simple.cost > full.cost)) return {0, 1};
   const double statistic = (simple.cost - full.cost) / extra / (full.cost / degrees);
   if (!std::isfinite(statistic)) return {infinity, 0};
-  const boost::math::fisher_f distribution(extra, degrees);
-  return {statistic, boost::math::cdf(boost::math::complement(distribution, statistic))};
+  return {statistic, detail::fisher_f_above(statistic, extra, degrees)};
 }
 
 double cross_validation(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
@@ -304,8 +302,7 @@ ResidualWhiteness detail::whiteness(std::span<const double> residual, std::size_
     const double correlation = autocorrelation(residual, stride, lag);
     statistic += static_cast<double>(stride) * n * (n + 2) * correlation * correlation / (n - static_cast<double>(lag));
   }
-  const boost::math::chi_squared distribution(static_cast<double>(lags));
-  result.p_value = boost::math::cdf(boost::math::complement(distribution, statistic));
+  result.p_value = detail::chi_squared_above(statistic, static_cast<double>(lags));
   return result;
 }
 

@@ -3,7 +3,6 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <boost/math/distributions/fisher_f.hpp>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -24,6 +23,7 @@
 #include "identification/statistics/curvature_fit.hpp"
 #include "identification/statistics/estimates.hpp"
 #include "identification/time_scout.hpp"
+#include "special/distributions.hpp"
 
 namespace frac {
 namespace {
@@ -331,9 +331,7 @@ Explained explained(const Eigen::VectorXd& residual, const Eigen::MatrixXd& fitt
   const double degrees = static_cast<double>(values.size()) - many;
   if (!(many > few) || !(degrees >= 5) || !(after > 0)) return {1, 0};
   const double statistic = (before - after) / (many - few) / (after / degrees);
-  return {boost::math::cdf(
-              boost::math::complement(boost::math::fisher_f(many - few, degrees), std::clamp(statistic, 0.0, 1e12))),
-          1 - after / before};
+  return {detail::fisher_f_above(std::clamp(statistic, 0.0, 1e12), many - few, degrees), 1 - after / before};
 }
 
 // Whether the residuals show a drift, or a start in motion.

@@ -65,7 +65,7 @@ class ClusterScript : public Command {
 
  private:
   [[nodiscard]] bool takes_command() const override { return true; }
-  void set_words(std::vector<std::string> words) override { words_ = std::move(words); }
+  void set_words(const std::vector<std::string>& words) override { words_ = words; }
 
   void check() override {
     if (words_.empty())

@@ -50,6 +50,7 @@ std::vector<long double> negative_roots(const Polynomial& polynomial, double hal
     if (settled) break;
   }
   std::vector<long double> result;
+  result.reserve(root.size());
   for (const Multiprecision& each : root) result.push_back(-static_cast<long double>(each));
   std::sort(result.begin(), result.end());
   return result;

@@ -3,12 +3,10 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <boost/math/distributions/fisher_f.hpp>
-#include <boost/math/distributions/gamma.hpp>
-#include <boost/math/distributions/normal.hpp>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
+
+#include "special/distributions.hpp"
 
 namespace frac::detail {
 namespace {
@@ -78,14 +76,11 @@ CorrelationTest correlation_test(const ProjectedResidual& of, std::span<const do
   const double skewness = 8 * cubes / (n * (n + 2) * (n + 4)) / std::pow(variance, 1.5);
   const double deviate = (statistic - mean) / std::sqrt(variance);
   const double excess = statistic - mean;
-  if (std::abs(skewness) < 1e-3)
-    return {excess, boost::math::cdf(boost::math::complement(boost::math::normal(), deviate))};
+  if (std::abs(skewness) < 1e-3) return {excess, normal_above(deviate)};
   const double shape = 4 / (skewness * skewness);
   const double place = shape + deviate * std::sqrt(shape) * (skewness > 0 ? 1 : -1);
   if (place <= 0) return {excess, skewness > 0 ? 1.0 : 0.0};
-  const boost::math::gamma_distribution<> gamma(shape);
-  return {excess,
-          skewness > 0 ? boost::math::cdf(boost::math::complement(gamma, place)) : boost::math::cdf(gamma, place)};
+  return {excess, skewness > 0 ? gamma_above(place, shape) : gamma_below(place, shape)};
 }
 
 AddedColumn added_column(const ProjectedResidual& of, const Eigen::VectorXd& column) {
@@ -95,9 +90,8 @@ AddedColumn added_column(const ProjectedResidual& of, const Eigen::VectorXd& col
   const double coefficient = free.dot(of.residual) / size;
   const double square = std::max(of.square() - coefficient * coefficient * size, 1e-30 * of.square());
   const double deviation = std::sqrt(square / degrees / size);
-  const boost::math::students_t t(degrees);
   return {coefficient, deviation,
-          deviation > 0 ? 2 * boost::math::cdf(boost::math::complement(t, std::abs(coefficient) / deviation)) : nan};
+          deviation > 0 ? 2 * student_t_above(std::abs(coefficient) / deviation, degrees) : nan};
 }
 
 ProjectedResidual with_column(const ProjectedResidual& of, const Eigen::VectorXd& column) {
@@ -127,8 +121,7 @@ double excess_chance(const ProjectedResidual& of, std::span<const Eigen::Index> 
   if (!(own >= 0) || !std::isfinite(own)) return nan;
   if (!(others > 0)) return 0;
   const double quotient = own / (2 * static_cast<double>(count)) / (others / degrees);
-  const boost::math::fisher_f distribution(2 * static_cast<double>(count), degrees);
-  return boost::math::cdf(boost::math::complement(distribution, std::min(quotient, 1e12)));
+  return fisher_f_above(std::min(quotient, 1e12), 2 * static_cast<double>(count), degrees);
 }
 
 }  // namespace frac::detail

@@ -2,7 +2,6 @@
 #include "frac/identification/joint_fit.hpp"
 
 #include <algorithm>
-#include <boost/math/distributions/fisher_f.hpp>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -17,6 +16,7 @@
 #include "identification/data/formula_checks.hpp"
 #include "joint_confidence.hpp"
 #include "noise_levels.hpp"
+#include "special/distributions.hpp"
 
 namespace frac {
 namespace {
@@ -226,7 +226,7 @@ double sharing_p_value(const JointFitResult& joint, const Alone& alone) {
   const double degrees = static_cast<double>(joint.residuals) - parameters;
   if (!(saved > 0) || !(degrees > 0) || !(cost > 0)) return nan;
   const double ratio = std::max(0.0, joint.cost - cost) / saved / (cost / degrees);
-  return boost::math::cdf(complement(boost::math::fisher_f(saved, degrees), ratio));
+  return detail::fisher_f_above(ratio, saved, degrees);
 }
 
 std::string message_of(const JointFitResult& result, double noise_correlation) {

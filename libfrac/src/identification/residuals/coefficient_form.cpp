@@ -76,6 +76,7 @@ class Expansion {
   Ratio run() {
     const std::vector<Node>& nodes = structure_.expression().nodes;
     std::vector<Ratio> done;
+    done.reserve(nodes.size());
     for (const Node& node : nodes) done.push_back(expand(node, done));
     return done.back();
   }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/linear_algebra.hpp"
+#include "base/median.hpp"
 #include "loss.hpp"
 
 namespace frac::detail {
@@ -25,12 +26,14 @@ EventResponse event_response(const TimeResponseData& data, const std::vector<std
 std::vector<EventResponse> earlier_steps(const TimeResponseData& data, const std::vector<std::size_t>& index) {
   const double first = data.time().front(), length = data.time().back() - first;
   std::vector<double> output_time;
+  output_time.reserve(index.size());
   for (const std::size_t i : index) output_time.push_back(data.time()[i]);
   std::vector<double> before{length / 8, length / 64};
   const bool input_changes =
       std::any_of(data.input().begin(), data.input().end(), [&](double each) { return each != data.input().front(); });
   if (input_changes) before.push_back(0);
   std::vector<EventResponse> steps;
+  steps.reserve(before.size());
   for (const double each : before) {
     steps.emplace_back(std::vector{first - each, data.time().back()}, std::vector{1.0, 1.0}, Hold::zero_order,
                        output_time);
@@ -173,10 +176,7 @@ void TimeResiduals::set_loss(Loss loss, double scale) {
 
 double TimeResiduals::location(const Eigen::VectorXd& values) const {
   if (loss_ == Loss::none) return average_.dot(values);
-  std::vector<double> sorted(values.begin(), values.end());
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  double centre = *middle;
+  double centre = median({values.begin(), values.end()});
   const double negligible = 1e-15 * loss_scale_ / weight_.maxCoeff();
   // Reweighted means: each is nearer than the last, by the share of outliers at least.
   for (int pass = 0; pass < 200; ++pass) {

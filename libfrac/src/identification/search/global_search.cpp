@@ -161,6 +161,7 @@ std::vector<std::vector<double>> linear_starts(const Residuals& residuals, const
   std::sort(found.begin(), found.end());
   if (found.size() > kept) found.resize(kept);
   std::vector<std::vector<double>> starts;
+  starts.reserve(found.size());
   for (auto& [cost, theta] : found) starts.push_back(std::move(theta));
   return starts;
 }
@@ -429,13 +430,14 @@ class Search {
     std::vector<double> cost;
     for (int i = -reach; i <= reach; ++i) cost.push_back(scouting_.cost(stepped(direction, i * spacing)));
     std::vector<std::pair<double, double>> dips;
-    for (int i = 1 - reach; i < reach; ++i) {
-      const auto at = static_cast<std::size_t>(i + reach);
-      if (i != 0 && cost[at] < cost[at - 1] && cost[at] < cost[at + 1]) dips.emplace_back(cost[at], i * spacing);
+    for (std::size_t at = 1; at + 1 < cost.size(); ++at) {
+      const double step = (static_cast<double>(at) - reach) * spacing;
+      if (step != 0 && cost[at] < cost[at - 1] && cost[at] < cost[at + 1]) dips.emplace_back(cost[at], step);
     }
     std::sort(dips.begin(), dips.end());
     if (dips.size() > most) dips.resize(most);
     std::vector<double> steps;
+    steps.reserve(dips.size());
     for (const auto& [height, step] : dips) steps.push_back(step);
     return steps;
   }

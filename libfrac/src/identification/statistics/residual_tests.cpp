@@ -2,9 +2,6 @@
 #include "residual_tests.hpp"
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
-#include <boost/math/distributions/fisher_f.hpp>
-#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 #include <limits>
 
@@ -12,6 +9,7 @@
 #include "identification/data/fit_data.hpp"
 #include "identification/data/residual_rule.hpp"
 #include "identification/search/robust.hpp"
+#include "special/distributions.hpp"
 
 namespace frac {
 
@@ -34,7 +32,7 @@ double noise_from_neighbours(std::span<const double> residual, std::size_t per_p
 double chi_squared_chance(double statistic, double degrees) {
   if (!(degrees > 0)) return nan;
   if (!std::isfinite(statistic)) return 0;
-  return boost::math::cdf(boost::math::complement(boost::math::chi_squared(degrees), statistic));
+  return detail::chi_squared_above(statistic, degrees);
 }
 
 std::vector<double> clipped(std::span<const double> residual) {
@@ -129,7 +127,7 @@ LackOfFit detail::residual_tests(std::span<const double> residual, std::size_t p
     // -parameters/count, with a variance of 1/count.
     const double expected = -static_cast<double>(parameters) / count;
     const double deviate = (result.correlation - expected) * std::sqrt(count);
-    const double chance = boost::math::cdf(boost::math::complement(boost::math::normal(), deviate));
+    const double chance = detail::normal_above(deviate);
     const double of_all = whiteness(tame, per_point).p_value;
     // Of two tests the smaller chance counts, twice.
     result.correlation_p_value = std::min(1.0, 2 * (result.correlation > 0 ? std::min(chance, of_all) : chance));
@@ -171,8 +169,7 @@ LackOfFit lack_of_fit(const FrequencyResponseData& data, const FitOptions& optio
   test.noise = std::sqrt(variance);
   test.misfit = std::sqrt(square / (degrees + error.degrees) / variance);
   const double statistic = std::max(0.0, square - error.square) / degrees / variance;
-  test.p_value = boost::math::cdf(
-      boost::math::complement(boost::math::fisher_f(degrees, error.degrees), std::min(statistic, 1e12)));
+  test.p_value = detail::fisher_f_above(std::min(statistic, 1e12), degrees, error.degrees);
   test.adequate = test.adequate && !(test.p_value < least_chance);
   if (!test.adequate) test.misses = missed_bands(clipped(residual), rule.per_point(), data.omega(), test.noise);
   return test;

@@ -2,15 +2,16 @@
 #include "frac/identification/statistics.hpp"
 
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
+
+#include "special/distributions.hpp"
 
 namespace frac {
 
 double student_t_95(double degrees_of_freedom) {
   if (!(degrees_of_freedom >= 1)) return std::numeric_limits<double>::quiet_NaN();
-  return boost::math::quantile(boost::math::students_t(degrees_of_freedom), 0.975);
+  return detail::student_t_quantile(0.975, degrees_of_freedom);
 }
 
 InformationCriteria information_criteria(double cost, std::size_t residuals, std::size_t parameters,

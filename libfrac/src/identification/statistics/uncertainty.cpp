@@ -212,6 +212,7 @@ std::vector<BootstrapInterval> bootstrap_of(const Resampling& resampling, const 
     for (std::size_t k = 0; k < values.size(); ++k) values[k][sample] = again.parameters[k].value;
   });
   std::vector<BootstrapInterval> intervals;
+  intervals.reserve(values.size());
   for (std::vector<double>& each : values) intervals.push_back(percentiles(std::move(each)));
   return intervals;
 }

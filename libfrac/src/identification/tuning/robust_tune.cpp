@@ -3,8 +3,6 @@
 
 #include <Eigen/Core>
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
-#include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -14,6 +12,7 @@
 #include "base/number_text.hpp"
 #include "frac/structure.hpp"
 #include "loop_description.hpp"
+#include "special/distributions.hpp"
 
 namespace frac {
 namespace {
@@ -35,8 +34,8 @@ double radius_of_region(std::size_t parameters, const FitResult& fit) {
   const double count = static_cast<double>(parameters);
   const double freedom = static_cast<double>(fit.residuals) - static_cast<double>(fit.free_parameters);
   constexpr double level = 0.95;
-  if (!(freedom >= 1)) return std::sqrt(boost::math::quantile(boost::math::chi_squared(count), level));
-  return std::sqrt(count * boost::math::quantile(boost::math::fisher_f(count, freedom), level));
+  if (!(freedom >= 1)) return std::sqrt(detail::chi_squared_quantile(level, count));
+  return std::sqrt(count * detail::fisher_f_quantile(level, count, freedom));
 }
 
 std::vector<double> moved(const Structure& structure, std::vector<double> values, const Eigen::VectorXd& step) {
