@@ -64,9 +64,12 @@ double growth_beside(detail::LoopRun run, const detail::RealisedLoop& loop) {
   return counted > rounds / 4 ? logarithm / (counted * 2 / loop.pace()) : std::numeric_limits<double>::quiet_NaN();
 }
 
-bool are_one(const ImpactCycle& a, const ImpactCycle& b) {
-  return a.impacts.size() == b.impacts.size() && std::abs(a.period / b.period - 1) < 1e-7 &&
-         std::abs(a.impacts.front().impulse / b.impacts.front().impulse - 1) < 1e-6;
+// The motion has come near the cycle, or near its mirror image.
+bool is_near(const CycleGuess& guess, const ImpactCycle& cycle) {
+  double hardest = 0;
+  for (const CycleImpact& impact : guess.impacts) hardest = std::max(hardest, std::abs(impact.impulse));
+  return guess.impacts.size() == cycle.impacts.size() && std::abs(guess.period / cycle.period - 1) < 3e-3 &&
+         std::abs(hardest / cycle.impacts.front().impulse - 1) < 1e-2;
 }
 
 }  // namespace
@@ -103,14 +106,19 @@ ImpactCycles impact_cycles(const ControlLoop& loop, const ImpactCycleOptions& op
     } else if (impacts.size() < options.impacts) {
       motion.regime = LoopRegime::quiet;
     } else if (const auto guess = repeated_pattern(loop, impacts)) {
-      const auto cycle = close_cycle(loop, *guess, options.harmonics);
-      if (cycle && cycle->admissible && cycle->stability.stable && std::abs(cycle->period / guess->period - 1) < 0.05) {
-        motion.regime = LoopRegime::cycle;
-        const auto known = std::find_if(result.cycles.begin(), result.cycles.end(),
-                                        [&](const ImpactCycle& other) { return are_one(other, *cycle); });
-        motion.cycle = static_cast<std::size_t>(known - result.cycles.begin());
-        if (known == result.cycles.end()) result.cycles.push_back(*cycle);
+      const auto known = std::find_if(result.cycles.begin(), result.cycles.end(),
+                                      [&](const ImpactCycle& cycle) { return is_near(*guess, cycle); });
+      motion.cycle = static_cast<std::size_t>(known - result.cycles.begin());
+      if (known == result.cycles.end()) {
+        const auto cycle = close_cycle(loop, *guess, options.harmonics);
+        if (cycle && cycle->admissible && cycle->stability.stable &&
+            std::abs(cycle->period / guess->period - 1) < 0.05) {
+          result.cycles.push_back(*cycle);
+        } else {
+          motion.cycle.reset();
+        }
       }
+      if (motion.cycle) motion.regime = LoopRegime::cycle;
     }
     if (motion.regime == LoopRegime::irregular && !realised.has_twin()) {
       motion.lyapunov_exponent = growth_beside(run, realised);
