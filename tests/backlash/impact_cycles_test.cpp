@@ -282,6 +282,49 @@ TEST(ImpactCycles, AreFoundFromSeededStarts) {
   support::expect_invalid_argument([] { (void)impact_cycles(free_loop("1 + s", .6), {.starts = -1}); }, {"starts"});
 }
 
+// Of a chaotic loop of four states the exponent is the mean growth of a tangent that flights and saltation matrices
+// carry along a motion.  Over 3000 impacts, 900 s, such means scatter by a few per cent; those beside motions are over
+// 150 s.
+TEST(ImpactCycles, LyapunovExponentIsThatOfTheTangent) {
+  const double kp = 30, kd = 1, restitution = .6;
+  const ControlLoop loop = free_loop("30 + s", restitution);
+  ImpactCycleOptions request;
+  request.starts = 4;
+  double mean = 0;
+  for (const LoopMotion& motion : impact_cycles(loop, request).motions) {
+    ASSERT_EQ(motion.regime, LoopRegime::irregular);
+    mean += motion.lyapunov_exponent / 4;
+  }
+  LoopSimulationOptions options;
+  options.duration = 1e5;
+  options.most_impacts = 3000;
+  const LoopHistory history = simulate_loop(loop, {0, .1, 0, 5}, {}, options);
+  const auto rate = [&](double x1, double v1, double v2) { return Eigen::Vector4d(v1, 0, v2, -kp * x1 - kd * v1); };
+  Eigen::Matrix4d impact = Eigen::Matrix4d::Identity();
+  impact(1, 1) = impact(3, 3) = 1 - (1 + restitution) / 2;
+  impact(1, 3) = impact(3, 1) = (1 + restitution) / 2;
+  Eigen::Vector4d tangent(0, 1, 0, -1);
+  double logarithm = 0;
+  // Rows come in pairs, before and after an impact.
+  for (std::size_t i = 0; i + 2 < history.rows.size(); i += 2) {
+    const LoopRow& before = history.rows[i];
+    const LoopRow& after = history.rows[i + 1];
+    const double late = -(tangent(2) - tangent(0)) / (before.v2 - before.v1);
+    tangent = impact * tangent;
+    tangent += (impact * rate(before.x1, before.v1, before.v2) - rate(after.x1, after.v1, after.v2)) * late;
+    const double t = history.rows[i + 2].time - after.time;
+    const double force = -kp * tangent(0) - kd * tangent(1), jerk = -kp * tangent(1);
+    tangent(2) += tangent(3) * t + force * t * t / 2 + jerk * t * t * t / 6;
+    tangent(3) += force * t + jerk * t * t / 2;
+    tangent(0) += tangent(1) * t;
+    logarithm += std::log(tangent.norm());
+    tangent.normalize();
+  }
+  const double expected = logarithm / history.end_time;
+  EXPECT_GT(expected, .3);
+  EXPECT_NEAR(mean / expected, 1, .2);
+}
+
 TEST(ImpactCycles, RefuseAGuessThatIsNone) {
   const ControlLoop loop = free_loop("1 + s", .6);
   support::expect_invalid_argument([&] { (void)close_cycle(loop, {2, {}}); }, {"no impacts"});
