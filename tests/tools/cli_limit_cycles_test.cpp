@@ -21,7 +21,8 @@ std::vector<std::string> limit_cycles(const std::string& controller, const std::
 }
 
 TEST(LimitCyclesCommand, WritesEveryCycleBesideItsPrediction) {
-  const auto result = run_fracfit(limit_cycles("1 + s^0.5 + 0.3/s^0.6", {"--restitution", "0.6", "--format", "json"}));
+  const auto result =
+      run_fracfit(limit_cycles("1 + s^0.5 + 0.3/s^0.6", {"--restitution", "0.6", "--format", "json", "--starts", "0"}));
   ASSERT_EQ(result.code, 0) << result.error;
   const auto json = nlohmann::json::parse(result.output);
   EXPECT_EQ(json["rigid_loop"]["stability"], "stable");
