@@ -13,6 +13,7 @@
 #include "base/counted.hpp"
 #include "base/linear_algebra.hpp"
 #include "frac/identification/statistics.hpp"
+#include "identification/contained_optimum.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/formula_checks.hpp"
 #include "identification/data/noise_floor.hpp"
@@ -457,7 +458,9 @@ FitResult fit_with_floor(const FrequencyResponseData& data, const Structure& str
 }  // namespace
 
 FitResult fit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
-  return fit_with_floor(data, structure, options, {true, true});
+  FitResult result = fit_with_floor(data, structure, options, {true, true});
+  if (!options.global_start) return result;
+  return detail::no_worse_than_contained(data, structure, options, std::move(result));
 }
 
 FitResult detail::curvature_fit(const FrequencyResponseData& data, const Structure& structure,
