@@ -145,6 +145,24 @@ TEST_F(FitStatistics, FoldsAddTheErrorOfPredictions) {
   EXPECT_GT(json["ranking"][1]["prediction_rms"].get<double>(), 0.3);
 }
 
+// A long ranking is shortened for the eye, but no candidate may vanish from it without a word.
+TEST_F(FitStatistics, TheTableOfARankingNamesEveryCandidate) {
+  const std::string models =
+      "power-law,gain,lag,integrator,differentiator,r-rc,zarc,zener,oscillator,lag-delay,cole-cole,r-l-cpe";
+  const auto json = successful({"identify", data, "--component", "both", "--models", models});
+  const auto table =
+      run_fracfit({"identify", data, "--component", "both", "--models", models, "--format", "table"}).output;
+  const auto named_beneath = table.find("These miss the data too");
+  ASSERT_NE(named_beneath, std::string::npos);
+  EXPECT_LT(table.find("integer-order"), named_beneath);  // the best rival keeps its row
+  for (const auto& candidate : json["ranking"]) {
+    const std::string name = candidate["name"];
+    EXPECT_TRUE(table.find("  " + name + " ") < named_beneath ||
+                table.find(name + " ", named_beneath) != std::string::npos)
+        << name;
+  }
+}
+
 TEST_F(FitStatistics, WrongUsageIsNamed) {
   const auto expect_refusal = [](const std::vector<std::string>& arguments, const std::string& part) {
     const auto result = run_fracfit(arguments);

@@ -36,7 +36,8 @@ Section data_section(const Work& work, const std::string& name, const io::Freque
   options.component = frac::Component::both;
   const bool has_zero =
       std::any_of(data.value().begin(), data.value().end(), [](const auto& value) { return value == 0.0; });
-  std::string weight = prose("data", "relative");
+  options.weight = frac::Weight::learned;
+  std::string weight = prose("data", "learned");
   if (!data.sigma().empty()) {
     options.weight = frac::Weight::given;
     weight = prose("data", "given");
@@ -53,7 +54,7 @@ Section data_section(const Work& work, const std::string& name, const io::Freque
   for (const std::string& note : read.notes) text += " " + escape_html(note);
   section.add(Html{"<p>" + text + "</p>"});
 
-  const std::vector<frac::NamedModel> models = candidates_for(2 * data.size());
+  const std::vector<frac::NamedModel> models = that_suit(frac::default_candidates(), 2 * data.size());
   if (models.empty()) {
     add_no_verdict(section,
                    prose("data", "too-few",

@@ -2,6 +2,7 @@
 #include "report/measured.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "frac/structure.hpp"
 #include "report/html.hpp"
@@ -14,10 +15,18 @@ namespace {
 
 constexpr std::size_t most_points = 2000;
 
-std::size_t free_parameters(const frac::NamedModel& model) {
+// Of a family those of its smallest member, a gain.
+std::size_t fewest_parameters(const frac::NamedModel& model) {
+  if (model.is_family()) return 1;
   const auto fixed = std::count_if(model.constraints.begin(), model.constraints.end(),
                                    [](const auto& constraint) { return constraint.fixed.has_value(); });
   return frac::Structure(model.formula).parameter_names().size() - static_cast<std::size_t>(fixed);
+}
+
+// Members of a family can be presets again.  Their searches end at the same cost to more digits than noise leaves to
+// two different curves.
+bool same_curve(const frac::RankedFit& one, const frac::RankedFit& other) {
+  return std::abs(one.fit.rms - other.fit.rms) <= 1e-6 * one.fit.rms;
 }
 
 }  // namespace
@@ -29,21 +38,33 @@ std::vector<std::size_t> evenly_chosen(std::size_t points) {
   return index;
 }
 
-std::vector<frac::NamedModel> candidates_for(std::size_t residuals, std::size_t further_parameters) {
-  std::vector<frac::NamedModel> models;
-  for (const auto& model : frac::model_library()) {
-    if (residuals >= free_parameters(model) + further_parameters + 3) models.push_back(model);
-  }
-  return models;
+std::vector<frac::NamedModel> that_suit(std::vector<frac::NamedModel> candidates, std::size_t residuals,
+                                        std::size_t further_parameters) {
+  std::erase_if(candidates, [&](const frac::NamedModel& model) {
+    return residuals < fewest_parameters(model) + further_parameters + 3;
+  });
+  return candidates;
 }
 
 std::vector<DrawnFit> drawn_fits(const frac::IdentificationResult& result) {
   static constexpr Mark marks[] = {Mark::line, Mark::dashed, Mark::dotted};
   std::vector<DrawnFit> drawn;
-  for (std::size_t i = 0; i < std::min(std::size(marks), result.ranking.size()); ++i) {
-    const frac::RankedFit& ranked = result.ranking[i];
-    drawn.push_back({ranked, std::to_string(i + 1) + ". " + key_label(ranked), category_colour(i), marks[i]});
-  }
+  const auto draw = [&](const frac::RankedFit& ranked) {
+    const auto rank = static_cast<std::size_t>(&ranked - result.ranking.data()) + 1;
+    const std::size_t i = drawn.size();
+    drawn.push_back({ranked, std::to_string(rank) + ". " + key_label(ranked), category_colour(i), marks[i]});
+  };
+  const auto draw_first = [&](const auto& suits) {
+    const auto found = std::find_if(result.ranking.begin(), result.ranking.end(), suits);
+    if (found != result.ranking.end()) draw(*found);
+  };
+  const frac::RankedFit& chosen = result.ranking.at(result.chosen);
+  draw(chosen);
+  draw_first([&](const frac::RankedFit& other) { return other.model_class != chosen.model_class; });
+  draw_first([&](const frac::RankedFit& other) {
+    return !other.lack_of_fit.adequate &&
+           std::none_of(drawn.begin(), drawn.end(), [&](const DrawnFit& fit) { return same_curve(fit.ranked, other); });
+  });
   return drawn;
 }
 

@@ -18,10 +18,10 @@ namespace report {
 /// make every fit slower in proportion.
 [[nodiscard]] std::vector<std::size_t> evenly_chosen(std::size_t points);
 
-/// Structures of the library with few enough free parameters for AICc, which needs three residuals more than
-/// parameters.
+/// Those of the candidates with few enough free parameters for AICc, which needs three residuals more than parameters.
 /// @param further_parameters  fitted beside those of the structure
-[[nodiscard]] std::vector<frac::NamedModel> candidates_for(std::size_t residuals, std::size_t further_parameters = 0);
+[[nodiscard]] std::vector<frac::NamedModel> that_suit(std::vector<frac::NamedModel> candidates, std::size_t residuals,
+                                                      std::size_t further_parameters = 0);
 
 /// One of the best fits as it is drawn over the data.
 struct DrawnFit {
@@ -31,7 +31,7 @@ struct DrawnFit {
   Mark mark;
 };
 
-/// The three best fits.
+/// The chosen fit, the best of another class, and the best that misses the data, as an example of what that looks like.
 [[nodiscard]] std::vector<DrawnFit> drawn_fits(const frac::IdentificationResult& result);
 
 /// The chapter of a measured file with the title and the reading.

@@ -108,13 +108,13 @@ Table ranking_table(const std::string& name, const std::string& caption, const f
       parameters += (parameters.empty() ? "" : "; ") + part;
     };
     for (const auto& parameter : ranked.fit.parameters) append(estimate_text(parameter));
-    std::string note = i == result.chosen ? "chosen" : "";
+    std::string note = i == result.chosen ? "chosen" : ranked.lack_of_fit.adequate ? "" : "misses the data";
     if (ranked.fit.termination != frac::FitTermination::converged) {
       append(ranked.fit.message);
-      note += (note.empty() ? "" : "; ") + ranked.fit.message;
+      note += (note.empty() ? "" : ", ") + std::string(frac::to_string(ranked.fit.termination));
     }
     if (i == result.chosen) append("[chosen]");
-    table.rows.push_back({static_cast<double>(i + 1), described(ranked),
+    table.rows.push_back({static_cast<double>(i + 1), ranked.from_family ? ranked.name : described(ranked),
                           std::string(frac::to_string(ranked.model_class)),
                           static_cast<double>(ranked.fit.free_parameters), ranked.fit.aicc, ranked.delta_aicc,
                           ranked.akaike_weight, ranked.fit.rms, ranked.fit.max_residual, parameters, note});

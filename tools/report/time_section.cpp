@@ -89,7 +89,8 @@ Section time_section(const Work& work, const std::string& name, const frac::Time
   section.add(Html{"<p>" + text + "</p>"});
 
   // The offset is fitted beside the parameters of each structure.
-  const std::vector<frac::NamedModel> models = candidates_for(data.observed().size(), 1);
+  const std::vector<frac::NamedModel> models =
+      that_suit(frac::default_candidates_over_time(), data.observed().size(), 1);
   if (models.empty()) {
     add_no_verdict(section, prose("time", "too-few", {{"samples", outputs}}), "too few points");
     return section;

@@ -248,6 +248,14 @@ std::vector<NamedModel> default_candidates() {
   return candidates;
 }
 
+std::vector<NamedModel> default_candidates_over_time() {
+  std::vector<NamedModel> candidates = default_candidates();
+  std::erase_if(candidates, [](const NamedModel& model) {
+    return model.is_family() && !(model.rational && !model.rational->free_order);
+  });
+  return candidates;
+}
+
 NamedModel resolved_model(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options) {
   return model.is_family() ? detail::best_member(data, model, options).models.front() : model;
 }

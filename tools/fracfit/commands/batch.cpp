@@ -100,6 +100,7 @@ class Batch : public Command {
     o.texts("DATA", data_, "Frequency responses as tables or as instruments write them, or folders of them",
             "FILE|FOLDER")
         .required()
+        .names_input()
         .unsaid();
     o.text("--model", model_, "or a preset; letters other than s are parameters").suggest(preset_names());
     o.text("--models", models_);
@@ -165,8 +166,6 @@ class Batch : public Command {
       if (!has(batch_columns(task_), request.variable)) task_.variables.push_back(request.variable);
     }
   }
-
-  [[nodiscard]] std::vector<std::string> inputs() const override { return data_; }
 
   int run() override {
     const auto rows_format = row_format();

@@ -130,8 +130,6 @@ class Fit : public Command {
     return no_usable_result;
   }
 
-  [[nodiscard]] std::vector<std::string> inputs() const override { return {request_.data}; }
-
   int run() override {
     const auto note = [this](const std::string& text) { say(text); };
     if (io::holds_time_response(request_.data, request_.how)) {

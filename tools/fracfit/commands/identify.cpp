@@ -151,16 +151,10 @@ class Identify : public Command {
     const auto record =
         read_time_record(request_, over_time_, options(), [this](const std::string& note) { say(note); });
     check_folds(record.data.observed().size());
-    // Of the families that of ratios is grown over time, the others on frequency responses only.
-    const auto other_family = [](const auto& model) {
-      return model.is_family() && !(model.rational && !model.rational->free_order);
-    };
-    if (models_text_.empty()) std::erase_if(models_, other_family);
+    if (models_text_.empty()) models_ = frac::default_candidates_over_time();
     const auto result = frac::identify(record.data, models_, fit, threads());
     return write_ranking(record.data, fit, result, time_fit_run(request_, record, options(), command_line()));
   }
-
-  [[nodiscard]] std::vector<std::string> inputs() const override { return {request_.data}; }
 
   // What is left out of the comparison.
   [[nodiscard]] std::vector<std::size_t> outliers_of(const frac::FrequencyResponseData& data) const {

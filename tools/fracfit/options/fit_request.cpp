@@ -35,7 +35,8 @@ void add_data(Options& options, FitRequest& request) {
             "A frequency response as CSV, TSV or as an instrument writes it, or samples over time "
             "(time_s,input,output); - for standard input",
             "FILE")
-      .required();
+      .required()
+      .names_input();
   add_file_options(options, request.how);
   add_select(options, request.how);
 }

@@ -72,10 +72,10 @@ std::string AlignedTable::text() const {
   return text;
 }
 
-std::string short_number(double value) {
+std::string short_number(double value, int digits) {
   if (std::isnan(value)) return "-";
   char text[32];
-  std::snprintf(text, sizeof text, "%.6g", value);
+  std::snprintf(text, sizeof text, "%.*g", digits, value == 0 ? 0 : value);  // no "-0"
   return text;
 }
 

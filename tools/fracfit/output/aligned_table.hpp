@@ -27,7 +27,7 @@ class AlignedTable {
   std::vector<std::vector<std::string>> rows_;
 };
 
-/// Six significant digits; "-" for what is not a number.
-[[nodiscard]] std::string short_number(double value);
+/// As many significant digits as asked; "-" for what is not a number.
+[[nodiscard]] std::string short_number(double value, int digits = 6);
 
 }  // namespace fracfit

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <memory>
 #include <sstream>
+#include <string_view>
+#include <utility>
 
 #include "io/csv_line.hpp"
 #include "io/data_error.hpp"
@@ -58,11 +60,31 @@ std::string json_text(const Document& document, const std::string& command) {
   return json.dump() + "\n";
 }
 
-// A column's name in lines, broken at its underscores, which are left out.
+// Units in which names of columns end, and as people write them; of two that fit the longer one stands first.
+constexpr std::pair<std::string_view, std::string_view> units[] = {
+    {"m_per_n", "m/N"}, {"m_per_s", "m/s"}, {"rad_s", "rad/s"}, {"m_s", "m/s"}, {"n_s", "N s"},
+    {"kg", "kg"},       {"hz", "Hz"},       {"ohm", "ohm"},     {"deg", "deg"}, {"db", "dB"},
+    {"n", "N"},         {"m", "m"},         {"s", "s"}};
+
+// The words of a column's name, of which the unit is one.
+std::vector<std::string> words_of(std::string name) {
+  std::string_view unit;
+  for (const auto& [ending, written] : units) {
+    if (!unit.empty() || !name.ends_with("_" + std::string(ending))) continue;
+    unit = written;
+    name.resize(name.size() - ending.size() - 1);
+  }
+  std::vector<std::string> words;
+  std::istringstream stream(name);
+  for (std::string word; std::getline(stream, word, '_');) words.push_back(word);
+  if (!unit.empty()) words.emplace_back(unit);
+  return words;
+}
+
+// A column's name in lines, broken between its words.
 std::vector<std::string> heading_lines(const std::string& name, std::size_t width) {
   std::vector<std::string> lines(1);
-  std::istringstream words(name);
-  for (std::string word; std::getline(words, word, '_');) {
+  for (const std::string& word : words_of(name)) {
     if (!lines.back().empty() && lines.back().size() + 1 + word.size() > width) lines.emplace_back();
     lines.back() += (lines.back().empty() ? "" : " ") + word;
   }

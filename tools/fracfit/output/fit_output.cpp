@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "output/fit_output.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -221,6 +222,27 @@ void append_statistics(Json& json, const frac::FitResult& result, const FitStati
   }
 }
 
+constexpr std::string_view misses_the_data = "misses the data";
+
+std::string remark_on(const frac::IdentificationResult& result, std::size_t rank) {
+  const auto& candidate = result.ranking[rank];
+  if (rank == result.chosen) return "chosen";
+  if (candidate.fit.termination != frac::FitTermination::converged)
+    return std::string(frac::to_string(candidate.fit.termination));
+  return std::string(candidate.lack_of_fit.adequate ? "" : misses_the_data);
+}
+
+/// A reader compares the candidates that follow the data and the best of each class; of a long ranking the rest is
+/// named beneath the table.
+bool belongs_in_table(const frac::IdentificationResult& result, std::size_t rank) {
+  constexpr std::size_t leading_ranks = 10;
+  const auto& candidate = result.ranking[rank];
+  const auto first_of_class = std::find_if(result.ranking.begin(), result.ranking.end(), [&](const auto& other) {
+    return other.model_class == candidate.model_class;
+  });
+  return rank < leading_ranks || candidate.lack_of_fit.adequate || &candidate == &*first_of_class;
+}
+
 Json origin_of_fit(const FitRun& run) {
   Json json = origin(run.command);
   json["data"] = {{"file", run.file},
@@ -248,26 +270,31 @@ std::string identification_table(const FitRun& run, const frac::IdentificationRe
   if (!prediction_rms.empty()) names.emplace_back("rms of predictions");
   names.emplace_back("");
   AlignedTable ranking(names, AlignedTable::Last::remark);
-  std::size_t index = 0;
-  for (const auto& candidate : result.ranking) {
-    std::string remark = candidate.lack_of_fit.adequate ? "" : "misses the data";
-    if (candidate.fit.termination != frac::FitTermination::converged)
-      remark = frac::to_string(candidate.fit.termination);
-    if (&candidate == &result.ranking.at(result.chosen)) remark = "chosen";
+  std::string others;
+  for (std::size_t i = 0; i < result.ranking.size(); ++i) {
+    const auto& candidate = result.ranking[i];
+    const std::string remark = remark_on(result, i);
+    if (!belongs_in_table(result, i)) {
+      others += (others.empty() ? "" : ", ") + candidate.name + " " + short_number(candidate.fit.rms, 3);
+      if (remark != misses_the_data) others += " (" + remark + ")";
+      continue;
+    }
     std::vector<std::string> row{candidate.name,
                                  std::string(frac::to_string(candidate.model_class)),
                                  std::to_string(candidate.fit.free_parameters),
                                  short_number(candidate.fit.rms),
                                  short_number(candidate.delta_aicc),
                                  short_number(candidate.akaike_weight)};
-    if (!prediction_rms.empty()) row.push_back(short_number(prediction_rms[index++]));
+    if (!prediction_rms.empty()) row.push_back(short_number(prediction_rms[i]));
     row.push_back(remark);
     ranking.add(row);
   }
   const auto& chosen = result.ranking.at(result.chosen);
-  std::string text = heading(run) + "\n" + ranking.text() + "chosen: the simplest within 2 of the least AICc of " +
-                     (chosen.lack_of_fit.adequate ? "those that follow the data" : "all, as none follows the data") +
-                     "; the verdict compares those of the least Schwarz criterion\n\n" + chosen.name;
+  std::string text = heading(run) + "\n" + ranking.text();
+  if (!others.empty()) text += paragraph("These miss the data too, by an rms of: " + others + ".");
+  text += "chosen: the simplest within 2 of the least AICc of " +
+          std::string(chosen.lack_of_fit.adequate ? "those that follow the data" : "all, as none follows the data") +
+          "; the verdict compares those of the least Schwarz criterion\n\n" + chosen.name;
   if (chosen.fit.model != chosen.name) text += "   " + chosen.fit.model;
   text += "\n" + parameter_table(chosen.fit) + "\n";
   return text + paragraph("verdict: " + std::string(frac::to_string(result.verdict)) + ". " + result.verdict_sentence);

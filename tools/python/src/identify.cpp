@@ -53,8 +53,8 @@ std::vector<frac::NamedModel> models_of(const std::vector<std::string>& names) {
 
 py::dict identify(const py::dict& data, const std::vector<std::string>& names, const py::dict& curves,
                   const py::dict& given, int threads) {
-  auto models = names.empty() ? frac::default_candidates() : models_of(names);
   if (data.contains("omega")) {
+    const auto models = names.empty() ? frac::default_candidates() : models_of(names);
     const frac::FitOptions options = fit_options(given);
     const frac::FrequencyResponseData points = spectrum_of(data);
     std::vector<frac::FixedCurve> fixed;
@@ -62,8 +62,7 @@ py::dict identify(const py::dict& data, const std::vector<std::string>& names, c
       fixed.push_back({name.cast<std::string>(), vector_of(value.cast<Complexes>())});
     return dict_of(result_of([&](frac::Progress&) { return frac::identify(points, models, fixed, options, threads); }));
   }
-  // Families are grown on frequency responses only.
-  if (names.empty()) std::erase_if(models, [](const auto& model) { return model.is_family(); });
+  const auto models = names.empty() ? frac::default_candidates_over_time() : models_of(names);
   const frac::TimeFitOptions options = time_fit_options(given);
   const frac::TimeResponseData record = record_of(data);
   return dict_of(result_of([&](frac::Progress&) { return frac::identify(record, models, options, threads); }));

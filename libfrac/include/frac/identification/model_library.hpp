@@ -57,6 +57,9 @@ struct NamedModel {
 /// with and without dead time, and sums of terms.
 [[nodiscard]] std::vector<NamedModel> default_candidates();
 
+/// The same for samples over time, where of the families only rational models are grown.
+[[nodiscard]] std::vector<NamedModel> default_candidates_over_time();
+
 /// The preset of that name, a rational family, or the text taken as a formula (class by its orders, name = formula).
 /// Rational families are written "rational" (0 to 12 poles), "rational:4" (poles), "rational:3/4" (zeros/poles) or
 /// "rational:1..8" (poles), each with "+delay" behind it for a dead time; likewise "commensurate" (1 to 6 poles in
