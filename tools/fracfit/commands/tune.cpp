@@ -64,6 +64,12 @@ Json tuning_json(const frac::TuningResult& result, const std::string& plant, con
   for (const auto& line : result.specification) {
     specification.push_back({{"name", line.name}, {"asked", line.asked}, {"reached", line.reached}, {"met", line.met}});
   }
+  const auto found = [](const std::optional<double>& value, double unit) {
+    return value ? Json(*value / unit) : Json();
+  };
+  json["nearby"] = {{"phase_margin_deg", found(result.nearby.phase_margin, degree)},
+                    {"lower_crossover", found(result.nearby.lower_crossover, 1)},
+                    {"higher_crossover", found(result.nearby.higher_crossover, 1)}};
   json["closed_loop"] = frac::to_string(result.closed_loop);
   json["crossover"] = result.crossover;
   json["phase_margin_deg"] = result.phase_margin / degree;

@@ -77,6 +77,13 @@ struct TuningOptions {
   std::function<double(const FractionalPidGains& gains, double criterion)> objective = {};
 };
 
+/// What is within reach where not all that is asked of a crossover is: of each the nearest that was found, the other
+/// demands kept.
+struct FeasibleNearby {
+  std::optional<double> phase_margin = {};                            // rad, at the crossover asked for
+  std::optional<double> lower_crossover = {}, higher_crossover = {};  // rad/s, at the margin asked for
+};
+
 /// One line of the specification and what became of it.
 struct ReachedSpecification {
   std::string name;  // e.g. "phase margin, deg"
@@ -106,6 +113,7 @@ struct TuningResult {
   double mu_limit = 0;       // order of differentiation with which the loop falls as s^-0.2 at high frequency
   bool mu_at_limit = false;  // that limit, below options.mu.upper, holds back mu
   std::vector<ReachedSpecification> specification;
+  FeasibleNearby nearby;                            // where a crossover and margin asked for are not met
   Stability closed_loop = Stability::undetermined;  // of the exact loop, dead time included, by the argument principle
   double crossover = 0;     // rad/s; of all with |L| = 1 the one nearest to what was asked, else the highest; NaN: none
   double phase_margin = 0;  // rad, there
@@ -127,8 +135,8 @@ struct TuningResult {
 /// (CRS2) and a local one under the inequalities (COBYLA), gains not negative. Idea of the specification: Monje,
 /// Vinagre, Feliu, Chen (2008).
 /// @throws std::invalid_argument  a number out of range; flat phase or phase margin without crossover; no criterion:
-/// the specification is empty and the criterion is not iae or itae; horizon missing; plant with an undamped pole,
-/// growing with frequency, or with the least mu allowed the loop not falling.
+/// the specification is empty and the criterion is not iae or itae; horizon missing; plant growing with frequency, or
+/// with the least mu allowed the loop not falling.
 [[nodiscard]] TuningResult tune(const FractionalTransferFunction& plant, const LoopSpecification& specification,
                                 const TuningOptions& options = {});
 

@@ -6,16 +6,17 @@
 #include <limits>
 #include <numbers>
 #include <optional>
-#include <stdexcept>
 
-#include "base/number_text.hpp"
 #include "frac/fractional_derivative.hpp"
+#include "frac/laplace_value.hpp"
 
 namespace frac::detail {
 namespace {
 
 using Complex = std::complex<double>;
 constexpr double pi = std::numbers::pi;
+// Around an undamped pole, as a share of its frequency.
+constexpr double way_around = 1e-4;
 
 Complex power(double order, double omega) {
   return std::polar(std::pow(omega, order), order * pi / 2);
@@ -71,34 +72,65 @@ LoopGrid::LoopGrid(const FractionalTransferFunction& plant, double centre, const
       gain_at_infinity_(plant.numerator().front().coefficient / plant.denominator().front().coefficient) {
   constexpr double decades = 4.5;
   constexpr int points = 271;  // thirty per decade
-  for (int i = 0; i < points; ++i) omega_.push_back(centre * std::pow(10, decades * (2.0 * i / (points - 1) - 1)));
+  std::vector<double> omega;
+  for (int i = 0; i < points; ++i) omega.push_back(centre * std::pow(10, decades * (2.0 * i / (points - 1) - 1)));
+  std::vector<double> undamped;
   for (const Pole& pole : analyse_stability(plant).poles) {
     if (pole.cancelled) continue;
-    if (pole.value.real() > 0) unstable_plant_poles_ += pole.multiplicity * (pole.value.imag() == 0 ? 1 : 2);
     const double size = std::abs(pole.value);
     const double damping = std::abs(pole.value.real()) / size;
     if (damping < 1e-9) {
-      throw std::invalid_argument("tune: the plant has an undamped pole at omega = " + number_text(size) +
-                                  " rad/s; needed is some damping");
+      undamped.push_back(size);
+      continue;
     }
+    if (pole.value.real() > 0) unstable_plant_poles_ += pole.multiplicity * (pole.value.imag() == 0 ? 1 : 2);
     if (!(damping < 0.3)) continue;
-    for (int i = -8; i <= 8; ++i) omega_.push_back(size * (1 + 0.5 * damping * i));
+    for (int i = -8; i <= 8; ++i) omega.push_back(size * (1 + 0.5 * damping * i));
   }
-  omega_.insert(omega_.end(), bounds.begin(), bounds.end());
-  std::sort(omega_.begin(), omega_.end());
-  for (const double omega : omega_) value_.push_back(plant.response(omega));
+  for (const double pole : undamped) {
+    // Closer and closer, as |L| grows without bound.
+    for (double distance = 0.05; distance > 2 * way_around; distance /= 2) {
+      omega.push_back(pole * (1 - distance));
+      omega.push_back(pole * (1 + distance));
+    }
+  }
+  omega.insert(omega.end(), bounds.begin(), bounds.end());
+  for (const double pole : undamped) {
+    std::erase_if(omega, [&](double each) { return std::abs(each - pole) <= 1.5 * way_around * pole; });
+    omega.push_back(pole);
+  }
+  std::sort(omega.begin(), omega.end());
+  for (const double each : omega) {
+    if (std::find(undamped.begin(), undamped.end(), each) != undamped.end()) {
+      go_around(each);
+    } else {
+      points_.push_back({each, pi / 2, plant.response(each)});
+    }
+  }
+}
+
+// Half a circle to the right of the pole at j omega.
+void LoopGrid::go_around(double pole) {
+  constexpr int pieces = 16;
+  for (int i = 0; i <= pieces; ++i) {
+    const Complex s = Complex(0, pole) + std::polar(way_around * pole, pi * (static_cast<double>(i) / pieces - 0.5));
+    points_.push_back({std::abs(s), std::arg(s), laplace_value(plant_, s)});
+  }
 }
 
 LoopGrid::Peaks LoopGrid::peaks(const FractionalPidGains& gains, double filter_time, double high, double low) const {
   Peaks peaks{0, 0, 0, 0, 0};
   Complex previous = 0;
   double turned = 0;
-  for (std::size_t i = 0; i < omega_.size(); ++i) {
-    const double omega = omega_[i];
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const auto [omega, angle, plant_value] = points_[i];
+    const auto power_here = [&, omega = omega, angle = angle](double order) {
+      return std::polar(std::pow(omega, order), order * angle);
+    };
     Complex controller = gains.kp;
-    if (gains.ki != 0) controller += gains.ki * power(-gains.lambda, omega);
-    if (gains.kd != 0) controller += gains.kd * power(gains.mu, omega) / (1.0 + Complex(0, filter_time * omega));
-    const Complex loop = value_[i] * controller;
+    if (gains.ki != 0) controller += gains.ki * power_here(-gains.lambda);
+    if (gains.kd != 0) controller += gains.kd * power_here(gains.mu) / (1.0 + filter_time * std::polar(omega, angle));
+    const Complex loop = plant_value * controller;
     const Complex difference = 1.0 + loop;
     // Where dead time turns L by more than half a radian from point to point, the worst phase counts.
     const bool fast = 0.08 * omega * plant_.delay() > 0.5;

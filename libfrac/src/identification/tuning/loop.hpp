@@ -19,7 +19,8 @@ struct ControllerTerms {
 };
 [[nodiscard]] ControllerTerms controller_terms(double lambda, double mu, double filter_time, double omega);
 
-/// The plant on a grid about a frequency, for thousands of controllers.
+/// The plant on a grid about a frequency, for thousands of controllers.  Around undamped poles the grid leaves the axis
+/// to the right, so that they are not among the poles that the turns of 1 + L count.
 class LoopGrid {
  public:
   /// @param bounds  frequencies that must be on the grid.
@@ -35,9 +36,15 @@ class LoopGrid {
   [[nodiscard]] Peaks peaks(const FractionalPidGains& gains, double filter_time, double high, double low) const;
 
  private:
+  struct Point {
+    double omega;  // |s|, rad/s
+    double angle;  // arg s, rad; pi/2 on the axis
+    std::complex<double> value{};
+  };
+  void go_around(double pole);
+
   const FractionalTransferFunction& plant_;
-  std::vector<double> omega_;
-  std::vector<std::complex<double>> value_;
+  std::vector<Point> points_;  // in the order in which they are passed
   double order_at_origin_;
   double order_at_infinity_;
   double gain_at_origin_;  // leading coefficients

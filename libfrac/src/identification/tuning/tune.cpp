@@ -5,7 +5,9 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <complex>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 
 #include "base/number_text.hpp"
@@ -94,9 +96,10 @@ std::string_view to_string(TuningStatus status) {
   return status == TuningStatus::met ? "met" : "not-met";
 }
 
-TuningResult tune(const FractionalTransferFunction& plant, const LoopSpecification& specification,
-                  const TuningOptions& options) {
-  detail::require_valid(plant, specification, options);
+namespace {
+
+TuningResult tuned(const FractionalTransferFunction& plant, const LoopSpecification& specification,
+                   const TuningOptions& options) {
   const detail::FoundController found = detail::search_controller(plant, specification, options);
   TuningResult result;
   result.gains = found.gains;
@@ -136,6 +139,81 @@ TuningResult tune(const FractionalTransferFunction& plant, const LoopSpecificati
     result.message += " mu stands at its limit, " + detail::number_text(result.mu_limit) +
                       ": above it the loop would fall more slowly than s^-0.2 at high frequency.";
   }
+  return result;
+}
+
+// Whether some controller keeps the specification, and with which the objective of the options is least.
+std::optional<TuningResult> kept(const FractionalTransferFunction& plant, const LoopSpecification& asked,
+                                 const TuningOptions& options) {
+  TuningResult result = tuned(plant, asked, options);
+  return result.usable() ? std::optional(std::move(result)) : std::nullopt;
+}
+
+// The feasible crossover next to the one asked for on one side: steps that double, then halving in the logarithm.
+std::optional<double> next_crossover(const FractionalTransferFunction& plant, LoopSpecification asked,
+                                     const TuningOptions& options, double direction) {
+  constexpr double first_step = 0.05, farthest = 4;  // e-folds
+  constexpr int halvings = 6;
+  const double from = *asked.crossover;
+  const auto is_kept = [&](double way) {
+    asked.crossover = from * std::exp(direction * way);
+    return kept(plant, asked, options).has_value();
+  };
+  double infeasible = 0, feasible = first_step;
+  while (!is_kept(feasible)) {
+    infeasible = feasible;
+    feasible *= 2;
+    if (feasible > farthest) return {};
+  }
+  for (int i = 0; i < halvings; ++i) {
+    const double middle = (infeasible + feasible) / 2;
+    (is_kept(middle) ? feasible : infeasible) = middle;
+  }
+  return from * std::exp(direction * feasible);
+}
+
+FeasibleNearby feasible_nearby(const FractionalTransferFunction& plant, const LoopSpecification& asked,
+                               TuningOptions options) {
+  options.criterion = TuningCriterion::sensitivity;
+  options.horizon = 0;
+  options.objective = {};
+  FeasibleNearby nearby{{}, next_crossover(plant, asked, options, -1), next_crossover(plant, asked, options, 1)};
+  LoopSpecification any_margin = asked;
+  any_margin.phase_margin.reset();
+  const std::complex<double> value = plant.response(*asked.crossover);
+  options.objective = [&](const FractionalPidGains& gains, double) {
+    const auto loop =
+        value * controller_transfer_function(gains, options.derivative_filter_time).response(*asked.crossover);
+    return std::abs(std::arg(-loop) - *asked.phase_margin);
+  };
+  if (const auto nearest = kept(plant, any_margin, options)) nearby.phase_margin = nearest->phase_margin;
+  return nearby;
+}
+
+std::string text_of(const FeasibleNearby& nearby) {
+  std::string text;
+  if (nearby.phase_margin) {
+    text += " At this crossover the nearest phase margin within reach is " +
+            rounded_text(*nearby.phase_margin * 180 / std::numbers::pi) + " degrees.";
+  }
+  if (nearby.lower_crossover || nearby.higher_crossover) {
+    text += " At this phase margin the nearest crossover within reach is " +
+            (nearby.lower_crossover ? rounded_text(*nearby.lower_crossover) : std::string()) +
+            (nearby.lower_crossover && nearby.higher_crossover ? " or " : "") +
+            (nearby.higher_crossover ? rounded_text(*nearby.higher_crossover) : std::string()) + " rad/s.";
+  }
+  return text.empty() ? " Nothing near by was found either." : text;
+}
+
+}  // namespace
+
+TuningResult tune(const FractionalTransferFunction& plant, const LoopSpecification& specification,
+                  const TuningOptions& options) {
+  detail::require_valid(plant, specification, options);
+  TuningResult result = tuned(plant, specification, options);
+  if (result.usable() || !specification.crossover || !specification.phase_margin) return result;
+  result.nearby = feasible_nearby(plant, specification, options);
+  result.message += text_of(result.nearby);
   return result;
 }
 
