@@ -242,6 +242,13 @@ TEST_F(CHeader, RuntimeFilesAreCWithEveryCondition) {
                 "extern const float NAME_PREFIX_tap[4], NAME_PREFIX_rate[8], NAME_PREFIX_weight[8];\n" +
                 include("section_filter.c") + tail,
             flags);
+    if ((chosen & 2U) == 0) continue;
+    compile(macros(section, chosen) +
+                "#define VECTOR_INTEGER int\n#define __AVX512F__ 1\n"
+                "typedef struct { float PREFIX_past[4], PREFIX_v[8], PREFIX_lost[8], PREFIX_leak[8]; } NAME_state;\n"
+                "extern const float NAME_PREFIX_rate[8], NAME_PREFIX_weight[8];\n" +
+                include("section_vector.c") + tail,
+            flags);
   }
 }
 

@@ -4,10 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
-#include <complex>
+#include <array>
 #include <random>
-
-#include "base/eigenvalues.hpp"
 
 namespace {
 
@@ -55,24 +53,6 @@ TEST(ShortestSolution, IsZeroForAZeroMatrix) {
   const Eigen::MatrixXd solution =
       frac::detail::shortest_solution(Eigen::MatrixXd::Zero(3, 2), Eigen::MatrixXd::Ones(3, 1));
   EXPECT_EQ(solution, Eigen::MatrixXd::Zero(2, 1));
-}
-
-// Random matrices of even and odd size have real poles and pairs; the sum is held against the solved equations.
-TEST(PartialFractions, AreTheResolvent) {
-  using Complex = std::complex<double>;
-  for (unsigned seed = 1; seed <= 20; ++seed) {
-    const Eigen::Index size = 3 + seed % 4;
-    const Eigen::MatrixXd matrix = random_matrix(size, size, 3 * seed);
-    const Eigen::VectorXd b = random_matrix(size, 1, 3 * seed + 1);
-    const Eigen::RowVectorXd c = random_matrix(1, size, 3 * seed + 2);
-    const auto [poles, residues] = frac::detail::partial_fractions(matrix, b, c);
-    for (const double s : {2.0, 5.0, 30.0}) {
-      const Complex sum = (residues.array() / (s - poles.array())).sum();
-      const double value = c.dot(PlainQr(s * Eigen::MatrixXd::Identity(size, size) - matrix).solve(b));
-      EXPECT_NEAR(sum.real(), value, 1e3 * rounding);  // eigenvectors may be nearly parallel
-      EXPECT_NEAR(sum.imag(), 0, 1e3 * rounding);
-    }
-  }
 }
 
 }  // namespace

@@ -89,6 +89,19 @@ TEST(Ladder, MeetsItsToleranceUpToTheConditionOfTheModel) {
   }
 }
 
+// Poles that coincide have no modes.  The ladder errs as above, relative to a response that grows.
+TEST(Ladder, HoldsWherePolesCoincide) {
+  for (const char* formula :
+       {"1/s^2", "1/(s + 1)^2", "1/((s + 1)^2 (s^0.5 + 1))", "1/((s^0.5 + 1) (s^2 + 0.2 s + 1)^2)"}) {
+    const ReferenceResponse exact(model(formula));
+    const std::vector<double> output = frac::respond_ladder(model(formula), std::vector<double>(301, 1.0), 0.1, 1e-6);
+    for (std::size_t n = 1; n < output.size(); n += 13) {
+      const double value = exact(0.1 * static_cast<double>(n)).value;
+      EXPECT_NEAR(output[n], value, 20e-6 * std::max(1.0, std::abs(value))) << formula << " " << n;
+    }
+  }
+}
+
 TEST(Ladder, OfIntegerOrdersIsExact) {
   const std::vector<double> output =
       frac::respond_ladder(model("1/(s^2 + 3 s + 2)"), even_times(3, 30), 0.1, 1e-3, Hold::first_order);

@@ -121,9 +121,21 @@ class Faults : public testing::Test {
     }
   }
 
-  // Faults the run one call after another; the same command again must give the table of a run without faults.
-  void goes_on_after_any_fault(const std::vector<std::string>& arguments, const std::string& out) {
-    ASSERT_EQ(run_fracfit(arguments).code, 0);
+  // What a run says, but for the line that it went on with an interrupted one.
+  [[nodiscard]] static std::vector<std::string> notes_of(const ProgramResult& result) {
+    std::vector<std::string> notes;
+    for (const auto& line : lines_of(result.error))
+      if (line.find(".partial") == std::string::npos) notes.push_back(line);
+    return notes;
+  }
+
+  // Faults the run one call after another; the same command again must give the table and the notes of a run without
+  // faults.
+  void goes_on_after_any_fault(const std::vector<std::string>& arguments, const std::string& out,
+                               std::size_t notes = 0) {
+    const auto undisturbed = run_fracfit(arguments);
+    ASSERT_EQ(undisturbed.code, 0);
+    EXPECT_EQ(notes_of(undisturbed).size(), notes) << undisturbed.error;
     const auto complete = content_of(out);
     for (const std::string kind : {"ENOSPC", "EIO", "short", "EINTR", "kill"}) {
       for (int call = 1;; ++call) {
@@ -148,6 +160,7 @@ class Faults : public testing::Test {
         clear_after_kill(complete, true);
         const auto again = run_fracfit(arguments);
         EXPECT_EQ(again.code, 0) << again.error;
+        EXPECT_EQ(notes_of(again), notes_of(undisturbed));
         EXPECT_EQ(content_of(out), complete);
       }
     }
@@ -226,6 +239,23 @@ TEST_F(Faults, ASweepGoesOnAfterAnyFault) {
                           out);
   goes_on_after_any_fault({"simulate", "--force", "20", "--clearance", "0.3", "--restitution", "0.6", "--omega",
                            "5:6:5", "--protocol", "contact-at-rest", "--quiet", "--out", out},
+                          out);
+}
+
+// What is said of the points counts those of the interrupted run too: of these two, the first one follows an orbit
+// that rounding decides on.
+TEST_F(Faults, NotesCountWhatAnInterruptedRunHasLeft) {
+  const auto out = path("curve.csv");
+  goes_on_after_any_fault({"simulate", "--force", "1", "--clearance", "1", "--restitution", "0.9", "--omega",
+                           "0.6661849837985103,0.7", "--protocol", "contact-at-rest", "--diagnostics", "--out", out},
+                          out, 1);
+}
+
+// A search for basins keeps where each start leads, and then where those lead that it follows on.
+TEST_F(Faults, ASearchForBasinsGoesOnAfterAnyFault) {
+  const auto out = path("basins.csv");
+  goes_on_after_any_fault({"basins", "--restitution", "0.85067", "--omega", "0.9743", "--position", "0.05:0.95:6",
+                           "--velocity", "-1:1:6", "--quiet", "--out", out},
                           out);
 }
 

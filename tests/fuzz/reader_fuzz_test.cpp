@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "backlash/sweep_pieces.hpp"
 #include "generators.hpp"
 #include "io/data_error.hpp"
 #include "io/frequency_response_file.hpp"
@@ -80,6 +81,8 @@ TEST(ReaderFuzz, DamagedTablesAreReadOrRefused) {
 std::vector<std::string> shards_of(Random& random, std::size_t count) {
   const std::vector<double> restitutions{0.1, 0.25, 0.5, 0.75, 0.9};
   const std::vector<double> omega{1, 1.5, 2, 2.5, 3, 3.5, 4};
+  std::vector<double> cost;
+  for (const double restitution : restitutions) cost.push_back(backlash::expected_cost(restitution));
   std::vector<std::string> texts;
   for (std::size_t index = 1; index <= count; ++index) {
     const io::Shard shard{index, count};
@@ -87,7 +90,7 @@ std::vector<std::string> shards_of(Random& random, std::size_t count) {
         "# fracfit: 1.0\n# command: fracfit map --force 40 --clearance 0.3 --restitution 0.1,0.25,0.5,0.75,0.9 --omega "
         "1:4:7\n# force_n: 40\n# shard: " +
         io::text_of(shard) + "\nrestitution,omega_rad_s,re_m_per_n,im_m_per_n,regime,period,uncertainty_m_per_n\n";
-    for (const double restitution : io::part_of(restitutions, shard)) {
+    for (const double restitution : io::part_of(restitutions, shard, cost)) {
       for (const double each : omega) {
         for (const double number : {restitution, each, random.normal(), random.normal()})
           text += io::format_number(number) + ",";

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <cstddef>
@@ -52,6 +53,40 @@ TEST(Outliers, AreNamedWhereBothSidesContradictThem) {
 TEST(Outliers, AResonanceIsNone) {
   const auto data = support::noisy_response("1/(s^2 + 0.15 s + 1)", {}, 0.001, 3u);
   EXPECT_TRUE(frac::isolated_outliers(data, Component::both).empty());
+}
+
+// With 3 % of the points displaced by 8 to 48 standard deviations the intervals of what is left cover, and are several
+// times narrower than those with all points, whose spread the displaced ones set.  A share of 95 % of 240 intervals has
+// a standard deviation of 1.4 %; those displaced along the curve's own direction or next to each other stay in and cost
+// some more: 89 % is four deviations below.
+TEST(Outliers, LeavingThemOutNarrowsTheIntervalsAndKeepsTheirCoverage) {
+  const frac::Structure lag("K/(T s^a + 1)");
+  const std::vector<double> truth{2, 0.8, 0.9};
+  int covered = 0, intervals = 0;
+  std::vector<double> widths;
+  for (unsigned seed = 1; seed <= 80; ++seed) {
+    const auto clean = support::noisy_response("2/(0.8 s^0.9 + 1)", {}, 0.01, seed);
+    std::vector<std::complex<double>> value = clean.value();
+    std::mt19937_64 generator(seed);
+    std::uniform_real_distribution<double> uniform;
+    for (auto& each : value) {
+      if (uniform(generator) > 0.03) continue;
+      each += std::abs(each) * std::polar(0.08 + 0.4 * uniform(generator), 6.28 * uniform(generator));
+    }
+    const frac::FrequencyResponseData data(clean.omega(), value);
+    const auto points = frac::isolated_outliers(data, Component::both);
+    const auto left = frac::fit(frac::without_points(data, points), lag, support::both_parts());
+    const auto all = frac::fit(data, lag, support::both_parts());
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      ++intervals;
+      covered += left.parameters[i].ci95_lower <= truth[i] && truth[i] <= left.parameters[i].ci95_upper;
+    }
+    if (!points.empty()) widths.push_back(all.parameters[2].standard_error / left.parameters[2].standard_error);
+  }
+  EXPECT_GE(covered, 0.89 * intervals);
+  ASSERT_GE(widths.size(), 40U);
+  std::sort(widths.begin(), widths.end());
+  EXPECT_GT(widths[widths.size() / 2], 2);
 }
 
 // Too few points, repeats and one number per point tell nothing.

@@ -220,6 +220,37 @@ TEST_F(Batch, ALawNeedsAVariableThatTheDataKnow) {
   }
 }
 
+// What is left out is left out by fit, identify and batch alike.
+TEST_F(Batch, LeavesOutThePointsThatFitLeavesOut) {
+  std::string text;
+  for (int i = 0; i <= 20; ++i) {
+    const double omega = std::pow(10.0, -1 + i / 10.0);
+    // Rounding to four digits is the noise that the others show.
+    const auto value = (i == 8 ? 1.5 : 1.0) * 2.0 * std::pow(std::complex<double>(0, omega), 0.7);
+    std::ostringstream row;
+    row.precision(4);
+    row << omega << ',' << value.real() << ',' << value.imag() << '\n';
+    text += row.str();
+  }
+  const auto file = folder.write("outlier.csv", "omega_rad_s,re,im\n" + text);
+  for (const std::string how : {"leave-out", "keep"}) {
+    const auto batch = run_fracfit(
+        {"batch", file, "--model", "power-law", "--component", "both", "--outliers", how, "--format", "jsonl"});
+    ASSERT_EQ(batch.code, 0) << batch.error;
+    const auto row = Json::parse(lines_of(batch.output).at(1));
+    const auto fit = run_fracfit(
+        {"fit", file, "--model", "power-law", "--component", "both", "--outliers", how, "--format", "json"});
+    const auto json = Json::parse(fit.output);
+    EXPECT_EQ(row["left_out"], how == "keep" ? 0 : 1) << batch.output;
+    EXPECT_EQ(row["left_out"], json["data"]["left_out"].size());
+    EXPECT_EQ(row["outliers"], json["outliers"].size());
+    EXPECT_EQ(row["K"], json["parameters"][0]["value"]);
+    const auto identify = run_fracfit(
+        {"identify", file, "--models", "power-law,gain", "--component", "both", "--outliers", how, "--format", "json"});
+    EXPECT_EQ(Json::parse(identify.output)["data"]["left_out"], json["data"]["left_out"]);
+  }
+}
+
 TEST_F(Batch, RowsLeftOutOfALawAreCounted) {
   std::filesystem::create_directory(folder.path("mixed"));
   folder.write("mixed/a.csv", curve(2, 0.7, 1));

@@ -77,6 +77,38 @@ TEST_F(FitStatistics, OutliersAreNamedByIndexAndFrequency) {
   EXPECT_NEAR(json["outliers"][0]["omega"].get<double>() / omega_of(30), 1, 1e-14);
 }
 
+// The other points alone are another way to the same fit: both see the same numbers, so that every digit agrees.
+TEST_F(FitStatistics, PointsThatContradictTheirNeighboursAreLeftOutUnlessKept) {
+  const auto file = folder.write("outlier.csv", noisy_power_law(30));
+  const std::vector<std::string> command{"fit", file, "--component", "both", "--model", "power-law"};
+  const auto run = run_fracfit(command);
+  EXPECT_NE(run.error.find("1 of 101 points contradicts its neighbours"), std::string::npos) << run.error;
+  const auto json = Json::parse(run.output);
+  ASSERT_EQ(json["data"]["left_out"].size(), 1U);
+  EXPECT_NEAR(json["data"]["left_out"][0].get<double>() / omega_of(30), 1, 1e-14);
+  EXPECT_EQ(json["data"]["points"], 101);
+  EXPECT_EQ(json["residuals"], 200);
+  ASSERT_EQ(json["outliers"].size(), 1U);
+  EXPECT_EQ(json["outliers"][0]["index"], 30);
+  EXPECT_TRUE(json["outliers"][0]["left_out"].get<bool>());
+  std::istringstream lines(noisy_power_law());
+  std::string rest;
+  int number = -1;  // the header's
+  for (std::string line; std::getline(lines, line); ++number)
+    if (number != 30) rest += line + "\n";
+  const auto without =
+      successful({"fit", folder.write("rest.csv", rest), "--component", "both", "--model", "power-law"});
+  EXPECT_EQ(json["parameters"], without["parameters"]);
+  auto keep = command;
+  keep.insert(keep.end(), {"--outliers", "keep"});
+  const auto kept = successful(keep);
+  EXPECT_TRUE(kept["data"]["left_out"].empty());
+  EXPECT_EQ(kept["residuals"], 202);
+  // One residual of 2 among 202 of 0.01 raises their spread from 0.01 to 0.14.
+  EXPECT_GT(kept["parameters"][0]["standard_error"].get<double>(),
+            5 * json["parameters"][0]["standard_error"].get<double>());
+}
+
 TEST_F(FitStatistics, WhitenessTellsAMissingShapeFromNoise) {
   const auto right = successful(fit({"--model", "power-law"}))["whiteness"];
   EXPECT_LT(std::abs(right["lag_one_correlation"].get<double>()), 0.3);  // 3/sqrt(n)

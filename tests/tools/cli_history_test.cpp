@@ -67,6 +67,28 @@ TEST(Basins, ListsAttractorsAndTheirStarts) {
   EXPECT_NE(table.output.find("position_m,velocity_m_s,attractor\n0,-1,"), std::string::npos);
 }
 
+// In the picture for people each line is a position, the highest first, and each character the motion of one start.
+TEST(Basins, ThePictureShowsEachStart) {
+  const std::vector<std::string> scene{"basins",     "--restitution", "0.6",        "--omega", "1.41",
+                                       "--position", "0:1:11",        "--velocity", "-1:1:9"};
+  auto with_json = scene, as_table = scene;
+  with_json.insert(with_json.end(), {"--format", "json"});
+  as_table.insert(as_table.end(), {"--format", "table"});
+  const auto json = nlohmann::json::parse(run_fracfit(with_json).output);
+  std::istringstream lines(run_fracfit(as_table).output);
+  std::string line;
+  while (std::getline(lines, line) && !line.starts_with("start at position")) {
+  }
+  std::getline(lines, line);
+  for (std::size_t row = 11; row-- > 0;) {
+    ASSERT_TRUE(std::getline(lines, line));
+    std::string expected;
+    for (std::size_t column = 0; column < 9; ++column)
+      expected += std::to_string(json["attractor"][row * 9 + column].get<int>());
+    EXPECT_EQ(line.substr(line.rfind(' ') + 1), expected) << row;
+  }
+}
+
 // Without loss of energy the map of impacts keeps areas, so that no motion attracts others.
 TEST(Basins, CallsNothingAnAttractorWhereNoEnergyIsLost) {
   std::vector<std::string> scene{"basins",     "--restitution", "1",          "--omega", "1.41",

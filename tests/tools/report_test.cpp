@@ -764,6 +764,35 @@ TEST(WriteReport, FindsTheStructureThatMadeTheData) {
   EXPECT_NEAR(*order, 0.7, 1e-5);
 }
 
+// The response of the lag with its real part times three at one frequency, as an instrument that slips a range writes
+// it: the page names the frequency, and the order is that of the other points.
+TEST(WriteReport, LeavesOutWhatItsNeighboursContradict) {
+  const SearchPath nothing("");
+  const TemporaryFolder folder;
+  std::istringstream lines(fractional_lag_csv());
+  std::string text, frequency;
+  std::size_t number = 0;
+  for (std::string line; std::getline(lines, line); ++number) {
+    if (number == 21) {
+      const auto first = line.find(','), second = line.find(',', first + 1);
+      frequency = line.substr(0, first);
+      const double real = io::parse_number(line.substr(first + 1, second - first - 1)).value();
+      line = frequency + "," + io::format_number(3 * real) + line.substr(second);
+    }
+    text += line + "\n";
+  }
+  ReportOptions options;
+  options.out = folder.path("out");
+  options.data = {folder.write("lag.csv", text)};
+  static_cast<void>(write_report(options));
+  const std::string page = content_of(folder.path("out/index.html"));
+  const auto named = page.find("Left out, because they contradict their neighbours");
+  ASSERT_NE(named, std::string::npos);
+  EXPECT_NE(page.substr(named, 120).find(frequency.substr(0, 4)), std::string::npos) << frequency;
+  EXPECT_EQ(nlohmann::json::parse(content_of(folder.path("out/results.json"))).at("facts").at("verdict_data-1"),
+            "supported");
+}
+
 // 1/((s + 1)(2 s + 1)(0.3 s + 1)) with 1 % of seeded noise.  No preset has three different lags: where only presets
 // compete, a fractional one wins.  The truth is a ratio with three poles.
 TEST(WriteReport, LetsRationalModelsCompete) {

@@ -76,6 +76,31 @@ TEST(ResultStream, APieceThatWasChangedOnDiskIsMadeAgain) {
   EXPECT_FALSE(stream.contains("1"));
 }
 
+// What is said of a piece comes back with it, and a piece of which it was changed is made again.
+TEST(ResultStream, RemarksComeBackAndAreGuarded) {
+  const TemporaryFolder folder;
+  const auto path = folder.path("out.csv.partial");
+  {
+    io::ResultStream stream(path, "h\n");
+    stream.append("0", "a,1\n", "3,0");
+    stream.append("1", "b,2\n");
+    stream.append("2", "c,3\n", "0,7");
+  }
+  {
+    const io::ResultStream stream(path, "h\n");
+    EXPECT_EQ(stream.remark("0"), "3,0");
+    EXPECT_EQ(stream.remark("1"), "");
+    EXPECT_EQ(stream.remark("2"), "0,7");
+    EXPECT_EQ(stream.text("2"), "c,3\n");
+  }
+  std::string text = content_of(path);
+  text[text.find("0,7")] = '1';
+  folder.write("out.csv.partial", text);
+  const io::ResultStream stream(path, "h\n");
+  EXPECT_TRUE(stream.contains("1"));
+  EXPECT_FALSE(stream.contains("2"));
+}
+
 TEST(ResultStream, AnotherRequestIsRefusedAndItsFileUntouched) {
   const TemporaryFolder folder;
   const auto path = folder.path("out.csv.partial");

@@ -58,10 +58,33 @@ std::string content_of(const fs::path& path) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
+// Runs cc. @return why it failed; empty: it did not
+std::string compile(const fs::path& folder, std::vector<std::string> words) {
+  const std::string messages = (folder / "messages").string();
+  words.insert(words.begin(), "cc");
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  posix_spawn_file_actions_t redirected;
+  posix_spawn_file_actions_init(&redirected);
+  constexpr mode_t own = 0600;
+  posix_spawn_file_actions_addopen(&redirected, 2, messages.c_str(), O_WRONLY | O_CREAT | O_TRUNC, own);
+  posix_spawn_file_actions_addopen(&redirected, 1, "/dev/null", O_WRONLY, 0);
+  pid_t child = 0;
+  const int failure = posix_spawnp(&child, "cc", &redirected, nullptr, arguments.data(), environ);
+  posix_spawn_file_actions_destroy(&redirected);
+  if (failure != 0) return "the C compiler 'cc' cannot be run: " + std::string(std::strerror(failure));
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) return "the C compiler failed:\n" + content_of(messages);
+  return {};
+}
+
 }  // namespace
 
 CompiledLibrary compile_shared_library(const std::vector<std::pair<std::string, std::string>>& files,
-                                       const std::string& main) {
+                                       const std::string& main, const std::vector<std::vector<std::string>>& variants) {
   const WorkFolder folder;
   for (const auto& [name, content] : files) {
     const fs::path path = folder.path() / name;
@@ -69,34 +92,16 @@ CompiledLibrary compile_shared_library(const std::vector<std::pair<std::string, 
     write_new_file(path.string(), content, path.string());
   }
   const std::string library = (folder.path() / "library.so").string();
-  const std::string messages = (folder.path() / "messages").string();
-  std::vector<std::string> words{"cc",
-                                 "-std=c99",
-                                 "-O2",
-                                 "-fPIC",
-                                 "-shared",
-                                 "-fvisibility=hidden",
-                                 "-ffp-contract=off",
-                                 "-o",
-                                 library,
-                                 (folder.path() / main).string(),
-                                 "-lm"};
-  std::vector<char*> arguments;
-  for (std::string& word : words) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  posix_spawn_file_actions_t redirected;
-  posix_spawn_file_actions_init(&redirected);
-  constexpr mode_t own = 0600;
-  posix_spawn_file_actions_addopen(&redirected, 2, messages.c_str(), O_WRONLY | O_CREAT, own);
-  posix_spawn_file_actions_addopen(&redirected, 1, "/dev/null", O_WRONLY, 0);
-  pid_t child = 0;
-  const int failure = posix_spawnp(&child, "cc", &redirected, nullptr, arguments.data(), environ);
-  posix_spawn_file_actions_destroy(&redirected);
-  if (failure != 0) return {{}, "the C compiler 'cc' cannot be run: " + std::string(std::strerror(failure))};
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  std::vector<std::string> linked{"-shared", "-o", library};
+  for (const std::vector<std::string>& variant : variants) {
+    linked.push_back((folder.path() / (std::to_string(linked.size()) + ".o")).string());
+    std::vector<std::string> words{"-std=c99", "-O2", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off"};
+    words.insert(words.end(), variant.begin(), variant.end());
+    words.insert(words.end(), {"-c", "-o", linked.back(), (folder.path() / main).string()});
+    if (std::string failure = compile(folder.path(), std::move(words)); !failure.empty()) return {{}, failure};
   }
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) return {{}, "the C compiler failed:\n" + content_of(messages)};
+  linked.emplace_back("-lm");
+  if (std::string failure = compile(folder.path(), std::move(linked)); !failure.empty()) return {{}, failure};
   return {content_of(library), {}};
 }
 

@@ -18,8 +18,10 @@ struct CompiledLibrary {
 /// sums, and only what asks for it is visible.
 /// @param files  path and content each, in folders of their own
 /// @param main   path of the one that is compiled
+/// @param variants  options, in addition, of each time it is compiled; the library holds what comes out of all
 /// @throws std::runtime_error  a temporary folder cannot be written; the text gives the cause.
 [[nodiscard]] CompiledLibrary compile_shared_library(const std::vector<std::pair<std::string, std::string>>& files,
-                                                     const std::string& main);
+                                                     const std::string& main,
+                                                     const std::vector<std::vector<std::string>>& variants);
 
 }  // namespace io

@@ -60,8 +60,11 @@ std::string text_of(const std::string& header, const std::map<std::string, std::
 
 constexpr std::string_view mark_start = "# piece: ";
 
-std::string mark(const std::string& key, const std::string& fingerprint) {
-  return std::string(mark_start) + key + " " + fingerprint;
+// The fingerprint is that of the piece and of what stands before it.
+std::string mark(const std::string& key, const std::string& remark, Fingerprint piece) {
+  const std::string start = std::string(mark_start) + key + (remark.empty() ? "" : " " + remark);
+  piece.add(start);
+  return start + " " + piece.text();
 }
 
 }  // namespace
@@ -69,7 +72,7 @@ std::string mark(const std::string& key, const std::string& fingerprint) {
 ResultStream::ResultStream(std::string path, const std::string& header, const std::map<std::string, std::string>& kept)
     : path_(std::move(path)), has_marks_(false), file_(opened(path_, text_of(header, kept))), size_(header.size()) {
   for (const auto& [key, piece] : kept) {
-    pieces_.emplace(key, Place{size_, piece.size()});
+    pieces_.emplace(key, Place{size_, piece.size(), ""});
     size_ += piece.size();
   }
 }
@@ -102,11 +105,13 @@ void ResultStream::scan(const std::string& header) {
       piece.add("\n");
       continue;
     }
-    const std::string key(line->substr(mark_start.size(), line->rfind(' ') - mark_start.size()));
-    const std::string expected = mark(key, piece.text());
+    const std::string words(line->substr(mark_start.size(), line->rfind(' ') - mark_start.size()));
+    const std::string key = words.substr(0, words.find(' '));
+    const std::string remark = words.size() > key.size() ? words.substr(key.size() + 1) : "";
+    const std::string expected = mark(key, remark, piece);
     if (*line != expected) return;
     const std::size_t end = lines.position() - expected.size() - 1;
-    pieces_.emplace(key, Place{size_, end - size_});
+    pieces_.emplace(key, Place{size_, end - size_, remark});
     size_ = lines.position();
     piece = Fingerprint();
   }
@@ -138,8 +143,13 @@ std::string ResultStream::text(const std::string& key) const {
   return text;
 }
 
-void ResultStream::append(const std::string& key, const std::string& text) {
-  const std::string written = has_marks_ ? text + mark(key, Fingerprint(text).text()) + "\n" : text;
+std::string ResultStream::remark(const std::string& key) const {
+  const std::lock_guard guard(mutex_);
+  return pieces_.at(key).remark;
+}
+
+void ResultStream::append(const std::string& key, const std::string& text, const std::string& remark) {
+  const std::string written = has_marks_ ? text + mark(key, remark, Fingerprint(text)) + "\n" : text;
   const std::lock_guard guard(mutex_);
   if (!failure_.empty()) throw std::runtime_error(failure_);
   try {
@@ -150,7 +160,7 @@ void ResultStream::append(const std::string& key, const std::string& text) {
     static_cast<void>(::ftruncate(file_.number(), static_cast<off_t>(size_)));
     throw;
   }
-  pieces_.insert_or_assign(key, Place{size_, text.size()});
+  pieces_.insert_or_assign(key, Place{size_, text.size(), remark});
   size_ += written.size();
 }
 

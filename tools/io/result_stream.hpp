@@ -20,7 +20,7 @@ class ResultStream {
   /// @throws std::invalid_argument  the file cannot be written, is no regular file, or another program has it open.
   ResultStream(std::string path, const std::string& header, const std::map<std::string, std::string>& kept);
   /// Goes on with the file of an interrupted run; begins it where there is none.  Each piece is followed by a line
-  /// "# piece: KEY FINGERPRINT", which tells a finished one from one that was cut off.
+  /// "# piece: KEY REMARK FINGERPRINT", which tells a finished one from one that was cut off; keys hold no blank.
   /// @throws std::invalid_argument  also where the file begins otherwise than with the header; it is then untouched.
   ResultStream(std::string path, const std::string& header);
   ResultStream(const ResultStream&) = delete;
@@ -32,11 +32,15 @@ class ResultStream {
   /// Text of a piece, read from the file.
   /// @throws std::out_of_range;  std::runtime_error  the file cannot be read.
   [[nodiscard]] std::string text(const std::string& key) const;
+  /// What was said of a piece when it was appended.
+  /// @throws std::out_of_range
+  [[nodiscard]] std::string remark(const std::string& key) const;
   /// The piece reaches the file before this returns.
-  /// @param text  whole lines
+  /// @param text    whole lines
+  /// @param remark  kept beside a piece that is followed by a line of its own: short, no blank, no end of line
   /// @throws std::runtime_error  the disk is full or the like; the file then holds whole pieces all the same, and takes
   ///                             no more.
-  void append(const std::string& key, const std::string& text);
+  void append(const std::string& key, const std::string& text, const std::string& remark = "");
   /// Replaces the file by its final content, whole or not at all.
   void finish(const std::string& content);
   /// Removes the file, as its content stands elsewhere.
@@ -45,6 +49,7 @@ class ResultStream {
  private:
   struct Place {
     std::size_t begin, size;
+    std::string remark;
   };
   void scan(const std::string& header);
 

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/shard.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cstdlib>
+#include <functional>
+#include <numeric>
+#include <queue>
 #include <stdexcept>
+#include <utility>
 
 #include "io/number.hpp"
 
@@ -112,6 +117,24 @@ std::string with_shard(std::string path, const Shard& shard) {
   for (auto at = path.find(place); at != std::string::npos; at = path.find(place, at))
     path.replace(at, place.size(), index + "-of-" + count);
   return path;
+}
+
+std::vector<std::size_t> shards_of(const std::vector<double>& cost, std::size_t count) {
+  std::vector<std::size_t> order(cost.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, std::greater<>(), [&](std::size_t i) { return cost[i]; });
+  // What each shard has to do, the least on top, of equal ones the first.
+  using Load = std::pair<double, std::size_t>;
+  std::priority_queue<Load, std::vector<Load>, std::greater<>> loads;
+  for (std::size_t shard = 1; shard <= count; ++shard) loads.emplace(0, shard);
+  std::vector<std::size_t> owner(cost.size());
+  for (const std::size_t i : order) {
+    const auto [load, shard] = loads.top();
+    loads.pop();
+    owner[i] = shard;
+    loads.emplace(load + cost[i], shard);
+  }
+  return owner;
 }
 
 std::string list_of(const std::vector<std::size_t>& numbers) {

@@ -9,7 +9,7 @@
 
 namespace io {
 
-/// Part of a list of pieces of work: those from index - 1 on in steps of count.
+/// Part of a list of pieces of work.
 struct Shard {
   std::size_t index = 1;  // 1 .. count
   std::size_t count = 1;  // 1: all
@@ -38,11 +38,27 @@ inline constexpr std::string_view shard_key = "shard";
 /// "1,4-7,9" of rising numbers, as sbatch --array= takes it.
 [[nodiscard]] std::string list_of(const std::vector<std::size_t>& numbers);
 
+/// The shard, from 1, of each piece: the costliest first, each goes to the shard that has least to do so far, so that
+/// shards differ by little more than one cheap piece.  Pieces of equal cost go round.
+/// @param cost   of each piece, > 0
+/// @param count  number of shards
+[[nodiscard]] std::vector<std::size_t> shards_of(const std::vector<double>& cost, std::size_t count);
+
+/// The pieces of a shard, in their order.
+/// @param cost  of each of all pieces
+template <typename Piece>
+[[nodiscard]] std::vector<Piece> part_of(const std::vector<Piece>& all, const Shard& shard,
+                                         const std::vector<double>& cost) {
+  const std::vector<std::size_t> owner = shards_of(cost, shard.count);
+  std::vector<Piece> part;
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (owner[i] == shard.index) part.push_back(all[i]);
+  return part;
+}
+/// The same for pieces of equal cost.
 template <typename Piece>
 [[nodiscard]] std::vector<Piece> part_of(const std::vector<Piece>& all, const Shard& shard) {
-  std::vector<Piece> part;
-  for (std::size_t i = shard.index - 1; i < all.size(); i += shard.count) part.push_back(all[i]);
-  return part;
+  return part_of(all, shard, std::vector<double>(all.size(), 1));
 }
 
 }  // namespace io

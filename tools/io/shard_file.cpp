@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "backlash/describing_function.hpp"
+#include "backlash/sweep_pieces.hpp"
 #include "io/data_error.hpp"
 #include "io/descriptor.hpp"
 #include "io/fingerprint.hpp"
@@ -67,6 +68,7 @@ struct Head {
 // The rows that the command of a head asks for.
 struct Grid {
   std::vector<std::string> blocks;  // beginnings of their rows, "20,0.3,0.6,": every combination, first column slowest
+  std::vector<std::size_t> owner;   // shard of each block
   std::vector<std::string> omega;
   std::vector<bool> is_regime;  // by column
 };
@@ -97,7 +99,7 @@ class ShardReader {
   std::optional<std::string_view> next();
   void take(std::string_view line);  // into the fingerprint
   void read_head();
-  [[nodiscard]] std::vector<std::string> values_of(std::string_view column) const;
+  [[nodiscard]] std::vector<double> values_of(std::string_view column) const;
   void check_row(const Grid& grid, std::size_t block, std::size_t point, std::string_view row);
 
   std::string file_;
@@ -166,21 +168,19 @@ void ShardReader::read_head() {
   fail("found no row with the names of the columns; the file is cut off");
 }
 
-// The values of a column as the grid in the command says, as they stand in the rows.
-std::vector<std::string> ShardReader::values_of(std::string_view column) const {
+// The values of a column as the grid in the command says.
+std::vector<double> ShardReader::values_of(std::string_view column) const {
   const auto* const option =
       std::find_if(options.begin(), options.end(), [&](const auto& each) { return each.first == column; });
   if (option == options.end())
     fail("found column " + quoted(column) + " before the frequency; expected force_n, clearance_m or restitution");
   const auto value = option_value(head_.command, option->second);
   if (!value) fail("found no " + std::string(option->second) + " in the command");
-  std::vector<std::string> texts;
   try {
-    for (const double number : parse_grid(*value, option->second)) texts.push_back(format_number(number));
+    return parse_grid(*value, option->second);
   } catch (const std::invalid_argument& error) {
     fail(error.what());
   }
-  return texts;
 }
 
 Grid ShardReader::grid() const {
@@ -189,14 +189,23 @@ Grid ShardReader::grid() const {
   const auto frequency = std::find(columns.begin(), columns.end(), frequency_column);
   if (frequency == columns.begin() || frequency == columns.end())
     fail("holds a single curve; expected a table written with --shard");
-  Grid grid{{""}, values_of(frequency_column), {}};
+  Grid grid{{""}, {}, {}, {}};
+  for (const double omega : values_of(frequency_column)) grid.omega.push_back(format_number(omega));
+  std::vector<double> cost{1};  // of each block
   for (auto column = columns.begin(); column != frequency; ++column) {
     const auto values = values_of(*column);
     std::vector<std::string> longer;
-    for (const auto& block : grid.blocks)
-      for (const auto& value : values) longer.push_back(block + value + ",");
+    std::vector<double> of_longer;
+    for (std::size_t block = 0; block < grid.blocks.size(); ++block) {
+      for (const double value : values) {
+        longer.push_back(grid.blocks[block] + format_number(value) + ",");
+        of_longer.push_back(*column == "restitution" ? backlash::expected_cost(value) : cost[block]);
+      }
+    }
     grid.blocks = std::move(longer);
+    cost = std::move(of_longer);
   }
+  grid.owner = shards_of(cost, head_.shard.count);
   for (const auto column : columns) grid.is_regime.push_back(column == "regime");
   return grid;
 }
@@ -339,7 +348,7 @@ void join_block_tables(const std::vector<std::string>& files, const OutputFile::
   const Grid grid = first->grid();
   sink(head.text);
   for (std::size_t block = 0; block < grid.blocks.size(); ++block)
-    shards.at(block % head.shard.count + 1).read_block(grid, block, sink);
+    shards.at(grid.owner[block]).read_block(grid, block, sink);
   for (auto& [index, shard] : shards) shard.read_end();
 }
 
@@ -356,15 +365,16 @@ std::vector<ShardState> shard_states(const std::vector<std::string>& files) {
       grid = reader.grid();
     const Shard shard = reader.head().shard;
     ShardState& state = states.emplace_back(ShardState{file, shard, 0, 0, ""});
-    for (std::size_t block = shard.index - 1; block < grid->blocks.size(); block += shard.count)
-      state.expected += grid->omega.size();
+    std::vector<std::size_t> blocks;
+    for (std::size_t block = 0; block < grid->blocks.size(); ++block)
+      if (grid->owner[block] == shard.index) blocks.push_back(block);
+    state.expected = blocks.size() * grid->omega.size();
     if (reader.head().is_unfinished) {
       reader.count_rows();
       state.fault = "unfinished";
     } else {
       try {
-        for (std::size_t block = shard.index - 1; block < grid->blocks.size(); block += shard.count)
-          reader.read_block(*grid, block, [](std::string_view) {});
+        for (const std::size_t block : blocks) reader.read_block(*grid, block, [](std::string_view) {});
         reader.read_end();
       } catch (const DataError& error) {
         state.fault = error.what();

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "frac/identification/outliers.hpp"
 #include "report/data_figures.hpp"
 #include "report/html.hpp"
 #include "report/measured.hpp"
@@ -25,12 +26,20 @@ frac::FrequencyResponseData thinned(const frac::FrequencyResponseData& data) {
   return {std::move(omega), std::move(value), std::move(sigma)};
 }
 
+std::string frequencies_of(const frac::FrequencyResponseData& data, const std::vector<std::size_t>& points) {
+  std::string text;
+  for (const std::size_t i : points) text += (text.empty() ? "" : ", ") + html_number(data.omega()[i]);
+  return text;
+}
+
 }  // namespace
 
 Section data_section(const Work& work, const std::string& name, const io::FrequencyResponseFile& read,
                      std::size_t number, Field asked) {
   const Field field = asked == Field::automatic ? field_of(read) : asked;
-  const frac::FrequencyResponseData data = thinned(read.data);
+  const frac::FrequencyResponseData taken = thinned(read.data);
+  const auto outliers = frac::isolated_outliers(taken, frac::Component::both);
+  const frac::FrequencyResponseData data = frac::without_points(taken, outliers);
   Section section = open_measured("data", name, number);
   frac::FitOptions options;
   options.component = frac::Component::both;
@@ -50,7 +59,9 @@ Section data_section(const Work& work, const std::string& name, const io::Freque
                             {"from", html_number(read.data.omega().front())},
                             {"to", html_number(read.data.omega().back())},
                             {"weight", weight}});
-  if (data.size() < read.data.size()) text += " " + prose("data", "thinned", {{"points", std::to_string(data.size())}});
+  if (taken.size() < read.data.size())
+    text += " " + prose("data", "thinned", {{"points", std::to_string(taken.size())}});
+  if (!outliers.empty()) text += " " + prose("data", "outliers", {{"at", frequencies_of(taken, outliers)}});
   for (const std::string& note : read.notes) text += " " + escape_html(note);
   section.add(Html{"<p>" + text + "</p>"});
 

@@ -62,7 +62,8 @@ std::vector<DrawnFit> drawn_fits(const frac::IdentificationResult& result) {
   draw(chosen);
   draw_first([&](const frac::RankedFit& other) { return other.model_class != chosen.model_class; });
   draw_first([&](const frac::RankedFit& other) {
-    return std::none_of(drawn.begin(), drawn.end(), [&](const DrawnFit& fit) { return same_curve(fit.ranked, other); });
+    return !other.lack_of_fit.adequate &&
+           std::none_of(drawn.begin(), drawn.end(), [&](const DrawnFit& fit) { return same_curve(fit.ranked, other); });
   });
   return drawn;
 }

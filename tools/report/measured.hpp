@@ -31,7 +31,7 @@ struct DrawnFit {
   Mark mark;
 };
 
-/// The chosen fit, the best of another class, and the best of the others that is not the same curve as one of these.
+/// The chosen fit, the best of another class, and the best that misses the data, as an example of what that looks like.
 [[nodiscard]] std::vector<DrawnFit> drawn_fits(const frac::IdentificationResult& result);
 
 /// The chapter of a measured file with the title and the reading.

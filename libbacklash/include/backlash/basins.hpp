@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <complex>
+#include <array>
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "backlash/describing_function.hpp"
@@ -50,5 +51,30 @@ struct BasinMap {
 [[nodiscard]] BasinMap basins(const TwoMassSystem& system, double force_amplitude, double omega,
                               const std::vector<double>& position, const std::vector<double>& velocity,
                               const SweepOptions& options = {}, frac::Progress* progress = nullptr);
+
+/// Where one start leads: numbers that, kept elsewhere, bring a search back to the bit.
+using StartOutcome = std::array<double, 27>;
+
+/// Keeps what a search for basins has found so far; a store that survives an interruption lets the same search go on.
+/// Called from several threads.
+class OutcomeStore {
+ public:
+  OutcomeStore() = default;
+  OutcomeStore(const OutcomeStore&) = delete;
+  OutcomeStore& operator=(const OutcomeStore&) = delete;
+  virtual ~OutcomeStore() = default;
+
+  /// @param key  of some starts, without blanks
+  [[nodiscard]] virtual bool contains(const std::string& key) const = 0;
+  /// What was kept under a key that is there.
+  [[nodiscard]] virtual std::vector<StartOutcome> outcomes(const std::string& key) const = 0;
+  /// Keeps outcomes under a new key.
+  virtual void keep(const std::string& key, const std::vector<StartOutcome>& outcomes) = 0;
+};
+
+/// The same with a store of the caller's, which holds all outcomes: memory then holds 8 bytes per start.
+[[nodiscard]] BasinMap basins(const TwoMassSystem& system, double force_amplitude, double omega,
+                              const std::vector<double>& position, const std::vector<double>& velocity,
+                              const SweepOptions& options, frac::Progress* progress, OutcomeStore& store);
 
 }  // namespace backlash

@@ -6,9 +6,10 @@
 
 namespace backlash {
 
-/// The two masses as a unit for co-simulation: the force on mass 2 is constant within a step, and what happens within
-/// it is that of TwoMassPlant, bit for bit.  Masses, clearance, restitution and start are parameters.  No model
-/// exchange: a solver would have to meet every impact of a chatter by itself.
+/// The two masses as a unit.  Co-simulation: the force on mass 2 is constant within a step, and what happens within it
+/// is that of TwoMassPlant, bit for bit.  Model exchange: the states are the centre of mass, the gap and their rates;
+/// the indicators are the distances from both walls and whether a contact is released.  The simulator meets each
+/// impact; hops below 1e-9 of the clearance end in contact.  Masses, clearance, restitution and start are parameters.
 /// @throws std::invalid_argument  the start, as TwoMassPlant; the name, as frac::fmu().
 [[nodiscard]] frac::Fmu fmu(const TwoMassSystem& system, const TwoMassState& start, const frac::FmuOptions& options);
 

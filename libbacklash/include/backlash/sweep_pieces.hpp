@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "backlash/describing_function.hpp"
@@ -33,6 +34,14 @@ class SweepPieces {
   [[nodiscard]] std::vector<DescribingFunctionPoint> points(std::size_t number,
                                                             frac::Progress* progress = nullptr) const;
 
+  /// Computes the pieces in parallel on the threads of the options, the last ones first.
+  /// @param is_there  whether a piece is known already and is passed over
+  /// @param take  is given each piece on the thread that computed it, several at a time
+  /// @param progress  counts points, those passed over included
+  void compute(const std::function<bool(std::size_t number)>& is_there,
+               const std::function<void(std::size_t number, std::vector<DescribingFunctionPoint> points)>& take,
+               frac::Progress* progress = nullptr) const;
+
   [[nodiscard]] const std::vector<SweepScene>& scenes() const noexcept { return scenes_; }
   [[nodiscard]] const std::vector<double>& omega() const noexcept { return omega_; }
   [[nodiscard]] const SweepOptions& options() const noexcept { return options_; }
@@ -44,5 +53,11 @@ class SweepPieces {
   std::size_t width_;      // frequencies of a piece; the last one of a scene may have fewer
   std::size_t per_scene_;  // pieces of a scene
 };
+
+/// Time that a curve takes, about, in a unit of its own: for sharing curves out before they are computed.  An impact
+/// takes the share 1 - restitution of the relative speed, so the impacts until a transient has died away, or a mean is
+/// known, grow as its inverse, up to the periods that a point is followed at most.  The same number on every machine.
+/// @param restitution  in [0, 1]
+[[nodiscard]] double expected_cost(double restitution);
 
 }  // namespace backlash

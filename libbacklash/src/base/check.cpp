@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "check.hpp"
 
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <stdexcept>
 
@@ -20,12 +18,6 @@ std::string with_unit(std::string_view allowed, std::string_view unit) {
 }
 
 }  // namespace
-
-std::string text(double value) {
-  std::array<char, 32> buffer{};
-  const std::to_chars_result end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
-  return {buffer.data(), end.ptr};
-}
 
 void require_positive(std::string_view quantity, std::string_view unit, double value) {
   if (!(value > 0) || !std::isfinite(value))

@@ -5,10 +5,14 @@
 #include <string_view>
 #include <vector>
 
+#include "base/number_text.hpp"
+
 namespace backlash::detail {
 
 /// Shortest decimal text that reads back as the same number.
-[[nodiscard]] std::string text(double value);
+[[nodiscard]] inline std::string text(double value) {
+  return frac::detail::number_text(value);
+}
 
 /// Each throws std::invalid_argument naming the quantity, its value and what is allowed.
 void require_positive(std::string_view quantity, std::string_view unit, double value);

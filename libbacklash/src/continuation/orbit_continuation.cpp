@@ -128,26 +128,26 @@ std::vector<OrbitSegment> basin_orbits(const OrbitSegment& at, int threads) {
 }  // namespace
 
 std::string_view to_string(OrbitParameter parameter) {
-  return detail::spelling(parameters, parameter);
+  return frac::detail::spelling(parameters, parameter);
 }
 std::string_view to_string(Bifurcation bifurcation) {
-  return detail::spelling(bifurcations, bifurcation);
+  return frac::detail::spelling(bifurcations, bifurcation);
 }
 std::string_view to_string(BranchEnd end) {
-  return detail::spelling(branch_ends, end);
+  return frac::detail::spelling(branch_ends, end);
 }
 OrbitParameter orbit_parameter_from_string(std::string_view text) {
-  return detail::from_spelling(parameters, "parameter", text);
+  return frac::detail::from_spelling(parameters, "parameter", text);
 }
 std::span<const OrbitParameter> orbit_parameters() {
-  static constexpr auto all = detail::enumerators(parameters);
+  static constexpr auto all = frac::detail::enumerators(parameters);
   return all;
 }
 Bifurcation bifurcation_from_string(std::string_view text) {
-  return detail::from_spelling(bifurcations, "bifurcation", text);
+  return frac::detail::from_spelling(bifurcations, "bifurcation", text);
 }
 BranchEnd branch_end_from_string(std::string_view text) {
-  return detail::from_spelling(branch_ends, "branch end", text);
+  return frac::detail::from_spelling(branch_ends, "branch end", text);
 }
 
 PeriodicOrbit mirror_twin(const PeriodicOrbit& orbit, int period) {

@@ -37,6 +37,8 @@ frac::Fmu fmu(const TwoMassSystem& system, const TwoMassState& start, const frac
                      .role = Role::output,
                      .description = "The masses touch and do not part under the last force",
                      .is_boolean = true}},
+      .states = 4,
+      .events = 3,
       .sample_time = std::numeric_limits<double>::quiet_NaN(),
       .values = {},
       .includes = {{"two_mass_model.h", detail::fmu_runtime::two_mass_model}}};

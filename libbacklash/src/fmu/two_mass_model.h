@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* Two masses with a clearance as a model: backlash/two_mass_plant.hpp, operation for operation, so that both give the
  * same bits.  The force is constant within a step; flights are parabolas and impacts are met at exact instants.
+ * In model exchange the simulator integrates the states below and finds the impacts by their indicators.
  */
+#include <float.h>
 #include <math.h>
 
 enum {
@@ -20,8 +22,12 @@ enum {
   at_start_position1,
   at_start_velocity1,
   at_start_position2,
-  at_start_velocity2
+  at_start_velocity2,
+  at_states
 };
+
+/* Continuous states. */
+enum { of_centre, of_centre_rate, of_gap, of_gap_rate };
 
 typedef struct {
   double real[MODEL_REALS];
@@ -33,6 +39,7 @@ typedef struct {
   int at_far;
   double distance, rate;
   double energy_loss, impacts;
+  double x[MODEL_STATES];
 } model;
 
 typedef struct {
@@ -56,6 +63,15 @@ static double impact_energy_loss(const model *m, double speed)
   const double e = m->restitution;
   const double reduced = m->mass1 / (m->mass1 + m->mass2) * m->mass2;
   return (1 - e) * (1 + e) * reduced / 2 * speed * speed;
+}
+
+/* The states of what a step has changed. */
+static void keep_states(model *m)
+{
+  m->x[of_centre] = m->centre;
+  m->x[of_centre_rate] = m->centre_rate;
+  m->x[of_gap] = m->at_far ? m->clearance - m->distance : m->distance;
+  m->x[of_gap_rate] = m->at_far ? -m->rate : m->rate;
 }
 
 static void hit(model *m, double speed)
@@ -99,6 +115,7 @@ static const char *model_start(model *m, double time)
   } else if (m->distance == 0 && m->rate < 0) {
     hit(m, -m->rate);
   }
+  keep_states(m);
   return 0;
 }
 
@@ -197,20 +214,87 @@ static const char *model_step(model *m, double time, double duration)
   }
   m->centre += duration * (m->centre_rate + 0.5 * common * duration);
   m->centre_rate += common * duration;
+  keep_states(m);
   return 0;
+}
+
+static double *model_state(model *m)
+{
+  return m->x;
+}
+
+static void model_rates(model *m, double *rate)
+{
+  rate[of_centre] = m->x[of_centre_rate];
+  rate[of_centre_rate] = m->real[at_force] / m->total_mass;
+  rate[of_gap] = m->boolean[0] ? 0 : m->x[of_gap_rate];
+  rate[of_gap_rate] = m->boolean[0] ? 0 : m->real[at_force] / m->mass2;
+}
+
+/* Acceleration away from the wall that is touched, or was last. */
+static double away_from_wall(const model *m)
+{
+  return (m->at_far ? -1 : 1) * m->real[at_force] / m->mass2;
+}
+
+/* The distances from both walls, and in contact what presses the masses together.  On a wall the sign tells whether
+ * the masses are parting. */
+static void model_indicators(model *m, double *indicator)
+{
+  const int is_joined = m->boolean[0];
+  const double rate = m->x[of_gap_rate], force = m->real[at_force];
+  double near = m->x[of_gap], far = m->clearance - m->x[of_gap];
+  if (near == 0) near = rate > 0 || (rate == 0 && force > 0) ? DBL_MIN : -DBL_MIN;
+  if (far == 0) far = rate < 0 || (rate == 0 && force < 0) ? DBL_MIN : -DBL_MIN;
+  indicator[0] = is_joined ? 1 : near;
+  indicator[1] = is_joined ? 1 : far;
+  indicator[2] = is_joined && m->clearance > 0 && away_from_wall(m) > 0 ? -1 : 1;
+}
+
+/* An impact, a contact that begins because hops have become too low to tell, or one that ends. */
+static int model_event(model *m)
+{
+  const double lowest_hop = 1e-9 * m->clearance;
+  const double gap = m->x[of_gap], rate = m->x[of_gap_rate];
+  int is_near, is_far;
+  double away;
+  if (m->clearance == 0) return 0;
+  if (m->boolean[0]) {
+    m->boolean[0] = away_from_wall(m) <= 0;
+    return 0;
+  }
+  is_near = gap <= 0 && rate <= 0;
+  is_far = gap >= m->clearance && rate >= 0;
+  if (!is_near && !is_far) return 0;
+  m->at_far = is_far;
+  away = away_from_wall(m);
+  if (rate == 0 && away > 0) return 0;
+  m->distance = m->rate = 0;
+  if (rate != 0) hit(m, fabs(rate));
+  if (away <= 0 && m->rate * m->rate <= -2 * away * lowest_hop) {
+    m->energy_loss += 0.5 * m->reduced_mass * m->rate * m->rate;
+    m->rate = 0;
+    m->boolean[0] = 1;
+  }
+  m->x[of_gap] = m->at_far ? m->clearance : 0;
+  m->x[of_gap_rate] = m->at_far ? -m->rate : m->rate;
+  return 1;
 }
 
 static void model_results(model *m)
 {
   const double share1 = m->mass1 / m->total_mass;
   const double share2 = m->mass2 / m->total_mass;
-  const double y = m->at_far ? m->clearance - m->distance : m->distance;
-  const double y_rate = m->at_far ? -m->rate : m->rate;
-  m->real[at_position1] = m->centre - share2 * y;
-  m->real[at_velocity1] = m->centre_rate - share2 * y_rate;
-  m->real[at_position2] = m->centre + share1 * y;
-  m->real[at_velocity2] = m->centre_rate + share1 * y_rate;
+  const double centre = m->x[of_centre], centre_rate = m->x[of_centre_rate];
+  const double y = m->x[of_gap], y_rate = m->x[of_gap_rate];
+  int i;
+  m->real[at_position1] = centre - share2 * y;
+  m->real[at_velocity1] = centre_rate - share2 * y_rate;
+  m->real[at_position2] = centre + share1 * y;
+  m->real[at_velocity2] = centre_rate + share1 * y_rate;
   m->real[at_gap] = y;
   m->real[at_energy_loss] = m->energy_loss;
   m->real[at_impacts] = m->impacts;
+  for (i = 0; i < MODEL_STATES; ++i) m->real[at_states + i] = m->x[i];
+  model_rates(m, m->real + at_states + MODEL_STATES);
 }

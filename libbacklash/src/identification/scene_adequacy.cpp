@@ -5,14 +5,15 @@
 #include <array>
 #include <cmath>
 
-#include "scene_text.hpp"
+#include "base/short_text.hpp"
 
 namespace backlash::detail {
 namespace {
 
+using frac::detail::short_text;
 // Standard deviations that chance exceeds on one side once in a thousand.
 constexpr double significant = 3.09;
-// Residuals below this share of the data are rounding, whose neighbours may go together.
+// Residuals below this share of the data are rounding errors, whose neighbours may be correlated.
 constexpr double rounding_share = 1e-7;
 // Correlation of neighbours from which on the scene misses the shape of the data: less is what noise may have.
 constexpr double shape_correlation = 0.5;
@@ -162,7 +163,7 @@ SceneAdequacy scene_adequacy(const SceneData& data, const std::vector<PointChoic
   const double rounding = rounding_share * data.typical_misfit;
   if (variance <= rounding * rounding) return result;
   const double pairs = static_cast<double>(neighbours.pairs);
-  // What is fitted takes about this much from the correlation of neighbours.
+  // Fitting lowers the correlation of neighbours by about this much.
   const double correlation = neighbours.products / (pairs * variance) + static_cast<double>(parameters) / count;
   if (correlation * std::sqrt(pairs) > significant) {
     result.correlation = std::min(correlation, 0.99);

@@ -5,19 +5,21 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <cstdio>
 #include <map>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 
 #include "backlash/static_backlash.hpp"
+#include "base/median.hpp"
+#include "base/short_text.hpp"
 #include "frac/identification/identify.hpp"
 #include "frac/identification/statistics.hpp"
 
 namespace backlash {
 namespace {
 
+using frac::detail::short_text;
 using Complex = std::complex<double>;
 
 constexpr double decisive = 10;  // Burnham, Anderson (2002): "essentially no support" for the other
@@ -101,12 +103,6 @@ std::optional<double> fixed_value(const SceneIdentificationOptions& options, std
   return std::nullopt;
 }
 
-double median_of(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // Least squares for mass1 + mass2 and clearance: a grid, then a compass search, since the curve has kinks where the
 // amplitude passes half of the clearance.
 StaticScene fit_static(const std::vector<ComparedCurve>& curves, const SceneIdentificationOptions& options) {
@@ -121,12 +117,12 @@ StaticScene fit_static(const std::vector<ComparedCurve>& curves, const SceneIden
   const auto mass2 = fixed_value(options, "mass2");
   const auto clearance = fixed_value(options, "clearance");
   const bool free_mass = !(mass1 && mass2);
-  const double log_mass = std::log(free_mass ? median_of(masses) : *mass1 + *mass2);
+  const double log_mass = std::log(free_mass ? frac::detail::median(masses) : *mass1 + *mass2);
   std::vector<double> amplitudes;
   for (const ComparedCurve& curve : curves) {
     for (const double omega : curve.omega) amplitudes.push_back(curve.force / (std::exp(log_mass) * omega * omega));
   }
-  const double log_clearance = std::log(clearance ? *clearance : median_of(amplitudes));
+  const double log_clearance = std::log(clearance ? *clearance : frac::detail::median(amplitudes));
   constexpr int half_grid = 12;
   constexpr double grid_step = 0.25;
   std::array<double, 2> best = {log_mass, log_clearance};
@@ -173,12 +169,6 @@ Explanation explanation_of(frac::ModelClass model_class, const std::string& name
   if (model_class == frac::ModelClass::fractional) return Explanation::fractional;
   if (model_class == frac::ModelClass::integer_order) return Explanation::integer_order;
   return name == to_string(Explanation::two_masses) ? Explanation::two_masses : Explanation::static_backlash;
-}
-
-std::string short_text(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.3g", value);
-  return buffer;
 }
 
 std::string sentence_of(const SceneComparison& comparison) {

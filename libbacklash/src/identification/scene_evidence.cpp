@@ -10,7 +10,7 @@ namespace backlash::detail {
 namespace {
 
 constexpr double two_pi = 2 * std::numbers::pi;
-// What the motions themselves are known to, as a share of N: computed, and from the table.
+// Accuracy of the motions themselves as a share of N: computed, and from the table.
 constexpr double model_accuracy = 1e-7;
 constexpr double table_accuracy = 0.01;
 // Half of the irregular points lie within 3 % of the mean in the table, one in ten further off than 10 %.
@@ -102,7 +102,7 @@ void use_by_evidence(const SceneData& data, std::vector<PointChoice>& choices, s
     return choices[a].misfit != choices[b].misfit ? choices[a].misfit < choices[b].misfit : a < b;
   });
   double least = std::numeric_limits<double>::infinity();
-  // As many residuals as parameters leave nothing to tell by.
+  // With as many parameters as residuals the data do not tell how good a fit is.
   std::size_t best = order.size();
   for (std::size_t n = 0; n < order.size(); ++n) {
     const PointChoice& choice = choices[order[n]];

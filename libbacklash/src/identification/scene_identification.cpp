@@ -10,9 +10,10 @@
 
 #include "backlash/jump_frequency.hpp"
 #include "base/check.hpp"
+#include "base/median.hpp"
+#include "base/short_text.hpp"
 #include "scene_adequacy.hpp"
 #include "scene_search.hpp"
-#include "scene_text.hpp"
 #include "scene_uncertainty.hpp"
 #include "steady_state/two_impact_orbit.hpp"
 
@@ -69,13 +70,13 @@ detail::SceneData scene_data(const std::vector<MeasuredDescribingFunction>& curv
   }
   data.curve_begin.push_back(data.points.size());
   if (sizes.empty()) throw std::invalid_argument("all data are zero; nothing moves, so nothing can be identified");
-  data.typical = detail::median_of(sizes);
+  data.typical = frac::detail::median(sizes);
   std::vector<double> misfits;
   for (const detail::MeasuredPoint& point : data.points) {
     const double deviation = data.deviation(point, point.value);
     if (deviation > 0) misfits.push_back(std::abs(point.value) / deviation);
   }
-  data.typical_misfit = detail::median_of(misfits);
+  data.typical_misfit = frac::detail::median(misfits);
   return data;
 }
 
@@ -102,8 +103,8 @@ detail::KnownScene known_scene(const detail::SceneData& data,
     masses.push_back(-std::log(size) - 2 * std::log(point.omega));
     amplitudes.push_back(std::log(point.force) + std::log(size));
   }
-  const double mass = detail::median_of(masses);
-  const double amplitude = detail::median_of(amplitudes);
+  const double mass = frac::detail::median(masses);
+  const double amplitude = frac::detail::median(amplitudes);
   detail::KnownScene known{};
   known.bounds.lower = {mass - default_range, mass - default_range, amplitude - default_range, 0};
   known.bounds.upper = {mass + default_range, mass + default_range, amplitude + default_range, 1};
@@ -246,15 +247,15 @@ std::string message_of(const SceneIdentification& result) {
     (parameter.at_bound ? at_bound : parameter.identified ? determined : open).push_back(parameter.name);
   }
   std::string text = std::to_string(result.points_used) + " of " + std::to_string(result.points.size()) +
-                     " points, rms " + detail::short_text(result.rms) + ", ";
+                     " points, rms " + frac::detail::short_text(result.rms) + ", ";
   if (determined.empty() && open.empty() && at_bound.empty()) return text + "compared with the given scene.";
   text += determined.empty() ? "determine none of the free parameters" : "determine " + list_text(determined);
   if (!at_bound.empty()) text += "; " + list_text(at_bound) + " at a limit: fix what is known to lie there";
   if (!open.empty()) text += "; " + list_text(open) + " not identified";
   if (result.termination != frac::FitTermination::converged) text += "; the search had not settled when it was ended";
   if (result.residual_correlation > 0 && result.misfits.empty()) {
-    text += "; neighbouring residuals go together (correlation " + detail::short_text(result.residual_correlation) +
-            "), which widens the intervals";
+    text += "; neighbouring residuals go together (correlation " +
+            frac::detail::short_text(result.residual_correlation) + "), which widens the intervals";
   }
   text += ".";
   if (!result.rivals.empty()) {
@@ -316,7 +317,7 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
     const detail::SceneAdequacy adequacy = detail::scene_adequacy(data, found.best.choices, known.bounds.free_count());
     result.misfits = adequacy.misfits;
     result.residual_correlation = adequacy.correlation;
-    // Of the mean of an autoregressive sequence.
+    // The factor by which the standard error of a mean is larger for an autoregressive sequence than for white noise.
     const double widening = std::sqrt((1 + adequacy.correlation) / (1 - adequacy.correlation));
     detail::SceneUncertainty uncertainty =
         detail::scene_uncertainty(equations, known.bounds, found.best.theta, widening);
@@ -343,7 +344,7 @@ SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>
     result.condition = uncertainty.condition;
     result.free_parameters = uncertainty.rank;
     for (std::size_t k = 0; k < 4; ++k) {
-      // Not by way of the logarithm.
+      // A fixed value is given back as it was, not through its logarithm.
       if (known.fixed[k]) {
         result.parameters[k].value = *known.fixed[k];
         result.parameters[k].ci95_lower = result.parameters[k].ci95_upper = *known.fixed[k];

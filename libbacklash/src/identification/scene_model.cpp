@@ -93,11 +93,4 @@ PointGradient point_gradient(const OutputCoefficients& coefficients, const Measu
       {by_mass(0), by_mass(1) - by_log_gamma, -by_log_gamma, scale * coefficients.moving * response.by_restitution}};
 }
 
-double median_of(std::vector<double>& values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace backlash::detail

@@ -62,7 +62,4 @@ struct PointGradient {
 [[nodiscard]] std::complex<double> point_value(const OutputCoefficients& coefficients, const MeasuredPoint& point,
                                                std::complex<double> h);
 
-/// Median; reorders the values. 0 when there are none.
-[[nodiscard]] double median_of(std::vector<double>& values);
-
 }  // namespace backlash::detail

@@ -7,12 +7,13 @@
 #include <cmath>
 #include <limits>
 
+#include "base/short_text.hpp"
 #include "frac/identification/statistics.hpp"
-#include "scene_text.hpp"
 
 namespace backlash::detail {
 namespace {
 
+using frac::detail::short_text;
 using Matrix4 = Eigen::Matrix<double, 4, 4>;
 using Vector4 = Eigen::Matrix<double, 4, 1>;
 

@@ -259,7 +259,7 @@ class Continuation {
 }  // namespace
 
 std::string_view to_string(CycleEventKind kind) {
-  return detail::spelling(kind_names, kind);
+  return frac::detail::spelling(kind_names, kind);
 }
 
 CycleContinuation continue_cycles(const std::function<ControlLoop(double)>& loop_at,

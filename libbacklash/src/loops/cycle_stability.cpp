@@ -5,8 +5,12 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
+#include <utility>
 #include <vector>
+
+#include "dense_elimination.hpp"
 
 namespace backlash::detail {
 namespace {
@@ -18,20 +22,22 @@ constexpr double deepest = -3;
 // Distance, in s tau, from the two points z = 1 and z = -1 at which the path begins and ends.
 constexpr double near_point = 1e-3;
 
-// D(z), without the root of a shift in time where there is one, as a function of s tau = ln(-z).
+// D as a function of ln z less the singular point z_0 of its sums: the shift in time, a root of every free motion, is
+// divided out.
 class Characteristic {
  public:
-  /// Of a loop.
-  Characteristic(const ImpulseTrain& train, double exchange)
-      : train_(train),
-        exchange_(exchange),
-        acceleration_(train.sums({0, pi / train.half_period()})[2].real()),
-        has_shift_(true) {}
-  /// Under a force.
-  Characteristic(const ImpulseTrain& train, double exchange, double acceleration)
-      : train_(train), exchange_(exchange), acceleration_(acceleration), has_shift_(false) {}
+  explicit Characteristic(const ImpulseTrain& train) : train_(train) {}
+  virtual ~Characteristic() = default;
+  Characteristic(const Characteristic&) = delete;
+  Characteristic& operator=(const Characteristic&) = delete;
 
-  /// Poles of D with Re ln(-z) > edge, those at z = -1 left out: those of the flights between impacts.
+  virtual Complex operator()(Complex log_z) const = 0;
+  /// Its size at infinity.
+  [[nodiscard]] virtual double scale() const = 0;
+  /// z at that point.
+  [[nodiscard]] virtual Complex multiplier(Complex log_z) const = 0;
+
+  /// Poles of D with Re ln(z/z_0) > edge, those at z_0 left out: those of the flights between impacts.
   [[nodiscard]] int poles_beyond(double edge) const {
     const std::vector<double>& rates = train_.growth_rates();
     return static_cast<int>(std::count_if(rates.begin(), rates.end(), [&](double rate) { return rate > edge; }));
@@ -42,10 +48,29 @@ class Characteristic {
     return std::any_of(rates.begin(), rates.end(),
                        [&](double rate) { return std::abs(rate - log_z) < 1e-9 * std::abs(log_z); });
   }
-  /// Its value at infinity.
-  [[nodiscard]] double scale() const noexcept { return exchange_ * exchange_; }
+  [[nodiscard]] bool has_whole_powers() const { return train_.has_whole_powers(); }
 
-  Complex operator()(Complex log_z) const {
+ protected:
+  const ImpulseTrain& train_;
+};
+
+// Per half period of a symmetric motion; z_0 = -1.
+class HalfPeriod final : public Characteristic {
+ public:
+  /// Of a loop.
+  HalfPeriod(const ImpulseTrain& train, double exchange)
+      : Characteristic(train),
+        exchange_(exchange),
+        acceleration_(train.sums({0, pi / train.half_period()})[2].real()),
+        has_shift_(true) {}
+  /// Under a force.
+  HalfPeriod(const ImpulseTrain& train, double exchange, double acceleration)
+      : Characteristic(train), exchange_(exchange), acceleration_(acceleration), has_shift_(false) {}
+
+  [[nodiscard]] double scale() const override { return exchange_ * exchange_; }
+  [[nodiscard]] Complex multiplier(Complex log_z) const override { return -std::exp(log_z); }
+
+  Complex operator()(Complex log_z) const override {
     const std::array<Complex, 3> g = train_.sums(log_z / train_.half_period());
     const Complex rate = exchange_ + g[1];
     const Complex inverse_z = -std::exp(-log_z);
@@ -53,10 +78,91 @@ class Characteristic {
   }
 
  private:
-  const ImpulseTrain& train_;
   double exchange_;
   double acceleration_;
   bool has_shift_;
+};
+
+// Per period of a motion with any number of impacts; z_0 = 1.
+class WholePeriod final : public Characteristic {
+ public:
+  WholePeriod(const GapResponse& response, const ImpulseTrain& train, const std::vector<double>& times,
+              const std::vector<double>& bend, double exchange)
+      : Characteristic(train), times_(times), bend_(bend), exchange_(exchange) {
+    const std::size_t n = times.size();
+    const double period = train.half_period();
+    trains_.reserve(n * n);
+    for (std::size_t a = 0; a < n; ++a) {
+      for (std::size_t b = 0; b < n; ++b) {
+        // From impact b to impact a, of which the train sees the answers of later periods: lags l period - delay.
+        const double delay = b < a ? period - (times[a] - times[b]) : times[b] - times[a];
+        GapResponse delayed = response;
+        for (PowerPart& part : delayed.parts) part.delay += delay;
+        for (ImagePart& part : delayed.images) part.delay += delay;
+        responses_.push_back(std::make_unique<GapResponse>(std::move(delayed)));
+        trains_.emplace_back(*responses_.back(), period);
+      }
+    }
+  }
+
+  [[nodiscard]] double scale() const override { return std::pow(exchange_, 2 * static_cast<double>(times_.size())); }
+  [[nodiscard]] Complex multiplier(Complex log_z) const override { return std::exp(log_z); }
+
+  // The sums have at s = 0 the singular part kappa u v', kappa = h(s)/period, u_a = e^{s t_a} (1, s) and
+  // v_b = e^{-s t_b} (1, -s): the determinant of the matrix with it is kappa times that of the matrix without, bordered
+  // by u, v and 1/kappa, in which nothing cancels.
+  Complex operator()(Complex log_z) const override {
+    const std::size_t n = times_.size();
+    const Complex s = log_z / train_.half_period();
+    const Complex z = std::exp(log_z);
+    const bool is_split = std::abs(log_z) < 0.5;
+    const std::size_t size = is_split ? 2 * n + 1 : 2 * n;
+    std::vector<Complex> matrix(size * size);
+    const auto at = [&](std::size_t row, std::size_t column) -> Complex& { return matrix[row * size + column]; };
+    Complex mean = 0;
+    for (std::size_t a = 0; a < n; ++a) {
+      for (std::size_t b = 0; b < n; ++b) {
+        const ImpulseTrain& train = trains_[a * n + b];
+        std::array<Complex, 3> g;
+        if (is_split) {
+          const ImpulseTrain::Split split = train.split(s);
+          g = split.regular;
+          if (a == 0 && b == 0) mean = split.mean;
+        } else {
+          g = train.sums(s);
+        }
+        if (b < a) {
+          for (Complex& each : g) each *= z;
+        }
+        const double own = a == b ? 1 : 0;
+        at(a, b) = -g[0];
+        at(a, n + b) = g[1] + own * exchange_;
+        at(n + a, b) = -g[1] - own * exchange_;
+        at(n + a, n + b) = g[2] - own * bend_[a];
+      }
+    }
+    Complex scaled = 1;
+    if (is_split) {
+      for (std::size_t a = 0; a < n; ++a) {
+        const Complex turned = std::exp(s * times_[a]);
+        at(a, 2 * n) = turned;
+        at(n + a, 2 * n) = s * turned;
+        at(2 * n, a) = 1.0 / turned;
+        at(2 * n, n + a) = -s / turned;
+      }
+      at(2 * n, 2 * n) = 1.0 / mean;
+      scaled = mean;
+    }
+    std::vector<Complex> none;
+    return scaled * eliminate(matrix, none) / (1.0 - 1.0 / z);
+  }
+
+ private:
+  std::vector<double> times_;
+  std::vector<double> bend_;
+  double exchange_;
+  std::vector<std::unique_ptr<const GapResponse>> responses_;  // stay where they are: the trains point at them
+  std::vector<ImpulseTrain> trains_;
 };
 
 // Change of the argument along a straight line; NaN where it runs into a root.
@@ -176,7 +282,7 @@ double furthest_real_root(const Characteristic& d, double height, double from, d
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-CycleStability stability_by(const Characteristic& d, bool has_whole_powers) {
+CycleStability stability_by(const Characteristic& d) {
   // A root is the furthest when none lies beyond a line next to it.
   const auto is_furthest = [&](Complex root) {
     return std::isfinite(root.real()) && roots_beyond(d, root.real() + 1e-3) == 0;
@@ -204,13 +310,13 @@ CycleStability stability_by(const Characteristic& d, bool has_whole_powers) {
     }
     known = is_furthest(log_z);
   }
-  if (has_whole_powers && log_z.real() < -near_point) {
+  if (d.has_whole_powers() && log_z.real() < -near_point) {
     // The path of the count passes above the axis: its roots are looked for apart.
     const double real = furthest_real_root(d, 0, std::max(deepest, log_z.real()), -near_point);
     if (real > log_z.real()) log_z = real;
   }
   if (std::isfinite(log_z.real())) {
-    result.dominant = -std::exp(log_z);
+    result.dominant = d.multiplier(log_z);
     if (std::abs(log_z.imag()) < 1e-9 || pi - log_z.imag() < 1e-9) result.dominant = result.dominant.real();
   }
   // A root on the path is one on the circle: neither stable nor counted.
@@ -226,11 +332,18 @@ CycleStability stability_by(const Characteristic& d, bool has_whole_powers) {
 }  // namespace
 
 CycleStability cycle_stability(const ImpulseTrain& train, double exchange) {
-  return stability_by(Characteristic(train, exchange), train.has_whole_powers());
+  return stability_by(HalfPeriod(train, exchange));
 }
 
 CycleStability forced_stability(const ImpulseTrain& train, double exchange, double acceleration) {
-  return stability_by(Characteristic(train, exchange, acceleration), train.has_whole_powers());
+  return stability_by(HalfPeriod(train, exchange, acceleration));
+}
+
+CycleStability cycle_stability(const GapResponse& response, const ImpulseTrain& train, const std::vector<double>& times,
+                               const std::vector<double>& bend, double exchange) {
+  CycleStability result = stability_by(WholePeriod(response, train, times, bend, exchange));
+  if (result.loss == StabilityLoss::symmetry_breaking) result.loss = StabilityLoss::period_doubling;
+  return result;
 }
 
 }  // namespace backlash::detail

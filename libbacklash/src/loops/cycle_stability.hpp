@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <vector>
+
 #include "backlash/loops/limit_cycles.hpp"
 #include "gap_response.hpp"
 
@@ -17,5 +19,17 @@ namespace backlash::detail {
 ///   (q + G1(z))^2 - G0(z) (G2(z) - acceleration).
 /// @param acceleration  (x2 - x1)'' just before the impact at +clearance/2, over minus the impulse
 [[nodiscard]] CycleStability forced_stability(const ImpulseTrain& train, double exchange, double acceleration);
+
+/// Of a motion with any impacts per period: multipliers per period but that of a shift in time, the roots of det D(z)
+/// for disturbances of instants, delta_a, and impulses, iota_a, that grow by z per period,
+///   -sum_b G0_ab iota_b + sum_b G1_ab I_b delta_b + q I_a delta_a = 0              (the wall is met)
+///   -sum_b G1_ab iota_b + sum_b G2_ab I_b delta_b + y''_a delta_a - q iota_a = 0   (restitution),
+/// Gj_ab the sum over the earlier impacts b of g^(j) at their lags times z to minus the periods between.
+/// @param train  of `response` over the period
+/// @param times  of the impacts, s, rising from 0, below the period
+/// @param bend   (x2 - x1)'' just before each, over minus its impulse
+[[nodiscard]] CycleStability cycle_stability(const GapResponse& response, const ImpulseTrain& train,
+                                             const std::vector<double>& times, const std::vector<double>& bend,
+                                             double exchange);
 
 }  // namespace backlash::detail

@@ -291,6 +291,48 @@ std::array<double, 3> ImpulseTrain::sums_of_one_sign() const {
   return total;
 }
 
+std::array<double, 3> ImpulseTrain::repeated(double t) const {
+  std::array<double, 3> total{};
+  for (const Part& part : parts_) {
+    double age = part.offset + t / tau_;
+    if (age > 1) age -= 1;
+    const std::array<double, 3> sums = power_sums_of_one_sign(part.exponent, age);
+    const double by_time = part.exponent / tau_;
+    total[0] += part.coefficient * sums[0];
+    total[1] += part.coefficient * by_time * sums[1];
+    // As in sums_of_one_sign().
+    total[2] +=
+        part.coefficient / (tau_ * tau_) * (part.exponent == 1 ? -1 : part.exponent * (part.exponent - 1) * sums[2]);
+  }
+  for (const ImageTrain& image : images_) {
+    const std::array<double, 3> others = image.repeated(t);
+    for (std::size_t j = 0; j < 3; ++j) total[j] += others[j];
+  }
+  return total;
+}
+
+ImpulseTrain::Split ImpulseTrain::split(Complex s) const {
+  Split total{};
+  const Complex u = -s * tau_;
+  for (const Part& part : parts_) {
+    const PowerTrain::Split train = part.train.split(u);
+    const Complex scale = part.coefficient * std::exp(u * static_cast<double>(part.first));
+    const double by_time = part.exponent / tau_;
+    total.regular[0] += scale * train.regular[0];
+    total.regular[1] += scale * by_time * train.regular[1];
+    // A ramp has no second derivative, but its mean has.
+    total.regular[2] += part.exponent == 1 ? -scale * train.mean * s * s
+                                           : scale * (by_time * (part.exponent - 1) / tau_) * train.regular[2];
+    total.mean += scale * train.mean;
+  }
+  for (const ImageTrain& image : images_) {
+    const ImageTrain::Split other = image.split(s);
+    for (std::size_t j = 0; j < 3; ++j) total.regular[j] += other.regular[j];
+    total.mean += other.mean;
+  }
+  return total;
+}
+
 ImpulseTrain::Wave ImpulseTrain::wave(double t) const {
   Wave wave{0, 0};
   for (const Part& part : parts_) {

@@ -54,6 +54,17 @@ class ImpulseTrain {
   };
   [[nodiscard]] Wave wave(double t) const;
 
+  /// sum_(l >= 0) g^(j)(l tau + t), j = 0, 1, 2, for 0 < t <= tau, without the harmonic of frequency 0: what impulses
+  /// of one sign leave a time t after the last one; at tau just before the next.
+  [[nodiscard]] std::array<double, 3> repeated(double t) const;
+
+  /// sums_j(s) = regular_j + mean s^j, with what is singular at s = 0 in `mean`; |s tau| < 2 pi.
+  struct Split {
+    std::array<std::complex<double>, 3> regular;
+    std::complex<double> mean;
+  };
+  [[nodiscard]] Split split(std::complex<double> s) const;
+
   [[nodiscard]] double half_period() const noexcept { return tau_; }
   /// Real parts of the poles of g's image, times tau, each as often as it counts, conjugates too.
   [[nodiscard]] const std::vector<double>& growth_rates() const noexcept { return growth_rates_; }

@@ -157,13 +157,13 @@ double ImageTrain::rate(const ImagePart& part, double tau) {
   return ImageTrain(part, tau, 1).sums({0, pi / tau})[1].real();
 }
 
+ImageTrain::Age ImageTrain::age_at(double t) const {
+  const double age = age_ + t;
+  return age > tau_ ? Age{age - tau_, first_ - 1} : Age{age, first_};
+}
+
 ImageTrain::Wave ImageTrain::wave(double t) const {
-  double age = age_ + t;
-  double latest = first_;
-  if (age > tau_) {
-    age -= tau_;
-    latest -= 1;
-  }
+  const auto [age, latest] = age_at(t);
   Complex value = 0;
   Complex slope = 0;
   for (const Node& node : nodes_) {
@@ -183,6 +183,31 @@ ImageTrain::Wave ImageTrain::wave(double t) const {
     wave.slope += (part * turning).real();
   }
   return wave;
+}
+
+std::array<double, 3> ImageTrain::repeated(double t) const {
+  const double age = age_at(t).seconds;
+  std::array<Complex, 3> total{};
+  const auto add = [&](Complex rate, Complex part) {
+    total[0] += part;
+    total[1] += part * rate;
+    total[2] += part * rate * rate;
+  };
+  for (const Node& node : nodes_) add(node.r, 2.0 * node.weight * std::exp(node.r * age) / (1.0 - node.growth));
+  for (int n = 1; n <= 4; ++n) {
+    const Complex turning(0, 2 * n * pi / tau_);
+    const Complex share = share_left(parameter(turning));
+    if (std::abs(share) < nothing) break;
+    add(turning, 2.0 / tau_ * share * image_at(*part_->image, turning) * std::exp(turning * (t - part_->delay)));
+  }
+  return {total[0].real(), total[1].real(), total[2].real()};
+}
+
+ImageTrain::Split ImageTrain::split(Complex s) const {
+  const Complex share = share_left(parameter(s));
+  const bool has_mean = std::abs(share) > nothing;
+  return {sums(s, false),
+          has_mean ? share * image_at(*part_->image, s) * std::exp(-s * part_->delay) / tau_ : Complex(0)};
 }
 
 }  // namespace backlash::detail

@@ -54,6 +54,16 @@ class ImageTrain {
   };
   [[nodiscard]] Wave wave(double t) const;
 
+  /// sum_(l >= 0) g^(j)(l tau + t), j = 0, 1, 2, without the harmonic of frequency 0, from t = earliest tau to tau.
+  [[nodiscard]] std::array<double, 3> repeated(double t) const;
+
+  /// `sums` without the response at s itself, and that: sums_j = regular_j + mean s^j.
+  struct Split {
+    std::array<std::complex<double>, 3> regular;
+    std::complex<double> mean;
+  };
+  [[nodiscard]] Split split(std::complex<double> s) const;
+
  private:
   struct Node {
     std::complex<double> r;
@@ -64,6 +74,12 @@ class ImageTrain {
   void choose_angle();
   void add_contour(double earliest);
   void add(std::complex<double> r, std::complex<double> weight);
+  /// That of the latest impulse whose answer has begun, a time t <= tau after the impact.
+  struct Age {
+    double seconds;
+    double latest;  // l of it
+  };
+  [[nodiscard]] Age age_at(double t) const;
   [[nodiscard]] std::complex<double> parameter(std::complex<double> s) const;
   [[nodiscard]] std::array<std::complex<double>, 3> sums(std::complex<double> s, bool with_zero) const;
 

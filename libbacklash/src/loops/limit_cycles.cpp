@@ -10,16 +10,17 @@
 namespace backlash {
 namespace {
 
-constexpr std::array<std::pair<StabilityLoss, std::string_view>, 4> loss_names{
+constexpr std::array<std::pair<StabilityLoss, std::string_view>, 5> loss_names{
     {{StabilityLoss::none, "none"},
      {StabilityLoss::symmetry_breaking, "symmetry-breaking"},
      {StabilityLoss::saddle_node, "saddle-node"},
-     {StabilityLoss::torus, "torus"}}};
+     {StabilityLoss::torus, "torus"},
+     {StabilityLoss::period_doubling, "period-doubling"}}};
 
 }  // namespace
 
 std::string_view to_string(StabilityLoss loss) {
-  return detail::spelling(loss_names, loss);
+  return frac::detail::spelling(loss_names, loss);
 }
 
 LimitCycles symmetric_cycles(const ControlLoop& loop, const LimitCycleOptions& options) {

@@ -203,7 +203,8 @@ std::array<Complex, 3> PowerTrain::by_terms(Complex u) const {
   return sum;
 }
 
-std::array<Complex, 3> PowerTrain::about_origin(Complex u) const {
+// sum_n zeta(j - a - n, v) u^n/n!
+std::array<Complex, 3> PowerTrain::zeta_series(Complex u) const {
   constexpr double turn = 2 * pi;
   const Complex share = u / turn;
   std::array<Complex, 3> sum{};
@@ -216,6 +217,11 @@ std::array<Complex, 3> PowerTrain::about_origin(Complex u) const {
     power *= share;
     if (std::norm(power) < 1e-34) break;
   }
+  return sum;
+}
+
+std::array<Complex, 3> PowerTrain::about_origin(Complex u) const {
+  std::array<Complex, 3> sum = zeta_series(u);
   const Complex log_distance = std::log(-u);
   const Complex singular = std::exp(-(1 + a_) * log_distance);
   const Complex shift = std::exp(-u * v_);
@@ -223,6 +229,23 @@ std::array<Complex, 3> PowerTrain::about_origin(Complex u) const {
   sum[1] = shift * (sum[1] - gamma_[1] * singular * u);
   sum[2] = a_ > 1 ? shift * (sum[2] + gamma_[2] * singular * u * u) : 0;
   return sum;
+}
+
+PowerTrain::Split PowerTrain::split(Complex u) const {
+  Split result{zeta_series(u), gamma_[0] * std::exp(-(1 + a_) * std::log(-u) - u * v_)};
+  for (Complex& each : result.regular) each *= std::exp(-u * v_);
+  return result;
+}
+
+std::array<double, 3> power_sums_of_one_sign(double a, double v) {
+  std::array<double, 3> sums{};
+  ZetaTerms terms(2 - static_cast<long double>(a), v);
+  for (std::size_t j = 3; j-- > 0;) {
+    // zeta(1), of a ramp's second derivative, is not wanted.
+    if (a > 1 || j < 2) sums[j] = static_cast<double>(terms.sum());
+    terms.lower_order();
+  }
+  return sums;
 }
 
 }  // namespace backlash::detail

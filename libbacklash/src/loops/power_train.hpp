@@ -21,6 +21,13 @@ class PowerTrain {
   /// What is left at u = 0 without the singular part: zeta(j - a, v).
   [[nodiscard]] std::array<double, 3> at_origin() const noexcept;
 
+  /// P_j without its singular part, which is that of P_0, `mean`, times (-u)^j/(a (a - 1) ... (a - j + 1)); |u| < 2 pi.
+  struct Split {
+    std::array<std::complex<double>, 3> regular;
+    std::complex<double> mean;
+  };
+  [[nodiscard]] Split split(std::complex<double> u) const;
+
  private:
   // Direct terms and order of the series of the rest: the series errs by about order! / (terms |u|)^order.
   static constexpr int most_terms = 20;
@@ -29,6 +36,7 @@ class PowerTrain {
 
   [[nodiscard]] std::array<std::complex<double>, 3> by_terms(std::complex<double> u) const;
   [[nodiscard]] std::array<std::complex<double>, 3> about_origin(std::complex<double> u) const;
+  [[nodiscard]] std::array<std::complex<double>, 3> zeta_series(std::complex<double> u) const;
   void prepare_zeta();
 
   double a_;
@@ -38,5 +46,8 @@ class PowerTrain {
   std::array<double, 3> gamma_{};                                  // Gamma(1 + a - j)
   std::array<double, zeta_terms + 2> zeta_{};                      // zeta(2 - a - n, v)/n! (2 pi)^n
 };
+
+/// zeta(j - a, v), j = 0, 1, 2, as PowerTrain::at_origin() has them, for one v at the cost of six powers.
+[[nodiscard]] std::array<double, 3> power_sums_of_one_sign(double a, double v);
 
 }  // namespace backlash::detail

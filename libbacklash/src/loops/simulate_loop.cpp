@@ -238,11 +238,11 @@ void require_valid(const ControlLoop& loop, const LoopStart& start, const SetPoi
 }  // namespace
 
 std::string_view to_string(LoopEvent event) {
-  return detail::spelling(event_names, event);
+  return frac::detail::spelling(event_names, event);
 }
 
 std::string_view to_string(LoopEnd end) {
-  return detail::spelling(end_names, end);
+  return frac::detail::spelling(end_names, end);
 }
 
 LoopHistory simulate_loop(const ControlLoop& loop, const LoopStart& start, const SetPoint& set_point,

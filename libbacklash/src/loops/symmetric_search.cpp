@@ -7,10 +7,12 @@
 #include <complex>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 
 #include "base/check.hpp"
 #include "cycle_frequencies.hpp"
+#include "cycle_harmonics.hpp"
 #include "cycle_stability.hpp"
 #include "excursion.hpp"
 #include "frequency_search.hpp"
@@ -46,37 +48,6 @@ std::string reason_against(const ControlLoop& loop, const ImpulseTrain& train, d
 // y(0) = -I sum_(l >= 1) (-1)^l g(l tau) is the wall at clearance/2.
 double impulse_of(const ControlLoop& loop, const ImpulseTrain& train) {
   return -0.5 * loop.system().clearance() / train.sums({0, pi / train.half_period()})[0].real();
-}
-
-std::vector<CycleHarmonic> harmonics_of(const ControlLoop& loop, double omega, double impulse, int count) {
-  std::vector<CycleHarmonic> harmonics;
-  for (int i = 0; i < count; ++i) {
-    const int order = 2 * i + 1;
-    const double w = order * omega;
-    const double strength = 2 * omega / pi * impulse;  // twice the Fourier coefficient of the alternating impulses
-    const Complex receptance1 = loop.bodies().load().response(w);
-    const Complex receptance2 = loop.bodies().drive().response(w);
-    const Complex controller = loop.controller().response(w);
-    CycleHarmonic harmonic{order, strength * receptance1, 0, 0};
-    if (loop.measured() == Output::x1) {
-      harmonic.force = -controller * harmonic.x1;
-      harmonic.x2 = receptance2 * (harmonic.force - strength);
-    } else {
-      harmonic.x2 = -strength * receptance2 / (1.0 + controller * receptance2);
-      harmonic.force = -controller * harmonic.x2;
-    }
-    harmonics.push_back(harmonic);
-  }
-  return harmonics;
-}
-
-// Of the gap under unit impulses on both bodies, see GapResponse.
-Complex image_of_gap(const ControlLoop& loop, double omega) {
-  const Complex load = loop.bodies().load().response(omega);
-  const Complex drive = loop.bodies().drive().response(omega);
-  const Complex controller = loop.controller().response(omega);
-  return loop.measured() == Output::x1 ? load + drive + controller * load * drive
-                                       : load + drive / (1.0 + controller * drive);
 }
 
 }  // namespace
@@ -139,7 +110,9 @@ SymmetricCycle SymmetricSearch::cycle_at(double omega) const {
   cycle.reason = reason_against(*loop_, train, cycle.impulse);
   cycle.admissible = cycle.reason.empty();
   cycle.stability = cycle_stability(train, exchange_);
-  cycle.harmonics = harmonics_of(*loop_, omega, cycle.impulse, options_.harmonics);
+  for (int i = 0; i < options_.harmonics; ++i) {
+    cycle.harmonics.push_back(cycle_harmonic(*loop_, omega, 2 * i + 1, 2 * omega / pi * cycle.impulse));
+  }
   return cycle;
 }
 
@@ -147,11 +120,11 @@ double SymmetricSearch::symmetry_defect(double omega) const {
   const ImpulseTrain train(response_, pi / omega);
   const std::array<double, 3> alike = train.sums_of_one_sign();
   const double bend = alike[2] - train.sums({0, omega})[2].real();
-  // The mean of the motion per impulse; it grows without bound towards frequency 0 where a body can drift.
-  const double mean = image_of_gap(*loop_, 1e-6 * omega).real();
-  if (std::abs(image_of_gap(*loop_, 1e-12 * omega)) > 2 * std::abs(image_of_gap(*loop_, 1e-6 * omega))) return bend;
+  // The mean of the motion per impulse.
+  const std::optional<double> mean = static_gap(*loop_, omega);
+  if (!mean) return bend;
   const double rate = exchange_ + alike[1];
-  return (alike[0] + mean / train.half_period()) * bend - rate * rate;
+  return (alike[0] + *mean / train.half_period()) * bend - rate * rate;
 }
 
 }  // namespace backlash::detail

@@ -70,7 +70,7 @@ class RowMaker {
 }  // namespace
 
 std::string_view to_string(HistoryEvent event) {
-  return detail::spelling(events, event);
+  return frac::detail::spelling(events, event);
 }
 
 TimeHistory time_history(const TwoMassSystem& system, double force_amplitude, double omega, const RelativeState& start,

@@ -226,29 +226,29 @@ void require_valid(const SweepOptions& options) {
 }  // namespace detail
 
 std::string_view to_string(Protocol protocol) {
-  return detail::spelling(protocol_spellings, protocol);
+  return frac::detail::spelling(protocol_spellings, protocol);
 }
 std::string_view to_string(Regime regime) {
-  return detail::spelling(regime_spellings, regime);
+  return frac::detail::spelling(regime_spellings, regime);
 }
 std::string_view to_string(Output output) {
-  return detail::spelling(output_spellings, output);
+  return frac::detail::spelling(output_spellings, output);
 }
 Protocol protocol_from_string(std::string_view text) {
-  return detail::from_spelling(protocol_spellings, "protocol", text);
+  return frac::detail::from_spelling(protocol_spellings, "protocol", text);
 }
 Regime regime_from_string(std::string_view text) {
-  return detail::from_spelling(regime_spellings, "regime", text);
+  return frac::detail::from_spelling(regime_spellings, "regime", text);
 }
 Output output_from_string(std::string_view text) {
-  return detail::from_spelling(output_spellings, "output", text);
+  return frac::detail::from_spelling(output_spellings, "output", text);
 }
 std::span<const Protocol> protocols() {
-  static constexpr auto all = detail::enumerators(protocol_spellings);
+  static constexpr auto all = frac::detail::enumerators(protocol_spellings);
   return all;
 }
 std::span<const Output> outputs() {
-  static constexpr auto all = detail::enumerators(output_spellings);
+  static constexpr auto all = frac::detail::enumerators(output_spellings);
   return all;
 }
 
@@ -282,7 +282,7 @@ SweepPieces::SweepPieces(std::vector<SweepScene> scenes, std::vector<double> ome
       throw std::invalid_argument("scene " + std::to_string(i) + ": " + error.what());
     }
   }
-  // Many pieces share well among threads; some hundred points are milliseconds of work, little to lose.
+  // Many pieces load the threads evenly; one of some hundred points takes milliseconds, so that little is lost with it.
   width_ = omega_.size();
   if (has_independent_points(options_.protocol)) width_ = std::clamp<std::size_t>(omega_.size() / 32, 1, 256);
   per_scene_ = (omega_.size() + width_ - 1) / width_;
@@ -307,28 +307,43 @@ std::vector<DescribingFunctionPoint> SweepPieces::points(std::size_t number, fra
   return points;
 }
 
+void SweepPieces::compute(const std::function<bool(std::size_t)>& is_there,
+                          const std::function<void(std::size_t, std::vector<DescribingFunctionPoint>)>& take,
+                          frac::Progress* progress) const {
+  if (progress != nullptr) progress->total += scenes_.size() * omega_.size();
+  // Scenes mostly stand in the order of rising restitution, of which the largest takes longest: begun first, it keeps
+  // no thread waiting at the end.
+  frac::parallel_for(count(), options_.threads, [&](std::size_t i) {
+    const std::size_t number = count() - 1 - i;
+    if (!is_there(number))
+      take(number, points(number, progress));
+    else if (progress != nullptr)
+      progress->done += piece(number).count;
+  });
+}
+
+double expected_cost(double restitution) {
+  // Of a point whose transient is short; the loss at which the limit of periods takes over.  Measured on the curves of
+  // one map, 801 restitutions over frequencies of 0.5 to 4.
+  constexpr double least = 1, smallest_loss = 0.006;
+  return least + 1 / (1 - restitution + smallest_loss);
+}
+
 std::vector<DescribingFunctionSweep> describing_function_sweeps(const std::vector<SweepScene>& scenes,
                                                                 const std::vector<double>& omega,
                                                                 const SweepOptions& options, frac::Progress* progress) {
   const SweepPieces pieces(scenes, omega, options);
-  if (progress != nullptr) progress->total += scenes.size() * omega.size();
   std::vector<DescribingFunctionSweep> sweeps;
   sweeps.reserve(scenes.size());
   for (const SweepScene& scene : scenes)
     sweeps.push_back(
         {scene.system, scene.force_amplitude, options, std::vector<DescribingFunctionPoint>(omega.size())});
-  // Scenes mostly stand in the order of rising restitution, of which the largest takes longest: begun first, it keeps
-  // no thread waiting at the end.
-  frac::parallel_for(pieces.count(), options.threads, [&](std::size_t i) {
-    const std::size_t number = pieces.count() - 1 - i;
+  const auto take = [&](std::size_t number, std::vector<DescribingFunctionPoint> points) {
     const SweepPiece piece = pieces.piece(number);
-    std::vector<DescribingFunctionPoint> points = pieces.points(number, progress);
-    auto& all = sweeps[piece.scene].points;
-    if (piece.count == all.size())
-      all = std::move(points);
-    else
-      std::copy(points.begin(), points.end(), all.begin() + static_cast<std::ptrdiff_t>(piece.first));
-  });
+    std::move(points.begin(), points.end(),
+              sweeps[piece.scene].points.begin() + static_cast<std::ptrdiff_t>(piece.first));
+  };
+  pieces.compute([](std::size_t) { return false; }, take, progress);
   return sweeps;
 }
 

@@ -157,13 +157,13 @@ Curve log_imaginary_part(const frac::FrequencyResponseData& data, const std::vec
 }  // namespace
 
 std::string_view to_string(JumpCriterion criterion) {
-  return detail::spelling(criteria, criterion);
+  return frac::detail::spelling(criteria, criterion);
 }
 JumpCriterion jump_criterion_from_string(std::string_view text) {
-  return detail::from_spelling(criteria, "criterion", text);
+  return frac::detail::from_spelling(criteria, "criterion", text);
 }
 std::span<const JumpCriterion> jump_criteria() {
-  static constexpr auto all = detail::enumerators(criteria);
+  static constexpr auto all = frac::detail::enumerators(criteria);
   return all;
 }
 

@@ -21,31 +21,33 @@ namespace {
 constexpr double pi = std::numbers::pi;
 constexpr double rounding = std::numeric_limits<double>::epsilon();
 
-// Up to here the orbit computed is the true one, and its error that of rounding.
+// Up to this error of the mean by rounding the computed orbit is the true one.
 constexpr double known_orbit = 1e-6;
-// From here on what rounding makes of it is no longer proportional to rounding.
+// From this error on the effect of rounding is no longer proportional to rounding: the orbit is another one.
 constexpr double lost_orbit = 1e-3;
 // Batches of a mean over several motions from release to release.
 constexpr std::size_t batches = 16;
 // Impacts of an orbit that is long enough to be divided into batches itself.
 constexpr std::int64_t long_course = enough_impacts;
-// A motion without a stick for so many times the impacts of the first one has been led to where it does not stick.
+// A motion that does not stick for so many times the impacts of the first one has reached a state in which it does not.
 constexpr std::int64_t most_delay = 64;
 
 // Relative error of phase and velocity that an impact adds.
 constexpr double rounding_per_impact = 8 * rounding;
 
-// What rounding makes of the mean of a course of impacts: each adds to the error of phase and velocity, which grows
-// with the motion like a small disturbance.
+// The error of the mean over a sequence of impacts by rounding.  Each impact adds to the error of phase and velocity,
+// which grows with the motion like any small disturbance.
 class RoundingGrowth {
  public:
   void advance(const GapMotion& motion, const GapState& from, const Flight& flight, const GapState& to) noexcept {
     error_ = error_ * disturbance_.advance(motion, from, flight, to) + rounding_per_impact * (1 + to.velocity);
     sum_ += error_ * (1 + to.velocity + flight.speed);
   }
-  // Of |U_1| over that many half periods: by its velocity jump times the error of its phase each impact moves the sum.
+  // The error of |U_1| over so many half periods.  Each impact changes the sum by its velocity jump times the error of
+  // its phase.
   [[nodiscard]] double error_of_mean(double half_periods) const noexcept { return 2 / (pi * half_periods) * sum_; }
-  // Of |U_1| per relative change of the force, which moves phase and velocity at each impact by as much of themselves.
+  // The change of |U_1| per relative change of the force, which changes phase and velocity at each impact by the same
+  // share.
   [[nodiscard]] double force_sensitivity(double half_periods) const noexcept {
     return error_of_mean(half_periods) / rounding_per_impact;
   }

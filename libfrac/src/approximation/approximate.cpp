@@ -82,7 +82,7 @@ class Designer {
     return result;
   }
 
-  // N_limit of theory: the smallest number of poles the attainable limit of the error allows at `error`.
+  // The smallest number of poles with which the limit that theory sets to the error is at most `error`.
   [[nodiscard]] int limit_poles(double error) const {
     if (fractional_ == 0 || error == 0) return 0;
     const double width = 2 * problem_.half_width + 4 * std::numbers::ln2;
@@ -188,7 +188,7 @@ struct Found {
 };
 
 // The ladder's error falls with every pole, by a factor known beforehand, until the rounding of zeros, poles and gain
-// to double ends it: so the search starts where the limit says and walks.
+// to double ends that.  So the search starts at the number of poles that the limit suggests and goes on pole by pole.
 Found smallest_ladder(const Designer& designer, double tolerance) {
   const int fewest = designer.counts().front();
   const int most = designer.counts().back();
@@ -207,14 +207,15 @@ Found smallest_ladder(const Designer& designer, double tolerance) {
   for (int tries = 0; tries < tries_without_gain && poles < most;) {
     Designer::Result more = designer.design(++poles, anything);
     if (more.error.max_relative <= tolerance) return {std::move(more), true};
-    // A pole more gains at least a tenth, unless rounding stands against it.
+    // Another pole lowers the error by a tenth at least, unless rounding prevents it.
     tries = more.error.max_relative < 0.9 * best.error.max_relative ? 0 : tries + 1;
     if (more.error.max_relative < best.error.max_relative) best = std::move(more);
   }
   return {std::move(best), false};
 }
 
-// The other methods: doubling, then bisection, on an error that falls with the number of poles as long as it matters.
+// For the other methods: doubles the number of poles, then bisects.  The error falls with that number over the range
+// that matters.
 Found smallest(const Designer& designer, double tolerance) {
   const std::vector<int>& counts = designer.counts();
   std::optional<Designer::Result> best;
@@ -290,7 +291,7 @@ Approximation approximate(double order, FrequencyBand band, ApproximationGoal go
     choice = {designer.design(count->poles, anything), true};
     message = "The largest relative error with " + count_text(count->poles) + " is " +
               detail::short_text(choice.result.error.max_relative);
-    // Below it zeros, poles and gain as doubles are no closer, whatever their number.
+    // Zeros, poles and gain that are rounded to double leave an error of this size, whatever their number.
     constexpr double rounding = 1e-15;
     const int enough = designer.limit_poles(rounding);
     if (method == ApproximationMethod::ladder && count->poles > enough) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 namespace frac::detail {
@@ -13,6 +14,12 @@ namespace frac::detail {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
+}
+
+/// Standard deviation of normally distributed scatter of which these are the distances from its centre, some outliers
+/// among them or not.
+[[nodiscard]] inline double robust_deviation(std::vector<double> distances) {
+  return 1.4826 * median(std::move(distances));
 }
 
 }  // namespace frac::detail

@@ -21,17 +21,19 @@ constexpr int band_points = 26;
 constexpr int beyond_points = 28;
 constexpr int points = band_points + beyond_points;
 constexpr int tap_counts[] = {3, 5, 7, 9, 13};
-// Gain beyond the band that is worth no further tap, and the share of it that is.
+// More taps are tried until the gain beyond the band is below the first number; they are taken where they lower it to
+// this share at least.
 constexpr double small_amplification = 1.25;
 constexpr double worthwhile = 0.93;
 
-// Over the exact power: s by the backward difference to a power, times the integrators.
+// The ratio of the discretised operator, s by the backward difference to `power` times the integrators, to the exact
+// one.
 Complex rules(const SplitOrder& order, double power, double x) {
   return std::polar(std::pow(std::sin(x) / x, power) * std::pow(x / std::tan(x), order.integrators), -power * x);
 }
 
-// Beyond the band, with the sections as they are, which there are no longer s^fractional; of a falling power over the
-// exact one at the edge.
+// The same beyond the band, where the sections are no longer s^fractional and are taken as they are.  A falling power
+// is related to the exact one at the edge of the band.
 Complex as_built(const CorrectionTask& task, double x) {
   const Complex delta = 2 * std::sin(x) * Complex(-std::sin(x), std::cos(x));
   const Complex exact = std::polar(std::pow(2 * x / task.sample_time, task.order.fractional),
@@ -41,7 +43,7 @@ Complex as_built(const CorrectionTask& task, double x) {
   return fall * rules(task.order, task.order.differences, x) * task.sections->response(delta) / exact;
 }
 
-// For one number of taps: least largest of |C R - 1| on the band and stress |C R| beyond it.
+// Makes the largest of |C R - 1| on the band and stress |C R| beyond it least, for a given number of taps.
 class MinimaxTaps {
  public:
   MinimaxTaps(const CorrectionTask& task, int taps) : rows_(2 * points, taps) {
@@ -116,10 +118,11 @@ class MinimaxTaps {
   Eigen::MatrixXd rows_;  // real and imaginary part of z^-k R
 };
 
-// Of the answers within `most_amplification` the one of least error.
+// Returns the taps of least error among those within `most_amplification`.
 CorrectionTaps within_amplification(const MinimaxTaps& problem, double stress, CorrectionTaps wild,
                                     double most_amplification) {
-  // Error rises and amplification falls with the stress: a root in logarithms, the feasible end kept.
+  // The error rises and the amplification falls with the stress, so the stress is found as a root in logarithms; the
+  // feasible end of its bracket is kept.
   const auto excess_of = [&](const CorrectionTaps& each) { return std::log(each.amplification / most_amplification); };
   double low = std::log(stress), low_excess = excess_of(wild);
   double high = low, high_excess = low_excess;
@@ -149,7 +152,8 @@ CorrectionTaps within_amplification(const MinimaxTaps& problem, double stress, C
   return best;
 }
 
-// While the error is within the tolerance: where it has the tolerance's size, stress = tolerance/amplification.
+// Lowers the amplification while the error stays within the tolerance.  The error reaches the tolerance where stress =
+// tolerance/amplification.
 CorrectionTaps calmed(const MinimaxTaps& problem, CorrectionTaps result, double tolerance) {
   for (int i = 0; i < 3; ++i) {
     CorrectionTaps calmer = problem.solved(tolerance / result.amplification);
@@ -159,7 +163,7 @@ CorrectionTaps calmed(const MinimaxTaps& problem, CorrectionTaps result, double 
   return result;
 }
 
-// Of least gain beyond the band, which is at most `most_amplification`.
+// Returns the taps of least gain beyond the band, which is at most `most_amplification`.
 CorrectionTaps least_amplification(const CorrectionTask& task, double tolerance, double most_amplification) {
   const int most_taps = *std::rbegin(tap_counts);
   std::optional<CorrectionTaps> best;  // within the tolerance
@@ -200,7 +204,7 @@ CorrectionTaps correction_taps(const CorrectionTask& task, double tolerance, con
     if (swing <= limits.swing) return next;
     tried.emplace_back(swing, std::move(next));
   }
-  // By rising error, so the first that is about as calm as the calmest.
+  // They stand by rising error: takes the first that is about as calm as the calmest.
   constexpr double about = 1.1;
   const double calmest = std::min_element(tried.begin(), tried.end(), [](const auto& one, const auto& other) {
                            return one.first < other.first;

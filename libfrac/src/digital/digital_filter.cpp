@@ -141,7 +141,7 @@ Real DigitalFilter<Real>::through_taps(Real sample) noexcept {
   return result;
 }
 
-// Samples beyond `count` are worked on too, and lead nowhere.
+// Samples beyond `count` are computed too, and are not used.
 template <typename Real>
 void DigitalFilter<Real>::through_taps(Real* samples, std::size_t count) noexcept {
   if (taps_.empty()) return;

@@ -293,7 +293,7 @@ DigitalPower detail::power_in_sections(const SplitOrder& split, FrequencyBand ba
   check_power(order, band, sample_time, method, 1, limits.amplification);
   const auto* tolerance = std::get_if<Tolerance>(&goal);
   Attempt best = attempt(split, band, goal, sample_time, method, approximation, limits);
-  // What the ends of the band leave over.
+  // Where the ends of the band make the error exceed the tolerance, the design is repeated for a smaller share of it.
   double share = 1;
   for (int again = 0; again < 3 && method == Discretisation::direct && tolerance != nullptr; ++again) {
     const double excess = best.power.error.max_relative / tolerance->value;

@@ -23,7 +23,7 @@ FilterChoice power_filter(const FractionalTransferFunction& model, FrequencyBand
 FilterChoice model_filter(const FractionalTransferFunction& model, std::optional<FrequencyBand> band,
                           double sample_time, double tolerance, double horizon) {
   const auto for_all = [&] { return FilterChoice{filter_design(model, sample_time, tolerance, horizon)}; };
-  // Held between samples, what grows would answer each step by a jump that depends on the band's upper end.
+  // A model that grows would answer each step of the held input by a jump that depends on the band's upper end.
   const bool grows = model.numerator().front().order > model.denominator().front().order;
   if (!band || grows) return for_all();
   const RationalModel system = realise(model, *band, tolerance);

@@ -259,7 +259,7 @@ void FractionalPid<Real>::reset(Real setpoint, Real measured) noexcept {
   is_tracking_ = false;
   last_ = {};
   unlimited_ = 0;
-  // What a first input that is refused leaves standing obeys the limits too.
+  // The output that stands after a refused first input obeys the limits too.
   output_ = std::clamp(Real(0), c_.minimum, c_.maximum);
   saturated_ = bad_input_ = false;
 }

@@ -27,9 +27,9 @@ constexpr detail::Spellings<AntiWindup, 3> anti_windup_names{
      {AntiWindup::conditional_integration, "conditional-integration"}}};
 
 constexpr double pi = std::numbers::pi;
-// No coefficient may leave the range of float by far.
+// Larger coefficients are refused, so that they fit into a float.
 constexpr double largest_coefficient = 1e30;
-// Of the filters beyond the band, over the exact operator.
+// Largest gain of the filters beyond the band over that of the exact operator.
 constexpr double most_amplification = 5;
 
 [[noreturn]] void refuse(const std::string& why) {

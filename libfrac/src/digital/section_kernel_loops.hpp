@@ -157,13 +157,14 @@ template <typename Real, std::size_t bytes, bool of_changes>
 void run_of(const SectionArrays<Real>& bank, const Real* x, Real* y, std::size_t count) {
   Group<Real, bytes> sums[section_block];
   for (std::size_t n = 0; n < count; ++n) sums[n].clear();
-  // As many as pay: more hide latency, and leave the registers.
+  // More groups at a time hide more latency, but must fit into the registers.
   constexpr std::size_t most = bytes == 16 ? 2 : 4;
   std::size_t s = 0;
   for (; s + most * section_group <= bank.size; s += most * section_group) {
     run_groups<most, of_changes>(bank, s, x, sums, count);
   }
-  // What is left in one go too: another pass takes as long as its chain of additions, however few the sections.
+  // The groups that are left are taken in one go as well: a further pass takes as long as its chain of additions,
+  // however few its sections are.
   const std::size_t left = (bank.size - s) / section_group;
   if (left == 1) run_groups<1, of_changes>(bank, s, x, sums, count);
   if constexpr (most > 2) {

@@ -71,7 +71,8 @@ Fmu fmu(const FractionalPidDesign& design, const FmuOptions& options) {
 }
 
 Fmu fmu(const DigitalFilterDesign& design, const FmuOptions& options) {
-  const std::string header = c_header(design, {.name = "filter", .precision = options.precision, .comment = {}});
+  const std::string header =
+      detail::vector_c_header(design, {.name = "filter", .precision = options.precision, .comment = {}});
   const FmuParts parts{.variables = {{"input", Role::input, "Input of the filter"},
                                      {.name = "output",
                                       .role = Role::output,

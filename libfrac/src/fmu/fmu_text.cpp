@@ -132,7 +132,8 @@ std::string description(const FmuParts& parts, const FmuOptions& options, const 
   std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiModelDescription fmiVersion=\"2.0\"" +
                      attribute("modelName", options.name) + attribute("guid", guid) +
                      attribute("description", options.description) + attribute("generationTool", options.tool) +
-                     " variableNamingConvention=\"structured\" numberOfEventIndicators=\"0\">\n";
+                     R"( variableNamingConvention="structured")" +
+                     attribute("numberOfEventIndicators", std::to_string(parts.events)) + ">\n";
   if (parts.states > 0) text += "  <ModelExchange" + abilities + ">\n" + sources + "  </ModelExchange>\n";
   text += "  <CoSimulation" + abilities + R"( canHandleVariableCommunicationStepSize="true">)" + "\n" + sources +
           "  </CoSimulation>\n" + units(parts) +
@@ -161,7 +162,8 @@ std::string main_source(const FmuParts& parts, const std::string& guid) {
       "/* SPDX-License-Identifier: BSD-3-Clause */\n/* The one file to compile: it includes the others. */\n";
   text += "#include \"fmi2.h\"\n\n#define MODEL_GUID \"" + guid + "\"\n#define MODEL_REALS " +
           std::to_string(reals + 2 * parts.states) + "\n#define MODEL_BOOLEANS " + std::to_string(booleans) +
-          "\n#define MODEL_STATES " + std::to_string(parts.states) + "\n\n";
+          "\n#define MODEL_STATES " + std::to_string(parts.states) + "\n#define MODEL_EVENTS " +
+          std::to_string(parts.events) + "\n\n";
   for (std::size_t i = 0; i < 2 * parts.states; ++i) {
     defaults += ", 0";
     access += ", 'o'";

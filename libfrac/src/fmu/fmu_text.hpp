@@ -15,6 +15,8 @@ struct FmuParts {
   std::vector<FmuVariable> variables;
   /// Of the continuous system, for model exchange; 0: co-simulation only.
   std::size_t states = 0;
+  /// Event indicators of the model, for model exchange.
+  std::size_t events = 0;
   /// Largest step that makes sense, s; NaN where any does.
   double sample_time;
   /// C text ahead of the model: numbers, and headers it includes.

@@ -97,7 +97,7 @@ struct FractionalDerivative<Real>::Stream {
     return latest = sample;
   }
 
-  // Differences or sums of a sample, the remaining order's input.
+  // Takes the whole differences or sums of a sample, which are the input of the remaining order.
   Real reduced(Real sample) noexcept {
     Twofold<Real> value{sample, 0};
     for (std::size_t i = 0; i < differences; ++i) {

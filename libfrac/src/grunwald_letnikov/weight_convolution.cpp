@@ -159,7 +159,7 @@ FRACFIT_INLINE inline Largest<Real> advance(const Real* change, const Real* weig
   return all;
 }
 
-// States that are nothing beside the largest, before they become denormal, which is slow.
+// Sets states that are negligible beside the largest to 0 before they become denormal, which is slow.
 template <typename Real>
 FRACFIT_INLINE inline void flush(std::size_t size, Real least, Real* state, Real* lost) {
   using W = Wide<Real>;
@@ -172,7 +172,7 @@ FRACFIT_INLINE inline void flush(std::size_t size, Real least, Real* state, Real
   }
 }
 
-// By halves, so that no long chain of additions is waited for.
+// Adds up by halves, because in one long chain each addition would wait for the one before it.
 template <typename Real>
 FRACFIT_INLINE inline Real sum_of(const typename Wide<Real>::Vector& vector) {
   Real part[Wide<Real>::width];
@@ -212,7 +212,7 @@ FRACFIT_INLINE inline void whole_block(const Tables<Real>& t, const Real* recent
   finish_block(t, arriving, state, lost);
 }
 
-// Its own sample apart: it has just been stored, and a wide load over it would wait.
+// Adds the newest sample apart: it has just been stored, and a wide load that covers it would wait for the store.
 template <typename Real>
 FRACFIT_INLINE inline Real one_sample(const Tables<Real>& t, std::size_t position, const Real* recent,
                                       const Real* state, Real* arriving) {

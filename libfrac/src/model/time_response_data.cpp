@@ -58,7 +58,7 @@ TimeResponseData::TimeResponseData(std::vector<double> time, std::vector<double>
   if (!std::isfinite(input_at_rest_)) {
     refuse("input_at_rest = " + detail::number_text(input_at_rest_) + " is not finite");
   }
-  // What the last sample does is not seen under a zero-order hold but in the sample itself.
+  // The last sample counts too: a direct path shows it in its own output even under a zero-order hold.
   if (std::all_of(input_.begin(), input_.end(), [this](double value) { return value == input_at_rest_; })) {
     refuse("the input is " + detail::number_text(input_at_rest_) +
            " throughout, as at rest; nothing drives the system");

@@ -15,7 +15,7 @@ namespace {
 
 using Complex = std::complex<double>;
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Dead time is followed until it has turned L by that, rad.
+// Dead time is followed until it has turned L by this many radians.
 constexpr double most_turn = 600;
 constexpr double turn_between_points = 0.3;
 

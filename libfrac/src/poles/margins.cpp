@@ -25,7 +25,7 @@ constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
 // ln omega beyond which omega or a power of it may overflow.
 constexpr double widest = 690;
-// Quarter turns of the dead time followed one by one, a thousand turns.
+// So many quarter turns of the dead time, a thousand turns, are followed one by one.
 constexpr double followed_quarters = 4000;
 // An interval has a phase crossover within a turn of each end, if it is longer; the rest allows for phase of the poles.
 constexpr int quarters_from_end = 16;
@@ -154,7 +154,7 @@ PhaseCrossovers phase_crossovers(const FrequencyAxis& axis, const std::vector<do
     }
     result.followed_until = std::min(result.followed_until, a);
     if (pieces > 1e12) {
-      // A hundred quarter turns from the end there is one.
+      // There is a phase crossover within a hundred quarter turns of the end.
       add({a + (b - a) * 1e-10, b - (b - a) * 1e-10});
       continue;
     }
@@ -242,7 +242,7 @@ Margins margins(const FractionalTransferFunction& loop) {
   const bool ends_settled = low.gain_is_settled(first) && high.gain_is_settled(last);
   double listed_end = last;
   if (delay > 0) {
-    // Two turns more, for the first phase crossover beyond the last gain crossover.
+    // Follows the axis two turns further, to the first phase crossover beyond the last gain crossover.
     last = std::max(last, std::log(std::exp(last) + 4 * pi / delay));
     const double faded = high.order() < 0 ? std::log(high.gain() / least_listed_gain) / -high.order() : infinity;
     const double thousand_turns = std::log(followed_quarters * (pi / 2) / delay);

@@ -196,7 +196,7 @@ PeakGain h_infinity_norm(const FractionalTransferFunction& model) {
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
     if (!(slope(points[i]) > 0 && slope(points[i + 1]) <= 0)) continue;
     const double u = detail::bisected(slope, points[i], points[i + 1]);
-    // In more digits: beside a pole next to the axis a double loses some.
+    // Evaluates in more digits, because a double loses some beside a pole next to the axis.
     const double gain = static_cast<double>(std::exp(detail::ResonanceAxis(y, u).log_gain(0)));
     if (gain > best.gain) best = {gain, std::exp(u)};
   }

@@ -223,7 +223,7 @@ class Search {
       if (root && std::abs(*root - cluster.log_s - member) < 0.1 * std::abs(member)) member = *root - cluster.log_s;
       spread = std::max(spread, std::abs(member));
     }
-    // NaN where the iteration failed: what the search found stands.
+    // The spread is NaN where the iteration failed.  The members that the search found are kept then.
     if (!(spread <= 4 * cluster.spread)) return;
     cluster.spread = spread;
     cluster.members.clear();
@@ -467,7 +467,7 @@ RootCluster combined(const std::vector<Given>& group) {
   return result;
 }
 
-// Of the parts at cluster k over what they add up to, in the logarithm.
+// ln of the size of the partial fractions at cluster k over that of their sum.
 double amplification(const std::vector<RootCluster>& clusters, std::size_t k, std::size_t& nearest) {
   double sum = 0;
   double closest = std::numeric_limits<double>::infinity();

@@ -32,7 +32,8 @@ constexpr double same = 1e-13;
 // Radians that dead time may turn along the contour of a closed loop: each takes a few evaluations.
 constexpr double largest_turning = 1e6;
 
-// As often as the root is one of the denominator; of roots that lie apart in a cluster, the middle.
+// Whether the numerator has the root as often as the denominator.  Of a cluster of roots that lie apart the middle is
+// tried.
 bool is_cancelled(const detail::PowerProduct& numerator, const RootCluster& root) {
   constexpr double vanishing = 1e-9;
   int zeros = 0;
@@ -68,7 +69,7 @@ detail::PowerProduct in_lambda(const FractionalTransferFunction& model, double q
   return result;
 }
 
-// Where a condition that holds towards `low`, if anywhere, ceases to; `low` where it holds nowhere.
+// Returns where a condition that holds from `low` on, if anywhere, ceases to hold; `low` where it holds nowhere.
 template <typename Condition>
 double boundary(const Condition& holds, double low, double high) {
   return holds(low) ? detail::bisected([&](double u) { return holds(u) ? 1.0 : -1.0; }, low, high) : low;
@@ -219,7 +220,8 @@ ClosedLoopStability analyse_closed_loop(const FractionalTransferFunction& loop) 
     };
     double least = size(bottom.front());
     for (std::size_t i = 1; i < bottom.size(); ++i) {
-      // Within a right angle of the highest term in the whole half-plane: takes nothing from it.
+      // Such a term stays within a right angle of the highest one in the whole half-plane, so it does not lessen the
+      // sum.
       const bool helps =
           bottom[i].coefficient * bottom.front().coefficient > 0 && bottom.front().order - bottom[i].order <= 1;
       if (!helps) least -= size(bottom[i]);

@@ -66,7 +66,7 @@ struct ModalSystem {
   Real direct = 1;
 };
 
-// What the system gives is what the next stage takes.
+// The output of the system is the input of the next stage.
 void add_stage(ModalSystem& system, double direct, const std::vector<Mode>& modes, double centre) {
   std::vector<ModalState>& states = system.states;
   std::vector<Input> output;

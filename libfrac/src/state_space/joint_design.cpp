@@ -93,7 +93,7 @@ class PoleProblem {
   void sharpen(double power) {
     double sum = 0;
     for (std::size_t i = 0; i < s_.size(); ++i) {
-      // A point of no error keeps a trace of weight: it may come to count again.
+      // A point without error keeps a little weight, because it may come to count again.
       weight_[i] *= std::pow(std::max(error_[i] / largest_, 1e-3), power);
       sum += weight_[i];
     }
@@ -150,7 +150,7 @@ class PoleProblem {
 
   template <typename Decomposition = PivotedQr>
   static Vector solved(const Matrix& matrix, const Vector& right) {
-    // Columns of one length: which of them are alike is then a matter of direction alone.
+    // All columns get the same length, so that their directions alone decide which of them are alike.
     const Vector length = matrix.colwise().norm().cwiseMax(std::numeric_limits<double>::min());
     const Matrix even = matrix * length.cwiseInverse().asDiagonal();
     return Decomposition(even).solve(right).cwiseQuotient(length);

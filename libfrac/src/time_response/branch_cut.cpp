@@ -53,7 +53,8 @@ CutRule::CutRule(const LaplaceImage& image, double earliest, double tolerance)
   digits += (multiplicity - 1) * std::log(digits / cut_.half_width);
   step_ = 2 * pi * 0.97 * cut_.half_width / digits;
   const double fastest = std::log(digits / (-std::cos(cut_.angle) * earliest));
-  // As far from the poles as can be: next to one the node and the share would grow and cancel.
+  // Places the nodes as far from the poles as possible: beside a pole the weight of the node and the share of the
+  // residue would both grow and cancel.
   constexpr int shifts = 16;
   double farthest = -1;
   double best = fastest;

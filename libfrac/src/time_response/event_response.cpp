@@ -107,7 +107,7 @@ void add_circles(const LaplaceImage& image, const CutRule& rule, double latest, 
     const Complex middle_share = rule.share_of(pole);
     if (std::abs(middle_share) < 1e-3 * tolerance) continue;
     const bool shares = middle_share != 1.0;
-    // Powers of t come with several roots.
+    // Roots that coincide bring powers of t, which take more points.
     const int points = fewest + 6 * (pole.multiplicity - 1);
     const double lasting = std::max(1.5 / (std::exp(pole.log_s.real()) * latest), -0.25 * std::cos(pole.log_s.imag()));
     // The share of the rule is analytic up to its nodes.
@@ -314,7 +314,7 @@ bool EventResponse::evaluate(const RatioOfPowerSums& ratio, double tolerance, Re
       left -= raised * (weights[k] * (r / (anchor[i] - r))).real().matrix();
     }
   }
-  // Nodes too fast for the shortest lag have decayed wherever the output is read: constants are left of them.
+  // Nodes too fast for the shortest lag have decayed wherever the output is read.  They leave only constants.
   plan.constant.setZero(static_cast<Eigen::Index>(plan.channels), columns);
   for (int k = 1; k < 5'000; ++k) {
     const Complex zeta = rule.node(-k);

@@ -45,8 +45,8 @@ LongSum long_sum(const PowerProduct& product, std::complex<long double> zeta, lo
   return whole;
 }
 
-// A single pole.  With another at distance d the rounding of both makes weights as large as 1/d err by 1/d^2 roundings:
-// in long double 1/d may be a thousand.
+// The term of a single pole.  With another pole at distance d the weights are as large as 1/d, and the rounding of the
+// two poles makes them err by 1/d^2 roundings: long double allows 1/d to be a thousand.
 Exponential single_pole(const LaplaceImage& image, std::size_t k) {
   const double scale = scaled_sum(image.denominator(), image.poles().clusters[k].log_s).scale;
   std::complex<long double> zeta = image.poles().clusters[k].log_s;

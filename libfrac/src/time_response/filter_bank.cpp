@@ -28,7 +28,7 @@ constexpr std::array<double, most_powers> inverse_factorials() {
 }
 constexpr std::array<double, most_powers> inverse_factorial = inverse_factorials();
 
-// Below this a number is worth nothing and, denormal, slow.
+// Smaller numbers do not matter, and as denormal ones they are slow.
 double flushed(double x) {
   return std::abs(x) < 1e-280 ? 0 : x;
 }
@@ -37,7 +37,7 @@ std::size_t filled_up(std::size_t count, std::size_t to) {
   return (count + to - 1) / to * to;
 }
 
-// What a unit of each power of the input has done some intervals after the one in which it is the input.
+// The effect that a unit of each power of the input has some intervals after the one in which it is the input.
 template <typename Value>
 class ByLag {
  public:
@@ -45,7 +45,7 @@ class ByLag {
 
   ByLag(std::size_t integrations, bool is_straight) : integrations_(integrations), is_straight_(is_straight) {}
 
-  // `own` is what comes without the integrals that each power leaves behind; those do what they do an interval later.
+  // `own` is the effect without the integrals that each power leaves behind; those act from the next interval on.
   void append(const Powers& own) {
     value_[lags_] = own;
     if (lags_ > 0) {
@@ -59,11 +59,11 @@ class ByLag {
     ++lags_;
   }
   [[nodiscard]] const Value& integral(std::size_t q, std::size_t lag) const { return value_[lag][q]; }
-  // The first sample of an interval, without the interval that it ends.
+  // The effect of the first sample of an interval, without that of the interval that it ends.
   [[nodiscard]] Value start(std::size_t lag) const {
     return value_[lag][integrations_] - value_[lag][integrations_ + 1];
   }
-  // A sample, by the intervals since the one that it ends.
+  // The effect of a sample, by the number of intervals since the one that it ends.
   [[nodiscard]] Value sample(std::size_t lag) const {
     return lag == 0 ? value_[0][integrations_ + 1] : value_[lag][integrations_ + 1] + start(lag - 1);
   }
@@ -187,7 +187,7 @@ FilterBank::FilterBank(const FilterDesign& design)
     }
     for (std::size_t i = 0; i < block; ++i) gained_from_sample_.push_back(gained.sample(block - 1 - i));
   }
-  // To a constant input from its end values: the instantaneous part less what the states withdraw.
+  // The output for a constant input of 1 after all states have reached their end values, -1.
   steady_gain_ = now_[integrations_];
   double total = 0;
   for (std::size_t s = 0; s < size_; ++s) {
@@ -195,7 +195,7 @@ FilterBank::FilterBank(const FilterDesign& design)
     largest_ = std::max(largest_, std::abs(output_[s]));
     total += std::abs(output_[s]);
   }
-  // Before the response has risen the gain and what still decays cancel.
+  // Before the response has risen, the gain and the decaying parts cancel, which costs digits.
   may_settle_ = integrations_ == 0 && total * std::numeric_limits<double>::epsilon() <= design.smallest;
 }
 
@@ -213,7 +213,7 @@ void FilterBank::reset() noexcept {
 }
 
 void FilterBank::add_to_integral(std::size_t q, double gain) noexcept {
-  // What the sum cannot hold is added next time.
+  // The part of the increment that rounding takes is added the next time.
   const double increment = lost_[q] + gain;
   const double sum = integral_[q] + increment;
   lost_[q] = increment - (sum - integral_[q]);
@@ -289,7 +289,7 @@ bool FilterBank::settles(const double* next, double before) const noexcept {
 
 void FilterBank::run(const double* next, std::size_t blocks, double* output) noexcept {
   while (blocks > 0) {
-    // As many as are alike.
+    // Takes as many blocks at once as are alike.
     const std::size_t most = std::min(blocks, together);
     const bool constant = settles(next, latest_);
     std::size_t count = 1;
@@ -299,7 +299,7 @@ void FilterBank::run(const double* next, std::size_t blocks, double* output) noe
     } else {
       leave_constant();
       for (std::size_t b = 0; b < count; ++b) integrate_block(next + b * block, &extra_[b * (1 + integrations_)]);
-      // Output in place of the input would change what is still to be read.
+      // Where the output overwrites the input, samples would change that are still to be read.
       std::array<double, together * block> copy;
       const bool overlaps = output < next + count * block && next < output + count * block;
       if (overlaps) std::copy_n(next, count * block, copy.begin());

@@ -13,7 +13,7 @@ namespace frac::detail {
 
 namespace {
 
-// Below this a state is worth nothing and, denormal, slow.
+// Smaller states do not matter, and as denormal numbers they are slow.
 constexpr double nothing = 1e-280;
 
 template <std::size_t bytes>
@@ -147,7 +147,7 @@ struct Loops {
   }
 
   static void run(const FilterArrays& a, const FilterInput* input, double offset, std::size_t blocks, double* output) {
-    // Two registers for each block of a tile, two for a row and one to spare.
+    // A tile takes two registers for each of its blocks and two for a row; one more is spare.
     constexpr std::size_t tile_blocks = bytes == 64 ? 8 : 4;
     FilterInput now = input != nullptr ? *input : FilterInput{};
     const auto take = [&]<std::size_t count>() {

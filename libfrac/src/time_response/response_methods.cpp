@@ -169,7 +169,7 @@ TimeResponse by_reference(const FractionalTransferFunction& model, const TimeInp
     const std::vector<ReferenceValue> values = reference_response(model, *named, time);
     for (std::size_t i = 0; i < time.size(); ++i) {
       response.output[i] = values[i].value;
-      // Infinite from the start on is the response itself; later it is one that no double holds.
+      // An infinity at the start belongs to the response itself; a later one means that the response outgrows a double.
       if (std::isfinite(values[i].value) || time[i] > model.delay()) {
         response.error_estimate = std::max(response.error_estimate, values[i].error_estimate);
       }
@@ -215,7 +215,7 @@ double largest(const std::vector<double>& values) {
   return size;
 }
 
-// Some twenty instants, close together at first.
+// Picks some twenty instants, close together at first.
 std::vector<std::size_t> judged_instants(std::size_t count) {
   std::vector<std::size_t> list;
   for (std::size_t n = 0; n + 1 < count; n = n < 4 ? n + 1 : n + n / 2) list.push_back(n);
@@ -223,7 +223,7 @@ std::vector<std::size_t> judged_instants(std::size_t count) {
   return list;
 }
 
-// Largest difference from the reference at those.
+// The largest difference from the reference at those instants.
 double difference_from_reference(const FractionalTransferFunction& model, const ResponseInput& input,
                                  std::span<const double> time, const std::vector<double>& output) {
   const ReferenceResponse reference(model, input);
@@ -277,7 +277,7 @@ std::vector<ResponseMethod> candidates(const FractionalTransferFunction& model, 
   constexpr double per_value = 1.5e-4;
   constexpr double longest = 20;
   const double by_reference = per_value * instants * knots;
-  // Its judge takes values of the reference, some twenty, or runs it again.
+  // Its error is judged by some twenty values of the reference, or by a second sum.
   const double judge = named ? per_value * std::min(instants, 20.0) : 4e-4;
   const double by_exponentials = 4e-4 + judge + (even.step > 0 ? 3e-8 * instants : 1e-6 * (instants + knots));
   if (by_reference < by_exponentials) return {ResponseMethod::reference, ResponseMethod::exponential_sum};
@@ -285,9 +285,8 @@ std::vector<ResponseMethod> candidates(const FractionalTransferFunction& model, 
   return {ResponseMethod::exponential_sum, ResponseMethod::reference};
 }
 
-// Difference from a sum of a thousandth of the tolerance, plus what that one is good to.  The finest sum has only a
-// coarser one to be compared with, and both may owe much of their error to the same roundings: three times the
-// difference stands for that.
+// The difference from a sum made for a thousandth of the tolerance, plus the error of that one.  The finest sum can
+// only be compared with a coarser one, and both may err by the same roundings, so three times the difference counts.
 double difference_from_finer_sum(const FractionalTransferFunction& model, const TimeInput& input,
                                  const EvenSamples& even, std::span<const double> time, double tolerance,
                                  const TimeResponse& response) {

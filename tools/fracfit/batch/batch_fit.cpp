@@ -6,6 +6,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "frac/identification/outliers.hpp"
 #include "frac/structure.hpp"
 #include "io/data_error.hpp"
 #include "io/fingerprint.hpp"
@@ -50,14 +51,16 @@ const char* state_of(const frac::ParameterEstimate& parameter) {
   return parameter.identified ? "identified" : "not-identified";
 }
 
-void set_fit(RowBuilder& row, const frac::FitResult& result) {
+// Outliers are those left out and those whose residuals stand out of the fit's.
+void set_fit(RowBuilder& row, const frac::FitResult& result, std::size_t left_out) {
   row.set("status", frac::to_string(result.termination));
   row.set("model", std::string_view(result.model));
   row.set("cost", result.cost);
   row.set("rms", result.rms);
   row.set("aicc", result.aicc);
   row.set("bic", result.bic);
-  row.set("outliers", result.outliers.size());
+  row.set("outliers", left_out + result.outliers.size());
+  row.set("left_out", left_out);
   row.set("message", std::string_view(result.message));
   for (const auto& parameter : result.parameters) {
     row.set(parameter.name, parameter.value);
@@ -84,20 +87,22 @@ io::FrequencyResponseFile data_of(const BatchTask& task, const BatchCurve& curve
 }
 
 void set_result(RowBuilder& row, const BatchTask& task, const io::FrequencyResponseFile& file) {
+  const auto left_out = outliers_left_out(task.request, file.data, [](const std::string&) {});
+  const auto data = frac::without_points(file.data, left_out);
   if (!task.ranked) {
     const auto& model = task.models.front();
     auto options = task.options;
     options.constraints = model.constraints;
-    const auto result = frac::fit(file.data, frac::Structure(model.formula), options);
-    set_fit(row, result);
-    const auto statistics = fit_statistics(file.data, options, result, {}, 1);
+    const auto result = frac::fit(data, frac::Structure(model.formula), options);
+    set_fit(row, result, left_out.size());
+    const auto statistics = fit_statistics(data, options, result, {}, 1);
     row.set("lag_one_correlation", statistics.whiteness.lag_one_correlation);
     row.set("whiteness_p_value", statistics.whiteness.p_value);
     return;
   }
   // Files share the cores, so each works on one.
-  const auto result = frac::identify(file.data, task.models, {}, task.options, 1);
-  set_fit(row, result.ranking.at(result.chosen).fit);
+  const auto result = frac::identify(data, task.models, {}, task.options, 1);
+  set_fit(row, result.ranking.at(result.chosen).fit, left_out.size());
   row.set("chosen", std::string_view(result.ranking.at(result.chosen).name));
   row.set("verdict", frac::to_string(result.verdict));
   row.set("evidence", result.evidence);
@@ -117,6 +122,7 @@ std::vector<std::string> batch_columns(const BatchTask& task) {
   for (const auto& name : parameter_names(task))
     for (const char* suffix : parameter_suffixes) columns.push_back(name + suffix);
   columns.emplace_back("message");
+  columns.emplace_back("left_out");
   columns.emplace_back(fingerprint_column);
   std::set<std::string> seen;
   for (const auto& column : columns)

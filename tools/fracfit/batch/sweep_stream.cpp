@@ -6,6 +6,7 @@
 #include <mutex>
 
 #include "io/fingerprint.hpp"
+#include "io/number_list.hpp"
 #include "io/output_file.hpp"
 #include "io/result_stream.hpp"
 #include "io/shard_file.hpp"
@@ -21,31 +22,33 @@ PointCounts counts_of(const Points& points) {
   return counts;
 }
 
-// Computes the pieces that are not there yet, in parallel.  The last curves of a map take longest: begun first, they
-// keep no thread waiting at the end.
-template <class IsThere, class Take>
-void for_each_piece(const backlash::SweepPieces& pieces, frac::Progress& progress, const IsThere& is_there,
-                    const Take& take) {
-  progress.total += pieces.scenes().size() * pieces.omega().size();
-  frac::parallel_for(pieces.count(), pieces.options().threads, [&](std::size_t i) {
-    const std::size_t number = pieces.count() - 1 - i;
-    if (is_there(number))
-      progress.done += pieces.piece(number).count;
-    else
-      take(number, pieces.points(number, &progress));
-  });
+// How the stream keeps the counts of a piece.
+std::string text_of(const PointCounts& counts) {
+  return std::to_string(counts.not_finite) + "," + std::to_string(counts.transient_possible) + "," +
+         std::to_string(counts.decided_by_rounding);
+}
+
+PointCounts counts_from(const std::string& text) {
+  const std::vector<double> numbers = io::parse_list(text, "counts");
+  const auto number = [&](std::size_t i) { return static_cast<std::size_t>(numbers.at(i)); };
+  PointCounts counts;
+  counts.not_finite = number(0);
+  counts.transient_possible = number(1);
+  counts.decided_by_rounding = number(2);
+  return counts;
 }
 
 PointCounts write_whole(const backlash::SweepPieces& pieces, const SweepTable& table, const SweepTarget& target,
                         frac::Progress& progress) {
   const std::size_t width = pieces.omega().size();
   Points all(pieces.scenes().size() * width);
-  for_each_piece(
-      pieces, progress, [](std::size_t) { return false; },
-      [&](std::size_t number, const Points& points) {
-        const auto [scene, first, count] = pieces.piece(number);
-        std::copy(points.begin(), points.end(), all.begin() + static_cast<std::ptrdiff_t>(scene * width + first));
-      });
+  pieces.compute([](std::size_t) { return false; },
+                 [&](std::size_t number, const Points& points) {
+                   const auto [scene, first, count] = pieces.piece(number);
+                   std::copy(points.begin(), points.end(),
+                             all.begin() + static_cast<std::ptrdiff_t>(scene * width + first));
+                 },
+                 &progress);
   target.file.write(text_of(document_of(table, 0, width, all), target.format, target.command));
   return counts_of(all);
 }
@@ -55,17 +58,22 @@ PointCounts write_stream(const backlash::SweepPieces& pieces, const SweepTable& 
   const std::string head = csv_head(document_of(table, 0, 1, {}), target.command);
   io::ResultStream stream(target.stream_path + ".partial", std::string(io::unfinished_line) + "\n" + head);
   PointCounts counts;
-  for (std::size_t number = 0; number < pieces.count(); ++number)
-    if (stream.contains(std::to_string(number))) counts.of_earlier_run += pieces.piece(number).count;
+  for (std::size_t number = 0; number < pieces.count(); ++number) {
+    if (!stream.contains(std::to_string(number))) continue;
+    counts += counts_from(stream.remark(std::to_string(number)));
+    counts.of_earlier_run += pieces.piece(number).count;
+  }
   std::mutex counting;
-  for_each_piece(
-      pieces, progress, [&](std::size_t number) { return stream.contains(std::to_string(number)); },
-      [&](std::size_t number, const Points& points) {
-        const backlash::SweepPiece piece = pieces.piece(number);
-        stream.append(std::to_string(number), csv_rows(document_of(table, piece.scene, piece.count, points).rows));
-        const std::lock_guard guard(counting);
-        counts += counts_of(points);
-      });
+  pieces.compute([&](std::size_t number) { return stream.contains(std::to_string(number)); },
+                 [&](std::size_t number, const Points& points) {
+                   const backlash::SweepPiece piece = pieces.piece(number);
+                   const PointCounts now = counts_of(points);
+                   stream.append(std::to_string(number),
+                                 csv_rows(document_of(table, piece.scene, piece.count, points).rows), text_of(now));
+                   const std::lock_guard guard(counting);
+                   counts += now;
+                 },
+                 &progress);
   target.file.write([&](const io::OutputFile::Sink& sink) {
     io::Fingerprint fingerprint;
     const auto write = [&](const std::string& text) {
@@ -93,6 +101,13 @@ PointCounts& PointCounts::operator+=(const PointCounts& other) {
   transient_possible += other.transient_possible;
   decided_by_rounding += other.decided_by_rounding;
   return *this;
+}
+
+std::vector<double> expected_costs(const std::vector<backlash::SweepScene>& scenes) {
+  std::vector<double> cost;
+  cost.reserve(scenes.size());
+  for (const auto& scene : scenes) cost.push_back(backlash::expected_cost(scene.system.restitution()));
+  return cost;
 }
 
 PointCounts write_sweep(const backlash::SweepPieces& pieces, const SweepTable& table, const SweepTarget& target,

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "backlash/sweep_pieces.hpp"
 #include "frac/parallel_for.hpp"
@@ -13,12 +14,15 @@ namespace fracfit {
 
 /// Numbers of points that a user is told about.
 struct PointCounts {
-  std::size_t not_finite = 0, transient_possible = 0, decided_by_rounding = 0;  // of those computed now
-  std::size_t of_earlier_run = 0;                                               // that an interrupted run has left
+  std::size_t not_finite = 0, transient_possible = 0, decided_by_rounding = 0;
+  std::size_t of_earlier_run = 0;  // that an interrupted run has left, which count above as well
 
   void add(const backlash::DescribingFunctionPoint& point);
   PointCounts& operator+=(const PointCounts& other);
 };
+
+/// Of each curve, for sharing them out.
+[[nodiscard]] std::vector<double> expected_costs(const std::vector<backlash::SweepScene>& scenes);
 
 /// Where a table goes.
 struct SweepTarget {

@@ -100,6 +100,7 @@ class Batch : public Command {
     o.texts("DATA", data_, "Frequency responses as tables or as instruments write them, or folders of them",
             "FILE|FOLDER")
         .required()
+        .names_input()
         .unsaid();
     o.text("--model", model_, "or a preset; letters other than s are parameters").suggest(preset_names());
     o.text("--models", models_);
@@ -107,6 +108,7 @@ class Batch : public Command {
     add_file_options(o, request_.how);
     add_residual_options(o, request_);
     add_points_and_seed(o, request_);
+    add_outliers(o, request_);
     add_parameter_options(o, parameters_);
     for (const char* name : {"--fix", "--bound", "--start"}) o[name].not_with({"--models"});
     o.text("--by", request_.key_column,
@@ -165,8 +167,6 @@ class Batch : public Command {
       if (!has(batch_columns(task_), request.variable)) task_.variables.push_back(request.variable);
     }
   }
-
-  [[nodiscard]] std::vector<std::string> inputs() const override { return data_; }
 
   int run() override {
     const auto rows_format = row_format();

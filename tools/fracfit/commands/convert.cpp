@@ -30,7 +30,8 @@ class Convert : public Command {
   Convert() : Command("convert", "Writes a measured frequency response as it was understood, as a plain table") {
     Options& o = options();
     o.text("FILE", file_, "A frequency response as a table or as an instrument writes it; - for standard input", "FILE")
-        .required();
+        .required()
+        .names_input();
     add_file_options(o, how_);
     add_select(o, how_);
     add_common({"csv", "json", "table"});
@@ -45,8 +46,6 @@ class Convert : public Command {
   }
 
  private:
-  [[nodiscard]] std::vector<std::string> inputs() const override { return {file_}; }
-
   int run() override {
     const auto curves = read_curves(file_, how_);
     for (const auto& note : notes_of(curves)) say(file_ + ": " + note);

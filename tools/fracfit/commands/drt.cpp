@@ -24,10 +24,13 @@ class Drt : public Command {
  public:
   Drt() : Command("drt", "Distribution of relaxation times, of a fit exactly or of measured data without a model") {
     Options& o = options();
-    o.text("--data", data_, "A frequency response as a table or as an instrument writes it", "FILE").or_argument();
+    o.text("--data", data_, "A frequency response as a table or as an instrument writes it", "FILE")
+        .or_argument()
+        .names_input();
     add_file_options(o, how_);
     add_select(o, how_);
-    o.text("--fit", fit_, "Result of fracfit fit as JSON: its model, parameters and their covariance", "FILE");
+    o.text("--fit", fit_, "Result of fracfit fit as JSON: its model, parameters and their covariance", "FILE")
+        .names_input();
     o.numbers("--tau", tau_, "Times at which a fit is shown, s; FROM:TO:COUNTlog", "TAU").only_with({"--fit"});
     o.choice("--kernel", kernel_, kernels, "falling: impedance, compliance, permittivity; rising: modulus, admittance",
              "KERNEL");
@@ -51,20 +54,13 @@ class Drt : public Command {
   }
 
  private:
-  [[nodiscard]] std::vector<std::string> inputs() const override {
-    std::vector<std::string> files;
-    for (const auto& each : {data_, fit_})
-      if (!each.empty()) files.push_back(each);
-    return files;
-  }
-
   void check() override {
     if (data_.empty() && fit_.empty())
       throw std::invalid_argument("--data or --fit is required: what has the distribution");
     if (!fit_.empty() && tau_.empty()) throw std::invalid_argument("--fit needs --tau, the times at which it is shown");
     if (picture_.empty()) return;
     try {
-      drawing_.emplace(picture_, inputs());
+      drawing_.emplace(picture_, options().input_files());
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument(std::string("--picture: ") + error.what());
     }

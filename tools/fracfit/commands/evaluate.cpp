@@ -23,7 +23,7 @@ class Evaluate : public Command {
     o.text("--model", model_, "or a preset; letters other than s are parameters, see --fix")
         .suggest(preset_names())
         .or_argument();
-    o.text("--fit", fit_);
+    o.text("--fit", fit_).names_input();
     o.exactly_one({"--model", "--fit"}, "the formula, or the fit that has one");
     o.texts("--fix", fix_).not_with({"--fit"}, "which has the values");
     o.numbers("--omega", omega_, "several: FROM:TO:COUNT, FROM:TO:COUNTlog or a list").required();
@@ -38,10 +38,6 @@ class Evaluate : public Command {
   }
 
  private:
-  [[nodiscard]] std::vector<std::string> inputs() const override {
-    return fit_.empty() ? std::vector<std::string>{} : std::vector<std::string>{fit_};
-  }
-
   void check() override {
     for (const double omega : omega_)
       if (!(omega > 0)) throw std::invalid_argument("--omega: frequencies must be > 0");

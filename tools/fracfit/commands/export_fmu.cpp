@@ -113,7 +113,9 @@ class ExportFmu : public Command {
     }
     std::string no_library = "this machine is not 64-bit Linux";
     if (const std::string folder = binaries_folder(); !folder.empty()) {
-      io::CompiledLibrary library = io::compile_shared_library(sources, made.main_source);
+      io::CompiledLibrary library = io::compile_shared_library(
+          sources, made.main_source,
+          {{"-DFMU_HAS_AVX512"}, {"-mavx512f", "-DFMU_FOR_AVX512", "-DFMI2_FUNCTION_PREFIX=avx512_"}});
       no_library = library.failure;
       if (no_library.empty()) archive.push_back({folder + made.name + ".so", std::move(library.bytes)});
     }

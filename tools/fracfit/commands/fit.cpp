@@ -33,6 +33,7 @@ class Fit : public Command {
     add_residual_options(o, request_);
     add_time_options(o, over_time_);
     add_points_and_seed(o, request_);
+    add_outliers(o, request_);
     add_parameter_options(o, parameters_);
     o.flag("--profile", statistics_.profile,
            "Add profile-likelihood intervals of every parameter: they follow the cost itself");
@@ -130,8 +131,6 @@ class Fit : public Command {
     return no_usable_result;
   }
 
-  [[nodiscard]] std::vector<std::string> inputs() const override { return {request_.data}; }
-
   int run() override {
     const auto note = [this](const std::string& text) { say(text); };
     if (io::holds_time_response(request_.data, request_.how)) {
@@ -144,10 +143,9 @@ class Fit : public Command {
     auto fit = fit_options(request_);
     fit.constraints = chosen_.constraints;
     const auto file = read_data(request_, note);
-    const auto outliers = frac::isolated_outliers(file.data, request_.component);
-    if (!outliers.empty() && !options()["--loss"].is_given())
-      say(contradicted_points(file.data, outliers) + "; --loss cauchy limits what they do to the fit");
-    return fit_and_write(file.data, fit, fit_run(request_, options(), file, command_line()));
+    const auto left_out = outliers_left_out(request_, file.data, note);
+    return fit_and_write(frac::without_points(file.data, left_out), fit,
+                         fit_run(request_, options(), file, left_out, command_line()));
   }
 
   FitRequest request_;

@@ -61,10 +61,7 @@ class Identify : public Command {
     add_residual_options(o, request_);
     add_time_options(o, over_time_);
     add_points_and_seed(o, request_);
-    o.text("--outliers", outliers_,
-           "What becomes of points that contradict their neighbours on both sides; a robust loss keeps them", "HOW")
-        .one_of({"leave-out", "keep"})
-        .only_for(frequency_response);
+    add_outliers(o, request_);
     const auto of_static_backlash = [&](const char* name, std::optional<double>& value) -> Option& {
       return o.number(name, value, "of the static-backlash candidate").only_for(frequency_response);
     };
@@ -156,44 +153,30 @@ class Identify : public Command {
     return write_ranking(record.data, fit, result, time_fit_run(request_, record, options(), command_line()));
   }
 
-  [[nodiscard]] std::vector<std::string> inputs() const override { return {request_.data}; }
-
-  // What is left out of the comparison.
-  [[nodiscard]] std::vector<std::size_t> outliers_of(const frac::FrequencyResponseData& data) const {
-    if (outliers_ == "keep" || request_.loss != frac::Loss::none) return {};
-    auto outliers = frac::isolated_outliers(data, request_.component);
-    if (outliers.empty()) return {};
-    say(contradicted_points(data, outliers) + "; the comparison leaves them out, and has them with --outliers keep");
-    return outliers;
-  }
-
   int run() override {
     if (io::holds_time_response(request_.data, request_.how)) return run_over_time();
     options().settle(frequency_response);
     auto fit = fit_options(request_);
-    const auto file = read_data(request_, [this](const std::string& note) { say(note); });
+    const auto note = [this](const std::string& text) { say(text); };
+    const auto file = read_data(request_, note);
     check_folds(file.data.size());
+    const auto left_out = outliers_left_out(request_, file.data, note);
+    const auto data = frac::without_points(file.data, left_out);
     std::vector<frac::FixedCurve> curves;
     if (complete_scene(file.metadata)) {
-      curves.push_back({"static-backlash", backlash::static_describing_function(*mass1_, *mass2_, *clearance_, *force_,
-                                                                                file.data.omega())});
+      curves.push_back({"static-backlash",
+                        backlash::static_describing_function(*mass1_, *mass2_, *clearance_, *force_, data.omega())});
       if (io::find_value(file.metadata, "output") == "x2")
         say(request_.data + ": the data are of x2, while the static-backlash curve describes x1");
     }
-    const auto outliers = outliers_of(file.data);
-    for (auto& curve : curves) {
-      for (auto at = outliers.rbegin(); at != outliers.rend(); ++at)
-        curve.value.erase(curve.value.begin() + static_cast<std::ptrdiff_t>(*at));
-    }
-    const auto data = frac::without_points(file.data, outliers);
     const auto result = frac::identify(data, models_, curves, fit, threads());
     if (request_.weight == frac::to_string(frac::Weight::learned)) fit.noise_floor = result.noise_floor;
-    return write_ranking(data, fit, result, fit_run(request_, options(), file, command_line()));
+    return write_ranking(data, fit, result, fit_run(request_, options(), file, left_out, command_line()));
   }
 
   FitRequest request_;
   TimeRequest over_time_;
-  std::string models_text_, outliers_ = "leave-out";
+  std::string models_text_;
   std::vector<frac::NamedModel> models_;
   std::optional<double> force_, clearance_, mass1_, mass2_;
   std::optional<std::size_t> folds_;

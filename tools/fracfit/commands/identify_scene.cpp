@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -10,37 +11,19 @@
 #include "io/data_error.hpp"
 #include "io/frequency_response_file.hpp"
 #include "io/number.hpp"
+#include "options/model_choice.hpp"
 #include "output/identify_scene_output.hpp"
 
 namespace fracfit {
 namespace {
 
-// NAME=TEXT; m1 and m2 stand for mass1 and mass2.
-std::pair<std::string, std::string> assignment(const char* option, const std::string& text) {
-  const auto equals = text.find('=');
-  if (equals == std::string::npos || equals == 0)
-    throw std::invalid_argument(std::string(option) + " " + io::quoted(text) +
-                                ": expected NAME=" + (option == std::string("--fix") ? "VALUE" : "LOW:HIGH"));
-  std::string name = text.substr(0, equals);
-  if (name == "m1") name = "mass1";
-  if (name == "m2") name = "mass2";
-  return {name, text.substr(equals + 1)};
-}
-
-std::vector<frac::ParameterConstraint> constraints_of(const std::vector<std::string>& fix,
-                                                      const std::vector<std::string>& bound) {
-  std::vector<frac::ParameterConstraint> constraints;
-  for (const auto& text : fix) {
-    const auto [name, value] = assignment("--fix", text);
-    constraints.push_back({name, number_of("--fix " + name, value), {}, {}, {}});
-  }
-  for (const auto& text : bound) {
-    const auto [name, range] = assignment("--bound", text);
-    const auto [lower, upper] = pair_of("--bound", range);
-    frac::ParameterConstraint constraint{name, {}, {}, {}, {}};
-    if (!lower.empty()) constraint.lower = number_of("--bound " + name, lower);
-    if (!upper.empty()) constraint.upper = number_of("--bound " + name, upper);
-    constraints.push_back(constraint);
+// m1 and m2 stand for mass1 and mass2.  Without a limit a parameter keeps the range that the data suggest for it.
+std::vector<frac::ParameterConstraint> constraints_of(const ParameterOptions& given) {
+  auto constraints = constraints_of(frac::NamedModel{}, given);
+  for (auto& constraint : constraints) {
+    if (constraint.name == "m1" || constraint.name == "m2") constraint.name.replace(0, 1, "mass");
+    for (auto* limit : {&constraint.lower, &constraint.upper})
+      if (*limit && std::isinf(**limit)) limit->reset();
   }
   return constraints;
 }
@@ -61,15 +44,16 @@ class IdentifyScene : public Command {
             "Frequency responses in m/N, one per force amplitude: CSV or TSV as for `fit`, or tables of several "
             "forces as simulate writes them",
             "FILE")
-        .required();
+        .required()
+        .names_input();
     o.numbers("--force", force_, "one per file or one for all").default_is("the files' lines '# force_n: VALUE'");
     o.choice("--body", body_, backlash::outputs()).default_is("as the files say, else x1");
     o.choice("--component", scene_.component,
              std::array{frac::Component::both, frac::Component::real, frac::Component::imaginary});
     o.choice("--weight", scene_.weight, std::array{frac::Weight::relative, frac::Weight::given, frac::Weight::absolute},
              "relative |data|; given the files' sigma or weight column; absolute nothing");
-    o.texts("--fix", fix_, "of mass1, mass2, clearance and restitution; x1 needs a mass or the clearance");
-    o.texts("--bound", bound_);
+    o.texts("--fix", given_.fix, "of mass1, mass2, clearance and restitution; x1 needs a mass or the clearance");
+    o.texts("--bound", given_.bound);
     o.texts("--where", where_, "of re, im, magnitude, omega or f, or of any column of the files");
     o.flag("--compare", compare_,
            "Also rank static backlash, fractional and integer-order structures on the same points");
@@ -83,14 +67,12 @@ class IdentifyScene : public Command {
 
  private:
   void check() override {
-    scene_.constraints = constraints_of(fix_, bound_);
+    scene_.constraints = constraints_of(given_);
     for (const auto& text : where_) reading_.where.emplace_back(text);
     if (force_.size() > 1 && force_.size() != data_.size())
       throw std::invalid_argument("--force names " + std::to_string(force_.size()) + " amplitudes for " +
                                   std::to_string(data_.size()) + " files; expected one for all or one per file");
   }
-
-  [[nodiscard]] std::vector<std::string> inputs() const override { return data_; }
 
   [[nodiscard]] std::vector<CurveSource> sources() const {
     std::vector<CurveSource> all;
@@ -170,7 +152,8 @@ class IdentifyScene : public Command {
     return found ? usable_result : no_usable_result;
   }
 
-  std::vector<std::string> data_, fix_, bound_, where_;
+  std::vector<std::string> data_, where_;
+  ParameterOptions given_;
   std::vector<double> force_;
   std::optional<backlash::Output> body_;
   backlash::SceneIdentificationOptions scene_;

@@ -35,7 +35,8 @@ class JointFit : public Command {
     Options& o = options();
     o.texts("DATA", data_, "Frequency responses as tables or as instruments write them, or folders of them",
             "FILE|FOLDER")
-        .required();
+        .required()
+        .names_input();
     o.text("--model", model_, "or a preset; letters other than s are parameters").suggest(preset_names()).required();
     o.text("--shared", shared_, "Parameters that all curves have in common; of the others each has its own", "LIST");
     o.text("--each", each_, "Parameters of which each curve has its own; the others are shared", "LIST");
@@ -88,8 +89,6 @@ class JointFit : public Command {
     fit_.threads = threads();
     quantities_ = quantities_of(derive_, structure.parameter_names());
   }
-
-  [[nodiscard]] std::vector<std::string> inputs() const override { return data_; }
 
   int run() override {
     std::vector<frac::JointCurve> curves;

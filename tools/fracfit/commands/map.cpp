@@ -38,13 +38,14 @@ class Map : public SweepCommand {
  private:
   int run() override {
     sweep_.threads = threads();
-    const std::vector<double> part = io::part_of(restitution_, shard());
+    const backlash::MapScene scene{scene_.mass1, scene_.mass2, scene_.clearance, scene_.force};
+    const std::vector<backlash::SweepScene> scenes = backlash::map_scenes(scene, restitution_);
+    const std::vector<double> cost = expected_costs(scenes);
+    const std::vector<double> part = io::part_of(restitution_, shard(), cost);
+    // More shards than restitutions leave some without any.
     require_table_size({{"--restitution", part.size()}, {"--omega", omega_.size()}},
                        streams() ? largest_stream : largest_table);
-    const backlash::MapScene scene{scene_.mass1, scene_.mass2, scene_.clearance, scene_.force};
-    // More shards than restitutions leave some without any.
-    const std::vector<backlash::SweepScene> scenes = backlash::map_scenes(scene, restitution_);
-    return write_points({io::part_of(scenes, shard()), omega_, sweep_}, map_table(scene, part, sweep_, shard()));
+    return write_points({io::part_of(scenes, shard(), cost), omega_, sweep_}, map_table(scene, part, sweep_, shard()));
   }
 
   Scene scene_;

@@ -36,7 +36,10 @@ void check_agreement(const BatchTable& first, const std::string& first_file, con
 class Merge : public Command {
  public:
   Merge() : Command("merge", "Joins the shards of a batch, a sweep or a map") {
-    options().texts("IN", in_, "Tables written with --shard by fracfit batch, simulate or map", "FILE").required();
+    options()
+        .texts("IN", in_, "Tables written with --shard by fracfit batch, simulate or map", "FILE")
+        .required()
+        .names_input();
     options().flag("--status", status_,
                    "Say how far each shard of a sweep or a map is and which are missing; join nothing");
     add_common({"csv", "json", "table"});
@@ -97,8 +100,6 @@ class Merge : public Command {
     set_out(in_.front());
     in_.erase(in_.begin());
   }
-
-  [[nodiscard]] std::vector<std::string> inputs() const override { return in_; }
 
   int run() override {
     const bool is_sweep = io::is_block_table(in_.front());

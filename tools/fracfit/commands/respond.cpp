@@ -43,7 +43,8 @@ class Respond : public Command {
     Options& o = options();
     add_model(o, model_).required();
     o.text("--input", input_, "step, impulse, ramp, sine, or a file with columns time_s,input", "INPUT")
-        .suggest({"step", "impulse", "ramp", "sine"});
+        .suggest({"step", "impulse", "ramp", "sine"})
+        .names_input();
     o.one_number("--omega", omega_, "of the sine").only_with({"--input", {"sine"}}).needed_with({"--input", {"sine"}});
     o.numbers("--time", time_,
               "Instants, s: FROM:TO:COUNT, FROM:TO:COUNTlog or a list; with a file, those of the file if not given",
@@ -80,10 +81,6 @@ class Respond : public Command {
     if (time_.empty()) time_ = series.time;
     return frac::SampledInput{std::move(series.time), std::move(series.input),
                               hold_ == "first-order" ? frac::Hold::first_order : frac::Hold::zero_order};
-  }
-
-  [[nodiscard]] std::vector<std::string> inputs() const override {
-    return named_input(input_) ? std::vector<std::string>{} : std::vector{input_};
   }
 
   int run() override {

@@ -142,7 +142,7 @@ class Simulate : public SweepCommand {
   int run_dynamic() {
     sweep_.threads = threads();
     const std::vector<backlash::SweepScene> all = scenes();
-    const std::vector<backlash::SweepScene> part = io::part_of(all, shard());
+    const std::vector<backlash::SweepScene> part = io::part_of(all, shard(), expected_costs(all));
     require_table_size({{"scenes", part.size()}, {"--omega", omega_.size()}},
                        streams() ? largest_stream : largest_table);
     if (format() == "json") return run_json(all);

@@ -134,11 +134,13 @@ class Tune : public Command {
   Tune() : Command("tune", "Gains and orders of a fractional PID for a plant") {
     Options& o = options();
     add_model(o, plant_, "the plant").was("--plant");
-    o.text("--fit", fit_, "|S| and |T| are kept by all plants of the joint 95 % region of its parameters");
+    o.text("--fit", fit_, "|S| and |T| are kept by all plants of the joint 95 % region of its parameters")
+        .names_input();
     o.text("--from-relay", relay_,
            "Plant from samples of input and output (columns time_s,input,output) of a relay experiment or any other: a "
            "lag, a fractional lag or a second order, each with dead time, whichever explains them best; then as --fit",
-           "FILE");
+           "FILE")
+        .names_input();
     o.exactly_one({"--model", "--fit", "--from-relay"}, "the plant");
     o.number("--crossover", asked_.crossover, "Angular frequency at which |L| = 1, rad/s", "W");
     o.parsed("--phase-margin", asked_.phase_margin, angle_of, "At the crossover, degrees", "DEG");
@@ -174,13 +176,6 @@ class Tune : public Command {
   }
 
  private:
-  [[nodiscard]] std::vector<std::string> inputs() const override {
-    std::vector<std::string> files;
-    for (const auto& file : {fit_, relay_})
-      if (!file.empty()) files.push_back(file);
-    return files;
-  }
-
   // Of the plants that relay experiments are described by, the one with the best evidence.
   [[nodiscard]] frac::FitResult fit_of_relay() const {
     const frac::TimeResponseData data = io::time_response_data(relay_, io::read_time_response(relay_));

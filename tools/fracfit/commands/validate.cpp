@@ -62,7 +62,8 @@ class Validate : public Command {
                 "Checks whether measured frequency responses can be those of a linear, stable, steady system") {
     Options& o = options();
     o.texts("FILE", files_, "Frequency responses as tables or as instruments write them; - for standard input", "FILE")
-        .required();
+        .required()
+        .names_input();
     add_file_options(o, how_);
     add_select(o, how_);
     o.number("--level", level_, "Chance that data without a fault are not called valid, between 0 and 1", "P");
@@ -82,8 +83,6 @@ class Validate : public Command {
   }
 
  private:
-  [[nodiscard]] std::vector<std::string> inputs() const override { return files_; }
-
   void check() override {
     if (!(level_ > 0 && level_ < 1)) throw std::invalid_argument("--level must be between 0 and 1");
     if (picture_.empty()) return;

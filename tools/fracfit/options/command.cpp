@@ -62,7 +62,7 @@ int Command::execute() {
     check();
     for (const std::string& note : notes_) say(note);
     out_ = io::with_shard(out_, shard_);
-    output_.emplace(out_, inputs());
+    output_.emplace(out_, options_.input_files());
     return run();
   } catch (const std::invalid_argument& error) {
     throw std::invalid_argument(options_.in_their_words(error.what()));

@@ -51,8 +51,6 @@ class Command {
   /// Checks that the options fit together, where their declarations cannot say it, before anything is written or read.
   virtual void check() {}
   [[nodiscard]] virtual int run() = 0;
-  /// Files that run() reads, which --out must not replace; "-" is standard input.
-  [[nodiscard]] virtual std::vector<std::string> inputs() const { return {}; }
 
   /// --shard, whose place "{shard}" --out may name.
   /// @param pieces  what is shared out

@@ -6,6 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "frac/identification/outliers.hpp"
 #include "io/data_error.hpp"
 #include "options/model_options.hpp"
 
@@ -27,6 +28,19 @@ frac::Realisation realisation_of(const FitRequest& request) {
   return frac::OustaloupRealisation{*request.band, poles};
 }
 
+// "2 of 60 points contradict their neighbours on both sides (omega = 1, 3 rad/s)"
+std::string contradicted_points(const frac::FrequencyResponseData& data, const std::vector<std::size_t>& points) {
+  std::string omega;
+  for (const std::size_t point : points) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4g", data.omega()[point]);
+    omega += (omega.empty() ? "" : ", ") + std::string(text);
+  }
+  return std::to_string(points.size()) + " of " + std::to_string(data.size()) +
+         (points.size() == 1 ? " points contradicts its" : " points contradict their") +
+         " neighbours on both sides (omega = " + omega + " rad/s)";
+}
+
 }  // namespace
 
 void add_data(Options& options, FitRequest& request) {
@@ -35,7 +49,8 @@ void add_data(Options& options, FitRequest& request) {
             "A frequency response as CSV, TSV or as an instrument writes it, or samples over time "
             "(time_s,input,output); - for standard input",
             "FILE")
-      .required();
+      .required()
+      .names_input();
   add_file_options(options, request.how);
   add_select(options, request.how);
 }
@@ -70,6 +85,14 @@ void add_residual_options(Options& options, FitRequest& request) {
   options.count("--memory", request.memory, 0, largest_table, "Samples it keeps, 0 for all", "N")
       .only_for(frequency_response)
       .only_with(sampled);
+}
+
+void add_outliers(Options& options, FitRequest& request) {
+  options
+      .text("--outliers", request.outliers,
+            "What becomes of points that contradict their neighbours on both sides; a robust loss keeps them", "HOW")
+      .one_of({"leave-out", "keep"})
+      .only_for(frequency_response);
 }
 
 void add_points_and_seed(Options& options, FitRequest& request) {
@@ -119,25 +142,24 @@ std::string where_text(const FitRequest& request) {
   return text.empty() ? "all points" : text;
 }
 
-std::string contradicted_points(const frac::FrequencyResponseData& data, const std::vector<std::size_t>& points) {
-  std::string omega;
-  for (const std::size_t point : points) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.4g", data.omega()[point]);
-    omega += (omega.empty() ? "" : ", ") + std::string(text);
-  }
-  return std::to_string(points.size()) + " of " + std::to_string(data.size()) +
-         (points.size() == 1 ? " points contradicts its" : " points contradict their") +
-         " neighbours on both sides (omega = " + omega + " rad/s)";
+std::vector<std::size_t> outliers_left_out(const FitRequest& request, const frac::FrequencyResponseData& data,
+                                           const std::function<void(const std::string&)>& note) {
+  if (request.outliers == "keep" || request.loss != frac::Loss::none) return {};
+  auto points = frac::isolated_outliers(data, request.component);
+  if (!points.empty())
+    note(contradicted_points(data, points) + "; they are left out, and taken in with --outliers keep");
+  return points;
 }
 
 FitRun fit_run(const FitRequest& request, const Options& options, const io::FrequencyResponseFile& file,
-               std::string command) {
+               const std::vector<std::size_t>& left_out, std::string command) {
   auto entries = options.entries({"--component", "--weight", "--loss", "--realisation", "--band", "--poles",
-                                  "--sample-time", "--memory", "--seed"});
+                                  "--sample-time", "--memory", "--seed", "--outliers"});
   entries.emplace_back("where", where_text(request));
-  return {std::move(command),       request.data,    file.data.size(), file.data.omega().front(),
-          file.data.omega().back(), file.value_unit, file.metadata,    std::move(entries)};
+  FitRun run{std::move(command),       request.data,    file.data.size(), file.data.omega().front(),
+             file.data.omega().back(), file.value_unit, file.metadata,    std::move(entries)};
+  for (const std::size_t index : left_out) run.left_out.push_back({index, file.data.omega()[index]});
+  return run;
 }
 
 }  // namespace fracfit

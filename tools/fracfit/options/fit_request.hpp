@@ -27,6 +27,7 @@ struct FitRequest {
   std::size_t memory = 0;
   std::vector<std::string> where;
   std::uint64_t seed = 1;
+  std::string outliers = "leave-out";
   std::string key_column, curve;  // which curve of a file that holds several
   io::MeasurementOptions how;     // what the file does not tell of itself
 };
@@ -35,6 +36,9 @@ void add_data(Options& options, FitRequest& request);
 void add_residual_options(Options& options, FitRequest& request);
 /// --where and --seed.
 void add_points_and_seed(Options& options, FitRequest& request);
+
+/// --outliers, with one meaning wherever residuals are formed.
+void add_outliers(Options& options, FitRequest& request);
 
 /// The options without constraints. @throws std::invalid_argument  naming the option.
 [[nodiscard]] frac::FitOptions fit_options(const FitRequest& request);
@@ -49,12 +53,15 @@ void add_points_and_seed(Options& options, FitRequest& request);
 /// Tests of --where as one text, the entry that outputs show.
 [[nodiscard]] std::string where_text(const FitRequest& request);
 
-/// "2 of 60 points contradict their neighbours on both sides (omega = 1, 3 rad/s)"
-[[nodiscard]] std::string contradicted_points(const frac::FrequencyResponseData& data,
-                                              const std::vector<std::size_t>& points);
+/// Points that --outliers leaves out: those that contradict their neighbours on both sides, unless they are to be kept
+/// or a robust loss limits what they do; `note` is told.  Indices of the data, increasing.
+[[nodiscard]] std::vector<std::size_t> outliers_left_out(const FitRequest& request,
+                                                         const frac::FrequencyResponseData& data,
+                                                         const std::function<void(const std::string&)>& note);
 
 /// What the outputs say of where a result came from.
+/// @param left_out  indices of the file's data
 [[nodiscard]] FitRun fit_run(const FitRequest& request, const Options& options, const io::FrequencyResponseFile& file,
-                             std::string command);
+                             const std::vector<std::size_t>& left_out, std::string command);
 
 }  // namespace fracfit

@@ -181,6 +181,11 @@ Option& Option::or_argument() {
   return *this;
 }
 
+Option& Option::names_input() {
+  names_input_ = true;
+  return *this;
+}
+
 Option& Option::unsaid() {
   echoed_ = false;
   return *this;
@@ -324,6 +329,17 @@ void Options::interpret() {
     if (option.required_ && !option.is_given()) refuse(option.name() + " is required: " + option.help_);
   for (const Option& option : options_) check_rules(option);
   check_groups();
+}
+
+std::vector<std::string> Options::input_files() const {
+  std::vector<std::string> files;
+  for (const Option& option : options_) {
+    if (!option.names_input_) continue;
+    std::copy_if(option.given.begin(), option.given.end(), std::back_inserter(files), [&](const std::string& text) {
+      return std::find(option.words_.begin(), option.words_.end(), text) == option.words_.end();
+    });
+  }
+  return files;
 }
 
 void Options::settle(const std::string& kind_of_data) {

@@ -83,7 +83,8 @@ class Option {
   Option& needed_with(Condition condition);
   Option& only_for(std::string kind_of_data);  ///< see Options::settle
   Option& or_argument();                       ///< its value may stand without the name
-  Option& unsaid();                            ///< has no influence on the result, and so no place in its command line
+  Option& names_input();  ///< a file that the command reads, which --out must not replace; suggested words are none
+  Option& unsaid();       ///< has no influence on the result, and so no place in its command line
 
   // After parsing.
   [[nodiscard]] bool is_given() const { return !given.empty(); }
@@ -119,7 +120,7 @@ class Option {
   std::vector<std::string> words_, old_names_;
   std::vector<Rule> rules_;
   Take take_;
-  bool required_ = false, only_words_ = false, or_argument_ = false, echoed_ = true;
+  bool required_ = false, only_words_ = false, or_argument_ = false, names_input_ = false, echoed_ = true;
 };
 
 /// The options of one command, in the order in which help and command line show them.
@@ -189,6 +190,8 @@ class Options {
 
   /// Sets every variable from what was given. @throws std::invalid_argument  naming the option.
   void interpret();
+  /// The files that were given to options that name inputs; "-" is standard input.
+  [[nodiscard]] std::vector<std::string> input_files() const;
   /// Says of which kind the data are. @throws std::invalid_argument  an option was given that is for another kind only.
   void settle(const std::string& kind_of_data);
 

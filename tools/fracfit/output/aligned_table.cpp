@@ -75,7 +75,7 @@ std::string AlignedTable::text() const {
 std::string short_number(double value, int digits) {
   if (std::isnan(value)) return "-";
   char text[32];
-  std::snprintf(text, sizeof text, "%.*g", digits, value);
+  std::snprintf(text, sizeof text, "%.*g", digits, value == 0 ? 0 : value);  // no "-0"
   return text;
 }
 

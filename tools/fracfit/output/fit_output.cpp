@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "io/number.hpp"
 #include "output/aligned_table.hpp"
@@ -24,6 +25,11 @@ std::string heading(const FitRun& run) {
   std::string text = "data       " + run.file + ", " + std::to_string(run.points) + " points, " +
                      interval(run.lower, run.upper) + (run.over_time ? " s" : " rad/s");
   if (!run.value_unit.empty()) text += ", values in " + run.value_unit;
+  if (!run.left_out.empty()) {
+    text += "\nleft out   omega =";
+    for (const LeftOutPoint& point : run.left_out) text += " " + short_number(point.omega);
+    text += " rad/s";
+  }
   if (run.over_time) {
     text += "\nresiduals  of the output, " + option_of(run, "weight") + " weight";
     if (option_of(run, "loss") != "none") text += ", " + option_of(run, "loss") + " loss";
@@ -186,7 +192,29 @@ Json next_measurement_json(const std::optional<frac::NextMeasurement>& next) {
           {"expected_evidence", next->expected_evidence}};
 }
 
-void append_statistics(Json& json, const frac::FitResult& result, const FitStatistics& statistics, bool over_time) {
+// Points of the data read by their index: those left out, and those whose residuals stand out of the fit's.
+Json outliers_json(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
+  const char* const at = run.over_time ? "time_s" : "omega";
+  std::map<std::size_t, Json> by_index;
+  for (const LeftOutPoint& point : run.left_out)
+    by_index[point.index] = {{"index", point.index}, {at, point.omega}, {"left_out", true}};
+  for (std::size_t i = 0; i < statistics.outlier_at.size(); ++i) {
+    std::size_t index = result.outliers[i];
+    for (const LeftOutPoint& point : run.left_out) index += point.index <= index ? 1 : 0;
+    by_index[index] = {{"index", index}, {at, statistics.outlier_at[i]}, {"left_out", false}};
+  }
+  Json outliers = Json::array();
+  for (const auto& [index, outlier] : by_index) outliers.push_back(outlier);
+  return outliers;
+}
+
+Json left_out_json(const FitRun& run) {
+  Json left_out = Json::array();
+  for (const LeftOutPoint& point : run.left_out) left_out.push_back(point.omega);
+  return left_out;
+}
+
+void append_statistics(Json& json, const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
     const auto& estimate = result.parameters[i];
     Json& parameter = json["parameters"][i];
@@ -204,10 +232,7 @@ void append_statistics(Json& json, const frac::FitResult& result, const FitStati
   }
   json["centre_omega"] = result.centre_omega;
   json["correlation"] = statistics.correlation;
-  json["outliers"] = Json::array();
-  for (std::size_t i = 0; i < statistics.outlier_at.size(); ++i)
-    json["outliers"].push_back(
-        {{"index", result.outliers[i]}, {over_time ? "time_s" : "omega", statistics.outlier_at[i]}});
+  json["outliers"] = outliers_json(run, result, statistics);
   json["lack_of_fit"] = lack_of_fit_json(statistics.lack_of_fit);
   json["whiteness"] = {{"lag_one_correlation", statistics.whiteness.lag_one_correlation},
                        {"p_value", statistics.whiteness.p_value}};
@@ -251,6 +276,7 @@ Json origin_of_fit(const FitRun& run) {
                   {run.over_time ? "time_to_s" : "omega_upper", run.upper},
                   {"value_unit", run.value_unit.empty() ? Json(nullptr) : Json(run.value_unit)},
                   {"header", object_of(run.file_header)}};
+  if (!run.over_time) json["data"]["left_out"] = left_out_json(run);
   json["options"] = object_of(run.options);
   return json;
 }
@@ -367,7 +393,7 @@ std::string identification_csv(const FitRun& run, const frac::IdentificationResu
 std::string fit_json(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
   Json json = origin_of_fit(run);
   append_fit(json, result);
-  append_statistics(json, result, statistics, run.over_time);
+  append_statistics(json, run, result, statistics);
   if (!statistics.derived.empty()) json["derived"] = derived_json(statistics.derived);
   return json.dump() + "\n";
 }

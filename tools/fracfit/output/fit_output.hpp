@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "frac/identification/fit.hpp"
 #include "frac/identification/identify.hpp"
@@ -10,16 +11,23 @@
 
 namespace fracfit {
 
+/// A point that a fit has left out.
+struct LeftOutPoint {
+  std::size_t index;  // of the data read
+  double omega;       // rad/s
+};
+
 /// What a fit or an identification was made from.
 struct FitRun {
   std::string command;
   std::string file;
-  std::size_t points;
+  std::size_t points;        // read, those left out among them
   double lower, upper;       // of omega, rad/s, or of time, s
   std::string value_unit;    // empty when the file gives none
   io::Metadata file_header;  // "# key: value" lines of the data file
   io::Metadata options;
   bool over_time = false;
+  std::vector<LeftOutPoint> left_out = {};  // index rising
 };
 
 // Tables for people.  prediction_rms: of cross-validation, one per candidate of the ranking; empty when not asked for.

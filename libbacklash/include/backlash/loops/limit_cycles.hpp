@@ -18,6 +18,7 @@ enum class StabilityLoss {
                       // period become unequal
   saddle_node,        // it is real and above 1
   torus,              // it is one of a complex pair: a second frequency appears
+  period_doubling,    // of an ImpactCycle: the multiplier of its period is real and below -1
 };
 /// "none", "symmetry-breaking", ...
 [[nodiscard]] std::string_view to_string(StabilityLoss loss);

@@ -199,17 +199,20 @@ void describe(const CSections& sections, CWords& words, CConditions& conditions)
   conditions["HAS_" + prefix + "_STATE"] = sections.has_state();
 }
 
-std::string CText::section_functions(const CSections& sections) const {
+std::string CText::section_functions(const CSections& sections, bool has_vectors) const {
   std::string arrays;
   if (!sections.taps.empty()) arrays += array(sections.prefix + "_tap", sections.taps);
   if (!sections.rates.empty())
     arrays += array(sections.prefix + "_rate", sections.rates) + array(sections.prefix + "_weight", sections.weights);
   CSections any = sections;
   any.prefix = "prefix";
-  CWords words{{"PREFIX", sections.prefix}, {"PREFIX_DIRECT", literal(sections.direct)}};
+  CWords words{{"PREFIX", sections.prefix},
+               {"PREFIX_DIRECT", literal(sections.direct)},
+               {"VECTOR_INTEGER", is_float_ ? "int" : "long long"}};
   CConditions conditions{{"PREFIX_GIVES_STATES", sections.output == SectionOutput::state}};
   describe(any, words, conditions);
-  return arrays + (arrays.empty() ? "" : "\n") + filled(runtime::section_filter, words, conditions);
+  return arrays + (arrays.empty() ? "" : "\n") + filled(runtime::section_filter, words, conditions) +
+         (has_vectors && !sections.rates.empty() ? filled(runtime::section_vector, words, conditions) : "");
 }
 
 }  // namespace detail

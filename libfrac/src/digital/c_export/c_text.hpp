@@ -46,7 +46,8 @@ class CText {
   [[nodiscard]] std::string closed(std::string text) const;
   /// Arrays, and functions x = NAME_<prefix>_tapped(state, input), NAME_<prefix>_output(state, x),
   /// NAME_<prefix>_advance(state, input, x).
-  [[nodiscard]] std::string section_functions(const CSections& sections) const;
+  /// @param has_vectors  also in vectors, for compilers that are told of registers for them
+  [[nodiscard]] std::string section_functions(const CSections& sections, bool has_vectors) const;
 
  private:
   [[nodiscard]] std::string guard() const;

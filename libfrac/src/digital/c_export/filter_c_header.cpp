@@ -8,6 +8,7 @@
 #include "digital/section_kernel.hpp"
 #include "digital/tap_line.hpp"
 #include "runtime_text.hpp"
+#include "tuned_header.hpp"
 
 namespace frac {
 namespace {
@@ -39,7 +40,7 @@ std::string pair_arrays(const DigitalFilterDesign& design, const detail::CText& 
 }
 
 template <typename Real>
-std::string text_of(const DigitalFilterDesign& design, const CHeaderOptions& options) {
+std::string text_of(const DigitalFilterDesign& design, const CHeaderOptions& options, bool has_vectors) {
   // Checks the design.
   [[maybe_unused]] const DigitalFilter<Real> checked(design);
   constexpr std::size_t most_dead = 100'000;
@@ -68,15 +69,23 @@ std::string text_of(const DigitalFilterDesign& design, const CHeaderOptions& opt
                                  {"HAS_NOTHING", !has_arrays}};
   describe(sections, words, conditions);
   return c.closed(c.opening(options.comment) + c.filled(detail::runtime::filter_state, words, conditions) +
-                  c.section_functions(sections) + pair_arrays(design, c) +
+                  c.section_functions(sections, has_vectors) + pair_arrays(design, c) +
                   c.filled(detail::runtime::filter, words, conditions));
+}
+
+std::string text_of(const DigitalFilterDesign& design, const CHeaderOptions& options, bool has_vectors) {
+  return options.precision == Precision::float_type ? text_of<float>(design, options, has_vectors)
+                                                    : text_of<double>(design, options, has_vectors);
 }
 
 }  // namespace
 
 std::string c_header(const DigitalFilterDesign& design, const CHeaderOptions& options) {
-  return options.precision == Precision::float_type ? text_of<float>(design, options)
-                                                    : text_of<double>(design, options);
+  return text_of(design, options, false);
+}
+
+std::string detail::vector_c_header(const DigitalFilterDesign& design, const CHeaderOptions& options) {
+  return text_of(design, options, true);
 }
 
 }  // namespace frac

@@ -69,7 +69,7 @@ std::string text_of(const FractionalPidDesign& design, const CHeaderOptions& opt
   describe(integral, words, conditions);
   describe(derivative, words, conditions);
   return c.closed(c.opening(options.comment) + c.filled(detail::runtime::pid_state, words, conditions) +
-                  c.section_functions(integral) + c.section_functions(derivative) +
+                  c.section_functions(integral, is_tuned) + c.section_functions(derivative, is_tuned) +
                   c.filled(detail::runtime::pid, words, conditions));
 }
 

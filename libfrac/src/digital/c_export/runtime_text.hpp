@@ -9,6 +9,7 @@ namespace frac::detail::runtime {
 extern const std::string_view guard_open;
 extern const std::string_view guard_close;
 extern const std::string_view section_filter;
+extern const std::string_view section_vector;
 extern const std::string_view pid_state;
 extern const std::string_view pid;
 extern const std::string_view filter_state;

@@ -45,7 +45,9 @@ typedef struct {
 #define FMI2_NAME(name) name
 #endif
 
-#if defined(_WIN32)
+#if defined(FMU_FOR_AVX512)
+#define FMI2_EXPORT
+#elif defined(_WIN32)
 #define FMI2_EXPORT __declspec(dllexport)
 #elif defined(__GNUC__)
 #define FMI2_EXPORT __attribute__((visibility("default")))

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: BSD-3-Clause */
 /* The functions of FMI 2.0 around a model.  Before it stand, from the generated file and from the file of the model:
- *   MODEL_GUID, MODEL_REALS, MODEL_BOOLEANS (0 where there are none), MODEL_STATES (0 without model exchange);
+ *   MODEL_GUID, MODEL_REALS, MODEL_BOOLEANS (0 where there are none), MODEL_STATES (0 without model exchange),
+ *   MODEL_EVENTS (number of event indicators);
  *   model_default[MODEL_REALS], start values by value reference;
  *   model_access[MODEL_REALS], of each whether it is an input 'i', a parameter that is fixed 'p' or tunable 't', or a
  *     result 'o';
@@ -8,7 +9,9 @@
  *   const char *model_start(model *, double time)  to the state at rest: 0, or what prevents it;
  *   const char *model_step(model *, double time, double duration)  under constant inputs;
  *   void model_results(model *)  results of the present state and inputs;
- *   double *model_state(model *), void model_rates(model *, double *)  where MODEL_STATES > 0.
+ *   double *model_state(model *), void model_rates(model *, double *)  where MODEL_STATES > 0;
+ *   void model_indicators(model *, double *), int model_event(model *)  where MODEL_EVENTS > 0: what changes its sign at
+ *     an event, and what happens then, 1 if the states jump.
  * All that changes is in the model, so that instances know nothing of each other and a state is a copy of the bytes.
  */
 #include <string.h>
@@ -314,11 +317,20 @@ FMI2_EXPORT fmi2Status FMI2_NAME(fmi2GetDirectionalDerivative)(fmi2Component c, 
 
 /* Co-simulation. */
 
+/* A library may hold the model a second time, compiled with FMU_FOR_AVX512 for processors that have AVX-512.  Steps are
+ * then taken by what suits the processor; the bits are the same. */
+#if defined(FMU_HAS_AVX512)
+fmi2Status avx512_fmi2DoStep(fmi2Component component, fmi2Real time, fmi2Real duration, fmi2Boolean no_earlier_state);
+#endif
+
 FMI2_EXPORT fmi2Status FMI2_NAME(fmi2DoStep)(fmi2Component component, fmi2Real time, fmi2Real duration,
                                              fmi2Boolean no_earlier_state)
 {
   instance *c = (instance *)component;
   const char *why;
+#if defined(FMU_HAS_AVX512)
+  if (__builtin_cpu_supports("avx512f")) return avx512_fmi2DoStep(component, time, duration, no_earlier_state);
+#endif
   (void)no_earlier_state;
   if (c->state.phase != is_running || c->type != fmi2CoSimulation) return refuse(c, "fmi2DoStep: not in step mode");
   if (!(duration >= 0)) return refuse(c, "fmi2DoStep: the step is negative");
@@ -402,10 +414,15 @@ FMI2_EXPORT fmi2Status FMI2_NAME(fmi2EnterEventMode)(fmi2Component c)
   return fmi2OK;
 }
 
-FMI2_EXPORT fmi2Status FMI2_NAME(fmi2NewDiscreteStates)(fmi2Component c, fmi2EventInfo *event)
+FMI2_EXPORT fmi2Status FMI2_NAME(fmi2NewDiscreteStates)(fmi2Component component, fmi2EventInfo *event)
 {
-  (void)c;
+  instance *c = (instance *)component;
   memset(event, 0, sizeof *event);
+#if MODEL_EVENTS > 0
+  event->valuesOfContinuousStatesChanged = model_event(&c->state.inner);
+#else
+  (void)c;
+#endif
   return fmi2OK;
 }
 
@@ -455,10 +472,16 @@ FMI2_EXPORT fmi2Status FMI2_NAME(fmi2GetDerivatives)(fmi2Component component, fm
   return fmi2OK;
 }
 
-FMI2_EXPORT fmi2Status FMI2_NAME(fmi2GetEventIndicators)(fmi2Component c, fmi2Real indicator[], size_t count)
+FMI2_EXPORT fmi2Status FMI2_NAME(fmi2GetEventIndicators)(fmi2Component component, fmi2Real indicator[], size_t count)
 {
+  instance *c = (instance *)component;
+  if (count != MODEL_EVENTS) return refuse(c, "fmi2GetEventIndicators: wrong number of indicators");
+#if MODEL_EVENTS > 0
+  model_indicators(&c->state.inner, indicator);
+#else
   (void)indicator;
-  return count == 0 ? fmi2OK : refuse((instance *)c, "fmi2GetEventIndicators: there are none");
+#endif
+  return fmi2OK;
 }
 
 FMI2_EXPORT fmi2Status FMI2_NAME(fmi2GetNominalsOfContinuousStates)(fmi2Component component, fmi2Real nominal[],

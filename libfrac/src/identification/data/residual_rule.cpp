@@ -61,7 +61,7 @@ double noise_of(const std::vector<double>& x, const std::vector<double>& y) {
     const double line = (1 - share) * y[i - 1] + share * y[i + 1];
     distance.push_back(std::abs(y[i] - line) / std::sqrt(1 + share * share + (1 - share) * (1 - share)));
   }
-  return 1.4826 * median(std::move(distance));
+  return robust_deviation(std::move(distance));
 }
 
 /// |data| as its neighbours tell it: exp of a straight line through ln|data| over ln omega of up to four on either

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
+#include "base/median.hpp"
 #include "time_residuals.hpp"
 
 namespace frac::detail {
@@ -57,10 +59,7 @@ double noise_level(const Samples& output) {
     const double variance = 1 + share * share + (1 - share) * (1 - share);
     difference.push_back(std::abs(output.value[i - 1] - line) / std::sqrt(variance));
   }
-  if (difference.empty()) return 0;
-  const auto middle = difference.begin() + static_cast<std::ptrdiff_t>(difference.size() / 2);
-  std::nth_element(difference.begin(), middle, difference.end());
-  return 1.4826 * *middle;
+  return robust_deviation(std::move(difference));
 }
 
 // Outputs that count, the first of them also for what was before it.

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/linear_algebra.hpp"
+#include "base/median.hpp"
 #include "loss.hpp"
 
 namespace frac::detail {
@@ -175,10 +176,7 @@ void TimeResiduals::set_loss(Loss loss, double scale) {
 
 double TimeResiduals::location(const Eigen::VectorXd& values) const {
   if (loss_ == Loss::none) return average_.dot(values);
-  std::vector<double> sorted(values.begin(), values.end());
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  double centre = *middle;
+  double centre = median({values.begin(), values.end()});
   const double negligible = 1e-15 * loss_scale_ / weight_.maxCoeff();
   // Reweighted means: each is nearer than the last, by the share of outliers at least.
   for (int pass = 0; pass < 200; ++pass) {

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <utility>
+
+#include "base/median.hpp"
 
 namespace frac::detail {
 namespace {
@@ -32,9 +35,7 @@ double loss_cost(std::span<const double> residual, std::size_t per_point, const 
 double robust_spread(std::span<const double> residual) {
   std::vector<double> size(residual.begin(), residual.end());
   for (double& value : size) value = std::abs(value);
-  const auto middle = size.begin() + static_cast<std::ptrdiff_t>(size.size() / 2);
-  std::nth_element(size.begin(), middle, size.end());
-  return 1.4826 * *middle;
+  return robust_deviation(std::move(size));
 }
 
 std::vector<std::size_t> outliers(std::span<const double> residual, std::size_t per_point) {

@@ -149,7 +149,7 @@ std::vector<double> respond_bdf2(const FractionalTransferFunction& model, std::s
   const auto starts = static_cast<Eigen::Index>(exponents.size());
   const StartingWeights output_start(model.denominator(), left, sample_time, exponents, 1);
 
-  // The first samples hang together through the starting weights.
+  // The starting weights couple the first samples, so these are solved for together.
   if (starts > 0) {
     Eigen::MatrixXd together = Eigen::MatrixXd::Zero(starts, starts);
     Eigen::VectorXd rest(starts);

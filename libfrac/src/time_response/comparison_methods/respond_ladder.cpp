@@ -2,19 +2,15 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <map>
+#include <unsupported/Eigen/MatrixFunctions>
 
-#include "base/eigenvalues.hpp"
 #include "frac/approximation/approximate.hpp"
 #include "frac/time_response/response_methods.hpp"
-#include "special/phi_functions.hpp"
 #include "time_response/sample_checks.hpp"
 
 namespace frac {
 namespace {
-
-using Complex = std::complex<double>;
 
 // x' = A x + b u, y = c x + d u.
 struct StateSpace {
@@ -31,7 +27,8 @@ struct Output {
 };
 
 // With w = s^n y (n the highest order of the denominator, y of the denominator alone), every other term is s^-(n - q)
-// of w: modes of the ladder for the fractional part, then integrators.
+// of w: modes of the ladder for the fractional part, then integrators.  The whole stays a state space, because poles
+// that coincide, as those of two integrators do, have no modes.
 StateSpace realised(const FractionalTransferFunction& model, FrequencyBand band, double tolerance) {
   const double highest = model.denominator().front().order;
   std::map<double, Approximation> ladders;  // by fractional part of the lag
@@ -124,25 +121,21 @@ std::vector<double> respond_ladder(const FractionalTransferFunction& model, std:
     return output;
   }
 
-  // Modes: y = Re sum residue x + d u, x' = pole x + u.
-  const auto [poles, residues] = detail::partial_fractions(system.a, system.b, system.c);
-  const Eigen::Index size = poles.size();
-  Eigen::ArrayXcd factor(size), held(size), rising(size);
-  for (Eigen::Index k = 0; k < size; ++k) {
-    const Complex z = poles[k] * sample_time;
-    Complex phis[2];
-    detail::phi(z, phis);
-    factor[k] = std::exp(z);
-    held[k] = sample_time * phis[0];
-    rising[k] = sample_time * phis[1];
-  }
-  Eigen::ArrayXcd state = Eigen::ArrayXcd::Zero(size);
+  // One sample of x' = A x + b u, u' = slope: a matrix exponential, which holds for poles that coincide too.
+  const Eigen::Index size = system.b.size();
+  Eigen::MatrixXd motion = Eigen::MatrixXd::Zero(size + 2, size + 2);
+  motion.topLeftCorner(size, size) = system.a;
+  motion.col(size).head(size) = system.b;
+  motion(size, size + 1) = 1;
+  const Eigen::MatrixXd transition = (sample_time * motion).exp().topRows(size);
+  Eigen::VectorXd state = Eigen::VectorXd::Zero(size + 2);  // x, u and its slope
   for (std::size_t n = 0; n < samples.size(); ++n) {
     if (n > 0) {
-      state = factor * state + held * samples[n - 1];
-      if (hold == Hold::first_order) state += rising * (samples[n] - samples[n - 1]);
+      state[size] = samples[n - 1];
+      if (hold == Hold::first_order) state[size + 1] = (samples[n] - samples[n - 1]) / sample_time;
+      state.head(size) = transition * state;
     }
-    output[n] = (residues.array() * state).real().sum() + system.d * samples[n];
+    output[n] = system.c * state.head(size) + system.d * samples[n];
   }
   detail::delay_samples(output, model.delay(), sample_time);
   return output;

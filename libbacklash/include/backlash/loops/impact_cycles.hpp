@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "backlash/loops/control_loop.hpp"
+#include "backlash/loops/limit_cycles.hpp"
+#include "backlash/loops/simulate_loop.hpp"
+
+namespace backlash {
+
+/// An impact of a periodic motion.
+struct CycleImpact {
+  double time;     // s, from the first one of the period
+  double impulse;  // N s, on mass 1: positive at x2 - x1 = +clearance/2
+  double speed;    // m/s, of the masses towards each other
+};
+
+/// A periodic motion of the loop with any number of impacts per period, symmetric or not.  The mirror image x -> -x of
+/// an asymmetric motion is another one, which is not listed beside it.
+struct ImpactCycle {
+  double period;                     // s
+  std::vector<CycleImpact> impacts;  // of one period; the first is the hardest, at +clearance/2
+  double middle;                     // m, mean of x2 - x1
+  bool symmetric;                    // the second half of the period is the mirror image of the first
+  bool admissible;                   // the motion exists: impacts push, and between them it stays off the walls
+  std::string reason;                // one sentence where it is not admissible, else empty
+  /// Multipliers per period.  Those outside the unit circle are counted; of a stable motion with more than six impacts
+  /// the dominant one may be another than the largest.  With fractional powers those of modulus below 1 on the positive
+  /// axis lie on a cut and are not seen.
+  CycleStability stability;
+  /// Largest relative change of instants and impulses in the last step of Newton's method.
+  double error;
+  std::vector<CycleHarmonic> harmonics;  // of orders 1, 2, 3, ..., the first impact at t = 0
+};
+
+/// A motion that nearly repeats: where Newton's method begins.
+struct CycleGuess {
+  double period;                     // s
+  std::vector<CycleImpact> impacts;  // the first at time 0, times rising and below the period; speeds are not read
+};
+
+/// The cycle next to a guess, exact to rounding, with the whole memory of fractional orders: instants and impulses
+/// solve
+///   y(t_a) = +-clearance/2,   y'(t_a) = h1 I_a/(1 + restitution),   h1 = 1/M1 + 1/M2,
+///   y(t) = middle - sum_b I_b sum_l g(t - t_b + l period),
+/// g what an impulse makes of the gap; its sums over all earlier periods are those of symmetric cycles.
+/// @param harmonics  listed
+/// @return empty where Newton's method finds none
+/// @throws std::invalid_argument  a guess without impacts or with times that are not rising within a period; as
+///                                symmetric_cycles().
+[[nodiscard]] std::optional<ImpactCycle> close_cycle(const ControlLoop& loop, const CycleGuess& guess,
+                                                     int harmonics = 5);
+
+/// The shortest pattern of at most `most` impacts that the last impacts of a motion repeat to within `tolerance` of its
+/// period and of its fastest impact; empty where they repeat none.
+[[nodiscard]] std::optional<CycleGuess> repeated_pattern(const ControlLoop& loop,
+                                                         const std::vector<LoopImpact>& impacts, std::size_t most = 12,
+                                                         double tolerance = 0.02);
+
+}  // namespace backlash

@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "backlash/loops/impact_cycles.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <string>
+
+#include "backlash/loops/limit_cycles.hpp"
+#include "support/expect_invalid_argument.hpp"
+#include "support/random.hpp"
+
+namespace backlash {
+namespace {
+
+using Complex = std::complex<double>;
+constexpr double pi = std::numbers::pi;
+
+frac::FractionalTransferFunction formula(const std::string& text) {
+  return frac::FractionalTransferFunction::parse(text);
+}
+
+ControlLoop free_loop(const std::string& controller, double restitution) {
+  return {{1, 1, 1, restitution}, formula(controller)};
+}
+
+// The motion after 300 impacts, and the cycle that it is next to.
+struct Settled {
+  LoopHistory history;
+  std::optional<ImpactCycle> cycle;
+};
+Settled settled(const ControlLoop& loop, double velocity, int harmonics = 5) {
+  LoopSimulationOptions options;
+  options.duration = 1e5;
+  options.most_impacts = 300;
+  Settled result{simulate_loop(loop, {0, .1, 0, velocity}, {}, options), {}};
+  if (const auto guess = repeated_pattern(loop, result.history.impacts)) {
+    result.cycle = close_cycle(loop, *guess, harmonics);
+  }
+  return result;
+}
+
+// Sums over impulses of one sign and of alternating ones are different series, continued differently: a cycle that is
+// symmetric must come out of both.  Newton's last step leaves about 1e-13; the multiplier of a period is the square of
+// that of half of it.
+TEST(ImpactCycles, OfTwoImpactsAreTheSymmetricOnes) {
+  const struct {
+    ControlLoop loop;
+  } cases[] = {
+      {free_loop("1 + s", .6)},
+      {free_loop("1 + s^0.5 + 0.3/s^0.6", .6)},
+      {free_loop("2 + 1.5 s^0.9", .8)},
+      {free_loop("exp(-0.1 s) (1 + s^0.5)", .6)},
+      {free_loop("(2 + s + 0.1 s^0.5)/(0.05 s + 1)", .6)},
+      {{{1, 1, 1, .9}, formula("4 + 3/s + s"), Output::x2}},
+      {{LinearBodies(formula("1/(s^2 + 0.1 s + 0.3)"), formula("1/(s^2 + 0.2 s)"), 1, .6), formula("2 + s")}},
+      {{LinearBodies(formula("1/(s^2 + 0.2 s^0.5)"), free_mass(2), .5, .7), formula("3 + s^0.8")}},
+  };
+  for (const auto& [loop] : cases) {
+    int checked = 0;
+    for (const SymmetricCycle& cycle : symmetric_cycles(loop).cycles) {
+      if (!cycle.admissible) continue;
+      ++checked;
+      const double period = 2 * pi / cycle.omega;
+      const auto closed =
+          close_cycle(loop, {period * 1.01, {{0, cycle.impulse, 0}, {period * .49, -cycle.impulse * 1.02, 0}}});
+      ASSERT_TRUE(closed.has_value()) << loop.controller().formula();
+      EXPECT_TRUE(closed->symmetric);
+      EXPECT_TRUE(closed->admissible) << closed->reason;
+      EXPECT_LT(closed->error, 1e-9);
+      EXPECT_NEAR(closed->period / period, 1, 1e-11) << loop.controller().formula();
+      EXPECT_NEAR(closed->impacts[0].impulse / cycle.impulse, 1, 1e-10);
+      EXPECT_NEAR(closed->impacts[1].impulse / cycle.impulse, -1, 1e-10);
+      EXPECT_NEAR(closed->impacts[1].time / period, .5, 1e-11);
+      EXPECT_NEAR(closed->impacts[0].speed / cycle.impact_speed, 1, 1e-10);
+      EXPECT_NEAR(closed->middle, 0, 1e-10);
+      EXPECT_EQ(closed->stability.unstable_multipliers, cycle.stability.unstable_multipliers)
+          << loop.controller().formula();
+      const Complex squared = cycle.stability.dominant * cycle.stability.dominant;
+      // A multiplier of the period on the positive axis lies on the cut that fractional powers have there.
+      const bool lies_on_cut = squared.imag() == 0 && loop.controller().formula().find('.') != std::string::npos;
+      if (!lies_on_cut) {
+        EXPECT_NEAR(std::abs(closed->stability.dominant), std::abs(squared), 1e-5 * std::abs(squared) + 1e-9)
+            << loop.controller().formula() << ' ' << closed->stability.dominant << ' ' << cycle.stability.dominant;
+      }
+      for (std::size_t k = 0; k < cycle.harmonics.size() && k < 2; ++k) {
+        const CycleHarmonic& expected = cycle.harmonics[k];
+        const CycleHarmonic& found = closed->harmonics[static_cast<std::size_t>(expected.order - 1)];
+        EXPECT_NEAR(std::abs(found.x1 - expected.x1), 0, 1e-10 * std::abs(expected.x1));
+        EXPECT_NEAR(std::abs(found.force - expected.force), 0, 1e-10 * std::abs(expected.force));
+      }
+    }
+    EXPECT_GT(checked, 0) << loop.controller().formula();
+  }
+}
+
+// Where the symmetric cycle of two impacts is not stable, motions settle on others.  A simulation that adds up the
+// answers to all impacts knows nothing of periods; after 300 impacts it is as near to the cycle as its rounding at t =
+// 100 lets it, and as disturbances have faded: by 0.978 per period of the second one, and in the third as the memory of
+// fractional powers does.
+TEST(ImpactCycles, AreWhatSimulationsSettleOn) {
+  const struct {
+    const char* controller;
+    double velocity;
+    std::size_t impacts;
+    bool symmetric;
+    double tolerance;
+  } cases[] = {{"20 + s", 5, 4, true, 3e-7}, {"40 + s", 5, 7, false, 3e-3}, {"12 + s^0.7", 3, 6, true, 5e-4}};
+  for (const auto& each : cases) {
+    const Settled motion = settled(free_loop(each.controller, .6), each.velocity);
+    ASSERT_TRUE(motion.cycle.has_value()) << each.controller;
+    const ImpactCycle& cycle = *motion.cycle;
+    EXPECT_EQ(cycle.impacts.size(), each.impacts) << each.controller;
+    EXPECT_EQ(cycle.symmetric, each.symmetric) << each.controller;
+    EXPECT_TRUE(cycle.admissible) << cycle.reason;
+    EXPECT_TRUE(cycle.stability.stable) << each.controller;
+    EXPECT_LT(cycle.error, 1e-9);
+    // The cycle begins with its hardest impact; so does the last period of the simulation.
+    const std::vector<LoopImpact>& all = motion.history.impacts;
+    std::size_t first = all.size() - 2 * each.impacts;
+    for (std::size_t i = first; i < all.size() - each.impacts; ++i) {
+      if (all[i].speed > all[first].speed) first = i;
+    }
+    for (std::size_t a = 0; a < each.impacts; ++a) {
+      EXPECT_NEAR(all[first + a].time - all[first].time, cycle.impacts[a].time, each.tolerance) << each.controller;
+      EXPECT_NEAR(all[first + a].speed, cycle.impacts[a].speed, 20 * each.tolerance) << each.controller;
+    }
+    EXPECT_NEAR(all[first + each.impacts].time - all[first].time, cycle.period, each.tolerance);
+  }
+  // The two intervals that are known of the first one.
+  const Settled known = settled(free_loop("20 + s", .6), 5);
+  EXPECT_NEAR(known.cycle->impacts[1].time, .38239689, 6e-9);
+  EXPECT_NEAR(known.cycle->impacts[2].time - known.cycle->impacts[1].time, .51285064, 6e-9);
+}
+
+// Proportional and derivative action has four states, and flights that are polynomials: multipliers of the period as
+// those of the product of flights and saltation matrices, from states that satisfy the cycle on their own.
+TEST(ImpactCycles, StabilityIsThatOfTheSaltationMatrices) {
+  using Matrix = Eigen::Matrix4d;
+  using Vector = Eigen::Vector4d;  // x1, v1, x2, v2
+  support::Random random(11);
+  int stable = 0, unstable = 0;
+  for (int i = 0; i < 12; ++i) {
+    const double kp = random.log_uniform(15, 45), kd = random.uniform(.8, 1.2), restitution = random.uniform(.5, .7);
+    const ControlLoop loop(TwoMassSystem(1, 1, 1, restitution),
+                           frac::FractionalTransferFunction({{kd, 1}, {kp, 0}}, {{1, 0}}));
+    const Settled motion = settled(loop, 5);
+    if (!motion.cycle) continue;
+    std::vector<ImpactCycle> cycles{*motion.cycle};
+    // The symmetric cycle of two impacts, which is not stable here, taken as one of two or of four.
+    for (const SymmetricCycle& symmetric : symmetric_cycles(loop).cycles) {
+      const double tau = pi / symmetric.omega, impulse = symmetric.impulse;
+      const auto twice = close_cycle(loop, {2 * tau, {{0, impulse, 0}, {tau, -impulse, 0}}});
+      const auto four_times = close_cycle(
+          loop, {4 * tau, {{0, impulse, 0}, {tau, -impulse, 0}, {2 * tau, impulse, 0}, {3 * tau, -impulse, 0}}});
+      ASSERT_EQ(twice.has_value(), four_times.has_value());
+      // Not where its impulses are negative.
+      EXPECT_EQ(twice.has_value(), impulse > 0) << kp << ' ' << kd << ' ' << restitution;
+      if (twice) cycles.insert(cycles.end(), {*twice, *four_times});
+    }
+    for (const ImpactCycle& cycle : cycles) {
+      const auto flight = [&](double t) {
+        Matrix a = Matrix::Identity();
+        a(0, 1) = t;
+        a(2, 3) = t;
+        // v2' = -kp x1 - kd v1
+        a(3, 0) = -kp * t;
+        a(3, 1) = -kd * t - kp * t * t / 2;
+        a(2, 0) = -kp * t * t / 2;
+        a(2, 1) = -kd * t * t / 2 - kp * t * t * t / 6;
+        return a;
+      };
+      const auto rate = [&](const Vector& x) { return Vector(x(1), 0, x(3), -kp * x(0) - kd * x(1)); };
+      Matrix impact = Matrix::Identity();
+      impact(1, 1) = impact(3, 3) = 1 - (1 + restitution) / 2;
+      impact(1, 3) = impact(3, 1) = (1 + restitution) / 2;
+      // The state just before the first impact: of all linear relations of the period, the one that stays itself.
+      const std::size_t n = cycle.impacts.size();
+      const auto length = [&](std::size_t a) {
+        return (a + 1 < n ? cycle.impacts[a + 1].time : cycle.period) - cycle.impacts[a].time;
+      };
+      Matrix period = Matrix::Identity();
+      for (std::size_t a = 0; a < n; ++a) period = flight(length(a)) * impact * period;
+      // x2 may be anywhere in a flight, so that the wall and the speed say which of them it is.
+      Eigen::Matrix<double, 6, 4> conditions;
+      conditions << period - Matrix::Identity(), -1, 0, 1, 0, 0, -1, 0, 1;
+      Eigen::Matrix<double, 6, 1> wanted = Eigen::Matrix<double, 6, 1>::Zero();
+      wanted(4) = .5;
+      wanted(5) = cycle.impacts[0].speed;
+      Vector before = conditions.colPivHouseholderQr().solve(wanted);
+      Matrix whole = Matrix::Identity();
+      Vector state = before;
+      for (std::size_t a = 0; a < n; ++a) {
+        const double wall = cycle.impacts[a].impulse > 0 ? .5 : -.5;
+        ASSERT_NEAR(state(2) - state(0), wall, 1e-8);
+        ASSERT_NEAR(std::abs(state(3) - state(1)), cycle.impacts[a].speed, 1e-8 * cycle.impacts[a].speed);
+        Eigen::RowVector4d gap(-1, 0, 1, 0);
+        const Vector after = impact * state;
+        const Vector arrival = rate(state);
+        const Matrix saltation = impact + (rate(after) - impact * arrival) * gap / (gap * arrival).value();
+        whole = flight(length(a)) * saltation * whole;
+        state = flight(length(a)) * after;
+      }
+      const Eigen::VectorXcd eigenvalues = whole.eigenvalues();
+      std::vector<Complex> expected(eigenvalues.data(), eigenvalues.data() + 4);
+      std::erase(expected, *std::min_element(expected.begin(), expected.end(), [](Complex a, Complex b) {
+                   return std::abs(a - 1.0) < std::abs(b - 1.0);
+                 }));
+      int outside = 0;
+      double largest = 0, nearest = 1;
+      for (const Complex& multiplier : expected) {
+        outside += std::abs(multiplier) > 1;
+        largest = std::max(largest, std::abs(multiplier));
+        nearest = std::min(nearest, std::abs(std::abs(multiplier) - 1));
+      }
+      if (nearest < 3e-3) continue;
+      EXPECT_EQ(cycle.stability.unstable_multipliers, outside) << loop.controller().formula() << " of " << n;
+      if (largest > .05 && n <= 6) {
+        EXPECT_NEAR(std::abs(cycle.stability.dominant), largest, 1e-6 * largest)
+            << loop.controller().formula() << " of " << n;
+      }
+      (outside > 0 ? unstable : stable) += 1;
+    }
+  }
+  EXPECT_GT(stable, 8);
+  EXPECT_GT(unstable, 5);
+}
+
+// Over a period the controller gives what the impacts take.  Harmonics of force and velocity fall as k^-1.3 and 1/k, so
+// that the work of those left out after 3000 is about 3000^-1.3/1.3 = 2e-5 of the whole.
+TEST(ImpactCycles, TakeFromTheControllerWhatTheImpactsCost) {
+  const ControlLoop loop = free_loop("12 + s^0.7", .6);
+  const Settled motion = settled(loop, 3, 3000);
+  ASSERT_TRUE(motion.cycle.has_value());
+  const double omega = 2 * pi / motion.cycle->period;
+  double work = 0;
+  for (const CycleHarmonic& harmonic : motion.cycle->harmonics) {
+    const Complex velocity = Complex(0, harmonic.order * omega) * harmonic.x2;
+    work += 0.5 * (harmonic.force * std::conj(velocity)).real() * motion.cycle->period;
+  }
+  double loss = 0;
+  for (const CycleImpact& impact : motion.cycle->impacts) loss += 0.25 * (1 - .36) * impact.speed * impact.speed;
+  EXPECT_NEAR(work / loss, 1, 1e-4);
+}
+
+TEST(ImpactCycles, ScaleWithTheClearance) {
+  const ControlLoop wide({1, 1, 3, .6}, formula("20 + s"));
+  const ImpactCycle small = settled(free_loop("20 + s", .6), 5).cycle.value();
+  CycleGuess guess{small.period, small.impacts};
+  for (CycleImpact& impact : guess.impacts) impact.impulse *= 2.9;
+  const ImpactCycle large = close_cycle(wide, guess).value();
+  EXPECT_NEAR(large.period, small.period, 1e-11);
+  EXPECT_NEAR(large.impacts[1].impulse, 3 * small.impacts[1].impulse, 1e-10);
+}
+
+TEST(ImpactCycles, RefuseAGuessThatIsNone) {
+  const ControlLoop loop = free_loop("1 + s", .6);
+  support::expect_invalid_argument([&] { (void)close_cycle(loop, {2, {}}); }, {"no impacts"});
+  support::expect_invalid_argument([&] { (void)close_cycle(loop, {2, {{.1, 1, 0}}}); }, {"not at time 0"});
+  support::expect_invalid_argument([&] { (void)close_cycle(loop, {2, {{0, 1, 0}, {2.5, -1, 0}}}); }, {"2.5"});
+  support::expect_invalid_argument([&] { (void)close_cycle(loop, {2, {{0, 1, 0}, {1, 0, 0}}}); }, {"impulse 2"});
+  support::expect_invalid_argument([&] { (void)close_cycle(loop, {-2, {{0, 1, 0}}}); }, {"period"});
+  // Impulses of one sign drive free masses away.
+  EXPECT_FALSE(close_cycle(loop, {2, {{0, 1, 0}}}).has_value());
+}
+
+}  // namespace
+}  // namespace backlash
