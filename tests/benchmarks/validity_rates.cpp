@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How often `validate` is wrong: alarms on consistent data by model and noise, and detection of stated violations.
 // Prints two tables for tools/docs/validity_rates.md.  Arguments: [seeds]
-// [first seed] [impedances|resonances|violations].
+// [first seed] [impedances|resonances|further|violations].
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -56,8 +56,11 @@ void false_alarms(const std::vector<support::ValidityModel>& models, int seeds, 
         Random random(static_cast<std::uint64_t>(seed) * 1000003 + static_cast<std::uint64_t>(kind));
         const double noise = random.log_uniform(0.001, 0.02);
         const int per_decade = 7 + static_cast<int>(random.below(9));
-        Sweep sweep =
-            support::sweep(model, model.upper / model.lower < 1e4 ? 3 * per_decade : per_decade, kind, noise, random);
+        Sweep sweep = support::sweep(model,
+                                     model.upper / model.lower < 2     ? 60 * per_decade
+                                     : model.upper / model.lower < 1e4 ? 3 * per_decade
+                                                                       : per_decade,
+                                     kind, noise, random);
         support::add_noise(sweep, random);
         judge(sweep, counts);
       }
@@ -157,6 +160,10 @@ int main(int argc, char** argv) {
   if (only.empty() || only == "resonances") {
     std::printf("\n## False alarms: transfer functions with complex poles or delay\n\n");
     false_alarms(support::resonant_models(), seeds, first);
+  }
+  if (only.empty() || only == "further") {
+    std::printf("\n## False alarms: responses that the test was not made from\n\n");
+    false_alarms(support::further_models(), seeds, first);
   }
   if (only.empty() || only == "violations") {
     std::printf("\n## Detection\n\n");

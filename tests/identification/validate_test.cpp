@@ -93,6 +93,53 @@ TEST(Validate, ResonancesAndDelaysAreNoViolation) {
   EXPECT_LE(alarms, 0.05 * all + 3 * std::sqrt(0.05 * 0.95 * all));
 }
 
+// A weak mode over additive noise shows in few points, which are not outliers: poles explain them.
+TEST(Validate, AWeakModeIsNoOutlier) {
+  int all = 0, alarms = 0;
+  for (const auto& model : support::further_models()) {
+    if (model.name.find("mode") == std::string::npos) continue;
+    for (std::uint64_t seed = 500; seed < 512; ++seed, ++all) {
+      const auto result = frac::validate(noisy(model, 0.003, seed, NoiseKind::additive, 30).data());
+      alarms += result.validity == Validity::suspect || result.validity == Validity::invalid;
+    }
+  }
+  ASSERT_GT(all, 0);
+  EXPECT_LE(alarms, 0.05 * all + 3 * std::sqrt(0.05 * 0.95 * all));
+}
+
+// Evenly spaced points over half an octave and an echo that turns by two thirds of a cycle from one to the next, as if
+// it came a third of a cycle early: only with the points in between it could be told from no response.
+TEST(Validate, EchoesTooFastForThePointsAreLeftOpen) {
+  Random random(4);
+  std::vector<double> omega;
+  std::vector<std::complex<double>> value;
+  constexpr int count = 101;
+  const double step = 0.5 / (count - 1);
+  for (int k = 0; k < count; ++k) {
+    omega.push_back(1 + k * step);
+    const std::complex<double> s(0, omega.back());
+    const double echo = 2 * std::numbers::pi / step * 2 / 3;
+    value.push_back((1.0 - 0.3 * s) / (1.0 + 0.3 * s) + 0.02 * std::exp(-echo * s) +
+                    0.001 * std::complex<double>(random.normal(), random.normal()));
+  }
+  const auto result = frac::validate({omega, value});
+  EXPECT_NE(result.validity, Validity::invalid) << result.summary();
+}
+
+TEST(Validate, JudgesPointsInBetween) {
+  const auto sweep = noisy(support::impedance_models()[2], 0.002, 5);
+  const auto all = frac::validate(sweep.data());
+  EXPECT_EQ(all.every, 1U);
+  const auto some = frac::validate(sweep.data(), {.most_points = 30});
+  EXPECT_EQ(some.every, 3U);  // 71 points
+  EXPECT_EQ(some.model.size(), sweep.omega.size());
+  EXPECT_TRUE(std::isfinite(some.model[3].real()) && std::isnan(some.model[4].real()));
+  EXPECT_NE(some.summary().find("one point in 3"), std::string::npos) << some.summary();
+  // Three points per decade allow fewer poles, whose misfit counts as noise.
+  EXPECT_GT(some.noise, 0.5 * 0.002);
+  EXPECT_LT(some.noise, 2 * 0.002);
+}
+
 TEST(Validate, FindsADriftAndItsSize) {
   for (const bool by_periods : {false, true}) {
     Random random(77);

@@ -102,6 +102,63 @@ inline const std::vector<ValidityModel>& resonant_models() {
   return models;
 }
 
+/// Responses that no test of consistency was made from: they only tell how often it is wrong.
+inline const std::vector<ValidityModel>& further_models() {
+  static const std::vector<ValidityModel> models{
+      {"Gerischer, arc", "R0 + R1/sqrt(1 + T1 s) + R2/(1 + (T2 s)^a)", 0.05, 5e4,
+       [](Random& r) {
+         return std::vector{r.log_uniform(1, 20),   r.log_uniform(10, 100),    r.log_uniform(0.01, 1),
+                            r.log_uniform(10, 100), r.log_uniform(1e-4, 1e-2), r.uniform(0.7, 1)};
+       }},
+      {"porous electrode, inductance", "L s + R0 + R1/((T1 s)^a tanh((T1 s)^a))", 0.02, 2e4,
+       [](Random& r) {
+         return std::vector{r.log_uniform(1e-7, 1e-5), r.log_uniform(1, 20), r.log_uniform(5, 50),
+                            r.log_uniform(0.01, 3), r.uniform(0.35, 0.5)};
+       }},
+      {"nested arcs", "R0 + 1/(Q1 s^a + 1/(R1 + 1/(Q2 s^b + 1/R2)))", 0.01, 1e5,
+       [](Random& r) {
+         return std::vector{r.log_uniform(1, 20),   r.log_uniform(1e-6, 1e-4), r.uniform(0.75, 1),
+                            r.log_uniform(10, 100), r.log_uniform(1e-3, 1e-2), r.uniform(0.6, 0.95),
+                            r.log_uniform(30, 300)};
+       }},
+      {"springpots in parallel", "K1 (T s)^a + K2 (T s)^b", 0.001, 100,
+       [](Random& r) {
+         return std::vector{1., r.log_uniform(0.1, 10), r.uniform(0.05, 0.3), r.log_uniform(0.1, 10),
+                            r.uniform(0.5, 0.95)};
+       }},
+      {"strong and weak mode", "A/(s^2 + 2 d W s + W^2) + B/(s^2 + 2 e V s + V^2)", 0.1, 10,
+       [](Random& r) {
+         return std::vector{1.,
+                            r.log_uniform(0.02, 0.1),
+                            r.uniform(2, 5),
+                            r.log_uniform(0.05, 0.3),
+                            r.log_uniform(0.02, 0.1),
+                            r.uniform(12, 40)};
+       }},
+      {"three modes", "A/(s^2 + 2 d W s + W^2) + B/(s^2 + 2 e V s + V^2) - C/(s^2 + 2 f U s + U^2)", 0.1, 10,
+       [](Random& r) {
+         return std::vector{1.,
+                            r.log_uniform(0.03, 0.1),
+                            r.uniform(2, 4),
+                            r.uniform(0.3, 2),
+                            r.log_uniform(0.03, 0.1),
+                            r.uniform(8, 14),
+                            r.uniform(1, 5),
+                            r.log_uniform(0.03, 0.1),
+                            r.uniform(25, 40)};
+       }},
+      {"two lags with delay", "K exp(-L s)/((T s + 1)(U s + 1))", 0.003, 1,
+       [](Random& r) {
+         return std::vector{2., r.uniform(0.2, 1), r.log_uniform(1, 10), r.log_uniform(0.1, 1)};
+       }},
+      {"reflection with an echo", "(1 - T s)/(1 + T s) + B exp(-L s)", 0.75, 1.1,
+       [](Random& r) {
+         return std::vector{r.uniform(0.1, 0.5), r.log_uniform(0.01, 0.1), r.uniform(5, 30)};
+       }},
+  };
+  return models;
+}
+
 enum class NoiseKind { relative, additive, mixed, towards_low };
 
 /// @param per_decade  points

@@ -2,7 +2,9 @@
 // identify-scene from the files that simulate writes.
 #include <gtest/gtest.h>
 
+#include <cctype>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -55,6 +57,29 @@ TEST_F(IdentifyScene, ForcesOfTheCommandLineGoBeforeThoseOfTheFiles) {
       run_fracfit({"identify-scene", weak, strong, "--force", "20,100", "--fix", "m1=2", "--format", "json"});
   ASSERT_EQ(result.code, 0) << result.error;
   EXPECT_NEAR(Json::parse(result.output)["combinations"][1]["value"], 0.6, 1e-6);
+}
+
+// The same points with names that say nothing.
+TEST_F(IdentifyScene, TakesColumnsAndASweepByChoice) {
+  const auto bare = [&](const std::string& file) {
+    const auto plain = run_fracfit({"convert", file, "--format", "csv"});
+    EXPECT_EQ(plain.code, 0) << plain.error;
+    std::istringstream rows(plain.output);
+    std::string text = "a,b,c\n", row;
+    while (std::getline(rows, row))
+      if (!row.empty() && (std::isdigit(static_cast<unsigned char>(row[0])) != 0)) text += row + "\n";
+    return text;
+  };
+  std::vector<std::string> files;
+  for (const auto& file : {weak, strong})
+    files.push_back(folder.write("bare" + std::to_string(files.size()), bare(file)));
+  const auto result = run_fracfit({"identify-scene", files[0], files[1], "--columns", "omega=1,re=2,im=3", "--force",
+                                   "10,50", "--fix", "m1=2", "--format", "json"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  EXPECT_NEAR(Json::parse(result.output)["parameters"][2]["value"], 0.3, 0.3e-6);
+  const auto refused = run_fracfit({"identify-scene", weak, strong, "--select", "3", "--fix", "m1=2"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.error.find("--select"), std::string::npos) << refused.error;
 }
 
 TEST_F(IdentifyScene, SaysWhatIsNotIdentified) {

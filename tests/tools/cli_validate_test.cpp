@@ -51,6 +51,27 @@ TEST(ValidateCommand, JudgesEveryCurveAndKeepsItsColumns) {
   EXPECT_NE(table.output.find("good.csv: valid: "), std::string::npos) << table.output;
 }
 
+TEST(ValidateCommand, FitAndIdentifySayTheSame) {
+  const TemporaryFolder folder;
+  const auto data = folder.write("drift.csv", spectrum(0.1));
+  const auto alone = run_fracfit({"validate", data, "--format", "json"});
+  const auto sentence = nlohmann::json::parse(alone.output).at("rows")[0].at("summary").get<std::string>();
+  for (const std::vector<std::string>& command :
+       {std::vector<std::string>{"fit", data, "--model", "zarc", "--component", "both"},
+        std::vector<std::string>{"identify", data, "--models", "zarc,r-rc", "--component", "both"}}) {
+    const auto result = run_fracfit(command);
+    const auto validity = nlohmann::json::parse(result.output).at("validity");
+    EXPECT_EQ(validity.at("verdict"), "invalid");
+    EXPECT_EQ(validity.at("sentence"), sentence);
+    auto people = command;
+    people.insert(people.end(), {"--format", "table"});
+    EXPECT_NE(run_fracfit(people).output.find("validity   " + sentence), std::string::npos);
+  }
+  // One part alone has no partner to be consistent with.
+  const auto part = run_fracfit({"fit", data, "--model", "zarc", "--component", "imaginary"});
+  EXPECT_FALSE(nlohmann::json::parse(part.output).contains("validity"));
+}
+
 TEST(ValidateCommand, DrawsTheResiduals) {
   const TemporaryFolder folder;
   const auto data = folder.write("data.csv", spectrum(0)), picture = folder.path("rest.svg");

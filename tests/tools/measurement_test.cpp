@@ -237,6 +237,8 @@ TEST_F(MeasurementTest, TouchstoneFormsAndElements) {
   expect("# GHz Y RI R 50\n1 2 -4\n", "Touchstone, 1 point, Y11 in S", {{1e9, .04 - .08i}});
   refuses("# GHz S RI R 50\n1 2 3 4\n", "expected a frequency");
   refuses("# GHz S RI R 50\n1 2 x\n", ":2:5: found 'x'");
+  refuses("# furlong S RI R 50\n1 2 3\n", ":1:3: found 'furlong' in the line of options");
+  refuses("# GHz S RI R -50\n1 2 3\n", ":1:14: found '-50' in the line of options");
 }
 
 TEST_F(MeasurementTest, UniversalFilesInTextAndBinary) {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "frac/identification/outliers.hpp"
+#include "frac/identification/validate.hpp"
 #include "report/data_figures.hpp"
 #include "report/html.hpp"
 #include "report/measured.hpp"
@@ -72,6 +73,11 @@ Section data_section(const Work& work, const std::string& name, const io::Freque
                          {{"points", std::to_string(data.size())}, {"residuals", std::to_string(2 * data.size())}}),
                    "too few points");
     return section;
+  }
+  const frac::ValidationResult validity = frac::validate(data, {.most_points = frac::points_in_passing});
+  if (!validity.model.empty()) {
+    section.add(Html{"<p>" + prose("data", "validity", {{"sentence", escape_html(validity.summary())}}) + "</p>"});
+    section.fact("validity_" + section.id, std::string(to_string(validity.validity)));
   }
   const frac::IdentificationResult result = frac::identify(data, models, {}, options, work.threads);
   MeasuredPictures pictures = draw_measured(section.id, data, result, field, read.value_unit);

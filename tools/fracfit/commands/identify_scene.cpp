@@ -11,6 +11,7 @@
 #include "io/data_error.hpp"
 #include "io/frequency_response_file.hpp"
 #include "io/number.hpp"
+#include "options/data_options.hpp"
 #include "options/model_choice.hpp"
 #include "output/identify_scene_output.hpp"
 
@@ -46,6 +47,8 @@ class IdentifyScene : public Command {
             "FILE")
         .required()
         .names_input();
+    add_file_options(o, reading_.how);
+    add_select(o, reading_.how);
     o.numbers("--force", force_, "one per file or one for all").default_is("the files' lines '# force_n: VALUE'");
     o.choice("--body", body_, backlash::outputs()).default_is("as the files say, else x1");
     o.choice("--component", scene_.component,
@@ -77,7 +80,7 @@ class IdentifyScene : public Command {
   [[nodiscard]] std::vector<CurveSource> sources() const {
     std::vector<CurveSource> all;
     for (const auto& file : data_) {
-      const auto scenes = io::scenes_in(io::read_measurement(file), reading_.where);
+      const auto scenes = io::scenes_in(io::read_measurement(file, reading_.how), reading_.where);
       if (scenes.empty()) all.push_back({file, {}});
       for (const auto& scene : scenes) {
         for (const auto& [column, value] : scene)

@@ -158,6 +158,11 @@ FitRun fit_run(const FitRequest& request, const Options& options, const io::Freq
   entries.emplace_back("where", where_text(request));
   FitRun run{std::move(command),       request.data,    file.data.size(), file.data.omega().front(),
              file.data.omega().back(), file.value_unit, file.metadata,    std::move(entries)};
+  // Real and imaginary part are judged together, and repeats at one frequency are not points of a sweep.
+  if (request.component == frac::Component::both && request.weight != frac::to_string(frac::Weight::repeats)) {
+    auto result = frac::validate(file.data, {.most_points = frac::points_in_passing});
+    if (!result.model.empty()) run.validity = std::move(result);
+  }
   for (const std::size_t index : left_out) run.left_out.push_back({index, file.data.omega()[index]});
   return run;
 }

@@ -38,6 +38,7 @@ std::string heading(const FitRun& run) {
   text += "\nresiduals  " + option_of(run, "component") + ", " + option_of(run, "weight") + " weight";
   if (option_of(run, "loss") != "none") text += ", " + option_of(run, "loss") + " loss";
   if (option_of(run, "realisation") != "exact") text += ", powers of s through " + option_of(run, "realisation");
+  if (run.validity) text += "\nvalidity   " + run.validity->summary();
   return text + "\n";
 }
 
@@ -126,6 +127,7 @@ std::string closing(const frac::FitResult& result) {
 io::Metadata head_of(const FitRun& run) {
   io::Metadata head{{"data", run.file}};
   head.insert(head.end(), run.options.begin(), run.options.end());
+  if (run.validity) head.emplace_back("validity", run.validity->summary());
   return head;
 }
 
@@ -278,6 +280,12 @@ Json origin_of_fit(const FitRun& run) {
                   {"header", object_of(run.file_header)}};
   if (!run.over_time) json["data"]["left_out"] = left_out_json(run);
   json["options"] = object_of(run.options);
+  if (run.validity)
+    json["validity"] = {{"verdict", frac::to_string(run.validity->validity)},
+                        {"noise", run.validity->noise},
+                        {"drift", run.validity->drift},
+                        {"drift_deviation", run.validity->drift_deviation},
+                        {"sentence", run.validity->summary()}};
   return json;
 }
 

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "frac/identification/fit.hpp"
 #include "frac/identification/identify.hpp"
+#include "frac/identification/validate.hpp"
 #include "io/text_table.hpp"
 #include "output/fit_statistics.hpp"
 
@@ -27,6 +29,7 @@ struct FitRun {
   io::Metadata file_header;  // "# key: value" lines of the data file
   io::Metadata options;
   bool over_time = false;
+  std::optional<frac::ValidationResult> validity = {};  // of a frequency response of which both parts are fitted
   std::vector<LeftOutPoint> left_out = {};  // index rising
 };
 

@@ -28,9 +28,11 @@ std::string upper(std::string_view text) {
   return result;
 }
 
-// The line of options; empty where it holds other words.
-std::optional<Settings> settings_of(std::string_view line) {
+// The line of options; empty where it holds other words.  One wrong word beside three right ones is an error, not
+// another format.
+std::optional<Settings> settings_of(const Source& source, std::size_t number, std::string_view line) {
   Settings settings;
+  std::vector<std::string_view> wrong;
   std::vector<std::string_view> words;
   split_by(trimmed(line.substr(1)), ' ', words);
   bool is_told = false;
@@ -50,12 +52,21 @@ std::optional<Settings> settings_of(std::string_view line) {
       is_told = true;
     } else if (word == "R" && i + 1 < words.size()) {
       const auto resistance = parse_number(words[++i]);
-      if (!resistance || !(*resistance > 0)) return std::nullopt;
-      settings.resistance = *resistance;
+      if (resistance && *resistance > 0 && std::isfinite(*resistance))
+        settings.resistance = *resistance;
+      else
+        wrong.push_back(words[i]);
     } else {
-      return std::nullopt;
+      wrong.push_back(words[i]);
     }
   }
+  if (wrong.size() == 1 && words.size() > 3 && is_told)
+    throw DataError(
+        source.file, number, column_in(line, wrong.front()),
+        "found " + quoted(wrong.front()) +
+            " in the line of options; expected '# UNIT PARAMETER FORM R OHM' with Hz, kHz, MHz or GHz, S, Y "
+            "or Z, RI, MA or DB, and a resistance > 0");
+  if (!wrong.empty()) return std::nullopt;
   return is_told ? std::optional(settings) : std::nullopt;
 }
 
@@ -122,7 +133,7 @@ std::optional<Recognised> read_touchstone(const Source& source) {
     const auto content = trimmed(line);
     if (content.empty() || content.starts_with('!')) continue;
     if (!content.starts_with('#')) return std::nullopt;
-    settings = settings_of(content.substr(0, content.find('!')));
+    settings = settings_of(source, lines.number(), content.substr(0, content.find('!')));
     if (!settings) return std::nullopt;
   }
   if (!settings) return std::nullopt;

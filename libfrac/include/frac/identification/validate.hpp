@@ -40,7 +40,11 @@ struct ValidityFinding {
 
 struct ValidationOptions {
   double level = 0.05;  // chance that data without a fault are not called valid, 0 < level < 1
+  /// Of more points every k-th is judged, so that no more are left; 0: all are.
+  std::size_t most_points = 0;
 };
+/// Points for which a judgement beside other work costs some hundredths of a second.
+inline constexpr std::size_t points_in_passing = 120;
 
 /// Kramers-Kronig consistency: the response of a linear, causal and stable system, its real and its imaginary part
 /// together, is followed by a sum of poles
@@ -57,8 +61,9 @@ struct ValidationResult {
   double level;
   std::vector<ValidityFinding> findings;
 
-  std::size_t real_poles, pole_pairs;  // of the consistent model
-  std::vector<std::complex<double>> model;
+  std::size_t every = 1;                    // one point in so many was judged
+  std::size_t real_poles, pole_pairs;       // of the consistent model
+  std::vector<std::complex<double>> model;  // NaN at points not judged or set aside
   std::vector<double> deviation;  // of the noise of real and imaginary part each, per point, in the unit of the data
 
   double noise;        // root mean square of deviation / |model| over the points

@@ -329,25 +329,21 @@ ConsistentModel best_on_grid(const WeightedPoints& points) {
   return model;
 }
 
-ConsistentModel best_with_free_poles(const WeightedPoints& points) {
+ConsistentModel best_with_free_poles(const WeightedPoints& points, std::span<const std::size_t> pair_counts) {
   const Problem problem(points);
   const Eigen::Index rows = problem.target.size();
   const double decades = (problem.log_omega(problem.size() - 1) - problem.log_omega(0)) / std::log(10.0);
-  constexpr Eigen::Index most_pairs = 20;
   double best = std::numeric_limits<double>::infinity();
   FreeFit chosen;
   Eigen::Index chosen_grid = 0;
   // Pairs beside real poles that follow a fractional background, and poles of which each finds its place.
   for (const Eigen::Index grid : {static_cast<Eigen::Index>(std::ceil(2 * decades)), Eigen::Index{0}}) {
     const Eigen::MatrixXcd fixed = grid_columns(problem, grid, 0);
-    double best_here = std::numeric_limits<double>::infinity();
-    Eigen::Index best_at = 0;
-    for (Eigen::Index pairs = 1; pairs <= most_pairs && pairs <= best_at + 2; ++pairs) {
+    for (const std::size_t count : pair_counts) {
+      const auto pairs = static_cast<Eigen::Index>(count);
       if (2 * (fixed.cols() + 4 * pairs) > rows) break;
       FreeFit fit = fit_free(problem, fixed, pairs);
       const double criterion = aicc(problem, fit.cost, parameters_of(fixed, fit));
-      if (criterion < best_here + alike) best_at = pairs;
-      best_here = std::min(best_here, criterion);
       if (!(criterion < best)) continue;
       best = criterion;
       chosen = std::move(fit);

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <complex>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "projected_residual.hpp"
@@ -32,7 +33,9 @@ struct ConsistentModel {
 /// The same with poles at free places in the left half plane, real or in pairs, found by vector fitting (Gustavsen,
 /// Semlyen 1999) and brought to least squares by Gauss-Newton steps.  A pair is at least half as wide as the
 /// points are apart there: a narrower one would follow single points.
-[[nodiscard]] ConsistentModel best_with_free_poles(const WeightedPoints& points);
+/// @param pair_counts  rising; those that half the values afford are tried, the best is returned
+[[nodiscard]] ConsistentModel best_with_free_poles(const WeightedPoints& points,
+                                                   std::span<const std::size_t> pair_counts);
 
 /// A model with free poles, from its poles on, for other weights or fewer points of the same band.
 [[nodiscard]] ConsistentModel refitted(const WeightedPoints& points, const ConsistentModel& model);

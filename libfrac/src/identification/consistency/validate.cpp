@@ -7,11 +7,13 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <span>
 #include <stdexcept>
 
 #include "base/short_text.hpp"
 #include "base/spelling.hpp"
 #include "consistent_model.hpp"
+#include "frac/identification/statistics.hpp"
 #include "identification/data/noise_floor.hpp"
 #include "projected_residual.hpp"
 #include "special/distributions.hpp"
@@ -255,28 +257,36 @@ Tested tested(const FrequencyResponseData& data, const Fitted& fitted) {
   return result;
 }
 
-using Search = ConsistentModel (*)(const WeightedPoints&);
+/// Points with weights to begin with, relative and additive: noise of either kind is told best from residuals of a fit
+/// with weights of that kind.
+std::array<Fitted, 2> unfitted(const FrequencyResponseData& data, std::vector<std::size_t> kept) {
+  Fitted relative;
+  relative.points = points_of(data, kept);
+  relative.kept = std::move(kept);
+  Fitted additive = relative;
+  additive.points.deviation.setConstant(largest_of(relative.points.value));
+  return {std::move(relative), std::move(additive)};
+}
 
-/// The best consistent model of the kept points that a search finds, with weights that follow from what it leaves.
-Fitted fit_points(const FrequencyResponseData& data, std::vector<std::size_t> kept, Search search) {
-  Fitted fitted;
-  fitted.points = points_of(data, kept);
-  fitted.kept = std::move(kept);
+Fitted likelier(std::array<Fitted, 2> of) {
+  return std::move(of[likelihood_criterion(of[1]) < likelihood_criterion(of[0]) ? 1 : 0]);
+}
+
+/// The best model with poles on a grid, with weights that follow from what it leaves.
+Fitted fit_on_grid(const FrequencyResponseData& data, std::vector<std::size_t> kept) {
+  auto either = unfitted(data, std::move(kept));
   if (!data.sigma().empty()) {
-    fitted.model = search(fitted.points);
-    return fitted;
+    either[0].model = detail::best_on_grid(either[0].points);
+    return std::move(either[0]);
   }
-  // Noise of either kind is told best from residuals of a fit with weights of that kind.
-  Fitted additive = fitted;
-  additive.points.deviation.setConstant(largest_of(fitted.points.value));
-  for (Fitted* each : {&fitted, &additive}) {
-    each->model = search(each->points);
-    weigh_by_residuals(*each);
-    each->model = search(each->points);
+  for (Fitted& each : either) {
+    each.model = detail::best_on_grid(each.points);
+    weigh_by_residuals(each);
+    each.model = detail::best_on_grid(each.points);
   }
-  if (likelihood_criterion(additive) < likelihood_criterion(fitted)) fitted = std::move(additive);
+  Fitted fitted = likelier(std::move(either));
   weigh_by_slope(fitted);
-  if (fitted.slope != 0) fitted.model = search(fitted.points);
+  if (fitted.slope != 0) fitted.model = detail::best_on_grid(fitted.points);
   return fitted;
 }
 
@@ -289,6 +299,20 @@ void settle_free_poles(const FrequencyResponseData& data, Fitted& fitted) {
   }
   weigh_by_slope(fitted);
   if (fitted.slope != 0) fitted.model = detail::refitted(fitted.points, fitted.model);
+}
+
+Fitted fit_free_poles(const FrequencyResponseData& data, std::vector<std::size_t> kept,
+                      std::span<const std::size_t> pair_counts) {
+  auto either = unfitted(data, std::move(kept));
+  if (!data.sigma().empty()) {
+    either[0].model = detail::best_with_free_poles(either[0].points, pair_counts);
+    return std::move(either[0]);
+  }
+  for (Fitted& each : either) {
+    each.model = detail::best_with_free_poles(each.points, pair_counts);
+    settle_free_poles(data, each);
+  }
+  return likelier(std::move(either));
 }
 
 /// Of fewer points than the model was fitted to.
@@ -358,16 +382,64 @@ Judgement judge(const FrequencyResponseData& data, double level, std::size_t mos
   return judgement;
 }
 
+/// AICc of all points with the part of the likelihood that depends on the weights.  A point set aside costs three
+/// parameters: its two parts, and which point it is.
+double criterion_of_all(const FrequencyResponseData& data, const Judgement& judgement) {
+  const Fitted& fitted = judgement.fitted;
+  const Eigen::VectorXd& deviation = fitted.points.deviation;
+  const std::size_t aside = data.size() - fitted.kept.size();
+  const double share = static_cast<double>(data.size()) / static_cast<double>(fitted.kept.size());
+  double logarithms = 0;
+  for (std::size_t k = 0, i = 0; k < data.size(); ++k) {
+    if (i + 1 < fitted.kept.size() && fitted.kept[i] < k) ++i;
+    logarithms += std::log(deviation(static_cast<Eigen::Index>(i)));
+  }
+  const double rounding = 1e-24 * fitted.points.value.cwiseQuotient(deviation.cast<Complex>()).squaredNorm();
+  const auto parameters = static_cast<std::size_t>(fitted.model.rest.orthonormal.cols()) + 3 * aside;
+  return information_criteria(fitted.model.rest.square() * share, 2 * data.size(), parameters, rounding).aicc +
+         4 * logarithms;
+}
+
 Judgement judge(const FrequencyResponseData& data, double level) {
   const std::size_t some = std::max<std::size_t>(1, data.size() / 20), many = data.size() / 5;
-  Judgement on_grid =
-      judge(data, level, some, [&](auto kept) { return fit_points(data, std::move(kept), detail::best_on_grid); });
-  const bool too_many = on_grid.outliers.size() + on_grid.mains.size() > some;
-  if (!on_grid.pattern(level) && !too_many) return on_grid;
-  const Fitted& start = on_grid.fitted;
-  const Fitted free = fit_points(data, start.kept, detail::best_with_free_poles);
-  if (!(likelihood_criterion(free) < likelihood_criterion(start)) && !too_many) return on_grid;
-  return judge(data, level, many, [&](auto kept) { return refitted_points(data, std::move(kept), free.model); });
+  const auto steady = [&](const Judgement& each) { return !each.pattern(level) && each.of_points.empty(); };
+  Judgement best = judge(data, level, some, [&](auto kept) { return fit_on_grid(data, std::move(kept)); });
+  double least = best.outliers.size() + best.mains.size() > some ? std::numeric_limits<double>::infinity()
+                                                                 : criterion_of_all(data, best);
+  // Resonances stand out of real poles as outliers do, and outliers hide resonances: poles at free places are sought
+  // among all points and among those that do not stand out, and what explains all points best is believed.
+  const auto compare = [&](std::vector<std::size_t> kept, std::span<const std::size_t> pair_counts) {
+    const Fitted free = fit_free_poles(data, std::move(kept), pair_counts);
+    Judgement other =
+        judge(data, level, many, [&](auto points) { return refitted_points(data, std::move(points), free.model); });
+    const double criterion = criterion_of_all(data, other);
+    constexpr double alike = 2;
+    if (!(criterion < least + (steady(other) && !steady(best) ? alike : 0))) return;
+    least = criterion;
+    best = std::move(other);
+  };
+  constexpr std::array<std::size_t, 4> few{1, 2, 3, 4};
+  // Echoes take a pair for each of their ripples over the band, so that fewer pairs follow nothing of them.
+  constexpr std::array<std::size_t, 5> more{6, 8, 11, 14, 18};
+  if (!steady(best)) {
+    const std::vector<std::size_t> kept = best.fitted.kept;
+    std::vector<std::size_t> all(data.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    compare(all, few);
+    if (kept != all && !steady(best)) compare(kept, few);
+    if (best.pattern(level)) compare(best.fitted.kept, more);
+  }
+  return best;
+}
+
+/// Whether a pattern tells nothing.  Over less than an octave the frequencies outside allow every smooth curve, and an
+/// echo that turns by more than half a cycle between points looks as if it came before its cause: only a response whose
+/// complex conjugate is explained, cause and effect being exchanged, is known to be none.
+bool is_left_open(const FrequencyResponseData& data, double level) {
+  if (!(data.omega().back() < 2 * data.omega().front())) return false;
+  auto mirrored = data.value();
+  for (Complex& each : mirrored) each = std::conj(each);
+  return judge({data.omega(), std::move(mirrored), data.sigma()}, level).pattern(level);
 }
 
 }  // namespace
@@ -391,9 +463,39 @@ std::string_view to_string(ValidityTest test) {
   return detail::spelling(spellings, test);
 }
 
+namespace {
+
+/// Judges every k-th point.
+ValidationResult validate_thinned(const FrequencyResponseData& data, double level, std::size_t every) {
+  std::vector<double> omega, sigma;
+  std::vector<Complex> value;
+  for (std::size_t k = 0; k < data.size(); k += every) {
+    omega.push_back(data.omega()[k]);
+    value.push_back(data.value()[k]);
+    if (!data.sigma().empty()) sigma.push_back(data.sigma()[k]);
+  }
+  ValidationResult result = validate({std::move(omega), std::move(value), std::move(sigma)}, {level});
+  result.every = every;
+  for (auto* points : {&result.outliers, &result.mains})
+    for (std::size_t& point : *points) point *= every;
+  std::vector<Complex> model(result.model.empty() ? 0 : data.size(), Complex(nan, nan));
+  std::vector<double> deviation(model.size(), nan);
+  for (std::size_t i = 0; i < result.model.size(); ++i) {
+    model[i * every] = result.model[i];
+    deviation[i * every] = result.deviation[i];
+  }
+  result.model = std::move(model);
+  result.deviation = std::move(deviation);
+  return result;
+}
+
+}  // namespace
+
 ValidationResult validate(const FrequencyResponseData& data, const ValidationOptions& options) {
   const double level = options.level;
   if (!(level > 0 && level < 1)) throw std::invalid_argument("level must be between 0 and 1");
+  if (options.most_points > 0 && data.size() > options.most_points)
+    return validate_thinned(data, level, (data.size() - 1) / options.most_points + 1);
   ValidationResult result{};
   result.level = level;
   result.validity = Validity::undecided;
@@ -452,7 +554,7 @@ ValidationResult validate(const FrequencyResponseData& data, const ValidationOpt
     result.detectable_drift = found * std::fmin(now.drift.deviation, other.deviation);
   }
   if (pattern) {
-    result.validity = Validity::invalid;
+    result.validity = is_left_open(data, level) ? Validity::undecided : Validity::invalid;
   } else if (!(result.freedom >= fewest_degrees) || !(result.detectable_drift < 1)) {
     result.validity = Validity::undecided;
   } else {
@@ -481,6 +583,7 @@ std::string ValidationResult::summary() const {
   };
   const std::string noise_text = "noise of " + percent(noise);
   std::string text(to_string(validity));
+  if (every > 1) text += " by one point in " + std::to_string(every);
   std::vector<std::string> parts;
   const bool drifts = alarmed(ValidityTest::drift_even) || alarmed(ValidityTest::drift_periods);
   const bool follow = alarmed(ValidityTest::neighbours) || alarmed(ValidityTest::neighbourhoods);
@@ -510,6 +613,9 @@ std::string ValidationResult::summary() const {
     case Validity::undecided:
       break;
   }
+  if (drifts || follow)
+    return text + ": " + joined() +
+           "; over less than an octave, echoes that the points are too far apart to resolve do that too";
   return text + ": band, points and noise leave too little to judge by (" + detail::short_text(freedom) +
          " degrees of freedom" +
          (std::isfinite(detectable_drift) ? ", a drift of " + percent(detectable_drift) + " would go unseen" : "") +

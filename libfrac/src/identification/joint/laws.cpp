@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "laws.hpp"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <stdexcept>
+
+#include "base/linear_algebra.hpp"
+
+namespace frac::detail {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t covariate = std::numeric_limits<std::size_t>::max();
+
+std::size_t index_in(const std::vector<std::string>& names, const std::string& name) {
+  return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+}
+
+/// NaN where the curve does not know it.
+double known_value(const JointCurve& curve, const std::string& name) {
+  for (const auto& [key, value] : curve.covariates)
+    if (key == name) return value;
+  return nan;
+}
+
+[[noreturn]] void refuse(const std::string& definition, const std::string& reason) {
+  throw std::invalid_argument("law '" + definition + "': " + reason);
+}
+
+}  // namespace
+
+Laws::Laws(const Structure& structure, const JointFitOptions& options, const std::vector<JointCurve>& curves) {
+  const auto& parameters = structure.parameter_names();
+  for (const std::string& text : options.laws) {
+    const std::string right = text.substr(std::min(text.find('=') + 1, text.size()));
+    std::vector<std::string> names;
+    for (const std::string& name : Structure(right).parameter_names())
+      if (name != "pi") names.push_back(name);
+    Law law{0, DerivedQuantity(text, names), {}, std::vector<std::vector<double>>(curves.size())};
+    const std::string& driven = law.formula.name();
+    law.parameter = index_in(parameters, driven);
+    if (law.parameter == parameters.size()) refuse(text, "'" + driven + "' is no parameter of " + structure.formula());
+    if (drives(law.parameter)) refuse(text, "'" + driven + "' has a law already");
+    if (std::find(options.shared.begin(), options.shared.end(), driven) != options.shared.end())
+      refuse(text, "'" + driven + "' is shared; what follows a law differs from curve to curve");
+    bool has_covariate = false;
+    for (const std::string& name : names) {
+      const bool known = std::any_of(curves.begin(), curves.end(),
+                                     [&](const auto& each) { return !std::isnan(known_value(each, name)); });
+      has_covariate = has_covariate || known;
+      for (std::size_t c = 0; c < curves.size(); ++c) {
+        const double value = known ? known_value(curves[c], name) : nan;
+        if (known && !std::isfinite(value)) refuse(text, "curve " + curves[c].name + " tells no number '" + name + "'");
+        law.covariates[c].push_back(value);
+      }
+      if (known) {
+        law.place.push_back(covariate);
+        continue;
+      }
+      if (index_in(parameters, name) < parameters.size())
+        refuse(text, "'" + name + "' is a parameter of the model; a law has parameters of its own");
+      const std::size_t place = index_in(names_, name);
+      if (place == names_.size()) names_.push_back(name);
+      law.place.push_back(place);
+    }
+    if (!has_covariate) refuse(text, "nothing in it is known of the curves");
+    laws_.push_back(std::move(law));
+  }
+}
+
+bool Laws::drives(std::size_t parameter) const {
+  return std::any_of(laws_.begin(), laws_.end(), [&](const Law& each) { return each.parameter == parameter; });
+}
+
+bool Laws::has(const std::string& name) const {
+  return index_in(names_, name) < names_.size();
+}
+
+double Laws::at(std::size_t law, std::size_t curve, std::span<const double> values, std::span<double> gradient) const {
+  const Law& of = laws_[law];
+  std::vector<double> all = of.covariates[curve], slope(all.size());
+  for (std::size_t k = 0; k < all.size(); ++k)
+    if (of.place[k] != covariate) all[k] = values[of.place[k]];
+  const double value = of.formula.value_and_gradient(all, slope);
+  std::fill(gradient.begin(), gradient.end(), 0.0);
+  for (std::size_t k = 0; k < all.size(); ++k)
+    if (of.place[k] != covariate) gradient[of.place[k]] += slope[k];
+  return value;
+}
+
+bool Laws::scales(std::size_t name, std::span<const double> values) const {
+  std::vector<double> twice(values.begin(), values.end()), gradient(names_.size());
+  twice[name] *= 2;
+  for (std::size_t l = 0; l < laws_.size(); ++l) {
+    if (std::find(laws_[l].place.begin(), laws_[l].place.end(), name) == laws_[l].place.end()) continue;
+    const double once = at(l, 0, values, gradient), doubled = at(l, 0, twice, gradient);
+    // Rounding of a few operations.
+    if (!(std::abs(doubled - 2 * once) <= 1e-12 * std::abs(once))) return false;
+  }
+  return true;
+}
+
+namespace {
+
+/// A search by Levenberg and Marquardt over few residuals; the cost is infinite where one is not finite.
+struct LawSearch {
+  Eigen::VectorXd at;
+  double cost;
+};
+template <class Residuals>
+LawSearch searched(Eigen::VectorXd at, const Residuals& residuals) {
+  Eigen::VectorXd residual;
+  Eigen::MatrixXd jacobian;
+  const auto cost_of = [&](const Eigen::VectorXd& place) {
+    residuals(place, residual, jacobian);
+    const double cost = residual.squaredNorm();
+    return std::isfinite(cost) && jacobian.allFinite() ? cost : std::numeric_limits<double>::infinity();
+  };
+  LawSearch best{std::move(at), 0};
+  best.cost = cost_of(best.at);
+  if (!std::isfinite(best.cost)) return best;
+  double damping = 1e-3;
+  for (int step = 0; step < 100 && damping < 1e12; ++step) {
+    residuals(best.at, residual, jacobian);
+    const Eigen::Index width = jacobian.cols(), rows = jacobian.rows();
+    Eigen::MatrixXd system = Eigen::MatrixXd::Zero(rows + width, width);
+    system.topRows(rows) = jacobian;
+    for (Eigen::Index k = 0; k < width; ++k)
+      system(rows + k, k) = std::sqrt(damping) * std::max(jacobian.col(k).norm(), 1e-300);
+    Eigen::VectorXd target = Eigen::VectorXd::Zero(rows + width);
+    target.head(rows) = -residual;
+    const Eigen::VectorXd next = best.at + Eigen::VectorXd(PivotedQr(system).solve(target));
+    const double cost = next.allFinite() ? cost_of(next) : std::numeric_limits<double>::infinity();
+    if (!(cost < best.cost)) {
+      damping *= 10;
+      continue;
+    }
+    const bool settled = cost > best.cost * (1 - 1e-10);
+    best = {next, cost};
+    damping = std::max(damping / 10, 1e-12);
+    if (settled) break;
+  }
+  return best;
+}
+
+}  // namespace
+
+std::vector<double> Laws::starts(const std::vector<std::vector<double>>& parameters, const std::vector<bool>& known,
+                                 std::span<const double> given) const {
+  std::vector<std::size_t> curves;
+  for (std::size_t c = 0; c < parameters.size(); ++c)
+    if (known[c]) curves.push_back(c);
+  if (curves.empty())
+    for (std::size_t c = 0; c < parameters.size(); ++c) curves.push_back(c);
+  const auto width = static_cast<Eigen::Index>(names_.size());
+  const auto rows = static_cast<Eigen::Index>(laws_.size() * curves.size());
+  // Parameters above 0 are compared by their logarithms: laws of powers and exponents are straight lines there.
+  std::vector<bool> positive;
+  for (const Law& law : laws_)
+    positive.push_back(
+        std::all_of(curves.begin(), curves.end(), [&](std::size_t c) { return parameters[c][law.parameter] > 0; }));
+  const auto residuals = [&](const Eigen::VectorXd& place, Eigen::VectorXd& residual, Eigen::MatrixXd& jacobian) {
+    residual.resize(rows);
+    jacobian.resize(rows, width);
+    std::vector<double> gradient(names_.size());
+    Eigen::Index row = 0;
+    for (std::size_t l = 0; l < laws_.size(); ++l) {
+      double size = 0;
+      for (const std::size_t c : curves) size = std::max(size, std::abs(parameters[c][laws_[l].parameter]));
+      for (const std::size_t c : curves) {
+        const double value = at(l, c, {place.data(), names_.size()}, gradient),
+                     told = parameters[c][laws_[l].parameter];
+        const double unit = positive[l] ? value : (size > 0 ? size : 1);
+        residual(row) = positive[l] ? std::log(value / told) : (value - told) / unit;
+        for (Eigen::Index k = 0; k < width; ++k) jacobian(row, k) = gradient[static_cast<std::size_t>(k)] / unit;
+        ++row;
+      }
+    }
+  };
+  std::mt19937_64 engine(1);
+  std::uniform_real_distribution<double> exponent(-2, 4), side(0, 1);
+  LawSearch best{Eigen::VectorXd::Ones(width), std::numeric_limits<double>::infinity()};
+  constexpr int trials = 40;
+  for (int trial = 0; trial < trials; ++trial) {
+    Eigen::VectorXd place = Eigen::VectorXd::Ones(width);
+    for (Eigen::Index k = 0; k < width; ++k) {
+      if (trial > 0) place(k) = std::pow(10, exponent(engine)) * (side(engine) < 0.5 ? 1 : -1);
+      if (!std::isnan(given[static_cast<std::size_t>(k)])) place(k) = given[static_cast<std::size_t>(k)];
+    }
+    // A factor of the whole law is above 0 where the law is.
+    for (Eigen::Index k = 0; k < width; ++k)
+      if (place(k) < 0 && positive.front() && scales(static_cast<std::size_t>(k), {place.data(), names_.size()}))
+        place(k) = -place(k);
+    LawSearch here = searched(std::move(place), residuals);
+    if (here.cost < best.cost) best = std::move(here);
+  }
+  if (!std::isfinite(best.cost)) {
+    std::string names;
+    for (const std::string& name : names_) names += (names.empty() ? "" : ", ") + name;
+    throw std::invalid_argument("no values of " + names + " found with which the laws follow the curves; give starts");
+  }
+  return {best.at.begin(), best.at.end()};
+}
+
+}  // namespace frac::detail

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "frac/identification/derived.hpp"
+#include "frac/identification/joint_fit.hpp"
+
+namespace frac::detail {
+
+/// Parameters of a structure that follow laws of what is known of each curve, "K = K0 T^p".
+class Laws {
+ public:
+  /// @throws std::invalid_argument  as joint_fit() says of laws.
+  Laws(const Structure& structure, const JointFitOptions& options, const std::vector<JointCurve>& curves);
+
+  [[nodiscard]] std::size_t count() const { return laws_.size(); }
+  /// Of the structure, that follows a law.
+  [[nodiscard]] std::size_t parameter(std::size_t law) const { return laws_[law].parameter; }
+  [[nodiscard]] bool drives(std::size_t parameter) const;
+  /// Parameters of the laws; one may stand in several of them.
+  [[nodiscard]] const std::vector<std::string>& names() const { return names_; }
+  [[nodiscard]] bool has(const std::string& name) const;
+
+  /// What a law says for a curve.
+  /// @param values    of names()
+  /// @param gradient  by names(), 0 for those that do not stand in the law
+  double at(std::size_t law, std::size_t curve, std::span<const double> values, std::span<double> gradient) const;
+
+  /// Whether each law that holds the name is in proportion to it, so that a positive law makes it positive.
+  [[nodiscard]] bool scales(std::size_t name, std::span<const double> values) const;
+
+  /// Values with which the laws follow parameters of single curves.
+  /// @param parameters  of each curve, by the structure
+  /// @param known       curves that count
+  /// @param given       starts of the user, NaN where there is none
+  [[nodiscard]] std::vector<double> starts(const std::vector<std::vector<double>>& parameters,
+                                           const std::vector<bool>& known, std::span<const double> given) const;
+
+ private:
+  struct Law {
+    std::size_t parameter;
+    DerivedQuantity formula;                      // of its names
+    std::vector<std::size_t> place;               // of each in names(); `covariate` where a curve knows it
+    std::vector<std::vector<double>> covariates;  // values of its names, per curve; NaN for parameters
+  };
+  std::vector<std::string> names_;
+  std::vector<Law> laws_;
+};
+
+}  // namespace frac::detail

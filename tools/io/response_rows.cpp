@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "io/response_rows.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "io/fields.hpp"
+#include "io/number.hpp"
+
+namespace io {
+
+bool RowReader::read(const TextTable::Row& row, Points& points) const {
+  const double frequency = number(row, plan_.frequency);
+  if (frequency == 0) return false;
+  const double omega = frequency * to_radians_per_second_;
+  if (!(frequency > 0) || !(omega > 0) || !std::isfinite(omega))
+    fail(row, plan_.frequency, "a frequency must be > 0 and finite in rad/s");
+  const std::complex<double> value = plan_.form == ValueForm::real_imaginary ? cartesian(row) : polar(row);
+  points.omega.push_back(omega);
+  points.value.push_back(value);
+  if (!plan_.spread) return true;
+  const double spread = number(row, *plan_.spread);
+  const double sigma = plan_.spread_is_weight ? 1 / std::sqrt(spread) : spread;
+  if (!(spread > 0) || !(sigma > 0) || !std::isfinite(sigma))
+    fail(row, *plan_.spread,
+         plan_.spread_is_weight ? "a weight must be > 0; leave points out with --where"
+                                : "a standard deviation must be > 0");
+  // A phase alone has |value| = 1, so sigma becomes an angle in rad.
+  points.sigma.push_back(plan_.form == ValueForm::phase_alone ? sigma * to_radians_ : sigma);
+  return true;
+}
+
+void RowReader::fail(const TextTable::Row& row, std::size_t field, const std::string& expected) const {
+  throw DataError(
+      table_.file(), row.line, row.column_of(field),
+      "found " + quoted(row.fields[field]) + " in column " + quoted(table_.header()[field].text) + "; " + expected);
+}
+
+double RowReader::number(const TextTable::Row& row, std::size_t field) const {
+  const auto text = row.fields[field];
+  const auto value = parse_number(text);
+  if (value && std::isfinite(*value)) return *value;
+  if (value) fail(row, field, "expected a finite number");
+  if (text.empty()) fail(row, field, "expected a number, the field is empty");
+  if (text.find(',') != std::string_view::npos) fail(row, field, "expected a number with a decimal point, such as 1.5");
+  fail(row, field, "expected a number");
+}
+
+std::complex<double> RowReader::cartesian(const TextTable::Row& row) const {
+  return {number(row, plan_.first), imaginary_sign_ * number(row, plan_.second)};
+}
+
+std::complex<double> RowReader::polar(const TextTable::Row& row) const {
+  if (plan_.form == ValueForm::phase_alone) return std::polar(1.0, number(row, plan_.second) * to_radians_);
+  const double given = number(row, plan_.first);
+  const double magnitude = decibel_ ? std::pow(10, given / 20) : given;
+  if (magnitude < 0) fail(row, plan_.first, "a magnitude must be >= 0");
+  if (!std::isfinite(magnitude)) fail(row, plan_.first, "the magnitude is beyond the range of a double");
+  if (plan_.form == ValueForm::magnitude_alone) return magnitude;
+  return std::polar(magnitude, number(row, plan_.second) * to_radians_);
+}
+
+bool keeps(const std::vector<PointFilter>& where, double omega, std::complex<double> value) {
+  return std::all_of(where.begin(), where.end(), [&](const PointFilter& filter) { return filter(omega, value); });
+}
+
+namespace {
+
+template <typename T>
+std::vector<T> permuted(const std::vector<T>& values, const std::vector<std::size_t>& order) {
+  std::vector<T> result;
+  result.reserve(order.size());
+  for (const auto index : order) result.push_back(values[index]);
+  return result;
+}
+
+}  // namespace
+
+void sort_by_frequency(Points& points, std::vector<std::string>& notes) {
+  if (std::is_sorted(points.omega.begin(), points.omega.end())) return;
+  std::vector<std::size_t> order(points.omega.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return points.omega[a] < points.omega[b]; });
+  points.omega = permuted(points.omega, order);
+  points.value = permuted(points.value, order);
+  if (!points.sigma.empty()) points.sigma = permuted(points.sigma, order);
+  notes.emplace_back("rows were not in rising frequency and have been sorted");
+}
+
+}  // namespace io

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <complex>
+#include <string>
+#include <vector>
+
+#include "io/column_plan.hpp"
+
+namespace io {
+
+struct Points {
+  std::vector<double> omega;
+  std::vector<std::complex<double>> value;
+  std::vector<double> sigma;
+};
+
+// Reads rows by the plan of their columns.
+class RowReader {
+ public:
+  RowReader(const TextTable& table, const ColumnPlan& plan, const Planner& planner)
+      : table_(table),
+        plan_(plan),
+        to_radians_per_second_(planner.meaning(plan.frequency).factor),
+        to_radians_(planner.meaning(plan.second).factor),
+        imaginary_sign_(planner.meaning(plan.second).quantity == Quantity::negative_imaginary ? -1 : 1),
+        decibel_(planner.meaning(plan.first).quantity == Quantity::magnitude_db) {}
+
+  // False for a row at frequency 0.
+  bool read(const TextTable::Row& row, Points& points) const;
+
+ private:
+  [[noreturn]] void fail(const TextTable::Row& row, std::size_t field, const std::string& expected) const;
+  [[nodiscard]] double number(const TextTable::Row& row, std::size_t field) const;
+  [[nodiscard]] std::complex<double> cartesian(const TextTable::Row& row) const;
+  [[nodiscard]] std::complex<double> polar(const TextTable::Row& row) const;
+
+  const TextTable& table_;
+  const ColumnPlan& plan_;
+  double to_radians_per_second_;
+  double to_radians_;
+  double imaginary_sign_;
+  bool decibel_;
+};
+
+[[nodiscard]] bool keeps(const std::vector<PointFilter>& where, double omega, std::complex<double> value);
+
+void sort_by_frequency(Points& points, std::vector<std::string>& notes);
+
+}  // namespace io
