@@ -179,6 +179,7 @@ TEST_F(Faults, AnOutputIsWholeOrNotThereAtAll) {
   RecordProperty("faults", faults);
 }
 
+// Commands that keep what they have found in FILE.partial have tests of their own below.
 TEST_F(Faults, EveryCommandMeetsAFullDiskAndAKill) {
   const std::vector<std::string> scene{"--force", "20", "--clearance", "0.3", "--restitution", "0.6"};
   const auto with = [](std::vector<std::string> arguments, const std::vector<std::string>& more) {
@@ -196,8 +197,6 @@ TEST_F(Faults, EveryCommandMeetsAFullDiskAndAKill) {
            {"analyse", {"analyse", "--model", "1/(s + 1)"}},
            {"convert", {"convert", curve}},
            {"orbits", {"orbits", "--restitution", "0.6", "--from", "1.3", "--to", "1.4"}},
-           {"basins",
-            {"basins", "--restitution", "0.6", "--omega", "1.41", "--position", "0:0.5:2", "--velocity", "0:1:2"}},
            {"jump-law", {"jump-law", "--force", "20,40", "--clearance", "0.2,0.3", "--restitution", "0.6"}},
            {"realise", {"realise", "--model", "1/(s^0.5 + 1)", "--band", "0.1:10", "--tolerance", "0.1"}},
            {"history", with(with({"history"}, scene), {"--omega", "5"})},
