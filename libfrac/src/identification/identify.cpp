@@ -14,10 +14,10 @@
 #include "identification/data/noise_floor.hpp"
 #include "identification/data/residual_rule.hpp"
 #include "identification/rational/family_members.hpp"
-#include "identification/time_growth.hpp"
 #include "identification/statistics/curvature_fit.hpp"
 #include "identification/statistics/information.hpp"
 #include "identification/statistics/residual_tests.hpp"
+#include "identification/time_growth.hpp"
 #include "identification/verdict.hpp"
 
 namespace frac {
