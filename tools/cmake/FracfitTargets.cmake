@@ -43,16 +43,20 @@ function(fracfit_precompiled target)
   target_precompile_headers(${target} REUSE_FROM fracfit_standard_headers)
 endfunction()
 
-# Compiles files of one room as one source where CMAKE_UNITY_BUILD is on: their headers are parsed and
-# their templates instantiated once.  Small groups, so that a change in one of them costs seconds; files with hot loops, with
-# options of their own or with names that another one uses differently stay out.
+# Compiles files of one room as one source where CMAKE_UNITY_BUILD is on, as in a folder that tools/setup makes: their
+# headers are parsed and their templates instantiated once.  Small groups, so that a change in one of them costs seconds;
+# files with hot loops, with options of their own or with names that another one uses differently stay out.
 function(fracfit_together group)
   set_source_files_properties(${ARGN} PROPERTIES UNITY_GROUP ${group})
 endfunction()
 
 function(fracfit_warnings target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD_MODE GROUP)
-  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wconversion -Wshadow)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wconversion)
+  if(NOT CMAKE_UNITY_BUILD)
+    # A local name of one file may be that of a constant in another one of its group.
+    target_compile_options(${target} PRIVATE -Wshadow)
+  endif()
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
     # False alarms on `"literal" + std::string` (GCC bug 105651), of all three kinds once headers are precompiled.
     target_compile_options(${target} PRIVATE -Wno-restrict -Wno-stringop-overflow -Wno-array-bounds)

@@ -10,7 +10,7 @@
 namespace io {
 
 // Drops what was given and reads on behind the rest; false at the end of the file.
-bool LineReader::read_more() {
+bool FileLines::read_more() {
   buffer_.erase(0, at_);
   begin_ += at_;
   at_ = 0;
@@ -25,7 +25,7 @@ bool LineReader::read_more() {
   }
 }
 
-std::optional<std::string_view> LineReader::next() {
+std::optional<std::string_view> FileLines::next() {
   for (std::size_t searched = at_;;) {
     const auto end = buffer_.find('\n', searched);
     if (end != std::string::npos) {

@@ -10,12 +10,12 @@
 namespace io {
 
 /// Lines of a regular file one after the other, read through a buffer, so that memory does not grow with the file.
-class LineReader {
+class FileLines {
  public:
   /// @param descriptor  open for reading; its position is neither used nor moved
   /// @param path        for messages
   /// @param buffer      bytes to read at once
-  LineReader(int descriptor, std::string path, std::size_t buffer = 1U << 18U)
+  FileLines(int descriptor, std::string path, std::size_t buffer = 1U << 18U)
       : descriptor_(descriptor), path_(std::move(path)), wanted_(buffer) {}
 
   /// The next line without its end, valid until the next call; nothing at the end.  A last line without an end was

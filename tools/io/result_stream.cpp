@@ -86,7 +86,7 @@ ResultStream::ResultStream(std::string path, const std::string& header)
 
 // Finds the pieces that are whole, up to the first that is not.
 void ResultStream::scan(const std::string& header) {
-  LineReader lines(file_.number(), path_);
+  FileLines lines(file_.number(), path_);
   std::string found;
   while (found.size() < header.size()) {
     const auto line = lines.next();

@@ -104,7 +104,7 @@ class ShardReader {
 
   std::string file_;
   Descriptor descriptor_;
-  LineReader lines_;
+  FileLines lines_;
   Head head_;
   Fingerprint fingerprint_;
   std::size_t number_ = 0;  // of the line, from 1
@@ -309,7 +309,7 @@ std::string checksum_line(const Fingerprint& text) {
 bool is_block_table(const std::string& file) {
   const Descriptor descriptor = readable(file);
   constexpr std::size_t some_lines = 1U << 12U;
-  LineReader lines(descriptor.number(), file, some_lines);
+  FileLines lines(descriptor.number(), file, some_lines);
   // The command stands behind the version, and behind the line of an unfinished table.
   for (int i = 0; i < 3; ++i) {
     const auto line = lines.next();

@@ -170,7 +170,7 @@ std::optional<ClosedOrbit> orbit_beyond(const GapMotion& motion, const ClosedOrb
 
 std::optional<SteadyState> closed_orbit_near(const GapMotion& motion, const GapState& state, int impacts, int period,
                                              double tolerance) {
-  std::optional<ClosedOrbit> orbit = close_orbit(motion, state, impacts, 2 * period, tolerance);
+  std::optional<ClosedOrbit> orbit = close_orbit(motion, state, impacts, 2 * std::int64_t{period}, tolerance);
   if (!orbit) return std::nullopt;
   orbit = without_repeats(motion, *orbit, tolerance);
   if (!is_attracting(motion, *orbit)) orbit = orbit_beyond(motion, *orbit, state, tolerance);

@@ -162,7 +162,8 @@ std::optional<SteadyState> mean_of_sticking_motion(const GapMotion& motion, cons
       tail_loss += cycle.tail_loss;
       impacts += cycle.impacts;
       state = cycle.next_release;
-      const auto digits = static_cast<double>(integral.size() / 2 + 1) * (integral.size() % 2 == 0 ? 1 : -1);
+      const std::size_t step = integral.size() / 2 + 1;
+      const auto digits = static_cast<double>(step) * (integral.size() % 2 == 0 ? 1 : -1);
       const GapMotion disturbed(motion.gamma() * (1 + digits * rounding), motion.restitution());
       const std::optional<Cycle> next = next_cycle(disturbed, state, limit, most_impacts);
       if (!next) return std::nullopt;

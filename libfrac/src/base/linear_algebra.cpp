@@ -2,7 +2,6 @@
 #include "base/linear_algebra.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/SVD>
 
 namespace frac::detail {
 
@@ -49,11 +48,6 @@ Eigen::MatrixXd PlainQr::dual() const {
       .triangularView<Eigen::Upper>()
       .solve(basis().transpose())
       .transpose();
-}
-
-RightSingularVectors right_singular_vectors(const Eigen::MatrixXd& matrix) {
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(matrix, Eigen::ComputeThinV);
-  return {svd.singularValues(), svd.matrixV()};
 }
 
 Eigen::MatrixXd shortest_solution(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& right) {

@@ -101,8 +101,9 @@ Fmu fmu(const RationalModel& system, const FmuOptions& options) {
   std::vector<double> rows, columns, entries;
   for (std::size_t i = 0; i < n * n; ++i) {
     if (space.a[i] == 0) continue;
-    rows.push_back(static_cast<double>(i / n));
-    columns.push_back(static_cast<double>(i % n));
+    const std::size_t row = i / n;
+    rows.push_back(static_cast<double>(row));
+    columns.push_back(static_cast<double>(i - row * n));
     entries.push_back(space.a[i]);
   }
   // A model of integrators alone has no entry, and C no array without one.

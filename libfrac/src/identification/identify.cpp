@@ -176,6 +176,7 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
                             const std::vector<ComparedCurve>& curves, const Options& options, int threads) {
   if (models.empty() && curves.empty()) throw std::invalid_argument("identify needs at least one candidate");
   std::vector<Outcome> outcomes;
+  outcomes.reserve(models.size() + curves.size());
   for (const NamedModel& model : models) outcomes.push_back({model, {}, {}});
   // Families first: presets that miss by far more than they do need no thorough search.
   const auto first_preset = std::stable_partition(outcomes.begin(), outcomes.end(),
@@ -255,6 +256,7 @@ IdentificationResult identify(const FrequencyResponseData& data, const std::vect
   if (options.weight == Weight::learned && !options.noise_floor) told_floor.noise_floor = learned_floor(data, options);
   const detail::ResidualRule rule = detail::residual_rule(data, told_floor);
   std::vector<ComparedCurve> residuals;
+  residuals.reserve(curves.size());
   const bool told = options.weight == Weight::given || options.weight == Weight::repeats;
   for (const FixedCurve& curve : curves) residuals.push_back(compared(data, curve, rule, told));
   IdentificationResult result = ranked(data, models, residuals, told_floor, threads);

@@ -86,6 +86,7 @@ std::vector<std::size_t> isolated_outliers(const FrequencyResponseData& data, Co
   const auto most = static_cast<std::size_t>(most_of_the_data * static_cast<double>(data.size()));
   for (;;) {
     std::vector<double> all;
+    all.reserve(usable.size());
     for (const std::size_t point : usable) all.push_back(distance(usable, point));
     // Medians of the absolute value of normal noise, of one part and of both.
     const double median_of_noise = component == Component::both ? 1.1774 : 0.6745;

@@ -195,7 +195,7 @@ std::optional<RationalModel> in_series(const ModelOnBand& on_band, const Rationa
   std::vector<std::size_t> kind;
   for (std::size_t i = 0; i < stages.size(); ++i) {
     const auto same = std::find_if(different.begin(), different.end(),
-                                   [&](const auto& each) { return stages[each.first] == stages[i]; });
+                                   [&all = stages, i](const auto& each) { return all[each.first] == all[i]; });
     kind.push_back(static_cast<std::size_t>(same - different.begin()));
     if (same != different.end()) continue;
     different.emplace_back(i, ModelOnBand(stages[i], frame.band));

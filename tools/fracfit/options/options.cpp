@@ -22,7 +22,7 @@ namespace {
   refuse(std::string(name) + " " + io::quoted(text) + ": " + message);
 }
 
-std::string with_reason(std::string text, const std::string& why) {
+std::string with_reason(const std::string& text, const std::string& why) {
   return why.empty() ? text : text + ", " + why;
 }
 

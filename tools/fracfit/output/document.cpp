@@ -114,6 +114,7 @@ std::string table_text(const Document& document) {
   }
   const auto heading = [&](std::size_t line) {
     std::vector<std::string> names;
+    names.reserve(headings.size());
     for (const auto& lines : headings) names.push_back(line < lines.size() ? lines[line] : "");
     return names;
   };
