@@ -179,6 +179,7 @@ TEST_F(Faults, AnOutputIsWholeOrNotThereAtAll) {
   RecordProperty("faults", faults);
 }
 
+// Commands that keep what they have found in FILE.partial have tests of their own below.
 TEST_F(Faults, EveryCommandMeetsAFullDiskAndAKill) {
   const std::vector<std::string> scene{"--force", "20", "--clearance", "0.3", "--restitution", "0.6"};
   const auto with = [](std::vector<std::string> arguments, const std::vector<std::string>& more) {
@@ -196,8 +197,6 @@ TEST_F(Faults, EveryCommandMeetsAFullDiskAndAKill) {
            {"analyse", {"analyse", "--model", "1/(s + 1)"}},
            {"convert", {"convert", curve}},
            {"orbits", {"orbits", "--restitution", "0.6", "--from", "1.3", "--to", "1.4"}},
-           {"basins",
-            {"basins", "--restitution", "0.6", "--omega", "1.41", "--position", "0:0.5:2", "--velocity", "0:1:2"}},
            {"jump-law", {"jump-law", "--force", "20,40", "--clearance", "0.2,0.3", "--restitution", "0.6"}},
            {"realise", {"realise", "--model", "1/(s^0.5 + 1)", "--band", "0.1:10", "--tolerance", "0.1"}},
            {"history", with(with({"history"}, scene), {"--omega", "5"})},
@@ -213,6 +212,33 @@ TEST_F(Faults, EveryCommandMeetsAFullDiskAndAKill) {
     fs::remove(path(command.target));
   }
   RecordProperty("faults", faults);
+}
+
+// A limit of threads, as `ulimit -u` and containers set it: what the program is refused it does without.
+TEST_F(Faults, RefusedThreadsChangeNoResult) {
+  const auto curve = folder.path("curve.csv");
+  for (const auto& arguments : std::vector<std::vector<std::string>>{
+           {"fit", curve, "--model", "K/(T s + 1)", "--component", "both"},
+           {"identify", curve, "--models", "gain,lag"},
+           {"map", "--restitution", "0.3,0.6", "--omega", "1:2:4"},
+           {"basins", "--restitution", "0.6", "--omega", "1.41", "--position", "0:0.5:2", "--velocity", "0:1:2"},
+           {"batch", curve, folder.path("short.csv"), "--model", "gain", "--component", "both"},
+           {"respond", "--model", "1/(s^0.5 + 1)", "--time", "0:1:20"}}) {
+    const auto run = [&](const std::string& fault) {
+      auto all = arguments;
+      all.insert(all.end(), {"--threads", "4", "--out", path("target"), "--quiet"});
+      fs::remove(path("target"));
+      const auto result = run_with(all, fault, false);
+      EXPECT_EQ(result.code, 0) << arguments.front() << ' ' << fault << ": " << result.error;
+      return lasting(content_of(path("target")));
+    };
+    const std::string undisturbed = run("threads@100000");
+    EXPECT_FALSE(fired());
+    for (const char* fault : {"threads@1", "threads@2", "threads@3"}) {
+      EXPECT_EQ(run(fault), undisturbed) << arguments.front() << ' ' << fault;
+      EXPECT_TRUE(fired() || std::string(fault) != "threads@1") << arguments.front();
+    }
+  }
 }
 
 // A batch keeps its finished rows on disk, so a fault leaves part of them: the same command again must give the table
@@ -256,6 +282,14 @@ TEST_F(Faults, ASearchForBasinsGoesOnAfterAnyFault) {
   const auto out = path("basins.csv");
   goes_on_after_any_fault({"basins", "--restitution", "0.85067", "--omega", "0.9743", "--position", "0.05:0.95:6",
                            "--velocity", "-1:1:6", "--quiet", "--out", out},
+                          out);
+}
+
+// So does a study of the noise, refit by refit.
+TEST_F(Faults, ABootstrapGoesOnAfterAnyFault) {
+  const auto out = path("refits.csv");
+  goes_on_after_any_fault({"fit", folder.path("curve.csv"), "--model", "K/(T s + 1)", "--component", "both",
+                           "--bootstrap", "20", "--quiet", "--refits", out},
                           out);
 }
 

@@ -143,6 +143,88 @@ TEST(JointFit, IntervalsHoldTheTruthAndCurvesThatShareAreBelieved) {
   EXPECT_LT(doubted / trials, 0.05 + 3.3 * deviation);
 }
 
+/// Lags whose time constant follows Arrhenius, T = T0 exp(E/(8.314 temperature)) with T(330 K) = 0.7 s, gains as above.
+constexpr double energy = 3e4;
+std::vector<JointCurve> arrhenius(std::size_t count, double noise, std::mt19937_64& generator) {
+  std::vector<JointCurve> curves;
+  for (std::size_t c = 0; c < count; ++c) {
+    const double temperature = 300 + 15 * static_cast<double>(c), gain = static_cast<double>(c) + 1;
+    const double time = 0.7 * std::exp(energy / 8.314 * (1 / temperature - 1 / 330.0));
+    curves.push_back({"curve " + std::to_string(c),
+                      support::noisy_response(lag, {gain, time, 0.8}, noise, generator, 25),
+                      {{"temperature", temperature}}});
+  }
+  return curves;
+}
+
+TEST(JointFit, ALawRecoversWhatMadeExactCurves) {
+  std::mt19937_64 generator(11);
+  JointFitOptions options = sharing({"a"});
+  options.laws = {"T = T0 exp(E/(8.314 temperature))"};
+  const JointFitResult result = joint_fit(arrhenius(4, 0, generator), Structure(lag), options);
+  ASSERT_TRUE(result.usable()) << result.message;
+  ASSERT_EQ(result.shared.size(), 3U);
+  EXPECT_EQ(result.shared[1].name, "T0");
+  EXPECT_EQ(result.shared[2].name, "E");
+  // T0 lies far outside of the temperatures: an error of E of some 1e-9 comes back as eleven times as much.
+  EXPECT_NEAR(result.shared[2].value / energy, 1, 1e-6);
+  EXPECT_NEAR(result.shared[1].value / (0.7 * std::exp(-energy / (8.314 * 330))), 1, 1e-5);
+  EXPECT_NEAR(result.curves[2].parameters[1].value, 0.7, 1e-6);
+}
+
+// 200 trials, seeds used for nothing else; the limit is 3.3 standard deviations of the binomial below 95 %.
+TEST(JointFit, IntervalsOfALawHoldTheTruth) {
+  constexpr int trials = 200;
+  std::mt19937_64 generator(60606);
+  JointFitOptions options = sharing({"a"});
+  options.laws = {"T = T0 exp(E/(8.314 temperature))"};
+  double scale = 0, slope = 0, driven = 0, doubted = 0;
+  for (int trial = 0; trial < trials; ++trial) {
+    const JointFitResult result = joint_fit(arrhenius(5, 0.01, generator), Structure(lag), options);
+    scale += covers(result.shared[1], 0.7 * std::exp(-energy / (8.314 * 330)));
+    slope += covers(result.shared[2], energy);
+    driven += covers(result.curves[2].parameters[1], 0.7);
+    doubted += result.sharing_p_value < 0.05;
+  }
+  const double deviation = std::sqrt(0.95 * 0.05 / trials);
+  RecordProperty("T0", std::to_string(scale / trials));
+  RecordProperty("E", std::to_string(slope / trials));
+  RecordProperty("T", std::to_string(driven / trials));
+  RecordProperty("doubted", std::to_string(doubted / trials));
+  for (const double held : {scale, slope, driven}) EXPECT_GT(held / trials, 0.95 - 3.3 * deviation);
+  EXPECT_LT(doubted / trials, 0.05 + 3.3 * deviation);
+}
+
+TEST(JointFit, ALawThatTheCurvesDoNotFollowIsTold) {
+  std::mt19937_64 generator(12);
+  auto curves = arrhenius(4, 0.01, generator);
+  curves[1].covariates[0].second += 20;
+  JointFitOptions options = sharing({"a"});
+  options.laws = {"T = T0 exp(E/(8.314 temperature))"};
+  EXPECT_LT(joint_fit(curves, Structure(lag), options).sharing_p_value, 1e-6);
+}
+
+TEST(JointFit, SaysWhatIsNoLaw) {
+  std::mt19937_64 generator(13);
+  const auto curves = arrhenius(3, 0.01, generator);
+  const auto refused = [&](const std::string& law, const std::vector<std::string>& parts) {
+    JointFitOptions options = sharing({"a"});
+    options.laws = {law};
+    support::expect_invalid_argument([&] { return joint_fit(curves, Structure(lag), options); }, parts);
+  };
+  refused("T", {"NAME = FORMULA"});
+  refused("b = b0 temperature", {"'b'", "no parameter"});
+  refused("a = a0 temperature", {"'a'", "shared"});
+  refused("T = T0 load", {"nothing in it is known"});
+  refused("T = K temperature", {"'K'", "parameter of the model"});
+  auto silent = curves;
+  silent[1].covariates.clear();
+  JointFitOptions options = sharing({"a"});
+  options.laws = {"T = T0 temperature"};
+  support::expect_invalid_argument([&] { return joint_fit(silent, Structure(lag), options); },
+                                   {"curve 1", "'temperature'"});
+}
+
 TEST(JointFit, CurvesThatDoNotShareAreTold) {
   std::mt19937_64 generator(3);
   auto curves = lags(3, 40, 0.01, generator);

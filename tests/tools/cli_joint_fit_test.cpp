@@ -47,6 +47,26 @@ struct PowerLaws {
   }
 };
 
+// K = gain, told by the column: K0 = 1 and p = 1, as closely as the search ends.
+TEST(JointFitCommand, AParameterFollowsALaw) {
+  const PowerLaws data;
+  const auto result = data.joint({data.one_file}, {"--by", "gain", "--shared", "a", "--law", "K = K0 gain^p"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const auto json = Json::parse(result.output);
+  ASSERT_EQ(json["shared"].size(), 3U);
+  EXPECT_EQ(json["shared"][1]["name"], "K0");
+  EXPECT_NEAR(json["shared"][1]["value"].get<double>(), 1, 1e-7);
+  EXPECT_EQ(json["shared"][2]["name"], "p");
+  EXPECT_NEAR(json["shared"][2]["value"].get<double>(), 1, 1e-7);
+  EXPECT_NEAR(json["curves"][2]["parameters"][0]["value"].get<double>(), 4, 1e-6);
+  const auto table =
+      data.joint({data.one_file}, {"--by", "gain", "--shared", "a", "--law", "K = K0 gain^p", "--format", "table"});
+  EXPECT_NE(table.output.find("laws       K = K0 gain^p"), std::string::npos) << table.output;
+  const auto unknown = data.joint({data.one_file}, {"--by", "gain", "--shared", "a", "--law", "K = K0 load^p"});
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_NE(unknown.error.find("known of the curves"), std::string::npos) << unknown.error;
+}
+
 // The values that made the data, to what 17 digits and the tolerance of the search leave.
 void expect_power_laws(const ProgramResult& result) {
   ASSERT_EQ(result.code, 0) << result.error;

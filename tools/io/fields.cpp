@@ -9,14 +9,29 @@
 namespace io {
 namespace {
 
-constexpr std::string_view blanks = " \t\r";
+// Compared one by one, as find_first_of() would look each character up in a list.
+bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\r';
+}
+
+/// The first blank from a place on, or the end.
+std::size_t blank_from(std::string_view text, std::size_t place) {
+  while (place < text.size() && !is_blank(text[place])) ++place;
+  return place;
+}
+
+/// The first other character from a place on, or the end.
+std::size_t word_from(std::string_view text, std::size_t place) {
+  while (place < text.size() && is_blank(text[place])) ++place;
+  return place;
+}
 
 }  // namespace
 
 std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(blanks);
-  if (first == std::string_view::npos) return text.substr(text.size());
-  return text.substr(first, text.find_last_not_of(blanks) - first + 1);
+  text.remove_prefix(word_from(text, 0));
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
 }
 
 std::string_view unquoted(std::string_view text) {
@@ -36,10 +51,9 @@ void split_by(std::string_view line, char separator, std::vector<std::string_vie
   fields.clear();
   if (separator == ' ') {
     for (line = trimmed(line); !line.empty();) {
-      const auto end = std::min(line.find_first_of(blanks), line.size());
+      const std::size_t end = blank_from(line, 0);
       fields.push_back(unquoted(line.substr(0, end)));
-      const auto next = line.find_first_not_of(blanks, end);
-      line = line.substr(std::min(next, line.size()));
+      line.remove_prefix(word_from(line, end));
     }
     return;
   }
@@ -54,14 +68,14 @@ void split_by(std::string_view line, char separator, std::vector<std::string_vie
 bool append_numbers(std::string_view line, std::vector<double>& numbers) {
   const std::size_t before = numbers.size();
   for (line = trimmed(line); !line.empty();) {
-    const auto end = std::min(line.find_first_of(blanks), line.size());
+    const std::size_t end = blank_from(line, 0);
     const auto number = parse_number(line.substr(0, end));
     if (!number || !std::isfinite(*number)) {
       numbers.resize(before);
       return false;
     }
     numbers.push_back(*number);
-    line.remove_prefix(std::min(line.find_first_not_of(blanks, end), line.size()));
+    line.remove_prefix(word_from(line, end));
   }
   return true;
 }

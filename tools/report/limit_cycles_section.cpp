@@ -81,6 +81,7 @@ Section limit_cycles_section(const Work& work) {
                                       {"exact", exact_text},
                                       {"predicted", predicted_text}})));
     section.add(cycle_figure(picture.loop, *cycle, "cycles-motion", prose("limit-cycles", "motion")));
+    section.add(start_figure(picture.loop, *cycle, "cycles-start", prose("limit-cycles", "start")));
     section.finding(prose("limit-cycles", "finding",
                           {{"exact", exact_text},
                            {"predicted", predicted_text},

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <utility>
 
+#include "backlash/loops/simulate_loop.hpp"
+#include "backlash/loops/simulate_sampled_loop.hpp"
 #include "report/grid.hpp"
 
 namespace report {
@@ -158,6 +160,31 @@ Figure cycle_figure(const backlash::ControlLoop& loop, const SymmetricCycle& cyc
       curve_of("gap", exact_colour, Mark::line, portrait),
   };
   return {std::move(name), std::move(caption), {std::move(motion), std::move(drive), std::move(phase)}, 1, 220};
+}
+
+Figure start_figure(const backlash::ControlLoop& loop, const SymmetricCycle& cycle, std::string name,
+                    std::string caption) {
+  const double period = 2 * pi / cycle.omega;
+  const double duration = 6 * period;
+  const auto gap_of = [&](const std::vector<backlash::LoopRow>& rows) {
+    Points gap;
+    for (const backlash::LoopRow& row : rows) gap.add(row.time, (row.x2 - row.x1) / loop.system().clearance());
+    return gap;
+  };
+  backlash::LoopSimulationOptions continuous;
+  continuous.duration = duration;
+  continuous.sample_time = period / 100;
+  backlash::SampledLoopOptions sampled;
+  sampled.duration = duration;
+  sampled.sample_time = period / 50;
+  sampled.velocity2 = cycle.impact_speed;
+  const Points exact = gap_of(backlash::simulate_loop(loop, {0, 0, 0, cycle.impact_speed}, {}, continuous).rows);
+  const Points held = gap_of(backlash::simulate_sampled_loop(loop, sampled).rows);
+  Panel panel{"", {"t / s", false, 0.0, duration}, {"(x_2 - x_1)/Δ", false, -0.55, 0.55}};
+  panel.key = true;
+  panel.curves = {curve_of("continuous", exact_colour, Mark::line, exact),
+                  curve_of("sampled", predicted_colour, Mark::line, held)};
+  return {std::move(name), std::move(caption), {std::move(panel)}, 1, 260};
 }
 
 Figure frequencies_figure(const LoopFamilyPicture& family, std::string name, std::string caption) {

@@ -28,6 +28,12 @@ struct LoopPicture {
 [[nodiscard]] Figure cycle_figure(const backlash::ControlLoop& loop, const backlash::SymmetricCycle& cycle,
                                   std::string name, std::string caption);
 
+/// The gap over the first periods from rest, the driven body pushed at the speed of impact of the cycle: of the
+/// continuous loop, and of its controller in a computer with 50 samples per period.
+/// @param loop  of free masses and a controller kp + kd s^mu
+[[nodiscard]] Figure start_figure(const backlash::ControlLoop& loop, const backlash::SymmetricCycle& cycle,
+                                  std::string name, std::string caption);
+
 /// The loops over one quantity.
 struct LoopFamilyPicture {
   std::string quantity;  // enhanced text

@@ -73,8 +73,10 @@ class AlternatingSums {
   std::array<Real, direct_terms + 1> value_;
 };
 
-std::array<double, 36> older_pulses(double power) {
-  std::array<double, 36> coefficient{};
+// Of a whole power they end with it.
+std::vector<double> older_pulses(double power) {
+  const bool is_whole = power == std::round(power);
+  std::vector<double> coefficient(is_whole ? static_cast<std::size_t>(power) + 1 : 36);
   AlternatingSums<double> sums(power, 1.5);
   double binomial = 1;
   for (std::size_t i = 0; i < coefficient.size(); ++i) {

@@ -79,7 +79,7 @@ class ImpulseTrain {
     double offset;  // its age then over tau, in (0, 1]
     PowerTrain train;
     // sum_(n >= 1) (-1)^n (n + v)^exponent in powers of v - 1/2; its radius of convergence is 3/2.
-    std::array<double, 36> older;
+    std::vector<double> older;
   };
   double tau_;
   std::vector<Part> parts_;

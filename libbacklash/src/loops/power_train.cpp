@@ -113,7 +113,11 @@ double hurwitz_cosines(double p, double v) {
 
 }  // namespace
 
-PowerTrain::PowerTrain(double a, double v) : a_(a), v_(v) {
+PowerTrain::PowerTrain(double a, double v) : a_(a), v_(v), has_closed_form_(v == 1 && (a == 1 || a == 2 || a == 3)) {
+  for (std::size_t j = 0; j < 3; ++j) {
+    if (a > 1 || j < 2) gamma_[j] = std::tgamma(1 + a - static_cast<double>(j));
+  }
+  if (has_closed_form_) return;
   for (int n = 0; n <= most_terms; ++n) power_[static_cast<std::size_t>(n)] = std::pow(n + v, a - 2);
   for (std::size_t j = 0; j < 3; ++j) {
     double binomial = 1;
@@ -121,13 +125,13 @@ PowerTrain::PowerTrain(double a, double v) : a_(a), v_(v) {
       rest_binomial_[j][static_cast<std::size_t>(i)] = binomial;
       binomial *= (a - static_cast<double>(j) - i) / (i + 1);
     }
-    if (a > 1 || j < 2) gamma_[j] = std::tgamma(1 + a - static_cast<double>(j));
   }
   prepare_zeta();
 }
 
 // zeta(1 - p, v) = 2 Gamma(p)/(2 pi)^p sum_(k >= 1) cos(p pi/2 - 2 pi k v)/k^p (Hurwitz), for p from 6 on.
-void PowerTrain::prepare_zeta() {
+void PowerTrain::prepare_zeta() const {
+  has_zeta_ = true;
   const int first = a_ > 1 ? 0 : 1;  // a = 1: zeta(1) is not wanted
   double scale = 1;                  // (2 pi)^m/m!
   double gamma_ratio = 0;            // Gamma(p)/m!
@@ -153,14 +157,30 @@ void PowerTrain::prepare_zeta() {
   }
 }
 
-std::array<double, 3> PowerTrain::at_origin() const noexcept {
+std::array<double, 3> PowerTrain::at_origin() const {
+  require_zeta();
   constexpr double turn = 2 * pi;
   return {zeta_[2] * 2 / (turn * turn), zeta_[1] / turn, zeta_[0]};
 }
 
 std::array<Complex, 3> PowerTrain::operator()(Complex u) const {
+  if (has_closed_form_) return in_closed_form(u);
   if (std::abs(u) > near_origin && u.real() < 0) return by_terms(u);
   return about_origin(u);
+}
+
+// sum (n + 1)^b x^n, x = e^u, is 1/w, 1/w^2, (1 + x)/w^3 and (1 + 4 x + x^2)/w^4 for b = 0 to 3, w = 1 - x.
+std::array<Complex, 3> PowerTrain::in_closed_form(Complex u) const {
+  const double half_sine = std::sin(0.5 * u.imag());
+  const double size = std::exp(u.real());
+  const Complex x = std::polar(size, u.imag());
+  const Complex w(2 * size * half_sine * half_sine - std::expm1(u.real()), -x.imag());
+  const Complex one = 1.0 / w;
+  const Complex two = one * one;
+  if (a_ == 1) return {two, one, 0};
+  const Complex three = (1.0 + x) * two * one;
+  if (a_ == 2) return {three, two, one};
+  return {(1.0 + x * (4.0 + x)) * two * two, three, two};
 }
 
 std::array<Complex, 3> PowerTrain::by_terms(Complex u) const {
@@ -205,6 +225,7 @@ std::array<Complex, 3> PowerTrain::by_terms(Complex u) const {
 
 // sum_n zeta(j - a - n, v) u^n/n!
 std::array<Complex, 3> PowerTrain::zeta_series(Complex u) const {
+  require_zeta();
   constexpr double turn = 2 * pi;
   const Complex share = u / turn;
   std::array<Complex, 3> sum{};

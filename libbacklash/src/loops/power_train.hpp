@@ -19,7 +19,7 @@ class PowerTrain {
   PowerTrain(double a, double v);
   [[nodiscard]] std::array<std::complex<double>, 3> operator()(std::complex<double> u) const;
   /// What is left at u = 0 without the singular part: zeta(j - a, v).
-  [[nodiscard]] std::array<double, 3> at_origin() const noexcept;
+  [[nodiscard]] std::array<double, 3> at_origin() const;
 
   /// P_j without its singular part, which is that of P_0, `mean`, times (-u)^j/(a (a - 1) ... (a - j + 1)); |u| < 2 pi.
   struct Split {
@@ -34,17 +34,24 @@ class PowerTrain {
   static constexpr int rest_order = 18;
   static constexpr int zeta_terms = 64;
 
+  [[nodiscard]] std::array<std::complex<double>, 3> in_closed_form(std::complex<double> u) const;
   [[nodiscard]] std::array<std::complex<double>, 3> by_terms(std::complex<double> u) const;
   [[nodiscard]] std::array<std::complex<double>, 3> about_origin(std::complex<double> u) const;
   [[nodiscard]] std::array<std::complex<double>, 3> zeta_series(std::complex<double> u) const;
-  void prepare_zeta();
+  // Of the series about the origin, which powers with a closed form seldom need.
+  void prepare_zeta() const;
+  void require_zeta() const {
+    if (!has_zeta_) prepare_zeta();
+  }
 
   double a_;
   double v_;
   std::array<double, most_terms + 1> power_{};                     // (n + v)^(a - 2)
   std::array<std::array<double, rest_order>, 3> rest_binomial_{};  // of a - j over i
   std::array<double, 3> gamma_{};                                  // Gamma(1 + a - j)
-  std::array<double, zeta_terms + 2> zeta_{};                      // zeta(2 - a - n, v)/n! (2 pi)^n
+  bool has_closed_form_;                                           // a = 1, 2 or 3, v = 1
+  mutable bool has_zeta_ = false;
+  mutable std::array<double, zeta_terms + 2> zeta_{};  // zeta(2 - a - n, v)/n! (2 pi)^n
 };
 
 /// zeta(j - a, v), j = 0, 1, 2, as PowerTrain::at_origin() has them, for one v at the cost of six powers.

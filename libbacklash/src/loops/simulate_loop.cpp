@@ -11,17 +11,22 @@
 #include "base/check.hpp"
 #include "base/spelling.hpp"
 #include "frequency_search.hpp"
+#include "loop_run.hpp"
 #include "special/reciprocal_gamma.hpp"
 
 namespace backlash {
 namespace {
 
-constexpr std::array<std::pair<LoopEvent, std::string_view>, 3> event_names{
+constexpr std::array<std::pair<LoopEvent, std::string_view>, 5> event_names{
     {{LoopEvent::sample, "sample"},
      {LoopEvent::before_impact, "before-impact"},
-     {LoopEvent::after_impact, "after-impact"}}};
-constexpr std::array<std::pair<LoopEnd, std::string_view>, 3> end_names{
-    {{LoopEnd::duration, "duration"}, {LoopEnd::rest, "rest"}, {LoopEnd::most_impacts, "most-impacts"}}};
+     {LoopEvent::after_impact, "after-impact"},
+     {LoopEvent::contact, "contact"},
+     {LoopEvent::release, "release"}}};
+constexpr std::array<std::pair<LoopEnd, std::string_view>, 4> end_names{{{LoopEnd::duration, "duration"},
+                                                                         {LoopEnd::rest, "rest"},
+                                                                         {LoopEnd::most_impacts, "most-impacts"},
+                                                                         {LoopEnd::diverged, "diverged"}}};
 
 // A term of the controller with what it makes of a step (kind 0) and of a change of slope (kind 1) of its input:
 // coefficient t^(kind - order + i)/Gamma, i = 0 for the force, 1 and 2 for its integrals.
@@ -204,52 +209,79 @@ double crossing(const Loop& loop, double wall, double to) {
   return high;
 }
 
-void require_valid(const ControlLoop& loop, const LoopStart& start, const SetPoint& set_point,
-                   const LoopSimulationOptions& options) {
-  const std::vector<frac::PowerTerm> powers = detail::controller_powers(loop);
-  if (!loop.bodies().are_free()) throw std::invalid_argument("a loop is simulated with two free masses");
-  if (loop.measured() != Output::x1 || powers.empty()) {
+void require_whole_memory(const ControlLoop& loop, const SetPoint& set_point, const LoopSimulationOptions& options) {
+  if (!loop.bodies().are_free()) {
+    throw std::invalid_argument("a loop is simulated with its whole memory with two free masses");
+  }
+  if (loop.measured() != Output::x1 || detail::controller_powers(loop).empty()) {
     throw std::invalid_argument(
-        "a loop is simulated with the load measured (x1) and a controller that is a sum of powers of s with a dead "
-        "time");
+        "a loop is simulated with its whole memory with the load measured (x1) and a controller that is a sum of "
+        "powers "
+        "of s with a dead time");
   }
   if (loop.system().restitution() == 0) {
-    throw std::invalid_argument("with restitution 0 the masses touch after every impact, which is not followed");
+    throw std::invalid_argument(
+        "with restitution 0 the masses touch after every impact, which is not followed with the whole memory");
   }
-  for (const double value : {start.x1, start.v1, start.x2, start.v2, set_point.step, set_point.ramp}) {
+  if (std::isfinite(options.force_limit)) {
+    throw std::invalid_argument("a limit of the force is not followed with the whole memory");
+  }
+  if (set_point.sine_amplitude != 0 || !set_point.knots.empty()) {
+    throw std::invalid_argument("with the whole memory the set-point is a step and a ramp");
+  }
+}
+
+void require_set_point(const ControlLoop& loop, const SetPoint& set_point) {
+  for (const double value : {set_point.step, set_point.ramp, set_point.sine_amplitude, set_point.sine_omega}) {
+    if (!std::isfinite(value)) throw std::invalid_argument("a number of the start or the set-point is not finite");
+  }
+  if (set_point.sine_amplitude != 0)
+    detail::require_positive("frequency of the set-point", "rad/s", set_point.sine_omega);
+  double last = -1;
+  for (const SetPointKnot& knot : set_point.knots) {
+    if (!std::isfinite(knot.time) || !std::isfinite(knot.value) || !(knot.time > last) ||
+        (last < 0 && knot.time != 0)) {
+      throw std::invalid_argument("a point of the set-point is at " + detail::text(knot.time) +
+                                  " s; times rise strictly from 0");
+    }
+    last = knot.time;
+  }
+  const double step = set_point.step + (set_point.knots.empty() ? 0 : set_point.knots.front().value);
+  const frac::FractionalTransferFunction& controller = loop.controller();
+  const double growth = controller.numerator().front().order - controller.denominator().front().order;
+  if (step != 0 && growth > 1) {
+    throw std::invalid_argument("a step of the set-point meets s^" + detail::text(growth) +
+                                ", which throws mass 2 at infinite speed; orders up to 1 are allowed with a step");
+  }
+}
+
+void require_valid(const ControlLoop& loop, const LoopStart& start, const SetPoint& set_point,
+                   const LoopSimulationOptions& options) {
+  for (const double value : {start.x1, start.v1, start.x2, start.v2}) {
     if (!std::isfinite(value)) throw std::invalid_argument("a number of the start or the set-point is not finite");
   }
   if (!(std::abs(start.x2 - start.x1) <= 0.5 * loop.system().clearance())) {
     throw std::invalid_argument("the start has the masses " + detail::text(start.x2 - start.x1) +
                                 " m apart; half the clearance is " + detail::text(0.5 * loop.system().clearance()));
   }
-  if (set_point.step != 0 && powers.front().order > 1) {
-    throw std::invalid_argument("a step of the set-point meets s^" + detail::text(powers.front().order) +
-                                ", which throws mass 2 at infinite speed; orders up to 1 are allowed with a step");
-  }
+  require_set_point(loop, set_point);
   detail::require_positive("duration", "s", options.duration);
   detail::require_not_negative("sample time", "s", options.sample_time);
   if (options.sample_time > 0 && options.duration / options.sample_time > 1e7) {
     throw std::invalid_argument("duration over sample time makes more than 10^7 rows");
   }
   if (options.most_impacts < 1) throw std::invalid_argument("most_impacts is 0");
+  if (!(options.tolerance >= 1e-12 && options.tolerance <= 0.1)) {
+    throw std::invalid_argument("tolerance " + detail::text(options.tolerance) + "; allowed is 1e-12 to 0.1");
+  }
+  if (!(options.force_limit > 0)) throw std::invalid_argument("the limit of the force is not above 0");
+  if (options.whole_memory) require_whole_memory(loop, set_point, options);
 }
 
-}  // namespace
-
-std::string_view to_string(LoopEvent event) {
-  return frac::detail::spelling(event_names, event);
-}
-
-std::string_view to_string(LoopEnd end) {
-  return frac::detail::spelling(end_names, end);
-}
-
-LoopHistory simulate_loop(const ControlLoop& loop, const LoopStart& start, const SetPoint& set_point,
-                          const LoopSimulationOptions& options) {
-  require_valid(loop, start, set_point, options);
+LoopHistory run_with_whole_memory(const ControlLoop& loop, const LoopStart& start, const SetPoint& set_point,
+                                  const LoopSimulationOptions& options) {
   Loop motion(loop, start, set_point);
-  LoopHistory history{{}, {}, LoopEnd::duration, options.duration};
+  LoopHistory history{{}, {}, LoopEnd::duration, options.duration, 0};
   const double wall = 0.5 * loop.system().clearance();
   std::size_t sample = 0;
   const auto write_until = [&](double time) {
@@ -308,6 +340,23 @@ LoopHistory simulate_loop(const ControlLoop& loop, const LoopStart& start, const
     last_impact = time;
   }
   return history;
+}
+
+}  // namespace
+
+std::string_view to_string(LoopEvent event) {
+  return frac::detail::spelling(event_names, event);
+}
+
+std::string_view to_string(LoopEnd end) {
+  return frac::detail::spelling(end_names, end);
+}
+
+LoopHistory simulate_loop(const ControlLoop& loop, const LoopStart& start, const SetPoint& set_point,
+                          const LoopSimulationOptions& options) {
+  require_valid(loop, start, set_point, options);
+  return options.whole_memory ? run_with_whole_memory(loop, start, set_point, options)
+                              : detail::run_loop(loop, start, set_point, options);
 }
 
 }  // namespace backlash

@@ -9,6 +9,7 @@
 #include "commands/subcommand.hpp"
 #include "io/data_error.hpp"
 #include "io/input_files.hpp"
+#include "io/number.hpp"
 #include "options/model_choice.hpp"
 #include "output/joint_fit_output.hpp"
 
@@ -41,6 +42,10 @@ class JointFit : public Command {
     o.text("--shared", shared_, "Parameters that all curves have in common; of the others each has its own", "LIST");
     o.text("--each", each_, "Parameters of which each curve has its own; the others are shared", "LIST");
     o.exactly_one({"--shared", "--each"}, "which parameters the curves have in common");
+    o.texts("--law", fit_.laws,
+            "A parameter as a law of what a file's header or the column of --by knows of its curve, e.g. "
+            "'T = T0 exp(E/(8.314 temperature))'; its other names are fitted; repeatable",
+            "LAW");
     o.text("--by", request_.key_column,
            "Column whose value tells apart the curves that follow each other in one file, e.g. force_n", "COLUMN");
     add_file_options(o, request_.how);
@@ -52,12 +57,13 @@ class JointFit : public Command {
     set_footer(
         "Several curves in one file stand in columns re_<label>,im_<label> or in rows told apart by --by, as in "
         "batch.\n"
-        "--fix, --bound and --start hold in every curve.\n"
+        "--fix, --bound and --start hold in every curve; --bound and --start take parameters of a law too.\n"
         "Curves count by their noise.  The chance in the output is small where the curves do not share what they are\n"
         "told to.\n"
         "Examples:\n"
         "  fracfit joint-fit cold.csv warm.csv hot.csv --model 'K/(T s^a + 1)' --shared K,a --component both\n"
-        "  fracfit joint-fit all.csv --by force_n --model power-law --each K --out joint.json");
+        "  fracfit joint-fit all.csv --by force_n --model power-law --each K --out joint.json\n"
+        "  fracfit joint-fit all.csv --by force_n --model power-law --shared a --law 'K = K0 force_n^p'");
   }
 
  private:
@@ -81,10 +87,17 @@ class JointFit : public Command {
       return std::any_of(fit_.fit.constraints.begin(), fit_.fit.constraints.end(),
                          [&](const auto& each) { return each.name == name && each.fixed; });
     };
+    const auto has_law = [&](const std::string& name) {
+      return std::any_of(fit_.laws.begin(), fit_.laws.end(), [&](const std::string& law) {
+        std::string left = law.substr(0, law.find('='));
+        std::erase(left, ' ');
+        return left == name;
+      });
+    };
     fit_.shared = names_own ? std::vector<std::string>{} : named;
     for (const auto& name : structure.parameter_names())
-      if (names_own && !has(named, name) && !is_fixed(name)) fit_.shared.push_back(name);
-    if (fit_.shared.empty())
+      if (names_own && !has(named, name) && !is_fixed(name) && !has_law(name)) fit_.shared.push_back(name);
+    if (fit_.shared.empty() && fit_.laws.empty())
       throw std::invalid_argument("--each " + each_ + " leaves no parameter that is shared; use fracfit batch");
     fit_.threads = threads();
     quantities_ = quantities_of(derive_, structure.parameter_names());
@@ -99,13 +112,18 @@ class JointFit : public Command {
       auto file = read_curve(request_, curve, note);
       same_unit = same_unit && (curves.empty() || file.value_unit == run.value_unit);
       run.value_unit = file.value_unit;
-      run.curves.push_back({file.data.size(), std::move(file.metadata)});
-      curves.push_back({curve.name, std::move(file.data)});
+      frac::JointCurve& added = curves.emplace_back(frac::JointCurve{curve.name, std::move(file.data)});
+      for (const auto& [key, text] : file.metadata)
+        if (const auto value = io::parse_number(text)) added.covariates.emplace_back(key, *value);
+      run.curves.push_back({added.data.size(), std::move(file.metadata)});
     }
     if (!same_unit) run.value_unit.clear();
     run.options = options().entries({"--component", "--weight", "--realisation", "--band", "--poles", "--sample-time",
                                      "--memory", "--seed", "--by"});
     run.options.emplace_back("where", where_text(request_));
+    std::string laws;
+    for (const auto& law : fit_.laws) laws += (laws.empty() ? "" : "; ") + law;
+    if (!laws.empty()) run.options.emplace_back("laws", laws);
     const auto result = frac::joint_fit(curves, frac::Structure(chosen_.formula), fit_);
     write(format() == "json"  ? joint_fit_json(run, result)
           : format() == "csv" ? joint_fit_csv(run, result)

@@ -46,6 +46,8 @@ class LimitCyclesCommand : public Command {
     o.parsed("--over", over_, variation_of,
              "One loop for each value of mass1, mass2, clearance, restitution or a name in a formula",
              "NAME=FROM:TO:N");
+    o.count("--starts", starts_, 0, most_starts,
+              "Motions simulated from seeded starts, which find cycles with any number of impacts; 0 with --over", "N");
     o.text(
          "--pictures", pictures_,
          "Draw into this folder (SVG, PNG, gnuplot); the rigid loop against the lines of the describing function and a "
@@ -54,8 +56,11 @@ class LimitCyclesCommand : public Command {
         .unsaid();
     add_common({"csv", "json", "table"});
     set_footer(
-        "Cycles are symmetric, with two impacts per period; roots of the equations that are no motion are listed with\n"
-        "the reason. Multipliers count the whole memory of fractional orders. With rising values in --over the formats "
+        "All symmetric cycles with two impacts per period, and others that motions from seeded starts settle on; roots "
+        "of "
+        "the\n"
+        "equations that are no motion are listed with the reason. Multipliers count the whole memory of fractional "
+        "orders. With rising values in --over the formats "
         "table\n"
         "and json tell where cycles meet, lose stability or cease between the values, refined to 1e-10, and where none "
         "is\n"
@@ -69,9 +74,16 @@ class LimitCyclesCommand : public Command {
   }
 
  private:
+  static constexpr int most_starts = 1000;
+
   static std::optional<backlash::FrequencyRange> range_of(std::string_view name, const std::string& text) {
     const auto [low, high] = pair_of(name, text);
     return backlash::FrequencyRange{number_of(name, low), number_of(name, high)};
+  }
+
+  // Where a motion can be simulated.
+  static bool can_start(const backlash::ControlLoop& loop) {
+    return loop.measured() == backlash::Output::x1 || loop.controller().delay() == 0;
   }
 
   // The loop where the quantity that varies has a value, if one does.
@@ -81,6 +93,11 @@ class LimitCyclesCommand : public Command {
     request.range = range_;
     LoopCycles result{loop, frac::analyse_closed_loop(loop.controller() * backlash::rigid_receptance(loop.bodies())),
                       backlash::symmetric_cycles(loop, request), backlash::predicted_limit_cycles(loop, range_)};
+    if (!varied && starts_ > 0 && can_start(loop)) {
+      backlash::ImpactCycleOptions seeded;
+      seeded.starts = starts_;
+      result.settled = backlash::impact_cycles(loop, seeded);
+    }
     if (varied) result.varied = {{over_.name, io::format_number(*varied)}};
     return result;
   }
@@ -142,6 +159,7 @@ class LimitCyclesCommand : public Command {
   LoopOptions loop_;
   std::optional<backlash::FrequencyRange> range_;
   Variation over_;
+  int starts_ = 3;
   std::string pictures_;
 };
 

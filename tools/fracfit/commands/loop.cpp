@@ -2,12 +2,15 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <tuple>
+#include <utility>
 
 #include "backlash/loops/simulate_loop.hpp"
 #include "backlash/loops/simulate_sampled_loop.hpp"
 #include "commands/subcommand.hpp"
-#include "options/model_options.hpp"
-#include "options/scene_options.hpp"
+#include "io/time_series_file.hpp"
+#include "options/loop_options.hpp"
+#include "output/aligned_table.hpp"
 #include "output/document.hpp"
 
 namespace fracfit {
@@ -17,51 +20,63 @@ class LoopCommand : public Command {
  public:
   LoopCommand()
       : Command("loop",
-                "Motion of a loop around two masses with backlash over time, with the controller's whole memory, exact "
-                "at every impact") {
+                "Motion of a loop around two bodies with backlash over time: impacts, rests in contact, limits of the "
+                "actuator") {
     Options& o = options();
-    o.parsed("--controller", controller_, formula_of,
-             "C of the force -C(s) x on body 2; a sum of powers of s with a dead time", "FORMULA")
-        .required();
-    add_masses(o, mass1_, mass2_);
-    o.number("--clearance", clearance_);
-    o.one_number("--restitution", restitution_).required();
-    o.number("--setpoint-step", set_point_.step, "Step of the set-point of x1 at t = 0, m", "R");
+    loop_.add(o);
+    loop_.add_body(o);
+    o.number("--setpoint-step", set_point_.step, "Step of the set-point of the measured position at t = 0, m", "R");
     o.number("--setpoint-ramp", set_point_.ramp, "Its rate from t = 0 on, m/s", "RATE");
+    o.parsed("--setpoint-sine", sine_, sine_of, "A sine in it, m and rad/s", "AMPLITUDE:OMEGA").default_is("none");
+    o.text("--setpoint-file", set_point_file_,
+           "Columns time_s, input (m); straight from row to row, the first at time 0", "FILE");
     o.number("--velocity1", start_.v1, "x1' at the start, m/s", "V");
     o.number("--velocity2", start_.v2, "x2' at the start, m/s", "V");
     o.number("--duration", options_of_run_.duration, "Time to follow, s", "T");
     o.number("--every", options_of_run_.sample_time, "Time between rows besides two per impact, s; 0: none", "DT");
-    const char* const as_sampled = "as only a sampled loop follows it";
     sampled_.sample_time = NAN;
     o.number(
         "--sample-time", sampled_.sample_time,
         "run the controller as kp + ki/s^lambda + kd s^mu in a computer, its force held between samples; one row per "
         "sample");
-    o.choice("--body", body_, backlash::outputs(), "that the controller gets: x1, the load, or x2, the driven body");
-    o.number("--force-limit", sampled_.force_limit, "Largest force of the actuator, N", "F")
-        .default_is("none")
-        .only_with({"--sample-time"}, as_sampled);
-    o["--body"].only_with({"--sample-time"}, as_sampled);
-    o.count("--impacts", options_of_run_.most_impacts, 1, most_impacts,
-            "Impacts to follow at most; the work grows as their square", "N");
-    for (const char* name : {"--every", "--impacts"})
-      o[name].not_with({"--sample-time"}, "which writes a row per sample and follows every impact");
+    o.number("--force-limit", options_of_run_.force_limit, "Largest force of the actuator, N", "F").default_is("none");
+    o.number("--tolerance", options_of_run_.tolerance, "of fractional powers of s, which are sums of exponentials");
+    o.flag("--whole-memory", options_of_run_.whole_memory,
+           "Sums over all earlier impacts instead, exact; the work grows as their square");
+    o.count("--impacts", options_of_run_.most_impacts, 1, most_impacts, "Impacts to follow at most", "N");
+    const char* const has_rows = "which writes a row per sample and follows every impact";
+    for (const char* name : {"--every", "--impacts"}) o[name].not_with({"--sample-time"}, has_rows);
+    const char* const is_digital = "whose controller is a digital filter";
+    for (const char* name : {"--tolerance", "--whole-memory"}) o[name].not_with({"--sample-time"}, is_digital);
+    const char* const has_line = "whose set-point is a step and a ramp";
+    for (const char* name : {"--setpoint-sine", "--setpoint-file"}) o[name].not_with({"--sample-time"}, has_line);
+    o["--tolerance"].not_with({"--whole-memory"}, "which is exact");
     add_common({"csv", "json", "table"});
     set_footer(
-        "The load x1 is measured; a sampled loop may measure x2, stop at a force limit and rest in contact. Both "
-        "bodies have rested at 0, in the middle of the clearance, until t = 0.\n"
-        "Column event: sample, before-impact, after-impact.\n"
+        "Both bodies have rested at 0, in the middle of the clearance, until t = 0. Powers of whole order are exact; "
+        "for "
+        "fractional ones the error reached stands in the head.\n"
+        "Column event: sample, before-impact, after-impact; contact: the bodies stay together from there on, release: "
+        "until there.\n"
         "Examples:\n"
         "  fracfit loop --controller '1 + s^0.5' --restitution 0.6 --velocity2 1 --duration 60\n"
         "  fracfit loop --controller 'exp(-0.1 s) (2 + s)' --restitution 0.6 --setpoint-step 1 --every 0.05 --out "
         "loop.csv\n"
+        "  fracfit loop --controller '2 + s' --load-receptance '1/(s^2 + 0.3 s)' --restitution 0 --setpoint-sine 1:0.5 "
+        "--force-limit 2\n"
         "  fracfit loop --controller '2 + s^0.5' --restitution 0.6 --velocity2 1 --sample-time 0.002 --force-limit "
         "0.5");
   }
 
  private:
-  static constexpr std::size_t most_impacts = 20'000;
+  static constexpr std::size_t most_impacts = 5'000'000;
+
+  static std::pair<double, double> sine_of(std::string_view name, const std::string& text) {
+    const auto [amplitude, omega] = pair_of(name, text, "AMPLITUDE:OMEGA");
+    return {number_of(name, amplitude), number_of(name, omega)};
+  }
+
+  void check() override { loop_.check(); }
 
   void write_rows(const std::vector<backlash::LoopRow>& rows, const io::Metadata& head) {
     Document document{head, {{"time_s", "x1_m", "v1_m_s", "x2_m", "v2_m_s", "force_n", "event"}, rows.size(), {}}};
@@ -78,7 +93,8 @@ class LoopCommand : public Command {
     sampled_.velocity1 = start_.v1;
     sampled_.velocity2 = start_.v2;
     sampled_.set_point = set_point_;
-    const backlash::ControlLoop loop({mass1_, mass2_, clearance_, restitution_}, *controller_, body_);
+    sampled_.force_limit = options_of_run_.force_limit;
+    const backlash::ControlLoop loop = loop_.loop();
     const backlash::SampledLoopHistory history = backlash::simulate_sampled_loop(loop, sampled_);
     write_rows(history.rows, {{"impacts", std::to_string(history.impacts)}});
     const frac::FractionalPidDesign design(backlash::sampled_controller(loop, sampled_));
@@ -88,24 +104,42 @@ class LoopCommand : public Command {
 
   int run() override {
     if (!std::isnan(sampled_.sample_time)) return run_sampled();
-    const backlash::ControlLoop loop({mass1_, mass2_, clearance_, restitution_}, *controller_);
+    if (sine_) std::tie(set_point_.sine_amplitude, set_point_.sine_omega) = *sine_;
+    if (!set_point_file_.empty()) {
+      const io::TimeSeries series = io::read_input_signal(set_point_file_);
+      for (std::size_t i = 0; i < series.time.size(); ++i) {
+        set_point_.knots.push_back({series.time[i], series.input[i]});
+      }
+    }
+    const backlash::ControlLoop loop = loop_.loop();
     const backlash::LoopHistory history = backlash::simulate_loop(loop, start_, set_point_, options_of_run_);
-    write_rows(history.rows, {{"impacts", std::to_string(history.impacts.size())},
-                              {"end", std::string(backlash::to_string(history.end))},
-                              {"end_time_s", io::format_number(history.end_time)}});
-    if (history.end == backlash::LoopEnd::rest)
-      say("ended where the masses come to rest in contact, which is not followed");
+    io::Metadata head{{"impacts", std::to_string(history.impacts.size())},
+                      {"end", std::string(backlash::to_string(history.end))},
+                      {"end_time_s", io::format_number(history.end_time)}};
+    if (history.realisation_error > 0) {
+      head.emplace_back("realisation_error", io::format_number(history.realisation_error));
+    }
+    write_rows(history.rows, head);
+    if (history.end == backlash::LoopEnd::rest) {
+      say("ended where the bodies come to rest in contact, which is not followed " +
+          std::string(options_of_run_.whole_memory ? "with the whole memory" : "with a dead time"));
+    }
     if (history.end == backlash::LoopEnd::most_impacts) say("ended early, at the most impacts allowed");
+    if (history.end == backlash::LoopEnd::diverged) say("ended early: the motion grows without bound");
+    if (history.realisation_error > 10 * options_of_run_.tolerance) {
+      say("the exponentials of the fractional powers err by " + short_number(history.realisation_error) +
+          ", more than the tolerance asked for");
+    }
     return usable_result;
   }
 
-  std::optional<frac::FractionalTransferFunction> controller_;
-  double mass1_ = 1, mass2_ = 1, clearance_ = 1, restitution_ = NAN;
+  LoopOptions loop_;
+  std::optional<std::pair<double, double>> sine_;
+  std::string set_point_file_;
   backlash::LoopStart start_;
   backlash::SetPoint set_point_;
   backlash::LoopSimulationOptions options_of_run_;
   backlash::SampledLoopOptions sampled_;
-  backlash::Output body_ = backlash::Output::x1;
 };
 
 }  // namespace

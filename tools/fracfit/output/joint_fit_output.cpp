@@ -83,7 +83,9 @@ std::string joint_fit_table(const JointRun& run, const frac::JointFitResult& res
   std::string text = "model      " + result.model + "\ncurves     " + std::to_string(run.curves.size());
   if (!run.value_unit.empty()) text += ", values in " + run.value_unit;
   text += "\nresiduals  " + std::string(io::find_value(run.options, "component").value_or("")) + ", " +
-          std::string(io::find_value(run.options, "weight").value_or("")) + " weight\n\n";
+          std::string(io::find_value(run.options, "weight").value_or("")) + " weight\n";
+  if (const auto laws = io::find_value(run.options, "laws")) text += "laws       " + std::string(*laws) + "\n";
+  text += "\n";
   if (!result.curves.empty())
     text += shared_table(result) + "\n" + curve_table(run, result) +
             "+- is half of the 95 % interval; alone: rms where the curve shares nothing.\n\n";

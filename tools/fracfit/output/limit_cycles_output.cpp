@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "output/limit_cycles_output.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <numbers>
+#include <utility>
 
 #include "io/number.hpp"
 #include "output/aligned_table.hpp"
@@ -31,10 +34,26 @@ double force_of(const backlash::SymmetricCycle& cycle) {
   return std::abs(cycle.harmonics.front().force);
 }
 
-Json harmonics_json(const backlash::SymmetricCycle& cycle) {
+double frequency_of(const backlash::ImpactCycle& cycle) {
+  return 2 * std::numbers::pi / cycle.period;
+}
+
+// Those that are not among the symmetric cycles of two impacts.
+std::vector<const backlash::ImpactCycle*> further_cycles(const LoopCycles& loop) {
+  std::vector<const backlash::ImpactCycle*> further;
+  for (const backlash::ImpactCycle& cycle : loop.settled.cycles) {
+    const bool is_listed = std::any_of(loop.exact.cycles.begin(), loop.exact.cycles.end(), [&](const auto& known) {
+      return std::abs(known.omega / frequency_of(cycle) - 1) < 1e-6;
+    });
+    if (!is_listed || !cycle.symmetric || cycle.impacts.size() != 2) further.push_back(&cycle);
+  }
+  return further;
+}
+
+Json harmonics_json(const std::vector<backlash::CycleHarmonic>& harmonics) {
   Json all = Json::array();
   const auto phasor = [](std::complex<double> value) { return Json{value.real(), value.imag()}; };
-  for (const backlash::CycleHarmonic& harmonic : cycle.harmonics) {
+  for (const backlash::CycleHarmonic& harmonic : harmonics) {
     all.push_back({{"order", harmonic.order},
                    {"x1", phasor(harmonic.x1)},
                    {"x2", phasor(harmonic.x2)},
@@ -59,6 +78,7 @@ Json cycle_json(const backlash::SymmetricCycle& cycle, const LoopCycles& loop) {
             {"reason", cycle.admissible ? Json() : Json(cycle.reason)},
             {"stable", stability.stable},
             {"multiplier_modulus", std::abs(stability.dominant)},
+            {"multiplier_per", "half-period"},
             {"multiplier", Json{stability.dominant.real(), stability.dominant.imag()}},
             {"unstable_multipliers", stability.unstable_multipliers},
             {"loss", backlash::to_string(stability.loss)},
@@ -67,7 +87,7 @@ Json cycle_json(const backlash::SymmetricCycle& cycle, const LoopCycles& loop) {
             {"amplitude_x1", std::abs(cycle.harmonics.front().x1)},
             {"amplitude_x2", std::abs(cycle.harmonics.front().x2)},
             {"amplitude_force", force_of(cycle)},
-            {"harmonics", harmonics_json(cycle)},
+            {"harmonics", harmonics_json(cycle.harmonics)},
             {"describing_function", Json()}};
   if (const backlash::PredictedCycle* predicted = prediction_of(cycle, loop)) {
     json["describing_function"] = {{"omega", predicted->omega},
@@ -77,6 +97,50 @@ Json cycle_json(const backlash::SymmetricCycle& cycle, const LoopCycles& loop) {
     json["describing_function"].update(prediction_json(*predicted));
   }
   return json;
+}
+
+Json cycle_json(const backlash::ImpactCycle& cycle) {
+  const backlash::CycleStability& stability = cycle.stability;
+  Json impacts = Json::array();
+  for (const backlash::CycleImpact& impact : cycle.impacts) {
+    impacts.push_back({{"time", impact.time}, {"impulse", impact.impulse}, {"speed", impact.speed}});
+  }
+  const backlash::CycleHarmonic& first = cycle.harmonics.front();
+  return {{"omega", frequency_of(cycle)},
+          {"symmetric", cycle.symmetric},
+          {"impacts_per_period", cycle.impacts.size()},
+          {"admissible", cycle.admissible},
+          {"reason", cycle.admissible ? Json() : Json(cycle.reason)},
+          {"stable", stability.stable},
+          {"multiplier_modulus", std::abs(stability.dominant)},
+          {"multiplier_per", "period"},
+          {"multiplier", Json{stability.dominant.real(), stability.dominant.imag()}},
+          {"unstable_multipliers", stability.unstable_multipliers},
+          {"loss", backlash::to_string(stability.loss)},
+          {"impulse", cycle.impacts.front().impulse},
+          {"impact_speed", cycle.impacts.front().speed},
+          {"amplitude_x1", std::abs(first.x1)},
+          {"amplitude_x2", std::abs(first.x2)},
+          {"amplitude_force", std::abs(first.force)},
+          {"harmonics", harmonics_json(cycle.harmonics)},
+          {"describing_function", Json()},
+          {"period", cycle.period},
+          {"middle", cycle.middle},
+          {"error", cycle.error},
+          {"impacts", std::move(impacts)}};
+}
+
+Json motions_json(const LoopCycles& loop) {
+  Json motions = Json::array();
+  for (const backlash::LoopMotion& motion : loop.settled.motions) {
+    const bool has_exponent = std::isfinite(motion.lyapunov_exponent);
+    motions.push_back({{"velocity1", motion.start.v1},
+                       {"velocity2", motion.start.v2},
+                       {"regime", backlash::to_string(motion.regime)},
+                       {"omega", motion.cycle ? Json(frequency_of(loop.settled.cycles[*motion.cycle])) : Json()},
+                       {"lyapunov_exponent", has_exponent ? Json(motion.lyapunov_exponent) : Json()}});
+  }
+  return motions;
 }
 
 Json loop_json(const LoopCycles& loop) {
@@ -99,7 +163,16 @@ Json loop_json(const LoopCycles& loop) {
                       {"certain", loop.exact.certain},
                       {"any_frequency", loop.exact.any_frequency}};
   Json& cycles = json["cycles"] = Json::array();
-  for (const backlash::SymmetricCycle& cycle : loop.exact.cycles) cycles.push_back(cycle_json(cycle, loop));
+  std::vector<std::pair<double, Json>> by_omega;
+  for (const backlash::SymmetricCycle& cycle : loop.exact.cycles) {
+    by_omega.emplace_back(cycle.omega, cycle_json(cycle, loop));
+  }
+  for (const backlash::ImpactCycle* cycle : further_cycles(loop)) {
+    by_omega.emplace_back(frequency_of(*cycle), cycle_json(*cycle));
+  }
+  std::stable_sort(by_omega.begin(), by_omega.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (auto& [omega, cycle] : by_omega) cycles.push_back(std::move(cycle));
+  if (!loop.settled.motions.empty()) json["motions"] = motions_json(loop);
   Json& predictions = json["predictions"] = Json::array();
   for (const backlash::PredictedCycle& predicted : loop.predicted) predictions.push_back(prediction_json(predicted));
   return json;
@@ -147,6 +220,33 @@ std::string events_text(const std::string& name, const backlash::CycleContinuati
   return text;
 }
 
+// What the motions come to that settle on no cycle.
+std::string motions_text(const LoopCycles& loop) {
+  using backlash::LoopRegime;
+  int quiet = 0, irregular = 0, diverged = 0;
+  double exponent = -std::numeric_limits<double>::infinity();
+  for (const backlash::LoopMotion& motion : loop.settled.motions) {
+    quiet += motion.regime == LoopRegime::quiet;
+    irregular += motion.regime == LoopRegime::irregular;
+    diverged += motion.regime == LoopRegime::diverged;
+    if (motion.lyapunov_exponent > exponent) exponent = motion.lyapunov_exponent;
+  }
+  const auto starts = [&](int count) {
+    return std::to_string(count) + " of " + std::to_string(loop.settled.motions.size()) + " starts: ";
+  };
+  std::string text;
+  if (quiet > 0) text += paragraph(starts(quiet) + "the impacts cease.", 2);
+  if (irregular > 0) {
+    std::string sentence = starts(irregular) + "no cycle of up to twelve impacts";
+    if (std::isfinite(exponent)) {
+      sentence += ", Lyapunov exponent " + short_number(exponent, 3) + " 1/s" + (exponent > 0 ? " (chaotic)" : "");
+    }
+    text += paragraph(sentence + ".", 2);
+  }
+  if (diverged > 0) text += paragraph(starts(diverged) + "the motion grows without bound.", 2);
+  return text;
+}
+
 std::string state_of(const backlash::SymmetricCycle& cycle) {
   if (!cycle.admissible) return "no motion";
   if (cycle.stability.stable) return "stable";
@@ -177,10 +277,19 @@ std::string limit_cycles_csv(const std::vector<LoopCycles>& loops, const std::st
   struct Row {
     const LoopCycles* loop;
     const backlash::SymmetricCycle* cycle;
+    const backlash::ImpactCycle* further;  // where it is none of those
+    double omega;
   };
   std::vector<Row> rows;
   for (const LoopCycles& loop : loops) {
-    for (const backlash::SymmetricCycle& cycle : loop.exact.cycles) rows.push_back({&loop, &cycle});
+    const auto first = static_cast<std::ptrdiff_t>(rows.size());
+    for (const backlash::SymmetricCycle& cycle : loop.exact.cycles) {
+      rows.push_back({&loop, &cycle, nullptr, cycle.omega});
+    }
+    for (const backlash::ImpactCycle* cycle : further_cycles(loop)) {
+      rows.push_back({&loop, nullptr, cycle, frequency_of(*cycle)});
+    }
+    std::stable_sort(rows.begin() + first, rows.end(), [](const Row& a, const Row& b) { return a.omega < b.omega; });
   }
   std::vector<std::string> columns;
   for (const auto& [name, value] : loops.front().varied) columns.push_back(name);
@@ -196,30 +305,44 @@ std::string limit_cycles_csv(const std::vector<LoopCycles>& loops, const std::st
     head.emplace_back("rigid_loop", std::string(frac::to_string(first.rigid.stability)));
     head.emplace_back("certain", first.exact.certain ? "true" : "false");
   }
-  return text_of({head,
-                  {columns, rows.size(),
-                   [&](std::size_t i, std::vector<Cell>& cells) {
-                     const auto& [loop, cycle] = rows[i];
-                     for (const auto& [name, value] : loop->varied) {
-                       const auto parsed = io::parse_number(value);
-                       cells.emplace_back(parsed ? Cell(*parsed) : Cell(value));
-                     }
-                     cells.emplace_back(cycle->omega);
-                     cells.emplace_back(true);
-                     cells.emplace_back(std::int64_t{2});
-                     cells.emplace_back(cycle->admissible);
-                     cells.emplace_back(cycle->stability.stable);
-                     for (const double value : {std::abs(cycle->stability.dominant), cycle->impulse,
-                                                cycle->impact_speed, std::abs(cycle->harmonics.front().x1),
-                                                std::abs(cycle->harmonics.front().x2), force_of(*cycle)})
-                       cells.emplace_back(value);
-                     const backlash::PredictedCycle* predicted = prediction_of(*cycle, *loop);
-                     constexpr double none = std::numeric_limits<double>::quiet_NaN();
-                     cells.emplace_back(predicted ? predicted->omega : none);
-                     cells.emplace_back(predicted ? predicted->force_amplitude : none);
-                     cells.emplace_back(cycle->reason);
-                   }}},
-                 "csv", command);
+  return text_of(
+      {head,
+       {columns, rows.size(),
+        [&](std::size_t i, std::vector<Cell>& cells) {
+          const auto& [loop, cycle, further, omega] = rows[i];
+          for (const auto& [name, value] : loop->varied) {
+            const auto parsed = io::parse_number(value);
+            cells.emplace_back(parsed ? Cell(*parsed) : Cell(value));
+          }
+          constexpr double none = std::numeric_limits<double>::quiet_NaN();
+          cells.emplace_back(omega);
+          if (further) {
+            const backlash::CycleHarmonic& fundamental = further->harmonics.front();
+            cells.emplace_back(further->symmetric);
+            cells.emplace_back(static_cast<std::int64_t>(further->impacts.size()));
+            cells.emplace_back(further->admissible);
+            cells.emplace_back(further->stability.stable);
+            for (const double value : {std::abs(further->stability.dominant), further->impacts.front().impulse,
+                                       further->impacts.front().speed, std::abs(fundamental.x1),
+                                       std::abs(fundamental.x2), std::abs(fundamental.force), none, none})
+              cells.emplace_back(value);
+            cells.emplace_back(further->reason);
+            return;
+          }
+          cells.emplace_back(true);
+          cells.emplace_back(std::int64_t{2});
+          cells.emplace_back(cycle->admissible);
+          cells.emplace_back(cycle->stability.stable);
+          for (const double value :
+               {std::abs(cycle->stability.dominant), cycle->impulse, cycle->impact_speed,
+                std::abs(cycle->harmonics.front().x1), std::abs(cycle->harmonics.front().x2), force_of(*cycle)})
+            cells.emplace_back(value);
+          const backlash::PredictedCycle* predicted = prediction_of(*cycle, *loop);
+          cells.emplace_back(predicted ? predicted->omega : none);
+          cells.emplace_back(predicted ? predicted->force_amplitude : none);
+          cells.emplace_back(cycle->reason);
+        }}},
+      "csv", command);
 }
 
 std::string limit_cycles_table(const std::vector<LoopCycles>& loops, const backlash::CycleContinuation* followed) {
@@ -263,6 +386,24 @@ std::string limit_cycles_table(const std::vector<LoopCycles>& loops, const backl
                              2);
       }
     }
+    for (const backlash::ImpactCycle* cycle : further_cycles(loop)) {
+      std::vector<std::string> row;
+      for (const auto& [name, value] : loop.varied) row.push_back(short_number(io::parse_number(value).value_or(NAN)));
+      row.push_back(short_number(frequency_of(*cycle)));
+      row.push_back(std::to_string(cycle->impacts.size()) + " impacts");
+      const backlash::CycleHarmonic& fundamental = cycle->harmonics.front();
+      for (const double value : {std::abs(cycle->stability.dominant), cycle->impacts.front().speed,
+                                 std::abs(fundamental.x1), std::abs(fundamental.x2), std::abs(fundamental.force)})
+        row.push_back(short_number(value));
+      row.insert(row.end(), {"-", "-"});
+      table.add(row);
+      remarks += paragraph("omega " + short_number(frequency_of(*cycle)) + ": stable, " +
+                               std::to_string(cycle->impacts.size()) + " impacts per period, " +
+                               (cycle->symmetric ? "symmetric" : "asymmetric, its mirror image is another one") +
+                               "; |z| is that of the period, the speed that of the hardest impact.",
+                           2);
+    }
+    remarks += motions_text(loop);
     if (loops.size() == 1 && loop.exact.any_frequency) {
       text += "Every frequency is one of a cycle: nothing is lost and nothing made up for.\n";
     } else if (loops.size() == 1 && loop.exact.cycles.empty()) {
@@ -270,7 +411,7 @@ std::string limit_cycles_table(const std::vector<LoopCycles>& loops, const backl
     }
   }
   std::size_t listed = 0;
-  for (const LoopCycles& loop : loops) listed += loop.exact.cycles.size();
+  for (const LoopCycles& loop : loops) listed += loop.exact.cycles.size() + further_cycles(loop).size();
   if (listed > 0) text += table.text();
   if (!remarks.empty()) text += "\n" + remarks;
   if (loops.size() == 1 && !loops.front().exact.certain) {

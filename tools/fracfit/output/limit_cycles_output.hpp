@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "backlash/loops/cycle_continuation.hpp"
+#include "backlash/loops/impact_cycles.hpp"
 #include "backlash/loops/limit_cycles.hpp"
 #include "backlash/loops/predicted_cycles.hpp"
 #include "frac/stability.hpp"
@@ -18,7 +19,8 @@ struct LoopCycles {
   frac::ClosedLoopStability rigid;  // the same loop without clearance
   backlash::LimitCycles exact;
   std::vector<backlash::PredictedCycle> predicted;
-  io::Metadata varied = {};  // name and value of a quantity that changes from loop to loop
+  backlash::ImpactCycles settled = {};  // what motions from seeded starts come to
+  io::Metadata varied = {};             // name and value of a quantity that changes from loop to loop
 };
 
 /// @param followed  what happens between the loops; nullptr for a single loop and where values have no order

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "backlash/loops/control_loop.hpp"
@@ -60,5 +62,41 @@ struct CycleGuess {
 [[nodiscard]] std::optional<CycleGuess> repeated_pattern(const ControlLoop& loop,
                                                          const std::vector<LoopImpact>& impacts, std::size_t most = 12,
                                                          double tolerance = 0.02);
+
+/// What a motion of a loop comes to.
+enum class LoopRegime {
+  cycle,      // a stable cycle
+  quiet,      // impacts cease: it rests in contact or moves within the clearance
+  irregular,  // it repeats no pattern of up to twelve impacts, or too slowly to tell
+  diverged,   // it grows without bound
+};
+/// "cycle", "quiet", ...
+[[nodiscard]] std::string_view to_string(LoopRegime regime);
+
+struct LoopMotion {
+  LoopStart start;
+  LoopRegime regime;
+  std::optional<std::size_t> cycle;  // index in ImpactCycles::cycles
+  /// 1/s, mean rate at which neighbouring motions part: above 0 where the motion is chaotic.  Of irregular motions of
+  /// loops without dead time; else NaN.
+  double lyapunov_exponent;
+};
+
+struct ImpactCycles {
+  std::vector<ImpactCycle> cycles;  // stable, by rising frequency; symmetric ones of two impacts too
+  std::vector<LoopMotion> motions;  // one per start
+};
+
+struct ImpactCycleOptions {
+  int starts = 3;  // 0 or more
+  std::uint64_t seed = 1;
+  std::size_t impacts = 600;  // followed from each start at most
+  int harmonics = 5;          // listed of each cycle, 1 or more
+};
+
+/// Cycles that motions from seeded starts settle on, and what becomes of the others.  Speeds at the start are 0.2 to 5
+/// times the clearance times the crossover frequency of the rigid loop.  That no other stable cycle exists is not said.
+/// @throws std::invalid_argument  fewer than 0 starts, 0 impacts; as close_cycle().
+[[nodiscard]] ImpactCycles impact_cycles(const ControlLoop& loop, const ImpactCycleOptions& options = {});
 
 }  // namespace backlash

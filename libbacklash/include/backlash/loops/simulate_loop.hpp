@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <string_view>
 #include <vector>
 
@@ -19,13 +20,24 @@ struct LoopStart {
   double v2 = 0;  // m/s
 };
 
-/// What x1 should be: step + ramp t from t = 0 on, m and m/s.  The controller gets the difference, derivatives too.
-struct SetPoint {
-  double step = 0;
-  double ramp = 0;
+/// A point of a set-point that is straight from point to point.
+struct SetPointKnot {
+  double time;   // s
+  double value;  // m
 };
 
-enum class LoopEvent { sample, before_impact, after_impact };
+/// What the measured position should be from t = 0 on: step + ramp t + a sine + the line through the knots, which
+/// begins at time 0 and stays where it ends.  The controller gets the difference, derivatives too.
+struct SetPoint {
+  double step = 0;            // m
+  double ramp = 0;            // m/s
+  double sine_amplitude = 0;  // m
+  double sine_omega = 0;      // rad/s, > 0 with an amplitude
+  std::vector<SetPointKnot> knots = {};
+};
+
+/// contact: the bodies stay at a wall together from there on; release: until there.
+enum class LoopEvent { sample, before_impact, after_impact, contact, release };
 [[nodiscard]] std::string_view to_string(LoopEvent event);
 
 struct LoopRow {
@@ -47,8 +59,9 @@ struct LoopImpact {
 /// Why a simulation ended.
 enum class LoopEnd {
   duration,      // as asked for
-  rest,          // the masses stay in contact, or impacts follow each other without end
+  rest,          // the masses stay in contact, or impacts follow each other without end, where that is not followed
   most_impacts,  // as many as were allowed
+  diverged,      // the motion is 10^9 times as wide as the clearance or its set-point
 };
 [[nodiscard]] std::string_view to_string(LoopEnd end);
 
@@ -57,23 +70,37 @@ struct LoopHistory {
   std::vector<LoopImpact> impacts;  // all of them
   LoopEnd end;
   double end_time;  // s
+  /// Largest relative error of fractional powers where they are made of exponentials; else 0.
+  double realisation_error = 0;
 };
 
 struct LoopSimulationOptions {
   double duration = 100;            // s, > 0
   double sample_time = 0;           // s between rows; 0: rows at impacts only
-  std::size_t most_impacts = 2000;  // the work grows as their square
+  std::size_t most_impacts = 2000;  // with whole_memory the work grows as their square
+  /// Of fractional powers as sums of exponentials, in [1e-12, 0.1]; relative, from one decade below to two above the
+  /// frequency at which the rigid loop crosses over.
+  double tolerance = 1e-8;
+  /// Sums over all earlier impacts instead, exact but for rounding; for two free masses with the load measured, a
+  /// controller that is a sum of powers with a dead time, restitution above 0, and without limit of the force.
+  bool whole_memory = false;
+  double force_limit = std::numeric_limits<double>::infinity();  // N, > 0: of the actuator
+  bool rows_at_impacts = true;                                   // else samples alone
 };
 
-/// Motion of the loop with the whole memory of the controller, exact but for rounding: between impacts x1 is linear in
-/// time, so that s^q x1 is a sum of (t - t_i)^(1 - q)/Gamma(2 - q) over all earlier impacts.  No impact is missed:
-/// steps are taken where bounds of the velocity, a sum of monotone powers, exclude a wall or a second crossing.
-/// Rounding grows with the time since the start, as that to the power of 2 less the lowest order of the controller.
-/// @throws std::invalid_argument  bodies that are no free masses; restitution 0; x2 measured, or a controller that is
-/// no sum of powers of s with a dead time; a step of
-///                                the set-point with powers above 1, whose force throws mass 2 at infinite speed; a
-///                                start outside the clearance or not finite; a duration, sample time or number of
-///                                impacts that is none, or more than 10^7 rows.
+/// Motion of the loop.  Between impacts it is a sum of exponentials and a polynomial: exact for whole powers of s, and
+/// for fractional ones in the tolerance.  No impact is missed: an interval is passed over only where bounds of the rate
+/// exclude one.  The bodies rest in contact as long as the wall has to press; impacts that follow each other faster and
+/// faster end there once they are 10^-10 as fast as the motion.  The work is proportional to the number of impacts.
+///
+/// With whole_memory x1 is linear in time between impacts, so that s^q x1 is a sum of (t - t_i)^(1 - q)/Gamma(2 - q)
+/// over all earlier ones.  Rounding grows with the time since the start, as that to the power of 2 less the lowest
+/// order of the controller.
+/// @throws std::invalid_argument  dead time with x2 measured; what whole_memory does not follow; a step of the
+/// set-point
+///                                with powers above 1, whose force throws mass 2 at infinite speed; a start outside the
+///                                clearance or not finite; a duration, sample time, tolerance, limit or number of
+///                                impacts that is none, knots that do not rise from time 0, or more than 10^7 rows.
 [[nodiscard]] LoopHistory simulate_loop(const ControlLoop& loop, const LoopStart& start, const SetPoint& set_point,
                                         const LoopSimulationOptions& options = {});
 

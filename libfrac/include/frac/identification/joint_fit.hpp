@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "frac/identification/fit.hpp"
@@ -15,6 +16,7 @@ namespace frac {
 struct JointCurve {
   std::string name;  // for messages and results
   FrequencyResponseData data;
+  std::vector<std::pair<std::string, double>> covariates = {};  // what is known of it beside: a temperature, a load
 };
 
 struct JointFitOptions {
@@ -22,6 +24,12 @@ struct JointFitOptions {
   FitOptions fit;
   /// Parameters that all curves have in common; of the others each curve has its own.
   std::vector<std::string> shared;
+  /// Parameters that follow a law of covariates, "K = K0 T^p" or "T = T0 exp(E/(8.314 temperature))": names that no
+  /// curve knows as covariates are parameters of the laws, which all curves have in common and which may stand in
+  /// several laws.  They are free of limits but for the constraints given by their names; a factor of all its laws is
+  /// fitted by its logarithm where it starts above 0.  Of constraints on a parameter that follows a law only the start
+  /// is used.
+  std::vector<std::string> laws;
   int threads = 0;  // 0: one per core; without influence on the result
 };
 
@@ -42,8 +50,8 @@ struct JointFitResult {
   /// Formula, shared parameters with their 95 % intervals, and what became of the search.
   [[nodiscard]] std::string summary() const;
 
-  std::string model;  // the formula
-  std::vector<ParameterEstimate> shared;
+  std::string model;                      // the formula
+  std::vector<ParameterEstimate> shared;  // and those of the laws
   std::vector<JointCurveResult> curves;
   double cost;  // sum of squares of the residuals, each divided by the noise of its curve
   FitTermination termination;
@@ -68,7 +76,8 @@ struct JointFitResult {
 /// from the full covariance and allow for correlated neighbours as those of fit(); those of parameters fitted by their
 /// logarithm are even in the logarithm.
 /// @throws std::invalid_argument  as fit(); no curve; a loss; a shared name that is unknown, repeated or fixed, or
-/// none;
+///     none beside no law; a law of no parameter of the model, of a shared one, of one that has a law, without a
+///     covariate, or with one that a curve does not know; a parameter of a law fixed;
 ///     fewer residuals than parameters; or no curve that determines all parameters alone, unless all have starts.
 [[nodiscard]] JointFitResult joint_fit(const std::vector<JointCurve>& curves, const Structure& structure,
                                        const JointFitOptions& options);

@@ -75,10 +75,51 @@ StartValues start_values(const Structure& structure, const JointFitOptions& opti
   return result;
 }
 
+/// Constraints on parameters of the laws, which the fits of single curves do not know.
+std::vector<ParameterConstraint> taken_out(std::vector<ParameterConstraint>& constraints, const detail::Laws& laws) {
+  std::vector<ParameterConstraint> of_laws;
+  for (const ParameterConstraint& each : constraints) {
+    if (!laws.has(each.name)) continue;
+    if (each.fixed)
+      throw std::invalid_argument("parameter '" + each.name + "' of a law is fixed; write the number into the law");
+    of_laws.push_back(each);
+  }
+  std::erase_if(constraints, [&](const ParameterConstraint& each) { return laws.has(each.name); });
+  return of_laws;
+}
+
+/// Of the parameters of the laws, and where these start.
+std::vector<detail::JointVariable> variables_of(const detail::Laws& laws,
+                                                const std::vector<ParameterConstraint>& constraints,
+                                                const StartValues& values, std::vector<double>& starts) {
+  std::vector<detail::JointVariable> variables;
+  if (laws.count() == 0) return variables;
+  constexpr double widest = 1e300, widest_logarithm = 350;
+  std::vector<double> given;
+  for (const std::string& name : laws.names()) {
+    const auto known = std::find_if(constraints.begin(), constraints.end(),
+                                    [&](const ParameterConstraint& each) { return each.name == name; });
+    const bool any = known != constraints.end();
+    given.push_back(any && known->start ? *known->start : nan);
+    variables.push_back({name, false, any && known->lower ? std::max(*known->lower, -widest) : -widest,
+                         any && known->upper ? std::min(*known->upper, widest) : widest});
+  }
+  starts = laws.starts(values.parameters, values.from_curve, given);
+  for (std::size_t k = 0; k < variables.size(); ++k) {
+    detail::JointVariable& each = variables[k];
+    if (!(starts[k] > 0) || (each.lower < 0 && each.lower > -widest) || !laws.scales(k, starts)) continue;
+    each.logarithmic = true;
+    each.lower = each.lower > 0 ? std::log(each.lower) : -widest_logarithm;
+    each.upper = each.upper < widest ? std::log(each.upper) : widest_logarithm;
+  }
+  return variables;
+}
+
 /// Starts of the shared variables: means of the fits alone by their errors, medians, and the values of the curve that
 /// tells most of them together.
+/// @param law_starts  of the parameters of the laws
 std::vector<std::vector<double>> shared_starts(const detail::JointLayout& layout, const StartValues& values,
-                                               const Alone& alone) {
+                                               const Alone& alone, const std::vector<double>& law_starts) {
   std::vector<double> mean(layout.shared.size()), median(mean), best(mean);
   std::size_t sharpest = 0;
   double least = std::numeric_limits<double>::infinity();
@@ -115,6 +156,9 @@ std::vector<std::vector<double>> shared_starts(const detail::JointLayout& layout
     mean[place.index] = weights > 0 && std::isfinite(weights) ? sum / weights : median[place.index];
     best[place.index] = variable.variable(values.parameters[sharpest][place.parameter]);
   }
+  const std::size_t first = layout.shared.size() - law_starts.size();
+  for (std::size_t k = 0; k < law_starts.size(); ++k)
+    for (auto* start : {&mean, &median, &best}) (*start)[first + k] = layout.shared[first + k].variable(law_starts[k]);
   std::vector<std::vector<double>> starts{mean};
   for (const auto& each : {median, best})
     if (std::find(starts.begin(), starts.end(), each) == starts.end()) starts.push_back(each);
@@ -167,7 +211,7 @@ ParameterEstimate estimate_of(const detail::JointVariable& variable, double valu
   return estimate;
 }
 
-JointCurveResult describe_curve(const Structure& structure, const detail::JointLayout& layout,
+JointCurveResult describe_curve(const Structure& structure, const detail::JointLayout& layout, const detail::Laws& laws,
                                 const detail::JointPoint& point, const detail::JointConfidence& found, std::size_t c,
                                 const JointFitResult& so_far) {
   JointCurveResult result{};
@@ -181,20 +225,32 @@ JointCurveResult describe_curve(const Structure& structure, const detail::JointL
     fixed.ci95_lower = fixed.ci95_upper = nan;
     fixed.fixed = fixed.identified = true;
   }
-  const auto index_of = [&](const detail::JointLayout::Place& place) {
-    return static_cast<Eigen::Index>(place.shared ? layout.own.size() + place.index : place.index);
-  };
-  const auto slope_of = [&](const detail::JointLayout::Place& place) {
-    return layout.variable(place).derivative(place.shared ? point.shared[place.index] : point.own[c][place.index]);
-  };
-  for (const auto& a : layout.free) {
-    result.parameters[a.parameter] =
-        a.shared ? so_far.shared[a.index]
-                 : estimate_of(layout.own[a.index], point.own[c][a.index], found.curve[c](index_of(a), index_of(a)),
-                               found.half_width, found.own_at_bound[c][a.index], found.own_widening[c][a.index]);
-    for (const auto& b : layout.free)
-      result.covariance[a.parameter][b.parameter] =
-          slope_of(a) * slope_of(b) * found.curve[c](index_of(a), index_of(b));
+  for (const auto& place : layout.free)
+    result.parameters[place.parameter] =
+        place.shared
+            ? so_far.shared[place.index]
+            : estimate_of(
+                  layout.own[place.index], point.own[c][place.index],
+                  found.curve[c](static_cast<Eigen::Index>(place.index), static_cast<Eigen::Index>(place.index)),
+                  found.half_width, found.own_at_bound[c][place.index], found.own_widening[c][place.index]);
+  const auto slopes = layout.slopes(point.shared, point.own[c], c);
+  for (const auto& a : slopes)
+    for (const auto& b : slopes)
+      result.covariance[a.parameter][b.parameter] +=
+          a.slope * b.slope *
+          found.curve[c](static_cast<Eigen::Index>(a.variable), static_cast<Eigen::Index>(b.variable));
+  const std::vector<double> values = layout.parameters(point.shared, point.own[c], c);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!laws.drives(i)) continue;
+    ParameterEstimate& estimate = result.parameters[i];
+    estimate = {};
+    estimate.name = structure.parameter_names()[i];
+    estimate.value = estimate.centre_value = values[i];
+    estimate.standard_error = estimate.centre_standard_error = std::sqrt(result.covariance[i][i]);
+    const double half_width = found.half_width * estimate.standard_error;
+    estimate.ci95_lower = values[i] - half_width;
+    estimate.ci95_upper = values[i] + half_width;
+    estimate.identified = half_width <= 0.5 * std::abs(values[i]);
   }
   return result;
 }
@@ -254,20 +310,28 @@ std::string message_of(const JointFitResult& result, double noise_correlation) {
 }  // namespace
 
 JointFitResult joint_fit(const std::vector<JointCurve>& curves, const Structure& structure,
-                         const JointFitOptions& options) {
+                         const JointFitOptions& given) {
   const auto begin = std::chrono::steady_clock::now();
   if (curves.empty()) throw std::invalid_argument("there is no curve to fit");
-  if (options.fit.loss != Loss::none) throw std::invalid_argument("joint fits take no robust loss");
+  if (given.fit.loss != Loss::none) throw std::invalid_argument("joint fits take no robust loss");
   detail::require_function_of_s(structure);
-  validate(options.fit.realisation);
+  validate(given.fit.realisation);
   double lower = std::numeric_limits<double>::infinity(), upper = 0;
   for (const JointCurve& curve : curves) {
     lower = std::min(lower, curve.data.omega().front());
     upper = std::max(upper, curve.data.omega().back());
   }
-  const detail::JointLayout layout(structure, options, lower, upper);
+  const detail::Laws laws(structure, given, curves);
+  JointFitOptions options = given;
+  const std::vector<ParameterConstraint> of_laws = taken_out(options.fit.constraints, laws);
+  for (ParameterConstraint& each : options.fit.constraints)
+    if (laws.drives(structure.parameter_index(each.name)) && !each.fixed) each.lower = each.upper = std::nullopt;
 
   const Alone alone = detail::fit_alone(curves, structure, options);
+  const StartValues values = start_values(structure, options, alone);
+  std::vector<double> law_starts;
+  const std::vector<detail::JointVariable> law_variables = variables_of(laws, of_laws, values, law_starts);
+  const detail::JointLayout layout(structure, options, laws, law_variables, lower, upper);
   std::vector<detail::ResidualRule> rules;
   for (std::size_t c = 0; c < curves.size(); ++c)
     rules.push_back(
@@ -277,7 +341,7 @@ JointFitResult joint_fit(const std::vector<JointCurve>& curves, const Structure&
   JointFitResult result{};
   result.model = structure.formula();
   for (std::size_t c = 0; c < curves.size(); ++c) {
-    problem.emplace_back(curves[c].data, structure, options.fit.realisation, layout, rules[c], noise[c]);
+    problem.emplace_back(curves[c].data, structure, options.fit.realisation, layout, c, rules[c], noise[c]);
     result.residuals += problem.back().count();
   }
   result.free_parameters = layout.shared.size() + curves.size() * layout.own.size();
@@ -285,9 +349,8 @@ JointFitResult joint_fit(const std::vector<JointCurve>& curves, const Structure&
     throw std::invalid_argument(detail::counted(result.residuals, "residual") + " cannot determine " +
                                 detail::counted(result.free_parameters, "free parameter"));
 
-  const StartValues values = start_values(structure, options, alone);
   const detail::JointPoint point =
-      search(problem, layout, shared_starts(layout, values, alone), own_starts(layout, values), result);
+      search(problem, layout, shared_starts(layout, values, alone, law_starts), own_starts(layout, values), result);
   result.cost = point.cost;
   const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
   if (!std::isfinite(point.cost)) {
@@ -307,7 +370,7 @@ JointFitResult joint_fit(const std::vector<JointCurve>& curves, const Structure&
                                         found.shared_at_bound[k], found.shared_widening[k]));
   }
   for (std::size_t c = 0; c < curves.size(); ++c) {
-    JointCurveResult curve = describe_curve(structure, layout, point, found, c, result);
+    JointCurveResult curve = describe_curve(structure, layout, laws, point, found, c, result);
     curve.name = curves[c].name;
     describe_residuals(curve, problem[c], point, c, alone[c]);
     result.curves.push_back(std::move(curve));

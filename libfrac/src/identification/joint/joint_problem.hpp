@@ -9,6 +9,7 @@
 
 #include "frac/identification/joint_fit.hpp"
 #include "identification/data/residual_rule.hpp"
+#include "laws.hpp"
 
 namespace frac::detail {
 
@@ -27,7 +28,10 @@ struct JointVariable {
 /// their own: those of a shared coefficient must not move with the orders of single curves.
 struct JointLayout {
   /// @throws std::invalid_argument  as joint_fit() says of names and constraints.
-  JointLayout(const Structure& structure, const JointFitOptions& options, double omega_lower, double omega_upper);
+  /// @param laws           stay with the caller
+  /// @param law_variables  those of the parameters of the laws, which are shared and follow the shared parameters
+  JointLayout(const Structure& structure, const JointFitOptions& options, const Laws& laws,
+              std::vector<JointVariable> law_variables, double omega_lower, double omega_upper);
 
   struct Place {
     std::size_t parameter;
@@ -41,17 +45,32 @@ struct JointLayout {
   [[nodiscard]] const JointVariable& variable(const Place& place) const {
     return place.shared ? shared[place.index] : own[place.index];
   }
+  /// Of the structure, in one curve.
   [[nodiscard]] std::vector<double> parameters(std::span<const double> shared_values,
-                                               std::span<const double> own_values) const;
+                                               std::span<const double> own_values, std::size_t curve) const;
+
+  /// Derivatives of the parameters of the structure by the variables: own ones first, then shared ones.
+  struct Slope {
+    std::size_t parameter, variable;
+    double slope;
+  };
+  /// In rising order of the variables.
+  [[nodiscard]] std::vector<Slope> slopes(std::span<const double> shared_values, std::span<const double> own_values,
+                                          std::size_t curve) const;
+
+ private:
+  [[nodiscard]] std::vector<double> of_laws(std::span<const double> shared_values) const;
+  const Laws& laws_;
 };
 
 /// Residuals of one curve, each divided by the noise of the curve, and their derivatives.  Not thread-safe: it keeps
 /// buffers between calls.
 class CurveResiduals {
  public:
+  /// @param index  of the curve
   /// @param noise  standard deviation of a residual
   CurveResiduals(const FrequencyResponseData& data, const Structure& structure, const Realisation& realisation,
-                 const JointLayout& layout, ResidualRule rule, double noise);
+                 const JointLayout& layout, std::size_t index, ResidualRule rule, double noise);
 
   [[nodiscard]] std::size_t count() const { return data_.size() * rule_.per_point(); }
   [[nodiscard]] std::size_t per_point() const { return rule_.per_point(); }
@@ -66,6 +85,7 @@ class CurveResiduals {
   const Structure& structure_;
   const Realisation& realisation_;
   const JointLayout& layout_;
+  std::size_t index_;
   ResidualRule rule_;
   double noise_;
   std::vector<std::complex<double>> value_, gradient_, column_;

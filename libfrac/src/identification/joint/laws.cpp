@@ -4,11 +4,13 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <random>
 #include <stdexcept>
 
 #include "base/linear_algebra.hpp"
+#include "identification/statistics/definition.hpp"
 
 namespace frac::detail {
 namespace {
@@ -36,12 +38,10 @@ double known_value(const JointCurve& curve, const std::string& name) {
 Laws::Laws(const Structure& structure, const JointFitOptions& options, const std::vector<JointCurve>& curves) {
   const auto& parameters = structure.parameter_names();
   for (const std::string& text : options.laws) {
-    const std::string right = text.substr(std::min(text.find('=') + 1, text.size()));
-    std::vector<std::string> names;
-    for (const std::string& name : Structure(right).parameter_names())
-      if (name != "pi") names.push_back(name);
-    Law law{0, DerivedQuantity(text, names), {}, std::vector<std::vector<double>>(curves.size())};
-    const std::string& driven = law.formula.name();
+    const auto [driven, right] = split_definition(text);
+    Law law{0, Structure(with_pi(right)), {}, std::vector<std::vector<double>>(curves.size())};
+    if (law.formula.depends_on_s()) refuse(text, "it depends on s");
+    const std::vector<std::string>& names = law.formula.parameter_names();
     law.parameter = index_in(parameters, driven);
     if (law.parameter == parameters.size()) refuse(text, "'" + driven + "' is no parameter of " + structure.formula());
     if (drives(law.parameter)) refuse(text, "'" + driven + "' has a law already");
@@ -82,13 +82,14 @@ bool Laws::has(const std::string& name) const {
 
 double Laws::at(std::size_t law, std::size_t curve, std::span<const double> values, std::span<double> gradient) const {
   const Law& of = laws_[law];
-  std::vector<double> all = of.covariates[curve], slope(all.size());
+  std::vector<double> all = of.covariates[curve];
+  std::vector<std::complex<double>> slope(all.size());
   for (std::size_t k = 0; k < all.size(); ++k)
     if (of.place[k] != covariate) all[k] = values[of.place[k]];
-  const double value = of.formula.value_and_gradient(all, slope);
+  const double value = of.formula.response_and_gradient(all, 1.0, ExactRealisation{}, slope).real();
   std::fill(gradient.begin(), gradient.end(), 0.0);
   for (std::size_t k = 0; k < all.size(); ++k)
-    if (of.place[k] != covariate) gradient[of.place[k]] += slope[k];
+    if (of.place[k] != covariate) gradient[of.place[k]] += slope[k].real();
   return value;
 }
 

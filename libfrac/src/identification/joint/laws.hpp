@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "frac/identification/derived.hpp"
 #include "frac/identification/joint_fit.hpp"
 
 namespace frac::detail {
@@ -43,7 +42,7 @@ class Laws {
  private:
   struct Law {
     std::size_t parameter;
-    DerivedQuantity formula;                      // of its names
+    Structure formula;                            // free of s
     std::vector<std::size_t> place;               // of each in names(); `covariate` where a curve knows it
     std::vector<std::vector<double>> covariates;  // values of its names, per curve; NaN for parameters
   };

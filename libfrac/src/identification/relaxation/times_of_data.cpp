@@ -193,10 +193,21 @@ TimesDistribution relaxation_times(const FrequencyResponseData& data, TimesKerne
       density[j].push_back(drawn[k].back());
     }
   }
+  // What smoothing takes from the density itself shows in what it takes from its own result: the density found anew
+  // from the response of the one that was found.  Ranges reach as much further to the side that was lost.
+  std::vector<double> again;
+  {
+    std::vector<bool> guess = of_data.free;
+    const Eigen::VectorXd twice = detail::nonnegative_minimum(of_data.hessian, normal * best, guess);
+    for (std::size_t j = 0; j < of.log_tau.size(); ++j) again.push_back(twice(ends + static_cast<Eigen::Index>(j)));
+  }
+  const auto widened = [](double& lower, double& upper, double lost) { (lost > 0 ? upper : lower) += lost; };
   constexpr double low = 0.025, high = 0.975;
-  for (const auto& each : density) {
-    result.lower.push_back(quantile(each, low));
-    result.upper.push_back(quantile(each, high));
+  for (std::size_t j = 0; j < density.size(); ++j) {
+    double lower = quantile(density[j], low), upper = quantile(density[j], high);
+    widened(lower, upper, result.density[j] - again[j]);
+    result.lower.push_back(std::max(lower, 0.0));
+    result.upper.push_back(upper);
   }
   auto ranges = detail::large_peaks(
       detail::joined_peaks(detail::peak_ranges(result.density), result.density, result.lower, result.upper), of.log_tau,
@@ -221,10 +232,12 @@ TimesDistribution relaxation_times(const FrequencyResponseData& data, TimesKerne
       place.push_back(detail::peak_place(of.log_tau, each, range));
       area.push_back(detail::peak_area(of.log_tau, each, seen(range)));
     }
-    result.peaks.push_back({std::exp(detail::peak_place(of.log_tau, result.density, ranges[i])),
-                            detail::peak_area(of.log_tau, result.density, seen(ranges[i])),
-                            std::exp(quantile(place, low)), std::exp(quantile(place, high)), quantile(area, low),
-                            quantile(area, high)});
+    const double found = detail::peak_area(of.log_tau, result.density, seen(ranges[i]));
+    double lower = quantile(area, low), upper = quantile(area, high);
+    widened(lower, upper, found - detail::peak_area(of.log_tau, again, seen(ranges[i])));
+    result.peaks.push_back({std::exp(detail::peak_place(of.log_tau, result.density, ranges[i])), found,
+                            std::exp(quantile(place, low)), std::exp(quantile(place, high)), std::max(lower, 0.0),
+                            upper});
   }
   return result;
 }

@@ -2,55 +2,20 @@
 #include "frac/identification/derived.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <complex>
 #include <limits>
 #include <stdexcept>
 
+#include "definition.hpp"
 #include "frac/identification/statistics.hpp"
 
 namespace frac {
-namespace {
-
-std::string trimmed(std::string_view text) {
-  constexpr const char* blanks = " \t";
-  const auto first = text.find_first_not_of(blanks);
-  if (first == std::string_view::npos) return {};
-  return std::string(text.substr(first, text.find_last_not_of(blanks) - first + 1));
-}
-
-std::string_view part_after_equals(std::string_view definition) {
-  const auto equals = definition.find('=');
-  if (equals == std::string_view::npos || trimmed(definition.substr(0, equals)).empty())
-    throw std::invalid_argument("'" + std::string(definition) + "' is no definition; expected NAME = FORMULA");
-  return definition.substr(equals + 1);
-}
-
-/// The formula with the number instead of each word `pi`, which is no name of a parameter.
-std::string with_pi(std::string_view formula) {
-  const auto in_name = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
-  std::string text;
-  for (std::size_t i = 0; i < formula.size();) {
-    if (!in_name(formula[i])) {
-      text += formula[i++];
-      continue;
-    }
-    std::size_t end = i;
-    while (end < formula.size() && in_name(formula[end])) ++end;
-    const std::string_view word = formula.substr(i, end - i);
-    text += word == "pi" ? "(3.1415926535897932)" : word;
-    i = end;
-  }
-  return text;
-}
-
-}  // namespace
 
 DerivedQuantity::DerivedQuantity(std::string_view definition, std::span<const std::string> parameter_names)
-    : name_(trimmed(definition.substr(0, std::min(definition.find('='), definition.size())))),
-      text_(trimmed(part_after_equals(definition))),
-      formula_(with_pi(text_)) {
+    : name_(detail::split_definition(definition).name),
+      text_(detail::split_definition(definition).formula),
+      formula_(detail::with_pi(text_)) {
   if (formula_.depends_on_s())
     throw std::invalid_argument("'" + text_ + "' depends on s, so it is no number that parameters tell");
   std::string known;

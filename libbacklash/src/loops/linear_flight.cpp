@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "linear_flight.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "base/linear_algebra.hpp"
+
+namespace backlash::detail {
+namespace {
+
+using Complex = std::complex<double>;
+using Index = Eigen::Index;
+using Matrix = Eigen::MatrixXd;
+using ComplexMatrix = Eigen::MatrixXcd;
+
+constexpr Index degree = 18;
+// Of what the polynomial leaves out.  It leaves it out of every flight alike, so that it is far below a rounding.
+constexpr double negligible = 1e-19;
+// Sizes of the left eigenvectors of modes that are still told apart.
+constexpr double most_skew = 1e6;
+
+// Number of slow ones among the eigenvalues by rising modulus: the widest gap above the pace decides.
+Index slow_count(const std::vector<double>& moduli, double pace) {
+  const auto size = static_cast<Index>(moduli.size());
+  Index best = size;
+  double widest = 1;
+  for (Index i = 0; i < size; ++i) {
+    const double next = moduli[static_cast<std::size_t>(i)];
+    const double last = i > 0 ? moduli[static_cast<std::size_t>(i - 1)] : 0;
+    if (next < 3 * pace || last > 10 * pace) continue;
+    const double gap = next / std::max(last, 3 * pace);
+    if (gap > widest) {
+      widest = gap;
+      best = i;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& sizes) : a_(a), scale_(sizes) {
+  const Index size = a.rows();
+  // Powers of two, so that scaling rounds nothing.
+  for (double& each : scale_) each = std::exp2(std::round(std::log2(each)));
+  const Eigen::VectorXd& scale = scale_;
+  const Matrix scaled = scale.cwiseInverse().asDiagonal() * a * scale.asDiagonal();
+  const Eigen::EigenSolver<Matrix> right(scaled);
+  const Eigen::EigenSolver<Matrix> left(scaled.transpose());
+  const auto by_modulus = [size](const Eigen::VectorXcd& values) {
+    std::vector<Index> order(static_cast<std::size_t>(size));
+    for (Index i = 0; i < size; ++i) order[static_cast<std::size_t>(i)] = i;
+    std::sort(order.begin(), order.end(), [&](Index i, Index k) { return std::abs(values[i]) < std::abs(values[k]); });
+    return order;
+  };
+  const std::vector<Index> right_order = by_modulus(right.eigenvalues());
+  const std::vector<Index> left_order = by_modulus(left.eigenvalues());
+  std::vector<double> moduli;
+  for (const Index i : right_order) moduli.push_back(std::abs(right.eigenvalues()[i]));
+  Index slow = slow_count(moduli, pace);
+  // A pair is not parted.
+  const auto parts_pair = [&] {
+    return slow > 0 && slow < size &&
+           moduli[static_cast<std::size_t>(slow)] - moduli[static_cast<std::size_t>(slow - 1)] <
+               1e-9 * moduli[static_cast<std::size_t>(slow)];
+  };
+  while (parts_pair()) ++slow;
+  ComplexMatrix columns, rows;
+  for (;;) {
+    const Index fast = size - slow;
+    columns.resize(size, fast);
+    rows.resize(fast, size);
+    for (Index i = 0; i < fast; ++i) {
+      columns.col(i) = right.eigenvectors().col(right_order[static_cast<std::size_t>(slow + i)]);
+      rows.row(i) = left.eigenvectors().col(left_order[static_cast<std::size_t>(slow + i)]).transpose();
+    }
+    if (fast == 0) break;
+    rows = (rows * columns).partialPivLu().solve(rows).eval();
+    Index worst = -1;
+    for (Index i = 0; i < fast; ++i) {
+      if (!(rows.row(i).norm() < most_skew)) worst = i;
+    }
+    if (worst < 0) break;
+    slow += worst + 1;
+    while (parts_pair()) ++slow;
+  }
+  const Index fast = size - slow;
+  if (fast == 0) {
+    // As they are: over a million flights the rounding of a change of basis would add up.
+    slow_basis_ = to_slow_ = Matrix::Identity(size, size);
+    slow_ = scaled;
+  } else {
+    const Matrix projection = Matrix::Identity(size, size) - (columns * rows).real();
+    slow_basis_ = frac::detail::PivotedQr(projection, 1e-9).basis().leftCols(slow);
+    to_slow_ = slow_basis_.transpose() * projection;
+    slow_ = slow_basis_.transpose() * scaled * slow_basis_;
+  }
+  std::vector<Index> kept;
+  for (Index i = 0; i < fast; ++i) {
+    if (right.eigenvalues()[right_order[static_cast<std::size_t>(slow + i)]].imag() >= 0) kept.push_back(i);
+  }
+  const auto count = static_cast<Index>(kept.size());
+  rates_.resize(count);
+  fast_basis_.resize(size, count);
+  to_fast_.resize(count, size);
+  for (Index i = 0; i < count; ++i) {
+    const Index from = kept[static_cast<std::size_t>(i)];
+    rates_[i] = right.eigenvalues()[right_order[static_cast<std::size_t>(slow + from)]];
+    fast_basis_.col(i) = columns.col(from);
+    to_fast_.row(i) = rows.row(from);
+  }
+  to_slow_ *= scale.cwiseInverse().asDiagonal();
+  to_fast_ *= scale.cwiseInverse().cast<Complex>().asDiagonal();
+}
+
+LinearFlight::Form LinearFlight::form(const Eigen::RowVectorXd& row) const {
+  const Eigen::RowVectorXd scaled = row * scale_.asDiagonal();
+  Form result{scaled * slow_basis_, scaled.cast<Complex>() * fast_basis_};
+  for (Index i = 0; i < rates_.size(); ++i) {
+    if (rates_[i].imag() != 0) result.fast[i] *= 2;
+  }
+  return result;
+}
+
+FlightPath::FlightPath(const LinearFlight& flight, const Eigen::VectorXd& state)
+    : flight_(flight), taylor_(flight.slow_.rows(), degree + 1), fast_(flight.to_fast_ * state), horizon_(1e300) {
+  taylor_.col(0) = flight.to_slow_ * state;
+  for (Index j = 1; j <= degree; ++j) {
+    taylor_.col(j).noalias() = flight.slow_ * taylor_.col(j - 1) / static_cast<double>(j);
+  }
+  const double size =
+      taylor_.cols() > 0 ? taylor_.col(0).norm() + taylor_.col(1).norm() / (1e-300 + flight.slow_.norm()) : 0;
+  for (const Index j : {degree - 1, degree}) {
+    const double last = taylor_.col(j).norm();
+    if (last > 0 && size > 0) {
+      horizon_ = std::min(horizon_, std::pow(negligible * size / last, 1 / static_cast<double>(j)));
+    }
+  }
+  decays_.reserve(8);
+}
+
+const Eigen::VectorXcd& FlightPath::decays(double t) const {
+  for (const auto& [time, decay] : decays_) {
+    if (time == t) return decay;
+  }
+  Eigen::VectorXcd decay(flight_.rates_.size());
+  for (Index i = 0; i < decay.size(); ++i) {
+    const Complex rate = flight_.rates_[i] * t;
+    decay[i] = rate.real() < -45 ? Complex(0) : rate.imag() == 0 ? Complex(std::exp(rate.real())) : std::exp(rate);
+  }
+  if (decays_.size() < 8) {
+    decays_.emplace_back(t, std::move(decay));
+    return decays_.back().second;
+  }
+  next_ = (next_ + 1) % decays_.size();
+  decays_[next_] = {t, std::move(decay)};
+  return decays_[next_].second;
+}
+
+Eigen::VectorXd FlightPath::state(double t) const {
+  Eigen::VectorXd slow = taylor_.col(degree);
+  for (Index j = degree; j-- > 0;) slow = slow * t + taylor_.col(j);
+  Eigen::VectorXd result = flight_.slow_basis_ * slow;
+  const Eigen::VectorXcd& decay = decays(t);
+  for (Index i = 0; i < decay.size(); ++i) {
+    const Complex size = fast_[i] * decay[i];
+    if (size == 0.0) continue;
+    const double copies = flight_.rates_[i].imag() != 0 ? 2 : 1;
+    result += copies * (flight_.fast_basis_.col(i) * size).real();
+  }
+  return flight_.scale_.asDiagonal() * result;
+}
+
+FlightPath::Signal::Signal(const FlightPath& path, const LinearFlight::Form& form, double sign, double offset)
+    : path_(path), polynomial_(static_cast<std::size_t>(degree + 1)), fast_(path.fast_.size()) {
+  for (Index j = 0; j <= degree; ++j) {
+    polynomial_[static_cast<std::size_t>(j)] = sign * (form.slow * path.taylor_.col(j)).value();
+  }
+  polynomial_[0] += offset;
+  for (Index i = 0; i < fast_.size(); ++i) fast_[i] = sign * form.fast[i] * path.fast_[i];
+}
+
+double FlightPath::Signal::value(double t) const {
+  double sum = 0;
+  for (std::size_t j = polynomial_.size(); j-- > 0;) sum = sum * t + polynomial_[j];
+  const Eigen::VectorXcd& decay = path_.decays(t);
+  for (Index i = 0; i < fast_.size(); ++i) sum += (fast_[i] * decay[i]).real();
+  return sum;
+}
+
+double FlightPath::Signal::rate(double t) const {
+  double sum = 0;
+  for (std::size_t j = polynomial_.size(); j-- > 1;) sum = sum * t + static_cast<double>(j) * polynomial_[j];
+  const Eigen::VectorXcd& decay = path_.decays(t);
+  for (Index i = 0; i < fast_.size(); ++i) sum += (fast_[i] * path_.flight_.rates_[i] * decay[i]).real();
+  return sum;
+}
+
+// The polynomial and what oscillates by two terms of Taylor and a bound of the next; what decays is monotone.
+FlightPath::Signal::Range FlightPath::Signal::rates(double from, double to) const {
+  const double width = to - from;
+  double value = 0, slope = 0, bend = 0;
+  for (std::size_t j = polynomial_.size(); j-- > 1;) {
+    const auto power = static_cast<double>(j);
+    value = value * from + power * polynomial_[j];
+    if (j >= 2) slope = slope * from + power * (power - 1) * polynomial_[j];
+    if (j >= 3) bend = bend * to + power * (power - 1) * (power - 2) * std::abs(polynomial_[j]);
+  }
+  Range decaying{0, 0};
+  const Eigen::VectorXcd early = path_.decays(from);  // the next call may take its place
+  const Eigen::VectorXcd& late = path_.decays(to);
+  for (Index i = 0; i < fast_.size(); ++i) {
+    const Complex rate = path_.flight_.rates_[i];
+    if (rate.imag() == 0) {
+      const double first = (fast_[i] * rate * early[i]).real();
+      const double last = (fast_[i] * rate * late[i]).real();
+      decaying.low += std::min(first, last);
+      decaying.high += std::max(first, last);
+      continue;
+    }
+    const Complex part = fast_[i] * rate;
+    value += (part * early[i]).real();
+    slope += (part * rate * early[i]).real();
+    bend += std::abs(part * rate * rate) * std::exp(std::max(rate.real() * from, rate.real() * to));
+  }
+  const double curved = 0.5 * bend * width * width;
+  return {value + std::min(0.0, slope * width) - curved + decaying.low,
+          value + std::max(0.0, slope * width) + curved + decaying.high};
+}
+
+std::optional<double> FlightPath::Signal::first_rise(double from, double to) const {
+  return first_rise(from, value(from), to, 0);
+}
+
+std::optional<double> FlightPath::Signal::first_rise(double from, double at_from, double to, int depth) const {
+  const Range range = rates(from, to);
+  if (range.high <= 0 || at_from + range.high * (to - from) < 0) return std::nullopt;
+  if (range.low > 0) {
+    if (at_from > 0) return from;
+    if (value(to) <= 0) return std::nullopt;
+    return root(from, to);
+  }
+  // An extremum that touches 0 cannot be told from one that does not.
+  if (depth == 50) return value(to) > 0 ? std::optional(to) : std::nullopt;
+  const double middle = 0.5 * (from + to);
+  if (const auto early = first_rise(from, at_from, middle, depth + 1)) return early;
+  return first_rise(middle, value(middle), to, depth + 1);
+}
+
+// Of a rising function with a change of sign: Newton's method, kept inside by bisection.
+double FlightPath::Signal::root(double low, double high) const {
+  double t = 0.5 * (low + high);
+  for (int i = 0; i < 100; ++i) {
+    const double at = value(t);
+    (at > 0 ? high : low) = t;
+    double next = t - at / rate(t);
+    if (!(next > low && next < high)) {
+      // At a rounding from the root Newton steps onto an end.
+      if (std::abs(next - t) <= 4e-16 * std::abs(t)) break;
+      next = 0.5 * (low + high);
+    }
+    if (std::abs(next - t) <= 2e-16 * std::abs(t) || !(next > low && next < high)) {
+      t = next;
+      break;
+    }
+    t = next;
+  }
+  return t;
+}
+
+}  // namespace backlash::detail

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <deque>
+#include <optional>
+
+#include "backlash/loops/simulate_loop.hpp"
+#include "realised_loop.hpp"
+
+namespace backlash::detail {
+
+/// A motion of a realised loop from event to event: impacts, rests in contact, the limit of the force, points of the
+/// set-point, and what comes to the controller after its dead time.
+class LoopRun {
+ public:
+  /// @param loop  outlives the run
+  LoopRun(const ControlLoop& of, const RealisedLoop& loop, const LoopStart& start, const SetPoint& set_point);
+
+  enum class Event { none, impact, contact, release };
+  /// To the next event or to `until`, whichever comes first. @return what happened; none at `until`
+  Event advance(double until);
+
+  [[nodiscard]] double time() const noexcept { return time_; }
+  [[nodiscard]] LoopRow row(LoopEvent event) const { return row_of(state_, time_, event); }
+  /// At an event: just before it.
+  [[nodiscard]] LoopRow row_before(LoopEvent event) const { return row_of(before_, time_, event); }
+  [[nodiscard]] const LoopImpact& last_impact() const noexcept { return last_impact_; }
+  /// Impacts follow each other without end, or rest where that is not followed.
+  [[nodiscard]] bool is_stuck() const noexcept { return is_stuck_; }
+  [[nodiscard]] bool has_diverged() const;
+  [[nodiscard]] bool is_in_contact() const noexcept { return mode_.contact; }
+
+  /// Takes the state of a motion at the same time with its relative velocity changed by a share of the pace.
+  void displace(const LoopRun& from, double share);
+  /// Moves by a share of the way to another motion of the same time.
+  void displace_towards(const LoopRun& other, double share);
+  /// Over the sizes of the states.
+  [[nodiscard]] double distance(const LoopRun& other) const;
+
+ private:
+  // What happens at a time that is known.
+  struct Planned {
+    double time;
+    enum class Kind { twin_starts, twin_jumps, set_point_starts, set_point_bends } kind;
+    double value;
+  };
+  void plan(const Planned& planned);
+  void apply(const Planned& planned);
+  [[nodiscard]] LoopRow row_of(const Eigen::VectorXd& state, double time, LoopEvent event) const;
+  void choose_limit();
+  Event strike(double wall);
+  Event touch(double wall);
+
+  TwoMassSystem system_;
+  const RealisedLoop* loop_;
+  double force_limit_;
+  double half_clearance_;
+  double fastest_;  // m/s: beyond it the motion has diverged
+  std::deque<Planned> planned_;
+  RealisedLoop::Mode mode_;
+  double wall_ = 0;  // in contact: 1 at +clearance/2
+  Eigen::VectorXd state_;
+  Eigen::VectorXd before_;
+  double time_ = 0;
+  double step_;
+  double free_until_ = 0;  // the wall just left cannot be met before
+  double left_wall_ = 0;
+  double last_event_ = 0;
+  LoopImpact last_impact_{};
+  int crowded_ = 0;
+  bool is_stuck_ = false;
+};
+
+/// simulate_loop() but for whole_memory, of arguments that are valid.
+[[nodiscard]] LoopHistory run_loop(const ControlLoop& loop, const LoopStart& start, const SetPoint& set_point,
+                                   const LoopSimulationOptions& options);
+
+}  // namespace backlash::detail

@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "realised_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "formula/power_sum.hpp"
+
+namespace backlash::detail {
+namespace {
+
+using Index = Eigen::Index;
+enum : Index { x1, v1, x2, v2, bodies };
+
+// What friction and springs make of a position: 1/G - M s^2.
+frac::FractionalTransferFunction resistance(const frac::FractionalTransferFunction& receptance, double mass) {
+  const std::vector<frac::PowerTerm>& top = receptance.numerator();
+  const std::vector<frac::PowerTerm>& bottom = receptance.denominator();
+  std::vector<frac::PowerTerm> rest = frac::detail::merged(bottom, frac::detail::scaled(top, -mass, 2));
+  // The leading terms cancel but for rounding.
+  std::erase_if(rest, [&](const frac::PowerTerm& term) { return term.order > bottom.front().order - 1e-9; });
+  return {rest, top};
+}
+
+// Where the rigid loop crosses over, from above; 1 where it never does.
+double crossover(const ControlLoop& loop) {
+  const double mass = loop.system().mass1() + loop.system().mass2();
+  const auto excess = [&](double log_omega) {
+    const double omega = std::exp(log_omega);
+    return std::log(std::abs(loop.controller().response(omega)) / (mass * omega * omega));
+  };
+  double high = std::log(1e12);
+  for (double low = high - 0.5; low > std::log(1e-12); low -= 0.5) {
+    if (excess(low) > 0) {
+      for (int i = 0; i < 20; ++i) {
+        const double middle = 0.5 * (low + high);
+        (excess(middle) > 0 ? low : high) = middle;
+      }
+      return std::exp(low);
+    }
+    high = low;
+  }
+  return 1;
+}
+
+}  // namespace
+
+RealisedLoop::RealisedLoop(const ControlLoop& loop, const SetPoint& set_point, double force_limit, double tolerance)
+    : system_(loop.system()),
+      set_point_(set_point),
+      force_limit_(force_limit),
+      delay_(loop.controller().delay()),
+      is_driven_(loop.measured() == Output::x2),
+      pace_(crossover(loop)),
+      band_{0.1 * pace_, 100 * pace_} {
+  if (is_driven_ && delay_ > 0) {
+    throw std::invalid_argument("a loop with the driven body measured (x2) and a dead time is not simulated");
+  }
+  const auto states = [&](Index count) { return std::exchange(size_, size_ + count); };
+  states(bodies);
+  if (std::isfinite(force_limit_)) one_ = states(1);
+  if (set_point_.step != 0 || set_point_.ramp != 0 || !set_point_.knots.empty()) reference_ = states(2);
+  if (set_point_.sine_amplitude != 0) sine_ = states(2);
+  if (delay_ > 0) twin_ = states(2);
+  const LinearBodies& of = loop.bodies();
+  if (!of.has_free_load()) {
+    load_ = place(resistance(of.load(), system_.mass1()), 1.0 / 3, tolerance);
+    if (has_twin()) twin_load_ = place(resistance(of.load(), system_.mass1()), 1.0 / 3, tolerance);
+  }
+  if (!of.has_free_drive()) drive_ = place(resistance(of.drive(), system_.mass2()), 2.0 / 3, tolerance);
+  controller_ = place(loop.controller(), 0, tolerance);
+
+  const double length = system_.clearance();
+  scale_ = Eigen::VectorXd::Ones(size_);
+  scale_[x1] = scale_[x2] = length;
+  scale_[v1] = scale_[v2] = length * pace_;
+  for (const Index pair : {reference_, sine_, twin_}) {
+    if (pair < 0) continue;
+    scale_[pair] = length;
+    scale_[pair + 1] = length * pace_;
+  }
+  if (one_ >= 0) scale_[one_] = system_.mass2() * length * pace_ * pace_ / force_limit_;
+  for (const std::optional<Placed>* placed : {&load_, &drive_, &twin_load_}) {
+    if (*placed) scale_states(**placed);
+  }
+  scale_states(controller_);
+}
+
+RealisedLoop::Placed RealisedLoop::place(const frac::FractionalTransferFunction& operand, double shift,
+                                         double tolerance) {
+  Placed placed{realised(operand, band_, tolerance, shift), size_};
+  size_ += static_cast<Index>(placed.of.integral_weights.size());
+  for (const LoopOperator::OperatorMode& mode : placed.of.modes) size_ += mode.is_real() ? 1 : 2;
+  error_ = std::max(error_, placed.of.error);
+  return placed;
+}
+
+void RealisedLoop::scale_states(const Placed& placed) {
+  Index i = placed.first;
+  double integral = system_.clearance();
+  for (std::size_t k = 0; k < placed.of.integral_weights.size(); ++k) scale_[i++] = integral /= pace_;
+  for (const LoopOperator::OperatorMode& mode : placed.of.modes) {
+    const double size = system_.clearance() * std::pow(pace_, mode.derivative) / std::max(pace_, std::abs(mode.rate));
+    scale_[i++] = size;
+    if (!mode.is_real()) scale_[i++] = size;
+  }
+}
+
+RealisedLoop::Row RealisedLoop::unit(Index i) const {
+  Row row = Row::Zero(size_);
+  row[i] = 1;
+  return row;
+}
+
+RealisedLoop::Row RealisedLoop::output(const Placed& placed, const Row& position, const Row& velocity) const {
+  Row row = placed.of.on_position * position + placed.of.on_velocity * velocity;
+  Index i = placed.first;
+  for (const double weight : placed.of.integral_weights) row[i++] += weight;
+  for (const LoopOperator::OperatorMode& mode : placed.of.modes) {
+    row[i++] += 2 * mode.weight.real();
+    if (!mode.is_real()) row[i++] -= 2 * mode.weight.imag();
+  }
+  return row;
+}
+
+void RealisedLoop::fill(Eigen::MatrixXd& a, const Placed& placed, const Row& position, const Row& velocity,
+                        const Row& acceleration) const {
+  const Index integrals = placed.first;
+  Index i = integrals;
+  for (std::size_t k = 0; k < placed.of.integral_weights.size(); ++k, ++i) {
+    a.row(i) = k == 0 ? position : unit(i - 1);
+  }
+  for (const LoopOperator::OperatorMode& mode : placed.of.modes) {
+    const Row signal = mode.derivative == 0   ? position
+                       : mode.derivative == 1 ? velocity
+                       : mode.derivative == 2 ? acceleration
+                                              : unit(integrals - mode.derivative - 1);
+    a.row(i) = signal;
+    a(i, i) += mode.rate.real();
+    if (!mode.is_real()) {
+      a(i, i + 1) -= mode.rate.imag();
+      a(i + 1, i) += mode.rate.imag();
+      a(i + 1, i + 1) += mode.rate.real();
+      ++i;
+    }
+    ++i;
+  }
+}
+
+std::unique_ptr<RealisedLoop::Regime> RealisedLoop::make(Mode mode) const {
+  const double mass1 = system_.mass1(), mass2 = system_.mass2();
+  const Row none = Row::Zero(size_);
+  // What the controller follows.
+  const Index followed = is_driven_ ? Index{x2} : has_twin() ? twin_ : Index{x1};
+  Row error = -unit(followed);
+  Row error_rate = -unit(followed + 1);
+  Row reference_acceleration = none;
+  if (reference_ >= 0) {
+    error += unit(reference_);
+    error_rate += unit(reference_ + 1);
+  }
+  if (sine_ >= 0) {
+    error += unit(sine_);
+    error_rate += unit(sine_ + 1);
+    reference_acceleration = -set_point_.sine_omega * set_point_.sine_omega * unit(sine_);
+  }
+  const Row wanted = output(controller_, error, error_rate);
+  const Row resisted1 = load_ ? output(*load_, unit(x1), unit(v1)) : none;
+  const Row resisted2 = drive_ ? output(*drive_, unit(x2), unit(v2)) : none;
+  const Row force = mode.limit == Limit::none   ? wanted
+                    : mode.limit == Limit::high ? Row(force_limit_ * unit(one_))
+                                                : Row(-force_limit_ * unit(one_));
+  const Row free1 = -resisted1 / mass1;
+  const Row free2 = (force - resisted2) / mass2;
+  const Row together = (force - resisted1 - resisted2) / (mass1 + mass2);
+  const Row acceleration1 = mode.contact ? together : free1;
+  const Row acceleration2 = mode.contact ? together : free2;
+  const Row twin_resisted = twin_load_ ? output(*twin_load_, unit(twin_), unit(twin_ + 1)) : none;
+  const Row twin_acceleration = -twin_resisted / mass1;
+
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(size_, size_);
+  a.row(x1) = unit(v1);
+  a.row(v1) = acceleration1;
+  a.row(x2) = unit(v2);
+  a.row(v2) = acceleration2;
+  if (reference_ >= 0) a.row(reference_) = unit(reference_ + 1);
+  if (sine_ >= 0) {
+    a.row(sine_) = unit(sine_ + 1);
+    a.row(sine_ + 1) = reference_acceleration;
+  }
+  if (has_twin()) {
+    a.row(twin_) = unit(twin_ + 1);
+    a.row(twin_ + 1) = twin_acceleration;
+  }
+  if (load_) fill(a, *load_, unit(x1), unit(v1), acceleration1);
+  if (drive_) fill(a, *drive_, unit(x2), unit(v2), acceleration2);
+  if (twin_load_) fill(a, *twin_load_, unit(twin_), unit(twin_ + 1), twin_acceleration);
+  const Row followed_acceleration = is_driven_ ? acceleration2 : has_twin() ? twin_acceleration : acceleration1;
+  fill(a, controller_, error, error_rate, reference_acceleration - followed_acceleration);
+
+  LinearFlight flight(a, pace_, scale_);
+  auto result = std::make_unique<Regime>(Regime{std::move(flight), {}, {}, {}, force, free2 - free1, wanted});
+  result->gap = result->flight.form(unit(x2) - unit(x1));
+  result->wanted_force = result->flight.form(wanted);
+  result->contact_force = result->flight.form(mass1 * together + resisted1);
+  return result;
+}
+
+const RealisedLoop::Regime& RealisedLoop::regime(Mode mode) const {
+  std::unique_ptr<Regime>& slot = regimes_[static_cast<std::size_t>(mode.limit) * 2 + (mode.contact ? 1 : 0)];
+  if (!slot) slot = make(mode);
+  return *slot;
+}
+
+void RealisedLoop::kick(Eigen::VectorXd& state, const Placed& placed, int derivative, double size) {
+  Index i = placed.first + static_cast<Index>(placed.of.integral_weights.size());
+  for (const LoopOperator::OperatorMode& mode : placed.of.modes) {
+    if (mode.derivative == derivative) state[i] += size;
+    i += mode.is_real() ? 1 : 2;
+  }
+}
+
+Eigen::VectorXd RealisedLoop::rest(const LoopStart& start) const {
+  Eigen::VectorXd state = Eigen::VectorXd::Zero(size_);
+  state[x1] = start.x1;
+  state[x2] = start.x2;
+  if (one_ >= 0) state[one_] = 1;
+  jump(state, start.v1, start.v2);
+  return state;
+}
+
+void RealisedLoop::jump(Eigen::VectorXd& state, double velocity1, double velocity2) const {
+  state[v1] += velocity1;
+  state[v2] += velocity2;
+  if (load_) kick(state, *load_, 2, velocity1);
+  if (drive_) kick(state, *drive_, 2, velocity2);
+  if (!has_twin()) kick(state, controller_, 2, is_driven_ ? -velocity2 : -velocity1);
+}
+
+void RealisedLoop::twin_jumps(Eigen::VectorXd& state, double velocity1) const {
+  state[twin_ + 1] += velocity1;
+  if (twin_load_) kick(state, *twin_load_, 2, velocity1);
+  kick(state, controller_, 2, -velocity1);
+}
+
+void RealisedLoop::twin_starts(Eigen::VectorXd& state, double position) const {
+  state[twin_] = position;
+}
+
+void RealisedLoop::set_point_starts(Eigen::VectorXd& state) const {
+  double step = set_point_.step;
+  if (!set_point_.knots.empty()) step += set_point_.knots.front().value;
+  if (reference_ >= 0) {
+    state[reference_] += step;
+    kick(state, controller_, 1, step);
+    // A derivative that meets a step kicks mass 2.
+    if (step != 0 && controller_.of.on_velocity != 0) {
+      jump(state, 0, controller_.of.on_velocity * step / system_.mass2());
+    }
+    set_point_bends(state, set_point_.ramp);
+  }
+  if (sine_ >= 0) {
+    const double slope = set_point_.sine_amplitude * set_point_.sine_omega;
+    state[sine_ + 1] += slope;
+    kick(state, controller_, 2, slope);
+  }
+}
+
+void RealisedLoop::set_point_bends(Eigen::VectorXd& state, double change_of_slope) const {
+  state[reference_ + 1] += change_of_slope;
+  kick(state, controller_, 2, change_of_slope);
+}
+
+}  // namespace backlash::detail

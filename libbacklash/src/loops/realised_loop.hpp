@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "backlash/loops/control_loop.hpp"
+#include "backlash/loops/simulate_loop.hpp"
+#include "linear_flight.hpp"
+#include "loop_operator.hpp"
+
+namespace backlash::detail {
+
+/// The loop as x' = A x between impacts, with one A for each combination of limited force and contact.  The bodies are
+/// masses under the force of their friction and springs, R(s) = 1/G - M s^2 of their own position, so that an impact
+/// acts on velocities alone.  With a dead time the controller follows a twin of the load, to which everything happens
+/// that much later.
+class RealisedLoop {
+ public:
+  /// @param tolerance  of fractional powers, relative over the frequencies of the motion
+  /// @throws std::invalid_argument  dead time with the driven body measured.
+  RealisedLoop(const ControlLoop& loop, const SetPoint& set_point, double force_limit, double tolerance);
+
+  enum class Limit { none, low, high };
+  struct Mode {
+    Limit limit = Limit::none;
+    bool contact = false;
+  };
+  struct Regime {
+    LinearFlight flight;
+    LinearFlight::Form gap;            // x2 - x1
+    LinearFlight::Form wanted_force;   // of the controller, before the limit
+    LinearFlight::Form contact_force;  // on mass 1
+    Eigen::RowVectorXd force_row;
+    Eigen::RowVectorXd gap_acceleration;  // in flight, of the present state
+    Eigen::RowVectorXd wanted_force_row;
+  };
+  [[nodiscard]] const Regime& regime(Mode mode) const;
+
+  /// Rested at the start's positions until its velocities come at t = 0.
+  [[nodiscard]] Eigen::VectorXd rest(const LoopStart& start) const;
+  /// Velocities jump, and with them what the operators see of it; with a dead time the controller only in twin_jumps().
+  void jump(Eigen::VectorXd& state, double velocity1, double velocity2) const;
+  void twin_jumps(Eigen::VectorXd& state, double velocity1) const;
+  /// The position of a load that starts elsewhere than at 0 comes to the twin.
+  void twin_starts(Eigen::VectorXd& state, double position) const;
+  void set_point_starts(Eigen::VectorXd& state) const;
+  void set_point_bends(Eigen::VectorXd& state, double change_of_slope) const;
+
+  [[nodiscard]] double force_limit() const noexcept { return force_limit_; }
+  [[nodiscard]] double delay() const noexcept { return delay_; }
+  [[nodiscard]] bool has_twin() const noexcept { return twin_ >= 0; }
+  /// rad/s, at which the rigid loop crosses over: of the motion.
+  [[nodiscard]] double pace() const noexcept { return pace_; }
+  /// Largest of its operators.
+  [[nodiscard]] double error() const noexcept { return error_; }
+  /// Of the states, roughly.
+  [[nodiscard]] const Eigen::VectorXd& sizes() const noexcept { return scale_; }
+
+ private:
+  using Row = Eigen::RowVectorXd;
+  // An operator with the index of its first integral and of its first mode.
+  struct Placed {
+    LoopOperator of;
+    Eigen::Index first;
+  };
+  [[nodiscard]] Placed place(const frac::FractionalTransferFunction& operand, double shift, double tolerance);
+  [[nodiscard]] Row unit(Eigen::Index i) const;
+  [[nodiscard]] Row output(const Placed& placed, const Row& position, const Row& velocity) const;
+  void fill(Eigen::MatrixXd& a, const Placed& placed, const Row& position, const Row& velocity,
+            const Row& acceleration) const;
+  void scale_states(const Placed& placed);
+  static void kick(Eigen::VectorXd& state, const Placed& placed, int derivative, double size);
+  [[nodiscard]] std::unique_ptr<Regime> make(Mode mode) const;
+
+  TwoMassSystem system_;
+  SetPoint set_point_;
+  double force_limit_;
+  double delay_;
+  bool is_driven_;
+  double pace_;
+  frac::FrequencyBand band_;
+  double error_ = 0;
+  Eigen::Index size_ = 0;
+  Eigen::Index one_ = -1, reference_ = -1, sine_ = -1, twin_ = -1;
+  std::optional<Placed> load_, drive_, twin_load_;
+  Placed controller_;
+  Eigen::VectorXd scale_;
+  mutable std::array<std::unique_ptr<Regime>, 6> regimes_;
+};
+
+}  // namespace backlash::detail
