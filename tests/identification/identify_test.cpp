@@ -146,6 +146,20 @@ TEST(Verdict, TwoZarcsAreFractional) {
   EXPECT_TRUE(result.differ_most_omega < data.omega().front() || result.differ_most_omega > data.omega().back());
 }
 
+// Evidence compares two models.  With a probability of 0.05, or 0.5 where the verdict is left open, both are taken to
+// be far from the truth, and then either class is as likely.
+TEST(Verdict, OddsAllowThatBothModelsAreFarFromTheTruth) {
+  for (const double noise : {0.001, 0.3}) {
+    const auto result = frac::identify(support::noisy_response("1/(s^0.9 + 1)", {}, noise, 2u, 30),
+                                       models({"lag", "fractional-lag"}), {}, both_parts());
+    const double neither = result.verdict == Verdict::undecided ? 0.5 : 0.05;
+    const double by_evidence = 1 / (1 + std::exp(-result.evidence / 2));
+    const double stated = 1 / (1 + std::pow(10.0, -result.log10_odds));
+    EXPECT_NEAR(stated, (1 - neither) * by_evidence + neither / 2, 1e-12) << result.verdict_sentence;
+    EXPECT_EQ(result.verdict, noise < 0.01 ? Verdict::fractional_supported : Verdict::undecided);
+  }
+}
+
 // Conduction of heat through a wall is among no candidates, and rows of real poles approximate it to 0.1 %: that they
 // follow the data is no reason to call the system one of integer order.
 TEST(Verdict, ARowOfPolesThatApproximatesIsNoIntegerOrder) {

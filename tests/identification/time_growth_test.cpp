@@ -49,6 +49,22 @@ TEST(TimeGrowth, FindsThreePoles) {
   EXPECT_NEAR(fit.rms / 1e-3, 1, 0.16) << model.formula;
 }
 
+// Solvers only descend from the simpler optimum, which is a point of the richer one; its limits are met at 1e-14.
+TEST(TimeFit, OfAPresetIsNoWorseThanOfOneThatItContains) {
+  const auto data = step_record(three_lags, 15, 81, 0.03, 5);
+  const auto cost_of = [&](const char* name) {
+    const frac::NamedModel model = frac::find_model(name);
+    frac::TimeFitOptions options;
+    options.constraints = model.constraints;
+    return frac::fit(data, frac::Structure(model.formula), options).cost;
+  };
+  const double lag = cost_of("lag"), lag_delay = cost_of("lag-delay");
+  constexpr double rounding = 1e-9;
+  EXPECT_LE(lag_delay, lag * (1 + rounding));
+  EXPECT_LE(cost_of("fractional-lag"), lag * (1 + rounding));
+  EXPECT_LE(cost_of("fractional-lag-delay"), lag_delay * (1 + rounding));
+}
+
 TEST(TimeGrowth, OtherFamiliesAreRefused) {
   const auto data = step_record(three_lags, 15, 61, 1e-3, 1);
   for (const char* family : {"commensurate", "terms", "rational:1/2"}) {

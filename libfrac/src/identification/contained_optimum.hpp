@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "frac/identification/fit.hpp"
+#include "frac/identification/time_fit.hpp"
 
 namespace frac::detail {
 
@@ -16,10 +17,21 @@ struct Containment {
 /// All of the library, simpler ones first.
 [[nodiscard]] std::vector<Containment> containments();
 
-/// Start values with which the richer preset is the simpler one at its optimum, or next to it where it is a limit.
-/// @param fit  of the simpler one
-/// @param gain_of_data  beside which a millionth is little
-[[nodiscard]] std::vector<ParameterConstraint> start_of_contained(const Containment& pair, const FitResult& fit,
-                                                                  double gain_of_data);
+/// The richer preset, with these constraints, started where it is the simpler one at its optimum, or next to it where
+/// it is that as a limit.  Empty where it may not start there.
+/// @param simple  of the same data and options
+[[nodiscard]] std::optional<FitResult> fit_from_contained(const FrequencyResponseData& data, const Containment& pair,
+                                                          const std::vector<ParameterConstraint>& constraints,
+                                                          const FitResult& simple, const FitOptions& options);
+[[nodiscard]] std::optional<FitResult> fit_from_contained(const TimeResponseData& data, const Containment& pair,
+                                                          const std::vector<ParameterConstraint>& constraints,
+                                                          const FitResult& simple, const TimeFitOptions& options);
+
+/// A searched fit that is no worse than any preset the structure contains: where one is better, it is where the fit
+/// starts anew.  Structures that are no presets and fits with a robust loss stay as they are.
+[[nodiscard]] FitResult no_worse_than_contained(const FrequencyResponseData& data, const Structure& structure,
+                                                const FitOptions& options, FitResult fit);
+[[nodiscard]] FitResult no_worse_than_contained(const TimeResponseData& data, const Structure& structure,
+                                                const TimeFitOptions& options, FitResult fit);
 
 }  // namespace frac::detail

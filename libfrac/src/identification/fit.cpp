@@ -14,6 +14,7 @@
 #include "base/linear_algebra.hpp"
 #include "frac/identification/fit_from.hpp"
 #include "frac/identification/statistics.hpp"
+#include "identification/contained_optimum.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/formula_checks.hpp"
 #include "identification/data/noise_floor.hpp"
@@ -482,7 +483,9 @@ bool is_surely_lowest(const FitResult& result, const FitResult& similar, const F
 }  // namespace
 
 FitResult fit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
-  return fit_with_floor(data, structure, options, {true, true});
+  FitResult result = fit_with_floor(data, structure, options, {true, true});
+  if (!options.global_start) return result;
+  return detail::no_worse_than_contained(data, structure, options, std::move(result));
 }
 
 FitResult fit_from(const FitResult& similar, const FrequencyResponseData& data, const Structure& structure,

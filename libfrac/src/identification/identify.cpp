@@ -25,7 +25,6 @@ namespace frac {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double by_far = 10;          // times the cost: evidence above 90 from 20 points on
 constexpr double simplest_within = 2;  // AICc differences the data cannot tell apart
 
 /// A candidate with the constraints that are its own, and what became of it.
@@ -128,17 +127,10 @@ void fit_candidate(const Data& data, const Options& options, double hopeless, Ou
   }
 }
 
-double least_gain(const FrequencyResponseData& data) {
-  double least = std::abs(data.value().front());
-  for (const std::complex<double>& value : data.value()) least = std::min(least, std::abs(value));
-  return least;
-}
-/// Of the output to the input.
-double least_gain(const TimeResponseData& data) {
-  double output = 0, input = 0;
-  for (const double value : data.output()) output = std::max(output, std::abs(value));
-  for (const double value : data.input()) input = std::max(input, std::abs(value));
-  return input > 0 ? output / input : 1;
+/// Times the best cost beyond which a candidate is no rival whatever a thorough search would find: evidence of 300, of
+/// which correlated residuals may leave a tenth, or ten times where so few residuals give less.
+double by_far(std::size_t residuals) {
+  return std::clamp(std::exp(300 / static_cast<double>(residuals)), 1.5, 10.0);
 }
 
 /// Fits that ended above a structure they contain start from its optimum.
@@ -153,25 +145,11 @@ void start_from_contained(const Data& data, const Options& options, std::vector<
     if (rich == outcomes.end() || simple == outcomes.end()) continue;
     constexpr double rounding = 1e-9;
     if (!(simple->fit->cost < rich->fit->cost * (1 - rounding))) continue;
-    Options warm = options;
-    warm.global_start = false;
-    std::vector<ParameterConstraint> constraints = rich->model.constraints;
-    for (const ParameterConstraint& start : detail::start_of_contained(pair, *simple->fit, least_gain(data))) {
-      const auto own = std::find_if(constraints.begin(), constraints.end(),
-                                    [&](const ParameterConstraint& each) { return each.name == start.name; });
-      if (own == constraints.end()) {
-        constraints.push_back(start);
-      } else {
-        own->start = start.start;
-      }
-    }
-    warm.constraints.insert(warm.constraints.end(), constraints.begin(), constraints.end());
-    try {
-      FitResult fit = frac::fit(data, Structure(rich->model.formula), warm);
-      if (fit.cost < rich->fit->cost) rich->fit = std::move(fit);
-    } catch (const std::invalid_argument&) {
-      // The simpler structure has its optimum where the richer one is not allowed to be.
-    }
+    std::vector<ParameterConstraint> constraints = options.constraints;
+    const auto& own = rich->model.constraints;
+    constraints.insert(constraints.end(), own.begin(), own.end());
+    std::optional<FitResult> fit = detail::fit_from_contained(data, pair, constraints, *simple->fit, options);
+    if (fit && fit->cost < rich->fit->cost) rich->fit = std::move(fit);
   }
 }
 
@@ -207,7 +185,8 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
   double hopeless = std::numeric_limits<double>::infinity();
   parallel_for(families, threads, [&](std::size_t i) { fit_candidate(data, options, hopeless, outcomes[i]); });
   for (std::size_t i = 0; i < families; ++i) {
-    if (outcomes[i].fit) hopeless = std::min(hopeless, by_far * outcomes[i].fit->cost);
+    if (!outcomes[i].fit) continue;
+    hopeless = std::min(hopeless, by_far(outcomes[i].fit->residuals) * outcomes[i].fit->cost);
   }
   parallel_for(outcomes.size() - families, threads,
                [&](std::size_t i) { fit_candidate(data, options, hopeless, outcomes[families + i]); });

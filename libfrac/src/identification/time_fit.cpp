@@ -15,6 +15,7 @@
 #include "base/linear_algebra.hpp"
 #include "base/number_text.hpp"
 #include "frac/identification/model_choice.hpp"
+#include "identification/contained_optimum.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/formula_checks.hpp"
 #include "identification/search/robust.hpp"
@@ -450,7 +451,9 @@ FitResult fit_record(const TimeResponseData& data, const Structure& structure, c
 }  // namespace
 
 FitResult fit(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& options) {
-  return fit_record(data, structure, options, std::numeric_limits<double>::infinity());
+  FitResult result = fit_record(data, structure, options, std::numeric_limits<double>::infinity());
+  if (!options.global_start) return result;
+  return detail::no_worse_than_contained(data, structure, options, std::move(result));
 }
 
 detail::Scouted detail::scouted(const TimeResponseData& data, const Structure& structure,

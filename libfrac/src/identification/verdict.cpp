@@ -28,6 +28,9 @@ constexpr double no_evidence = 2;
 // Real poles and dead time that a ratio may have before they count as an approximation of what no candidate is, and the
 // evidence asked for each further one: odds of 3000 to 1.
 constexpr double few_relaxations = 2, price_of_relaxation = 16;
+// Probability that neither finalist is near what made the data, so that evidence for one of them says nothing of its
+// class: where all rules of a verdict agree, and where some speak against the evidence.  Chosen on judged files.
+constexpr double neither_agreed = 0.05, neither_contradicted = 0.5;
 constexpr double nearly_whole = 0.02;  // an order that is known to be so near a whole number counts as one
 constexpr double worse = 1.05, clearly_worse = 1.5;  // rms of predictions
 constexpr double most_model_error = 0.05;            // of the data
@@ -184,9 +187,10 @@ std::string described(const RankedFit& ranked) {
          number(ranked.fit.rms) + ")";
 }
 
-std::string odds_text(double evidence) {
-  const double log10_odds = std::abs(evidence) / (2 * std::log(10.0));
-  return log10_odds > 6 ? "more than a million to 1" : number(std::pow(10.0, log10_odds)) + " to 1";
+/// Odds of the classes by evidence, where with a probability of `neither` it says nothing.
+double log10_odds(double evidence, double neither) {
+  const double fractional = 1 / (1 + std::exp(-evidence / 2)), integer = 1 / (1 + std::exp(evidence / 2));
+  return std::log10(((1 - neither) * fractional + neither / 2) / ((1 - neither) * integer + neither / 2));
 }
 
 /// Whether all residuals are rounding, which have no correlation.
@@ -237,9 +241,10 @@ std::string rms_text(double rms) {
 std::string compared(const IdentificationResult& result, const Comparison& pair) {
   const double of_fractional = result.fractional->prediction_rms, of_integer = result.integer->prediction_rms;
   std::string text = described(pair.fractional.ranked) + " against " + described(pair.integer.ranked) + ", evidence " +
-                     number(result.evidence) + " (odds " + odds_text(result.evidence) + " for the " +
-                     (result.evidence > 0 ? "fractional" : "integer-order") + " one, had they been equal before)" +
-                     ", predictions to rms " + rms_text(of_fractional) + " against " + rms_text(of_integer);
+                     number(result.evidence) + " (odds " + number(std::pow(10.0, std::abs(result.log10_odds))) +
+                     " to 1 for the " + (result.evidence > 0 ? "fractional" : "integer-order") +
+                     " one, had they been equal before)" + ", predictions to rms " + rms_text(of_fractional) +
+                     " against " + rms_text(of_integer);
   const double beyond_fractional = result.fractional->extrapolation_rms,
                beyond_integer = result.integer->extrapolation_rms;
   if (!std::isnan(beyond_fractional) && !std::isnan(beyond_integer)) {
@@ -412,7 +417,6 @@ void judge_any(IdentificationResult& result, const Data& data, const Options& op
   }
   result.evidence = evidence_for(f, i, share);
   result.departure_evidence = evidence_of_departure(competitors, i, share);
-  result.log10_odds = result.evidence / (2 * std::log(10.0));
   if (f.ranked.model_class == ModelClass::fractional && i.ranked.model_class == ModelClass::integer_order) {
     differ_most(result, data, options, f.ranked.fit, i.ranked.fit);
   }
@@ -423,6 +427,8 @@ void judge_any(IdentificationResult& result, const Data& data, const Options& op
   }
 
   const auto [verdict, reason] = ruling(result, pair, skipped_rivals);
+  result.log10_odds =
+      log10_odds(result.evidence, verdict == Verdict::undecided ? neither_contradicted : neither_agreed);
   if (result.model_error && verdict == Verdict::undecided) return call_inadequate();
   result.verdict = verdict;
   const std::string rivals = compared(result, pair);

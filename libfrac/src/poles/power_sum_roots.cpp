@@ -161,6 +161,31 @@ class Search {
     complete_ = complete_ && box.size() < 1e-3;
   }
 
+  // Newton's method from where two terms balance that outweigh all others somewhere.  True, and the roots are kept, if
+  // as many are found as the box holds: they are all then.
+  bool find_from_balances(const Box& box, int expected) {
+    constexpr double apart = 0.05;  // nearer ones may be one root, found twice
+    std::vector<Complex> roots;
+    for (const auto& [high, low] : balances()) {
+      const double gap = high->order - low->order;
+      const double log_modulus = std::log(std::abs(low->coefficient / high->coefficient)) / gap;
+      const double turn = low->coefficient * high->coefficient > 0 ? std::numbers::pi : 0;
+      const double first = std::ceil((box.bottom * gap - turn) / (2 * std::numbers::pi));
+      for (double k = first; roots.size() < static_cast<std::size_t>(expected); ++k) {
+        const double argument = (turn + 2 * std::numbers::pi * k) / gap;
+        if (argument > box.top) break;
+        const std::optional<Complex> root = polished(sum_, {log_modulus, argument});
+        if (!root || !box.contains(*root)) continue;
+        const bool is_new =
+            std::none_of(roots.begin(), roots.end(), [&](Complex other) { return std::abs(other - *root) < apart; });
+        if (is_new) roots.push_back(*root);
+      }
+    }
+    if (roots.size() != static_cast<std::size_t>(expected)) return false;
+    for (const Complex root : roots) found_.push_back({root, 1, 0});
+    return true;
+  }
+
   [[nodiscard]] const std::vector<Found>& found() const { return found_; }
   [[nodiscard]] bool complete() const { return complete_; }
   [[nodiscard]] bool gave_up() const { return work_ > most_work; }
@@ -187,6 +212,25 @@ class Search {
     const double noise = std::numeric_limits<double>::epsilon() * start.rounding[0];
     const double radius = std::pow(noise / std::abs(start.coefficient.back()), 1.0 / multiplicity);
     return std::isfinite(radius) ? 8 * radius : 0;
+  }
+
+  // Neighbours on the upper hull of (order, ln|coefficient|), by falling order: for each there is an |s| where the two
+  // are equal and no other term is larger.
+  [[nodiscard]] std::vector<std::pair<const PowerTerm*, const PowerTerm*>> balances() const {
+    std::vector<const PowerTerm*> hull;
+    const auto height = [](const PowerTerm& term) { return std::log(std::abs(term.coefficient)); };
+    const auto slope = [&](const PowerTerm& a, const PowerTerm& b) {
+      return (height(a) - height(b)) / (a.order - b.order);
+    };
+    for (const PowerTerm& term : sum_) {
+      while (hull.size() > 1 && slope(*hull[hull.size() - 2], *hull.back()) >= slope(*hull.back(), term)) {
+        hull.pop_back();
+      }
+      hull.push_back(&term);
+    }
+    std::vector<std::pair<const PowerTerm*, const PowerTerm*>> pairs;
+    for (std::size_t i = 1; i < hull.size(); ++i) pairs.emplace_back(hull[i - 1], hull[i]);
+    return pairs;
   }
 
   // Empty where Newton's method has not converged.
@@ -399,7 +443,8 @@ PowerSumRoots power_sum_roots(const std::vector<PowerTerm>& sum, double largest_
     box.right = std::max(std::min(box.right, farthest + shift), box.left + 1);
     const double count = search.count(box);
     if (!(std::abs(count - std::round(count)) < 0.01)) continue;
-    search.divide(box, static_cast<int>(std::lround(count)), 200);
+    const int expected = static_cast<int>(std::lround(count));
+    if (!search.find_from_balances(box, expected)) search.divide(box, expected, 200);
     result.clusters = clustered(search.found());
     for (RootCluster& cluster : result.clusters) search.polish(cluster);
     std::erase_if(result.clusters,

@@ -373,7 +373,8 @@ class Identification(_Record):
         fractional-supported, fractional-not-supported, undecided or no-adequate-model.
     verdict_sentence : str
     evidence, log10_odds : float
-        For a fractional model.
+        For a fractional model.  The odds allow that both models compared are far from the truth, so that they end at
+        39 to 1, or 3 to 1 where undecided.
     ranking : list of dict
         Best first: name, model_class, fit (`FitResult`), delta_aicc, akaike_weight, adequate, misfit.
     chosen : int

@@ -65,7 +65,7 @@ struct NextMeasurement {
 /// nearly equal members takes part with one of them, so that their number is no evidence.
 ///
 /// Evidence is the difference of this, integer-order minus fractional: twice the logarithm of the posterior odds of the
-/// two classes to Schwarz's approximation.  It assumes equal odds beforehand and independent normal residuals.  Where
+/// two models to Schwarz's approximation.  It assumes equal odds beforehand and independent normal residuals.  Where
 /// the residuals of the better one follow each other (lag-one correlation r above 0), n is the number of points that
 /// carry news, n (1 - r)/(1 + r).
 ///
@@ -105,7 +105,11 @@ struct IdentificationResult {
   double departure_evidence;
   std::string verdict_sentence;
   std::optional<Finalist> fractional, integer;  // what was compared; unset where the class has no candidate
-  double log10_odds;                            // of fractional to integer order, evidence/(2 ln 10)
+  /// Decimal logarithm of the odds of fractional to integer order, equal before.  Evidence alone would give
+  /// evidence/(2 ln 10); it compares two models, and with a probability of 0.05, or 0.5 where the verdict is left open
+  /// because other rules speak against it, both are taken to be far from what made the data.  So no odds exceed 39, or
+  /// 3, to 1.
+  double log10_odds;
   /// Where within a decade outside the data the two finalists differ most, relative to the integer-order one: a
   /// measurement there tells them apart.  NaN where there are not both, and over time.
   double differ_most_omega, differ_most;

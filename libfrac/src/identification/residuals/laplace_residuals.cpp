@@ -109,6 +109,55 @@ Transform transform(const Samples& samples, Complex s) {
   return result;
 }
 
+/// Without the checks for infinite parts of the operator: what is not finite is found at the end.
+Complex times(Complex a, Complex b) {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
+/// A sum of powers of s at points s of one argument and evenly growing modulus.
+class SumOnRay {
+ public:
+  explicit SumOnRay(const SensitiveSum& terms) : terms_(terms), power_(terms.size()), growth_(terms.size()) {
+    for (std::size_t i = 0; i < terms.size(); ++i) {
+      for (std::size_t p = 0; p < terms[i].by_coefficient.size(); ++p) {
+        if (terms[i].by_coefficient[p] != 0 || terms[i].by_order[p] != 0) sensitive_.emplace_back(i, p);
+      }
+    }
+  }
+
+  void start(double angle, double lowest, double spacing) {
+    step_ = 0;
+    for (std::size_t i = 0; i < terms_.size(); ++i) {
+      power_[i] = std::polar(std::exp(terms_[i].order * lowest), terms_[i].order * angle);
+      growth_[i] = std::exp(terms_[i].order * spacing);
+    }
+  }
+  void go_to(std::size_t step) {
+    for (; step_ < step; ++step_) {
+      for (std::size_t i = 0; i < power_.size(); ++i) power_[i] *= growth_[i];
+    }
+  }
+
+  [[nodiscard]] Complex value() const {
+    Complex sum = 0;
+    for (std::size_t i = 0; i < power_.size(); ++i) sum += terms_[i].coefficient * power_[i];
+    return sum;
+  }
+  void slopes(Complex log_s, std::vector<Complex>& by) const {
+    std::fill(by.begin(), by.end(), 0.0);
+    for (const auto& [i, p] : sensitive_) {
+      by[p] += times(terms_[i].by_coefficient[p] + terms_[i].by_order[p] * log_s, power_[i]);
+    }
+  }
+
+ private:
+  const SensitiveSum& terms_;
+  std::vector<Complex> power_;
+  std::vector<double> growth_;
+  std::vector<std::pair<std::size_t, std::size_t>> sensitive_;  // term, parameter
+  std::size_t step_ = 0;
+};
+
 }  // namespace
 
 LaplaceResiduals::LaplaceResiduals(const TimeResponseData& data, const Structure& structure, const ParameterMap& map,
@@ -118,11 +167,12 @@ LaplaceResiduals::LaplaceResiduals(const TimeResponseData& data, const Structure
   length_ = output_samples.since.back();
   const double reach = output_samples.since[std::min<std::size_t>(4, output_samples.since.size() - 1)];
   for (const double angle : {0.0, 0.8, 1.2}) {
-    constexpr int radii = 20;
+    constexpr std::size_t radii = 20;
     const double lowest = decay / (length_ * std::cos(angle));
     const double highest = std::max(4 * lowest, 2 / reach);
-    for (int k = 0; k < radii; ++k) {
-      const Complex log_s(std::log(lowest) + std::log(highest / lowest) * k / (radii - 1), angle);
+    Ray ray{angle, std::log(lowest), std::log(highest / lowest) / (radii - 1), {}};
+    for (std::size_t k = 0; k < radii; ++k) {
+      const Complex log_s(ray.lowest + ray.spacing * static_cast<double>(k), angle);
       const Complex s = std::exp(log_s);
       const Complex input = transform(input_samples, s).value;
       const auto [output, variance] = transform(output_samples, s);
@@ -130,55 +180,59 @@ LaplaceResiduals::LaplaceResiduals(const TimeResponseData& data, const Structure
       const double model_error = 0.01 + std::exp(-s.real() * length_);
       const double spread = std::sqrt(variance + model_error * model_error * std::norm(output));
       if (!(spread > 0) || input == 0.0 || output == 0.0) continue;
+      ray.steps.push_back(k);
       log_s_.push_back(log_s);
       input_.push_back(input);
       output_.push_back(output);
       constant_.push_back((1.0 - std::exp(-s * length_)) / s);
       weight_.push_back(1 / spread);
     }
+    rays_.push_back(std::move(ray));
   }
 }
 
 bool LaplaceResiduals::evaluate(std::span<const double> theta, double* residual, double* jacobian) const {
   const std::vector<double> parameters = map().to_user(theta);
-  const std::optional<RatioOfPowerSums> ratio = ratio_at(structure_, parameters);
-  if (!ratio || !(ratio->delay >= 0)) return false;
+  const std::optional<RatioOfPowerSums> ratio =
+      ratio_at(structure_, parameters, jacobian ? Sensitivity::all : Sensitivity::none);
+  if (!ratio || ratio->numerator.empty() || ratio->denominator.empty() || !(ratio->delay >= 0)) return false;
   const auto rows = static_cast<Eigen::Index>(count());
-  const auto all = static_cast<Eigen::Index>(map().parameter_count());
+  const auto all = jacobian ? static_cast<Eigen::Index>(map().parameter_count()) : 0;
   // Column 0 the residual, then its derivatives; real and imaginary parts in turn.
   Eigen::MatrixXd rest(rows, 1 + all);
   Eigen::VectorXd constant(rows);
-  for (std::size_t i = 0; i < log_s_.size(); ++i) {
-    const Complex s = std::exp(log_s_[i]);
-    Complex top = 0, bottom = 0;
-    std::vector<Complex> by(static_cast<std::size_t>(all), 0);
-    std::vector<Complex> bottom_by(static_cast<std::size_t>(all), 0);
-    const auto add = [&](const SensitiveSum& terms, Complex& sum, std::vector<Complex>& slopes) {
-      for (const SensitiveTerm& term : terms) {
-        const Complex power = std::exp(term.order * log_s_[i]);
-        sum += term.coefficient * power;
-        for (std::size_t p = 0; p < slopes.size(); ++p) {
-          slopes[p] += (term.by_coefficient[p] + term.by_order[p] * log_s_[i]) * power;
+  std::vector<Complex> by(static_cast<std::size_t>(all)), bottom_by(static_cast<std::size_t>(all));
+  SumOnRay top(ratio->numerator), bottom(ratio->denominator);
+  std::size_t i = 0;
+  for (const Ray& ray : rays_) {
+    top.start(ray.angle, ray.lowest, ray.spacing);
+    bottom.start(ray.angle, ray.lowest, ray.spacing);
+    for (const std::size_t step : ray.steps) {
+      top.go_to(step);
+      bottom.go_to(step);
+      const Complex s = std::exp(log_s_[i]);
+      const Complex late = ratio->delay > 0 ? std::exp(-ratio->delay * s) : 1.0;
+      const Complex inverse = 1.0 / bottom.value();
+      const Complex factor = times(times(weight_[i] * input_[i], late), inverse);
+      const Complex model = times(factor, top.value());
+      const auto row = static_cast<Eigen::Index>(2 * i);
+      const auto put = [&](Eigen::Index column, Complex value) {
+        rest(row, column) = value.real();
+        rest(row + 1, column) = value.imag();
+      };
+      put(0, model - weight_[i] * output_[i]);
+      if (jacobian) {
+        top.slopes(log_s_[i], by);
+        bottom.slopes(log_s_[i], bottom_by);
+        for (std::size_t p = 0; p < by.size(); ++p) {
+          const Complex relative = times(bottom_by[p], inverse) + ratio->delay_slope[p] * s;
+          put(static_cast<Eigen::Index>(1 + p), times(factor, by[p]) - times(model, relative));
         }
       }
-    };
-    add(ratio->numerator, top, by);
-    add(ratio->denominator, bottom, bottom_by);
-    const Complex late = std::exp(-ratio->delay * s);
-    const Complex factor = weight_[i] * input_[i] * late / bottom;
-    const Complex model = factor * top;
-    const auto row = static_cast<Eigen::Index>(2 * i);
-    const auto put = [&](Eigen::Index column, Complex value) {
-      rest(row, column) = value.real();
-      rest(row + 1, column) = value.imag();
-    };
-    put(0, model - weight_[i] * output_[i]);
-    for (std::size_t p = 0; p < by.size(); ++p) {
-      put(static_cast<Eigen::Index>(1 + p),
-          factor * by[p] - model * (bottom_by[p] / bottom + ratio->delay_slope[p] * s));
+      constant[row] = weight_[i] * constant_[i].real();
+      constant[row + 1] = weight_[i] * constant_[i].imag();
+      ++i;
     }
-    constant[row] = weight_[i] * constant_[i].real();
-    constant[row + 1] = weight_[i] * constant_[i].imag();
   }
   if (!rest.allFinite()) return false;
   if (free_offset_) {

@@ -31,6 +31,13 @@ class LaplaceResiduals final : public Residuals {
  private:
   const Structure& structure_;
   bool free_offset_;
+  /// Points of one argument at even steps of ln|s|, so that a power of s grows by the same factor from each to the
+  /// next.
+  struct Ray {
+    double angle, lowest, spacing;   // of ln s
+    std::vector<std::size_t> steps;  // from the lowest, of the points that are used
+  };
+  std::vector<Ray> rays_;
   std::vector<std::complex<double>> log_s_, input_, output_;
   std::vector<std::complex<double>> constant_;  // transform of 1 over the record
   std::vector<double> weight_;

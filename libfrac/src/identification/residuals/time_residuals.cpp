@@ -41,9 +41,10 @@ std::vector<EventResponse> earlier_steps(const TimeResponseData& data, const std
   return steps;
 }
 
-std::optional<RatioOfPowerSums> ratio_at(const Structure& structure, std::span<const double> parameters) {
+std::optional<RatioOfPowerSums> ratio_at(const Structure& structure, std::span<const double> parameters,
+                                         Sensitivity sensitivity) {
   try {
-    return reduce(structure.expression(), parameters, Sensitivity::all);
+    return reduce(structure.expression(), parameters, sensitivity);
   } catch (const std::invalid_argument&) {
     return std::nullopt;
   }

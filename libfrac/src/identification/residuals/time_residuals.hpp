@@ -15,7 +15,8 @@ namespace frac::detail {
 [[nodiscard]] EventResponse event_response(const TimeResponseData& data, const std::vector<std::size_t>& index);
 
 /// The model as a ratio of sums of powers with derivatives; empty where it has no finite value.
-[[nodiscard]] std::optional<RatioOfPowerSums> ratio_at(const Structure& structure, std::span<const double> parameters);
+[[nodiscard]] std::optional<RatioOfPowerSums> ratio_at(const Structure& structure, std::span<const double> parameters,
+                                                       Sensitivity sensitivity = Sensitivity::all);
 
 /// What the output shows besides the response to the input; see TimeFitOptions.
 struct Background {

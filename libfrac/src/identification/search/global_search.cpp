@@ -20,6 +20,7 @@ constexpr int starts_per_round = 5;
 constexpr int draws_per_start = 12;
 constexpr int rounds = 24;
 constexpr int least_rounds = 4;
+constexpr int rounds_for_a_start = 6, least_rounds_for_a_start = 2;
 constexpr int rounds_of_hope = 2;  // for a structure that something else beats by far
 constexpr std::size_t agreement = 4;
 constexpr double enough_confidence = 0.9;
@@ -246,12 +247,13 @@ std::vector<double> controlled_random_search(const Residuals& residuals, const s
 class Search {
  public:
   Search(const Residuals& scouting, const Residuals& residuals, const std::vector<double>& suggested_orders,
-         std::uint64_t seed, double hopeless)
+         std::uint64_t seed, double hopeless, SearchAim aim)
       : scouting_(scouting),
         residuals_(residuals),
         suggested_orders_(suggested_orders),
         seed_(seed),
         hopeless_(hopeless),
+        only_start_(aim == SearchAim::start),
         generator_(seed) {
     result_.best.cost = std::numeric_limits<double>::infinity();
   }
@@ -265,15 +267,17 @@ class Search {
     scout_from(linear_starts(scouting_, suggested_orders_, generator_));
     scout_from(whole_order_starts(scouting_, suggested_orders_, generator_));
     independent_ = 0;
-    for (int round = 0; round < rounds && !exact(); ++round) {
+    const int most = only_start_ ? rounds_for_a_start : rounds;
+    const int least = only_start_ ? least_rounds_for_a_start : least_rounds;
+    for (int round = 0; round < most && !exact(); ++round) {
       scout_from(screened_draws(scouting_, suggested_orders_, generator_, start_given && round == 0));
       if (round + 1 == rounds_of_hope && is_hopeless()) break;
-      if (round + 1 < least_rounds) continue;
+      if (round + 1 < least) continue;
       finish_promising();
-      if (settled() && !walk_to_lower_cost() && settled()) break;
+      if (settled() && (only_start_ || (!walk_to_lower_cost() && settled()))) break;
     }
     finish_promising();
-    if (at_best() == 1 && !exact() && !is_hopeless()) {
+    if (at_best() == 1 && !exact() && !is_hopeless() && !only_start_) {
       const std::size_t independent = independent_;
       scout_from({controlled_random_search(scouting_, result_.best.theta, seed_)});
       finish_promising();
@@ -308,7 +312,9 @@ class Search {
   [[nodiscard]] bool is_hopeless() const {
     return std::all_of(scouts_.begin(), scouts_.end(), [&](const Scout& scout) { return scout.end > hopeless_; });
   }
-  [[nodiscard]] bool settled() const { return at_best() >= agreement && confidence() >= enough_confidence; }
+  [[nodiscard]] bool settled() const {
+    return at_best() >= agreement && (only_start_ || confidence() >= enough_confidence);
+  }
   [[nodiscard]] bool same(double cost, double least) const {
     return cost <= least * (1 + equally_good) + residuals_.rounding_cost();
   }
@@ -348,7 +354,7 @@ class Search {
 
   /// Solves from where a scout stopped on all residuals.
   void finish(Scout& scout) {
-    LocalSolution local = local_solve(residuals_, scout.local.theta, {});
+    LocalSolution local = only_start_ ? scout.local : local_solve(residuals_, scout.local.theta, {});
     scout.end = local.cost;
     scout.state = Scout::finished;
     if (local.cost < result_.best.cost) result_.best = std::move(local);
@@ -456,6 +462,7 @@ class Search {
   const std::vector<double>& suggested_orders_;
   std::uint64_t seed_;
   double hopeless_;
+  bool only_start_;
   std::mt19937_64 generator_;
   GlobalSolution result_;
   std::vector<Scout> scouts_;
@@ -497,8 +504,9 @@ double confidence_of_optimum(std::size_t starts, std::size_t minima) {
 }
 
 GlobalSolution global_search(const Residuals& scouting, const Residuals& residuals,
-                             const std::vector<double>& suggested_orders, std::uint64_t seed, double hopeless) {
-  GlobalSolution found = Search(scouting, residuals, suggested_orders, seed, hopeless).run();
+                             const std::vector<double>& suggested_orders, std::uint64_t seed, double hopeless,
+                             SearchAim aim) {
+  GlobalSolution found = Search(scouting, residuals, suggested_orders, seed, hopeless, aim).run();
   if (&scouting == &residuals) return found;
   const auto mean = [&](const Residuals& of) {
     return of.cost(found.best.theta) / static_cast<double>(of.count()) + of.rounding_cost();
@@ -507,7 +515,7 @@ GlobalSolution global_search(const Residuals& scouting, const Residuals& residua
     return found;
   }
   const std::size_t in_vain = found.starts;
-  found = Search(residuals, residuals, suggested_orders, seed, hopeless).run();
+  found = Search(residuals, residuals, suggested_orders, seed, hopeless, aim).run();
   found.starts += in_vain;
   return found;
 }

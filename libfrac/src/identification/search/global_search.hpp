@@ -17,6 +17,10 @@ struct GlobalSolution {
   double confidence = 0;           // probability that no lower minimum exists, NaN where nothing was searched
 };
 
+/// What a global search is for: the optimum, with how sure that is, or a place to start other solves from, where it is
+/// enough that some scouts agree, and none is followed to the end.
+enum class SearchAim { optimum, start };
+
 /// Local slopes d ln|G|/d ln omega at the lower end, the upper end and the extremes: orders the data suggest.
 [[nodiscard]] std::vector<double> suggested_orders(const FrequencyResponseData& data);
 
@@ -38,6 +42,7 @@ struct GlobalSolution {
 /// @param hopeless  cost above which the search ends after two rounds: something else follows the data far better
 [[nodiscard]] GlobalSolution global_search(const Residuals& scouting, const Residuals& residuals,
                                            const std::vector<double>& suggested_orders, std::uint64_t seed,
-                                           double hopeless = std::numeric_limits<double>::infinity());
+                                           double hopeless = std::numeric_limits<double>::infinity(),
+                                           SearchAim aim = SearchAim::optimum);
 
 }  // namespace frac::detail

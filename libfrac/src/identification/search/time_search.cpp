@@ -51,7 +51,7 @@ class TimeSearch {
       search_transforms();
       const TimeResiduals sparse = problem_.residuals(every_nth(problem_.data.observed(), very_few_outputs), coarsest);
       if (!std::isfinite(result_.best.cost)) {
-        const GlobalSolution found = global_search(sparse, sparse, {}, problem_.options.seed);
+        const GlobalSolution found = start_among(sparse, {});
         if (found.starts_at_best > 0) try_from(found.best.theta);
         result_.starts += found.starts;
       }
@@ -69,8 +69,8 @@ class TimeSearch {
     if (!std::isfinite(few_.cost(theta))) return;
     // finish() settles the best; the others only need to be told from it.
     LocalOptions nearly;
-    nearly.iterations = 80;
-    nearly.cost_tolerance = 1e-9;
+    nearly.iterations = 50;
+    nearly.cost_tolerance = 1e-7;
     LocalSolution found = local_solve(few_, theta, nearly);
     ends_.push_back(found.cost);
     // Of equal minima the first counts: the user's start names the parameters.
@@ -92,6 +92,11 @@ class TimeSearch {
         std::count_if(ends_.begin(), ends_.end(), [&](double cost) { return as_good_as_best(cost); }));
   }
 
+  [[nodiscard]] GlobalSolution start_among(const Residuals& residuals, const std::vector<double>& orders) const {
+    return global_search(residuals, residuals, orders, problem_.options.seed, std::numeric_limits<double>::infinity(),
+                         SearchAim::start);
+  }
+
   // What weighs the end of the record more sees slow modes better and is cut off more: their minima differ, and those
   // that agree in time agree for a reason.
   void search_transforms() {
@@ -99,8 +104,7 @@ class TimeSearch {
       const LaplaceResiduals transformed(problem_.data, problem_.structure, problem_.map, problem_.options.offset,
                                          decay);
       if (transformed.points() < problem_.map.free().size()) continue;
-      const GlobalSolution found =
-          global_search(transformed, transformed, suggested_orders(transformed.quotient()), problem_.options.seed);
+      const GlobalSolution found = start_among(transformed, suggested_orders(transformed.quotient()));
       result_.starts += found.starts;
       if (found.starts_at_best > 0) try_from(found.best.theta);
       constexpr double far_beyond = 5;
@@ -142,7 +146,7 @@ class TimeSearch {
   void look_about(const TimeResiduals& sparse) {
     LocalOptions scouting;
     scouting.iterations = 20;
-    scouting.cost_tolerance = 1e-6;
+    scouting.cost_tolerance = 1e-5;
     std::size_t returns = 0;
     for (int scout = 0; scout < most_scouts && returns < enough_returns && !is_exact(); ++scout) {
       const std::vector<double> theta = drawn_about_best(scout % 2 == 0 ? 0.5 : 2);
