@@ -103,7 +103,7 @@ TEST(JumpLaw, NamesWhatIsOutOfRange) {
   expect_invalid_argument([&] { (void)fit_jump_law(0, 1, forces, clearances, {.5}, criterion); }, {"mass1"});
   expect_invalid_argument([&] { (void)fit_jump_law(1, nan, forces, clearances, {.5}, criterion); }, {"mass2"});
   expect_invalid_argument([&] { (void)fit_jump_law(1, 1, {10}, clearances, {.5}, criterion); },
-                          {"force", "at least 2"});
+                          {"force has 1 value; at least 2 different ones are needed"});
   expect_invalid_argument([&] { (void)fit_jump_law(1, 1, forces, {.1}, {.5}, criterion); },
                           {"clearance", "at least 2"});
   expect_invalid_argument([&] { (void)fit_jump_law(1, 1, forces, clearances, {}, criterion); },
@@ -122,7 +122,7 @@ TEST(JumpLaw, NamesWhatIsOutOfRange) {
       {"every force is 10", "at least 2 different"});
   // One scene is enough for the constants.
   expect_invalid_argument([&] { (void)backlash::jump_grid(1, 1, {}, {.1}, {.5}, criterion); },
-                          {"force has 0 entries; at least 1 is needed"});
+                          {"force has 0 values; at least 1 is needed"});
 }
 
 TEST(JumpLaw, WithoutAnyJumpThereIsNoLawAndAReason) {

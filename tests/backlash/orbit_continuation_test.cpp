@@ -230,13 +230,14 @@ TEST(OrbitDiagram, ListsStableOrbitsOfNarrowWindowsAndSmallBasins) {
   };
   for (const Case& scene :
        {Case{0.599026, 1.181058, 0.8261, 1.6419, 3, 9}, Case{0.596857, 1.110632, 1.0351, 2.0323, 4, 11},
-        Case{0.173517, 2.666616, 2.0515, 2.9729, 3, 4}, Case{0.521749, 3.352770, 2.7087, 5.3383, 2, 2}}) {
+        Case{0.173517, 2.666616, 2.0515, 2.9729, 3, 4}, Case{0.521749, 3.352770, 2.7087, 5.3383, 2, 2},
+        Case{0.699424, 3.326226, 1.9981, 4.5456, 3, 4}}) {
     SCOPED_TRACE(scene.omega);
     const backlash::TwoMassSystem system(1, 1, 1, scene.restitution);
     const GapMotion motion(1 / (scene.omega * scene.omega), scene.restitution);
     support::Random random(1);
     std::vector<support::StableOrbit> orbits;
-    for (int i = 0; i < 400 && orbits.empty(); ++i) {
+    for (int i = 0; i < 2000 && orbits.empty(); ++i) {
       const auto orbit = support::settle(motion, motion.peak_state(0, {random.unit(), random.uniform(-2, 2)}), 4);
       if (orbit && orbit->period == scene.period && orbit->impacts == scene.impacts) orbits.push_back(*orbit);
     }
@@ -245,6 +246,27 @@ TEST(OrbitDiagram, ListsStableOrbitsOfNarrowWindowsAndSmallBasins) {
     EXPECT_TRUE(support::lists(diagram, scene.omega, orbits.front(),
                                support::value_of(orbits.front(), system, scene.omega, motion.gamma())));
   }
+}
+
+// Between a fold and the doubling next to it an orbit is stable, often over much less than a step of the branch: what
+// is listed shows it all the same.
+TEST(OrbitDiagram, ShowsTheStablePieceBetweenAFoldAndADoubling) {
+  int pieces = 0;
+  for (const OrbitBranch& branch : unit_diagram(0.699424, 3, 3.8).branches) {
+    for (std::size_t i = 0; i + 1 < branch.bifurcations.size(); ++i) {
+      const BifurcationPoint& a = branch.bifurcations[i];
+      const BifurcationPoint& b = branch.bifurcations[i + 1];
+      const auto is = [&](Bifurcation kind) { return a.kind == kind || b.kind == kind; };
+      if (!is(Bifurcation::saddle_node) || !is(Bifurcation::period_doubling)) continue;
+      const auto [lower, upper] = std::minmax(a.orbit.omega, b.orbit.omega);
+      const bool shown = std::ranges::any_of(branch.orbits, [&](const PeriodicOrbit& orbit) {
+        return orbit.stable && orbit.omega > lower && orbit.omega < upper;
+      });
+      EXPECT_TRUE(shown) << branch.period << " periods, " << branch.impacts << " impacts, " << lower << " to " << upper;
+      ++pieces;
+    }
+  }
+  EXPECT_GT(pieces, 10);
 }
 
 // tests/benchmarks/honest_describing_function measures the rate over 400 orbits; here chance alone may miss one.

@@ -9,7 +9,6 @@
 #include <limits>
 #include <numbers>
 
-#include "backlash/two_mass_system.hpp"
 #include "support/expect_invalid_argument.hpp"
 
 namespace {
@@ -91,16 +90,6 @@ TEST(StaticDescribingFunction, IsThePlayInSeriesWithTheRigidMass) {
     const std::complex<double> expected = -by_quadrature(1, 0.3, 40 / inertia) / inertia;
     EXPECT_LT(std::abs(value[i] - expected), 1e-13 / inertia);
   }
-}
-
-TEST(StaticDescribingFunction, WithTheForcedMassInFrontVanishesFromTheLimitFrequencyOn) {
-  const backlash::TwoMassSystem system(1, 1, 0.3, 0.6);
-  const double limit = backlash::limit_frequency(system, 40);
-  const auto value = backlash::static_describing_function(1, 1, 0.3, 40, {0.999 * limit, 1.001 * limit, 2 * limit},
-                                                          backlash::FrontMass::forced);
-  EXPECT_GT(value[0].imag(), 0);
-  EXPECT_EQ(value[1], 0.0);
-  EXPECT_EQ(value[2], 0.0);
 }
 
 TEST(StaticDescribingFunction, ImaginaryPartIsFlatAtLowFrequencyAndTheInverseRisesWith80DecibelsPerDecade) {

@@ -2,14 +2,16 @@
 /* Runs an exported controller on a processor or its emulator and prints the bits of its outputs, one sample a line, for
  * reference.cpp to be compared with; on an AVR also the cycles of the longest and of the mean step.
  *
- * Defined by the command line: HEADER, the file; IS_FILTER where it has one input, IS_FIXED where that is a whole
- * number; REAL and BITS, the type of a sample and an unsigned one of its size; SAMPLES.
+ * Defined by the command line: HEADER, the file; IS_FILTER where it has one input, IS_FIXED where samples are whole
+ * numbers; REAL and BITS, the type of a sample and an unsigned one of its size; SAMPLES.
  */
 #include <stdint.h>
 
 #include HEADER
 
+#ifndef __ARM_ARCH_6M__
 #include <string.h>
+#endif
 
 #ifdef __AVR__
 #include <avr/interrupt.h>
@@ -22,6 +24,8 @@ static void put(char c)
   }
   UDR0 = (uint8_t)c;
 }
+#elif defined(__ARM_ARCH_6M__)
+#include "cortex_m0.h"
 #else
 #include <stdio.h>
 
@@ -51,14 +55,33 @@ static REAL draw(void)
 #endif
 }
 
-#if defined(IS_FIXED)
-#define STEP(setpoint, measured) ((void)(setpoint), model_step(&state, measured))
-#elif defined(IS_FILTER)
-#define STEP(setpoint, measured) model_step(&state, (setpoint) - (measured))
-#else
-#define STEP(setpoint, measured) model_step(&state, setpoint, measured)
-#endif
 static model_state state;
+
+/* Set-points that jump and drive the output to its limits. */
+static REAL jumping(int n)
+{
+#ifdef IS_FIXED
+  return (REAL)(n / 50 % 3) * 536870912;
+#else
+  return (REAL)(n / 50 % 3);
+#endif
+}
+
+#if defined(__GNUC__) && !defined(__AVR__)
+__attribute__((noinline))
+#endif
+static REAL
+step(REAL setpoint, REAL measured)
+{
+#if defined(IS_FIXED) && defined(IS_FILTER)
+  (void)setpoint;
+  return model_step(&state, measured);
+#elif defined(IS_FILTER)
+  return model_step(&state, setpoint - measured);
+#else
+  return model_step(&state, setpoint, measured);
+#endif
+}
 
 int main(void)
 {
@@ -72,20 +95,19 @@ int main(void)
 #endif
   model_init(&state);
   for (n = 0; n < SAMPLES; ++n) {
-    /* Set-points that jump and drive the output to its limits, and noise. */
-    const REAL setpoint = (REAL)(n / 50 % 3);
+    const REAL setpoint = jumping(n);
     const REAL measured = draw();
     volatile REAL output;
     BITS bits;
 #ifdef __AVR__
     const uint16_t before = TCNT1;
     uint16_t cycles;
-    output = STEP(setpoint, measured);
+    output = step(setpoint, measured);
     cycles = (uint16_t)(TCNT1 - before);
     if (cycles > longest) longest = cycles;
     sum += cycles;
 #else
-    output = STEP(setpoint, measured);
+    output = step(setpoint, measured);
 #endif
     {
       const REAL plain = output;

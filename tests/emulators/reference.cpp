@@ -46,7 +46,9 @@ void print_bits(int samples, Step step) {
   }
 }
 
-std::string fixed_point(const frac::CHeaderOptions& options) {
+std::string fixed_point(const std::string& name, const frac::CHeaderOptions& options) {
+  if (name == "fixed-pid")
+    return frac::fixed_point_header(pid_design(frac::Discretisation::tustin), {.input = 2, .output = 10}, options).text;
   const auto power = frac::digital_power(-0.5, {0.1, 70}, frac::PoleCount{8}, 0.02, frac::Discretisation::tustin);
   return frac::fixed_point_header(frac::filter_design(power), {.input = 5, .output = 100}, options).text;
 }
@@ -73,8 +75,8 @@ int main(int argc, char** argv) {
   const frac::CHeaderOptions options{.name = "model", .precision = frac::precision_from_string(argv[2])};
   std::ofstream header(argv[4]);
   const int samples = std::stoi(argv[3]);
-  if (std::string(argv[1]) == "fixed") {
-    header << fixed_point(options);
+  if (std::string(argv[1]).starts_with("fixed")) {
+    header << fixed_point(argv[1], options);
   } else if (options.precision == frac::Precision::float_type) {
     run<float>(argv[1], samples, options, header);
   } else {

@@ -214,6 +214,33 @@ TEST_F(Faults, EveryCommandMeetsAFullDiskAndAKill) {
   RecordProperty("faults", faults);
 }
 
+// A limit of threads, as `ulimit -u` and containers set it: what the program is refused it does without.
+TEST_F(Faults, RefusedThreadsChangeNoResult) {
+  const auto curve = folder.path("curve.csv");
+  for (const auto& arguments : std::vector<std::vector<std::string>>{
+           {"fit", curve, "--model", "K/(T s + 1)", "--component", "both"},
+           {"identify", curve, "--models", "gain,lag"},
+           {"map", "--restitution", "0.3,0.6", "--omega", "1:2:4"},
+           {"basins", "--restitution", "0.6", "--omega", "1.41", "--position", "0:0.5:2", "--velocity", "0:1:2"},
+           {"batch", curve, folder.path("short.csv"), "--model", "gain", "--component", "both"},
+           {"respond", "--model", "1/(s^0.5 + 1)", "--time", "0:1:20"}}) {
+    const auto run = [&](const std::string& fault) {
+      auto all = arguments;
+      all.insert(all.end(), {"--threads", "4", "--out", path("target"), "--quiet"});
+      fs::remove(path("target"));
+      const auto result = run_with(all, fault, false);
+      EXPECT_EQ(result.code, 0) << arguments.front() << ' ' << fault << ": " << result.error;
+      return lasting(content_of(path("target")));
+    };
+    const std::string undisturbed = run("threads@100000");
+    EXPECT_FALSE(fired());
+    for (const char* fault : {"threads@1", "threads@2", "threads@3"}) {
+      EXPECT_EQ(run(fault), undisturbed) << arguments.front() << ' ' << fault;
+      EXPECT_TRUE(fired() || std::string(fault) != "threads@1") << arguments.front();
+    }
+  }
+}
+
 // A batch keeps its finished rows on disk, so a fault leaves part of them: the same command again must give the table
 // of a run without faults.
 TEST_F(Faults, ABatchGoesOnAfterAnyFault) {
@@ -255,6 +282,14 @@ TEST_F(Faults, ASearchForBasinsGoesOnAfterAnyFault) {
   const auto out = path("basins.csv");
   goes_on_after_any_fault({"basins", "--restitution", "0.85067", "--omega", "0.9743", "--position", "0.05:0.95:6",
                            "--velocity", "-1:1:6", "--quiet", "--out", out},
+                          out);
+}
+
+// So does a study of the noise, refit by refit.
+TEST_F(Faults, ABootstrapGoesOnAfterAnyFault) {
+  const auto out = path("refits.csv");
+  goes_on_after_any_fault({"fit", folder.path("curve.csv"), "--model", "K/(T s + 1)", "--component", "both",
+                           "--bootstrap", "20", "--quiet", "--refits", out},
                           out);
 }
 

@@ -6,10 +6,12 @@
 // every
 //                    later write too), short (write takes half), EINTR (interrupted once), or kill (SIGKILL, after half
 //                    of a write).
+//                    threads@N: from the N-th thread on that the program asks for it gets none (EAGAIN).
 // FRACFIT_FAULT_LOG  a file made when the fault happens
 // FRACFIT_NAMED      if set, files without a name are not to be had, as on some file systems
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -25,7 +27,7 @@
 
 namespace {
 
-enum class Kind { none, error, partial, interrupt, kill };
+enum class Kind { none, error, partial, interrupt, kill, threads };
 
 struct Plan {
   Kind kind = Kind::none;
@@ -44,6 +46,7 @@ Plan plan_of_environment() {
   if (kind == "EIO") return {Kind::error, EIO, call};
   if (kind == "EDQUOT") return {Kind::error, EDQUOT, call};
   if (kind == "short") return {Kind::partial, 0, call};
+  if (kind == "threads") return {Kind::threads, EAGAIN, call};
   if (kind == "EINTR") return {Kind::interrupt, EINTR, call};
   return {Kind::kill, 0, call};
 }
@@ -70,7 +73,7 @@ void log_fault() {
 
 // Whether this is the call concerned.
 bool is_due() {
-  if (plan().kind == Kind::none || ++calls != plan().call) return false;
+  if (plan().kind == Kind::none || plan().kind == Kind::threads || ++calls != plan().call) return false;
   log_fault();
   return true;
 }
@@ -134,7 +137,7 @@ ssize_t write(int descriptor, const void* bytes, size_t count) {
     if (calls == plan().call && before < plan().call && count > 1 && plan().error == ENOSPC) return pass(count / 2);
     return -1;
   }
-  if (plan().kind == Kind::none || calls != plan().call) return pass(count);
+  if (plan().kind == Kind::none || plan().kind == Kind::threads || calls != plan().call) return pass(count);
   if (plan().kind == Kind::interrupt) {
     errno = EINTR;
     return -1;
@@ -166,6 +169,15 @@ int ftruncate(int descriptor, off_t length) noexcept {
 
 int linkat(int from_folder, const char* from, int to_folder, const char* to, int flags) noexcept {
   return fails(false) ? -1 : static_cast<int>(::syscall(SYS_linkat, from_folder, from, to_folder, to, flags));
+}
+
+int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*run)(void*), void* argument) noexcept {
+  if (plan().kind == Kind::threads && ++calls >= plan().call) {
+    log_fault();
+    return plan().error;
+  }
+  using Create = int (*)(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*);
+  return real<Create>("pthread_create")(thread, attributes, run, argument);
 }
 
 int rename(const char* from, const char* to) noexcept {

@@ -49,9 +49,16 @@ struct HonestScene {
   backlash::detail::GapState start;
 };
 
-/// Where chaotic transients last long: restitution 0.9 to 0.999, 1 - restitution log-uniform.
-inline HonestScene transient_scene(Random& random) {
-  const double restitution = 1 - random.log_uniform(1e-3, 0.1);
+/// 1 - restitution, log-uniform: from 0.9 to 0.999 chaotic transients last longest, at moderate restitution they are
+/// followed for fewer periods.
+struct Losses {
+  double least = 1e-3;
+  double most = 0.1;
+};
+inline constexpr Losses moderate_losses{0.05, 0.3};
+
+inline HonestScene transient_scene(Random& random, Losses losses = {}) {
+  const double restitution = 1 - random.log_uniform(losses.least, losses.most);
   const double omega = random.log_uniform(0.5, 4);
   return {restitution, 1 / (omega * omega), backlash::detail::state_at_peak(random.unit(), 0)};
 }
@@ -65,11 +72,11 @@ backlash::detail::SteadyState timed(double& seconds, const Work& work) {
 }
 
 /// Stated intervals against the motion after 10^5 force periods.  @param early  with the early stop of maps
-inline Tally transients(int scenes, std::uint64_t seed, bool early, std::int64_t periods = 96'000) {
+inline Tally transients(int scenes, std::uint64_t seed, bool early, Losses losses = {}, std::int64_t periods = 96'000) {
   Random random(seed);
   Tally tally;
   for (int i = 0; i < scenes; ++i) {
-    const HonestScene scene = transient_scene(random);
+    const HonestScene scene = transient_scene(random, losses);
     const backlash::detail::GapMotion motion(scene.gamma, scene.restitution);
     const backlash::detail::SteadyState steady = timed(tally.seconds, [&] {
       return find_steady_state(motion, scene.start, 1e-10, {early ? 0.01 : 0.0, -scene.gamma});

@@ -220,6 +220,54 @@ TEST_F(Batch, ALawNeedsAVariableThatTheDataKnow) {
   }
 }
 
+// Fits of a block begin at the answer of its first curve: 70 curves are two blocks, and the 65th begins the second.
+TEST_F(Batch, RowsDoNotDependOnShardsThreadsOrWhereARunStopped) {
+  std::ostringstream text;
+  text.precision(6);
+  text << "omega_rad_s";
+  for (int k = 0; k < 70; ++k) text << ",re_" << k << ",im_" << k;
+  for (int i = 0; i <= 15; ++i) {
+    const std::complex<double> s(0, std::pow(10.0, -1 + i / 7.5));
+    text << '\n' << s.imag();
+    for (int k = 0; k < 70; ++k) {
+      const auto value = (1 + 0.02 * k) / (1.0 + std::pow(s, 0.6 + 0.005 * k));
+      text << ',' << value.real() << ',' << value.imag();
+    }
+  }
+  const auto file = folder.write("curves.csv", text.str() + "\n");
+  const auto run = [&](const std::string& name, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"batch", file,      "--model", "K/(T s^a + 1)",  "--component",
+                                       "both",  "--quiet", "--out",   folder.path(name)};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto result = run_fracfit(arguments);
+    EXPECT_EQ(result.code, 0) << result.error;
+    return content_of(folder.path(name));
+  };
+  const auto one = run("one.csv", {"--threads", "1"});
+  EXPECT_EQ(one.size(), run("two.csv", {"--threads", "2"}).size());
+  const auto rows = [](const std::string& table) {
+    std::vector<std::string> found;
+    for (const auto& line : lines_of(table))
+      if (!line.starts_with("#")) found.push_back(line);
+    return found;
+  };
+  EXPECT_EQ(rows(one), rows(content_of(folder.path("two.csv"))));
+  std::vector<std::string> merge{"merge", "--out", folder.path("merged.csv")};
+  for (const char* shard : {"1/3", "2/3", "3/3"}) {
+    const std::string name = std::string("part") + shard[0] + ".csv";
+    static_cast<void>(run(name, {"--threads", "1", "--shard", shard}));
+    merge.push_back(folder.path(name));
+  }
+  EXPECT_EQ(run_fracfit(merge).code, 0);
+  EXPECT_EQ(rows(content_of(folder.path("merged.csv"))), rows(one));
+  // A run that stopped in the second block, begun again.
+  const auto lines = lines_of(one);
+  std::string begun;
+  for (std::size_t i = 0; i + 4 < lines.size(); ++i) begun += lines[i] + "\n";
+  folder.write("one.csv", begun);
+  EXPECT_EQ(rows(run("one.csv", {"--threads", "1"})), rows(one));
+}
+
 // What is left out is left out by fit, identify and batch alike.
 TEST_F(Batch, LeavesOutThePointsThatFitLeavesOut) {
   std::string text;

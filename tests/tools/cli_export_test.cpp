@@ -110,8 +110,14 @@ TEST(ExportC99, FixedPointStatesItsError) {
   EXPECT_NE(result.output.find("--fixed-point 5:100 --name filter\n"), std::string::npos) << result.output;
   expect_refusal(filter, "taps; fixed point takes sections alone");
   expect_refusal(with(filter, {"--precision", "float"}), "--fixed-point has no meaning with --precision float");
-  expect_refusal({"export", "c99", "--kp", "1", "--sample-time", "1", "--fixed-point", "1:1"},
-                 "--fixed-point has no meaning without --model");
+  const auto pid = run_fracfit({"export", "c99", "--kp", "1", "--ki", "2", "--lambda", "0.8", "--sample-time", "0.01",
+                                "--band", "0.1:100", "--discretisation", "tustin", "--fixed-point", "2:10"});
+  EXPECT_EQ(pid.code, 0) << pid.error;
+  EXPECT_NE(pid.output.find("controller_step(controller_state *s, int32_t setpoint, int32_t measured)"),
+            std::string::npos);
+  expect_refusal({"export", "c99", "--kp", "1", "--ki", "2", "--lambda", "0.8", "--sample-time", "0.01", "--band",
+                  "0.1:100", "--fixed-point", "2:10"},
+                 "taps; fixed point takes sections alone");
 }
 
 TEST(ExportArduino, WritesALibraryWithASketchThatCompiles) {

@@ -141,6 +141,24 @@ TEST_F(FitStatistics, ThreeKindsOfIntervalAgreeOnAnEasyProblem) {
   EXPECT_NE(csv.output.find("fixed,profile_lower,profile_upper\n"), std::string::npos) << csv.output;
 }
 
+// What the intervals are made of: the deviation of the rows is the standard error that is stated.
+TEST_F(FitStatistics, RefitsOfTheBootstrapStandInTheirFile) {
+  const TemporaryFolder folder;
+  const auto file = folder.path("refits.csv");
+  const auto json = successful(fit({"--model", "power-law", "--bootstrap", "40", "--refits", file}));
+  std::vector<double> values;
+  for (const auto& line : lines_of(content_of(file)))
+    if (!line.starts_with('#') && !line.starts_with("sample"))
+      values.push_back(std::stod(line.substr(line.find(',') + 1)));
+  ASSERT_EQ(values.size(), 40U);
+  double mean = 0, square = 0;
+  for (const double value : values) mean += value / 40;
+  for (const double value : values) square += (value - mean) * (value - mean);
+  const double stated = json["parameters"][0]["bootstrap_standard_error"].get<double>();
+  EXPECT_NEAR(std::sqrt(square / 39), stated, 1e-10 * stated);
+  EXPECT_EQ(folder.entries(), 1U);
+}
+
 TEST_F(FitStatistics, AFixedParameterHasNoProfile) {
   const auto json = successful(fit({"--model", "power-law", "--fix", "a=0.7", "--profile"}));
   EXPECT_TRUE(json["parameters"][1]["profile_ci95"].is_null());

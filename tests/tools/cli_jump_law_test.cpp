@@ -79,6 +79,18 @@ TEST(JumpLaw, ConstantsNeedNoMoreThanOneScene) {
   EXPECT_NE(swept.output.find("1 of 1 sweeps"), std::string::npos) << swept.output;
 }
 
+TEST(JumpLaw, OneValueIsRefusedWithWhatIsAllowed) {
+  for (const std::string option : {"--force", "--clearance"}) {
+    for (const std::string values : {"0.3", "0.3,0.3"}) {
+      const auto result = run_fracfit({"jump-law", option, values});
+      EXPECT_EQ(result.code, 2);
+      EXPECT_NE(result.error.find(option + " is one value; the laws need at least two"), std::string::npos)
+          << result.error;
+      EXPECT_NE(result.error.find("--constants"), std::string::npos) << result.error;
+    }
+  }
+}
+
 TEST(JumpLaw, TablesFitATerminal) {
   for (const std::vector<std::string>& arguments :
        {std::vector<std::string>{"jump-law", "--format", "table"},

@@ -33,6 +33,13 @@ TEST(MittagLeffler, PrintsValuesThatRoundTrip) {
   EXPECT_EQ(value_of({"--alpha", "0.5", "--z=-2"}).imag(), 0);
 }
 
+// E^2_{1,1}(z) = sum (k + 1) z^k/k! = (1 + z) e^z, to the 1e-12 (1 + |E|) of the function.
+TEST(MittagLeffler, TakesAThirdParameter) {
+  EXPECT_NEAR(value_of({"--alpha", "1", "--gamma", "2", "--z", "-3"}).real(), -2 * std::exp(-3.0), 1.1e-12);
+  const std::complex<double> z(0.5, -1.25);
+  EXPECT_LT(std::abs(value_of({"--alpha", "1", "--gamma", "2", "--z", "0.5,-1.25"}) - (1.0 + z) * std::exp(z)), 4e-12);
+}
+
 TEST(MittagLeffler, OverflowIsNoUsableResult) {
   const auto result = run_fracfit({"mittag-leffler", "--alpha", "0.5", "--z", "100"});
   EXPECT_EQ(result.code, 1);
@@ -49,6 +56,7 @@ TEST(MittagLeffler, WrongUsageIsNamed) {
   };
   expect_usage({"mittag-leffler", "--alpha", "0.5"}, "--z");
   expect_usage({"mittag-leffler", "--alpha", "0", "--z", "1"}, "alpha = 0");
+  expect_usage({"mittag-leffler", "--alpha", "1", "--gamma", "0", "--z", "1"}, "gamma = 0");
   expect_usage({"mittag-leffler", "--alpha", "x", "--z", "1"}, "--alpha");
   expect_usage({"mittag-leffler", "--alpha", "1", "--z", "1,2,3"}, "RE,IM");
   expect_usage({"mittag-leffler", "--alpha", "1", "--z", "nan"}, "--z");

@@ -54,6 +54,39 @@ TEST(CliTune, TunesFromARelayExperiment) {
   EXPECT_NEAR(std::abs(loop), 1, 0.02);  // the gain is known to about 1 %
 }
 
+// The cycle left is the one that limit-cycles finds for that controller, and the constraints say so.
+TEST(CliTune, TunesTwoBodiesWithClearance) {
+  const std::vector<std::string> bodies{"--mass1", "2", "--restitution", "0.3", "--clearance", "0.01"};
+  std::vector<std::string> tune{"tune", "--crossover", "1", "--phase-margin", "35", "--structure", "pd"};
+  tune.insert(tune.end(), bodies.begin(), bodies.end());
+  const auto result = run_fracfit(tune);
+  ASSERT_EQ(result.code, 0) << result.error;
+  const Json json = Json::parse(result.output);
+  EXPECT_EQ(json["status"], "met");
+  const Json& gains = json["controller"];
+  std::vector<std::string> cycles{"limit-cycles", "--controller",
+                                  gains["kp"].dump() + " + " + gains["kd"].dump() + " s^" + gains["mu"].dump(),
+                                  "--format", "json"};
+  cycles.insert(cycles.end(), bodies.begin(), bodies.end());
+  const auto listed = run_fracfit(cycles);
+  ASSERT_EQ(listed.code, 0) << listed.error;
+  const Json exact = Json::parse(listed.output)["cycles"];
+  const Json& left = json["backlash"]["cycles"];
+  ASSERT_EQ(left.size(), 1U);
+  ASSERT_EQ(exact.size(), 1U);
+  for (const char* key : {"omega", "amplitude_x1", "impact_speed"})
+    EXPECT_NEAR(left[0][key].get<double>() / exact[0][key].get<double>(), 1, 1e-9) << key;
+  EXPECT_TRUE(json["backlash"]["verified"].get<bool>()) << json["message"];
+  EXPECT_LT(json["backlash"]["swing_m"].get<double>(), json["regardless"]["swing_m"].get<double>());
+  EXPECT_EQ(json["constraints"].back()["name"], "no limit cycle");
+  EXPECT_TRUE(json["constraints"].back()["active"].get<bool>());
+  tune.insert(tune.end(), {"--format", "table"});
+  EXPECT_NE(run_fracfit(tune).output.find("motion with clearance"), std::string::npos);
+  const auto alone = run_fracfit({"tune", "--model", "1/(s + 1)", "--crossover", "1", "--restitution", "0.3"});
+  EXPECT_EQ(alone.code, 2);
+  EXPECT_NE(alone.error.find("--clearance"), std::string::npos) << alone.error;
+}
+
 TEST(CliTune, TakesThePlantFromAFit) {
   const TemporaryFolder folder;
   const auto fit = folder.path("fit.json");

@@ -14,18 +14,12 @@ namespace backlash {
 /// finite.
 [[nodiscard]] std::complex<double> static_backlash(double gain, double clearance, double amplitude);
 
-/// Which mass stands in front of the backlash and sets the amplitude X = F/(M omega^2).
-enum class FrontMass {
-  both,    // M1 + M2: the pair moving rigidly
-  forced,  // M2 alone: N = 0 exactly from the limit frequency w_L on
-};
-
-/// The static model as a describing function of the two masses, m/N: N = -N_b(X)/((M1 + M2) omega^2) with unit gain.
+/// The static model as a describing function of the two masses, m/N: N = -N_b(X)/((M1 + M2) omega^2) with unit gain and
+/// the amplitude X = F/((M1 + M2) omega^2) of the masses moving as one.
 /// @param omega  rad/s, positive, strictly increasing, not empty
 /// @throws std::invalid_argument  naming the quantity, its value and what is allowed.
 [[nodiscard]] std::vector<std::complex<double>> static_describing_function(double mass1, double mass2, double clearance,
                                                                            double force_amplitude,
-                                                                           const std::vector<double>& omega,
-                                                                           FrontMass front = FrontMass::both);
+                                                                           const std::vector<double>& omega);
 
 }  // namespace backlash

@@ -221,8 +221,16 @@ class March {
       look(fold_of, SegmentEvent::fold);
       look(flip_of, SegmentEvent::flip);
       std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.distance < b.distance; });
-      for (const Found& event : found)
+      double before = 0;
+      for (Found& event : found) {
+        // What is stable between two events of one step is a point of the branch too, and so is the tip of a fold.
+        if (before > 0) {
+          if (auto between = step.at(0.5 * (before + event.distance))) branch_.points.push_back(std::move(*between));
+        }
+        before = event.distance;
         branch_.events.push_back({event.kind, event.point.orbit, branch_.points.size() - 1});
+        if (event.kind == SegmentEvent::fold && before < last) branch_.points.push_back(std::move(event.point));
+      }
     }
     if (last > 0) branch_.points.push_back(last_point);
     if (end) {

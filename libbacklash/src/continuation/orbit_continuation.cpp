@@ -177,12 +177,12 @@ OrbitDiagram orbit_diagram(const TwoMassSystem& system, double force_amplitude, 
   frac::parallel_for(settling_starts + passing_starts, options.threads, [&](std::size_t i) {
     const detail::SearchStart start = detail::search_start(i);
     const OrbitSegment at = motion_at(start.share);
-    const detail::GapState state = state_of(start, detail::GapMotion(at.gamma(), at.restitution));
     if (i < settling_starts) {
+      const detail::GapState state = state_of(start, detail::GapMotion(at.gamma(), at.restitution));
       // What a motion passes on a long transient orbits_passed finds sooner.
       settled[i] = detail::settled_orbit(at, state, detail::Transients::ignored);
     } else {
-      passed[i - settling_starts] = detail::orbits_passed(at, state, limits);
+      passed[i - settling_starts] = detail::orbits_passed(at, i, limits);
     }
     if (progress != nullptr) ++progress->done;
   });

@@ -16,14 +16,60 @@ constexpr double tolerance = 1e-10;
 
 // Speeds of impacts are of the order of the clearance times omega, larger under strong forces.
 constexpr double most_speed = 1.5;
-// Force periods that a motion is followed for the orbits it passes.
-constexpr std::int64_t followed_periods = 200;
+// Force periods that motions are followed for the orbits they pass: several one after the other, where they settle.
+constexpr std::int64_t followed_periods = 400;
+// A state that comes back within this distance has settled, or Newton's iteration needs nothing nearer.
+constexpr double settled_return = 1e-6;
 // A state that comes back within this distance is where Newton's iteration begins.
 constexpr double near_return = 0.1;
+
+// Motions of one call begin so far apart in the sequence of starts: no two calls share one.
+constexpr std::size_t between_starts = 1 << 16;
 
 SegmentImpact impact_at(const GapState& state, double speed) {
   return {static_cast<double>(state.half_period) * pi - pi / 2 + state.s, speed, state.wall};
 }
+
+// The nearest returns of motions to where they were, and to the mirror image of that, by half periods and impacts.
+class NearReturns {
+ public:
+  explicit NearReturns(const OrbitLimits& limits) : limits_(limits) {}
+
+  struct Near {
+    double distance;
+    std::vector<SegmentImpact> impacts;
+  };
+
+  /// What follows is another motion.
+  void begin() { met_.clear(); }
+  /// Distance of the nearest return there.
+  double add(const SegmentImpact& to) {
+    met_.push_back(to);
+    double least = near_return;
+    for (int impacts = 1; impacts <= limits_.impacts && static_cast<std::size_t>(impacts) < met_.size(); ++impacts) {
+      const auto from = met_.end() - 1 - impacts;
+      const auto half_periods = static_cast<int>(std::lround((to.phase - from->phase) / pi));
+      if (half_periods > 2 * limits_.period) break;
+      const bool mirrored = half_periods % 2 != 0;
+      if (half_periods < 1 || (from->wall != to.wall) != mirrored) continue;
+      // The mirror half of an orbit counts twice.
+      if (mirrored && (half_periods > limits_.period || 2 * impacts > limits_.impacts)) continue;
+      const double distance =
+          std::abs(to.phase - from->phase - half_periods * pi) + std::abs(to.speed - from->speed) / (1 + to.speed);
+      least = std::min(least, distance);
+      if (distance >= near_return) continue;
+      Near& known = nearest_.try_emplace({half_periods, impacts}, Near{near_return, {}}).first->second;
+      if (distance < known.distance) known = {distance, {from + 1, met_.end()}};
+    }
+    return least;
+  }
+  [[nodiscard]] const std::map<std::pair<int, int>, Near>& nearest() const noexcept { return nearest_; }
+
+ private:
+  OrbitLimits limits_;
+  std::map<std::pair<int, int>, Near> nearest_;
+  std::vector<SegmentImpact> met_;
+};
 
 }  // namespace
 
@@ -45,7 +91,7 @@ GapState state_of(const SearchStart& start, const GapMotion& motion) {
 std::optional<OrbitSegment> settled_orbit(const OrbitSegment& at, const GapState& start, Transients transients) {
   const GapMotion motion(at.gamma(), at.restitution);
   // Only closed orbits count here.
-  const SteadyState steady = find_steady_state(motion, start, tolerance, {0, 0, transients});
+  const SteadyState steady = find_steady_state(motion, start, tolerance, {0, 0, transients, true});
   if (steady.regime != Regime::periodic && steady.regime != Regime::symmetric) return std::nullopt;
   const auto impacts = static_cast<int>(std::lround(steady.impacts_per_period * steady.period));
   std::optional<OrbitSegment> found = orbit_through(motion, steady.end, impacts, 2 * steady.period);
@@ -53,42 +99,29 @@ std::optional<OrbitSegment> settled_orbit(const OrbitSegment& at, const GapState
   return found;
 }
 
-std::vector<OrbitSegment> orbits_passed(const OrbitSegment& at, const GapState& start, const OrbitLimits& limits) {
+std::vector<OrbitSegment> orbits_passed(const OrbitSegment& at, std::size_t index, const OrbitLimits& limits) {
   const GapMotion motion(at.gamma(), at.restitution);
-  struct NearReturn {
-    double distance;
-    std::size_t from;
-  };
-  std::map<std::pair<int, int>, NearReturn> nearest;  // by period and impacts
-  std::vector<SegmentImpact> met;
-  const std::int64_t last = start.half_period + 2 * followed_periods;
-  for (GapState state = start; state.half_period < last;) {
-    if (motion.rests(state) || motion.chatter_tail(state).negligible(tail_limit(motion, tolerance))) break;
-    const Flight flight = motion.next_flight(state);
-    if (!flight.hits) break;
-    state = motion.after_impact(state, flight);
-    met.push_back(impact_at(state, flight.speed));
-    const SegmentImpact& to = met.back();
-    for (int impacts = 1; impacts <= limits.impacts && static_cast<std::size_t>(impacts) < met.size(); ++impacts) {
-      const std::size_t index = met.size() - 1 - static_cast<std::size_t>(impacts);
-      const SegmentImpact& from = met[index];
-      const double periods = std::round((to.phase - from.phase) / (2 * pi));
-      if (periods > limits.period) break;
-      if (periods < 1 || from.wall != to.wall) continue;
-      const double distance =
-          std::abs(to.phase - from.phase - 2 * pi * periods) + std::abs(to.speed - from.speed) / (1 + to.speed);
-      if (distance > near_return) continue;
-      const auto [known, is_new] =
-          nearest.try_emplace(std::pair(static_cast<int>(periods), impacts), NearReturn{distance, index});
-      if (!is_new && distance < known->second.distance) known->second = {distance, index};
+  NearReturns returns(limits);
+  std::int64_t left = 2 * followed_periods;
+  for (; left > 0; index += between_starts) {
+    const GapState start = state_of(search_start(index), motion);
+    const std::int64_t end = start.half_period + left;
+    GapState state = start;
+    returns.begin();
+    while (state.half_period < end) {
+      if (motion.rests(state) || motion.chatter_tail(state).negligible(tail_limit(motion, tolerance))) break;
+      const Flight flight = motion.next_flight(state);
+      if (!flight.hits) break;
+      state = motion.after_impact(state, flight);
+      if (returns.add(impact_at(state, flight.speed)) < settled_return) break;
     }
+    left -= std::max<std::int64_t>(state.half_period - start.half_period, 2);
   }
   std::vector<OrbitSegment> found;
-  for (const auto& [pattern, near] : nearest) {
+  for (const auto& [pattern, near] : returns.nearest()) {
     OrbitSegment guess = at;
-    guess.half_periods = 2 * pattern.first;
-    const auto first = met.begin() + static_cast<std::ptrdiff_t>(near.from) + 1;
-    guess.impacts.assign(first, first + pattern.second);
+    guess.half_periods = pattern.first;
+    guess.impacts = near.impacts;
     std::optional<OrbitSegment> orbit = corrected_to_shortest(guess);
     if (orbit && contact_margin(*orbit).margin > 0) found.push_back(std::move(*orbit));
   }

@@ -32,10 +32,13 @@ struct OrbitLimits {
   int period;   // force periods
   int impacts;  // per orbit
 };
-/// The orbits, stable or not, that the motion comes near to on its way: a state that nearly returns is where Newton's
-/// iteration begins.  Most motions that wander chaotically pass near every unstable orbit of short period, and branches
-/// of those lead on to where they are stable, however narrow that piece is and however few starts it attracts.
-[[nodiscard]] std::vector<OrbitSegment> orbits_passed(const OrbitSegment& at, const GapState& start,
+/// The orbits, stable or not, that motions come near to on their way: a state that nearly returns, or nearly becomes
+/// its mirror image, is where Newton's iteration begins.  Most motions that wander chaotically pass near every unstable
+/// orbit of short period, and branches of those lead on to where they are stable, however narrow that piece is and
+/// however few starts it attracts.  Where motions soon settle or rest others are followed, from further on in the
+/// sequence of starts.
+/// @param index  of the first start; its place in the range is not used
+[[nodiscard]] std::vector<OrbitSegment> orbits_passed(const OrbitSegment& at, std::size_t index,
                                                       const OrbitLimits& limits);
 
 }  // namespace backlash::detail

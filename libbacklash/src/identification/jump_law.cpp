@@ -17,8 +17,8 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 void require_list(const std::string& name, const std::vector<double>& values, std::size_t least) {
   if (values.size() < least) {
     throw std::invalid_argument(name + " has " + std::to_string(values.size()) +
-                                (values.size() == 1 ? " entry" : " entries") + "; at least " + std::to_string(least) +
-                                (least == 1 ? " is needed" : " are needed"));
+                                (values.size() == 1 ? " value" : " values") + "; at least " + std::to_string(least) +
+                                (least == 1 ? " is needed" : " different ones are needed"));
   }
 }
 

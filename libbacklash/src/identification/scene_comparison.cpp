@@ -63,7 +63,7 @@ std::vector<ComparedCurve> compared_curves(const std::vector<MeasuredDescribingF
 std::vector<Complex> static_curve(double mass, double clearance, const ComparedCurve& curve) {
   std::vector<double> grid = curve.omega;
   grid.erase(std::unique(grid.begin(), grid.end()), grid.end());
-  // FrontMass::both depends on the sum of the masses only.
+  // The static model depends on the sum of the masses only.
   const std::vector<Complex> values = static_describing_function(0.5 * mass, 0.5 * mass, clearance, curve.force, grid);
   std::vector<Complex> result;
   std::size_t at = 0;
@@ -74,15 +74,19 @@ std::vector<Complex> static_curve(double mass, double clearance, const ComparedC
   return result;
 }
 
+double deviation_of(const ComparedCurve& curve, std::size_t i, frac::Weight weight) {
+  return weight == frac::Weight::given      ? curve.sigma[i]
+         : weight == frac::Weight::relative ? std::abs(curve.value[i])
+                                            : 1;
+}
+
 double static_cost(double mass, double clearance, const std::vector<ComparedCurve>& curves,
                    const SceneIdentificationOptions& options) {
   double cost = 0;
   for (const ComparedCurve& curve : curves) {
     const std::vector<Complex> model = static_curve(mass, clearance, curve);
     for (std::size_t i = 0; i < model.size(); ++i) {
-      const double deviation = options.weight == frac::Weight::given      ? curve.sigma[i]
-                               : options.weight == frac::Weight::relative ? std::abs(curve.value[i])
-                                                                          : 1;
+      const double deviation = deviation_of(curve, i, options.weight);
       const Complex residual = (model[i] - curve.value[i]) / deviation;
       if (options.component != frac::Component::imaginary) cost += residual.real() * residual.real();
       if (options.component != frac::Component::real) cost += residual.imag() * residual.imag();
@@ -238,9 +242,7 @@ SceneComparison compare_explanations(const std::vector<MeasuredDescribingFunctio
     }
     result.points += curve.omega.size();
     for (std::size_t i = 0; i < curve.omega.size(); ++i) {
-      const double deviation = options.weight == frac::Weight::given      ? curve.sigma[i]
-                               : options.weight == frac::Weight::relative ? std::abs(curve.value[i])
-                                                                          : 1;
+      const double deviation = deviation_of(curve, i, options.weight);
       unit += std::norm(curve.value[i]) / (deviation * deviation);
     }
   }

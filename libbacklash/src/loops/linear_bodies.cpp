@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/check.hpp"
+#include "frac/model/algebra.hpp"
 
 namespace backlash {
 namespace {
@@ -43,6 +44,11 @@ bool is_free(const frac::FractionalTransferFunction& receptance) {
 frac::FractionalTransferFunction free_mass(double mass) {
   detail::require_positive("mass", "kg", mass);
   return {{{1 / mass, 0}}, {{1, 2}}};
+}
+
+frac::FractionalTransferFunction rigid_receptance(const LinearBodies& bodies) {
+  if (bodies.are_free()) return free_mass(bodies.system().mass1() + bodies.system().mass2());
+  return frac::simplified(bodies.load() * bodies.drive() / (bodies.load() + bodies.drive()));
 }
 
 LinearBodies::LinearBodies(const TwoMassSystem& system)

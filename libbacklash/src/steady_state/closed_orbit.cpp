@@ -46,22 +46,9 @@ std::optional<Return> impact_map(const GapMotion& motion, GapState state, int im
 
 Jacobian chain(const Jacobian& before, const GapMotion& motion, const GapState& start, const Flight& flight,
                const GapState& end) noexcept {
-  // In the coordinate of the wall the flight starts from, with accelerations a0, a1 at its ends and impact velocity v1:
-  // v1 dtau1 = (w0 + a0 h) dtau0 - h dw0 and dv1 = dw0 + a1 dtau1 - a0 dtau0; then w1 = restitution |v1|.
-  const double side = flight.crosses ? 1 : -1;
-  const double a0 = flight.push;
-  const double a1 = -side * end.parity() * motion.gamma() * end.sin_s;
-  const double inverse = 1 / (side * flight.speed);
-  const double h = flight.duration;
-  const double tau_tau = (start.velocity + a0 * h) * inverse;
-  const double tau_w = -h * inverse;
-  const double factor = side * motion.restitution();
-  const double w_tau = factor * (a1 * tau_tau - a0);
-  const double w_w = factor * (1 + a1 * tau_w);
-  return {tau_tau * before.phase_phase + tau_w * before.velocity_phase,
-          tau_tau * before.phase_velocity + tau_w * before.velocity_velocity,
-          w_tau * before.phase_phase + w_w * before.velocity_phase,
-          w_tau * before.phase_velocity + w_w * before.velocity_velocity};
+  const Displacement phase = pushed({before.phase_phase, before.velocity_phase}, motion, start, flight, end);
+  const Displacement velocity = pushed({before.phase_velocity, before.velocity_velocity}, motion, start, flight, end);
+  return {phase.phase, velocity.phase, phase.velocity, velocity.velocity};
 }
 
 double spectral_radius(double trace, double determinant) noexcept {

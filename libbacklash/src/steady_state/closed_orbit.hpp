@@ -21,6 +21,25 @@ struct Jacobian {
   }
 };
 
+/// A small change of a post-impact state.
+struct Displacement {
+  double phase;
+  double velocity;
+};
+
+/// What one flight and its impact make of it.
+[[nodiscard]] inline Displacement pushed(const Displacement& before, const GapMotion& motion, const GapState& start,
+                                         const Flight& flight, const GapState& end) noexcept {
+  // In the coordinate of the wall the flight starts from, with accelerations a0, a1 at its ends and impact velocity v1:
+  // v1 dtau1 = (w0 + a0 h) dtau0 - h dw0 and dv1 = dw0 + a1 dtau1 - a0 dtau0; then w1 = restitution |v1|.
+  const double side = flight.crosses ? 1 : -1;
+  const double a0 = flight.push;
+  const double a1 = -side * end.parity() * motion.gamma() * end.sin_s;
+  const double h = flight.duration;
+  const double phase = ((start.velocity + a0 * h) * before.phase - h * before.velocity) / (side * flight.speed);
+  return {phase, side * motion.restitution() * (before.velocity + a1 * phase - a0 * before.phase)};
+}
+
 /// Derivative of one flight and its impact, from one post-impact state to the next; times `before`.
 [[nodiscard]] Jacobian chain(const Jacobian& before, const GapMotion& motion, const GapState& start,
                              const Flight& flight, const GapState& end) noexcept;

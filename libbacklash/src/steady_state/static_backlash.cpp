@@ -24,18 +24,16 @@ std::complex<double> static_backlash(double gain, double clearance, double ampli
 }
 
 std::vector<std::complex<double>> static_describing_function(double mass1, double mass2, double clearance,
-                                                             double force_amplitude, const std::vector<double>& omega,
-                                                             FrontMass front) {
+                                                             double force_amplitude, const std::vector<double>& omega) {
   detail::require_positive("mass1", "kg", mass1);
   detail::require_positive("mass2", "kg", mass2);
   detail::require_not_negative("clearance", "m", clearance);
   detail::require_positive("force_amplitude", "N", force_amplitude);
   detail::require_frequency_grid(omega);
-  const double front_mass = front == FrontMass::both ? mass1 + mass2 : mass2;
   std::vector<std::complex<double>> result;
   result.reserve(omega.size());
   for (const double w : omega) {
-    const double amplitude = force_amplitude / front_mass / w / w;
+    const double amplitude = force_amplitude / (mass1 + mass2) / w / w;
     result.push_back(-static_backlash(1, clearance, amplitude) / ((mass1 + mass2) * w * w));
   }
   return result;

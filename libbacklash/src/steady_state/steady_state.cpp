@@ -371,8 +371,9 @@ SteadyState find_steady_state(const GapMotion& motion, const GapState& start, do
     const Strobe strobe{last_peak.position(), wall == 0 ? at.velocity : -at.velocity, impacts};
     if (!candidate) candidate = returns.add(periods, strobe);
     const bool transient = !released && window.empty() && in_transient();
-    const bool more = transient || (window.add({strobe, periods, jumps, disturbance.log_growth()}, wanted_periods()) &&
-                                    !meets_goal());
+    const bool more =
+        transient || !window.takes(periods) ||
+        (window.add({strobe, periods, jumps, disturbance.log_growth()}, wanted_periods()) && !meets_goal());
     next_peak += 2;
     return more;
   };
@@ -380,13 +381,13 @@ SteadyState find_steady_state(const GapMotion& motion, const GapState& start, do
   for (;;) {
     if (motion.rests(state) || motion.chatter_tail(state).negligible(limit)) {
       if (released) {
+        if (goal.leaves_rests) return finish();
         return sticking_motion(motion, *released, tolerance, goal, longest_period, averaged(window.records(), motion));
       }
       const GapState release = motion.release_after(state);
-      while (release.half_period >= next_peak) {
-        if (!pass_peak(state.wall, {0, 0})) return finish();
-      }
-      // Velocity jumps do not describe a rest.
+      // What follows a rest depends on nothing before it, and velocity jumps do not describe one: a window that would
+      // be complete within the rest is given up like any other.
+      while (release.half_period >= next_peak) pass_peak(state.wall, {0, 0});
       window.clear();
       candidate.reset();
       released = release;

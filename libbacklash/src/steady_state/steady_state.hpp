@@ -35,6 +35,8 @@ struct MeanGoal {
   double relative = 0;  // uncertainty of U_1 over |U_1 - zero|; 0: follow the whole window
   double zero = 0;      // U_1 at which the describing function vanishes
   Transients transients = Transients::outlasted;
+  // A motion that rests again and again is given up there, as an averaged one: its harmonics are not asked for.
+  bool leaves_rests = false;
 };
 
 /// Where chatter may be cut off: what is neglected of the integral of the distance.  |Im U| is of the order

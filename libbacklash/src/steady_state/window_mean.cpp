@@ -48,9 +48,9 @@ Harmonics mean_harmonics(const WindowRecord& from, const WindowRecord& to, doubl
 
 bool Window::add(const WindowRecord& record, std::int64_t wanted) {
   if (records_.empty()) records_.reserve(window_records + 1);
-  const std::int64_t length = records_.empty() ? 0 : record.period - records_.front().period;
-  if (length % stride_ != 0) return true;
+  if (!takes(record.period)) return true;
   records_.push_back(record);
+  const std::int64_t length = record.period - records_.front().period;
   const std::int64_t impacts = record.strobe.impacts - records_.front().strobe.impacts;
   if (records_.size() > window_records / 2 && length >= wanted && impacts >= enough_impacts) return false;
   if (records_.size() <= window_records) return true;

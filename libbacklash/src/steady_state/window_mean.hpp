@@ -41,7 +41,11 @@ class Window {
     records_.clear();
     stride_ = 1;
   }
-  /// Takes the record of a peak, of every one.  False when the window is complete.
+  /// True where the next record is that of this period; those between are dropped.
+  [[nodiscard]] bool takes(std::int64_t period) const noexcept {
+    return records_.empty() || (period - records_.front().period) % stride_ == 0;
+  }
+  /// Takes the record of a peak.  False when the window is complete.
   /// @param wanted  force periods that the window lasts at least
   bool add(const WindowRecord& record, std::int64_t wanted);
 

@@ -10,6 +10,7 @@
 #include "frac/approximation/zero_pole_gain.hpp"
 #include "frac/model/fractional_transfer_function.hpp"
 #include "frac/state_space.hpp"
+#include "frac/structure.hpp"
 
 namespace frac {
 
@@ -41,8 +42,8 @@ struct PassiveOnePort {
   /// Impedance, band, elements and error.
   [[nodiscard]] std::string summary() const;
 
-  /// Ohm, as a function of s.
-  FractionalTransferFunction impedance;
+  /// Ohm, the formula of s.
+  std::string impedance;
   FrequencyBand band;
   double tolerance;
   FosterForm form = FosterForm::series;
@@ -70,6 +71,15 @@ struct PassiveOnePort {
 ///                                partial fractions do not all have positive elements; the text says which.
 [[nodiscard]] PassiveOnePort passive_one_port(const FractionalTransferFunction& impedance, FrequencyBand band,
                                               double tolerance);
+
+/// The same for a formula with functions, such as tanh(sqrt(2 s))/sqrt(2 s) of a diffusion of finite length: poles are
+/// those of the interpolant on the real axis, where the values of a positive real function follow from its real part
+/// over all frequencies; residues and constant by least squares on the band, none of them negative.
+/// @param impedance  Z(s), ohm, without parameters
+/// @throws std::invalid_argument  a parameter, the band, or the tolerance.
+/// @throws std::domain_error      the real part is negative on the band, a value is not finite, or no sum of resistors
+///                                with capacitors alone, or inductors alone, keeps the tolerance.
+[[nodiscard]] PassiveOnePort passive_one_port(const Structure& impedance, FrequencyBand band, double tolerance);
 
 /// A transfer function as capacitors and controlled sources.
 struct TransferCircuit {

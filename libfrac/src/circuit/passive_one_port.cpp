@@ -11,6 +11,7 @@
 #include "circuit/circuit_error.hpp"
 #include "frac/circuit.hpp"
 #include "frac/model/algebra.hpp"
+#include "state_space/model_on_band.hpp"
 
 namespace frac {
 namespace {
@@ -34,8 +35,7 @@ struct PartialFractions {
   std::string obstacle;
 };
 
-// Rounding of residues and poles, relative: a negative number this small is 0.
-constexpr double rounding = 1e-9;
+constexpr double rounding = detail::rounding_of_parts;
 
 std::string place_of(Complex pole) {
   return pole.imag() == 0
@@ -156,18 +156,6 @@ void check_no_delay(const FractionalTransferFunction& impedance) {
   }
 }
 
-void check_passive(const ModelOnBand& on_band) {
-  constexpr double density = 30;
-  for (const double omega : on_band.grid(density)) {
-    const Complex value = on_band.response(omega);
-    if (value.real() < -rounding * std::abs(value)) {
-      throw std::domain_error("passive_one_port: Re Z = " + detail::short_text(value.real()) +
-                              " ohm at omega = " + detail::short_text(omega) +
-                              " rad/s; a passive circuit has no negative real part, it would give energy");
-    }
-  }
-}
-
 std::size_t count(const FosterCell& cell) {
   return static_cast<std::size_t>(cell.resistance.has_value()) + cell.capacitance.has_value() +
          cell.inductance.has_value() + cell.loss.has_value();
@@ -205,7 +193,7 @@ std::size_t PassiveOnePort::elements() const noexcept {
 }
 
 std::string PassiveOnePort::summary() const {
-  return impedance.formula() + " ohm on " + detail::short_text(band.lower) + " .. " + detail::short_text(band.upper) +
+  return impedance + " ohm on " + detail::short_text(band.lower) + " .. " + detail::short_text(band.upper) +
          " rad/s. " + message;
 }
 
@@ -223,13 +211,17 @@ PassiveOnePort passive_one_port(const FractionalTransferFunction& impedance, Fre
     std::string obstacle;
     // The error of a part, and what a projection on positive elements changes, may count more in the whole.
     for (const double share : {1.0, 0.3, 0.1}) {
-      PassiveOnePort circuit{
-          .impedance = impedance, .band = band, .tolerance = tolerance, .form = form, .cells = {}, .message = {}};
+      PassiveOnePort circuit{.impedance = impedance.formula(),
+                             .band = band,
+                             .tolerance = tolerance,
+                             .form = form,
+                             .cells = {},
+                             .message = {}};
       PartialFractions fractions;
       if (growth.rest) fractions = positive_cells(realise(*growth.rest, band, std::max(share * tolerance, 1e-12)));
       if (!on_band) {
         on_band.emplace(impedance, band);
-        check_passive(*on_band);
+        detail::check_passive(*on_band);
       }
       if (growth.slope < 0)
         fractions = {{}, "it grows as " + detail::short_text(growth.slope) + " s, a negative element"};

@@ -7,6 +7,7 @@
 #include "base/short_text.hpp"
 #include "circuit/circuit_error.hpp"
 #include "frac/circuit.hpp"
+#include "state_space/model_on_band.hpp"
 
 namespace frac {
 namespace {

@@ -47,8 +47,22 @@ void Program::forward(std::span<const double> omega, std::size_t first, bool wit
   for (std::size_t index = 0; index < complex_steps_.size(); ++index) {
     const ComplexStep& step = complex_steps_[index];
     Lanes& out = work.value[index];
-    const auto complex_operand = [&](int slot) -> const Lanes& { return work.value[static_cast<std::size_t>(slot)]; };
-    const auto real_operand = [&](int slot) { return work.real[static_cast<std::size_t>(slot)]; };
+    const auto left = [&]() -> const Lanes& { return work.value[static_cast<std::size_t>(step.left)]; };
+    const auto right = [&]() -> const Lanes& { return work.value[static_cast<std::size_t>(step.right)]; };
+    const auto real_left = [&] { return work.real[static_cast<std::size_t>(step.left)]; };
+    const auto real_right = [&] { return work.real[static_cast<std::size_t>(step.right)]; };
+    const auto set_sum = [&](const Lanes& a, double sign, const Lanes& b) {
+      for (std::size_t i = 0; i < n; ++i) out.re[i] = a.re[i] + sign * b.re[i];
+      for (std::size_t i = 0; i < n; ++i) out.im[i] = a.im[i] + sign * b.im[i];
+    };
+    const auto set_shifted = [&](double shift, double sign, const Lanes& a) {
+      for (std::size_t i = 0; i < n; ++i) out.re[i] = shift + sign * a.re[i];
+      for (std::size_t i = 0; i < n; ++i) out.im[i] = sign * a.im[i];
+    };
+    const auto set_scaled = [&](const Lanes& a, double factor) {
+      for (std::size_t i = 0; i < n; ++i) out.re[i] = a.re[i] * factor;
+      for (std::size_t i = 0; i < n; ++i) out.im[i] = a.im[i] * factor;
+    };
     const bool by_left = with_gradient && step.left_active;
     const bool by_right = with_gradient && step.right_active;
     switch (step.code) {
@@ -60,82 +74,49 @@ void Program::forward(std::span<const double> omega, std::size_t first, bool wit
       case Code::exact_laplace:
         for (std::size_t i = 0; i < n; ++i) out.set(i, {0, omega[i]});
         break;
-      case Code::add_cc: {
-        const Lanes& a = complex_operand(step.left);
-        const Lanes& b = complex_operand(step.right);
-        for (std::size_t i = 0; i < n; ++i) out.re[i] = a.re[i] + b.re[i];
-        for (std::size_t i = 0; i < n; ++i) out.im[i] = a.im[i] + b.im[i];
+      case Code::add_cc:
+        set_sum(left(), 1, right());
         break;
-      }
-      case Code::add_cr: {
-        const Lanes& a = complex_operand(step.left);
-        const double b = real_operand(step.right);
-        for (std::size_t i = 0; i < n; ++i) out.re[i] = a.re[i] + b;
-        for (std::size_t i = 0; i < n; ++i) out.im[i] = a.im[i];
+      case Code::add_cr:
+        set_shifted(real_right(), 1, left());
         break;
-      }
-      case Code::subtract_cc: {
-        const Lanes& a = complex_operand(step.left);
-        const Lanes& b = complex_operand(step.right);
-        for (std::size_t i = 0; i < n; ++i) out.re[i] = a.re[i] - b.re[i];
-        for (std::size_t i = 0; i < n; ++i) out.im[i] = a.im[i] - b.im[i];
+      case Code::subtract_cc:
+        set_sum(left(), -1, right());
         break;
-      }
-      case Code::subtract_cr: {
-        const Lanes& a = complex_operand(step.left);
-        const double b = real_operand(step.right);
-        for (std::size_t i = 0; i < n; ++i) out.re[i] = a.re[i] - b;
-        for (std::size_t i = 0; i < n; ++i) out.im[i] = a.im[i];
+      case Code::subtract_cr:
+        set_shifted(-real_right(), 1, left());
         break;
-      }
-      case Code::subtract_rc: {
-        const double a = real_operand(step.left);
-        const Lanes& b = complex_operand(step.right);
-        for (std::size_t i = 0; i < n; ++i) out.re[i] = a - b.re[i];
-        for (std::size_t i = 0; i < n; ++i) out.im[i] = -b.im[i];
+      case Code::subtract_rc:
+        set_shifted(real_left(), -1, right());
         break;
-      }
       case Code::multiply_cc: {
-        const Lanes& a = complex_operand(step.left);
-        const Lanes& b = complex_operand(step.right);
+        const Lanes& a = left();
+        const Lanes& b = right();
         for (std::size_t i = 0; i < n; ++i) {
           out.re[i] = a.re[i] * b.re[i] - a.im[i] * b.im[i];
           out.im[i] = a.re[i] * b.im[i] + a.im[i] * b.re[i];
         }
         break;
       }
-      case Code::multiply_cr: {
-        const Lanes& a = complex_operand(step.left);
-        const double b = real_operand(step.right);
-        for (std::size_t i = 0; i < n; ++i) out.re[i] = a.re[i] * b;
-        for (std::size_t i = 0; i < n; ++i) out.im[i] = a.im[i] * b;
+      case Code::multiply_cr:
+        set_scaled(left(), real_right());
         break;
-      }
-      case Code::divide_cc: {
-        const Lanes& a = complex_operand(step.left);
-        const Lanes& b = complex_operand(step.right);
-        for (std::size_t i = 0; i < n; ++i) out.set(i, product(a.get(i), reciprocal(b.get(i))));
+      case Code::divide_cc:
+        for (std::size_t i = 0; i < n; ++i) out.set(i, product(left().get(i), reciprocal(right().get(i))));
         break;
-      }
       case Code::divide_cr: {
-        const Lanes& a = complex_operand(step.left);
-        const double b = real_operand(step.right);
+        const Lanes& a = left();
+        const double b = real_right();
         for (std::size_t i = 0; i < n; ++i) out.re[i] = a.re[i] / b;
         for (std::size_t i = 0; i < n; ++i) out.im[i] = a.im[i] / b;
         break;
       }
-      case Code::divide_rc: {
-        const double a = real_operand(step.left);
-        const Lanes& b = complex_operand(step.right);
-        for (std::size_t i = 0; i < n; ++i) out.set(i, a * reciprocal(b.get(i)));
+      case Code::divide_rc:
+        for (std::size_t i = 0; i < n; ++i) out.set(i, real_left() * reciprocal(right().get(i)));
         break;
-      }
-      case Code::negate: {
-        const Lanes& a = complex_operand(step.left);
-        for (std::size_t i = 0; i < n; ++i) out.re[i] = -a.re[i];
-        for (std::size_t i = 0; i < n; ++i) out.im[i] = -a.im[i];
+      case Code::negate:
+        set_scaled(left(), -1);
         break;
-      }
       case Code::power_of_s: {
         const ScaledPower& power = work.powers[static_cast<std::size_t>(step.power)];
         if (power.of_s.is_exact()) {
@@ -160,7 +141,7 @@ void Program::forward(std::span<const double> omega, std::size_t first, bool wit
         break;
       }
       case Code::whole_power: {
-        const Lanes& a = complex_operand(step.left);
+        const Lanes& a = left();
         for (std::size_t i = 0; i < n; ++i) {
           if (by_left) {
             const Complex below = whole_power(a.get(i), step.whole - 1);
@@ -173,8 +154,8 @@ void Program::forward(std::span<const double> omega, std::size_t first, bool wit
         break;
       }
       case Code::general_power: {
-        const Lanes& a = complex_operand(step.left);
-        const double order = real_operand(step.right);
+        const Lanes& a = left();
+        const double order = real_right();
         for (std::size_t i = 0; i < n; ++i) {
           const Complex base = a.get(i);
           const Complex log_base = principal_log(base);
@@ -185,14 +166,12 @@ void Program::forward(std::span<const double> omega, std::size_t first, bool wit
         }
         break;
       }
-      case Code::exp: {
-        const Lanes& a = complex_operand(step.left);
-        for (std::size_t i = 0; i < n; ++i) out.set(i, exponential(a.get(i)));
+      case Code::exp:
+        for (std::size_t i = 0; i < n; ++i) out.set(i, exponential(left().get(i)));
         if (by_left) work.by_left[index] = out;
         break;
-      }
       case Code::sqrt: {
-        const Lanes& a = complex_operand(step.left);
+        const Lanes& a = left();
         for (std::size_t i = 0; i < n; ++i) {
           const Complex root = std::sqrt(a.get(i));
           out.set(i, root);
@@ -206,7 +185,7 @@ void Program::forward(std::span<const double> omega, std::size_t first, bool wit
       case Code::cosh:
       case Code::sech:
       case Code::log: {
-        const Lanes& a = complex_operand(step.left);
+        const Lanes& a = left();
         for (std::size_t i = 0; i < n; ++i) {
           const ValueAndDerivative result = step.code == Code::tanh   ? hyperbolic_tangent(a.get(i))
                                             : step.code == Code::coth ? hyperbolic_cotangent(a.get(i))
@@ -249,73 +228,70 @@ void Program::backward(std::size_t n, Workspace& work) const {
     const Lanes& out = work.value[index];
     const auto value = [&](int slot) -> const Lanes& { return work.value[static_cast<std::size_t>(slot)]; };
     const auto real = [&](int slot) { return work.real[static_cast<std::size_t>(slot)]; };
-    const auto adjoint_of = [&](int slot) -> Lanes& { return work.adjoint[static_cast<std::size_t>(slot)]; };
-    const auto real_adjoint_of = [&](int slot) -> Lanes& { return work.real_adjoint[static_cast<std::size_t>(slot)]; };
+    const bool has_real_left =
+        step.code == Code::subtract_rc || step.code == Code::divide_rc || step.code == Code::power_of_s;
+    const bool has_real_right = step.code == Code::add_cr || step.code == Code::subtract_cr ||
+                                step.code == Code::multiply_cr || step.code == Code::divide_cr ||
+                                step.code == Code::power_of_s || step.code == Code::general_power;
+    const auto of_left = [&]() -> Lanes& {
+      return (has_real_left ? work.real_adjoint : work.adjoint)[static_cast<std::size_t>(step.left)];
+    };
+    const auto of_right = [&]() -> Lanes& {
+      return (has_real_right ? work.real_adjoint : work.adjoint)[static_cast<std::size_t>(step.right)];
+    };
     switch (step.code) {
       case Code::laplace:
       case Code::exact_laplace:
         break;
       case Code::add_cc:
-        if (step.left_active) add_scaled(adjoint_of(step.left), adjoint, 1);
-        if (step.right_active) add_scaled(adjoint_of(step.right), adjoint, 1);
-        break;
       case Code::add_cr:
-        if (step.left_active) add_scaled(adjoint_of(step.left), adjoint, 1);
-        if (step.right_active) add_scaled(real_adjoint_of(step.right), adjoint, 1);
+        if (step.left_active) add_scaled(of_left(), adjoint, 1);
+        if (step.right_active) add_scaled(of_right(), adjoint, 1);
         break;
       case Code::subtract_cc:
-        if (step.left_active) add_scaled(adjoint_of(step.left), adjoint, 1);
-        if (step.right_active) add_scaled(adjoint_of(step.right), adjoint, -1);
-        break;
       case Code::subtract_cr:
-        if (step.left_active) add_scaled(adjoint_of(step.left), adjoint, 1);
-        if (step.right_active) add_scaled(real_adjoint_of(step.right), adjoint, -1);
-        break;
       case Code::subtract_rc:
-        if (step.left_active) add_scaled(real_adjoint_of(step.left), adjoint, 1);
-        if (step.right_active) add_scaled(adjoint_of(step.right), adjoint, -1);
+        if (step.left_active) add_scaled(of_left(), adjoint, 1);
+        if (step.right_active) add_scaled(of_right(), adjoint, -1);
         break;
       case Code::multiply_cc:
-        if (step.left_active) add_product(adjoint_of(step.left), adjoint, value(step.right));
-        if (step.right_active) add_product(adjoint_of(step.right), adjoint, value(step.left));
+        if (step.left_active) add_product(of_left(), adjoint, value(step.right));
+        if (step.right_active) add_product(of_right(), adjoint, value(step.left));
         break;
       case Code::multiply_cr:
-        if (step.left_active) add_scaled(adjoint_of(step.left), adjoint, real(step.right));
-        if (step.right_active) add_product(real_adjoint_of(step.right), adjoint, value(step.left));
+        if (step.left_active) add_scaled(of_left(), adjoint, real(step.right));
+        if (step.right_active) add_product(of_right(), adjoint, value(step.left));
         break;
       case Code::divide_cc:
       case Code::divide_rc: {
-        Lanes& left_adjoint = step.code == Code::divide_cc ? adjoint_of(step.left) : real_adjoint_of(step.left);
         const Lanes& denominator = value(step.right);
         for (std::size_t i = 0; i < n; ++i) {
           const Complex share = product(adjoint.get(i), reciprocal(denominator.get(i)));
-          if (step.left_active) left_adjoint.add(i, share.real(), share.imag());
+          if (step.left_active) of_left().add(i, share.real(), share.imag());
           if (step.right_active) {
             const Complex loss = product(share, out.get(i));
-            adjoint_of(step.right).add(i, -loss.real(), -loss.imag());
+            of_right().add(i, -loss.real(), -loss.imag());
           }
         }
         break;
       }
       case Code::divide_cr: {
         const double inverse = 1 / real(step.right);
-        if (step.left_active) add_scaled(adjoint_of(step.left), adjoint, inverse);
+        if (step.left_active) add_scaled(of_left(), adjoint, inverse);
         if (step.right_active) {
           for (std::size_t i = 0; i < n; ++i) {
             const Complex loss = product(adjoint.get(i), out.get(i)) * inverse;
-            real_adjoint_of(step.right).add(i, -loss.real(), -loss.imag());
+            of_right().add(i, -loss.real(), -loss.imag());
           }
         }
         break;
       }
       case Code::negate:
-        add_scaled(adjoint_of(step.left), adjoint, -1);
+        add_scaled(of_left(), adjoint, -1);
         break;
       case Code::power_of_s:
-        if (step.left_active) add_product(real_adjoint_of(step.left), adjoint, work.by_left[index]);
-        if (step.right_active) add_product(real_adjoint_of(step.right), adjoint, work.by_right[index]);
-        break;
       case Code::whole_power:
+      case Code::general_power:
       case Code::exp:
       case Code::sqrt:
       case Code::tanh:
@@ -324,11 +300,8 @@ void Program::backward(std::size_t n, Workspace& work) const {
       case Code::cosh:
       case Code::sech:
       case Code::log:
-        add_product(adjoint_of(step.left), adjoint, work.by_left[index]);
-        break;
-      case Code::general_power:
-        if (step.left_active) add_product(adjoint_of(step.left), adjoint, work.by_left[index]);
-        if (step.right_active) add_product(real_adjoint_of(step.right), adjoint, work.by_right[index]);
+        if (step.left_active) add_product(of_left(), adjoint, work.by_left[index]);
+        if (step.right_active) add_product(of_right(), adjoint, work.by_right[index]);
         break;
     }
   }

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "base/polynomial.hpp"
 #include "frac/structure.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/statistics/information.hpp"
@@ -174,7 +175,7 @@ class Growth {
     for (const double share : {0.15, 0.4, 0.7}) {
       const double at = place(share);
       Ratio next = members_.back().ratio;
-      next.numerator = times(next.numerator, {at, 1});
+      next.numerator = polynomial_product(next.numerator, {at, 1});
       if (next.single) {
         next.pairs.emplace_back(*next.single + at, *next.single * at);
         next.single.reset();
@@ -185,7 +186,7 @@ class Growth {
       ends.push_back(fitted(next));
       if (members_.size() < 2) continue;
       Ratio pair = members_[members_.size() - 2].ratio;
-      pair.numerator = times(pair.numerator, {at * at, 0.3 * at, 1});
+      pair.numerator = polynomial_product(pair.numerator, {at * at, 0.3 * at, 1});
       pair.pairs.emplace_back(0.3 * at, at * at);
       trim(pair);
       ends.push_back(fitted(pair));
@@ -213,14 +214,6 @@ class Growth {
       member = std::move(without);
     }
     return member;
-  }
-
-  static std::vector<double> times(const std::vector<double>& a, const std::vector<double>& b) {
-    std::vector<double> product(a.size() + b.size() - 1, 0.0);
-    for (std::size_t i = 0; i < a.size(); ++i) {
-      for (std::size_t k = 0; k < b.size(); ++k) product[i + k] += a[i] * b[k];
-    }
-    return product;
   }
 
   const TimeFitOptions& options_;

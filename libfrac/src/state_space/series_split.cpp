@@ -22,7 +22,7 @@ bool has_whole_orders(const Sum& sum) {
                      [](const PowerTerm& term) { return term.order == std::round(term.order); });
 }
 
-// Every copy of every factor, a power of s as s, s, ... and what is left of it.
+// Lists every copy of every factor; a power of s becomes s, s, ... and what is left of it.
 std::vector<Sum> copies(const std::vector<PowerFactor>& factors, double& gain) {
   std::vector<Sum> list;
   for (const auto& [sum, power] : factors) {

@@ -79,8 +79,8 @@ bool met(const RationalModel& result) {
   return result.max_relative_error <= result.tolerance;
 }
 
-// What rounding leaves of a sum of modes, relative to the model: towards high frequency modes as large as the response
-// was below cancel down to it, towards low frequency those of what it will be.
+// The relative error of a sum of modes by rounding.  At a frequency modes cancel that are as large as the largest
+// response at any lower frequency, fallen as 1/omega since, and as the largest one at any higher frequency.
 double rounding_of_modes(const ModelOnBand& model) {
   const std::vector<double> omega = model.grid(3);
   std::vector<double> size;
@@ -99,12 +99,13 @@ double rounding_of_modes(const ModelOnBand& model) {
   return worst * std::numeric_limits<double>::epsilon();
 }
 
-// One sum of modes cannot keep the tolerance; of a rational model it is tried, for its poles may be one chain.
+// Whether one sum of modes cannot keep the tolerance.  For a rational model it is tried all the same, because its poles
+// may form one chain.
 bool is_hidden_by_rounding(const ModelOnBand& model, double tolerance) {
   return !model.is_rational() && rounding_of_modes(model) > 0.03 * tolerance;
 }
 
-// The least number of real poles along the cut, from the number that the attainable limit of s^0.5 suggests.
+// Looks for the least number of real poles along the cut, from the number that the attainable limit of s^0.5 suggests.
 RationalModel smallest_joint(const FractionalTransferFunction& model, const ModelOnBand& on_band, double tolerance) {
   const auto with = [&](int cut_poles) {
     return measured(model, on_band, tolerance, RealisationMethod::joint, detail::joint_design(on_band, cut_poles));
@@ -127,7 +128,8 @@ RationalModel smallest_joint(const FractionalTransferFunction& model, const Mode
     }
     return best;
   }
-  // A pole more divides the attainable error by e^(pi^2/width): as many as that asks for, a few at a time.
+  // Each further pole divides the attainable error by e^(pi^2/width).  Adds as many as the error asks for, a few at a
+  // time.
   const double per_pole = std::numbers::pi * std::numbers::pi / width;
   int missed = poles;
   for (int without_gain = 0; without_gain < 3 && poles < most;) {
@@ -149,7 +151,7 @@ RationalModel smallest_joint(const FractionalTransferFunction& model, const Mode
   return best;
 }
 
-// The least accurate ladders that will do.
+// Looks for the least accurate ladders with which the whole keeps the tolerance.
 RationalModel smallest_term_by_term(const FractionalTransferFunction& model, const ModelOnBand& on_band,
                                     double tolerance) {
   const auto with = [&](double ladder_tolerance) {
@@ -178,12 +180,13 @@ RationalModel smallest_term_by_term(const FractionalTransferFunction& model, con
 
 RationalModel smallest_sum_of_modes(const FractionalTransferFunction& model, const ModelOnBand& on_band,
                                     double tolerance, RealisationMethod method) {
-  // Poles of a rational model are its own, whatever the method.
+  // A rational model keeps its own poles, whatever the method.
   if (method == RealisationMethod::joint || on_band.is_rational()) return smallest_joint(model, on_band, tolerance);
   return smallest_term_by_term(model, on_band, tolerance);
 }
 
-// Stages in series, the errors of the fractional ones shared evenly; empty where the model cannot be split.
+// Realises stages in series, of which the fractional ones share the error evenly; empty where the model cannot be
+// split.
 std::optional<RationalModel> in_series(const ModelOnBand& on_band, const RationalModel& frame,
                                        detail::SeriesSplit split) {
   const auto [gain, stages] = detail::series_stages(on_band.model(), split);
@@ -233,7 +236,7 @@ std::optional<RationalModel> in_series(const ModelOnBand& on_band, const Rationa
   return best;
 }
 
-// Of a model given as a product.  Its expansion is no help: it is only more terms, whose sums cancel.
+// Realises a model given as a product.  Expanding it would not help: that only makes more terms, whose sums cancel.
 RationalModel smallest_of_product(const FractionalTransferFunction& model, const ModelOnBand& on_band, double tolerance,
                                   RealisationMethod method) {
   std::optional<RationalModel> result;

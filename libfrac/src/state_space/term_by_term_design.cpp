@@ -34,7 +34,7 @@ struct Ladder {
   Extended gain = 1;
   bool in_denominator = false;
 
-  // Factor by factor: at a zero, where a root may well be, the slope is as good as anywhere.
+  // Multiplied factor by factor, so that the slope is as accurate at a zero, where a root may be, as elsewhere.
   [[nodiscard]] ValueAndSlope operator()(Complex s) const {
     ValueAndSlope product{gain, 0};
     for (std::size_t i = 0; i < poles.size(); ++i) {
@@ -82,8 +82,9 @@ RationalRatio with_ladders(const ModelOnBand& model, double ladder_tolerance) {
     const double fraction = order - std::floor(order);
     return fraction < same_order || fraction > 1 - same_order ? 0 : fraction;
   };
-  // Proper as the model is: where the numerator's whole part is the higher one, the leading power of the denominator
-  // and those that share its ladder are taken from above.
+  // The ratio is to be proper as the model is.  Where the whole part of the numerator's order is the higher one, the
+  // leading power of the denominator, and those that share its ladder, are rounded up and get a ladder of negative
+  // order.
   const double leading = fraction_of(bottom.front().order - lowest);
   const auto whole_of = [&](double order) { return std::floor(order + same_order); };
   const bool from_above = leading > 0 && whole_of(top.front().order - lowest) > whole_of(bottom.front().order - lowest);

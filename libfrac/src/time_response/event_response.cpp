@@ -10,8 +10,10 @@
 
 #include "branch_cut.hpp"
 #include "exponential_sum.hpp"
+#include "exponential_terms.hpp"
 #include "formula/power_sum.hpp"
 #include "poles/laplace_image.hpp"
+#include "sensitive_image.hpp"
 #include "special/phi_functions.hpp"
 
 namespace frac::detail {
@@ -26,81 +28,27 @@ double rounding_at(double t) {
   return 16 * std::numeric_limits<double>::epsilon() * std::abs(t);
 }
 
-// Value in column 0, derivative by parameter p in column 1 + p.
-using ComplexRow = Eigen::Array<Complex, 1, Eigen::Dynamic>;
+// One row of one column or more.
+Eigen::Array<Complex, 1, 1> row_of(Complex weight) {
+  return Eigen::Array<Complex, 1, 1>(weight);
+}
+const ComplexRow& row_of(const ComplexRow& weight) {
+  return weight;
+}
+Eigen::Array<double, 1, 1> row_of(double value) {
+  return Eigen::Array<double, 1, 1>(value);
+}
+const RealRow& row_of(const RealRow& value) {
+  return value;
+}
 
-// N/D and its derivatives at s = e^zeta, any sheet.
-class SensitiveImage {
- public:
-  SensitiveImage(const RatioOfPowerSums& ratio, double extra_order)
-      : top_(ratio.numerator), bottom_(ratio.denominator), extra_order_(extra_order) {}
-
-  [[nodiscard]] Eigen::Index columns() const {
-    return 1 + static_cast<Eigen::Index>(bottom_.terms.front().by_coefficient.size());
-  }
-
-  void evaluate(Complex zeta, ComplexRow& row) {
-    top_.evaluate(zeta);
-    bottom_.evaluate(zeta);
-    const Complex factor = std::exp(top_.scale - bottom_.scale + extra_order_ * zeta) / bottom_.sum[0];
-    row = factor * top_.sum;
-    for (Eigen::Index p = 1; p < row.size(); ++p) row[p] -= row[0] * bottom_.sum[p] / bottom_.sum[0];
-  }
-
- private:
-  struct Sum {
-    explicit Sum(const SensitiveSum& terms_) : terms(terms_) {
-      for (const SensitiveTerm& term : terms) {
-        double size = std::abs(term.coefficient);
-        if (size == 0) {
-          for (const double slope : term.by_coefficient) size = std::max(size, std::abs(slope));
-        }
-        log_size.push_back(std::log(size));
-      }
-      phase.resize(terms.size());
-      sum.resize(1 + static_cast<Eigen::Index>(terms.front().by_coefficient.size()));
-    }
-    void evaluate(Complex zeta) {
-      if (zeta.imag() != angle) {
-        angle = zeta.imag();
-        for (std::size_t i = 0; i < terms.size(); ++i) phase[i] = std::polar(1.0, terms[i].order * angle);
-      }
-      scale = -std::numeric_limits<double>::infinity();
-      for (std::size_t i = 0; i < terms.size(); ++i) {
-        scale = std::max(scale, log_size[i] + terms[i].order * zeta.real());
-      }
-      sum.setZero();
-      for (std::size_t i = 0; i < terms.size(); ++i) {
-        const SensitiveTerm& term = terms[i];
-        const Complex power = std::exp(term.order * zeta.real() - scale) * phase[i];
-        sum[0] += term.coefficient * power;
-        for (std::size_t p = 0; p < term.by_coefficient.size(); ++p) {
-          if (term.by_coefficient[p] == 0 && term.by_order[p] == 0) continue;
-          sum[static_cast<Eigen::Index>(1 + p)] += (term.by_coefficient[p] + term.by_order[p] * zeta) * power;
-        }
-      }
-    }
-    const SensitiveSum& terms;
-    std::vector<double> log_size;
-    double angle = std::numeric_limits<double>::quiet_NaN();
-    std::vector<Complex> phase;
-    ComplexRow sum;  // both divided by e^scale
-    double scale = 0;
-  };
-  Sum top_, bottom_;
-  double extra_order_;
-};
-
-struct QuadratureNode {
-  Complex zeta;
-  Complex factor;  // weight over H
-};
+using SensitiveTerms = std::vector<ExponentialTerm<ComplexRow>>;
 
 // Nodes on a circle about each pole that the rule does not account for.  The circle is so small that e^{st} on it does
 // not grow far beyond its value at the middle and decays about as fast.  Its radius is at most a quarter of the way to
 // the next pole or node, so that n points leave an error of 4^-n.
-void add_circles(const LaplaceImage& image, const CutRule& rule, double latest, double tolerance,
-                 std::vector<QuadratureNode>& nodes) {
+void add_circles(const LaplaceImage& image, const CutRule& rule, SensitiveImage& sensitive, double latest,
+                 double tolerance, SensitiveTerms& terms) {
   const int fewest = 2 * static_cast<int>(std::ceil(0.5 * std::log(1 / tolerance) / std::log(4.0)) + 2);
   for (std::size_t k = 0; k < image.poles().clusters.size(); ++k) {
     const RootCluster& pole = image.poles().clusters[k];
@@ -117,7 +65,7 @@ void add_circles(const LaplaceImage& image, const CutRule& rule, double latest, 
     for (int i = 0; i < (pole.is_conjugate ? points / 2 : points); ++i) {
       const Complex offset = std::polar(radius, 2 * pi * (i + 0.5) / points);
       const Complex share = shares ? rule.share(pole.log_s + offset) : 1.0;
-      nodes.push_back({pole.log_s + offset, 2.0 / points * share * offset});
+      terms.push_back({rate_at(pole.log_s + offset), 2.0 / points * share * offset * sensitive(pole.log_s + offset)});
     }
   }
 }
@@ -141,6 +89,33 @@ struct EventResponse::Plan {
   std::size_t channels = 1;
   double delay = 0;
   std::vector<double> delay_slope;
+
+  template <typename Weight, typename Value>
+  void take(std::vector<ExponentialTerm<Weight>> terms, const std::vector<Value>& constants) {
+    const auto complex_terms =
+        std::stable_partition(terms.begin(), terms.end(), [](const auto& term) { return term.rate.imag() == 0; });
+    real_count = complex_terms - terms.begin();
+    complex_count = terms.end() - complex_terms;
+    const Eigen::Index columns = row_of(constants.front()).size();
+    weight.resize(real_count + 2 * complex_count, columns);
+    if (!delay_slope.empty()) motion.resize(weight.rows());
+    for (Eigen::Index i = 0; i < real_count + complex_count; ++i) {
+      const ExponentialTerm<Weight>& term = terms[static_cast<std::size_t>(i)];
+      rate.push_back(term.rate);
+      is_direct.push_back(term.is_direct);
+      const auto& row = row_of(term.weight);
+      const Complex moved = row[0] * term.rate;
+      weight.row(i) = row.real().matrix();
+      if (!delay_slope.empty()) motion[i] = moved.real();
+      if (i < real_count) continue;
+      weight.row(i + complex_count) = -row.imag().matrix();
+      if (!delay_slope.empty()) motion[i + complex_count] = -moved.imag();
+    }
+    constant.resize(static_cast<Eigen::Index>(constants.size()), columns);
+    for (std::size_t j = 0; j < constants.size(); ++j) {
+      constant.row(static_cast<Eigen::Index>(j)) = row_of(constants[j]).matrix();
+    }
+  }
 };
 
 EventResponse::EventResponse(std::vector<double> input_time, std::vector<double> input, Hold hold,
@@ -209,19 +184,7 @@ bool EventResponse::evaluate(const FractionalTransferFunction& model, double tol
   if (!step.poles().complete) return false;
   ExponentialSum sum = exponential_sum(step, shortest_lag(plan.delay), latest, tolerance, plan.integrators,
                                        plan.channels, FastTerms::direct);
-  plan.constant = Eigen::Map<const Eigen::VectorXd>(sum.constants.data(), static_cast<Eigen::Index>(plan.channels));
-  const auto complex_terms = std::stable_partition(sum.terms.begin(), sum.terms.end(),
-                                                   [](const Exponential& term) { return term.rate.imag() == 0; });
-  plan.real_count = complex_terms - sum.terms.begin();
-  plan.complex_count = sum.terms.end() - complex_terms;
-  plan.weight.resize(plan.real_count + 2 * plan.complex_count, 1);
-  for (Eigen::Index i = 0; i < plan.real_count + plan.complex_count; ++i) {
-    const Exponential& term = sum.terms[static_cast<std::size_t>(i)];
-    plan.rate.push_back(term.rate);
-    plan.is_direct.push_back(term.is_direct);
-    plan.weight(i, 0) = term.weight.real();
-    if (i >= plan.real_count) plan.weight(i + plan.complex_count, 0) = -term.weight.imag();
-  }
+  plan.take(std::move(sum.terms), sum.constants);
   run(plan, result);
   return result.value.allFinite();
 }
@@ -263,108 +226,18 @@ bool EventResponse::evaluate(const RatioOfPowerSums& ratio, double tolerance, Re
   if (!image.poles().complete) return false;
 
   const CutRule rule(image, shortest_lag(ratio.delay), tolerance);
-  std::vector<QuadratureNode> nodes;
-  add_circles(image, rule, latest, tolerance, nodes);
-  const double step = rule.step();
-  const double lowest = image.lowest_noticed(latest, tolerance);
-  const Complex cut_factor(0, -step / pi);
-
-  const auto rate_of = [&](Complex zeta) {
-    return zeta.imag() == pi ? Complex(-std::exp(zeta.real())) : std::exp(zeta);
-  };
-  ComplexRow row(columns);
-  std::vector<ComplexRow> weights;
-  for (const QuadratureNode& node : nodes) {
-    sensitive.evaluate(node.zeta, row);
-    weights.push_back(node.factor * row);
-  }
-  double largest = 0;
-  for (int k = 0; k < 100'000; ++k) {
-    nodes.push_back({rule.node(k), cut_factor});
-    sensitive.evaluate(nodes.back().zeta, row);
-    weights.push_back(cut_factor * row);
-    const double log_r = nodes.back().zeta.real();
-    const double own = effect(std::abs(weights.back()[0]), std::exp(log_r), latest, plan.integrators);
-    largest = std::max(largest, own);
-    if (!std::isfinite(own)) return false;
-    if (log_r < lowest && own < 0.03 * step * tolerance * largest) break;
-  }
-
+  const auto image_at = [&](Complex zeta) -> const ComplexRow& { return sensitive(zeta); };
+  SensitiveTerms terms;
+  add_circles(image, rule, sensitive, latest, tolerance, terms);
+  const double largest =
+      append_cut_terms(rule, image_at, latest, plan.integrators, image.lowest_noticed(latest, tolerance),
+                       0.03 * rule.step() * tolerance, terms);
+  if (!std::isfinite(largest)) return false;
   // Integrated again and again, fast terms would outgrow the response and cancel: see ExponentialSum.
-  std::vector<bool> is_direct(nodes.size(), false);
-  for (std::size_t k = 0; plan.integrators > 0 && k < nodes.size(); ++k) {
-    const Complex r = rate_of(nodes[k].zeta);
-    is_direct[k] = std::abs(r) * latest > 2;
-    if (is_direct[k]) weights[k] /= std::pow(r, static_cast<int>(plan.integrators));
-  }
-  const std::size_t anchored = plan.integrators + 1;
-  const std::vector<double> log_anchor = log_anchors(image, latest, anchored);
-  std::vector<double> anchor;
-  Eigen::MatrixXd rest(static_cast<Eigen::Index>(anchored), columns);  // of H at the anchors
-  double size = 0;
-  for (std::size_t i = 0; i < anchored; ++i) {
-    anchor.push_back(std::exp(log_anchor[i]));
-    sensitive.evaluate(log_anchor[i], row);
-    auto left = rest.row(static_cast<Eigen::Index>(i));
-    left = row.real().matrix();
-    size = std::max(size, std::abs(row[0]));
-    for (std::size_t k = 0; k < nodes.size(); ++k) {
-      const Complex r = rate_of(nodes[k].zeta);
-      const double raised = is_direct[k] ? std::pow(anchor[i], m) : 1;
-      left -= raised * (weights[k] * (r / (anchor[i] - r))).real().matrix();
-    }
-  }
-  // Nodes too fast for the shortest lag have decayed wherever the output is read.  They leave only constants.
-  plan.constant.setZero(static_cast<Eigen::Index>(plan.channels), columns);
-  for (int k = 1; k < 5'000; ++k) {
-    const Complex zeta = rule.node(-k);
-    const Complex r = rate_of(zeta);
-    sensitive.evaluate(zeta, row);
-    row *= cut_factor;
-    double part = 0;
-    for (std::size_t i = 0; i < anchored; ++i) {
-      const Complex part_of_rate = anchor[i] / r;
-      const Complex share = std::pow(part_of_rate, static_cast<int>(anchored)) / (1.0 - part_of_rate);
-      rest.row(static_cast<Eigen::Index>(i)) += (row * share).real().matrix();
-      part = std::max(part, std::abs(row[0] * share));
-    }
-    row /= std::pow(r, static_cast<int>(anchored));
-    for (std::size_t j = anchored; j < plan.channels; ++j, row /= r) {
-      plan.constant.row(static_cast<Eigen::Index>(j)) -= row.real().matrix();
-    }
-    if (part < 1e-3 * tolerance * size) break;
-  }
-  for (Eigen::Index column = 0; column < columns; ++column) {
-    const std::vector<double> coefficient =
-        interpolating_polynomial(anchor, {rest.col(column).begin(), rest.col(column).end()});
-    for (std::size_t j = 0; j < std::min(anchored, plan.channels); ++j) {
-      plan.constant(static_cast<Eigen::Index>(j), column) = coefficient[j];
-    }
-  }
-
-  // Real rates first.
-  std::vector<std::size_t> order;
-  for (const bool real : {true, false}) {
-    for (std::size_t k = 0; k < nodes.size(); ++k) {
-      if ((nodes[k].zeta.imag() == pi) == real) order.push_back(k);
-    }
-    if (real) plan.real_count = static_cast<Eigen::Index>(order.size());
-  }
-  plan.complex_count = static_cast<Eigen::Index>(nodes.size()) - plan.real_count;
-  plan.weight.resize(plan.real_count + 2 * plan.complex_count, columns);
-  if (!plan.delay_slope.empty()) plan.motion.resize(plan.weight.rows());
-  for (Eigen::Index i = 0; i < static_cast<Eigen::Index>(order.size()); ++i) {
-    const std::size_t k = order[static_cast<std::size_t>(i)];
-    const Complex r = rate_of(nodes[k].zeta);
-    plan.rate.push_back(r);
-    plan.is_direct.push_back(is_direct[k]);
-    plan.weight.row(i) = weights[k].real().matrix();
-    if (i >= plan.real_count) plan.weight.row(i + plan.complex_count) = -weights[k].imag().matrix();
-    if (plan.delay_slope.empty()) continue;
-    const Complex moved = weights[k][0] * r;
-    plan.motion[i] = moved.real();
-    if (i >= plan.real_count) plan.motion[i + plan.complex_count] = -moved.imag();
-  }
+  if (plan.integrators > 0) make_direct(terms, latest, plan.integrators);
+  const auto constants = constants_of(terms, image_at, log_anchors(image, latest, plan.integrators + 1), &rule,
+                                      1e-3 * rule.step() * tolerance * largest, plan.integrators, plan.channels);
+  plan.take(std::move(terms), constants);
   run(plan, result);
   return result.value.allFinite() && result.gradient.allFinite();
 }

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "branch_cut.hpp"
+#include "exponential_terms.hpp"
 #include "special/phi_functions.hpp"
 
 namespace frac::detail {
@@ -95,18 +96,13 @@ void add_pole(const LaplaceImage& image, std::size_t k, bool on_cut, double late
   }
 }
 
-// Those that have not decayed at the end of the horizon are slow.
-bool is_slow(const Exponential& term, double latest) {
-  return std::abs(term.rate) <= 2 / latest;
-}
-
 // Exponentials that have not decayed at the end of the horizon, replaced by fewer at Chebyshev points of their common
 // ray: (e^{rt} - 1)/r is interpolated in r, with an error below 2 t (|r| t/4)^n/n! for |r| t up to 2; divided by r it
 // bears weights that grow towards the origin.
 void merge_slow(std::vector<Exponential>& terms, std::size_t first, double angle, double latest, double tolerance) {
   const double end = 2 / latest;
   const auto slow = std::stable_partition(terms.begin() + static_cast<std::ptrdiff_t>(first), terms.end(),
-                                          [&](const Exponential& term) { return !is_slow(term, latest); });
+                                          [&](const Exponential& term) { return !is_slow(term.rate, latest); });
   std::size_t count = 4;
   for (double error = 2 / 24.0 / 16; error > 0.01 * tolerance && count < 30; ++count) {
     error *= 0.5 / static_cast<double>(count + 1);
@@ -141,26 +137,6 @@ struct Purpose {
   FastTerms fast;
 };
 
-void make_direct(std::vector<Exponential>& terms, const Purpose& purpose) {
-  for (Exponential& term : terms) {
-    if (is_slow(term, purpose.latest)) continue;
-    term.is_direct = true;
-    term.weight /= std::pow(term.rate, static_cast<int>(purpose.integrations));
-  }
-}
-
-// Y s at s0 less what the terms make of it.
-double rest_at(const LaplaceImage& image, double log_s0, const std::vector<Exponential>& terms,
-               std::size_t integrations) {
-  const double s0 = std::exp(log_s0);
-  const double raised = std::pow(s0, static_cast<double>(integrations));
-  double rest = image.value(log_s0, log_s0).real();
-  for (const Exponential& term : terms) {
-    rest -= (term.is_direct ? raised : 1) * (term.weight * (term.rate / (s0 - term.rate))).real();
-  }
-  return rest;
-}
-
 // The m-fold integral over latest^m at latest * share.
 double integral_at(const ExponentialSum& sum, const Purpose& purpose, double share) {
   const std::size_t m = purpose.integrations;
@@ -186,6 +162,13 @@ double integral_at(const ExponentialSum& sum, const Purpose& purpose, double sha
   return value;
 }
 
+// Number of the constants that diverge as sums over fast nodes, one at least: Y s grows as s^q, q >= 1 with
+// integrations split off, and its polynomial part has no node.  They are read from the image instead.
+std::size_t anchored_count(const LaplaceImage& image) {
+  const double growth = image.numerator().front().order - image.denominator().front().order + 1;
+  return growth >= 1 ? static_cast<std::size_t>(std::floor(growth)) + 1 : 1;
+}
+
 ExponentialSum with_tolerance(const LaplaceImage& image, const Purpose& purpose) {
   const auto [earliest, latest, tolerance, integrations, constants, fast] = purpose;
   const bool is_direct = fast == FastTerms::direct && integrations > 0;
@@ -194,80 +177,44 @@ ExponentialSum with_tolerance(const LaplaceImage& image, const Purpose& purpose)
   const std::vector<RootCluster>& poles = image.poles().clusters;
   const std::vector<double> log_anchor =
       log_anchors(image, latest, is_direct ? integrations + 1 : anchored_count(image));
-  std::vector<double> anchor, rest;
-  for (const double log_s0 : log_anchor) anchor.push_back(std::exp(log_s0));
-  const auto set_anchored = [&] {
-    const std::vector<double> coefficient = interpolating_polynomial(anchor, rest);
-    std::copy_n(coefficient.begin(), std::min(coefficient.size(), constants), sum.constants.begin());
-  };
+  const auto image_at = [&](Complex zeta) { return image.value(zeta, zeta); };
   if (has_integer_orders(image)) {
     for (std::size_t k = 0; k < poles.size(); ++k) {
       const double argument = poles[k].log_s.imag();
       const bool on_cut = std::abs(argument - pi) < 1e-7 + poles[k].spread;
       if (on_cut || argument < pi) add_pole(image, k, on_cut, latest, 1, terms);
     }
-    if (is_direct) make_direct(terms, purpose);
-    for (const double log_s0 : log_anchor) rest.push_back(rest_at(image, log_s0, terms, integrations));
-    set_anchored();
+    if (is_direct) make_direct(terms, latest, integrations);
+    sum.constants = constants_of(terms, image_at, log_anchor, nullptr, 0, integrations, constants);
     return sum;
   }
   const CutRule rule(image, earliest, tolerance);
-  const double step = rule.step();
   const double lowest = std::min(image.lowest_corner(), -std::log(latest));
-  const auto term_at = [&](int k) -> Exponential {
-    const Complex zeta = rule.node(k);
-    const Complex weight = Complex(0, -step / pi) * image.value(zeta, zeta);
-    if (rule.angle() == pi) return {-std::exp(zeta.real()), weight};
-    return {std::exp(zeta), weight};
-  };
-  const auto effect_of = [&](const Exponential& term) {
-    return effect(std::abs(term.weight), std::abs(term.rate), latest, integrations);
-  };
-  double largest = 0;
+  const double negligible = 0.03 * rule.step() * tolerance;
   std::vector<Exponential> along;
-  for (int k = 0; k < 100'000; ++k) {
-    along.push_back(term_at(k));
-    const double added = effect_of(along.back());
-    if (rule.angle() == pi) along.back().weight = along.back().weight.real();
-    largest = std::max(largest, added);
-    if (rule.node(k).real() < lowest && added < 0.03 * step * tolerance * largest) break;
+  const double largest = append_cut_terms(rule, image_at, latest, integrations, lowest, negligible, along);
+  if (rule.angle() == pi) {
+    for (Exponential& term : along) term.weight = term.weight.real();
   }
   for (std::size_t k = 0; k < poles.size(); ++k) {
     const Complex share = rule.share_of(poles[k]);
     if (share == 0.0) continue;
     add_pole(image, k, false, latest, share, terms);
     const bool lies_beyond = poles[k].log_s.imag() > rule.angle();
-    if (lies_beyond && effect_of(terms.back()) < 0.03 * step * tolerance * largest) terms.pop_back();
+    const Exponential& last = terms.back();
+    const double added = effect(std::abs(last.weight), std::abs(last.rate), latest, integrations);
+    if (lies_beyond && added < negligible * largest) terms.pop_back();
   }
   const std::size_t first_of_cut = terms.size();
   terms.insert(terms.end(), along.begin(), along.end());
-  if (is_direct) make_direct(terms, purpose);
-  for (const double log_s0 : log_anchor) rest.push_back(rest_at(image, log_s0, terms, integrations));
-  const auto anchored = static_cast<int>(anchor.size());
-  for (int k = 1; k < 5'000; ++k) {
-    const Exponential node = term_at(-k);
-    double size = 0;
-    for (std::size_t i = 0; i < anchor.size(); ++i) {
-      const Complex ratio = anchor[i] / node.rate;
-      const Complex left = node.weight * std::pow(ratio, anchored) / (1.0 - ratio);
-      rest[i] += left.real();
-      size = std::max(size, std::abs(left));
-    }
-    Complex left = node.weight / std::pow(node.rate, anchored);
-    for (std::size_t j = anchor.size(); j < constants; ++j, left /= node.rate) sum.constants[j] -= left.real();
-    if (size < 1e-3 * step * tolerance * largest) break;
-  }
-  set_anchored();
+  if (is_direct) make_direct(terms, latest, integrations);
+  sum.constants = constants_of(terms, image_at, log_anchor, &rule, 1e-3 * rule.step() * tolerance * largest,
+                               integrations, constants);
   merge_slow(terms, first_of_cut, rule.angle(), latest, tolerance);
   return sum;
 }
 
 }  // namespace
-
-std::size_t anchored_count(const LaplaceImage& image) {
-  const double growth = image.numerator().front().order - image.denominator().front().order + 1;
-  return growth >= 1 ? static_cast<std::size_t>(std::floor(growth)) + 1 : 1;
-}
 
 std::vector<double> log_anchors(const LaplaceImage& image, double latest, std::size_t count) {
   struct Candidate {
@@ -289,20 +236,6 @@ std::vector<double> log_anchors(const LaplaceImage& image, double latest, std::s
   std::vector<double> result;
   for (std::size_t i = 0; i < count; ++i) result.push_back(candidates[i].log_s);
   return result;
-}
-
-std::vector<double> interpolating_polynomial(const std::vector<double>& x, std::vector<double> y) {
-  // Newton's divided differences, then Horner's scheme on the coefficients.
-  const std::size_t count = x.size();
-  for (std::size_t order = 1; order < count; ++order) {
-    for (std::size_t i = count; i-- > order;) y[i] = (y[i] - y[i - 1]) / (x[i] - x[i - order]);
-  }
-  std::vector<double> coefficient(count, 0.0);
-  for (std::size_t i = count; i-- > 0;) {
-    for (std::size_t k = count; k-- > 1;) coefficient[k] = coefficient[k - 1] - x[i] * coefficient[k];
-    coefficient[0] = y[i] - x[i] * coefficient[0];
-  }
-  return coefficient;
 }
 
 double effect(double weight, double rate, double latest, std::size_t integrations) {

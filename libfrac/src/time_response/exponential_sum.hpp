@@ -8,12 +8,14 @@
 
 namespace frac::detail {
 
-/// Re sum weight e^{rate t}.
-struct Exponential {
+/// weight e^{rate t}.
+template <typename Weight>
+struct ExponentialTerm {
   std::complex<double> rate;
-  std::complex<double> weight;
+  Weight weight;
   bool is_direct = false;  // see ExponentialSum
 };
+using Exponential = ExponentialTerm<std::complex<double>>;
 
 /// y is the function of time whose Laplace transform is `image`.  For lags of at least `earliest` its j-fold integral
 /// is
@@ -43,14 +45,8 @@ enum class FastTerms { integrated, direct };
 /// Size of what a term contributes to the m-fold integral by the end of the horizon, over latest^m.
 [[nodiscard]] double effect(double weight, double rate, double latest, std::size_t integrations);
 
-/// Number of the constants above that diverge as sums over fast nodes, one at least: Y s grows as s^q, q >= 1 with
-/// integrations split off, and its polynomial part has no node.  They are read from the image instead.
-[[nodiscard]] std::size_t anchored_count(const LaplaceImage& image);
-
-/// Where they are read: ln s at `count` points of the positive axis at the scale of the horizon, away from poles.
+/// Where constants are read from the image: ln s at `count` points of the positive axis at the scale of the horizon,
+/// away from poles.
 [[nodiscard]] std::vector<double> log_anchors(const LaplaceImage& image, double latest, std::size_t count);
-
-/// Coefficients by rising power of the polynomial through the points.
-[[nodiscard]] std::vector<double> interpolating_polynomial(const std::vector<double>& x, std::vector<double> y);
 
 }  // namespace frac::detail

@@ -6,6 +6,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "frac/identification/fit_from.hpp"
 #include "frac/identification/outliers.hpp"
 #include "frac/structure.hpp"
 #include "io/data_error.hpp"
@@ -86,15 +87,33 @@ io::FrequencyResponseFile data_of(const BatchTask& task, const BatchCurve& curve
   return read_curve(task.request, curve, [](const std::string&) {});
 }
 
-void set_result(RowBuilder& row, const BatchTask& task, const io::FrequencyResponseFile& file) {
+frac::FitOptions options_of(const BatchTask& task) {
+  frac::FitOptions options = task.options;
+  options.constraints = task.models.front().constraints;
+  return options;
+}
+
+// What is fitted of a file.
+struct Screened {
+  frac::FrequencyResponseData data;
+  std::size_t left_out;
+};
+Screened screened(const BatchTask& task, const io::FrequencyResponseFile& file) {
   const auto left_out = outliers_left_out(task.request, file.data, [](const std::string&) {});
-  const auto data = frac::without_points(file.data, left_out);
+  return {frac::without_points(file.data, left_out), left_out.size()};
+}
+
+void set_result(RowBuilder& row, const BatchTask& task, const io::FrequencyResponseFile& file, std::size_t index,
+                BlockStarts& starts) {
+  const auto [data, left_out] = screened(task, file);
   if (!task.ranked) {
-    const auto& model = task.models.front();
-    auto options = task.options;
-    options.constraints = model.constraints;
-    const auto result = frac::fit(data, frac::Structure(model.formula), options);
-    set_fit(row, result, left_out.size());
+    const frac::Structure structure(task.models.front().formula);
+    const auto options = options_of(task);
+    const frac::FitResult* const first = starts[index];
+    const auto result = first == nullptr               ? frac::fit(data, structure, options)
+                        : BlockStarts::is_first(index) ? *first
+                                                       : frac::fit_from(*first, data, structure, options);
+    set_fit(row, result, left_out);
     const auto statistics = fit_statistics(data, options, result, {}, 1);
     row.set("lag_one_correlation", statistics.whiteness.lag_one_correlation);
     row.set("whiteness_p_value", statistics.whiteness.p_value);
@@ -102,7 +121,7 @@ void set_result(RowBuilder& row, const BatchTask& task, const io::FrequencyRespo
   }
   // Files share the cores, so each works on one.
   const auto result = frac::identify(data, task.models, {}, task.options, 1);
-  set_fit(row, result.ranking.at(result.chosen).fit, left_out.size());
+  set_fit(row, result.ranking.at(result.chosen).fit, left_out);
   row.set("chosen", std::string_view(result.ranking.at(result.chosen).name));
   row.set("verdict", frac::to_string(result.verdict));
   row.set("evidence", result.evidence);
@@ -195,13 +214,33 @@ std::string fault_of_command(const BatchTask& task, const std::vector<BatchCurve
   return fault;
 }
 
-BatchRow batch_row(const BatchTask& task, const BatchCurve& curve) {
+BlockStarts::BlockStarts(const BatchTask& task, const std::vector<BatchCurve>& curves)
+    : task_(task), curves_(curves), blocks_(std::make_unique<Block[]>(curves.size() / block_size + 1)) {}
+
+const frac::FitResult* BlockStarts::operator[](std::size_t index) {
+  if (task_.ranked) return nullptr;
+  Block& block = blocks_[index / block_size];
+  std::call_once(block.searched, [&] {
+    try {
+      const auto file = data_of(task_, curves_[index / block_size * block_size]);
+      block.answer =
+          frac::fit(screened(task_, file).data, frac::Structure(task_.models.front().formula), options_of(task_));
+    } catch (const io::DataError&) {  // its row will say it
+    } catch (const std::invalid_argument&) {
+    }
+  });
+  return block.answer ? &*block.answer : nullptr;
+}
+
+BatchRow batch_row(const BatchTask& task, const std::vector<BatchCurve>& curves, std::size_t index,
+                   BlockStarts& starts) {
+  const BatchCurve& curve = curves[index];
   RowBuilder row(batch_columns(task));
   row.set("file", std::string_view(curve.name));
   try {
     const auto data = data_of(task, curve);
     set_data(row, task, data);
-    set_result(row, task, data);
+    set_result(row, task, data, index, starts);
   } catch (const io::DataError& error) {
     row.set("status", std::string_view("invalid-data"));
     row.set("message", std::string_view(error.what()));

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,7 +53,32 @@ struct BatchTask {
 /// scenes in one file.  Empty if one curve can be read.
 [[nodiscard]] std::string fault_of_command(const BatchTask& task, const std::vector<BatchCurve>& curves);
 
-/// One row; a curve that cannot be read or fitted gives one that says why.
-[[nodiscard]] BatchRow batch_row(const BatchTask& task, const BatchCurve& curve);
+/// Answers at which the fits of other curves begin, see frac::fit_from(): the curves stand in blocks of 64, and each
+/// begins at the answer of the first one of its block.  So rows depend on the data alone, and not on the order in which
+/// threads, shards or a resumed run come to them; a shard fits the first curve of each block that it needs.
+class BlockStarts {
+ public:
+  /// @param curves  all of the batch, also where only a part of it is fitted
+  BlockStarts(const BatchTask& task, const std::vector<BatchCurve>& curves);
+
+  /// Of the first curve in the block of the curve at `index`; nullptr where that cannot be fitted, and in a ranking.
+  /// Any thread may ask.
+  [[nodiscard]] const frac::FitResult* operator[](std::size_t index);
+  [[nodiscard]] static bool is_first(std::size_t index) { return index % block_size == 0; }
+
+ private:
+  static constexpr std::size_t block_size = 64;
+  struct Block {
+    std::once_flag searched;
+    std::optional<frac::FitResult> answer;
+  };
+  const BatchTask& task_;
+  const std::vector<BatchCurve>& curves_;
+  std::unique_ptr<Block[]> blocks_;
+};
+
+/// One row, of the curve at `index`; a curve that cannot be read or fitted gives one that says why.
+[[nodiscard]] BatchRow batch_row(const BatchTask& task, const std::vector<BatchCurve>& curves, std::size_t index,
+                                 BlockStarts& starts);
 
 }  // namespace fracfit

@@ -182,7 +182,11 @@ class Batch : public Command {
     const auto files = io::part_of(inputs, shard());
     std::vector<BatchCurve> in_order;
     in_order.reserve(inputs.size());
-    for (const auto& name : inputs) in_order.push_back(curves.at(name));
+    std::map<std::string, std::size_t> place;
+    for (const auto& name : inputs) {
+      place.emplace(name, in_order.size());
+      in_order.push_back(curves.at(name));
+    }
     if (const auto fault = fault_of_command(task_, in_order); !fault.empty()) throw std::invalid_argument(fault);
     check_variables(laws_, task_, in_order);
     const std::string shard_text = options()["--shard"].is_given() ? io::text_of(shard()) : "";
@@ -195,6 +199,7 @@ class Batch : public Command {
       stream =
           std::make_unique<io::ResultStream>(out(), header, finished_rows(out(), rows_format, manifest, files, curves));
     std::vector<std::string> lines(files.size());
+    BlockStarts starts(task_, in_order);
     frac::Progress progress;
     progress.total = files.size();
     {
@@ -204,7 +209,7 @@ class Batch : public Command {
           lines[i] = stream->text(files[i]);
           lines[i].pop_back();
         } else {
-          lines[i] = row_line(rows_format, batch_row(task_, curves.at(files[i])));
+          lines[i] = row_line(rows_format, batch_row(task_, in_order, place.at(files[i]), starts));
           if (stream) stream->append(files[i], lines[i] + "\n");
         }
         ++progress.done;

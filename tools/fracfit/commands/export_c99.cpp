@@ -18,9 +18,8 @@ class ExportC99 : public Command {
     options()
         .parsed("--fixed-point", ranges_, ranges_of,
                 "Whole numbers of 32 bits instead, fractions of these ranges, for processors without a floating-point "
-                "unit; the error is stated. For a filter of sections alone, e.g. of --discretisation tustin",
+                "unit; the error is stated. For sections alone, e.g. of --discretisation tustin",
                 "INPUT:OUTPUT")
-        .only_with({"--model"})
         .not_with({"--precision", {"float"}}, "which it takes the place of");
     add_common({"c"});
     set_footer(
@@ -31,7 +30,10 @@ class ExportC99 : public Command {
         "plant.h\n"
         "  fracfit export c99 --model 's^-0.5' --band 0.01:2 --sample-time 0.02 --discretisation tustin --fixed-point "
         "5:100 "
-        "--out half.h");
+        "--out half.h\n"
+        "  fracfit export c99 --kp 2 --ki 3 --kd 0.05 --lambda 0.8 --mu 0.6 --sample-time 1e-3 --band 0.1:300 "
+        "--discretisation\n"
+        "      tustin --min -5 --max 5 --fixed-point 2:10 --out pid.h");
   }
 
  private:
@@ -43,8 +45,8 @@ class ExportC99 : public Command {
   int run() override {
     const ControllerRequest::Design design = request_.design(options());
     if (ranges_) {
-      const frac::FixedPointHeader header = code_.fixed_point(request_, std::get<frac::FilterChoice>(design), *ranges_,
-                                                              command_line() + code_.name_in_words());
+      const frac::FixedPointHeader header =
+          code_.fixed_point(request_, design, *ranges_, command_line() + code_.name_in_words());
       write(header.text);
     } else {
       write(code_.header(request_, design, command_line() + code_.words()));

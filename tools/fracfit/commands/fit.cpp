@@ -5,6 +5,7 @@
 #include "commands/subcommand.hpp"
 #include "frac/identification/outliers.hpp"
 #include "frac/structure.hpp"
+#include "io/output_file.hpp"
 #include "io/time_series_file.hpp"
 #include "options/fit_request.hpp"
 #include "options/model_choice.hpp"
@@ -39,6 +40,12 @@ class Fit : public Command {
            "Add profile-likelihood intervals of every parameter: they follow the cost itself");
     o.count("--bootstrap", bootstrap_, fewest_samples, largest_table,
             "Add intervals from N refits to resampled residuals, N >= 20", "N");
+    o.text("--refits", statistics_.refits_file,
+           "The parameters of each refit, as they come; after an interruption the same command goes on with "
+           "FILE.partial",
+           "FILE")
+        .only_with({"--bootstrap"})
+        .unsaid();
     o.texts("--derive", derive_).not_with({"--grow"}, "whose parameters the data choose");
     add_common({"json", "csv", "table"});
     set_footer(
@@ -78,6 +85,9 @@ class Fit : public Command {
       }
     }
     statistics_.bootstrap_samples = bootstrap_.value_or(0);
+    if (statistics_.refits_file.empty()) return;
+    if (statistics_.refits_file == "-") throw std::invalid_argument("--refits takes the name of a file");
+    static_cast<void>(io::OutputFile(statistics_.refits_file, {request_.data}));
   }
 
   [[nodiscard]] std::vector<frac::DerivedQuantity> quantities(const std::vector<std::string>& names) const {
@@ -118,7 +128,9 @@ class Fit : public Command {
   template <class Data, class FitOptions>
   int fit_and_write(const Data& data, FitOptions fit, const FitRun& run) {
     const auto [result, growth] = fitted(data, fit);
-    auto statistics = fit_statistics(data, fit, result, statistics_, threads());
+    auto asked = statistics_;
+    asked.command = command_line();
+    auto statistics = fit_statistics(data, fit, result, asked, threads());
     statistics.growth = growth;
     std::vector<std::string> names;
     for (const auto& parameter : result.parameters) names.push_back(parameter.name);

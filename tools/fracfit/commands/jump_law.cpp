@@ -2,6 +2,9 @@
 #include "backlash/identification/jump_law.hpp"
 
 #include <algorithm>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "commands/subcommand.hpp"
 #include "io/progress_bar.hpp"
@@ -10,6 +13,14 @@
 
 namespace fracfit {
 namespace {
+
+// A power law over a quantity needs two different values of it.
+void require_several(const std::string& option, const std::vector<double>& values, const std::string& list,
+                     const std::string& grid) {
+  if (std::ranges::any_of(values, [&](double value) { return value != values.front(); })) return;
+  throw std::invalid_argument(option + " is one value; the laws need at least two different ones, as a list (" + list +
+                              ") or a grid (" + grid + "). --constants gives what needs no law");
+}
 
 class JumpLaw : public Command {
  public:
@@ -70,6 +81,8 @@ class JumpLaw : public Command {
   }
 
   int run_laws() {
+    require_several("--force", force_, "10,20,50", "10:50:5");
+    require_several("--clearance", clearance_, "0.1,0.2,0.5", "0.1:0.5:5");
     const JumpLawRun run{command_line(), mass1_, mass2_};
     const auto law = over_grid(backlash::fit_jump_law);
     if (law.message.empty() || format() != "table")

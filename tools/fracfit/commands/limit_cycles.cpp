@@ -89,15 +89,9 @@ class LimitCyclesCommand : public Command {
   // The loop where the quantity that varies has a value, if one does.
   [[nodiscard]] LoopCycles cycles_of(const std::optional<double>& varied) const {
     const backlash::ControlLoop loop = loop_.loop(varied ? over_.name : "", varied.value_or(NAN));
-    const frac::FractionalTransferFunction& load = loop.bodies().load();
-    const frac::FractionalTransferFunction& drive = loop.bodies().drive();
-    // Without clearance the bodies share their motion: 1/G = 1/G1 + 1/G2.
-    const frac::FractionalTransferFunction rigid =
-        loop.bodies().are_free() ? backlash::free_mass(loop.system().mass1() + loop.system().mass2())
-                                 : frac::simplified(load * drive / (load + drive));
     backlash::LimitCycleOptions request;
     request.range = range_;
-    LoopCycles result{loop, frac::analyse_closed_loop(loop.controller() * rigid),
+    LoopCycles result{loop, frac::analyse_closed_loop(loop.controller() * backlash::rigid_receptance(loop.bodies())),
                       backlash::symmetric_cycles(loop, request), backlash::predicted_limit_cycles(loop, range_)};
     if (!varied && starts_ > 0 && can_start(loop)) {
       backlash::ImpactCycleOptions seeded;

@@ -12,21 +12,26 @@ namespace {
 
 class MittagLeffler : public Command {
  public:
-  MittagLeffler() : Command("mittag-leffler", "Mittag-Leffler function E_{alpha,beta}(z), as re,im") {
+  MittagLeffler()
+      : Command("mittag-leffler", "Mittag-Leffler function E_{alpha,beta}(z) or E^gamma_{alpha,beta}(z), as re,im") {
     Options& o = options();
     o.number("--alpha", alpha_, "First order, above 0 to 100", "ALPHA").required();
     o.number("--beta", beta_, "Second order, -50 to 50", "BETA");
+    o.number("--gamma", gamma_, "Third parameter (Prabhakar), above 0 to 100; other than 1 with --alpha up to 2",
+             "GAMMA");
     o.parsed("--z", z_, complex_of, "Argument, real or complex", "RE[,IM]").required();
     add_common({"csv", "json"});
     set_footer(
         "Examples:\n"
         "  fracfit mittag-leffler --alpha 0.5 --z -3\n"
-        "  fracfit mittag-leffler --alpha 1.5 --beta 2 --z 0.5,-1.25");
+        "  fracfit mittag-leffler --alpha 1.5 --beta 2 --z 0.5,-1.25\n"
+        "  fracfit mittag-leffler --alpha 0.8 --beta 0.8 --gamma 0.5 --z -2");
   }
 
  private:
   int run() override {
-    const std::complex<double> value = frac::mittag_leffler(alpha_, beta_, z_);
+    const std::complex<double> value =
+        gamma_ == 1 ? frac::mittag_leffler(alpha_, beta_, z_) : frac::prabhakar(alpha_, beta_, gamma_, z_);
     if (format() == "json") {
       Json json = origin(command_line());
       json["re"] = value.real();
@@ -42,7 +47,7 @@ class MittagLeffler : public Command {
     return no_usable_result;
   }
 
-  double alpha_ = NAN, beta_ = 1;
+  double alpha_ = NAN, beta_ = 1, gamma_ = 1;
   std::complex<double> z_;
 };
 

@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frac/identification/tune.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
 
+#include "backlash/design/tune_with_backlash.hpp"
 #include "commands/subcommand.hpp"
 #include "frac/identification/robust_tune.hpp"
 #include "frac/identification/time_fit.hpp"
 #include "io/data_error.hpp"
 #include "io/time_series_file.hpp"
 #include "options/fit_record.hpp"
+#include "options/loop_options.hpp"
 #include "options/model_options.hpp"
 #include "output/aligned_table.hpp"
 #include "output/json.hpp"
@@ -45,16 +48,18 @@ frac::OrderRange order_range_of(std::string_view name, const std::string& text) 
   return {number_of(name, lower), number_of(name, upper)};
 }
 
-// @param region  null where the plant is known exactly
-std::string tuning_json(const frac::TuningResult& result, const std::string& plant, const std::string& command,
-                        const frac::RobustTuningResult* region = nullptr) {
+Json controller_json(const frac::TuningResult& result) {
+  return {{"kp", result.gains.kp}, {"ki", result.gains.ki},
+          {"kd", result.gains.kd}, {"lambda", result.gains.lambda},
+          {"mu", result.gains.mu}, {"derivative_filter_time", result.derivative_filter_time}};
+}
+
+Json tuning_json(const frac::TuningResult& result, const std::string& plant, const std::string& command) {
   Json json = origin(command);
   json["plant"] = plant;
   json["status"] = frac::to_string(result.status);
   json["message"] = result.message;
-  json["controller"] = {{"kp", result.gains.kp}, {"ki", result.gains.ki},
-                        {"kd", result.gains.kd}, {"lambda", result.gains.lambda},
-                        {"mu", result.gains.mu}, {"derivative_filter_time", result.derivative_filter_time}};
+  json["controller"] = controller_json(result);
   Json& specification = json["specification"] = Json::array();
   for (const auto& line : result.specification) {
     specification.push_back({{"name", line.name}, {"asked", line.asked}, {"reached", line.reached}, {"met", line.met}});
@@ -71,21 +76,63 @@ std::string tuning_json(const frac::TuningResult& result, const std::string& pla
   json["iae"] = result.iae;
   json["itae"] = result.itae;
   json["evaluations"] = result.evaluations;
-  if (region != nullptr) {
-    json["status"] = frac::to_string(region->status);
-    json["region"] = {{"message", region->message},
-                      {"plants", region->plants},
-                      {"not_stable", region->not_stable},
-                      {"max_sensitivity", region->max_sensitivity},
-                      {"max_complementary_sensitivity", region->max_complementary},
-                      {"least_phase_margin_deg", region->least_phase_margin / degree},
-                      {"crossover_lowest", region->crossover[0]},
-                      {"crossover_highest", region->crossover[1]}};
-  }
-  return json.dump() + "\n";
+  return json;
 }
 
-std::string tuning_table(const frac::TuningResult& result, const std::string& plant) {
+Json region_json(const frac::RobustTuningResult& region) {
+  return {{"message", region.message},
+          {"plants", region.plants},
+          {"not_stable", region.not_stable},
+          {"max_sensitivity", region.max_sensitivity},
+          {"max_complementary_sensitivity", region.max_complementary},
+          {"least_phase_margin_deg", region.least_phase_margin / degree},
+          {"crossover_lowest", region.crossover[0]},
+          {"crossover_highest", region.crossover[1]}};
+}
+
+Json motion_json(const backlash::PersistentMotion& motion) {
+  Json json{{"persists", motion.swing > 0},
+            {"swing_m", motion.swing},
+            {"verified", motion.verified},
+            {"searched", {{"from", motion.searched.from}, {"to", motion.searched.to}, {"certain", motion.certain}}},
+            {"cycles", Json::array()},
+            {"simulations", Json::array()}};
+  for (const auto& cycle : motion.cycles) {
+    json["cycles"].push_back({{"omega", cycle.omega},
+                              {"stable", cycle.stability.stable},
+                              {"multiplier_modulus", std::abs(cycle.stability.dominant)},
+                              {"impact_speed", cycle.impact_speed},
+                              {"amplitude_x1", std::abs(cycle.harmonics.front().x1)},
+                              {"amplitude_x2", std::abs(cycle.harmonics.front().x2)}});
+  }
+  for (const auto& simulation : motion.simulations) {
+    json["simulations"].push_back(
+        {{"velocity2", simulation.speed}, {"swing_m", simulation.swing}, {"dies_out", simulation.dies_out}});
+  }
+  return json;
+}
+
+void append_backlash(Json& json, const backlash::BacklashTuning& result, const backlash::BacklashPlant& plant) {
+  const auto& system = plant.bodies.system();
+  json["message"] = result.message;
+  json["backlash"] = {{"body", backlash::to_string(plant.measured)},
+                      {"load_receptance", plant.bodies.load().formula()},
+                      {"drive_receptance", plant.bodies.drive().formula()},
+                      {"clearance_m", system.clearance()},
+                      {"restitution", system.restitution()}};
+  json["backlash"].update(motion_json(result.persistent));
+  json["regardless"] = {{"controller", controller_json(result.regardless)},
+                        {"max_sensitivity", result.regardless.max_sensitivity}};
+  json["regardless"].update(motion_json(result.of_regardless));
+  json["constraints"] = Json::array();
+  for (const auto& line : result.constraints) {
+    json["constraints"].push_back(
+        {{"name", line.name}, {"asked", line.asked}, {"reached", line.reached}, {"active", line.active}});
+  }
+}
+
+// @param message  of the whole answer
+std::string tuning_table(const frac::TuningResult& result, const std::string& plant, const std::string& message) {
   std::string text = "plant " + plant + "\n\n";
   AlignedTable controller({"", "value"});
   controller.add({"kp", short_number(result.gains.kp)});
@@ -116,7 +163,7 @@ std::string tuning_table(const frac::TuningResult& result, const std::string& pl
     loop.add({"IAE", short_number(result.iae), ""});
     loop.add({"ITAE", short_number(result.itae), ""});
   }
-  return text + loop.text() + "\n" + paragraph(result.message);
+  return text + loop.text() + "\n" + paragraph(message);
 }
 
 std::string region_table(const frac::RobustTuningResult& region) {
@@ -127,6 +174,24 @@ std::string region_table(const frac::RobustTuningResult& region) {
   table.add({"phase margin, deg", short_number(region.least_phase_margin / degree)});
   table.add({"crossover, rad/s", short_number(region.crossover[0]) + " to " + short_number(region.crossover[1])});
   return "\n" + table.text() + "\n" + paragraph(region.message);
+}
+
+std::string backlash_table(const backlash::BacklashTuning& result) {
+  AlignedTable constraints({"constraint", "asked", "reached", "active"});
+  for (const auto& line : result.constraints)
+    constraints.add({line.name, short_number(line.asked), short_number(line.reached), line.active ? "yes" : "no"});
+  AlignedTable motions({"motion with clearance", "to either side, m", "rad/s", "stable"});
+  for (const auto& [name, motion] :
+       {std::pair{"of this controller", &result.persistent}, {"regardless of it", &result.of_regardless}}) {
+    if (motion->swing == 0) {
+      motions.add({std::string(name) + ": none", "0", "", ""});
+      continue;
+    }
+    const bool is_cycle = !motion->cycles.empty();
+    motions.add({name, short_number(motion->swing), is_cycle ? short_number(motion->cycles.back().omega) : "",
+                 is_cycle ? (motion->cycles.back().stability.stable ? "yes" : "no") : ""});
+  }
+  return "\n" + constraints.text() + "\n" + motions.text();
 }
 
 class Tune : public Command {
@@ -141,8 +206,22 @@ class Tune : public Command {
            "lag, a fractional lag or a second order, each with dead time, whichever explains them best; then as --fit",
            "FILE")
         .names_input();
-    o.exactly_one({"--model", "--fit", "--from-relay"}, "the plant");
-    o.number("--crossover", asked_.crossover, "Angular frequency at which |L| = 1, rad/s", "W");
+    o.number("--clearance", clearance_,
+             "The plant is two bodies with clearance: no motion is to persist, or the smallest; the demands are of the "
+             "loop with the clearance closed",
+             "DELTA");
+    o.exactly_one({"--model", "--fit", "--from-relay", "--clearance"}, "the plant");
+    o.number("--mass1", mass1_);
+    o.number("--mass2", mass2_);
+    add_receptances(o, load_, drive_);
+    o.one_number("--restitution", restitution_);
+    o.choice("--body", body_, backlash::outputs(), "that the controller gets: x1, the load, or x2, the driven body");
+    for (const char* name :
+         {"--mass1", "--mass2", "--load-receptance", "--drive-receptance", "--restitution", "--body"})
+      o[name].only_with({"--clearance"});
+    o["--restitution"].needed_with({"--clearance"});
+    o.number("--crossover", asked_.crossover, "Angular frequency at which |L| = 1, rad/s", "W")
+        .needed_with({"--clearance"});
     o.parsed("--phase-margin", asked_.phase_margin, angle_of, "At the crossover, degrees", "DEG");
     o.flag("--flat-phase", asked_.flat_phase, "No slope of the phase at the crossover (iso-damping)");
     o.parsed("--max-sensitivity", asked_.max_sensitivity, number_of, "Largest |S| = |1/(1 + L)|", "MS");
@@ -172,7 +251,9 @@ class Tune : public Command {
         "  fracfit tune --model \"exp(-0.1 s)/(s + 1)\" --minimise iae --horizon 10 --step load "
         "--max-sensitivity 1.6\n"
         "  fracfit tune --fit plant.json --crossover 2 --phase-margin 60 --max-sensitivity 1.6\n"
-        "  fracfit tune --from-relay relay.csv --crossover 2 --phase-margin 60 --max-sensitivity 1.6");
+        "  fracfit tune --from-relay relay.csv --crossover 2 --phase-margin 60 --max-sensitivity 1.6\n"
+        "  fracfit tune --clearance 0.01 --restitution 0.5 --load-receptance '1/(s^2 + 0.8 s)' --crossover 2 "
+        "--phase-margin 50");
   }
 
  private:
@@ -194,20 +275,50 @@ class Tune : public Command {
     const frac::FitResult fit = fit_.empty() ? fit_of_relay() : read_fit(fit_);
     const frac::RobustTuningResult result = frac::tune_for_region(fit, asked_, tuning_);
     const std::string plant = frac::fitted_plant(fit).formula();
-    write(format() == "json" ? tuning_json(result.nominal, plant, command_line(), &result)
-                             : tuning_table(result.nominal, plant) + region_table(result));
+    if (format() == "json") {
+      Json json = tuning_json(result.nominal, plant, command_line());
+      json["status"] = frac::to_string(result.status);
+      json["region"] = region_json(result);
+      write(json.dump() + "\n");
+    } else {
+      write(tuning_table(result.nominal, plant, result.nominal.message) + region_table(result));
+    }
     if (result.usable()) return usable_result;
     say(result.message);
     return no_usable_result;
   }
 
+  [[nodiscard]] backlash::BacklashPlant bodies() const {
+    if (!load_ && !drive_) return {backlash::TwoMassSystem(mass1_, mass2_, *clearance_, restitution_), body_};
+    return {backlash::LinearBodies(load_.value_or(backlash::free_mass(mass1_)),
+                                   drive_.value_or(backlash::free_mass(mass2_)), *clearance_, restitution_),
+            body_};
+  }
+
+  int run_with_backlash() {
+    const backlash::BacklashPlant plant = bodies();
+    const backlash::BacklashTuning result = backlash::tune_with_backlash(plant, asked_, tuning_);
+    const std::string rigid = backlash::rigid_receptance(plant.bodies).formula();
+    if (format() == "json") {
+      Json json = tuning_json(result.linear, rigid, command_line());
+      append_backlash(json, result, plant);
+      write(json.dump() + "\n");
+    } else {
+      write(tuning_table(result.linear, rigid, result.message) + backlash_table(result));
+    }
+    const bool has_news = result.persistent.swing > 0 || !result.persistent.verified;
+    if (!result.usable() || (has_news && format() != "table")) say(result.message);
+    return result.usable() ? usable_result : no_usable_result;
+  }
+
   int run() override {
     tuning_.horizon = horizon_.value_or(0);
     tuning_.load_step = step_ == "load";
+    if (clearance_) return run_with_backlash();
     if (!plant_) return run_for_region();
     const frac::TuningResult result = frac::tune(*plant_, asked_, tuning_);
-    write(format() == "json" ? tuning_json(result, plant_->formula(), command_line())
-                             : tuning_table(result, plant_->formula()));
+    write(format() == "json" ? tuning_json(result, plant_->formula(), command_line()).dump() + "\n"
+                             : tuning_table(result, plant_->formula(), result.message));
     if (result.status == frac::TuningStatus::met) {
       if (result.mu_at_limit && format() != "table") say(result.message);
       return usable_result;
@@ -219,7 +330,10 @@ class Tune : public Command {
   std::optional<frac::FractionalTransferFunction> plant_;
   frac::LoopSpecification asked_;
   frac::TuningOptions tuning_;
-  std::optional<double> horizon_;
+  std::optional<double> horizon_, clearance_;
+  double mass1_ = 1, mass2_ = 1, restitution_ = 0;
+  std::optional<frac::FractionalTransferFunction> load_, drive_;
+  backlash::Output body_ = backlash::Output::x1;
   std::string step_ = "setpoint", fit_, relay_;
 };
 

@@ -45,7 +45,6 @@ class Command {
   /// A note that is said when the work begins.
   void add_note(std::string note) { notes_.push_back(std::move(note)); }
   [[nodiscard]] int threads() const { return threads_; }
-  [[nodiscard]] bool is_quiet() const { return quiet_; }
 
  protected:
   /// Checks that the options fit together, where their declarations cannot say it, before anything is written or read.

@@ -158,10 +158,14 @@ std::string CodeRequest::header(const ControllerRequest& request, const Controll
   return frac::c_header(std::get<frac::FilterChoice>(design).design, options);
 }
 
-frac::FixedPointHeader CodeRequest::fixed_point(const ControllerRequest& request, const frac::FilterChoice& filter,
+frac::FixedPointHeader CodeRequest::fixed_point(const ControllerRequest& request,
+                                                const ControllerRequest::Design& design,
                                                 const frac::FixedPointRanges& ranges,
                                                 const std::string& command) const {
-  return frac::fixed_point_header(filter.design, ranges, with_comment(request, filter, command));
+  const frac::CHeaderOptions options = with_comment(request, design, command);
+  if (const auto* pid = std::get_if<frac::FractionalPidDesign>(&design))
+    return frac::fixed_point_header(*pid, ranges, options);
+  return frac::fixed_point_header(std::get<frac::FilterChoice>(design).design, ranges, options);
 }
 
 std::vector<frac::NamedText> CodeRequest::arduino_library(const ControllerRequest& request,

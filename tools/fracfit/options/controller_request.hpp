@@ -65,7 +65,8 @@ class CodeRequest {
   [[nodiscard]] std::string header(const ControllerRequest& request, const ControllerRequest::Design& design,
                                    const std::string& command) const;
   /// @throws std::invalid_argument  as frac::fixed_point_header().
-  [[nodiscard]] frac::FixedPointHeader fixed_point(const ControllerRequest& request, const frac::FilterChoice& filter,
+  [[nodiscard]] frac::FixedPointHeader fixed_point(const ControllerRequest& request,
+                                                   const ControllerRequest::Design& design,
                                                    const frac::FixedPointRanges& ranges,
                                                    const std::string& command) const;
   [[nodiscard]] std::vector<frac::NamedText> arduino_library(const ControllerRequest& request,

@@ -18,6 +18,10 @@ namespace fracfit {
 struct StatisticsRequest {
   bool profile = false;
   std::size_t bootstrap_samples = 0;  // 0: none
+  /// Where the parameters of each refit go as they come; empty: nowhere.  What an interrupted run has left in
+  /// FILE.partial is not computed again.
+  std::string refits_file = {};
+  std::string command = {};  ///< command line, for the head of that file
 };
 
 /// What the library says of a fit beside its parameters.  Lists have one entry per parameter.

@@ -39,6 +39,9 @@ class LinearBodies {
   bool has_free_drive_;
 };
 
+/// Receptance of both bodies where the clearance is closed: 1/G = 1/G1 + 1/G2.
+[[nodiscard]] frac::FractionalTransferFunction rigid_receptance(const LinearBodies& bodies);
+
 /// 1/(mass s^2).
 /// @param mass  kg, > 0
 [[nodiscard]] frac::FractionalTransferFunction free_mass(double mass);

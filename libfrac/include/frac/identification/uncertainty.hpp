@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <functional>
 #include <string_view>
 #include <vector>
 
@@ -45,6 +47,23 @@ struct BootstrapInterval {
 /// The same over time, with the residuals relative to sigma, or as they are without one.
 [[nodiscard]] std::vector<BootstrapInterval> bootstrap(const TimeResponseData& data, const TimeFitOptions& options,
                                                        const FitResult& result, std::size_t samples, int threads = 0);
+
+/// The refits of such a bootstrap one by one, in any order: for studies that have to survive an interruption.
+class BootstrapRefits {
+ public:
+  /// @param data  has to outlive this
+  BootstrapRefits(const FrequencyResponseData& data, const FitOptions& options, const FitResult& result);
+  BootstrapRefits(const TimeResponseData& data, const TimeFitOptions& options, const FitResult& result);
+  /// Parameters of the refit of a sample; safe to call from several threads.
+  [[nodiscard]] std::vector<double> parameters(std::size_t sample) const { return refit_(sample); }
+
+ private:
+  std::function<std::vector<double>(std::size_t)> refit_;
+};
+
+/// Of the parameters of each refit, one interval per parameter.
+/// @throws std::invalid_argument  fewer than 20 refits.
+[[nodiscard]] std::vector<BootstrapInterval> bootstrap_intervals(const std::vector<std::vector<double>>& refits);
 
 /// Standard deviation of the fitted curve, from the covariance of the parameters (those without a standard error held).
 struct ResponseDeviation {

@@ -9,6 +9,7 @@
 #include "approximation/multiprecision.hpp"
 #include "approximation/unit_design.hpp"
 #include "base/number_text.hpp"
+#include "base/polynomial.hpp"
 
 namespace frac::detail {
 namespace {
@@ -57,17 +58,9 @@ std::vector<int> roots_that_make(double order) {
                               " of the order is not m/q with q <= " + std::to_string(most_denominator));
 }
 
-Polynomial product(const Polynomial& a, const Polynomial& b) {
-  Polynomial result(a.size() + b.size() - 1);
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    for (std::size_t k = 0; k < b.size(); ++k) result[i + k] += a[i] * b[k];
-  }
-  return result;
-}
-
 Polynomial power(const Polynomial& base, int exponent) {
   Polynomial result{1};
-  for (int i = 0; i < exponent; ++i) result = product(result, base);
+  for (int i = 0; i < exponent; ++i) result = polynomial_product(result, base);
   return result;
 }
 
@@ -170,8 +163,8 @@ void append_root(UnitDesign& design, int q, int iterations) {
   for (int i = 0; i < iterations; ++i) {
     const Polynomial upper = power(numerator, q);
     const Polynomial lower = power(denominator, q);
-    numerator = product(numerator, combination(q - 1, upper, q + 1, lower));
-    denominator = product(denominator, combination(q + 1, upper, q - 1, lower));
+    numerator = polynomial_product(numerator, combination(q - 1, upper, q + 1, lower));
+    denominator = polynomial_product(denominator, combination(q + 1, upper, q - 1, lower));
   }
   split(roots_of(numerator), design.zeros, design.zero_pairs);
   split(roots_of(denominator), design.poles, design.pole_pairs);

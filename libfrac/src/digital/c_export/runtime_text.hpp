@@ -14,7 +14,11 @@ extern const std::string_view pid_state;
 extern const std::string_view pid;
 extern const std::string_view filter_state;
 extern const std::string_view filter;
+extern const std::string_view q31_filter_state;
+extern const std::string_view q31_section;
 extern const std::string_view q31_filter;
+extern const std::string_view q31_pid_state;
+extern const std::string_view q31_pid;
 extern const std::string_view arduino_pid;
 extern const std::string_view arduino_filter;
 

@@ -13,7 +13,7 @@
 namespace frac::detail {
 namespace {
 
-/// A weighted sum of values at neighbouring points that a smooth curve leaves small.
+/// A weighted sum of values at neighbouring points, which is small for a smooth curve.
 struct Change {
   double size;
   std::array<std::pair<std::size_t, double>, 1 + LocalCurve::most_neighbours> shares;  // of its variance, by point
@@ -112,7 +112,7 @@ double floor_of(const FrequencyResponseData& data, std::span<const std::complex<
     each.size /= largest;
     changed.push_back(each.size * each.size / square[each.shares[0].first]);
   }
-  // Of values that follow a curve to rounding there is no noise to learn from.
+  // Values that follow a curve to within rounding show no noise.
   constexpr double rounding = 1e-10;
   if (changed.empty() || !(median(changed) > rounding * rounding)) return 0;
 
@@ -133,7 +133,7 @@ double floor_of(const FrequencyResponseData& data, std::span<const std::complex<
   for (const double shift : {-0.75, -0.5, -0.25, 0.25, 0.5, 0.75}) try_floor(about + shift);
   const double near = std::log(best);
   for (const double shift : {-0.12, 0.12}) try_floor(near + shift);
-  // A floor that is seen where there is none is a small one and costs little; one that is missed spoils intervals.
+  // A floor that is found where there is none is small and does little harm; one that is missed makes intervals wrong.
   constexpr double clearly = 2;
   return highest - none > clearly ? best * largest : 0;
 }

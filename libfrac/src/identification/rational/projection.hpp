@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cmath>
 #include <complex>
 #include <cstddef>
 #include <limits>
@@ -73,6 +74,19 @@ class ProjectedData {
 
 /// n ln(cost/n) and price_of_parameters().  Negligible costs are equally good.
 [[nodiscard]] double schwarz(const ProjectedData& data, double cost, std::size_t parameters);
+
+/// Iterations of a fit that is to show whether a place is worth more, and of one that is to end.
+inline constexpr int scouting = 12, thorough = 60;
+
+/// Of fits along a line of places appends each local minimum of the cost, those that are not finite left out.
+template <class Fit>
+void add_local_minima(std::vector<Fit> along, std::vector<Fit>& starts) {
+  for (std::size_t i = 0; i < along.size(); ++i) {
+    const bool below_left = i == 0 || along[i].cost <= along[i - 1].cost;
+    const bool below_right = i + 1 == along.size() || along[i].cost < along[i + 1].cost;
+    if (below_left && below_right && std::isfinite(along[i].cost)) starts.push_back(along[i]);
+  }
+}
 
 /// How far beyond the band poles and arcs are looked for: half a decade, in e-folds.
 inline constexpr double search_margin = 1.2;

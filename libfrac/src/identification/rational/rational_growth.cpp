@@ -9,7 +9,6 @@
 namespace frac::detail {
 namespace {
 
-constexpr int scouting = 12, thorough = 60;  // iterations
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 bool exact(const RationalProblem& problem, const RationalFit& fit) {
@@ -51,15 +50,6 @@ RationalFit best_refined(const RationalProblem& problem, std::vector<RationalFit
   }
   if (std::isfinite(best.cost)) best = problem.refine(best.shape, thorough);
   return best;
-}
-
-/// Keeps, of each run of neighbouring places, the lowest.
-void add_local_minima(std::vector<RationalFit> along, std::vector<RationalFit>& starts) {
-  for (std::size_t i = 0; i < along.size(); ++i) {
-    const bool below_left = i == 0 || along[i].cost <= along[i - 1].cost;
-    const bool below_right = i + 1 == along.size() || along[i].cost < along[i + 1].cost;
-    if (below_left && below_right) starts.push_back(along[i]);
-  }
 }
 
 /// The shape with its slowest pole at 0, if that lies below the band.

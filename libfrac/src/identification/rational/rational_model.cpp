@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "base/polynomial.hpp"
+
 namespace frac::detail {
 namespace {
 
@@ -91,11 +93,7 @@ NamedModel written_out(const RationalProblem& problem, const RationalShape& shap
         writer.add(p, factor.sign * size, factor.sign < 0);
       }
     }
-    std::vector<double> product(expanded.size() + of_factor.size() - 1, 0.0);
-    for (std::size_t i = 0; i < expanded.size(); ++i) {
-      for (std::size_t k = 0; k < of_factor.size(); ++k) product[i + k] += expanded[i] * of_factor[k];
-    }
-    expanded = std::move(product);
+    expanded = polynomial_product(expanded, of_factor);
   }
 
   std::vector<double> numerator = problem.numerator(shape);

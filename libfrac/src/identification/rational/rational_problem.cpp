@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/polynomial.hpp"
+
 namespace frac::detail {
 namespace {
 
@@ -220,13 +222,6 @@ std::vector<double> RationalProblem::numerator(const RationalShape& shape) const
   if (!solve(columns(shape), linear)) return result;
   // The basis written out in powers of z, in the order of columns().
   std::vector<double> polynomial{1};
-  const auto times = [](const std::vector<double>& a, const std::vector<double>& b) {
-    std::vector<double> product(a.size() + b.size() - 1, 0.0);
-    for (std::size_t i = 0; i < a.size(); ++i) {
-      for (std::size_t k = 0; k < b.size(); ++k) product[i + k] += a[i] * b[k];
-    }
-    return product;
-  };
   std::size_t filled = 0;
   const auto add = [&](const std::vector<double>& of_z) {
     if (filled == count) return;
@@ -238,13 +233,13 @@ std::vector<double> RationalProblem::numerator(const RationalShape& shape) const
     const double size = std::exp(shape.order * factor.log_size);
     add(polynomial);
     if (factor.pair) {
-      add(times(polynomial, {0, 1 / size}));
-      polynomial = times(polynomial, {1, 2 * std::sinh(factor.damping) / size, 1 / (size * size)});
+      add(polynomial_product(polynomial, {0, 1 / size}));
+      polynomial = polynomial_product(polynomial, {1, 2 * std::sinh(factor.damping) / size, 1 / (size * size)});
     } else {
-      polynomial = times(polynomial, {1, factor.sign / size});
+      polynomial = polynomial_product(polynomial, {1, factor.sign / size});
     }
   }
-  for (; filled < count; polynomial = times(polynomial, {0, 1})) add(polynomial);
+  for (; filled < count; polynomial = polynomial_product(polynomial, {0, 1})) add(polynomial);
   // Integrators and the lowest power count in the scale of frequency, too.
   for (std::size_t i = 0; i < count; ++i) {
     const double power = static_cast<double>(shape.integrators) - static_cast<double>(i + shape.low);

@@ -11,9 +11,8 @@
 namespace frac::detail {
 namespace {
 
-constexpr int scouting = 12, thorough = 60;  // iterations
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Sums that the next term is added to: the best one may have a term in another's place.
+// So many sums get the next term: the best one may have a term where another one belongs.
 constexpr std::size_t kept = 2;
 
 Term whole_power(double order) {
@@ -40,16 +39,7 @@ TermSum with(const TermSum& sum, const Term& term) {
   return result;
 }
 
-/// The lowest of the terms along a line of places, orders ..., each local minimum of the cost.
-void add_local_minima(std::vector<TermFit> along, std::vector<TermFit>& starts) {
-  for (std::size_t i = 0; i < along.size(); ++i) {
-    const bool below_left = i == 0 || along[i].cost <= along[i - 1].cost;
-    const bool below_right = i + 1 == along.size() || along[i].cost < along[i + 1].cost;
-    if (below_left && below_right && std::isfinite(along[i].cost)) starts.push_back(std::move(along[i]));
-  }
-}
-
-/// Refines the few starts of least cost.
+/// Refines the `count` starts of least cost.
 void refine_best(const TermProblem& problem, std::vector<TermFit> starts, std::size_t count,
                  std::vector<TermFit>& refined) {
   std::stable_sort(starts.begin(), starts.end(), [](const TermFit& a, const TermFit& b) { return a.cost < b.cost; });
@@ -58,7 +48,7 @@ void refine_best(const TermProblem& problem, std::vector<TermFit> starts, std::s
   }
 }
 
-/// Sums with a term more, the best of each kind of term refined.
+/// Appends sums with one more term, of each kind of term the best ones, refined.
 void extend(const TermProblem& problem, const TermSum& sum, std::vector<TermFit>& refined) {
   for (const double order : {0.0, 1.0, -1.0}) {
     const Term power = whole_power(order);
@@ -84,7 +74,7 @@ void extend(const TermProblem& problem, const TermSum& sum, std::vector<TermFit>
   refine_best(problem, std::move(starts), 3, refined);
 }
 
-/// The fit without what does not pay for itself: terms, and orders that may as well be whole.
+/// Returns the fit without what does not pay for itself: terms, and free orders that may as well be whole.
 TermFit without_idle_parts(const TermProblem& problem, TermFit best) {
   double value = value_of(problem, best);
   for (bool better = true; better;) {

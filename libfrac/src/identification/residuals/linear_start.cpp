@@ -13,7 +13,7 @@ namespace {
 
 using Index = Eigen::Index;
 
-/// Terms of the form with what is known of them.
+/// The terms of the form, each with what is known of its coefficient.
 struct Unknowns {
   std::vector<const CoefficientTerm*> terms;
   std::size_t of_numerator = 0;  // the first ones
@@ -163,7 +163,7 @@ std::optional<std::vector<double>> parameters_from(const CoefficientForm& form, 
     const Eigen::VectorXd change = PivotedQr(matrix).solve(right);
     if (!change.allFinite()) return std::nullopt;
     for (Index column = 0; column < columns; ++column) {
-      // Three e-folds at most where the picture is curved.
+      // A step is at most three e-folds long, because the linear picture holds no further.
       const double fold = products ? change[column] : std::clamp(change[column], -3.0, 3.0);
       parameters[wanted[static_cast<std::size_t>(column)]] *= std::exp(fold);
     }

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "curvature_fit.hpp"
 #include "frac/identification/statistics.hpp"
@@ -196,25 +198,32 @@ BootstrapInterval percentiles(std::vector<double> values) {
 }
 
 template <class Resampling, class Options>
-std::vector<BootstrapInterval> bootstrap_of(const Resampling& resampling, const Options& options,
-                                            const FitResult& result, std::size_t samples, int threads) {
+std::function<std::vector<double>(std::size_t)> refit_of(Resampling resampling, const Options& options,
+                                                         const FitResult& result) {
+  const Structure structure(result.model);
+  return [resampling = std::move(resampling), structure,
+          refit = warm(options, structure, result.parameters)](std::size_t sample) {
+    std::seed_seq seed{refit.seed, static_cast<std::uint64_t>(sample)};
+    std::mt19937_64 generator(seed);
+    std::vector<double> values;
+    for (const auto& parameter : detail::curvature_fit(resampling.draw(generator), structure, refit).parameters)
+      values.push_back(parameter.value);
+    return values;
+  };
+}
+
+void check_samples(std::size_t samples) {
   if (samples < 20) {
     throw std::invalid_argument("a bootstrap of " + std::to_string(samples) +
                                 " samples has no percentiles; use at least 20");
   }
-  const Structure structure(result.model);
-  const Options refit = warm(options, structure, result.parameters);
-  std::vector<std::vector<double>> values(result.parameters.size(), std::vector<double>(samples));
-  parallel_for(samples, threads, [&](std::size_t sample) {
-    std::seed_seq seed{options.seed, static_cast<std::uint64_t>(sample)};
-    std::mt19937_64 generator(seed);
-    const FitResult again = detail::curvature_fit(resampling.draw(generator), structure, refit);
-    for (std::size_t k = 0; k < values.size(); ++k) values[k][sample] = again.parameters[k].value;
-  });
-  std::vector<BootstrapInterval> intervals;
-  intervals.reserve(values.size());
-  for (std::vector<double>& each : values) intervals.push_back(percentiles(std::move(each)));
-  return intervals;
+}
+
+std::vector<BootstrapInterval> bootstrap_of(const BootstrapRefits& refits, std::size_t samples, int threads) {
+  check_samples(samples);
+  std::vector<std::vector<double>> values(samples);
+  parallel_for(samples, threads, [&](std::size_t sample) { values[sample] = refits.parameters(sample); });
+  return bootstrap_intervals(values);
 }
 
 }  // namespace
@@ -280,15 +289,36 @@ ProfileInterval profile_interval(const TimeResponseData& data, const TimeFitOpti
   return interval;
 }
 
+BootstrapRefits::BootstrapRefits(const FrequencyResponseData& data, const FitOptions& options,
+                                 const FitResult& result) {
+  const FitOptions known = detail::settled(options, result);
+  refit_ = refit_of(FrequencyResampling(data, known, result, inflation(result)), known, result);
+}
+
+BootstrapRefits::BootstrapRefits(const TimeResponseData& data, const TimeFitOptions& options, const FitResult& result)
+    : refit_(refit_of(TimeResampling(data, options, result, inflation(result)), options, result)) {}
+
+std::vector<BootstrapInterval> bootstrap_intervals(const std::vector<std::vector<double>>& refits) {
+  check_samples(refits.size());
+  std::vector<BootstrapInterval> intervals;
+  intervals.reserve(refits.front().size());
+  for (std::size_t k = 0; k < refits.front().size(); ++k) {
+    std::vector<double> values;
+    values.reserve(refits.size());
+    for (const std::vector<double>& refit : refits) values.push_back(refit.at(k));
+    intervals.push_back(percentiles(std::move(values)));
+  }
+  return intervals;
+}
+
 std::vector<BootstrapInterval> bootstrap(const FrequencyResponseData& data, const FitOptions& options,
                                          const FitResult& result, std::size_t samples, int threads) {
-  const FitOptions known = detail::settled(options, result);
-  return bootstrap_of(FrequencyResampling(data, known, result, inflation(result)), known, result, samples, threads);
+  return bootstrap_of(BootstrapRefits(data, options, result), samples, threads);
 }
 
 std::vector<BootstrapInterval> bootstrap(const TimeResponseData& data, const TimeFitOptions& options,
                                          const FitResult& result, std::size_t samples, int threads) {
-  return bootstrap_of(TimeResampling(data, options, result, inflation(result)), options, result, samples, threads);
+  return bootstrap_of(BootstrapRefits(data, options, result), samples, threads);
 }
 
 std::vector<ResponseDeviation> response_deviation(const FitResult& result, const Realisation& realisation,

@@ -45,13 +45,16 @@ class Search {
     std::vector<double> violations;  // above 0 where kept not
     double criterion = infinity;
     [[nodiscard]] double worst() const { return *std::max_element(violations.begin(), violations.end()); }
+    [[nodiscard]] bool keeps_all() const {
+      constexpr double kept = 1e-9;
+      return worst() <= kept;
+    }
     // Whatever keeps the specification is before whatever does not.
     [[nodiscard]] double rank() const {
-      constexpr double kept = 1e-9;
       constexpr double far = 1e9;
       const double value = worst();
       if (!std::isfinite(value)) return 10 * far;
-      return value > kept ? far * (1 + std::min(value, 1.0)) + std::min(value, far) : std::min(criterion, far);
+      return keeps_all() ? std::min(criterion, far) : far * (1 + std::min(value, 1.0)) + std::min(value, far);
     }
   };
 
@@ -182,8 +185,8 @@ class Search {
     double* const gain[3] = {&gains.kp, &gains.ki, &gains.kd};
     const GainSpace::Shares shares = space_.shares(gains);
     for (int i = 0; i < 3; ++i) {
-      // However small, a negative gain is one unstable pole.
-      if (shares.of[i] < 0 && shares.of[i] > -1e-9) *gain[i] = 0;
+      // However small, a negative gain is one unstable pole, and a positive one a pole that cannot be told from none.
+      if (std::abs(shares.of[i]) < 1e-9) *gain[i] = 0;
       candidate.violations.push_back(-shares.of[i]);
     }
     const bool finite = std::isfinite(gains.kp) && std::isfinite(gains.ki) && std::isfinite(gains.kd);
@@ -207,6 +210,10 @@ class Search {
     } else if (candidate.worst() < 0.5) {
       const ErrorIntegrals integrals = (*simulation_)(gains, options_.derivative_filter_time);
       candidate.criterion = options_.criterion == TuningCriterion::iae ? integrals.iae : integrals.itae;
+    }
+    // Just outside the specification too, where the local search steps.
+    if (options_.objective && candidate.worst() < 0.02) {
+      candidate.criterion = options_.objective(gains, candidate.criterion);
     }
     if (best_.violations.empty() || candidate.rank() < best_.rank()) {
       best_ = candidate;

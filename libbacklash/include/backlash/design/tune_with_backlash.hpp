@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "backlash/loops/limit_cycles.hpp"
+#include "frac/identification/tune.hpp"
+
+namespace backlash {
+
+/// What the force of a controller moves, and the body that the controller gets.
+struct BacklashPlant {
+  LinearBodies bodies;
+  Output measured = Output::x1;
+};
+
+/// A line of the answer: what was asked for or may not be passed, and whether it holds the answer where it is.
+struct TuningConstraint {
+  std::string name;  // e.g. "phase margin, deg", "mu at its upper end", "no limit cycle"
+  double asked;
+  double reached;
+  bool active;
+};
+
+/// How a simulated motion ends that begins with the bodies at rest at 0 but for the speed of the driven one.
+struct SimulatedMotion {
+  double speed;   // m/s, at the start
+  double swing;   // m, half of what the measured body goes from peak to peak in the last quarter; infinite: runs away
+  double before;  // m, the same in the quarter before
+  bool dies_out;  // it falls, and below a hundredth of the clearance
+};
+
+/// The motions of a loop that persist.
+struct PersistentMotion {
+  std::vector<SymmetricCycle> cycles;  // motions, by rising omega
+  FrequencyRange searched;             // where cycles were looked for
+  bool certain;                        // see LimitCycles
+  /// Half of what the measured body goes from peak to peak, m: of the largest cycle where that is stable, else as
+  /// simulated.  0 where nothing persists.
+  double swing;
+  std::vector<SimulatedMotion> simulations;
+  /// There are simulations, for receptances 1/(M s^2 + sum of c s^a), and where the largest cycle is stable one of
+  /// them comes to it, to the 8 % that their steps may cost; else swing is what they show.
+  bool verified;
+};
+
+struct BacklashTuning {
+  /// The demands are kept; persistent.swing tells whether a motion is left.
+  [[nodiscard]] bool usable() const noexcept { return linear.usable(); }
+
+  frac::TuningResult linear;  // controller, and what it makes of the bodies without clearance
+  PersistentMotion persistent;
+  frac::TuningResult regardless;  // as if there were no clearance, and
+  PersistentMotion of_regardless;
+  std::vector<TuningConstraint> constraints;
+  std::string message;  // one sentence or two
+};
+
+/// Gains and orders that keep the demands on the loop without clearance, and with which no motion persists, or the
+/// smallest one.  Where the controller of frac::tune() itself leaves none it is the answer; else frac::tune() searches
+/// anew, for the least criterion where no motion is left and for the smallest swing where one is.  Exact cycles are
+/// taken where they are stable; controllers with none are simulated, because motions of other kinds may persist (with
+/// more impacts in a period, or contact).
+/// Free masses under a controller without filter whose load is measured are searched by exact cycles, others by
+/// simulations.  Controllers are left out with which the loop falls more slowly than s^-0.5 at high frequency, or whose
+/// cycles are faster than ten crossovers and than those of the controller of frac::tune(): no model holds there.
+/// @throws std::invalid_argument  as frac::tune(), ControlLoop and symmetric_cycles(); no crossover; options with an
+///                                objective.
+[[nodiscard]] BacklashTuning tune_with_backlash(const BacklashPlant& plant,
+                                                const frac::LoopSpecification& specification,
+                                                const frac::TuningOptions& options = {});
+
+}  // namespace backlash
