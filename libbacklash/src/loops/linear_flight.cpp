@@ -42,7 +42,7 @@ Index slow_count(const std::vector<double>& moduli, double pace) {
 
 }  // namespace
 
-LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& sizes) : a_(a), scale_(sizes) {
+LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& sizes) : scale_(sizes) {
   const Index size = a.rows();
   // Powers of two, so that scaling rounds nothing.
   for (double& each : scale_) each = std::exp2(std::round(std::log2(each)));

@@ -25,11 +25,8 @@ class LinearFlight {
   };
   [[nodiscard]] Form form(const Eigen::RowVectorXd& row) const;
 
-  [[nodiscard]] const Eigen::MatrixXd& matrix() const noexcept { return a_; }
-
  private:
   friend class FlightPath;
-  Eigen::MatrixXd a_;
   Eigen::VectorXd scale_;
   Eigen::MatrixXd slow_basis_;  // of scaled states, orthonormal
   Eigen::MatrixXd to_slow_;

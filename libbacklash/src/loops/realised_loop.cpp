@@ -201,7 +201,7 @@ std::unique_ptr<RealisedLoop::Regime> RealisedLoop::make(Mode mode) const {
   fill(a, controller_, error, error_rate, reference_acceleration - followed_acceleration);
 
   LinearFlight flight(a, pace_, scale_);
-  auto result = std::make_unique<Regime>(Regime{std::move(flight), {}, {}, {}, force, free2 - free1, wanted});
+  auto result = std::make_unique<Regime>(Regime{std::move(flight), {}, {}, {}, free2 - free1, wanted});
   result->gap = result->flight.form(unit(x2) - unit(x1));
   result->wanted_force = result->flight.form(wanted);
   result->contact_force = result->flight.form(mass1 * together + resisted1);

@@ -32,10 +32,9 @@ class RealisedLoop {
   };
   struct Regime {
     LinearFlight flight;
-    LinearFlight::Form gap;            // x2 - x1
-    LinearFlight::Form wanted_force;   // of the controller, before the limit
-    LinearFlight::Form contact_force;  // on mass 1
-    Eigen::RowVectorXd force_row;
+    LinearFlight::Form gap;               // x2 - x1
+    LinearFlight::Form wanted_force;      // of the controller, before the limit
+    LinearFlight::Form contact_force;     // on mass 1
     Eigen::RowVectorXd gap_acceleration;  // in flight, of the present state
     Eigen::RowVectorXd wanted_force_row;
   };
