@@ -82,6 +82,33 @@ std::vector<frac::NamedModel> candidates() {
   return models;
 }
 
+// (0.225 + 21 s)/(s^2 + 0.27 s + 0.0105) without noise, by partial fractions.  Cross-validation fits powers of s to
+// blocks of it whose best points, found with fewer digits, have no response to all digits: such a fit fails in words.
+TEST(Verdict, OverTimeAFitWithoutAResponseIsAFailureInWords) {
+  constexpr double b0 = 0.225346, b1 = 21.0247, sum = -0.269911, product = 0.0105279;
+  const double half = std::sqrt(sum * sum / 4 - product), p = sum / 2 + half, q = sum / 2 - half;
+  const auto output = [&](double t) {
+    return b0 / product + (b0 + b1 * p) / (p * (p - q)) * std::exp(p * t) +
+           (b0 + b1 * q) / (q * (q - p)) * std::exp(q * t);
+  };
+  const auto data = step_record(output, 69.65, 301, 0, 1);
+  const auto result = frac::identify(data, {frac::find_model("two-power-laws"), frac::find_model("rational:2")},
+                                     frac::TimeFitOptions{});
+  EXPECT_EQ(result.verdict, frac::Verdict::fractional_not_supported) << result.verdict_sentence;
+  EXPECT_EQ(result.ranking.at(result.chosen).model_class, frac::ModelClass::integer_order);
+}
+
+// Over time no fractional family grows.  A ratio with more parameters than the fractional models that are given may
+// follow any of them, and refutes those only.
+TEST(Verdict, OverTimeARatioThatGrewAloneRefutesOnlyWithAsFewParameters) {
+  const auto data = step_record(three_lags, 15, 301, 1e-3, 1);
+  const auto alone =
+      frac::identify(data, {frac::find_model("power-law"), frac::find_model("rational")}, frac::TimeFitOptions{});
+  const auto parameters = [&](const std::optional<frac::Finalist>& finalist) { return finalist->parameters; };
+  ASSERT_GT(parameters(alone.integer), parameters(alone.fractional));
+  EXPECT_EQ(alone.verdict, frac::Verdict::undecided) << alone.verdict_sentence;
+}
+
 // The step response of 1/(s^0.6 + 1) is t^0.6 E_{0.6,1.6}(-t^0.6).  A differentiator answers a step with an impulse,
 // so the record itself refutes it and it holds nothing back.
 TEST(Verdict, OverTimeAFractionalLagIsSupported) {
@@ -93,8 +120,11 @@ TEST(Verdict, OverTimeAFractionalLagIsSupported) {
   EXPECT_NE(result.skipped[0].find("differentiator"), std::string::npos) << result.skipped[0];
 }
 
+// The fractional oscillator has as many parameters as three lags with a gain.
 TEST(Verdict, OverTimeThreeLagsAreNotFractional) {
-  const auto result = frac::identify(step_record(three_lags, 15, 151, 1e-3, 3), candidates(), frac::TimeFitOptions{});
+  auto models = candidates();
+  models.push_back(frac::find_model("fractional-oscillator"));
+  const auto result = frac::identify(step_record(three_lags, 15, 151, 1e-3, 3), models, frac::TimeFitOptions{});
   EXPECT_EQ(result.verdict, frac::Verdict::fractional_not_supported) << result.verdict_sentence;
 }
 

@@ -426,6 +426,13 @@ FitResult fit_record(const TimeResponseData& data, const Structure& structure, c
     local = options.global_start ? robust_search(residuals, options.loss, scale, options.seed, best)
                                  : robust_refinement(residuals, options.loss, scale, best);
   }
+  // The search simulates to fewer digits than the answer, which some models reach nowhere near their optimum.
+  if (!std::isfinite(residuals.cost(best.theta))) {
+    describe_failure(result, structure, map,
+                     "The best point found has no finite response to this input to the accuracy of the answer.");
+    result.seconds = seconds();
+    return result;
+  }
   const detail::Confidence found = confidence(residuals, best, local);
   result.message = ending(solution, best.cost <= residuals.rounding_cost());
   const std::string unseen = unseen_model(structure, map, data, found, best.theta);

@@ -205,6 +205,7 @@ struct Comparison {
   bool fractional_fits, integer_fits;
   double share;  // of the points that carry news
   Orders orders;
+  bool only_integer_grew = false;  // the integer-order one is the member of a family, and no fractional family grew
 };
 
 /// @param share  of the points that carry news
@@ -269,10 +270,10 @@ void suggest_next(IdentificationResult& result, const FrequencyResponseData& dat
   // Where the two are one model in two spellings, nothing tells them apart.
   if (result.next && !(result.next->expected_evidence > no_evidence)) result.next.reset();
   if (!result.next) return;
-  result.verdict_sentence += " To decide, measure " + std::to_string(result.next->points) + " points from " +
-                             number(result.next->lower) + " to " + number(result.next->upper) +
-                             " rad/s with residuals of " + number(result.next->accuracy) + " (expected evidence " +
-                             number(result.next->expected_evidence) + ").";
+  result.verdict_sentence +=
+      " To decide, measure " + std::to_string(result.next->points) + (result.next->points == 1 ? " point" : " points") +
+      " from " + number(result.next->lower) + " to " + number(result.next->upper) + " rad/s with residuals of " +
+      number(result.next->accuracy) + " (expected evidence " + number(result.next->expected_evidence) + ").";
 }
 void suggest_next(IdentificationResult&, const TimeResponseData&, const TimeFitOptions&, const Comparison&) {}
 
@@ -331,7 +332,9 @@ Ruling ruling(const IdentificationResult& result, const Comparison& pair,
   const double relaxations = static_cast<double>(pair.integer.relaxations);
   const double refuted = refuted_evidence - price_of_relaxation * std::max(0.0, relaxations - few_relaxations);
   const bool no_better = result.evidence < no_evidence || orders.all_nearly_whole;
-  if (pair.integer_fits && integer_settled) {
+  // Where no fractional family grows, a ratio with more parameters refutes the given fractional models only.
+  const bool fair = !pair.only_integer_grew || i.parameters <= f.parameters;
+  if (pair.integer_fits && integer_settled && fair) {
     const auto integer_predicts = [&](double at_most) {
       return not_above(i.prediction_rms, at_most, f.prediction_rms) &&
              not_above(i.extrapolation_rms, clearly_worse, f.extrapolation_rms);
@@ -347,9 +350,11 @@ Ruling ruling(const IdentificationResult& result, const Comparison& pair,
     }
   }
   if (result.departure_evidence < refuted) {
-    return {Verdict::undecided, !no_better        ? ", but the better one has an order that may be other than whole"
-                                : integer_settled ? ", but the integer-order one predicts left-out points worse"
-                                                  : ", but the integer-order one has as many poles as are tried"};
+    return {Verdict::undecided,
+            !no_better ? ", but the better one has an order that may be other than whole"
+            : !fair    ? ", but no fractional family grew beside the integer-order one, which needed more parameters"
+            : integer_settled ? ", but the integer-order one predicts left-out points worse"
+                              : ", but the integer-order one has as many poles as are tried"};
   }
   if (!strong) {
     const std::string departing = " against orders that depart from whole numbers by " + number(least_departure) +
@@ -410,6 +415,10 @@ void judge_any(IdentificationResult& result, const Data& data, const Options& op
   const double share = independent_share((fractional_is_better ? f : i).residual, per_point);
   // Where both are off by model error alone, each is judged as if it followed the data if it comes close.
   Comparison pair{f, i, fractional_fits, integer_fits, share, orders_of(f.ranked.fit, share)};
+  pair.only_integer_grew =
+      i.ranked.from_family && std::none_of(competitors.begin(), competitors.end(), [](const auto& each) {
+        return each.ranked.model_class == ModelClass::fractional && each.ranked.from_family;
+      });
   if (result.model_error) {
     pair.fractional_fits = within_model_error(data, options, f.ranked.fit);
     pair.integer_fits = within_model_error(data, options, i.ranked.fit);

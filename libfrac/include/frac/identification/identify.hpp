@@ -82,7 +82,9 @@ struct NextMeasurement {
 ///                is below -8, and by 16 more for each stable real pole and dead time of a ratio beyond two, because
 ///                rows of these approximate fractional systems, also such as are among no candidates; evidence is below
 ///                2, or each order within 0.02 of a whole number.  Or both meet the data to rounding, and the
-///                integer-order one has no more parameters.
+///                integer-order one has no more parameters.  Where the integer-order one is the member of a family and
+///                no fractional family could grow, as over time, it may have no more parameters than the fractional
+///                one.
 /// undecided      anything else, with the next measurement that would decide.
 ///
 /// Where no candidate follows the data to within their noise, what is left is model error, as of computed data, whose
