@@ -282,18 +282,6 @@ double two_impact_uncertainty(const TwoImpactOrbit& orbit, double restitution, s
 
 }  // namespace
 
-double tail_limit(const GapMotion& motion, double tolerance) {
-  return 1e-3 * tolerance * std::min(1.0, std::cbrt(1 / motion.gamma()));
-}
-
-double energy_defect(const GapMotion& motion, const Harmonics& harmonics, double half_periods, double squared_speeds,
-                     double tail_loss) {
-  const double work = -0.5 * pi * half_periods * motion.gamma() * harmonics.u[0].imag();
-  const double kept = motion.restitution() * motion.restitution();
-  const double loss = 0.5 * (1 - kept) * squared_speeds + tail_loss;
-  return squared_speeds > 0 ? std::abs(work - loss) / (0.5 * squared_speeds) : 0;
-}
-
 SteadyState two_impact_steady_state(const TwoImpactOrbit& orbit, double restitution) {
   const TwoImpactStability stability = two_impact_stability(orbit, restitution);
   const GapMotion motion(orbit.gamma, restitution);

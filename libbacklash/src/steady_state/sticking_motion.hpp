@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include "long_run_motion.hpp"
 #include "motion/gap_motion.hpp"
-#include "steady_state.hpp"
 
 namespace backlash::detail {
 

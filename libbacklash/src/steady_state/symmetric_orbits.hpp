@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include "steady_state.hpp"
+#include "long_run_motion.hpp"
 #include "two_impact_orbit.hpp"
 
 namespace backlash::detail {

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
+#include "long_run_motion.hpp"
 #include "motion/gap_motion.hpp"
 #include "motion/harmonics.hpp"
-#include "steady_state.hpp"
 
 namespace backlash::detail {
 
