@@ -137,6 +137,12 @@ void append_backlash(Json& json, const backlash::BacklashTuning& result, const b
   }
 }
 
+/// In degrees per e-fold; what rounding leaves of a slope of 0 is shown as 0.
+std::string text_of_slope(double slope) {
+  constexpr double rounding = 1e-9;
+  return short_number(std::abs(slope) < rounding ? 0 : slope);
+}
+
 // @param message  of the whole answer
 std::string tuning_table(const frac::TuningResult& result, const std::string& plant, const std::string& message) {
   std::string text = "plant " + plant + "\n\n";
@@ -153,14 +159,15 @@ std::string tuning_table(const frac::TuningResult& result, const std::string& pl
   if (!result.specification.empty()) {
     AlignedTable asked({"asked for", "value", "reached", "kept"});
     for (const auto& line : result.specification) {
-      asked.add({line.name, short_number(line.asked), short_number(line.reached), line.met ? "yes" : "no"});
+      asked.add({line.name, short_number(line.asked),
+                 line.asked == 0 ? text_of_slope(line.reached) : short_number(line.reached), line.met ? "yes" : "no"});
     }
     text += asked.text() + "\n";
   }
   AlignedTable loop({"loop", "value", "at, rad/s"});
   loop.add({"crossover, rad/s", short_number(result.crossover), ""});
   loop.add({"phase margin, deg", short_number(result.phase_margin / degree), ""});
-  loop.add({"phase slope, deg per e-fold", short_number(result.phase_slope / degree), ""});
+  loop.add({"phase slope, deg per e-fold", text_of_slope(result.phase_slope / degree), ""});
   loop.add({"gain margin", std::isinf(result.gain_margin) ? "infinite" : short_number(result.gain_margin), ""});
   loop.add({"max |S|", short_number(result.max_sensitivity), short_number(result.omega_max_sensitivity)});
   loop.add({"max |T|", short_number(result.max_complementary_sensitivity),
