@@ -141,9 +141,12 @@ TEST(CommandsAgree, TuneDescribesItsLoopAsAnalyseDoes) {
     EXPECT_LE(s, result.max_sensitivity * (1 + 1e-9));
     EXPECT_LE(t, result.max_complementary_sensitivity * (1 + 1e-9));
     const auto is_within = [](double omega) { return omega > 1e-4 && omega < 1e4; };
-    if (is_within(result.omega_max_sensitivity)) EXPECT_GE(s, result.max_sensitivity * (1 - 1e-6));
-    if (is_within(result.omega_max_complementary_sensitivity))
+    if (is_within(result.omega_max_sensitivity)) {
+      EXPECT_GE(s, result.max_sensitivity * (1 - 1e-6));
+    }
+    if (is_within(result.omega_max_complementary_sensitivity)) {
       EXPECT_GE(t, result.max_complementary_sensitivity * (1 - 1e-6));
+    }
   }
   EXPECT_GE(met, cases(3));
 }

@@ -143,8 +143,8 @@ TEST_F(FitStatistics, ThreeKindsOfIntervalAgreeOnAnEasyProblem) {
 
 // What the intervals are made of: the deviation of the rows is the standard error that is stated.
 TEST_F(FitStatistics, RefitsOfTheBootstrapStandInTheirFile) {
-  const TemporaryFolder folder;
-  const auto file = folder.path("refits.csv");
+  const TemporaryFolder results;
+  const auto file = results.path("refits.csv");
   const auto json = successful(fit({"--model", "power-law", "--bootstrap", "40", "--refits", file}));
   std::vector<double> values;
   for (const auto& line : lines_of(content_of(file)))
@@ -156,7 +156,7 @@ TEST_F(FitStatistics, RefitsOfTheBootstrapStandInTheirFile) {
   for (const double value : values) square += (value - mean) * (value - mean);
   const double stated = json["parameters"][0]["bootstrap_standard_error"].get<double>();
   EXPECT_NEAR(std::sqrt(square / 39), stated, 1e-10 * stated);
-  EXPECT_EQ(folder.entries(), 1U);
+  EXPECT_EQ(results.entries(), 1U);
 }
 
 TEST_F(FitStatistics, AFixedParameterHasNoProfile) {
