@@ -268,4 +268,14 @@ TEST(SimulateCommand, TakesBodiesAsReceptances) {
   EXPECT_NE(refused.error.find("--mass1"), std::string::npos) << refused.error;
 }
 
+TEST(Loop, SaysThatNothingMovesWhereNothingPushes) {
+  const std::vector<std::string> scene{"loop", "--controller", "1 + s", "--restitution", "0.6", "--duration", "5"};
+  const auto at_rest = run_fracfit(scene);
+  EXPECT_EQ(at_rest.code, 0);
+  EXPECT_NE(at_rest.error.find("nothing moves"), std::string::npos) << at_rest.error;
+  auto pushed = scene;
+  pushed.insert(pushed.end(), {"--setpoint-step", "1"});
+  EXPECT_EQ(run_fracfit(pushed).error.find("nothing moves"), std::string::npos);
+}
+
 }  // namespace

@@ -103,6 +103,9 @@ class LoopCommand : public Command {
   }
 
   int run() override {
+    const bool rests_there = set_point_.step == 0 && set_point_.ramp == 0 && !sine_ && set_point_file_.empty();
+    if (rests_there && start_.v1 == 0 && start_.v2 == 0)
+      say("nothing moves: both bodies rest at the set-point; give --velocity2 or a --setpoint-...");
     if (!std::isnan(sampled_.sample_time)) return run_sampled();
     if (sine_) std::tie(set_point_.sine_amplitude, set_point_.sine_omega) = *sine_;
     if (!set_point_file_.empty()) {
