@@ -143,12 +143,6 @@ std::span<const OrbitParameter> orbit_parameters() {
   static constexpr auto all = frac::detail::enumerators(parameters);
   return all;
 }
-Bifurcation bifurcation_from_string(std::string_view text) {
-  return frac::detail::from_spelling(bifurcations, "bifurcation", text);
-}
-BranchEnd branch_end_from_string(std::string_view text) {
-  return frac::detail::from_spelling(branch_ends, "branch end", text);
-}
 
 PeriodicOrbit mirror_twin(const PeriodicOrbit& orbit, int period) {
   PeriodicOrbit twin = orbit;
