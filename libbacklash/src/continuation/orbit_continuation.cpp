@@ -14,6 +14,7 @@
 #include "branch_explorer.hpp"
 #include "continuation_scene.hpp"
 #include "motion/gap_motion.hpp"
+#include "orbit_correction.hpp"
 #include "orbit_search.hpp"
 #include "steady_state/two_impact_orbit.hpp"
 
