@@ -14,6 +14,7 @@
 #include "backlash/jump_frequency.hpp"
 #include "continuation/orbit_branch.hpp"
 #include "continuation/orbit_correction.hpp"
+#include "continuation/return_map.hpp"
 #include "motion/gap_motion.hpp"
 #include "steady_state/two_impact_orbit.hpp"
 #include "support/expect_invalid_argument.hpp"
