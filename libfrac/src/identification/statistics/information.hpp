@@ -18,6 +18,11 @@ struct Information {
 /// @param unit  root mean square of the weighted data; residuals below 1e-14 of it are rounding.
 [[nodiscard]] Information information(std::span<const double> residual, std::size_t parameters, double unit);
 
+/// What n ln(cost/n) is for normal noise, for noise of Student's distribution with four degrees of freedom at the scale
+/// that suits the residuals best: -2 ln of the likelihood less n (1 + ln 2 pi).  Below the normal one where few large
+/// residuals, such as outliers left in or coarse rounding, make up the cost.
+[[nodiscard]] double heavy_tailed_misfit(std::span<const double> residual);
+
 /// What k parameters cost among n residuals when many counts of them were tried: k n ln n/(n - k - 2), Schwarz's k ln n
 /// with the correction for few residuals (McQuarrie 1999), without which parameters in number near that of the
 /// residuals buy their noise.  Infinite where n <= k + 2.
