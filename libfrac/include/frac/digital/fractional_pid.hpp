@@ -46,7 +46,8 @@ struct FractionalPidConfig {
   double minimum = -std::numeric_limits<double>::infinity();
   double maximum = std::numeric_limits<double>::infinity();
   AntiWindup anti_windup = AntiWindup::back_calculation;
-  /// Of back_calculation, s; 0 stands for Ti = (kp/ki)^(1/lambda).
+  /// Of back_calculation, s; at least the sample time is used.  0 stands for Ti = (kp/ki)^(1/lambda), where kp is 0 for
+  /// (kd/ki)^(1/(lambda + mu)), and for ten sample times with the integral alone.
   double tracking_time = 0;
   /// s.
   double derivative_filter_time = 0;
