@@ -88,7 +88,7 @@ std::vector<ParameterConstraint> taken_out(std::vector<ParameterConstraint>& con
   return of_laws;
 }
 
-/// Of the parameters of the laws, and where these start.
+/// Returns the variables that stand for the parameters of the laws, and where they start.
 std::vector<detail::JointVariable> variables_of(const detail::Laws& laws,
                                                 const std::vector<ParameterConstraint>& constraints,
                                                 const StartValues& values, std::vector<double>& starts) {
