@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "frac/identification/constraints.hpp"
 #include "io/data_error.hpp"
 #include "io/number.hpp"
 #include "options/misspelling.hpp"
@@ -40,13 +41,6 @@ double limit(const std::string& text, const std::string& whole) {
     throw std::invalid_argument("--bound " + io::quoted(whole) + ": " + io::quoted(text) +
                                 " is no number; expected NAME=LOW:HIGH");
   return *value;
-}
-
-frac::ParameterConstraint& constraint_of(std::vector<frac::ParameterConstraint>& constraints, const std::string& name) {
-  for (auto& constraint : constraints)
-    if (constraint.name == name) return constraint;
-  constraints.push_back({name, {}, {}, {}, {}});
-  return constraints.back();
 }
 
 }  // namespace
@@ -93,7 +87,7 @@ std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& mo
   auto constraints = model.constraints;
   for (const auto& text : given.fix) {
     const auto [name, value] = assignment("--fix", text);
-    auto& constraint = constraint_of(constraints, name);
+    auto& constraint = frac::constraint_of(constraints, name);
     if (constraint.fixed) throw std::invalid_argument("--fix " + io::quoted(text) + ": " + name + " is fixed twice");
     // Limits and a start are the model's own here: those of the user come below.
     constraint = {name, number_of("--fix " + name, value), {}, {}, {}};
@@ -101,7 +95,7 @@ std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& mo
   for (const auto& text : given.bound) {
     const auto [name, range] = assignment("--bound", text);
     const auto [lower, upper] = pair_of("--bound", range);
-    auto& constraint = constraint_of(constraints, name);
+    auto& constraint = frac::constraint_of(constraints, name);
     const bool free_of_limits = lower.empty() && upper.empty();
     constexpr double infinity = std::numeric_limits<double>::infinity();
     if (!lower.empty() || free_of_limits) constraint.lower = free_of_limits ? -infinity : limit(lower, text);
@@ -109,7 +103,7 @@ std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& mo
   }
   for (const auto& text : given.start) {
     const auto [name, value] = assignment("--start", text);
-    constraint_of(constraints, name).start = number_of("--start " + name, value);
+    frac::constraint_of(constraints, name).start = number_of("--start " + name, value);
   }
   return constraints;
 }
