@@ -101,7 +101,7 @@ class FractionalPidDesign {
   /// filter against s^mu or s^(mu - 1); 0 without filter.
   [[nodiscard]] double integral_error() const noexcept { return integral_error_; }
   [[nodiscard]] double derivative_error() const noexcept { return derivative_error_; }
-  /// s, as used; 0 where there is no back calculation.
+  /// Tracking time as used, s; 0 where there is no back calculation.
   [[nodiscard]] double tracking_time() const noexcept { return tracking_time_; }
   /// Largest |C_d/C - 1| on the band, C_d the running controller and C the exact one with its lag F, and where (rad/s);
   /// NaN where the configuration has no band.  Low values need more than good filters: the backward rule of lag and
