@@ -49,7 +49,8 @@ ComparedCurve compared(const FrequencyResponseData& data, const FixedCurve& curv
                                 " values for " + std::to_string(data.size()) + " frequencies");
   }
   std::vector<double> residual = detail::curve_residuals(data, rule, curve.value);
-  const detail::Information information = detail::information(residual, curve.fitted_parameters, rule.unit);
+  const detail::Information information =
+      detail::information(residual, static_cast<double>(curve.fitted_parameters), rule.unit);
   FitResult result{};
   result.model = curve.name;
   result.cost = information.cost;

@@ -294,7 +294,7 @@ Json origin_of_fit(const FitRun& run) {
 std::string fit_table(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
   return "model      " + result.model + "\n" + reading(result.model) + heading(run) + "\n" +
          (statistics.growth ? growth_table(*statistics.growth) : "") + parameter_table(result) + "\n" +
-         derived_table(statistics.derived) + added_intervals(result, statistics) +
+         prior_table(result.priors) + derived_table(statistics.derived) + added_intervals(result, statistics) +
          residual_remarks(run, result, statistics) + closing(result);
 }
 
@@ -403,6 +403,10 @@ std::string fit_json(const FitRun& run, const frac::FitResult& result, const Fit
   append_fit(json, result);
   append_statistics(json, run, result, statistics);
   if (!statistics.derived.empty()) json["derived"] = derived_json(statistics.derived);
+  if (!result.priors.empty()) {
+    json["effective_parameters"] = result.effective_parameters;
+    append_priors(json["priors"] = Json::array(), result.priors);
+  }
   return json.dump() + "\n";
 }
 

@@ -16,6 +16,10 @@ namespace frac::detail {
 /// makes least.
 [[nodiscard]] double loss_cost(std::span<const double> residual, std::size_t per_point, const LocalOptions& options);
 
+/// Loss scale over the standard deviation of normal residuals that keeps 95 % of the efficiency (Huber 1981; Holland,
+/// Welsch 1977).
+[[nodiscard]] double tuning_constant(Loss loss);
+
 /// 1.4826 times the median absolute residual: the standard deviation of the well-behaved part (normal residuals).
 [[nodiscard]] double robust_spread(std::span<const double> residual);
 

@@ -234,6 +234,8 @@ ProfileInterval profile_interval(const FrequencyResponseData& data, const FitOpt
   const Structure structure(result.model);
   const FitOptions known = detail::settled(options, result);
   detail::FitProblem problem(data, structure, known);
+  if (result.loss_unit > 0)
+    problem.residuals.set_priors(problem.priors, std::sqrt(result.loss_unit) / problem.rule.unit);
   detail::LocalOptions local;
   if (std::isfinite(result.loss_scale)) {
     local.loss = options.loss;
