@@ -35,7 +35,7 @@ struct Outcome {
   std::string reason;
   bool from_family = false;
   bool refuted = false;  // by the record itself, so that it is no rival any more
-  /// Of a family, see detail::FamilyMembers.
+  /// What detail::FamilyMembers says of a member of a family.
   double departed = std::numeric_limits<double>::infinity();
   std::size_t relaxations = 0;
 };
