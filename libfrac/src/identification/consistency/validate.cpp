@@ -10,6 +10,7 @@
 #include <span>
 #include <stdexcept>
 
+#include "base/number_text.hpp"
 #include "base/short_text.hpp"
 #include "base/spelling.hpp"
 #include "consistent_model.hpp"
@@ -493,7 +494,9 @@ ValidationResult validate_thinned(const FrequencyResponseData& data, double leve
 
 ValidationResult validate(const FrequencyResponseData& data, const ValidationOptions& options) {
   const double level = options.level;
-  if (!(level > 0 && level < 1)) throw std::invalid_argument("level must be between 0 and 1");
+  // Quantiles of less are beyond the range of numbers.
+  if (!(level >= 1e-15 && level < 1))
+    throw std::invalid_argument("level = " + detail::number_text(level) + "; allowed is 1e-15 up to 1");
   if (options.most_points > 0 && data.size() > options.most_points)
     return validate_thinned(data, level, (data.size() - 1) / options.most_points + 1);
   ValidationResult result{};
