@@ -186,15 +186,11 @@ Product product_of(double gain) {
   return product;
 }
 
-ParallelSections sections_of(const PidOperator& from) {
-  if (from.tap_count > 0)
-    throw std::invalid_argument("fixed_point_header: the controller has " + std::to_string(from.tap_count) +
+const ParallelSections& sections_of(const PidFilter& filter) {
+  if (!filter.taps.empty())
+    throw std::invalid_argument("fixed_point_header: the controller has " + std::to_string(filter.taps.size()) +
                                 " taps; fixed point takes sections alone, such as those of --discretisation tustin");
-  const auto count = static_cast<std::ptrdiff_t>(from.sections);
-  return {.output = from.output,
-          .direct = from.direct,
-          .rates = {from.rates.begin(), from.rates.begin() + count},
-          .weights = {from.weights.begin(), from.weights.begin() + count}};
+  return filter.sections;
 }
 
 }  // namespace
