@@ -97,9 +97,10 @@ class Validate : public Command {
 
  private:
   void check() override {
-    if (!(level_ > 0 && level_ < 1)) throw std::invalid_argument("--level must be between 0 and 1");
+    if (!(level_ >= 1e-15 && level_ < 1))
+      throw std::invalid_argument("--level " + io::format_number(level_) + ": allowed is 1e-15 up to 1");
     if (!(accuracy_ >= 0 && accuracy_ < 1))
-      throw std::invalid_argument("--accuracy must be a share, from 0 to below 1");
+      throw std::invalid_argument("--accuracy " + io::format_number(accuracy_) + ": allowed is 0 up to 1");
     if (picture_.empty()) return;
     try {
       drawing_.emplace(picture_, files_);

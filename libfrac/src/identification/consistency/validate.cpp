@@ -12,6 +12,7 @@
 #include <span>
 #include <stdexcept>
 
+#include "base/number_text.hpp"
 #include "base/short_text.hpp"
 #include "base/spelling.hpp"
 #include "consistent_model.hpp"
@@ -601,9 +602,11 @@ ValidationResult validate_thinned(const FrequencyResponseData& data, ValidationO
 
 ValidationResult validate(const FrequencyResponseData& data, const ValidationOptions& options) {
   const double level = options.level;
-  if (!(level > 0 && level < 1)) throw std::invalid_argument("level must be between 0 and 1");
+  // Quantiles of less are beyond the range of numbers.
+  if (!(level >= 1e-15 && level < 1))
+    throw std::invalid_argument("level = " + detail::number_text(level) + "; allowed is 1e-15 up to 1");
   if (!(options.accuracy >= 0 && std::isfinite(options.accuracy)))
-    throw std::invalid_argument("accuracy must be 0 or above");
+    throw std::invalid_argument("accuracy = " + detail::number_text(options.accuracy) + "; allowed is 0 or above");
   if (options.most_points > 0 && data.size() > options.most_points)
     return validate_thinned(data, options, (data.size() - 1) / options.most_points + 1);
   ValidationResult result{};
