@@ -12,8 +12,14 @@ static inline int64_t NAME_limited(int64_t value, int64_t limit)
 /* At rest, all signals 0. */
 static inline void NAME_reset(NAME_state *s)
 {
-#if HAS_ANY_SECTIONS
+#if HAS_ANY_STATE
   int i;
+#endif
+#if HAS_INTEGRAL_TAPS
+  for (i = 0; i < INTEGRAL_PAST; ++i) s->integral_past[i] = 0;
+#endif
+#if HAS_DERIVATIVE_TAPS
+  for (i = 0; i < DERIVATIVE_PAST; ++i) s->derivative_past[i] = 0;
 #endif
 #if HAS_INTEGRAL_SECTIONS
   for (i = 0; i < INTEGRAL_SIZE; ++i) s->integral_part[i] = 0;
@@ -39,8 +45,13 @@ static inline void NAME_init(NAME_state *s)
 /* The next output will be this one: call before every step while another source drives the plant. */
 static inline void NAME_track(NAME_state *s, int32_t output)
 {
-#if HAS_INTEGRAL_SECTIONS
+#if HAS_INTEGRAL_STATE
   int i;
+#endif
+#if HAS_INTEGRAL_TAPS
+  for (i = 0; i < INTEGRAL_PAST; ++i) s->integral_past[i] = 0;
+#endif
+#if HAS_INTEGRAL_SECTIONS
   for (i = 0; i < INTEGRAL_SIZE; ++i) s->integral_part[i] = 0;
 #endif
   s->is_tracking = 1;
@@ -59,20 +70,33 @@ static inline int32_t NAME_step(NAME_state *s, int32_t setpoint, int32_t measure
   int64_t excess;
 #if HAS_INTEGRAL
   int32_t integral_input = error >> 2;
+#if HAS_INTEGRAL_TAPS
+  int32_t integral_x = NAME_integral_tapped(s, integral_input);
+#endif
   int64_t increment = INTEGRAL_OUTPUT >> INTEGRAL_SHIFT;
 #endif
 #if HAS_DERIVATIVE
   const int32_t input = (error - (int32_t)(((int64_t)DERIVATIVE_SETPOINT_GAP * half) >> 30)) >> 2;
   const int32_t difference = input - (int32_t)((s->lag + ((int64_t)1 << 29)) >> 30);
   int32_t derivative_input;
+#if HAS_DERIVATIVE_TAPS
+  int32_t derivative_x;
+#endif
   s->lag += (int64_t)LAG_SHARE * difference;
 #if FOLLOWS_LAG
   derivative_input = (int32_t)((s->lag + ((int64_t)1 << 29)) >> 30);
 #else
   derivative_input = difference;
 #endif
+#if HAS_DERIVATIVE_TAPS
+  derivative_x = NAME_derivative_tapped(s, derivative_input);
+#endif
   sum += DERIVATIVE_OUTPUT >> DERIVATIVE_SHIFT;
-#if HAS_DERIVATIVE_SECTIONS
+#if HAS_DERIVATIVE_TAPS_ALONE
+  NAME_derivative_advance(s, derivative_input);
+#elif HAS_DERIVATIVE_TAPS
+  NAME_derivative_advance(s, derivative_input, derivative_x);
+#elif HAS_DERIVATIVE_SECTIONS
   NAME_derivative_advance(s, derivative_input);
 #endif
 #endif
@@ -93,6 +117,9 @@ static inline int32_t NAME_step(NAME_state *s, int32_t setpoint, int32_t measure
     const int64_t limited = NAME_limited(integral_input + wanted, ((int64_t)1 << 30) - 1);
     const int64_t change = (HIGH_GAIN * (limited - integral_input)) >> HIGH_GAIN_SHIFT;
     integral_input = (int32_t)limited;
+#if HAS_INTEGRAL_TAPS
+    integral_x = NAME_integral_tapped(s, integral_input);
+#endif
     increment += change;
     sum += change >> 11;
   }
@@ -101,7 +128,11 @@ static inline int32_t NAME_step(NAME_state *s, int32_t setpoint, int32_t measure
   s->output = sum > MAXIMUM ? MAXIMUM : sum < MINIMUM ? MINIMUM : (int32_t)sum;
 #if HAS_INTEGRAL
   s->integrator = NAME_limited(s->integrator + increment, largest);
-#if HAS_INTEGRAL_SECTIONS
+#if HAS_INTEGRAL_TAPS_ALONE
+  NAME_integral_advance(s, integral_input);
+#elif HAS_INTEGRAL_TAPS
+  NAME_integral_advance(s, integral_input, integral_x);
+#elif HAS_INTEGRAL_SECTIONS
   NAME_integral_advance(s, integral_input);
 #endif
 #endif

@@ -2,6 +2,12 @@
 // State of a fractional PID in whole numbers.
 
 typedef struct {
+#if HAS_INTEGRAL_TAPS
+  int32_t integral_past[INTEGRAL_PAST]; /* what the taps took in, the newest first */
+#endif
+#if HAS_DERIVATIVE_TAPS
+  int32_t derivative_past[DERIVATIVE_PAST];
+#endif
 #if HAS_INTEGRAL_SECTIONS
   int64_t integral_part[INTEGRAL_SIZE];
 #endif
