@@ -61,7 +61,7 @@ std::string fixed_point(const std::string& name, const frac::CHeaderOptions& opt
     design.taps = {0.7, 0.4, -0.1};
     design.sections = {
         .output = frac::SectionOutput::state, .direct = 0.3, .rates = {0.2, 1e-3}, .weights = {0.1, -5e-4}};
-    design.pair_rates = {{0.02, 0.2}};
+    design.pair_rates = {{0.04, 0.2}};
     design.pair_weights = {{0.02, -0.05}};
     return frac::fixed_point_header(design, {.input = 4, .output = 20}, options).text;
   }
