@@ -58,6 +58,7 @@ TEST(LinearBodies, FreeOnesAreTheFreeMasses) {
                {"exp(-0.05 s) (1 + s^0.5)", Output::x1},
                {"(1 + s)/(1 + 0.1 s)", Output::x1},
                {"4 + 3/s + s", Output::x2}};
+  int asymmetric = 0;
   for (const auto& each : cases) {
     const ControlLoop masses({1, 2, 1, .6}, parsed(each.controller), each.measured);
     const ControlLoop plain(LinearBodies(parsed("1/s^2"), parsed("1/(2 s^2)"), 1, .6), parsed(each.controller),
@@ -92,8 +93,12 @@ TEST(LinearBodies, FreeOnesAreTheFreeMasses) {
       EXPECT_EQ(as_bodies[i].faster_orbit, predicted[i].faster_orbit);
       EXPECT_EQ(as_bodies[i].stable, predicted[i].stable);
       EXPECT_NEAR(as_bodies[i].third_harmonic, predicted[i].third_harmonic, 1e-10);
+      EXPECT_EQ(as_bodies[i].symmetric, predicted[i].symmetric);
+      EXPECT_EQ(as_bodies[i].admissible, predicted[i].admissible);
+      asymmetric += predicted[i].symmetric ? 0 : 1;
     }
   }
+  EXPECT_GT(asymmetric, 0);
 }
 
 // Bodies with friction b and a spring k to ground under PID action: state (x1, x1', x2, x2', integral of x).

@@ -46,6 +46,29 @@ TEST(LimitCyclesCommand, WritesEveryCycleBesideItsPrediction) {
     EXPECT_TRUE(cycle.contains(key)) << key;
 }
 
+// Motions settle on a symmetric cycle of four impacts here, for which only the orbits of a diagram have a prediction.
+TEST(LimitCyclesCommand, PredictsOnAllBranchesWhereAsked) {
+  const auto predictions = [](const std::vector<std::string>& more) {
+    std::vector<std::string> options{"--restitution", "0.6", "--format", "json"};
+    options.insert(options.end(), more.begin(), more.end());
+    const auto result = run_fracfit(limit_cycles("20 + s", options));
+    EXPECT_EQ(result.code, 0) << result.error;
+    return nlohmann::json::parse(result.output);
+  };
+  const auto without = predictions({});
+  const auto with = predictions({"--branches"});
+  const auto is_of_four = [](const nlohmann::json& cycle) { return cycle["impacts_per_period"] == 4; };
+  for (const auto& json : {without, with}) {
+    const auto cycle = std::find_if(json["cycles"].begin(), json["cycles"].end(), is_of_four);
+    ASSERT_NE(cycle, json["cycles"].end());
+    EXPECT_EQ((*cycle)["describing_function"].is_null(), json == without);
+    if (json == with) {
+      EXPECT_LT(std::abs((*cycle)["describing_function"]["relative_error_omega"].get<double>()), 0.03);
+    }
+  }
+  EXPECT_GT(with["predictions"].size(), without["predictions"].size());
+}
+
 TEST(LimitCyclesCommand, FollowsAnyQuantityOfTheLoop) {
   for (const std::string over : {"a=0.4:0.8:3", "mass2=1:2:3", "clearance=1,2,4"}) {
     const std::string formula = over.front() == 'a' ? "2 + s^a" : "2 + s^0.5";

@@ -72,8 +72,10 @@ Section limit_cycles_section(const Work& work) {
   for (const backlash::SymmetricCycle& each : picture.exact.cycles) {
     if (each.admissible) cycle = &each;
   }
-  if (cycle != nullptr && !picture.predicted.empty()) {
-    const double predicted = picture.predicted.front().omega;
+  const auto symmetric = std::find_if(picture.predicted.begin(), picture.predicted.end(),
+                                      [](const backlash::PredictedCycle& each) { return each.symmetric; });
+  if (cycle != nullptr && symmetric != picture.predicted.end()) {
+    const double predicted = symmetric->omega;
     const std::string exact_text = html_number(cycle->omega, 5), predicted_text = html_number(predicted, 5);
     section.add(nyquist_figure(picture, "cycles-nyquist",
                                prose("limit-cycles", "nyquist",

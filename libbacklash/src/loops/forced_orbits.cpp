@@ -47,10 +47,4 @@ ForcedOrbits::Orbit ForcedOrbits::at(double force, bool is_faster) const {
   return of_impulse(lowest_ + (is_faster ? distance : -distance));
 }
 
-std::optional<ForcedOrbits::Orbit> ForcedOrbits::answered_by(Complex share) const {
-  const double per_impulse = impulse_share(omega_) * share.real() - position_;
-  if (!(per_impulse > 0)) return std::nullopt;
-  return of_impulse(half_clearance_ / per_impulse);
-}
-
 }  // namespace backlash::detail

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <complex>
-#include <optional>
 
 #include "backlash/loops/linear_bodies.hpp"
 
@@ -31,12 +30,8 @@ class ForcedOrbits {
   /// Of the two orbits that a force has, that of the faster impacts or the other; where there is none, the one of the
   /// least force.  Its impulse may be negative: no motion.
   [[nodiscard]] Orbit at(double force, bool is_faster) const;
-  /// Whether |F| at this frequency rises with the impulse.
-  [[nodiscard]] bool is_faster(double impulse) const noexcept { return impulse > lowest_; }
   /// |F| below which there is no orbit.
   [[nodiscard]] double least_force() const;
-  /// The orbit whose force answers to the fundamental of the impulses by F G2 = share times it, if its impulse is > 0.
-  [[nodiscard]] std::optional<Orbit> answered_by(std::complex<double> share) const;
 
   /// Peak of the fundamental of alternating unit impulses: 2 w/pi.
   [[nodiscard]] static double impulse_share(double omega);

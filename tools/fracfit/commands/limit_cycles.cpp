@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "backlash/loops/predicted_cycles.hpp"
+#include "backlash/orbit_continuation.hpp"
 #include "commands/pictures.hpp"
 #include "commands/subcommand.hpp"
 #include "frac/model/algebra.hpp"
@@ -47,7 +48,9 @@ class LimitCyclesCommand : public Command {
              "One loop for each value of mass1, mass2, clearance, restitution or a name in a formula",
              "NAME=FROM:TO:N");
     o.count("--starts", starts_, 0, most_starts,
-              "Motions simulated from seeded starts, which find cycles with any number of impacts; 0 with --over", "N");
+            "Motions simulated from seeded starts, which find cycles with any number of impacts; 0 with --over", "N");
+    o.flag("--branches", branches_,
+           "Predict on the orbits of more impacts under a sine force too; of free masses, some seconds");
     o.text(
          "--pictures", pictures_,
          "Draw into this folder (SVG, PNG, gnuplot); the rigid loop against the lines of the describing function and a "
@@ -75,6 +78,8 @@ class LimitCyclesCommand : public Command {
 
  private:
   static constexpr int most_starts = 1000;
+  // Of force over M2 clearance omega^2: from where impacts are rare to where they become contact.
+  static constexpr double lowest_ratio = 0.1, highest_ratio = 3;
 
   static std::optional<backlash::FrequencyRange> range_of(std::string_view name, const std::string& text) {
     const auto [low, high] = pair_of(name, text);
@@ -93,6 +98,16 @@ class LimitCyclesCommand : public Command {
     request.range = range_;
     LoopCycles result{loop, frac::analyse_closed_loop(loop.controller() * backlash::rigid_receptance(loop.bodies())),
                       backlash::symmetric_cycles(loop, request), backlash::predicted_limit_cycles(loop, range_)};
+    if (branches_) {
+      if (!loop.bodies().are_free()) throw std::invalid_argument("--branches is for free masses, without receptances");
+      const backlash::TwoMassSystem& system = loop.system();
+      // Ratios F/(M2 clearance omega^2), at a force that makes omega^-2 of them.
+      const double force = system.mass2() * system.clearance();
+      const std::vector<backlash::PredictedCycle> further = backlash::predicted_limit_cycles(
+          loop, backlash::orbit_diagram(system, force, 1 / std::sqrt(highest_ratio), 1 / std::sqrt(lowest_ratio)),
+          range_);
+      result.predicted.insert(result.predicted.end(), further.begin(), further.end());
+    }
     if (!varied && starts_ > 0 && can_start(loop)) {
       backlash::ImpactCycleOptions seeded;
       seeded.starts = starts_;
@@ -160,6 +175,7 @@ class LimitCyclesCommand : public Command {
   std::optional<backlash::FrequencyRange> range_;
   Variation over_;
   int starts_ = 3;
+  bool branches_ = false;
   std::string pictures_;
 };
 

@@ -16,18 +16,22 @@
 namespace fracfit {
 namespace {
 
-// The prediction nearest in frequency, within a factor of two; nullptr where there is none.
-const backlash::PredictedCycle* prediction_of(const backlash::SymmetricCycle& cycle, const LoopCycles& loop) {
+// The prediction of the same kind nearest in frequency, within a factor of two; nullptr where there is none.
+const backlash::PredictedCycle* prediction_of(const LoopCycles& loop, double omega, bool symmetric, int impacts) {
   const backlash::PredictedCycle* nearest = nullptr;
   double smallest = std::log(2);
   for (const backlash::PredictedCycle& predicted : loop.predicted) {
-    const double distance = std::abs(std::log(predicted.omega / cycle.omega));
-    if (distance < smallest) {
+    const double distance = std::abs(std::log(predicted.omega / predicted.period / omega));
+    if (predicted.symmetric == symmetric && predicted.impacts == impacts && distance < smallest) {
       smallest = distance;
       nearest = &predicted;
     }
   }
   return nearest;
+}
+
+const backlash::PredictedCycle* prediction_of(const backlash::SymmetricCycle& cycle, const LoopCycles& loop) {
+  return prediction_of(loop, cycle.omega, true, 2);
 }
 
 double force_of(const backlash::SymmetricCycle& cycle) {
@@ -36,6 +40,14 @@ double force_of(const backlash::SymmetricCycle& cycle) {
 
 double frequency_of(const backlash::ImpactCycle& cycle) {
   return 2 * std::numbers::pi / cycle.period;
+}
+
+const backlash::PredictedCycle* prediction_of(const backlash::ImpactCycle& cycle, const LoopCycles& loop) {
+  return prediction_of(loop, frequency_of(cycle), cycle.symmetric, static_cast<int>(cycle.impacts.size()));
+}
+
+double force_of(const backlash::ImpactCycle& cycle) {
+  return std::abs(cycle.harmonics.front().force);
 }
 
 // Those that are not among the symmetric cycles of two impacts.
@@ -66,40 +78,48 @@ Json prediction_json(const backlash::PredictedCycle& predicted) {
   return {{"omega", predicted.omega},
           {"force", predicted.force_amplitude},
           {"stable", predicted.stable},
-          {"third_harmonic", predicted.third_harmonic}};
+          {"third_harmonic", predicted.third_harmonic},
+          {"second_harmonic", predicted.second_harmonic},
+          {"symmetric", predicted.symmetric},
+          {"impacts", predicted.impacts},
+          {"force_periods", predicted.period},
+          {"admissible", predicted.admissible}};
+}
+
+// What the describing function says of a cycle of that frequency and force; null where it says nothing.
+Json comparison_json(const backlash::PredictedCycle* predicted, double omega, double force) {
+  if (predicted == nullptr) return {};
+  Json json{{"omega", predicted->omega},
+            {"force", predicted->force_amplitude},
+            {"relative_error_omega", predicted->omega / predicted->period / omega - 1},
+            {"relative_error_force", predicted->force_amplitude / force - 1}};
+  json.update(prediction_json(*predicted));
+  return json;
 }
 
 Json cycle_json(const backlash::SymmetricCycle& cycle, const LoopCycles& loop) {
   const backlash::CycleStability& stability = cycle.stability;
-  Json json{{"omega", cycle.omega},
-            {"symmetric", true},
-            {"impacts_per_period", 2},
-            {"admissible", cycle.admissible},
-            {"reason", cycle.admissible ? Json() : Json(cycle.reason)},
-            {"stable", stability.stable},
-            {"multiplier_modulus", std::abs(stability.dominant)},
-            {"multiplier_per", "half-period"},
-            {"multiplier", Json{stability.dominant.real(), stability.dominant.imag()}},
-            {"unstable_multipliers", stability.unstable_multipliers},
-            {"loss", backlash::to_string(stability.loss)},
-            {"impulse", cycle.impulse},
-            {"impact_speed", cycle.impact_speed},
-            {"amplitude_x1", std::abs(cycle.harmonics.front().x1)},
-            {"amplitude_x2", std::abs(cycle.harmonics.front().x2)},
-            {"amplitude_force", force_of(cycle)},
-            {"harmonics", harmonics_json(cycle.harmonics)},
-            {"describing_function", Json()}};
-  if (const backlash::PredictedCycle* predicted = prediction_of(cycle, loop)) {
-    json["describing_function"] = {{"omega", predicted->omega},
-                                   {"force", predicted->force_amplitude},
-                                   {"relative_error_omega", predicted->omega / cycle.omega - 1},
-                                   {"relative_error_force", predicted->force_amplitude / force_of(cycle) - 1}};
-    json["describing_function"].update(prediction_json(*predicted));
-  }
-  return json;
+  return {{"omega", cycle.omega},
+          {"symmetric", true},
+          {"impacts_per_period", 2},
+          {"admissible", cycle.admissible},
+          {"reason", cycle.admissible ? Json() : Json(cycle.reason)},
+          {"stable", stability.stable},
+          {"multiplier_modulus", std::abs(stability.dominant)},
+          {"multiplier_per", "half-period"},
+          {"multiplier", Json{stability.dominant.real(), stability.dominant.imag()}},
+          {"unstable_multipliers", stability.unstable_multipliers},
+          {"loss", backlash::to_string(stability.loss)},
+          {"impulse", cycle.impulse},
+          {"impact_speed", cycle.impact_speed},
+          {"amplitude_x1", std::abs(cycle.harmonics.front().x1)},
+          {"amplitude_x2", std::abs(cycle.harmonics.front().x2)},
+          {"amplitude_force", force_of(cycle)},
+          {"harmonics", harmonics_json(cycle.harmonics)},
+          {"describing_function", comparison_json(prediction_of(cycle, loop), cycle.omega, force_of(cycle))}};
 }
 
-Json cycle_json(const backlash::ImpactCycle& cycle) {
+Json cycle_json(const backlash::ImpactCycle& cycle, const LoopCycles& loop) {
   const backlash::CycleStability& stability = cycle.stability;
   Json impacts = Json::array();
   for (const backlash::CycleImpact& impact : cycle.impacts) {
@@ -121,9 +141,9 @@ Json cycle_json(const backlash::ImpactCycle& cycle) {
           {"impact_speed", cycle.impacts.front().speed},
           {"amplitude_x1", std::abs(first.x1)},
           {"amplitude_x2", std::abs(first.x2)},
-          {"amplitude_force", std::abs(first.force)},
+          {"amplitude_force", force_of(cycle)},
           {"harmonics", harmonics_json(cycle.harmonics)},
-          {"describing_function", Json()},
+          {"describing_function", comparison_json(prediction_of(cycle, loop), frequency_of(cycle), force_of(cycle))},
           {"period", cycle.period},
           {"middle", cycle.middle},
           {"error", cycle.error},
@@ -168,7 +188,7 @@ Json loop_json(const LoopCycles& loop) {
     by_omega.emplace_back(cycle.omega, cycle_json(cycle, loop));
   }
   for (const backlash::ImpactCycle* cycle : further_cycles(loop)) {
-    by_omega.emplace_back(frequency_of(*cycle), cycle_json(*cycle));
+    by_omega.emplace_back(frequency_of(*cycle), cycle_json(*cycle, loop));
   }
   std::stable_sort(by_omega.begin(), by_omega.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   for (auto& [omega, cycle] : by_omega) cycles.push_back(std::move(cycle));
@@ -247,6 +267,24 @@ std::string motions_text(const LoopCycles& loop) {
   return text;
 }
 
+// Cycles that the describing function predicts and the table has not.
+std::string unmatched_text(const LoopCycles& loop) {
+  std::vector<const backlash::PredictedCycle*> matched;
+  for (const backlash::SymmetricCycle& cycle : loop.exact.cycles) matched.push_back(prediction_of(cycle, loop));
+  for (const backlash::ImpactCycle* cycle : further_cycles(loop)) matched.push_back(prediction_of(*cycle, loop));
+  std::string text;
+  for (const backlash::PredictedCycle& predicted : loop.predicted) {
+    if (!predicted.admissible || std::find(matched.begin(), matched.end(), &predicted) != matched.end()) continue;
+    text +=
+        paragraph("The describing function also predicts omega " + short_number(predicted.omega / predicted.period) +
+                      ", force " + short_number(predicted.force_amplitude) + ": " +
+                      (predicted.stable ? "stable" : "unstable") + ", " + std::to_string(predicted.impacts) +
+                      " impacts per period, " + (predicted.symmetric ? "symmetric" : "asymmetric") + ".",
+                  2);
+  }
+  return text;
+}
+
 std::string state_of(const backlash::SymmetricCycle& cycle) {
   if (!cycle.admissible) return "no motion";
   if (cycle.stability.stable) return "stable";
@@ -315,6 +353,10 @@ std::string limit_cycles_csv(const std::vector<LoopCycles>& loops, const std::st
             cells.emplace_back(parsed ? Cell(*parsed) : Cell(value));
           }
           constexpr double none = std::numeric_limits<double>::quiet_NaN();
+          const auto add_prediction = [&](const backlash::PredictedCycle* predicted) {
+            cells.emplace_back(predicted ? predicted->omega : none);
+            cells.emplace_back(predicted ? predicted->force_amplitude : none);
+          };
           cells.emplace_back(omega);
           if (further) {
             const backlash::CycleHarmonic& fundamental = further->harmonics.front();
@@ -324,8 +366,9 @@ std::string limit_cycles_csv(const std::vector<LoopCycles>& loops, const std::st
             cells.emplace_back(further->stability.stable);
             for (const double value : {std::abs(further->stability.dominant), further->impacts.front().impulse,
                                        further->impacts.front().speed, std::abs(fundamental.x1),
-                                       std::abs(fundamental.x2), std::abs(fundamental.force), none, none})
+                                       std::abs(fundamental.x2), force_of(*further)})
               cells.emplace_back(value);
+            add_prediction(prediction_of(*further, *loop));
             cells.emplace_back(further->reason);
             return;
           }
@@ -337,9 +380,7 @@ std::string limit_cycles_csv(const std::vector<LoopCycles>& loops, const std::st
                {std::abs(cycle->stability.dominant), cycle->impulse, cycle->impact_speed,
                 std::abs(cycle->harmonics.front().x1), std::abs(cycle->harmonics.front().x2), force_of(*cycle)})
             cells.emplace_back(value);
-          const backlash::PredictedCycle* predicted = prediction_of(*cycle, *loop);
-          cells.emplace_back(predicted ? predicted->omega : none);
-          cells.emplace_back(predicted ? predicted->force_amplitude : none);
+          add_prediction(prediction_of(*cycle, *loop));
           cells.emplace_back(cycle->reason);
         }}},
       "csv", command);
@@ -363,9 +404,13 @@ std::string limit_cycles_table(const std::vector<LoopCycles>& loops, const backl
     heading.emplace_back(column);
   AlignedTable table(heading);
   std::string remarks;
+  const auto add_prediction = [&](std::vector<std::string>& row, const backlash::PredictedCycle* predicted,
+                                  double omega) {
+    row.push_back(predicted ? short_number(predicted->omega) : "-");
+    row.push_back(predicted ? percent(predicted->omega / predicted->period / omega - 1) : "-");
+  };
   for (const LoopCycles& loop : loops) {
     for (const backlash::SymmetricCycle& cycle : loop.exact.cycles) {
-      const backlash::PredictedCycle* predicted = prediction_of(cycle, loop);
       std::vector<std::string> row;
       for (const auto& [name, value] : loop.varied) row.push_back(short_number(io::parse_number(value).value_or(NAN)));
       row.push_back(short_number(cycle.omega));
@@ -374,8 +419,7 @@ std::string limit_cycles_table(const std::vector<LoopCycles>& loops, const backl
            {std::abs(cycle.stability.dominant), cycle.impact_speed, std::abs(cycle.harmonics.front().x1),
             std::abs(cycle.harmonics.front().x2), force_of(cycle)})
         row.push_back(short_number(value));
-      row.push_back(predicted ? short_number(predicted->omega) : "-");
-      row.push_back(predicted ? percent(predicted->omega / cycle.omega - 1) : "-");
+      add_prediction(row, prediction_of(cycle, loop), cycle.omega);
       table.add(row);
       if (loops.size() > 1) continue;
       if (!cycle.admissible) {
@@ -393,9 +437,9 @@ std::string limit_cycles_table(const std::vector<LoopCycles>& loops, const backl
       row.push_back(std::to_string(cycle->impacts.size()) + " impacts");
       const backlash::CycleHarmonic& fundamental = cycle->harmonics.front();
       for (const double value : {std::abs(cycle->stability.dominant), cycle->impacts.front().speed,
-                                 std::abs(fundamental.x1), std::abs(fundamental.x2), std::abs(fundamental.force)})
+                                 std::abs(fundamental.x1), std::abs(fundamental.x2), force_of(*cycle)})
         row.push_back(short_number(value));
-      row.insert(row.end(), {"-", "-"});
+      add_prediction(row, prediction_of(*cycle, loop), frequency_of(*cycle));
       table.add(row);
       remarks += paragraph("omega " + short_number(frequency_of(*cycle)) + ": stable, " +
                                std::to_string(cycle->impacts.size()) + " impacts per period, " +
@@ -404,6 +448,7 @@ std::string limit_cycles_table(const std::vector<LoopCycles>& loops, const backl
                            2);
     }
     remarks += motions_text(loop);
+    if (loops.size() == 1) remarks += unmatched_text(loop);
     if (loops.size() == 1 && loop.exact.any_frequency) {
       text += "Every frequency is one of a cycle: nothing is lost and nothing made up for.\n";
     } else if (loops.size() == 1 && loop.exact.cycles.empty()) {

@@ -265,7 +265,7 @@ class LimitCycles(_Record):
         Exact, by rising frequency: omega (rad/s), admissible with the reason, stable, impact_speed (m/s),
         dominant_multiplier, and harmonics as tuples of order and the phasors of x1, x2 (m) and the force (N).
     predicted : list of dict
-        What the describing function predicts.
+        What the describing function predicts on the orbits with two impacts, symmetric or not.
     searched : (float, float)
         rad/s.
     certain : bool

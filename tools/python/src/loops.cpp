@@ -47,6 +47,9 @@ py::dict cycles(const frac::FractionalTransferFunction& controller, double mass1
     entry["faster_orbit"] = cycle.faster_orbit;
     entry["stable"] = cycle.stable;
     entry["third_harmonic"] = cycle.third_harmonic;
+    entry["second_harmonic"] = cycle.second_harmonic;
+    entry["symmetric"] = cycle.symmetric;
+    entry["admissible"] = cycle.admissible;
     expected.append(entry);
   }
   py::dict result;

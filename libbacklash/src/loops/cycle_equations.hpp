@@ -1,0 +1,101 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <array>
+#include <complex>
+#include <cstddef>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "backlash/loops/impact_cycles.hpp"
+#include "excursion.hpp"
+#include "gap_response.hpp"
+
+namespace backlash::detail {
+
+/// A periodic motion by the instants and impulses of its impacts.
+struct ClosedMotion {
+  double period;
+  std::vector<double> shares;  // of the period, at which the impacts happen; the first is 0
+  std::vector<double> impulses;
+  double middle;  // mean of x2 - x1
+};
+
+/// What a sine force adds that answers to the fundamental of the impulses: F G2 = answer times it.
+struct FundamentalAnswer {
+  std::function<std::complex<double>(double omega)> answer;
+  int force_periods = 1;  // per period of the motion
+};
+
+/// Sums over all earlier impacts at distances of whole periods: those of ImpulseTrain, and of the force that answers.
+class AnsweredTrain {
+ public:
+  AnsweredTrain(const GapResponse& response, double period, const std::optional<FundamentalAnswer>& answer);
+  /// As ImpulseTrain::repeated.
+  [[nodiscard]] std::array<double, 3> repeated(double t) const;
+  [[nodiscard]] const ImpulseTrain& train() const noexcept { return train_; }
+
+ private:
+  ImpulseTrain train_;
+  double omega_ = 0;
+  std::complex<double> answer_ = 0;  // per impulse
+};
+
+/// The conditions on a periodic motion with impacts at given walls:
+///   y(t_a) = +-clearance/2,   y'(t_a) = h1 I_a/(1 + restitution),   h1 = 1/M1 + 1/M2,
+///   y(t) = middle - sum_b I_b sum_l g(t - t_b + l period).
+class CycleEquations {
+ public:
+  /// Of a loop.
+  CycleEquations(const ControlLoop& loop, const CycleGuess& guess);
+  /// Of the same with a controller that answers to the mean and the fundamental alone.
+  CycleEquations(const ControlLoop& loop, const CycleGuess& guess, FundamentalAnswer answer);
+
+  /// The motion next to the guess by Newton's method, if that settles.
+  struct Solution {
+    ClosedMotion motion;
+    double error;  // largest relative change of the last step
+  };
+  [[nodiscard]] std::optional<Solution> solve(const CycleGuess& guess) const;
+
+  /// Derivatives of angular frequency and impulses by the answer's real and imaginary part, at a solution.
+  struct Sensitivity {
+    std::complex<double> omega;  // by the real part + j times by the imaginary part
+    std::vector<std::complex<double>> shares;
+    std::vector<std::complex<double>> impulses;
+  };
+  [[nodiscard]] std::optional<Sensitivity> sensitivity(const ClosedMotion& motion) const;
+
+  /// Why the motion does not exist; empty where it does.
+  [[nodiscard]] std::string reason_against(const ClosedMotion& motion) const;
+  /// The j-th derivative of x2 - x1 just before each impact; of the position without the middle.
+  [[nodiscard]] std::vector<double> gap(const ClosedMotion& motion, std::size_t derivative) const;
+  /// Of impulse a, per period: sum_b I_b e^{-j omega t_b} 2/period at `turns` times the frequency of the motion.
+  [[nodiscard]] static std::complex<double> strength(const ClosedMotion& motion, int turns);
+
+  [[nodiscard]] const GapResponse& response() const noexcept { return response_; }
+  /// Speed of the masses towards each other per impulse.
+  [[nodiscard]] double exchange() const noexcept { return exchange_; }
+  [[nodiscard]] double half_clearance() const noexcept { return half_clearance_; }
+  [[nodiscard]] const std::vector<double>& walls() const noexcept { return walls_; }
+
+ private:
+  CycleEquations(const ControlLoop& loop, const CycleGuess& guess, GapResponse response,
+                 std::optional<FundamentalAnswer> answer);
+  [[nodiscard]] ClosedMotion start(const CycleGuess& guess) const;
+  [[nodiscard]] double improve(ClosedMotion& motion) const;
+  [[nodiscard]] std::vector<double> residuals(const ClosedMotion& motion, double scale) const;
+  [[nodiscard]] std::vector<double> derivatives(const ClosedMotion& motion, double scale) const;
+
+  GapResponse response_;
+  std::optional<FundamentalAnswer> answer_;
+  std::optional<double> static_gap_;  // of a constant force between the bodies, m/N, if they settle
+  double half_clearance_;
+  double exchange_;
+  std::size_t count_;
+  std::vector<double> walls_;  // 1: +clearance/2
+};
+
+}  // namespace backlash::detail
