@@ -419,9 +419,9 @@ FixedPointHeader fixed_point_header(const FractionalPidDesign& design, const Fix
   }
   const bool integrates = k.ki != 0, differs = k.kd != 0;
   const double ratio = ranges.input / ranges.output;
-  // Errors are fractions of 4 input ranges; the sum has 48 bits below the output range, the integrator 58.
+  // Errors are fractions of 4 input ranges; the sum has 48 bits below the output range, the integrator up to 58.
   constexpr double room = 4;
-  constexpr int sum_bits = 48, integrator_bits = 58, input_bits = 30;
+  constexpr int sum_bits = 48, most_integrator_bits = 58, input_bits = 30;
   const double of_input = std::ldexp(1.0, -input_bits);
   const Product kp = product_of(std::ldexp(k.kp * ratio, sum_bits - input_bits));
   Operator integral, derivative;
@@ -430,8 +430,9 @@ FixedPointHeader fixed_point_header(const FractionalPidDesign& design, const Fix
     const double gain = k.kd * (k.differentiates ? k.inverse_lag_time : 1);
     derivative = operator_of(design.derivative(), gain * room * ratio);
   }
-  const int integral_shift = integral.scale() - integrator_bits, derivative_shift = derivative.scale() - sum_bits;
-  if (integrates && integral_shift < 0) refuse_gain(integral.largest);
+  const int integrator_bits = integrates ? std::min(integral.scale(), most_integrator_bits) : most_integrator_bits;
+  const int derivative_shift = derivative.scale() - sum_bits;
+  if (integrator_bits < sum_bits) refuse_gain(integral.largest);
   if (differs && derivative_shift < 0) refuse_gain(derivative.largest);
   const bool tracks = integrates && k.anti_windup == AntiWindup::back_calculation;
   Product tracking, high;
@@ -476,7 +477,11 @@ FixedPointHeader fixed_point_header(const FractionalPidDesign& design, const Fix
   };
   detail::CWords words{{"INTEGRAL_OUTPUT", sum_of(integral, "integral")},
                        {"DERIVATIVE_OUTPUT", sum_of(derivative, "derivative")},
-                       {"INTEGRAL_SHIFT", std::to_string(integral_shift)},
+                       {"INTEGRAL_SHIFT", std::to_string(integral.scale() - integrator_bits)},
+                       {"INTEGRATOR_BITS", std::to_string(integrator_bits)},
+                       {"INTEGRATOR_EXTRA", std::to_string(integrator_bits - sum_bits)},
+                       {"INTEGRATOR_HALVED", std::to_string(integrator_bits - sum_bits + 1)},
+                       {"INTEGRATOR_LIMIT_BITS", std::to_string(integrator_bits + 4)},
                        {"DERIVATIVE_SHIFT", std::to_string(derivative_shift)},
                        {"KP", in_brackets(kp.number)},
                        {"KP_SHIFT", std::to_string(kp.shift)},

@@ -62,11 +62,11 @@ static inline void NAME_track(NAME_state *s, int32_t output)
 static inline int32_t NAME_step(NAME_state *s, int32_t setpoint, int32_t measured)
 {
   const int64_t lowest = (int64_t)MINIMUM * 131072, highest = (int64_t)MAXIMUM * 131072;
-  const int64_t largest = (int64_t)1 << 62;
+  const int64_t largest = (int64_t)1 << INTEGRATOR_LIMIT_BITS; /* 16 output ranges */
   const int32_t half = setpoint >> 1;
   const int32_t error = half - (measured >> 1); /* fraction of the input range times 2^30 */
   const int32_t proportional = error - (int32_t)(((int64_t)SETPOINT_GAP * half) >> 30);
-  int64_t sum = (((int64_t)KP * proportional) >> KP_SHIFT) + (s->integrator >> 10);
+  int64_t sum = (((int64_t)KP * proportional) >> KP_SHIFT) + (s->integrator >> INTEGRATOR_EXTRA);
   int64_t excess;
 #if HAS_INTEGRAL
   int32_t integral_input = error >> 2;
@@ -101,11 +101,11 @@ static inline int32_t NAME_step(NAME_state *s, int32_t setpoint, int32_t measure
 #endif
 #endif
 #if HAS_INTEGRAL
-  sum += increment >> 11;
+  sum += increment >> INTEGRATOR_HALVED;
 #endif
   if (s->is_tracking) {
     const int64_t shift = NAME_limited((int64_t)s->track_output * 131072 - sum, (int64_t)1 << 52);
-    s->integrator = NAME_limited(s->integrator + shift * 1024, largest);
+    s->integrator = NAME_limited(s->integrator + shift * ((int64_t)1 << INTEGRATOR_EXTRA), largest);
     sum += shift;
     s->is_tracking = 0;
   }
@@ -121,7 +121,7 @@ static inline int32_t NAME_step(NAME_state *s, int32_t setpoint, int32_t measure
     integral_x = NAME_integral_tapped(s, integral_input);
 #endif
     increment += change;
-    sum += change >> 11;
+    sum += change >> INTEGRATOR_HALVED;
   }
 #endif
   sum = (sum + 65536) >> 17;

@@ -17,7 +17,7 @@ typedef struct {
 #if HAS_DERIVATIVE
   int64_t lag; /* fraction of 4 input ranges times 2^60 */
 #endif
-  int64_t integrator;   /* fraction of the output range times 2^58 */
+  int64_t integrator;   /* fraction of the output range times 2^INTEGRATOR_BITS */
   int32_t track_output;
   int32_t output; /* the last one */
   int is_tracking;
