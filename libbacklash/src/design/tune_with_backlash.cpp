@@ -270,6 +270,10 @@ std::string message_of(const BacklashTuning& result) {
 
 }  // namespace
 
+std::string BacklashTuning::summary() const {
+  return usable() ? linear.summary() + " " + message : linear.summary();
+}
+
 BacklashTuning tune_with_backlash(const BacklashPlant& plant, const frac::LoopSpecification& specification,
                                   const frac::TuningOptions& options) {
   if (!specification.crossover) throw std::invalid_argument("tune with backlash: needed is a crossover");

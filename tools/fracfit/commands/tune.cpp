@@ -93,10 +93,10 @@ Json region_json(const frac::RobustTuningResult& region) {
           {"plants", region.plants},
           {"not_stable", region.not_stable},
           {"max_sensitivity", region.max_sensitivity},
-          {"max_complementary_sensitivity", region.max_complementary},
+          {"max_complementary_sensitivity", region.max_complementary_sensitivity},
           {"least_phase_margin_deg", region.least_phase_margin / degree},
-          {"crossover_lowest", region.crossover[0]},
-          {"crossover_highest", region.crossover[1]}};
+          {"crossover_lowest", region.lowest_crossover},
+          {"crossover_highest", region.highest_crossover}};
 }
 
 Json motion_json(const backlash::PersistentMotion& motion) {
@@ -186,9 +186,10 @@ std::string region_table(const frac::RobustTuningResult& region) {
   AlignedTable table({"plants of the 95 % region", "worst"});
   table.add({"loops that are not stable", std::to_string(region.not_stable) + " of " + std::to_string(region.plants)});
   table.add({"max |S|", short_number(region.max_sensitivity)});
-  table.add({"max |T|", short_number(region.max_complementary)});
+  table.add({"max |T|", short_number(region.max_complementary_sensitivity)});
   table.add({"phase margin, deg", short_number(region.least_phase_margin / degree)});
-  table.add({"crossover, rad/s", short_number(region.crossover[0]) + " to " + short_number(region.crossover[1])});
+  table.add(
+      {"crossover, rad/s", short_number(region.lowest_crossover) + " to " + short_number(region.highest_crossover)});
   return "\n" + table.text() + "\n" + paragraph(region.message);
 }
 

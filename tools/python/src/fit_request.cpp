@@ -2,7 +2,6 @@
 #include "fit_request.hpp"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -34,17 +33,6 @@ frac::ParameterConstraint& constraint_of(std::vector<frac::ParameterConstraint>&
   constraints.push_back({name, {}, {}, {}, {}});
   return constraints.back();
 }
-
-template <typename Enum, std::size_t N>
-Enum from_spelling(const std::array<Enum, N>& all, const std::string& text) {
-  for (const Enum each : all)
-    if (text == frac::to_string(each)) return each;
-  throw std::invalid_argument("'" + text + "' is no word of a fit result");
-}
-
-constexpr std::array terminations = {frac::FitTermination::converged, frac::FitTermination::not_converged,
-                                     frac::FitTermination::no_usable_start};
-constexpr std::array interval_kinds = {frac::IntervalKind::curvature, frac::IntervalKind::profile};
 
 // Calls visit(name, member) for each member that is a plain value, of a const result or of one to be filled.
 template <typename Estimate, typename Visit>
@@ -135,10 +123,9 @@ frac::FrequencyResponseData spectrum_of(const py::dict& data) {
 }
 
 frac::TimeResponseData record_of(const py::dict& data) {
-  const bool straight = text_of(data, "hold") == "first-order";
   const frac::TimeResponseData record(vector_of(data["time"].cast<Reals>()), vector_of(data["input"].cast<Reals>()),
                                       vector_of(data["output"].cast<Reals>()), vector_of(data["sigma"].cast<Reals>()),
-                                      straight ? frac::Hold::first_order : frac::Hold::zero_order,
+                                      frac::hold_from_string(data["hold"].cast<std::string>()),
                                       data["input_at_rest"].cast<double>());
   if (data["kept"].is_none()) return record;
   const auto kept = data["kept"].cast<py::array_t<std::int64_t, py::array::c_style>>();
@@ -199,12 +186,12 @@ py::dict dict_of(const frac::FitResult& result) {
 frac::FitResult fit_result_from(const py::dict& dict) {
   frac::FitResult result{};
   visit_result(result, reader(dict));
-  result.termination = from_spelling(terminations, dict["termination"].cast<std::string>());
+  result.termination = frac::fit_termination_from_string(dict["termination"].cast<std::string>());
   for (const auto& each : dict["parameters"].cast<py::list>()) {
     const auto entry = each.cast<py::dict>();
     frac::ParameterEstimate estimate{};
     visit_estimate(estimate, reader(entry));
-    estimate.interval = from_spelling(interval_kinds, entry["interval"].cast<std::string>());
+    estimate.interval = frac::interval_kind_from_string(entry["interval"].cast<std::string>());
     result.parameters.push_back(std::move(estimate));
   }
   return result;

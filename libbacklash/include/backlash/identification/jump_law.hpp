@@ -41,6 +41,11 @@ struct JumpGrid {
 /// Eqs. (7) and (8): a(Delta) and b(Delta) as power laws of the clearance.  Similarity says a = c Delta^-1/2 M2^-1/2
 /// and b = 1/2.
 struct JumpLaw : JumpGrid {
+  /// There is a law.
+  [[nodiscard]] bool usable() const noexcept { return message.empty(); }
+  /// Both power laws, or why there are none.
+  [[nodiscard]] std::string summary() const;
+
   std::string message;  // why there is no law, and its numbers are NaN; empty where there is one
   std::vector<ForceLaw> laws;
   frac::PowerLaw a_of_clearance;

@@ -83,6 +83,11 @@ struct DigitalSections {
 /// integrators (order < 0), and F in first-order sections in either form, cascade or parallel.  Stable: all rates are
 /// in (0, 2).
 struct DigitalPower {
+  /// The tolerance is kept, where one was asked for.
+  [[nodiscard]] bool usable() const noexcept { return status != ApproximationStatus::not_attainable; }
+  /// Order, band, sample time, method, states and error.
+  [[nodiscard]] std::string summary() const;
+
   double order;
   /// As asked, rad/s.
   FrequencyBand band;

@@ -23,8 +23,9 @@ enum class Weight {
   absolute,           // nothing
   given,              // the sigma of the data
   smoothed_relative,  // |data| as up to eight neighbours tell it: noise in |data| does not bias the fit
-  log_complex,  // residuals are ln|model/data| and the angle from data to model (component both, magnitude, phase)
-  repeats,      // the standard deviation of repeats at each frequency, pooled over five frequencies
+  /// Residuals are ln|model/data| and the angle from data to model (component both, magnitude, phase).
+  log_complex,
+  repeats,  // the standard deviation of repeats at each frequency, pooled over five frequencies
   /// sqrt(|data|^2 + floor^2): relative where the data are larger than the floor, absolute below it.  Magnitude and
   /// phase know no floor and are taken as under relative.
   learned,
@@ -72,6 +73,8 @@ struct FitOptions {
 /// What an interval follows: the curvature of the cost at its minimum, or the cost itself, as profile_interval() does.
 enum class IntervalKind { curvature, profile };
 [[nodiscard]] std::string_view to_string(IntervalKind kind);
+/// @throws std::invalid_argument  unknown name; the text lists the known ones.
+[[nodiscard]] IntervalKind interval_kind_from_string(std::string_view text);
 
 struct ParameterEstimate {
   std::string name;
@@ -83,12 +86,14 @@ struct ParameterEstimate {
   double ci95_lower, ci95_upper;
   bool fixed;
   bool at_bound;
-  bool
-      identified;  // false: at a bound, interval beyond 50 %, or part of a flat direction (Fisher condition beyond 1e6)
+  /// False at a bound, where the interval exceeds 50 % of the value, and for a part of a flat direction (condition of
+  /// the Fisher matrix above 1e6).
+  bool identified;
   /// With frequency in units of the band's geometric middle (T becomes T omega_c^a), where a coefficient is least
   /// correlated with the orders.
   double centre_value, centre_standard_error;
-  bool from_other_component;  // the fitted component is blind to it; estimated from the other one with the rest held
+  /// The fitted component does not depend on it; it is estimated from the other one, with the rest held.
+  bool from_other_component;
   /// profile where the interval is wider than 10 % of the value on a side, the fit has no loss and no flat direction.
   IntervalKind interval = IntervalKind::curvature;
   /// Factor that the correlation of neighbouring residuals has put on the standard error and the interval: about 1 for
@@ -102,6 +107,8 @@ enum class FitTermination {
   no_usable_start,  // the model is not finite anywhere it was tried, or the fitted part of the data is 0 everywhere
 };
 [[nodiscard]] std::string_view to_string(FitTermination termination);
+/// @throws std::invalid_argument  unknown name; the text lists the known ones.
+[[nodiscard]] FitTermination fit_termination_from_string(std::string_view text);
 
 /// One structure fitted to data.  cost is the plain sum of squared (weighted) residuals, without the loss.
 struct FitResult {

@@ -8,10 +8,12 @@
 #include <cstdint>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 
 #include "base/identifier.hpp"
 #include "base/spelling.hpp"
 #include "digital/section_kernel.hpp"
+#include "digital/tap_line.hpp"
 #include "runtime_text.hpp"
 
 namespace frac {
@@ -187,6 +189,15 @@ std::string CText::closed(std::string text) const {
 
 std::string CText::guard() const {
   return capitals(name_) + "_H";
+}
+
+CSections c_sections(std::string prefix, std::vector<double> taps, const ParallelSections& design) {
+  CSections sections{std::move(prefix), std::move(taps), design.output, design.direct, design.rates, design.weights};
+  const std::size_t size = whole_groups(design.rates.size());
+  sections.taps.resize(even_count(sections.taps.size()), 0);
+  sections.rates.resize(size, 1);
+  sections.weights.resize(size, 0);
+  return sections;
 }
 
 void describe(const CSections& sections, CWords& words, CConditions& conditions) {

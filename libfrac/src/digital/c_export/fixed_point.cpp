@@ -343,17 +343,11 @@ Product product_of(double gain) {
   return product;
 }
 
-Operator operator_of(const PidOperator& from, double scale) {
-  const auto count = static_cast<std::ptrdiff_t>(from.sections);
-  const ParallelSections sections{.output = from.output,
-                                  .direct = from.direct,
-                                  .rates = {from.rates.begin(), from.rates.begin() + count},
-                                  .weights = {from.weights.begin(), from.weights.begin() + count}};
+Operator operator_of(const PidFilter& from, double scale) {
   Others others;
-  if (from.tap_count > 0)
-    others.taps.assign(from.taps.begin(), from.taps.begin() + static_cast<std::ptrdiff_t>(from.tap_count));
+  if (!from.taps.empty()) others.taps = from.taps;
   while (others.taps.size() > 1 && others.taps.back() == 0) others.taps.pop_back();
-  return operator_of(sections, others, scale);
+  return operator_of(from.sections, others, scale);
 }
 
 }  // namespace
