@@ -51,6 +51,24 @@ TEST(Number, WholeTextMustBeTheNumber) {
   EXPECT_EQ(io::parse_number(".5"), 0.5);
 }
 
+// Every text of up to five of the characters that numbers are made of, right or wrong.
+TEST(Number, IsOneWhereItCanBeRead) {
+  constexpr std::string_view characters = "-+.e0i9";
+  std::string text;
+  const auto try_longer = [&](const auto& self) -> void {
+    EXPECT_EQ(io::is_number(text), io::parse_number(text).has_value()) << text;
+    if (text.size() == 5) return;
+    for (const char c : characters) {
+      text.push_back(c);
+      self(self);
+      text.pop_back();
+    }
+  };
+  try_longer(try_longer);
+  for (const char* other : {"nan", "inf", "-inf", "1e400", "1e-400", "1.5x", "1,5"})
+    EXPECT_EQ(io::is_number(other), io::parse_number(other).has_value()) << other;
+}
+
 TEST(Number, BeyondTheRangeOfADoubleIsInfiniteAndBelowItIsZero) {
   EXPECT_EQ(io::parse_number("1e400"), std::numeric_limits<double>::infinity());
   EXPECT_EQ(io::parse_number("-1e400"), -std::numeric_limits<double>::infinity());

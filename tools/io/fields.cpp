@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "frac/cancellation.hpp"
 #include "io/number.hpp"
 
 namespace io {
@@ -102,6 +103,7 @@ std::size_t column_in(std::string_view line, std::string_view field) {
 }
 
 bool LineReader::next(std::string_view& line) {
+  frac::throw_if_cancelled();
   if (next_ >= text_.size()) return false;
   begin_ = next_;
   const auto end = std::min(text_.find(line_end_, begin_), text_.size());

@@ -85,6 +85,29 @@ std::optional<double> parse_number(std::string_view text) {
   return std::nullopt;
 }
 
+bool is_number(std::string_view text) {
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  const auto next_is = [&](char wanted) { return at != end && *at == wanted; };
+  const auto skip_digits = [&] {
+    const char* const begin = at;
+    while (at != end && '0' <= *at && *at <= '9') ++at;
+    return at != begin;
+  };
+  if (next_is('-')) ++at;
+  bool is_decimal = skip_digits();
+  if (next_is('.')) {
+    ++at;
+    is_decimal = skip_digits() || is_decimal;
+  }
+  if (next_is('e')) {
+    ++at;
+    if (next_is('-') || next_is('+')) ++at;
+    is_decimal = skip_digits() && is_decimal;
+  }
+  return (is_decimal && at == end) || parse_number(text).has_value();
+}
+
 std::optional<std::uint64_t> parse_count(std::string_view text) {
   std::uint64_t count = 0;
   const char* const end = text.data() + text.size();
