@@ -69,7 +69,7 @@ struct RightSingularVectors {
 };
 [[nodiscard]] RightSingularVectors right_singular_vectors(const Eigen::MatrixXd& matrix);
 
-/// Of all x with least |matrix x - right|, column by column, the shortest, whatever the rank.
+/// The shortest of all x with least |matrix x - right|, column by column, whatever the rank.
 [[nodiscard]] Eigen::MatrixXd shortest_solution(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& right);
 
 /// Solution for a symmetric matrix that is not indefinite, by L D L'; only the lower triangle is read.

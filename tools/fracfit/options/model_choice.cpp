@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "frac/identification/constraints.hpp"
 #include "io/data_error.hpp"
 #include "io/number.hpp"
 #include "options/misspelling.hpp"
@@ -43,13 +44,6 @@ double limit(const std::string& text, const std::string& whole) {
     throw std::invalid_argument("--bound " + io::quoted(whole) + ": " + io::quoted(text) +
                                 " is no number; expected NAME=LOW:HIGH");
   return *value;
-}
-
-frac::ParameterConstraint& constraint_of(std::vector<frac::ParameterConstraint>& constraints, const std::string& name) {
-  for (auto& constraint : constraints)
-    if (constraint.name == name) return constraint;
-  constraints.push_back({name, {}, {}, {}, {}});
-  return constraints.back();
 }
 
 /// "0.5+-0.1", "10+-5%", with the sign for plus or minus in place of +- where that is at hand.
@@ -148,7 +142,7 @@ std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& mo
   auto constraints = model.constraints;
   for (const auto& text : given.fix) {
     const auto [name, value] = assignment("--fix", text);
-    auto& constraint = constraint_of(constraints, name);
+    auto& constraint = frac::constraint_of(constraints, name);
     if (constraint.fixed) throw std::invalid_argument("--fix " + io::quoted(text) + ": " + name + " is fixed twice");
     // Limits and a start are the model's own here: those of the user come below.
     constraint = {name, number_of("--fix " + name, value), {}, {}, {}};
@@ -156,7 +150,7 @@ std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& mo
   for (const auto& text : given.bound) {
     const auto [name, range] = assignment("--bound", text);
     const auto [lower, upper] = pair_of("--bound", range);
-    auto& constraint = constraint_of(constraints, name);
+    auto& constraint = frac::constraint_of(constraints, name);
     const bool free_of_limits = lower.empty() && upper.empty();
     constexpr double infinity = std::numeric_limits<double>::infinity();
     if (!lower.empty() || free_of_limits) constraint.lower = free_of_limits ? -infinity : limit(lower, text);
@@ -164,12 +158,12 @@ std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& mo
   }
   for (const auto& text : given.start) {
     const auto [name, value] = assignment("--start", text);
-    constraint_of(constraints, name).start = number_of("--start " + name, value);
+    frac::constraint_of(constraints, name).start = number_of("--start " + name, value);
   }
   for (const auto& text : given.prior) {
     auto [name, value] = assignment("--prior", text);
     std::erase(name, ' ');
-    auto& constraint = constraint_of(constraints, name);
+    auto& constraint = frac::constraint_of(constraints, name);
     if (constraint.fixed) throw std::invalid_argument("--prior " + io::quoted(text) + ": " + name + " is fixed");
     if (constraint.prior) throw std::invalid_argument("--prior " + io::quoted(text) + ": " + name + " has one already");
     constraint.prior = prior_of(value, text);
@@ -177,7 +171,7 @@ std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& mo
   for (const auto& text : given.order) {
     const auto names = chain_of(text);
     for (std::size_t i = 1; i < names.size(); ++i) {
-      auto& constraint = constraint_of(constraints, names[i]);
+      auto& constraint = frac::constraint_of(constraints, names[i]);
       if (!constraint.above.empty())
         throw std::invalid_argument("--constraint " + io::quoted(text) + ": " + names[i] + " is above " +
                                     constraint.above + " already; write one chain, A<B<C");

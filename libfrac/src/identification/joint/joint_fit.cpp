@@ -12,6 +12,7 @@
 #include "base/counted.hpp"
 #include "base/short_text.hpp"
 #include "curves_alone.hpp"
+#include "frac/identification/constraints.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/formula_checks.hpp"
 #include "identification/search/robust.hpp"
@@ -109,7 +110,7 @@ std::vector<ParameterConstraint> taken_out(std::vector<ParameterConstraint>& con
   return of_laws;
 }
 
-/// Of the parameters of the laws, and where these start.
+/// Returns the variables that stand for the parameters of the laws, and where they start.
 std::vector<detail::JointVariable> variables_of(const detail::Laws& laws,
                                                 const std::vector<ParameterConstraint>& constraints,
                                                 const StartValues& values, std::vector<double>& starts) {
@@ -474,10 +475,7 @@ Preparation from_superposition(const std::vector<JointCurve>& curves, const Stru
 void keep_shifts_positive(std::vector<ParameterConstraint>& constraints, const CurveShift& shift) {
   for (const char* name : {horizontal_shift, vertical_shift}) {
     if (name == vertical_shift && !shift.vertical) continue;
-    const auto known = std::find_if(constraints.begin(), constraints.end(),
-                                    [&](const ParameterConstraint& each) { return each.name == name; });
-    ParameterConstraint& each =
-        known == constraints.end() ? constraints.emplace_back(ParameterConstraint{name, {}, {}, {}, {}}) : *known;
+    ParameterConstraint& each = constraint_of(constraints, name);
     constexpr double largest = 1e150;
     if (!each.fixed && !each.upper) each.upper = largest;
   }

@@ -62,7 +62,7 @@ struct JointLayout {
   [[nodiscard]] const JointVariable& variable(const Place& place) const {
     return place.shared ? shared[place.index] : own[place.index];
   }
-  /// Of the structure, in one curve.
+  /// Values of the structure's parameters in one curve.
   [[nodiscard]] std::vector<double> parameters(std::span<const double> shared_values,
                                                std::span<const double> own_values, std::size_t curve) const;
 

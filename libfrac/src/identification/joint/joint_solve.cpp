@@ -165,7 +165,8 @@ JointPoint joint_solve(std::vector<CurveResiduals>& curves, const JointLayout& l
   std::vector<double> own;
   for (const std::vector<double>& each : start.own) own.insert(own.end(), each.begin(), each.end());
   ceres::Problem problem;
-  ceres::Solver::Options solver;
+  constexpr int most_iterations = 200;
+  ceres::Solver::Options solver = solver_options(most_iterations, cost_tolerance);
   solver.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   add_block(problem, start.shared.data(), layout.shared);
   solver.linear_solver_ordering->AddElementToGroup(start.shared.data(), 1);
@@ -183,15 +184,7 @@ JointPoint joint_solve(std::vector<CurveResiduals>& curves, const JointLayout& l
     problem.AddResidualBlock(new SharedPriorCost(layout, curves.front().prior_weight()), nullptr,
                              std::vector<double*>{start.shared.data()});
   }
-  solver.linear_solver_type = layout.own.empty() ? ceres::DENSE_QR : ceres::DENSE_SCHUR;
-  solver.max_num_iterations = 200;
-  solver.function_tolerance = cost_tolerance;
-  solver.gradient_tolerance = 1e-300;  // residuals are in units of the noise, so only relative changes say when to stop
-  solver.parameter_tolerance = 1e-14;
-  solver.max_num_consecutive_invalid_steps = 20;
-  solver.max_num_line_search_step_size_iterations = 0;  // as in local_solve()
-  solver.num_threads = 1;                               // sums in one order, so that results do not depend on threads
-  solver.logging_type = ceres::SILENT;
+  if (!layout.own.empty()) solver.linear_solver_type = ceres::DENSE_SCHUR;
   ceres::Solver::Summary summary;
   solve_within_bounds(solver, problem, summary);
   throw_if_cancelled();

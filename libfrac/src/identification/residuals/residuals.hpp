@@ -78,7 +78,7 @@ class Residuals {
   mutable std::vector<double> scratch_;
 };
 
-/// Those of a structure to a frequency response, in units of the rule.
+/// Residuals of a structure to a frequency response, in units of the rule.
 class FrequencyResiduals final : public Residuals {
  public:
   FrequencyResiduals(const FrequencyResponseData& data, const Structure& structure, const Realisation& realisation,

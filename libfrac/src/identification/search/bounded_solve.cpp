@@ -44,6 +44,20 @@ Pressing pressing(ceres::Problem& problem, const Blocks& blocks) {
 
 }  // namespace
 
+ceres::Solver::Options solver_options(int iterations, double cost_tolerance) {
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.max_num_iterations = iterations;
+  options.function_tolerance = cost_tolerance;
+  options.gradient_tolerance = 1e-300;
+  options.parameter_tolerance = 1e-14;
+  options.max_num_consecutive_invalid_steps = 20;
+  options.max_num_line_search_step_size_iterations = 0;
+  options.num_threads = 1;
+  options.logging_type = ceres::SILENT;
+  return options;
+}
+
 void solve_within_bounds(const ceres::Solver::Options& options, ceres::Problem& problem,
                          ceres::Solver::Summary& summary) {
   ceres::Solve(options, &problem, &summary);

@@ -190,16 +190,7 @@ LocalSolution local_solve(const Residuals& residuals, const std::vector<double>&
     problem.SetParameterUpperBound(theta, static_cast<int>(k), free[k].upper);
   }
 
-  ceres::Solver::Options solver;
-  solver.linear_solver_type = ceres::DENSE_QR;
-  solver.max_num_iterations = options.iterations;
-  solver.function_tolerance = options.cost_tolerance;
-  solver.gradient_tolerance = 1e-300;  // residuals are scaled, so only relative changes say when to stop
-  solver.parameter_tolerance = 1e-14;
-  solver.max_num_consecutive_invalid_steps = 20;
-  // A step that a bound cuts short is judged like any other; searching along it costs more than the next step.
-  solver.max_num_line_search_step_size_iterations = 0;
-  solver.logging_type = ceres::SILENT;
+  const ceres::Solver::Options solver = solver_options(options.iterations, options.cost_tolerance);
   ceres::Solver::Summary summary;
   // Scouts are judged from afar.
   constexpr double scouting = 1e-9;

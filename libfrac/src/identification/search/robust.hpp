@@ -34,7 +34,7 @@ namespace frac::detail {
                                              LocalSolution& solution);
 /// Searches under a robust loss: from a least-squares solution, which outliers may have led far off, and from seeded
 /// places about the best found so far, until several of them come back to it.
-/// Of two solutions under scales of their own that with the smaller spread of the well-behaved part is the better one.
+/// Two solutions have scales of their own: the better one has the smaller spread of the well-behaved residuals.
 [[nodiscard]] LocalOptions robust_search(Residuals& residuals, Loss loss, std::optional<double> scale,
                                          std::uint64_t seed, LocalSolution& solution);
 

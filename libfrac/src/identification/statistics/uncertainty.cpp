@@ -52,7 +52,7 @@ const ParameterEstimate& estimate_of(const FitResult& result, std::string_view n
   return *found;
 }
 
-/// Of a fit at one's hands. @throws std::invalid_argument  as profile_interval().
+/// Estimate of a parameter that can be profiled. @throws std::invalid_argument  as profile_interval().
 const ParameterEstimate& profiled(const FitResult& result, std::string_view parameter) {
   const ParameterEstimate& estimate = estimate_of(result, parameter);
   if (estimate.fixed)
