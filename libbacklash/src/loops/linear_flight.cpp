@@ -17,7 +17,7 @@ using Matrix = Eigen::MatrixXd;
 using ComplexMatrix = Eigen::MatrixXcd;
 
 constexpr Index degree = 18;
-// Of what the polynomial leaves out.  It leaves it out of every flight alike, so that it is far below a rounding.
+// Size of what the polynomial leaves out.  It does so in every flight alike, so the size is far below a rounding.
 constexpr double negligible = 1e-19;
 // Looked at for one rise: a hundred times what flights take whose size is far above their rounding.
 constexpr int most_intervals = 20'000;
@@ -262,7 +262,7 @@ std::optional<double> FlightPath::Signal::first_rise(double from, double at_from
   return first_rise(middle, value(middle), to, depth + 1);
 }
 
-// Of a rising function with a change of sign: Newton's method, kept inside by bisection.
+// Root of a rising function with a change of sign: Newton's method, kept inside by bisection.
 double FlightPath::Signal::root(double low, double high) const {
   double t = 0.5 * (low + high);
   for (int i = 0; i < 100; ++i) {

@@ -80,7 +80,7 @@ bool LoopRun::has_diverged() const {
   return is_lost_ || !(std::max(std::abs(state_[v1]), std::abs(state_[v2])) < fastest_);
 }
 
-// Of the force that the controller asks for now.
+// Chooses the limit that the force asked for now is held at, if any.
 void LoopRun::choose_limit() {
   if (!std::isfinite(force_limit_)) return;
   const double wanted = loop_->regime({RealisedLoop::Limit::none, mode_.contact}).wanted_force_row.dot(state_);

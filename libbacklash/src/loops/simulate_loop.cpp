@@ -118,7 +118,7 @@ class Loop {
   struct Range {
     double low, high;
   };
-  /// Of the gap's rate between the present time and `to`.  Every power is monotone, and so are its derivatives: young
+  /// Range of the gap's rate from the present time to `to`.  Every power is monotone, and so are its derivatives: young
   /// ones are bounded as they stand, those of old impacts, which nearly cancel, by two terms of Taylor and the range of
   /// the second derivative.
   [[nodiscard]] Range rates_until(double to) const {

@@ -98,7 +98,7 @@ struct LoopSimulationOptions {
 /// over all earlier ones.  Rounding grows with the time since the start, as that to the power of 2 less the lowest
 /// order of the controller.
 /// @throws std::invalid_argument  dead time with x2 measured; what whole_memory does not follow; a step of the
-/// set-point
+///                                set-point
 ///                                with powers above 1, whose force throws mass 2 at infinite speed; a start outside the
 ///                                clearance or not finite; a duration, sample time, tolerance, limit or number of
 ///                                impacts that is none, knots that do not rise from time 0, or more than 10^7 rows.
