@@ -66,7 +66,8 @@ std::string fit_of(const TemporaryFolder& folder, const std::string& data) {
 }
 
 void expect_no_names_of_code(const std::string& text, const std::string& command) {
-  for (const char* name : {"::", "filesystem error", "basic_string", "what()", "TransferFunction", "json.exception"})
+  for (const char* name : {"std::", "boost::", "vector::", "filesystem error", "basic_string", "what()",
+                           "TransferFunction", "json.exception"})
     EXPECT_EQ(text.find(name), std::string::npos) << command << text;
 }
 
