@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <Eigen/QR>
 
@@ -44,6 +45,21 @@ class PlainQr {
 
  private:
   Eigen::HouseholderQR<Eigen::MatrixXd> factors_;
+};
+
+/// L L' = a symmetric matrix; only its lower triangle is read.
+class CholeskyFactor {
+ public:
+  explicit CholeskyFactor(const Eigen::MatrixXd& matrix);
+
+  /// Whether the matrix is positive definite, to rounding; else there is no factor.
+  [[nodiscard]] bool exists() const;
+  /// Of L.
+  [[nodiscard]] Eigen::VectorXd diagonal() const;
+  [[nodiscard]] Eigen::VectorXd solve(const Eigen::VectorXd& right) const;
+
+ private:
+  Eigen::LLT<Eigen::MatrixXd> factor_;
 };
 
 /// Right-hand part of U diag(values) V' = matrix, largest singular value first.

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "projected_residual.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "base/linear_algebra.hpp"
 #include "special/distributions.hpp"
 
 namespace frac::detail {
@@ -114,8 +114,8 @@ double excess_chance(const ProjectedResidual& of, std::span<const Eigen::Index> 
   }
   // Their squares in units of their own covariance, which the projection has made smaller than that of the noise.
   const Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(2 * count, 2 * count) - rows * rows.transpose();
-  const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
-  if (factor.info() != Eigen::Success) return nan;
+  const CholeskyFactor factor(covariance);
+  if (!factor.exists()) return nan;
   const double own = residual.dot(factor.solve(residual));
   const double others = of.square() - own;
   if (!(own >= 0) || !std::isfinite(own)) return nan;
