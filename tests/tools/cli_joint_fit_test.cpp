@@ -232,6 +232,16 @@ TEST(CliJointFit, ShiftsCurvesOntoAMasterCurve) {
   EXPECT_EQ(count, 64);
 }
 
+// A law of known quantities alone leaves nothing of it to be fitted.
+TEST(CliJointFit, ALawMayHoldNoParameter) {
+  const PowerLaws data;
+  const auto result = data.joint({data.one_file}, {"--by", "gain", "--shared", "a", "--law", "K = gain"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const auto json = Json::parse(result.output);
+  ASSERT_EQ(json["shared"].size(), 1U);
+  EXPECT_NEAR(json["shared"][0]["value"].get<double>(), 0.7, 1e-7);
+}
+
 TEST(CliJointFit, WrongUsageIsNamed) {
   const PowerLaws data;
   const auto expect = [&](const std::vector<std::string>& more, const std::string& part) {

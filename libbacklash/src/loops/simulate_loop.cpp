@@ -23,9 +23,10 @@ constexpr std::array<std::pair<LoopEvent, std::string_view>, 5> event_names{
      {LoopEvent::after_impact, "after-impact"},
      {LoopEvent::contact, "contact"},
      {LoopEvent::release, "release"}}};
-constexpr std::array<std::pair<LoopEnd, std::string_view>, 4> end_names{{{LoopEnd::duration, "duration"},
+constexpr std::array<std::pair<LoopEnd, std::string_view>, 5> end_names{{{LoopEnd::duration, "duration"},
                                                                          {LoopEnd::rest, "rest"},
                                                                          {LoopEnd::most_impacts, "most-impacts"},
+                                                                         {LoopEnd::most_flights, "most-flights"},
                                                                          {LoopEnd::diverged, "diverged"}}};
 
 // A term of the controller with what it makes of a step (kind 0) and of a change of slope (kind 1) of its input:

@@ -13,6 +13,7 @@
 #include "identification/data/fit_data.hpp"
 #include "identification/data/noise_floor.hpp"
 #include "identification/data/residual_rule.hpp"
+#include "identification/equivalent_candidates.hpp"
 #include "identification/rational/family_members.hpp"
 #include "identification/statistics/curvature_fit.hpp"
 #include "identification/statistics/information.hpp"
@@ -66,7 +67,7 @@ ComparedCurve compared(const FrequencyResponseData& data, const FixedCurve& curv
   LackOfFit lack = detail::residual_tests(residual, rule.per_point(), data.omega(), curve.fitted_parameters, told,
                                           1e-12 * rule.unit);
   NamedModel model{curve.name, curve.name, ModelClass::fixed_curve, "given curve", {}};
-  return {{curve.name, ModelClass::fixed_curve, std::move(result), 0, 0, std::move(model), std::move(lack)},
+  return {{curve.name, ModelClass::fixed_curve, std::move(result), 0, 0, std::move(model), std::move(lack), false, {}},
           std::move(residual)};
 }
 
@@ -206,9 +207,10 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
     LackOfFit lack = lack_of_fit(data, options, *outcome.fit);
     std::vector<double> residual = detail::weighted_residuals(data, options, *outcome.fit);
     RankedFit ranked{outcome.model.name, outcome.model.model_class, std::move(*outcome.fit), 0, 0,
-                     outcome.model,      std::move(lack),           outcome.from_family};
+                     outcome.model,      std::move(lack),           outcome.from_family,     {}};
     competitors.push_back({std::move(ranked), std::move(residual), outcome.departed, outcome.relaxations});
   }
+  detail::merge_equivalent(competitors, data, options);
   competitors.insert(competitors.end(), curves.begin(), curves.end());
   if (competitors.empty()) {
     throw NoCandidateFits("no candidate could be fitted; the first: " + result.skipped.front());

@@ -165,7 +165,6 @@ py::dict dict_of(const frac::FitResult& result) {
   py::dict dict;
   visit_result(result, writer(dict));
   dict["termination"] = std::string(frac::to_string(result.termination));
-  dict["summary"] = result.summary();
   py::list parameters;
   for (const auto& each : result.parameters) {
     py::dict entry;

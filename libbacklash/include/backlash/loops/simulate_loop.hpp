@@ -61,6 +61,7 @@ enum class LoopEnd {
   duration,      // as asked for
   rest,          // the masses stay in contact, or impacts follow each other without end, where that is not followed
   most_impacts,  // as many as were allowed
+  most_flights,  // 2 10^7 pieces of the motion without an impact: the loop is too fast for the duration
   diverged,      // the motion is 10^9 times as wide as the clearance or its set-point
 };
 [[nodiscard]] std::string_view to_string(LoopEnd end);

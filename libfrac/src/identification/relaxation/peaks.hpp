@@ -32,5 +32,8 @@ struct PeakRange {
 /// By the trapezoidal rule.
 [[nodiscard]] double peak_area(std::span<const double> log_tau, std::span<const double> density,
                                const PeakRange& range);
+/// Of the part between two values of ln tau, the density being straight between its places.
+[[nodiscard]] double peak_area(std::span<const double> log_tau, std::span<const double> density, const PeakRange& range,
+                               double from, double to);
 
 }  // namespace frac::detail

@@ -23,6 +23,11 @@ struct Information {
 /// information_criteria() with any number of parameters.
 [[nodiscard]] InformationCriteria criteria_of(double cost, double residuals, double parameters, double rounding_cost);
 
+/// What n ln(cost/n) is for normal noise, for noise of Student's distribution with four degrees of freedom at the scale
+/// that suits the residuals best: -2 ln of the likelihood less n (1 + ln 2 pi).  Below the normal one where few large
+/// residuals, such as outliers left in or coarse rounding, make up the cost.
+[[nodiscard]] double heavy_tailed_misfit(std::span<const double> residual);
+
 /// What k parameters cost among n residuals when many counts of them were tried: k n ln n/(n - k - 2), Schwarz's k ln n
 /// with the correction for few residuals (McQuarrie 1999), without which parameters in number near that of the
 /// residuals buy their noise.  Infinite where n <= k + 2.
