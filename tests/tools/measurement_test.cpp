@@ -308,6 +308,42 @@ TEST_F(MeasurementTest, TablesOfAnyProgram) {
   refuses("f_Hz;re;im\n10;1.500,5;-2,5\n", "expected a number");
 }
 
+TEST_F(MeasurementTest, NamesInOtherLanguages) {
+  const std::vector<Point> points{{10, 1.5 - 2.5i}, {20, 3.0 + 4i}};
+  expect("Frequenz / Hz;Z' / Ohm;-Z'' / Ohm\n10;1,5;2,5\n20;3;-4\n", "table, 2 points, Z'/-Z'' in ohm", points);
+  expect("Frequenz (Hz)\tRealteil\tImagin\xE4rteil\n10\t1,5\t-2,5\n20\t3\t4\n",
+         "table, 2 points, Realteil/Imagin\xC3\xA4rteil", points);
+  expect("Fr\xC3\xA9quence (Hz),Re(Z) (Ohm),-Im(Z) (Ohm)\n10,1.5,2.5\n20,3,-4\n",
+         "table, 2 points, Re(Z)/-Im(Z) in ohm", points);
+  expect("Freq. [Hz],Eps',Eps''\n10,1.5,2.5\n20,3,-4\n", "table, 2 points, Eps'/Eps''", points);
+  expect("f (Hz),G (S),B (S)\n10,1.5,-2.5\n20,3,4\n", "table, 2 points, G (S)/B (S) in S", points);
+  expect("Kreisfrequenz (rad/s);Speichermodul (Pa);Verlustmodul (Pa)\n10;2,5;1\n",
+         "table, 1 point, Speichermodul/Verlustmodul in Pa", {{10 / turn, 2.5 + 1i}});
+}
+
+TEST_F(MeasurementTest, APhaseMayBeCountedDownwards) {
+  expect("Frequency (Hz),|Z| (Ohm),-Phase (deg)\n10,2,90\n", "table, 1 point, |Z|/-Phase in ohm",
+         {{10, {2 * std::cos(-std::numbers::pi / 2), -2.0}}});
+}
+
+TEST_F(MeasurementTest, ARowThatTheFileEndsWithinIsLeftOut) {
+  for (const char* rest : {"30", "30,", "30,7"}) {
+    const auto file = read(std::string("f_Hz,re,im\n10,1.5,-2.5\n20,3,4\n") + rest);
+    EXPECT_EQ(file.data.size(), 2U) << rest;
+    ASSERT_FALSE(file.notes.empty());
+    EXPECT_EQ(file.notes.back(), "the file ends within a row, which is left out");
+  }
+  // The last line is whole where it has all fields, and where it ends.
+  EXPECT_EQ(read("f_Hz,re,im\n10,1.5,-2.5\n20,3,4").data.size(), 2U);
+  refuses("f_Hz,re,im\n10,1.5,-2.5\n20,3\n", "expected 3 as in the header");
+}
+
+TEST_F(MeasurementTest, SeparatorsBetweenThousandsAreNamed) {
+  refuses("f_Hz;re;im\n10,000.5;1.5;2\n", "without separators between thousands");
+  refuses("f_Hz;re;im\n10.000,5;1,5;2,5\n", "without separators between thousands");
+  refuses("10 1 2\n20 3 4\n", "--columns f=1,re=2,im=3");
+}
+
 TEST_F(MeasurementTest, EncodingsGiveTheSamePoints) {
   const std::string table =
       "f (Hz);Z' (ohm);Z'' (ohm);T (\xC2\xB0"

@@ -181,7 +181,7 @@ void read_frequency_unit(bool angular, ColumnMeaning& meaning) {
 void read_phase_unit(ColumnMeaning& meaning) {
   const std::string unit = lowered(meaning.unit);
   if (unit == "deg" || unit == "degree" || unit == "degrees" || unit == "\xC2\xB0") {
-    meaning.factor = std::numbers::pi / 180;
+    meaning.factor *= std::numbers::pi / 180;
   } else if (unit != "rad" && unit != "radian" && unit != "radians") {
     meaning.problem = meaning.unit.empty()
                           ? "the phase has no unit; expected one in the name: phase_deg or phase_rad"

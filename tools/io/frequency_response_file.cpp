@@ -88,6 +88,7 @@ FrequencyResponseFile read_table(const Measurement& measurement, const TextTable
   });
   if (points.omega.empty()) fail_empty(table.file(), rows, options.where);
   note_points_at_rest(at_rest, notes);
+  if (table.is_cut_off()) notes.emplace_back("the file ends within a row, which is left out");
   if (points.omega.size() < rows)
     notes.push_back(std::to_string(points.omega.size()) + " of " + std::to_string(rows) +
                     " points satisfy the conditions and are used");

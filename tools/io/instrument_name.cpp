@@ -74,7 +74,18 @@ constexpr std::array known{
     Known{"eloss", Quantity::imaginary, "e"},
     // The loss of a dielectric is counted positive: eps = eps' - i eps''.
     Known{"eps'", Quantity::real, "eps"}, Known{"epsilon'", Quantity::real, "eps"},
-    Known{"eps''", Quantity::negative_imaginary, "eps"}, Known{"epsilon''", Quantity::negative_imaginary, "eps"}};
+    Known{"eps''", Quantity::negative_imaginary, "eps"}, Known{"epsilon''", Quantity::negative_imaginary, "eps"},
+    // Conductance and susceptance.
+    Known{"g", Quantity::real, "y", "S"}, Known{"b", Quantity::imaginary, "y", "S"},
+    // As programs write them in other languages.
+    Known{"frequenz", Quantity::frequency}, Known{"messfrequenz", Quantity::frequency},
+    Known{"kreisfrequenz", Quantity::frequency, "w"}, Known{"winkelfrequenz", Quantity::frequency, "w"},
+    Known{"fr\xC3\xA9quence", Quantity::frequency}, Known{"pulsation", Quantity::frequency, "w"},
+    Known{"frecuencia", Quantity::frequency}, Known{"frequenza", Quantity::frequency},
+    Known{"realteil", Quantity::real}, Known{"imagin\xC3\xA4rteil", Quantity::imaginary},
+    Known{"betrag", Quantity::magnitude}, Known{"phasenwinkel", Quantity::phase}, Known{"phasewinkel", Quantity::phase},
+    Known{"speichermodul", Quantity::real, "g"}, Known{"verlustmodul", Quantity::imaginary, "g"},
+    Known{"moduledeconservation", Quantity::real, "g"}, Known{"moduledeperte", Quantity::imaginary, "g"}};
 
 // Letters that ZView sets behind a name, no units.
 bool is_letter_of_a_column(std::string_view unit) {
@@ -85,7 +96,10 @@ std::string unit_as_written(std::string_view name) {
   const auto open = name.find_last_of("([");
   const auto slash = name.find('/');
   std::string_view unit;
-  if (slash != std::string_view::npos) {
+  // "Re(Z)/Ohm", but "omega (rad/s)" too.
+  const bool is_within_brackets =
+      open != std::string_view::npos && open < slash && (name.ends_with(')') || name.ends_with(']'));
+  if (slash != std::string_view::npos && !is_within_brackets) {
     unit = name.substr(slash + 1);
   } else if (open != std::string_view::npos) {
     unit = name.substr(open + 1, name.find_last_of(")]") - open - 1);
@@ -115,19 +129,25 @@ std::optional<ColumnMeaning> instrument_column(std::string_view name) {
     return each.name == base && (each.needs_unit.empty() || unit.starts_with(each.needs_unit));
   });
   if (found == known.end()) return std::nullopt;
-  // Names of the common kind are read by column_meaning(), unless a slash gives the unit.
-  const bool is_common = found->quantity == Quantity::frequency || found->name == "phase";
-  if (is_common && (!has_mark || view[end] != '/')) return std::nullopt;
+  // Names of the common kind are read by column_meaning(), unless a slash gives the unit or a dot shortens the name.
+  constexpr std::array<std::string_view, 9> common{"frequency",        "freq",         "f",       "omega", "w",
+                                                   "angularfrequency", "angfrequency", "angfreq", "phase"};
+  const bool is_common = std::find(common.begin(), common.end(), found->name) != common.end();
+  const bool is_shortened = name.substr(0, name.find_first_of("/([")).find('.') != std::string_view::npos;
+  if (is_common && !is_negative && !(has_mark && (view[end] == '/' || is_shortened))) return std::nullopt;
   Quantity quantity = found->quantity;
+  double factor = 1;
   if (is_negative) {
     if (quantity == Quantity::imaginary)
       quantity = Quantity::negative_imaginary;
     else if (quantity == Quantity::negative_imaginary)
       quantity = Quantity::imaginary;
+    else if (quantity == Quantity::phase)
+      factor = -1;
     else
       return std::nullopt;
   }
-  return ColumnMeaning{quantity, 1, std::move(unit), {}, std::string(found->symbol)};
+  return ColumnMeaning{quantity, factor, std::move(unit), {}, std::string(found->symbol)};
 }
 
 bool is_frequency_unit(std::string_view unit) {

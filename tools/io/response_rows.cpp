@@ -27,7 +27,7 @@ bool RowReader::read(const TextTable::Row& row, Points& points) const {
          plan_.spread_is_weight ? "a weight must be > 0; leave points out with --where"
                                 : "a standard deviation must be > 0");
   // A phase alone has |value| = 1, so sigma becomes an angle in rad.
-  points.sigma.push_back(plan_.form == ValueForm::phase_alone ? sigma * to_radians_ : sigma);
+  points.sigma.push_back(plan_.form == ValueForm::phase_alone ? sigma * std::abs(to_radians_) : sigma);
   return true;
 }
 
@@ -43,7 +43,12 @@ double RowReader::number(const TextTable::Row& row, std::size_t field) const {
   if (value && std::isfinite(*value)) return *value;
   if (value) fail(row, field, "expected a finite number");
   if (text.empty()) fail(row, field, "expected a number, the field is empty");
-  if (text.find(',') != std::string_view::npos) fail(row, field, "expected a number with a decimal point, such as 1.5");
+  const auto separators = std::count_if(text.begin(), text.end(), [](char c) { return c == ',' || c == '\''; });
+  const bool has_point = text.find('.') != std::string_view::npos;
+  if (separators > 1 || (separators == 1 && has_point))
+    fail(row, field, "expected a number without separators between thousands");
+  if (separators == 1 && text.find(',') != std::string_view::npos)
+    fail(row, field, "expected a number with a decimal point, such as 1.5");
   fail(row, field, "expected a number");
 }
 

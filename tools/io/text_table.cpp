@@ -63,7 +63,8 @@ TextTable::TextTable(std::string file, std::shared_ptr<const std::string> conten
       split_by(last_comment, separator_of(last_comment), fields);
       if (last_comment.empty() || holds_a_number(fields) || fields.size() != width)
         throw DataError(file_, number, 1,
-                        "found data " + quoted(text) + " with no header row above; " + expected_header);
+                        "found data " + quoted(text) + " with no header row above; " + expected_header +
+                            ", or --columns f=1,re=2,im=3");
       take_header(last_comment_row, last_comment, last_comment_line);
     }
     if (line.find(separator_) == std::string_view::npos) separator_ = separator_of(text);
@@ -71,6 +72,7 @@ TextTable::TextTable(std::string file, std::shared_ptr<const std::string> conten
     data_line_ = number;
     // Rows are about as long as the first one.
     row_estimate_ = (content_.size() - begin) / std::max<std::size_t>(text.size() / 2, 4) + 1;
+    leave_out_a_row_cut_off();
     return;
   }
   if (header_.empty()) throw DataError(file_, 0, 0, std::string("holds no rows; ") + expected_header);
@@ -91,9 +93,22 @@ TextTable::TextTable(std::string file, TextLayout layout)
   for (std::string_view line; lines.next(line);) {
     if (trimmed(line).empty() || is_comment(trimmed(line))) continue;
     row_estimate_ = (content_.size() - data_position_) / std::max<std::size_t>(line.size() / 2, 4) + 1;
+    if (layout_.end == layout_.text->size()) leave_out_a_row_cut_off();
     return;
   }
   throw DataError(file_, header_.front().line, 0, "found a header row but no data rows below");
+}
+
+void TextTable::leave_out_a_row_cut_off() {
+  const auto last = content_.find_last_of("\n\r") + 1;
+  if (last <= data_position_ || last == content_.size()) return;
+  const auto text = trimmed(content_.substr(last));
+  if (text.empty() || is_comment(text)) return;
+  std::vector<std::string_view> fields;
+  split_by(text, separator_, fields);
+  if (fields.size() >= header_.size()) return;
+  content_ = content_.substr(0, last);
+  is_cut_off_ = true;
 }
 
 void TextTable::take_header(std::string_view line, std::string_view names, std::size_t number) {
@@ -123,6 +138,7 @@ std::shared_ptr<const TextTable> TextTable::narrowed(const std::vector<std::size
   table->layout_.text = layout_.text;
   table->content_ = content_;
   table->metadata_ = metadata_;
+  table->is_cut_off_ = is_cut_off_;
   table->row_estimate_ = cut_rows_->size();
   table->cut_rows_ = cut_rows_;
   table->taken_ = columns;

@@ -72,6 +72,8 @@ class TextTable {
   [[nodiscard]] const std::string& file() const noexcept { return file_; }
   [[nodiscard]] const Metadata& metadata() const noexcept { return metadata_; }
   [[nodiscard]] const std::vector<Field>& header() const noexcept { return header_; }
+  /// The file ends within a row, without a line end and with fewer fields than the header: that row is left out.
+  [[nodiscard]] bool is_cut_off() const noexcept { return is_cut_off_; }
   /// At least the number of data rows, for reserving space.
   [[nodiscard]] std::size_t row_estimate() const noexcept { return row_estimate_; }
   /// Calls body for each data row; each has as many fields as the header.
@@ -86,6 +88,7 @@ class TextTable {
   };
   TextTable() = default;
   void take_header(std::string_view line, std::string_view names, std::size_t number);
+  void leave_out_a_row_cut_off();
 
   std::string file_;
   TextLayout layout_;
@@ -96,6 +99,7 @@ class TextTable {
   std::size_t data_position_ = 0;  // byte at which the data rows begin
   std::size_t data_line_ = 0;      // and the number of that line
   std::size_t row_estimate_ = 0;
+  bool is_cut_off_ = false;
   mutable std::shared_ptr<const std::vector<CutRow>> cut_rows_;
   std::vector<std::size_t> taken_;  // columns of cut_rows_ that are those of a narrow table
 };

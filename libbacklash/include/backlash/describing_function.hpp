@@ -77,7 +77,7 @@ struct DescribingFunctionPoint {
   int period;
   /// Infinite for complete chatter; NaN where not one whole period could be followed.
   double impacts_per_period;
-  /// Of |value|, m/N: rounding for closed orbits, the 95 % half width of the mean when averaged.
+  /// Uncertainty of |value|, m/N: rounding for closed orbits, the 95 % half width of the mean when averaged.
   double uncertainty;
   /// |third harmonic|/|fundamental| of the output position; NaN where the fundamental is 0.
   double third_harmonic_ratio;
@@ -86,7 +86,7 @@ struct DescribingFunctionPoint {
   /// |work of the force - impact losses| over the energy of relative motion that the impacts meet: rounding and closure
   /// of the orbit; 0 without impacts.
   double energy_defect = std::numeric_limits<double>::quiet_NaN();
-  /// The largest, per force period: negative on orbits, positive where the motion is chaotic, near 0 in slow
+  /// The largest one, per force period: negative on orbits, positive where the motion is chaotic, near 0 in slow
   /// transients.  -infinity where a stick forgets every disturbance, NaN where nothing was followed.
   double lyapunov_exponent = std::numeric_limits<double>::quiet_NaN();
   /// Force periods that an averaged motion was followed from its start; 0 for the other regimes.

@@ -17,7 +17,7 @@ namespace backlash::detail {
 /// The orbit near a guess at its parameter, reduced to its mirror half or to one of several repeats.  Empty when
 /// Newton's iteration finds none there.
 [[nodiscard]] std::optional<OrbitSegment> corrected_to_shortest(const OrbitSegment& guess);
-/// Same, from a state on the orbit, followed for that many half periods.
+/// The orbit through a state, followed for that many impacts and half periods.
 [[nodiscard]] std::optional<OrbitSegment> orbit_through(const GapMotion& motion, const GapState& on_orbit, int impacts,
                                                         int half_periods);
 

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fit_request.hpp"
 
-#include <algorithm>
 #include <limits>
-#include <stdexcept>
 #include <string>
 #include <tuple>
 
 #include "arrays.hpp"
+#include "frac/identification/constraints.hpp"
 #include "realisation_choice.hpp"
 
 namespace python {
@@ -25,13 +24,6 @@ std::string text_of(const py::dict& given, const char* key) {
   std::string text;
   take(text, given, key);
   return text;
-}
-
-frac::ParameterConstraint& constraint_of(std::vector<frac::ParameterConstraint>& constraints, const std::string& name) {
-  for (auto& constraint : constraints)
-    if (constraint.name == name) return constraint;
-  constraints.push_back({name, {}, {}, {}, {}});
-  return constraints.back();
 }
 
 // Calls visit(name, member) for each member that is a plain value, of a const result or of one to be filled.
@@ -137,16 +129,17 @@ std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& mo
   constexpr double infinity = std::numeric_limits<double>::infinity();
   // Limits and a start are the model's own here: those of the caller come below.
   for (const auto& [name, value] : given["fixed"].cast<py::dict>())
-    constraint_of(constraints, name.cast<std::string>()) = {name.cast<std::string>(), value.cast<double>(), {}, {}, {}};
+    frac::constraint_of(constraints, name.cast<std::string>()) = {
+        name.cast<std::string>(), value.cast<double>(), {}, {}, {}};
   for (const auto& [name, range] : given["bounds"].cast<py::dict>()) {
     const auto [lower, upper] = range.cast<std::pair<std::optional<double>, std::optional<double>>>();
-    auto& constraint = constraint_of(constraints, name.cast<std::string>());
+    auto& constraint = frac::constraint_of(constraints, name.cast<std::string>());
     const bool is_free = !lower && !upper;
     if (lower || is_free) constraint.lower = lower.value_or(-infinity);
     if (upper || is_free) constraint.upper = upper.value_or(infinity);
   }
   for (const auto& [name, value] : given["start"].cast<py::dict>()) {
-    auto& constraint = constraint_of(constraints, name.cast<std::string>());
+    auto& constraint = frac::constraint_of(constraints, name.cast<std::string>());
     if (!constraint.fixed) constraint.start = value.cast<double>();
   }
   return constraints;

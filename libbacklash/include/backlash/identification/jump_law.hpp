@@ -17,7 +17,7 @@ struct JumpPoint {
   std::optional<double> omega_jump;  // rad/s; empty when the criterion gives none
 };
 
-/// What one restitution gives to the averages.
+/// Similarity constant of the jump at one restitution.
 struct JumpConstant {
   double restitution;
   std::optional<double> similarity_constant;  // c, of a sweep the mean over forces and clearances; empty: left out

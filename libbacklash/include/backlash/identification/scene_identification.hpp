@@ -26,7 +26,7 @@ struct SceneIdentificationOptions {
   /// relative: noise in proportion to |N|, that of the model for both parts, of the data for one; given: the sigma of
   /// the data; absolute: equal noise.
   frac::Weight weight = frac::Weight::relative;
-  /// Of mass1, mass2 (kg), clearance (m) and restitution.  Default limits: a factor 1e6 about what the data suggest for
+  /// On mass1, mass2 (kg), clearance (m) and restitution.  Default limits: a factor 1e6 about what the data suggest for
   /// masses and clearance, [0, 1] for restitution.
   std::vector<frac::ParameterConstraint> constraints;
   int threads = 0;  // 0: one per core; the result does not depend on it

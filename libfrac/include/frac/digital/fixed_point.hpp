@@ -9,7 +9,7 @@ namespace frac {
 
 /// Ranges of a filter or controller in fixed point: a number of 32 bits is a fraction of them, from -1 to below 1.
 struct FixedPointRanges {
-  /// Of the samples; of set-point and measured value.
+  /// Range of the samples, or of set-point and measured value.
   double input = 1;
   /// Outputs beyond it are cut.
   double output = 1;

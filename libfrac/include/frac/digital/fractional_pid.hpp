@@ -46,7 +46,8 @@ struct FractionalPidConfig {
   double minimum = -std::numeric_limits<double>::infinity();
   double maximum = std::numeric_limits<double>::infinity();
   AntiWindup anti_windup = AntiWindup::back_calculation;
-  /// Of back_calculation, s; 0 stands for Ti = (kp/ki)^(1/lambda).
+  /// Of back_calculation, s; at least the sample time is used.  0 stands for Ti = (kp/ki)^(1/lambda), where kp is 0 for
+  /// (kd/ki)^(1/(lambda + mu)), and for ten sample times with the integral alone.
   double tracking_time = 0;
   /// s.
   double derivative_filter_time = 0;
@@ -100,7 +101,7 @@ class FractionalPidDesign {
   /// filter against s^mu or s^(mu - 1); 0 without filter.
   [[nodiscard]] double integral_error() const noexcept { return integral_error_; }
   [[nodiscard]] double derivative_error() const noexcept { return derivative_error_; }
-  /// s, as used; 0 where there is no back calculation.
+  /// Tracking time as used, s; 0 where there is no back calculation.
   [[nodiscard]] double tracking_time() const noexcept { return tracking_time_; }
   /// Largest |C_d/C - 1| on the band, C_d the running controller and C the exact one with its lag F, and where (rad/s);
   /// NaN where the configuration has no band.  Low values need more than good filters: the backward rule of lag and

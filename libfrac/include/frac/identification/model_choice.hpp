@@ -20,11 +20,11 @@ struct ResidualWhiteness {
   double p_value;
 };
 
-/// Of the weighted residuals of a fit, both parts together (Ljung, Box 1978).
+/// Whiteness of the weighted residuals of a fit, both parts together (Ljung, Box 1978).
 [[nodiscard]] ResidualWhiteness residual_whiteness(const FrequencyResponseData& data, const FitOptions& options,
                                                    const FitResult& result);
 
-/// Of those of a fit over time, at the instants that count.
+/// Whiteness of the residuals of a fit over time, at the instants that count.
 [[nodiscard]] ResidualWhiteness residual_whiteness(const TimeResponseData& data, const TimeFitOptions& options,
                                                    const FitResult& result);
 

@@ -12,7 +12,7 @@
 
 namespace frac {
 
-/// What a time tau contributes to a response with the density g(ln tau) >= 0.
+/// What a relaxation time tau of density g(ln tau) >= 0 contributes to a response.
 enum class TimesKernel {
   falling,  // g/(1 + s tau): impedance, compliance, permittivity
   rising,   // g s tau/(1 + s tau): modulus, admittance

@@ -114,7 +114,7 @@ std::string CText::filled(std::string_view text, CWords words, const CConditions
   text.remove_prefix(text.find("\n\n") + 2);
   words.emplace("ZERO", literal(0));
   words.emplace("TINY", literal(is_float_ ? static_cast<double>(negligible_state<float>) : negligible_state<double>));
-  // Of the conditions around a line: whether it is ours, whether its present branch is kept, and whether one was.
+  // A condition around a line: whether it is ours, whether its present branch is kept, and whether one was.
   struct Condition {
     bool ours, kept, taken;
   };
@@ -138,7 +138,7 @@ std::string CText::filled(std::string_view text, CWords words, const CConditions
       here.taken = here.taken || here.kept;
       continue;
     } else if (line.starts_with("#endif")) {
-      // Those that the head of a header leaves open close in the text of its end.
+      // A condition that the head of a header leaves open is closed by the text of its end.
       if (!open.empty()) open.pop_back();
       if (is_ours) continue;
     }

@@ -102,7 +102,7 @@ struct Section {
 
 Section section_of(double rate, double weight) {
   Section s{};
-  // Of the low-pass r/(z - 1 + r), whose impulse response changes sign where r > 1.
+  // Sum of the magnitudes of the impulse response of r/(z - 1 + r), which changes sign where r > 1.
   const double decay = 1 - std::abs(1 - rate);
   const double largest = rate / decay;
   s.head = std::max(0, static_cast<int>(std::ceil(std::log2(largest) - 1e-12)));

@@ -21,7 +21,7 @@ struct PeakRange {
 [[nodiscard]] std::vector<PeakRange> joined_peaks(std::vector<PeakRange> ranges, std::span<const double> density,
                                                   std::span<const double> lower, std::span<const double> upper);
 
-/// Those that hold more than a thousandth of the whole area.
+/// Keeps the peaks that hold more than a thousandth of the whole area.
 [[nodiscard]] std::vector<PeakRange> large_peaks(std::vector<PeakRange> ranges, std::span<const double> log_tau,
                                                  std::span<const double> density);
 

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/linear_algebra.hpp"
 #include "frac/identification/relaxation_times.hpp"
 #include "frac/identification/validate.hpp"
 #include "nonnegative.hpp"
@@ -98,10 +98,10 @@ double best_smoothness(const Equations& of, const Eigen::MatrixXd& normal, const
   double least = std::numeric_limits<double>::infinity(), best = scale;
   for (double exponent = -10; exponent <= 4; exponent += 0.5) {
     const double smoothness = scale * std::pow(10, exponent);
-    const Eigen::LLT<Eigen::MatrixXd> factor(normal + smoothness * rough);
-    if (factor.info() != Eigen::Success) continue;
+    const detail::CholeskyFactor factor(normal + smoothness * rough);
+    if (!factor.exists()) continue;
     const double explained = right.dot(factor.solve(right));
-    const double log_determinant = 2 * factor.matrixLLT().diagonal().array().log().sum();
+    const double log_determinant = 2 * factor.diagonal().array().log().sum();
     const double value = of.target.squaredNorm() - explained + log_determinant - times * std::log(smoothness);
     if (value < least) {
       least = value;
