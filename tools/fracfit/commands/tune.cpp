@@ -220,7 +220,8 @@ class Tune : public Command {
         .names_input();
     o.text("--from-relay", relay_,
            "Plant from samples of input and output (columns time_s,input,output) of a relay experiment or any other: a "
-           "lag, a fractional lag, a second order or an integrator with lag, each with dead time, whichever explains "
+           "lag, a fractional lag, a second order, three equal lags or an integrator with lag, each with dead time, "
+           "whichever explains "
            "them "
            "best; then as --fit",
            "FILE")
@@ -284,7 +285,7 @@ class Tune : public Command {
     };
     std::optional<frac::FitResult> best;
     for (const char* formula : {"K exp(-L s)/(T s + 1)", "K exp(-L s)/(T s^a + 1)", "K exp(-L s)/(T2 s^2 + T1 s + 1)",
-                                "K exp(-L s)/(T s^2 + s)"}) {
+                                "K exp(-L s)/(T s^2 + s)", "K exp(-L s)/(T s + 1)^3"}) {
       frac::FitResult fit = frac::fit(data, frac::Structure(formula));
       if (!fit.usable()) continue;
       const bool is_better = !best || (is_told(fit) == is_told(*best) ? fit.aicc < best->aicc : is_told(fit));

@@ -307,7 +307,7 @@ def limit_cycles(
     --------
     >>> import fracfit
     >>> fracfit.limit_cycles("1 + s^0.5", restitution=0.6)
-    LimitCycles(1 found, 1 predicted)
+    LimitCycles(1 found, 2 predicted)
       1.58132 rad/s, stable
     """
     model = controller if isinstance(controller, Model) else Model(controller)
