@@ -12,6 +12,7 @@
 
 #include "loops/power_train.hpp"
 #include "support/expect_invalid_argument.hpp"
+#include "support/expected_stability.hpp"
 #include "support/random.hpp"
 
 namespace backlash {
@@ -247,23 +248,10 @@ TEST(LimitCycles, StabilityIsThatOfTheSaltationMatrix) {
         TwoMassSystem(random.log_uniform(.3, 3), random.log_uniform(.3, 3), 1, random.uniform(0, .9)),
         frac::FractionalTransferFunction(terms, {{1, 0}}));
     for (const SymmetricCycle& cycle : symmetric_cycles(loop).cycles) {
-      std::vector<Complex> expected = multipliers_by_saltation(loop, kp, ki, kd, cycle.omega);
       // The shift in time has multiplier 1; the integral of a loop without one has -1.
-      const auto drop = [&](double value) {
-        std::erase(expected, *std::min_element(expected.begin(), expected.end(), [&](Complex a, Complex b) {
-                     return std::abs(a - value) < std::abs(b - value);
-                   }));
-      };
-      drop(1);
-      if (ki == 0) drop(-1);
-      int outside = 0;
-      Complex largest = 0;
-      double next_to_circle = 1;
-      for (const Complex& multiplier : expected) {
-        outside += std::abs(multiplier) > 1;
-        next_to_circle = std::min(next_to_circle, std::abs(std::abs(multiplier) - 1));
-        if (std::abs(multiplier) > std::abs(largest)) largest = multiplier;
-      }
+      const std::vector<Complex> all = multipliers_by_saltation(loop, kp, ki, kd, cycle.omega);
+      const auto [outside, largest, next_to_circle] =
+          ki == 0 ? support::expected_stability(all, {1, -1}) : support::expected_stability(all, {1});
       if (next_to_circle < 3e-3) continue;  // beyond what the path tells from the circle
       EXPECT_EQ(cycle.stability.unstable_multipliers, outside) << i << ": " << loop.controller().formula();
       EXPECT_NEAR(std::abs(cycle.stability.dominant), std::abs(largest), 1e-6 * std::abs(largest)) << i;

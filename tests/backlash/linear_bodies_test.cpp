@@ -18,6 +18,7 @@
 #include "loops/loop_run.hpp"
 #include "loops/realised_loop.hpp"
 #include "support/expect_invalid_argument.hpp"
+#include "support/expected_stability.hpp"
 #include "support/random.hpp"
 
 namespace backlash {
@@ -206,22 +207,9 @@ TEST(LinearBodies, WithFrictionAndSpringsHaveTheCyclesOfTheStateSpace) {
       const DampedLoop::Matrix saltation =
           each.impact() + (each.rates() * (each.impact() * before) - each.impact() * rate) * gap / (gap * rate).value();
       const Eigen::VectorXcd all = (-(flight * saltation)).eval().eigenvalues();
-      std::vector<Complex> expected(all.data(), all.data() + all.size());
-      const auto drop = [&](double value) {
-        std::erase(expected, *std::min_element(expected.begin(), expected.end(), [&](Complex a, Complex b) {
-                     return std::abs(a - value) < std::abs(b - value);
-                   }));
-      };
-      drop(1);
-      if (each.ki == 0) drop(-1);
-      int outside = 0;
-      Complex largest = 0;
-      double next_to_circle = 1;
-      for (const Complex& multiplier : expected) {
-        outside += std::abs(multiplier) > 1;
-        next_to_circle = std::min(next_to_circle, std::abs(std::abs(multiplier) - 1));
-        if (std::abs(multiplier) > std::abs(largest)) largest = multiplier;
-      }
+      const std::vector<Complex> multipliers(all.data(), all.data() + all.size());
+      const auto [outside, largest, next_to_circle] = each.ki == 0 ? support::expected_stability(multipliers, {1, -1})
+                                                                   : support::expected_stability(multipliers, {1});
       // Too near the circle, too small to be looked for, or said not to be told.
       if (next_to_circle < 3e-3 || std::abs(largest) < .06 || cycle.stability.unstable_multipliers < 0) {
         ++left;

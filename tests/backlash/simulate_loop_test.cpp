@@ -9,6 +9,7 @@
 #include <numbers>
 #include <string>
 
+#include "backlash/loops/impact_cycles.hpp"
 #include "backlash/loops/limit_cycles.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/random.hpp"
@@ -482,6 +483,23 @@ TEST(SimulateLoop, HardScenesEndWithTheirReason) {
   // An unstable controller drives harder and harder impacts.
   EXPECT_NE(end_of(loop_of("1/(s - 1)", .6), 200).end, LoopEnd::duration);
   support::expect_invalid_argument([] { (void)loop_of("s^2.1", .6); }, {"s^2.1"});
+}
+
+// Sizes near the ends of the range of numbers, and times that one body has thousands of while the other has none.
+TEST(SimulateLoop, ExtremeScenesEnd) {
+  LoopSimulationOptions options;
+  options.duration = 10;
+  options.most_impacts = 200;
+  for (const char* controller : {"1e308", "1e-308", "1e300 s", "1 + s^0.5", "exp(-0.1 s) (2 + s)"}) {
+    for (const double mass : {1e-308, 1e-12, 1.0, 1e20}) {
+      const ControlLoop loop({1, mass, 1, .6}, frac::FractionalTransferFunction::parse(controller));
+      EXPECT_LE(simulate_loop(loop, {0, 0, 0, 1}, {}, options).impacts.size(), 200U) << controller << ' ' << mass;
+      EXPECT_LE(simulate_loop(loop, {}, {0, -1e308}, options).impacts.size(), 200U) << controller << ' ' << mass;
+    }
+  }
+  // The heavy body needs 10^10 s, in which the light one bounces on without end.
+  const ControlLoop heavy({1, 1e20, 1, .6}, frac::FractionalTransferFunction::parse("1 + s^0.5"));
+  EXPECT_EQ(impact_cycles(heavy, {}).motions.size(), static_cast<std::size_t>(ImpactCycleOptions().starts));
 }
 
 TEST(SimulateLoop, RefusesWhatItDoesNotFollow) {

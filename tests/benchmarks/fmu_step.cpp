@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "frac/digital/fractional_pid.hpp"
+#include "support/fmi2_callbacks.hpp"
 
 namespace {
 
@@ -27,14 +28,6 @@ double processor_seconds() {
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
-
-struct Callbacks {
-  void (*logger)(void*, const char*, int, const char*, const char*, ...);
-  void* (*allocate)(std::size_t, std::size_t);
-  void (*release)(void*);
-  void (*finished)(void*, int);
-  void* environment;
-};
 
 class Unit {
  public:
@@ -45,8 +38,8 @@ class Unit {
     const std::string description(std::istreambuf_iterator<char>(file), {});
     std::smatch guid;
     std::regex_search(description, guid, std::regex("guid=\"([^\"]*)\""));
-    static const Callbacks callbacks{nullptr, std::calloc, std::free, nullptr, nullptr};
-    component_ = function<void*(const char*, int, const char*, const char*, const Callbacks*, int, int)>(
+    static const support::Fmi2Callbacks callbacks{nullptr, std::calloc, std::free, nullptr, nullptr};
+    component_ = function<void*(const char*, int, const char*, const char*, const support::Fmi2Callbacks*, int, int)>(
         "fmi2Instantiate")("unit", 1, guid[1].str().c_str(), "", &callbacks, 0, 0);
     function<int(void*, int, double, double, int, double)>("fmi2SetupExperiment")(component_, 0, 0, 0, 0, 0);
     function<int(void*)>("fmi2EnterInitializationMode")(component_);

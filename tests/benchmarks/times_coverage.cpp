@@ -87,9 +87,7 @@ int main(int argc, char** argv) {
     for (const auto& [kind, name] : kinds) {
       Counts counts;
       for (int seed = first; seed < first + seeds; ++seed) {
-        Random random(static_cast<std::uint64_t>(seed) * 1000003 + static_cast<std::uint64_t>(kind));
-        const double noise = random.log_uniform(0.001, 0.02);
-        const int per_decade = 7 + static_cast<int>(random.below(9));
+        auto [random, noise, per_decade] = support::seeded_measurement(seed, kind);
         // The parameters are the first that sweep() draws.
         Random same = random;
         const auto parameters = model.parameters(same);

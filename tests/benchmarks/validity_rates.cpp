@@ -53,9 +53,7 @@ void false_alarms(const std::vector<support::ValidityModel>& models, int seeds, 
     for (const auto& [kind, name] : kinds) {
       Counts counts;
       for (int seed = first; seed < first + seeds; ++seed) {
-        Random random(static_cast<std::uint64_t>(seed) * 1000003 + static_cast<std::uint64_t>(kind));
-        const double noise = random.log_uniform(0.001, 0.02);
-        const int per_decade = 7 + static_cast<int>(random.below(9));
+        auto [random, noise, per_decade] = support::seeded_measurement(seed, kind);
         Sweep sweep = support::sweep(model,
                                      model.upper / model.lower < 2     ? 60 * per_decade
                                      : model.upper / model.lower < 1e4 ? 3 * per_decade

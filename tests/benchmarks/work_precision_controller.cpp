@@ -261,8 +261,8 @@ void steps(const char* name, int calls) {
     for (int n = 0; n < calls; ++n) y += static_cast<Real>(1e-3) * (pid.step(static_cast<Real>(n / 1000 % 2), y) - y);
     const double mean = (processor_seconds() - start) / calls;
     const auto at = [&](double share) { return single[static_cast<std::size_t>(share * (calls - 1))]; };
-    const std::string setting =
-        std::to_string(design.integral().sections) + " + " + std::to_string(design.derivative().sections) + " sections";
+    const std::string setting = std::to_string(design.integral().sections.rates.size()) + " + " +
+                                std::to_string(design.derivative().sections.rates.size()) + " sections";
     std::printf("FractionalPid<%s>::step,mean in a loop,%s,,%.2e\n", name, setting.c_str(), mean);
     std::printf("FractionalPid<%s>::step,median,%s,,%.2e\n", name, setting.c_str(), at(0.5));
     std::printf("FractionalPid<%s>::step,99.9th percentile,%s,,%.2e\n", name, setting.c_str(), at(0.999));

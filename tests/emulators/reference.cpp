@@ -47,8 +47,24 @@ void print_bits(int samples, Step step) {
 }
 
 std::string fixed_point(const std::string& name, const frac::CHeaderOptions& options) {
-  if (name == "fixed-pid")
-    return frac::fixed_point_header(pid_design(frac::Discretisation::tustin), {.input = 2, .output = 10}, options).text;
+  if (name.starts_with("fixed-pid")) {
+    const auto rule = name == "fixed-pid" ? frac::Discretisation::tustin : frac::Discretisation::direct;
+    return frac::fixed_point_header(pid_design(rule), {.input = 2, .output = 10}, options).text;
+  }
+  if (name == "fixed-all") {
+    // Taps, a difference, sections, a pair of complex poles, an integrator and dead time.
+    frac::DigitalFilterDesign design;
+    design.sample_time = 0.02;
+    design.dead_samples = 5;
+    design.differences = 1;
+    design.integrators = 1;
+    design.taps = {0.7, 0.4, -0.1};
+    design.sections = {
+        .output = frac::SectionOutput::state, .direct = 0.3, .rates = {0.2, 1e-3}, .weights = {0.1, -5e-4}};
+    design.pair_rates = {{0.04, 0.2}};
+    design.pair_weights = {{0.02, -0.05}};
+    return frac::fixed_point_header(design, {.input = 4, .output = 20}, options).text;
+  }
   const auto power = frac::digital_power(-0.5, {0.1, 70}, frac::PoleCount{8}, 0.02, frac::Discretisation::tustin);
   return frac::fixed_point_header(frac::filter_design(power), {.input = 5, .output = 100}, options).text;
 }

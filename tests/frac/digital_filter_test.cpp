@@ -252,6 +252,7 @@ TEST(DigitalFilter, SaysWhatItCannotDo) {
   const auto model = [](const char* formula) { return FractionalTransferFunction::parse(formula); };
   support::expect_invalid_argument([&] { (void)filter_design(model("s^0.5 + 1"), 0.1); }, {"grows as s^0.5", "proper"});
   support::expect_invalid_argument([&] { (void)filter_design(model("1/s^2.5"), 0.1); }, {"more than once", "s^-2.5"});
+  support::expect_invalid_argument([&] { (void)filter_design(model("1/s^2"), 0.1); }, {"more than once", "s^-2"});
   support::expect_invalid_argument([&] { (void)filter_design(model("exp(-0.25 s)/s"), 0.1); }, {"2.5 samples"});
   support::expect_invalid_argument([&] { (void)filter_design(model("1/(s + 1)"), 0); }, {"sample_time = 0 s"});
   support::expect_invalid_argument([&] { (void)filter_design(model("1/(s + 1)"), 0.1, 0); }, {"tolerance = 0"});

@@ -416,6 +416,43 @@ TEST(FractionalPid, RetuneInMotionCarriesTheHistoryOver) {
   EXPECT_GT(lost, 0.1 * moved);
 }
 
+// Another ki scales what the integral's filter has taken in, and the integrator takes up the difference: from there on
+// the output moves as that of a controller that has had the new gain all along, but for rounding of the states.
+TEST(FractionalPid, RetuneOfTheIntegralGainGoesOnAsIfItHadAlwaysBeen) {
+  const auto path = [](int n) { return std::sin(2e-3 * n); };
+  FractionalPidConfig stronger = usual(0.7, 0.6);
+  stronger.gains.ki *= 2;
+  FractionalPid<double> changed(usual(0.7, 0.6)), always(stronger);
+  for (int n = 0; n < 3000; ++n) {
+    (void)changed.step(0, path(n));
+    (void)always.step(0, path(n));
+  }
+  changed.adopt(FractionalPidDesign(stronger));
+  // The sample after the change still rises by the old gain where the inputs repeat.
+  const double before = always.step(0, path(3000)), before_changed = changed.step(0, path(3000));
+  double moved = 0, missed = 0;
+  for (int n = 3001; n < 3500; ++n) {
+    const double expected = always.step(0, path(n)) - before;
+    moved = std::max(moved, std::abs(expected));
+    missed = std::max(missed, std::abs(changed.step(0, path(n)) - before_changed - expected));
+  }
+  EXPECT_LT(missed, 1e-10 * moved);
+}
+
+TEST(FractionalPid, TracksWithinTheSampleAtLeast) {
+  FractionalPidConfig config = usual(1, 1);
+  config.tracking_time = 1e-6;
+  EXPECT_EQ(FractionalPidDesign(config).tracking_time(), config.sample_time);
+  config.tracking_time = 0;
+  config.gains = {.kp = 2, .ki = 3, .kd = 0, .lambda = 0.8, .mu = 1};
+  EXPECT_NEAR(FractionalPidDesign(config).tracking_time(), std::pow(2.0 / 3, 1 / 0.8), 1e-15);
+  // Without kp the times in which the other two terms are equal, or ten samples.
+  config.gains = {.kp = 0, .ki = 3, .kd = 2, .lambda = 0.8, .mu = 0.7};
+  EXPECT_NEAR(FractionalPidDesign(config).tracking_time(), std::pow(2.0 / 3, 1 / 1.5), 1e-15);
+  config.gains.kd = 0;
+  EXPECT_EQ(FractionalPidDesign(config).tracking_time(), 10 * config.sample_time);
+}
+
 TEST(FractionalPid, RetuneInEverySituationKeepsTheOutputFinite) {
   support::Random random(11);
   FractionalPidConfig config = usual();

@@ -205,6 +205,17 @@ TEST(Stability, OfLoopsWithDeadTime) {
   support::expect_invalid_argument([&] { (void)closed({{2, 0}}, {{1, 0}}, 1); }, {"tends to 2"});
 }
 
+// s^2 + 0.01 s + 1e4 + 10 e^{-L s}: only about 100 rad/s does the last term exceed the others.  There the delay turns
+// it by -100 L, a quarter turn takes 10/100 from the damping of 0.01 and three quarters add it.
+TEST(Stability, OfALoopThatExceedsOneAtAResonanceOnly) {
+  const auto closed = [](double delay) {
+    return frac::analyse_closed_loop({{{10, 0}}, {{1, 2}, {0.01, 1}, {1e4, 0}}, delay});
+  };
+  EXPECT_EQ(closed(0).stability, Stability::stable);
+  EXPECT_EQ(closed(pi / 200).unstable_poles, 2);
+  EXPECT_EQ(closed(3 * pi / 200).stability, Stability::stable);
+}
+
 // K e^{-L s}/s^a: a pair of roots for each omega_k = (pi - a pi/2 + 2 pi k)/L with omega_k^a < K.
 TEST(Stability, OfSlowlyFallingLoopsWithDeadTime) {
   for (const double a : {0.2, 0.25, 0.3}) {
@@ -347,6 +358,28 @@ TEST(Stability, MarginsAreTheRoots) {
   EXPECT_GT(conditional.gain_margin, 1);
   EXPECT_LT(conditional.gain_reduction, 1);
   EXPECT_GT(conditional.gain_reduction, 0);
+}
+
+// (s^2 + a s + b)/(s^2 + c s + d) has |L| = 1 where w^2 (a^2 - 2 b - c^2 + 2 d) = d^2 - b^2, here a hundred times above
+// its corners, where |L|^2 - 1 changes by 6e-8 per e-fold of w: rounding of |L| moves the crossover by some 1e-8.
+TEST(Stability, AGainCrossoverFarAboveTheCorners) {
+  const double b = 1, c = 3, d = 2, crossover = 100;
+  const double a = std::sqrt(2 * b + c * c - 2 * d + (d * d - b * b) / (crossover * crossover));
+  const frac::Margins margins = frac::margins({{{1, 2}, {a, 1}, {b, 0}}, {{1, 2}, {c, 1}, {d, 0}}});
+  ASSERT_EQ(margins.phase.size(), 1u);
+  EXPECT_NEAR(margins.phase[0].omega, crossover, 1e-7 * crossover);
+}
+
+// A zero one part in 10^4 beside a pole cancels nothing.
+TEST(Stability, OnlyAZeroOnThePoleCancelsIt) {
+  const auto cancelled = [](const char* formula) {
+    for (const frac::Pole& pole : frac::analyse_stability(model(formula)).poles)
+      if (std::abs(pole.value + 1.0) < 1e-9) return pole.cancelled;
+    ADD_FAILURE() << formula << ": no pole at -1";
+    return false;
+  };
+  EXPECT_TRUE(cancelled("(s + 1)/(s^2 + 3 s + 2)"));
+  EXPECT_FALSE(cancelled("(s + 1.0001)/(s^2 + 3 s + 2)"));
 }
 
 // N + D is s, s^0.5 or s (s + 3): a root at s = 0 and no other right of the axis.

@@ -160,14 +160,56 @@ TEST(Verdict, OddsAllowThatBothModelsAreFarFromTheTruth) {
   }
 }
 
-// Conduction of heat through a wall is among no candidates, and rows of real poles approximate it to 0.1 %: that they
-// follow the data is no reason to call the system one of integer order.
+// Conduction of heat through a wall that passes it on to a room is among no candidates, and rows of real poles
+// approximate it to 0.1 %: that they follow the data is no reason to call the system one of integer order.
 TEST(Verdict, ARowOfPolesThatApproximatesIsNoIntegerOrder) {
   for (unsigned seed = 1; seed <= 3; ++seed) {
-    const auto data = support::noisy_response("1/(cosh(sqrt(3 s)) (0.1 s + 1))", {}, 1e-3, seed, 35);
+    const auto data =
+        support::noisy_response("1/(cosh(sqrt(3 s)) + 0.4 sqrt(3 s) sinh(sqrt(3 s)))", {}, 1e-3, seed, 35);
     const auto result = frac::identify(data, frac::default_candidates(), {}, both_parts());
     EXPECT_NE(result.verdict, Verdict::fractional_not_supported) << result.verdict_sentence;
   }
+}
+
+// Two models with as many parameters and the same response are one: it is listed and counted once, under the name of
+// the preset.  The sum of two arcs is what the family grows to on these data.
+TEST(Identify, ListsAModelInTwoSpellingsOnce) {
+  const auto data = support::noisy_response("0.2 + 1/(0.3 s^0.8 + 1) + 2/(10 s^0.7 + 1)", {}, 0.01, 8u);
+  const auto apart = frac::identify(data, models({"terms"}), {}, both_parts());
+  ASSERT_EQ(apart.ranking.size(), 1u);
+  const auto result = frac::identify(data, models({"terms", "two-zarc", "two-rc"}), {}, both_parts());
+  ASSERT_EQ(result.ranking.size(), 2u);
+  EXPECT_EQ(result.ranking[0].name, "two-zarc");
+  EXPECT_EQ(result.ranking[0].also, std::vector{apart.ranking[0].name});
+  // The same optimum, found in another form.
+  EXPECT_NEAR(result.ranking[0].fit.cost, apart.ranking[0].fit.cost, 1e-6 * apart.ranking[0].fit.cost);
+  EXPECT_EQ(result.ranking[0].fit.free_parameters, apart.ranking[0].fit.free_parameters);
+  // Nothing else comes near, so that all the weight is its own and not half of it.
+  EXPECT_GT(result.ranking[0].akaike_weight, 0.999);
+}
+
+// A loudspeaker: a coil with eddy currents beside a mechanical resonance.  Ratios need ten parameters for what a sum of
+// a constant, a power and a mode says with six.
+TEST(Verdict, APowerBesideAModeIsFractional) {
+  const auto data = support::noisy_response("1 + 0.3 s^0.67 + s/(s^2/0.16 + s + 1)", {}, 0.01, 3u, 80);
+  const auto result = frac::identify(data, frac::default_candidates(), {}, both_parts());
+  EXPECT_EQ(result.verdict, Verdict::fractional_supported) << result.verdict_sentence;
+  EXPECT_EQ(result.ranking.at(result.fractional->index).fit.free_parameters, 6u);
+}
+
+// Rounded to two digits, a fractional lead has errors of 5 % where its first digit is 1 and of 0.5 % where it is 9, in
+// steps that a ratio of many poles follows.
+TEST(Verdict, AModelThatFollowsTheStepsOfRoundingRefutesNothing) {
+  const auto exact = support::noisy_response("1.0475 ((1.5 s + 1)/(0.03 s + 1))^0.46", {}, 0, 1u, 60);
+  std::vector<std::complex<double>> value;
+  const auto rounded = [](double x) {
+    const double unit = std::pow(10.0, std::floor(std::log10(std::abs(x))) - 1);
+    return unit * std::round(x / unit);
+  };
+  for (const auto& each : exact.value()) value.emplace_back(rounded(each.real()), rounded(each.imag()));
+  const auto result =
+      frac::identify(frac::FrequencyResponseData(exact.omega(), value), frac::default_candidates(), {}, both_parts());
+  EXPECT_NE(result.verdict, Verdict::fractional_not_supported) << result.verdict_sentence;
 }
 
 // Noise of 50 % on 12 points leaves an order of 0.8 as possible as 1.  Departure evidence says so.

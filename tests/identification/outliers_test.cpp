@@ -49,6 +49,21 @@ TEST(Outliers, AreNamedWhereBothSidesContradictThem) {
   }
 }
 
+// Each of several outliers among six neighbouring points hides the others: curves through neighbours run through them.
+TEST(Outliers, NearEachOtherAreNamedTogether) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    const auto clean = support::noisy_response("2/(s^0.7 + 1)", {}, 0.003, seed);
+    for (const std::vector<std::size_t>& moved :
+         {std::vector<std::size_t>{30, 31, 33}, {30, 32}, {30, 33}, {30, 32, 34}, {30, 35}}) {
+      std::vector<std::complex<double>> value = clean.value();
+      double turn = seed;
+      for (const std::size_t i : moved) value[i] += 0.45 * std::abs(value[i]) * std::polar(1.0, turn += 2);
+      const frac::FrequencyResponseData data(clean.omega(), value);
+      EXPECT_EQ(frac::isolated_outliers(data, Component::both), moved) << seed;
+    }
+  }
+}
+
 // A resonance three points wide shows at the neighbours of its peak.
 TEST(Outliers, AResonanceIsNone) {
   const auto data = support::noisy_response("1/(s^2 + 0.15 s + 1)", {}, 0.001, 3u);

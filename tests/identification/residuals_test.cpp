@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <limits>
@@ -150,6 +151,28 @@ TEST(Residuals, RepeatsTellTheNoise) {
                std::invalid_argument);
   EXPECT_THROW((void)frac::detail::residual_rule({{1, 1}, {a, a}}, Component::both, Weight::repeats),
                std::invalid_argument);
+}
+
+// Repeats at 1 +- r have the relative variance r^2 per part, as above; that at a frequency is the mean over it and up
+// to two on either side.
+TEST(Residuals, RepeatsArePooledOverFiveFrequencies) {
+  const std::vector<double> relative{0.01, 0.05, 0.02, 0.04, 0.03, 0.2};
+  std::vector<double> omega;
+  std::vector<std::complex<double>> value;
+  for (std::size_t k = 0; k < relative.size(); ++k) {
+    omega.insert(omega.end(), 2, static_cast<double>(k + 1));
+    value.insert(value.end(), {1 + relative[k], 1 - relative[k]});
+  }
+  const auto rule = frac::detail::residual_rule({omega, value}, Component::both, Weight::repeats);
+  for (std::size_t k = 0; k < relative.size(); ++k) {
+    double sum = 0, count = 0;
+    for (std::size_t j = 0; j < relative.size(); ++j) {
+      if (std::max(j, k) - std::min(j, k) > 2) continue;
+      sum += relative[j] * relative[j];
+      ++count;
+    }
+    EXPECT_NEAR(rule.weight[2 * k] * rule.unit * std::sqrt(sum / count), 1, 1e-12) << k;
+  }
 }
 
 // On a pure power law the smoothed magnitude is the magnitude itself: a straight line in logarithms.

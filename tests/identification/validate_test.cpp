@@ -70,6 +70,38 @@ TEST(ProjectedResidual, ChancesOfWhiteNoiseAreUniform) {
     }
 }
 
+// A step at any of 27 places in white noise: the bound holds within four standard deviations of the binomial, and is so
+// sharp that at least six of ten alarms it stands for happen; 27 times the chance of one place would stand for three.
+TEST(ProjectedResidual, ChanceOfTheLargestOfManyColumnsIsASharpBound) {
+  constexpr Eigen::Index points = 30, width = 8;
+  Eigen::MatrixXd basis(2 * points, width), steps = Eigen::MatrixXd::Zero(2 * points, points - 3);
+  for (Eigen::Index k = 0; k < points; ++k) {
+    const double x = static_cast<double>(k) / points;
+    for (Eigen::Index j = 0; j < width; ++j) {
+      basis(2 * k, j) = std::cos(std::numbers::pi * static_cast<double>(j) * x);
+      basis(2 * k + 1, j) = std::sin(std::numbers::pi * static_cast<double>(j + 1) * x);
+    }
+    for (Eigen::Index j = 0; j < std::min(steps.cols(), k - 1); ++j) steps(2 * k, j) = 1;
+  }
+  const Eigen::MatrixXd q =
+      Eigen::HouseholderQR<Eigen::MatrixXd>(basis).householderQ() * Eigen::MatrixXd::Identity(2 * points, width);
+  Random random(42);
+  constexpr int trials = 4000;
+  std::vector<double> chances;
+  for (int trial = 0; trial < trials; ++trial) {
+    Eigen::VectorXd noise(2 * points);
+    for (double& each : noise) each = random.normal();
+    chances.push_back(frac::detail::largest_column({q, noise - q * (q.transpose() * noise)}, steps).column.p_value);
+  }
+  for (const double p : {0.005, 0.05}) {
+    const auto below =
+        static_cast<double>(std::count_if(chances.begin(), chances.end(), [&](double c) { return c < p; }));
+    const double four_deviations = 4 * std::sqrt(p * (1 - p) / trials);
+    EXPECT_LE(below / trials, p + four_deviations);
+    EXPECT_GE(below / trials, 0.6 * p - four_deviations);
+  }
+}
+
 // At the 5 % level; the bound is 5 % and three standard deviations of the binomial.  Rates of a thousand times as many
 // stand in tools/docs/validity_rates.md.
 TEST(Validate, FalseAlarmsStayBelowTheLevel) {
@@ -153,6 +185,69 @@ TEST(Validate, FindsADriftAndItsSize) {
     // 0.1 of the response at the start of the sweep, which the poles share with the drift: a third of it at most.
     EXPECT_NEAR(result.drift, 0.1, 0.035) << result.summary();
   }
+}
+
+TEST(Validate, FindsAStepItsPlaceAndItsSize) {
+  Random random(78);
+  support::Sweep sweep = support::sweep(support::impedance_models()[1], 10, NoiseKind::relative, 0.002, random);
+  constexpr std::size_t place = 30;
+  for (std::size_t i = place; i < sweep.exact.size(); ++i) sweep.exact[i] *= 1.03;
+  support::add_noise(sweep, random);
+  const auto result = frac::validate(sweep.data());
+  EXPECT_EQ(result.validity, Validity::invalid);
+  EXPECT_TRUE(has_alarm(result, frac::ValidityTest::step));
+  // The poles leave 1.6 of the step's size in units of the noise of one part (its projection, for this response): one
+  // standard deviation is 0.002/1.6.  A step so clear is known to a point on either side.
+  EXPECT_NEAR(result.step, 0.03, 5 * 0.002 / 1.6);
+  EXPECT_GE(result.step_above, sweep.omega[place - 1]);
+  EXPECT_LE(result.step_below, sweep.omega[place]);
+  EXPECT_NE(result.summary().find("jumps by"), std::string::npos) << result.summary();
+}
+
+// Found are 95 of 100 (measured, see validity_rates.md); the bound is three standard deviations of the binomial below.
+TEST(Validate, FindsAPointThatStandsOutAlone) {
+  int all = 0, found = 0;
+  for (const std::size_t model : {0U, 1U, 2U, 4U})
+    for (std::uint64_t seed = 700; seed < 715; ++seed, ++all) {
+      Random random(seed);
+      auto sweep = support::sweep(support::impedance_models()[model], 10, NoiseKind::relative, 0.003, random);
+      const auto point = static_cast<std::size_t>(3 + random.below(sweep.exact.size() - 6));
+      sweep.exact[point] += std::polar(10 * sweep.deviation[point], random.uniform(0, 6.2832));
+      support::add_noise(sweep, random);
+      const auto result = frac::validate(sweep.data());
+      // A point alone at the mains frequency is taken for that.
+      const auto& outliers = result.mains.empty() ? result.outliers : result.mains;
+      found += std::find(outliers.begin(), outliers.end(), point) != outliers.end();
+    }
+  EXPECT_GE(found, 0.95 * all - 3 * std::sqrt(0.95 * 0.05 * all));
+}
+
+// An instrument whose phase is wrong by a third of a degree everywhere makes a response that no system has.
+TEST(Validate, DeparturesWithinTheAccuracyOfTheInstrumentAreNoFault) {
+  support::Sweep sweep = noisy(support::impedance_models()[7], 0.001, 21);
+  for (auto& each : sweep.value) each *= std::polar(1.0, 0.006);
+  EXPECT_EQ(frac::validate(sweep.data()).validity, Validity::invalid);
+  const auto result = frac::validate(sweep.data(), {.accuracy = 0.01});
+  EXPECT_EQ(result.validity, Validity::valid);
+  EXPECT_NE(result.summary().find("accuracy of 1 %"), std::string::npos) << result.summary();
+  EXPECT_LT(result.largest_residual, 0.01);
+  support::expect_invalid_argument([&] { (void)frac::validate(sweep.data(), {.accuracy = -1}); }, {"accuracy"});
+}
+
+// Noise five times as large in the middle of the band as at its ends, as near the mains.
+TEST(Validate, NoiseThatSwellsInTheMiddleIsNoFault) {
+  int all = 0, alarms = 0;
+  for (std::uint64_t seed = 40; seed < 70; ++seed, ++all) {
+    Random random(seed);
+    auto sweep = support::sweep(support::impedance_models()[seed % 4], 12, NoiseKind::relative, 0.001, random);
+    for (std::size_t i = 0; i < sweep.deviation.size(); ++i) {
+      const double x = 2.0 * static_cast<double>(i) / static_cast<double>(sweep.deviation.size() - 1) - 1;
+      sweep.deviation[i] *= 1 + 4 * std::exp(-8 * x * x);
+    }
+    support::add_noise(sweep, random);
+    alarms += frac::validate(sweep.data()).validity != Validity::valid;
+  }
+  EXPECT_LE(alarms, 0.05 * all + 3 * std::sqrt(0.05 * 0.95 * all));
 }
 
 // The complex conjugate of a response is that of a system with its poles in the right half plane.

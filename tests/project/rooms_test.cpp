@@ -127,6 +127,28 @@ TEST_P(Library, EveryHeaderNamedInTheReadmeExists) {
   }
 }
 
+// A newcomer opens what a page names.  A bare name stands beside one with its folder, so the end of a path suffices;
+// what begins at the root of the project or of the library does so in full.
+TEST(Readmes, NameFilesThatExist) {
+  const fs::path root(FRACFIT_SOURCE_DIR);
+  std::vector<std::string> paths;
+  for (const char* folder : {"libfrac", "libbacklash", "tools", "tests"})
+    for (const auto& entry : fs::recursive_directory_iterator(root / folder))
+      if (entry.is_regular_file()) paths.push_back("/" + entry.path().lexically_relative(root).generic_string());
+  const std::regex name("`([A-Za-z0-9_/]+\\.[ch]pp)`");
+  std::size_t checked = 0;
+  for (const char* page :
+       {"CONTRIBUTING.md", "libfrac/README.md", "libbacklash/README.md", "tools/README.md", "tests/README.md"}) {
+    const std::string text = content_of(root / page);
+    for (std::sregex_iterator at(text.begin(), text.end(), name), end; at != end; ++at, ++checked) {
+      const std::string file = "/" + (*at)[1].str();
+      EXPECT_TRUE(std::any_of(paths.begin(), paths.end(), [&](const auto& path) { return path.ends_with(file); }))
+          << page << ": " << file;
+    }
+  }
+  EXPECT_GT(checked, 50u);
+}
+
 // The rooms of the program stand in order in the line of tools/README.md that tells what tools/fracfit holds.
 TEST(Program, ARoomIncludesOnlyTheRoomsBeforeIt) {
   const fs::path root = fs::path(FRACFIT_SOURCE_DIR) / "tools";

@@ -121,7 +121,8 @@ std::complex<double> symmetric_u1_plus_gamma(double force, double omega, double 
   const Wide kept = 1 + Wide(restitution);
   const Wide a = lost * lost + pi * pi * kept * kept / 4;
   const Wide half_b = pi * kept / 2;
-  const Wide discriminant = half_b * half_b - a * (1 - 4 * gamma * gamma);
+  // half_b^2 - a (1 - 4 gamma^2), which is the difference of two numbers near 2.5 where restitution is near 1.
+  const Wide discriminant = 4 * a * gamma * gamma - lost * lost;
   const Wide speed = (half_b + (discriminant > 0 ? sqrt(discriminant) : Wide(0))) / a;
   const Wide jump = -2 * kept * speed / pi / (2 * gamma);
   return {static_cast<double>(jump * (1 - half_b * speed)), static_cast<double>(jump * speed * lost)};

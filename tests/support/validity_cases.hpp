@@ -5,6 +5,7 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
@@ -185,6 +186,19 @@ inline Sweep sweep(const ValidityModel& model, int per_decade, NoiseKind kind, d
                      : size * std::pow(made.omega[static_cast<std::size_t>(i)] / made.omega.back(), -0.15)));
   }
   return made;
+}
+
+/// What is drawn for a measurement before its model.
+struct Measurement {
+  Random random;  // for what follows
+  double noise;   // 0.1 to 2 %
+  int per_decade;
+};
+inline Measurement seeded_measurement(int seed, NoiseKind kind) {
+  Random random(static_cast<std::uint64_t>(seed) * 1000003 + static_cast<std::uint64_t>(kind));
+  const double noise = random.log_uniform(0.001, 0.02);
+  const int per_decade = 7 + static_cast<int>(random.below(9));
+  return {random, noise, per_decade};
 }
 
 /// Puts the noise onto the exact values, which a violation may have changed before.

@@ -136,7 +136,7 @@ TEST_F(FitFailure, FormulasThatDoNotParseGetACaret) {
   EXPECT_NE(result.error.find("\n", formula + 1), std::string::npos);
   EXPECT_NE(result.error.find('^', result.error.find('\n', formula + 1)), std::string::npos) << result.error;
   expect({"--model", "power_law"}, 2, "presets");
-  expect({"--model", ""}, 2, "formula");
+  expect({"--model", ""}, 2, "--model '': the value is empty");
 }
 
 TEST_F(FitFailure, OptionsAreChecked) {
@@ -198,8 +198,38 @@ TEST_F(FitFailure, StaticBacklashNeedsBothNumbers) {
   expect_failure({"identify", data, "--clearance", "0.3"}, 2, "--force");
   expect_failure({"identify", data, "--mass1", "1"}, 2, "no meaning");
   expect_failure({"identify", data, "--models", "power-law,,gain"}, 2, "entry 2 is empty");
-  expect_failure({"identify", data, "--models", ""}, 2, "empty list");
+  expect_failure({"identify", data, "--models", ""}, 2, "--models '': the value is empty");
   expect_failure({"identify", data, "--models", "power-law,nonsense"}, 2, "presets");
+}
+
+// As a variable that is not set leaves them: without a word another result would be computed.
+TEST(Usage, NoOptionTakesAnEmptyValue) {
+  const TemporaryFolder folder;
+  const auto data = folder.write("curve.csv", good_data);
+  const std::vector<std::string> loop{"loop", "--controller", "1 + s", "--restitution", "0.6", "--velocity2", "1"};
+  for (const char* name : {"--load-receptance", "--setpoint-file", "--body", "--every", "--out"}) {
+    auto arguments = loop;
+    arguments.insert(arguments.end(), {name, ""});
+    expect_failure(arguments, 2, std::string(name) + " '': the value is empty");
+  }
+  for (const char* name : {"--select", "--columns", "--where", "--fix", "--shard"}) {
+    const char* const command = std::string(name) == "--shard" ? "batch" : "fit";
+    expect_failure({command, data, "--model", "gain", name, ""}, 2, std::string(name) + " '': the value is empty");
+  }
+  expect_failure({"convert", ""}, 2, "the value is empty");
+}
+
+TEST(Usage, InputsWithoutEndAreRefused) {
+  if (!fs::exists("/dev/zero")) GTEST_SKIP() << "no /dev/zero here";
+  expect_failure({"fit", "/dev/zero", "--model", "gain"}, 3, "/dev/zero: is a device that does not end");
+  expect_failure({"evaluate", "--fit", "/dev/zero", "--omega", "1"}, 3, "/dev/zero: is a device that does not end");
+}
+
+// A name of a file may hold what commands the terminal.
+TEST(Usage, ControlCharactersOfNamesDoNotReachTheTerminal) {
+  const auto result = run_fracfit({"convert", "\x1b[2Jname"});
+  EXPECT_EQ(result.code, 3);
+  EXPECT_EQ(result.error, "fracfit: ?[2Jname: cannot be read: No such file or directory\n");
 }
 
 TEST(Output, UnwritableFilesAreRefusedAndNothingIsLeft) {

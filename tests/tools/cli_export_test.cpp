@@ -108,16 +108,23 @@ TEST(ExportC99, FixedPointStatesItsError) {
   EXPECT_NE(result.output.find("int32_t filter_step(filter_state *s, int32_t sample)"), std::string::npos);
   EXPECT_NE(result.output.find("an output differs from the exact one by "), std::string::npos);
   EXPECT_NE(result.output.find("--fixed-point 5:100 --name filter\n"), std::string::npos) << result.output;
-  expect_refusal(filter, "taps; fixed point takes sections alone");
+  // The default design, with taps.
+  const auto direct = run_fracfit(filter);
+  EXPECT_EQ(direct.code, 0) << direct.error;
+  EXPECT_NE(direct.output.find("filter_section_tap["), std::string::npos);
+  expect_refusal(
+      {"export", "c99", "--model", "s^-2.5", "--band", "0.1:70", "--sample-time", "0.02", "--fixed-point", "5:100"},
+      "2 integrators; fixed point takes one");
   expect_refusal(with(filter, {"--precision", "float"}), "--fixed-point has no meaning with --precision float");
   const auto pid = run_fracfit({"export", "c99", "--kp", "1", "--ki", "2", "--lambda", "0.8", "--sample-time", "0.01",
                                 "--band", "0.1:100", "--discretisation", "tustin", "--fixed-point", "2:10"});
   EXPECT_EQ(pid.code, 0) << pid.error;
   EXPECT_NE(pid.output.find("controller_step(controller_state *s, int32_t setpoint, int32_t measured)"),
             std::string::npos);
-  expect_refusal({"export", "c99", "--kp", "1", "--ki", "2", "--lambda", "0.8", "--sample-time", "0.01", "--band",
-                  "0.1:100", "--fixed-point", "2:10"},
-                 "taps; fixed point takes sections alone");
+  const auto tapped = run_fracfit({"export", "c99", "--kp", "1", "--ki", "2", "--lambda", "0.8", "--sample-time",
+                                   "0.01", "--band", "0.1:100", "--fixed-point", "2:10"});
+  EXPECT_EQ(tapped.code, 0) << tapped.error;
+  EXPECT_NE(tapped.output.find("controller_integral_tap["), std::string::npos);
 }
 
 TEST(ExportArduino, WritesALibraryWithASketchThatCompiles) {

@@ -126,6 +126,122 @@ TEST(CliJointFit, DerivesQuantitiesOfEachCurve) {
   EXPECT_NE(wrong.error.find("--derive"), std::string::npos) << wrong.error;
 }
 
+// A tenth of an outlier among 21 points moves a plain fit of exact power laws, and a robust one not at all.
+TEST(CliJointFit, ARobustLossLeavesAnOutlierWhereItIs) {
+  const PowerLaws data;
+  std::string text = content_of(data.folder.path("gain3.csv"));
+  const auto line = text.find("\n", text.size() / 2) + 1, comma = text.find(',', line);
+  text.insert(comma + 1, "1");  // a digit in front of the real part
+  static_cast<void>(data.folder.write("gain3.csv", text));
+  const auto value = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> options{"--shared", "a"};
+    options.insert(options.end(), more.begin(), more.end());
+    const auto result = data.joint(data.files, options);
+    EXPECT_EQ(result.code, 0) << result.error;
+    return Json::parse(result.output)["curves"][1]["parameters"][0]["value"].get<double>();
+  };
+  EXPECT_GT(std::abs(value({}) - 3), 1e-3);
+  EXPECT_NEAR(value({"--loss", "cauchy"}), 3, 1e-6);
+}
+
+TEST(CliJointFit, PriorsAndOrdersAreTakenAndSaid) {
+  const PowerLaws data;
+  const auto result = data.joint(data.files, {"--shared", "a", "--prior", "a=0.7+-0.01", "--prior", "K = 3 +- 50%"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const auto json = Json::parse(result.output);
+  EXPECT_EQ(json["options"]["priors"], "a=0.7+-0.01; K = 3 +- 50%");
+  ASSERT_EQ(json["priors"].size(), 4U);
+  EXPECT_EQ(json["priors"][0]["name"], "a");
+  EXPECT_EQ(json["priors"][1]["relative"], true);
+  EXPECT_EQ(json["priors"][3]["curve"], data.files[2]);
+  // ln(4/3)/0.5: the curve alone decides, as it is exact.
+  EXPECT_NEAR(json["priors"][3]["distance"].get<double>(), std::log(4.0 / 3) / 0.5, 1e-6);
+  // Exact data tell everything: three gains and one order.
+  EXPECT_NEAR(json["effective_parameters"].get<double>(), 4, 1e-6);
+  const auto table = data.joint(data.files, {"--shared", "a", "--prior", "a=0.7+-0.01", "--format", "table"});
+  for (const char* part : {"a = 0.7 +- 0.01", "data off by", "priors"})
+    EXPECT_NE(table.output.find(part), std::string::npos) << table.output;
+
+  const auto single = run_fracfit({"fit", data.files[0], "--model", "K1 s^a1 + K2 s", "--component", "both", "--bound",
+                                   "a1=:1", "--prior", "K1=2+-10%", "--constraint", "K2<K1"});
+  ASSERT_EQ(single.code, 0) << single.error;
+  const auto fit = Json::parse(single.output);
+  EXPECT_EQ(fit["options"]["constraints"], "K2<K1");
+  ASSERT_EQ(fit["priors"].size(), 1U);
+  EXPECT_LE(fit["effective_parameters"].get<double>(), 3);
+  for (const char* wrong : {"--bootstrap", "--grow"}) {
+    std::vector<std::string> arguments{"fit", data.files[0], "--prior", "K=2+-1", "--component", "both"};
+    if (std::string(wrong) == "--grow")
+      arguments.insert(arguments.end(), {"--grow", "powers"});
+    else
+      arguments.insert(arguments.end(), {"--model", "K s^a", "--bootstrap", "20"});
+    const auto refused = run_fracfit(arguments);
+    EXPECT_EQ(refused.code, 2) << wrong;
+    EXPECT_NE(refused.error.find("--prior"), std::string::npos) << refused.error;
+  }
+}
+
+// A lag seen through windows of a decade and a half that move by a factor of four: the factors come back, every point
+// is in the table of the master curve, and lies on it.
+TEST(CliJointFit, ShiftsCurvesOntoAMasterCurve) {
+  const TemporaryFolder folder;
+  std::vector<std::string> arguments{"joint-fit"};
+  for (int c = 0; c < 4; ++c) {
+    std::ostringstream text;
+    text.precision(17);
+    text << "omega_rad_s,re,im\n";
+    for (int i = 0; i <= 15; ++i) {
+      const double omega = std::pow(10.0, i / 10.0);
+      const std::complex<double> s(0, 0.01 * std::pow(4.0, c) * omega);
+      const std::complex<double> value = 5.0 / (1.0 + std::pow(s, 0.8));
+      text << omega << ',' << value.real() << ',' << value.imag() << '\n';
+    }
+    arguments.push_back(folder.write("at" + std::to_string(c) + ".csv", text.str()));
+  }
+  const std::string master = folder.path("master.csv"), picture = folder.path("master.svg");
+  const std::string reference = arguments[2];
+  arguments.insert(arguments.end(), {"--model", "K/(1 + (T s)^a)", "--component", "both", "--shift", "horizontal",
+                                     "--reference", reference, "--master", master});
+  const auto result = run_fracfit(arguments);
+  ASSERT_EQ(result.code, 0) << result.error;
+  const auto json = Json::parse(result.output);
+  EXPECT_EQ(json["model"], "K/(1 + (T (aT s))^a)");
+  for (int c = 0; c < 4; ++c) {
+    for (const auto& parameter : json["curves"][static_cast<std::size_t>(c)]["parameters"])
+      if (parameter["name"] == "aT") {
+        EXPECT_NEAR(parameter["value"].get<double>() * std::pow(4.0, 1 - c), 1, 1e-5);
+      }
+  }
+  std::istringstream rows(content_of(master));
+  int count = 0;
+  double last = 0;
+  for (std::string row; std::getline(rows, row);) {
+    if (row.empty() || row.front() == '#' || row.front() == 'o') continue;
+    std::vector<std::string> cells;
+    std::istringstream text(row);
+    for (std::string cell; std::getline(text, cell, ',');) cells.push_back(cell);
+    ASSERT_EQ(cells.size(), 7U) << row;
+    const double omega = std::stod(cells[0]);
+    EXPECT_GE(omega, last);
+    last = omega;
+    const std::complex<double> value = 5.0 / (1.0 + std::pow(std::complex<double>(0, 0.04 * omega), 0.8));
+    EXPECT_NEAR(std::stod(cells[1]), value.real(), 1e-4);
+    EXPECT_NEAR(std::stod(cells[6]), value.imag(), 1e-4);
+    ++count;
+  }
+  EXPECT_EQ(count, 64);
+}
+
+// A law of known quantities alone leaves nothing of it to be fitted.
+TEST(CliJointFit, ALawMayHoldNoParameter) {
+  const PowerLaws data;
+  const auto result = data.joint({data.one_file}, {"--by", "gain", "--shared", "a", "--law", "K = gain"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const auto json = Json::parse(result.output);
+  ASSERT_EQ(json["shared"].size(), 1U);
+  EXPECT_NEAR(json["shared"][0]["value"].get<double>(), 0.7, 1e-7);
+}
+
 TEST(CliJointFit, WrongUsageIsNamed) {
   const PowerLaws data;
   const auto expect = [&](const std::vector<std::string>& more, const std::string& part) {
@@ -138,7 +254,13 @@ TEST(CliJointFit, WrongUsageIsNamed) {
   expect({"--shared", "b"}, "b");
   expect({"--each", "K,a"}, "batch");
   expect({"--shared", "a", "--fix", "a=0.7"}, "fixed");
-  expect({"--shared", "a", "--loss", "huber"}, "--loss");
+  expect({"--shared", "a", "--prior", "K=2"}, "--prior 'K=2'");
+  expect({"--shared", "a", "--prior", "K=2+-0"}, "positive");
+  expect({"--shared", "a", "--prior", "K=2+-1", "--fix", "K=2"}, "is fixed");
+  expect({"--shared", "a", "--constraint", "K"}, "--constraint 'K'");
+  expect({"--shared", "a", "--constraint", "a<K"}, "another kind");
+  expect({"--shared", "a", "--master", "m.csv"}, "--master");
+  expect({"--shift", "horizontal", "--reference", "none"}, "--reference 'none'");
   EXPECT_EQ(data.joint({data.folder.path("none.csv")}, {"--shared", "a"}).code, 3);
 }
 

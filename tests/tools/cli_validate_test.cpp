@@ -34,6 +34,7 @@ TEST(ValidateCommand, JudgesEveryCurveAndKeepsItsColumns) {
   ASSERT_EQ(result.code, 0) << result.error;
   const auto json = nlohmann::json::parse(result.output);
   EXPECT_EQ(json.at("level"), 0.05);
+  EXPECT_EQ(json.at("accuracy"), 1e-4);
   const auto& rows = json.at("rows");
   ASSERT_EQ(rows.size(), 2U);
   EXPECT_EQ(rows[0].at("file"), good);
@@ -41,10 +42,32 @@ TEST(ValidateCommand, JudgesEveryCurveAndKeepsItsColumns) {
   EXPECT_EQ(rows[0].at("points"), 41);
   EXPECT_EQ(rows[1].at("validity"), "invalid");
   EXPECT_NEAR(rows[1].at("drift").get<double>(), 0.1, 0.05);
-  for (const char* key : {"curve",        "decades",         "noise",           "noise_floor",      "noise_slope",
-                          "correlation",  "drift_law",       "drift_deviation", "detectable_drift", "outliers_rad_s",
-                          "mains_rad_s",  "real_poles",      "pole_pairs",      "p_neighbours",     "p_neighbourhoods",
-                          "p_drift_even", "p_drift_periods", "p_outliers",      "p_mains_50",       "p_mains_60",
+  for (const char* key : {"curve",
+                          "decades",
+                          "noise",
+                          "noise_floor",
+                          "noise_slope",
+                          "correlation",
+                          "drift_law",
+                          "drift_deviation",
+                          "detectable_drift",
+                          "outliers_rad_s",
+                          "mains_rad_s",
+                          "real_poles",
+                          "pole_pairs",
+                          "p_neighbours",
+                          "p_neighbourhoods",
+                          "p_drift_even",
+                          "p_drift_periods",
+                          "p_outliers",
+                          "p_mains_50",
+                          "p_mains_60",
+                          "p_step",
+                          "step",
+                          "step_deviation",
+                          "step_below_rad_s",
+                          "step_above_rad_s",
+                          "largest_residual",
                           "summary"})
     EXPECT_TRUE(rows[0].contains(key)) << key;
   const auto table = run_fracfit({"validate", good, "--format", "table"});
@@ -87,6 +110,7 @@ TEST(ValidateCommand, WrongUsageAndTooLittleDataAreNamed) {
   const auto data = folder.write("data.csv", spectrum(0));
   EXPECT_EQ(run_fracfit({"validate"}).code, 2);
   EXPECT_EQ(run_fracfit({"validate", data, "--level", "1"}).code, 2);
+  EXPECT_EQ(run_fracfit({"validate", data, "--accuracy", "1"}).code, 2);
   EXPECT_EQ(run_fracfit({"validate", data, "--picture", folder.path("rest.pdf")}).code, 2);
   const auto onto_itself = run_fracfit({"validate", data, "--picture", data});
   EXPECT_EQ(onto_itself.code, 2) << onto_itself.error;

@@ -23,19 +23,14 @@
 #include "frac/digital/fractional_pid.hpp"
 #include "frac/state_space.hpp"
 #include "run_program.hpp"
+#include "support/fmi2_callbacks.hpp"
 
 namespace {
 
 // The interface as its standard words it, apart from the header that units carry.
 using Component = void*;
 using Reference = unsigned;
-struct Callbacks {
-  void (*logger)(void*, const char*, int, const char*, const char*, ...);
-  void* (*allocate)(std::size_t, std::size_t);
-  void (*release)(void*);
-  void (*finished)(void*, int);
-  void* environment;
-};
+using Callbacks = support::Fmi2Callbacks;
 constexpr int ok = 0, error = 3;
 constexpr int model_exchange = 0, co_simulation = 1;
 

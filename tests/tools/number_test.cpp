@@ -3,11 +3,19 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <limits>
 #include <random>
+#include <set>
+#include <string>
+#include <string_view>
+
+#include "io/fingerprint.hpp"
+#include "support/random.hpp"
 
 TEST(Number, EveryFiniteDoubleReadsBackBitForBit) {
   std::mt19937_64 generator(1);
@@ -43,6 +51,24 @@ TEST(Number, WholeTextMustBeTheNumber) {
   EXPECT_EQ(io::parse_number(".5"), 0.5);
 }
 
+// Every text of up to five of the characters that numbers are made of, right or wrong.
+TEST(Number, IsOneWhereItCanBeRead) {
+  constexpr std::string_view characters = "-+.e0i9";
+  std::string text;
+  const auto try_longer = [&](const auto& self) -> void {
+    EXPECT_EQ(io::is_number(text), io::parse_number(text).has_value()) << text;
+    if (text.size() == 5) return;
+    for (const char c : characters) {
+      text.push_back(c);
+      self(self);
+      text.pop_back();
+    }
+  };
+  try_longer(try_longer);
+  for (const char* other : {"nan", "inf", "-inf", "1e400", "1e-400", "1.5x", "1,5"})
+    EXPECT_EQ(io::is_number(other), io::parse_number(other).has_value()) << other;
+}
+
 TEST(Number, BeyondTheRangeOfADoubleIsInfiniteAndBelowItIsZero) {
   EXPECT_EQ(io::parse_number("1e400"), std::numeric_limits<double>::infinity());
   EXPECT_EQ(io::parse_number("-1e400"), -std::numeric_limits<double>::infinity());
@@ -58,4 +84,61 @@ TEST(Number, CountsAreWholeInAnySpelling) {
   // From 2^53 on a double may stand for several whole numbers.
   for (const char* text : {"", "-1", "2.5", "1e-3", "9007199254740992.0", "1e300", "1e400", "nan", "inf", "ten", "5 "})
     EXPECT_FALSE(io::parse_count(text).has_value()) << text;
+}
+
+// The C library rounds correctly: its value is the only right one, to the last bit and with the sign of 0.
+TEST(Number, AgreesWithTheLibraryToTheLastBit) {
+  support::Random random(99);
+  const auto digits = [&](std::size_t count) {
+    std::string text;
+    for (std::size_t k = 0; k < count; ++k) text += static_cast<char>('0' + random.below(10));
+    return text;
+  };
+  for (int i = 0; i < 200000; ++i) {
+    const std::size_t before = random.below(12), behind = random.below(12);
+    std::string text = (random.below(2) == 0 ? "-" : "") + digits(before);
+    if (behind > 0 || random.below(4) == 0) text += '.';
+    text += digits(behind);
+    if (before + behind == 0) text = "0";
+    if (random.below(2) == 0) {
+      const std::size_t sign = random.below(3);
+      text += sign == 0 ? "e" : sign == 1 ? "E-" : "e+";
+      text += std::to_string(random.below(random.below(2) == 0 ? 30 : 320));
+    }
+    const auto number = io::parse_number(text);
+    ASSERT_TRUE(number) << text;
+    ASSERT_EQ(std::bit_cast<std::uint64_t>(*number), std::bit_cast<std::uint64_t>(std::strtod(text.c_str(), nullptr)))
+        << text;
+  }
+}
+
+TEST(Number, IsTheWholeText) {
+  for (const char* text : {"", "-", ".", "-.", "e5", "1e", "1e+", "1.5.2", "1,5", "1 ", " 1", "--1", "+-1", "1e5.0",
+                           "0x10", "1'000", "12a"})
+    EXPECT_FALSE(io::parse_number(text)) << text;
+}
+
+TEST(Fingerprint, DependsOnTheTextAloneAndOnEveryBitOfIt) {
+  support::Random random(7);
+  std::string text;
+  for (int i = 0; i < 300; ++i) text += static_cast<char>('0' + random.below(64));
+  const std::string whole = io::Fingerprint(text).text();
+  for (int trial = 0; trial < 50; ++trial) {
+    io::Fingerprint parts;
+    for (std::size_t begin = 0; begin < text.size();) {
+      const std::size_t length = std::min(text.size() - begin, static_cast<std::size_t>(random.below(30)));
+      parts.add(std::string_view(text).substr(begin, length));
+      begin += length;
+    }
+    ASSERT_EQ(parts.text(), whole);
+  }
+  std::set<std::string> all{whole};
+  for (std::size_t i = 0; i < text.size(); ++i)
+    for (unsigned bit = 0; bit < 8; ++bit) {
+      std::string other = text;
+      other[i] = static_cast<char>(static_cast<unsigned char>(other[i]) ^ (1U << bit));
+      all.insert(io::Fingerprint(other).text());
+    }
+  EXPECT_EQ(all.size(), 1 + 8 * text.size());
+  EXPECT_NE(io::Fingerprint(text + '\0').text(), whole);
 }

@@ -8,8 +8,8 @@
 
 namespace io {
 
-/// Size and hash of a text that comes in parts (FNV-1a of 64 bits): equal for equal texts, and different for texts that
-/// differ by accident.
+/// Size and hash of 64 bits of a text that comes in parts, however it is cut: equal for equal texts, and different for
+/// texts that differ by accident.
 class Fingerprint {
  public:
   explicit Fingerprint(std::string_view text = {}) { add(text); }
@@ -18,8 +18,8 @@ class Fingerprint {
   [[nodiscard]] std::string text() const;
 
  private:
-  // Fowler, Noll, Vo: offset basis of the 64-bit hash.
   std::uint64_t hash_ = 0xcbf29ce484222325U;
+  std::uint64_t word_ = 0;  // the bytes since the last whole eight, the first one lowest
   std::size_t size_ = 0;
 };
 

@@ -21,11 +21,19 @@ namespace {
 using Text = std::shared_ptr<const std::string>;
 using Identity = std::pair<dev_t, ino_t>;
 
-[[noreturn]] void fail(const std::string& file, int error) {
-  throw DataError(file == "-" ? "standard input" : file, 0, 0, std::string("cannot be read: ") + std::strerror(error));
+// Of a device such as /dev/zero, which never ends; a terminal is one too.
+constexpr std::size_t most_of_a_device = std::size_t{1} << 26U;
+
+[[noreturn]] void fail(const std::string& file, const std::string& message) {
+  throw DataError(file == "-" ? "standard input" : file, 0, 0, message);
 }
 
-std::string read_to_end(int descriptor, std::size_t expected, const std::string& file) {
+[[noreturn]] void fail(const std::string& file, int error) {
+  fail(file, std::string("cannot be read: ") + std::strerror(error));
+}
+
+std::string read_to_end(int descriptor, const struct stat& status, const std::string& file) {
+  const std::size_t expected = S_ISREG(status.st_mode) ? static_cast<std::size_t>(status.st_size) : 0;
   std::string content;
   for (std::size_t used = 0;;) {
     // Asks for one byte more than expected, so that the same read shows the end of the file.
@@ -34,6 +42,8 @@ std::string read_to_end(int descriptor, std::size_t expected, const std::string&
     if (got < 0 && errno == EINTR) continue;
     if (got < 0) fail(file, errno);
     used += static_cast<std::size_t>(got);
+    if (used > most_of_a_device && S_ISCHR(status.st_mode))
+      fail(file, "is a device that does not end; expected a text file of columns");
     if (got > 0) continue;
     content.resize(used);
     return content;
@@ -41,11 +51,10 @@ std::string read_to_end(int descriptor, std::size_t expected, const std::string&
 }
 
 Text read_file(const std::string& file, const struct stat& status) {
-  if (file == "-") return std::make_shared<const std::string>(read_to_end(STDIN_FILENO, 0, file));
+  if (file == "-") return std::make_shared<const std::string>(read_to_end(STDIN_FILENO, status, file));
   const Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
   if (descriptor.number() < 0) fail(file, errno);
-  const auto size = S_ISREG(status.st_mode) ? static_cast<std::size_t>(status.st_size) : 0;
-  return std::make_shared<const std::string>(read_to_end(descriptor.number(), size, file));
+  return std::make_shared<const std::string>(read_to_end(descriptor.number(), status, file));
 }
 
 }  // namespace

@@ -16,6 +16,9 @@ void append_number(std::string& text, double value);
 /// double gives an infinity.  Empty when the text is no number.
 [[nodiscard]] std::optional<double> parse_number(std::string_view text);
 
+/// Whether parse_number() takes the text, several times faster where it is a plain decimal number.
+[[nodiscard]] bool is_number(std::string_view text);
+
 /// The whole text as a whole number >= 0, in digits (2000) or as a number that is one exactly (2e3) and below 2^53.
 [[nodiscard]] std::optional<std::uint64_t> parse_count(std::string_view text);
 

@@ -222,7 +222,7 @@ void ShardReader::check_row(const Grid& grid, std::size_t block, std::size_t poi
          " as the names of the columns say");
   for (std::size_t i = 0; i < fields_.size(); ++i) {
     if (!grid.is_regime[i]) {
-      if (!parse_number(fields_[i]))
+      if (!is_number(fields_[i]))
         fail("found " + quoted(fields_[i]) + " in column " + std::to_string(i + 1) + "; expected a number");
       continue;
     }

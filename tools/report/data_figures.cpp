@@ -197,7 +197,7 @@ class Drawing {
     return make_band(label, colour, axis_, lower, upper);
   }
 
-  // Of the 95 % band of ln|model| or of the phase in rad, times a factor.
+  // Half widths of the 95 % band of ln|model|, or of the phase in rad, times a factor.
   [[nodiscard]] Values half_widths(double factor, bool of_magnitude) const {
     Values widths;
     for (const auto& deviation : deviation_)

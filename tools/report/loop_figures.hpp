@@ -20,7 +20,7 @@ struct LoopPicture {
 
 /// The rigid loop C(jw)/((M1 + M2) w^2) against the lines -1/nu of the symmetric orbits, one per restitution: the
 /// describing function predicts a cycle where it meets the line of its own restitution.  Exact cycles are marked on it.
-/// Of free masses with the load measured, for which such lines exist.
+/// Such lines exist for free masses with the load measured only.
 [[nodiscard]] Figure nyquist_figure(const LoopPicture& picture, std::string name, std::string caption);
 
 /// Positions and force over a period of the first cycle that is a motion, and the phase portrait of the gap.

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t most_points = 2000;
 
-// Of a family those of its smallest member, a gain.
+// Free parameters of a model; a family counts with its smallest member, a gain.
 std::size_t fewest_parameters(const frac::NamedModel& model) {
   if (model.is_family()) return 1;
   const auto fixed = std::count_if(model.constraints.begin(), model.constraints.end(),

@@ -18,7 +18,7 @@ namespace report {
 /// make every fit slower in proportion.
 [[nodiscard]] std::vector<std::size_t> evenly_chosen(std::size_t points);
 
-/// Those of the candidates with few enough free parameters for AICc, which needs three residuals more than parameters.
+/// Candidates with few enough free parameters for AICc, which needs three residuals more than parameters.
 /// @param further_parameters  fitted beside those of the structure
 [[nodiscard]] std::vector<frac::NamedModel> that_suit(std::vector<frac::NamedModel> candidates, std::size_t residuals,
                                                       std::size_t further_parameters = 0);

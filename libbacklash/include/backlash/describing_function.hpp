@@ -28,7 +28,8 @@ enum class Protocol {
 
 /// Cheapest exact model of a point.
 enum class Regime {
-  rigid,      // clearance 0, or so small against F/(M2 omega^2) that the masses move as one to the last digit
+  /// Clearance 0, or so small against F/(M2 omega^2) that the masses move as one to the last digit.
+  rigid,
   free,       // no impacts
   symmetric,  // two impacts per period, closed form
   periodic,   // closed orbit
@@ -51,12 +52,12 @@ enum class Output { x1, x2 };
 struct SweepOptions {
   Protocol protocol = Protocol::sweep_up;
   Output output = Output::x1;
-  double tolerance =
-      1e-10;  // in (0, 0.01]: an orbit is closed when its state repeats within tolerance, u and du/d(omega t) in
-              // units of the clearance; chatter is cut off where it matters less than a thousandth of it
-  double mean_tolerance =
-      0;  // in [0, 1): a long-time mean of a chaotic motion ends early, with its honest uncertainty, once that is below
-          // this share of |N|; 0 follows each for a thousand periods
+  /// In (0, 0.01]: an orbit is closed when its state repeats to within this, u and du/d(omega t) in units of the
+  /// clearance; chatter is cut off where it matters less than a thousandth of it.
+  double tolerance = 1e-10;
+  /// In [0, 1): a long-time mean of a chaotic motion ends early, with its uncertainty, once that is below this share of
+  /// |N|; 0 follows each for a thousand periods.
+  double mean_tolerance = 0;
   int threads = 0;  // 0: one per core
 };
 
@@ -76,7 +77,7 @@ struct DescribingFunctionPoint {
   int period;
   /// Infinite for complete chatter; NaN where not one whole period could be followed.
   double impacts_per_period;
-  /// Of |value|, m/N: rounding for closed orbits, the 95 % half width of the mean when averaged.
+  /// Uncertainty of |value|, m/N: rounding for closed orbits, the 95 % half width of the mean when averaged.
   double uncertainty;
   /// |third harmonic|/|fundamental| of the output position; NaN where the fundamental is 0.
   double third_harmonic_ratio;
@@ -85,7 +86,7 @@ struct DescribingFunctionPoint {
   /// |work of the force - impact losses| over the energy of relative motion that the impacts meet: rounding and closure
   /// of the orbit; 0 without impacts.
   double energy_defect = std::numeric_limits<double>::quiet_NaN();
-  /// The largest, per force period: negative on orbits, positive where the motion is chaotic, near 0 in slow
+  /// The largest one, per force period: negative on orbits, positive where the motion is chaotic, near 0 in slow
   /// transients.  -infinity where a stick forgets every disturbance, NaN where nothing was followed.
   double lyapunov_exponent = std::numeric_limits<double>::quiet_NaN();
   /// Force periods that an averaged motion was followed from its start; 0 for the other regimes.

@@ -43,8 +43,6 @@ enum class BranchEnd {
 /// @throws std::invalid_argument  naming the allowed spellings.
 [[nodiscard]] OrbitParameter orbit_parameter_from_string(std::string_view text);
 [[nodiscard]] std::span<const OrbitParameter> orbit_parameters();
-[[nodiscard]] Bifurcation bifurcation_from_string(std::string_view text);
-[[nodiscard]] BranchEnd branch_end_from_string(std::string_view text);
 
 struct OrbitImpact {
   double phase;  // omega t at the impact, rad; that of the first one in [0, 2 pi)
@@ -54,13 +52,13 @@ struct OrbitImpact {
 
 /// A periodic orbit, stable or not.
 struct PeriodicOrbit {
-  double parameter;                                 // in rad/s, N, m or 1, see OrbitDiagram
-  double omega;                                     // rad/s
-  std::complex<double> value;                       // describing function, m/N
-  std::array<std::complex<double>, 2> multipliers;  // of the map over the whole orbit, larger modulus first; infinite
-                                                    // where an impact has speed 0
-  bool stable;                                      // both multipliers within the unit circle
-  std::vector<OrbitImpact> impacts;                 // of the whole orbit, in order of time
+  double parameter;            // in rad/s, N, m or 1, see OrbitDiagram
+  double omega;                // rad/s
+  std::complex<double> value;  // describing function, m/N
+  /// Of the map over the whole orbit, larger modulus first; infinite where an impact has speed 0.
+  std::array<std::complex<double>, 2> multipliers;
+  bool stable;                       // both multipliers within the unit circle
+  std::vector<OrbitImpact> impacts;  // of the whole orbit, in order of time
 };
 
 /// The orbit of x2 - x1 -> clearance - (x2 - x1) half a force period later: again one, with the same describing

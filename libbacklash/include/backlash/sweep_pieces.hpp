@@ -12,8 +12,8 @@ namespace backlash {
 
 /// Points of one curve that follow each other.
 struct SweepPiece {
-  std::size_t scene;  ///< which curve
-  std::size_t first;  ///< index of its first frequency
+  std::size_t scene;  // which curve
+  std::size_t first;  // index of its first frequency
   std::size_t count;
 };
 

@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "contact_margin.hpp"
+#include "orbit_correction.hpp"
+#include "return_map.hpp"
+
 namespace backlash::detail {
 namespace {
 

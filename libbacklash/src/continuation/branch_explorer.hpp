@@ -26,7 +26,7 @@ class BranchExplorer {
   [[nodiscard]] std::vector<SegmentBranch> take();
 
  private:
-  // Of a branch still to be followed.
+  // Start of a branch that is still to be followed.
   struct Start {
     OrbitSegment orbit;
     Direction direction;

@@ -6,6 +6,8 @@
 #include <complex>
 #include <numbers>
 
+#include "return_map.hpp"
+
 namespace backlash::detail {
 namespace {
 

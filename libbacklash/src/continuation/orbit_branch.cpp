@@ -6,7 +6,10 @@
 #include <numbers>
 #include <utility>
 
+#include "contact_margin.hpp"
 #include "frac/cancellation.hpp"
+#include "orbit_correction.hpp"
+#include "return_map.hpp"
 
 namespace backlash::detail {
 namespace {

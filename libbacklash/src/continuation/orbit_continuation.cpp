@@ -14,6 +14,7 @@
 #include "branch_explorer.hpp"
 #include "continuation_scene.hpp"
 #include "motion/gap_motion.hpp"
+#include "orbit_correction.hpp"
 #include "orbit_search.hpp"
 #include "steady_state/two_impact_orbit.hpp"
 
@@ -142,12 +143,6 @@ OrbitParameter orbit_parameter_from_string(std::string_view text) {
 std::span<const OrbitParameter> orbit_parameters() {
   static constexpr auto all = frac::detail::enumerators(parameters);
   return all;
-}
-Bifurcation bifurcation_from_string(std::string_view text) {
-  return frac::detail::from_spelling(bifurcations, "bifurcation", text);
-}
-BranchEnd branch_end_from_string(std::string_view text) {
-  return frac::detail::from_spelling(branch_ends, "branch end", text);
 }
 
 PeriodicOrbit mirror_twin(const PeriodicOrbit& orbit, int period) {

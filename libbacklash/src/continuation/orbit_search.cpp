@@ -8,6 +8,9 @@
 #include <numbers>
 #include <utility>
 
+#include "contact_margin.hpp"
+#include "orbit_correction.hpp"
+
 namespace backlash::detail {
 namespace {
 

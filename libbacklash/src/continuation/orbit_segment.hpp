@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <array>
 #include <complex>
 #include <cstddef>
 #include <optional>
 #include <vector>
-
-#include "motion/gap_motion.hpp"
 
 namespace backlash::detail {
 
@@ -44,6 +41,11 @@ struct OrbitSegment {
   [[nodiscard]] SegmentImpact impact(std::size_t i) const noexcept;
 };
 
+/// 1 at the near wall u = 0, -1 at the far wall u = 1: the sign of the velocity after an impact.
+[[nodiscard]] constexpr double side_of(int wall) noexcept {
+  return wall == 0 ? 1 : -1;
+}
+
 /// Direction in the space of unknowns: d phase, d speed of each impact, then d parameter.
 using Direction = std::vector<double>;
 [[nodiscard]] Direction parameter_direction(const OrbitSegment& segment);
@@ -51,39 +53,10 @@ using Direction = std::vector<double>;
 [[nodiscard]] OrbitSegment moved(const OrbitSegment& from, const Direction& direction, double length);
 [[nodiscard]] double dot(const Direction& a, const Direction& b) noexcept;
 
-/// Newton's iteration from a guess in the hyperplane through it normal to `normal`; with parameter_direction
-/// at a fixed parameter. Empty when it does not converge.
-[[nodiscard]] std::optional<OrbitSegment> corrected(const OrbitSegment& guess, const Direction& normal);
-/// Unit tangent of the branch of orbits, on the side of `along`.  Empty where the branch is not regular.
-[[nodiscard]] std::optional<Direction> tangent(const OrbitSegment& orbit, const Direction& along);
-
-/// Map from the first impact to its next (mirrored) return, times the product of all speeds, which keeps it finite at
-/// grazing.
-struct ScaledReturnMap {
-  std::array<double, 4> matrix;  // (phase, speed) by (phase, speed), row by row
-  double scale;                  // product of the speeds
-  double determinant;            // of the map itself: restitution^(2 impacts), exact
-  [[nodiscard]] double trace() const noexcept { return (matrix[0] + matrix[3]) / scale; }
-  /// Vanishes with 1 + trace + determinant: a multiplier -1.
-  [[nodiscard]] double flip() const noexcept { return matrix[0] + matrix[3] + scale * (1 + determinant); }
-  [[nodiscard]] bool stable() const noexcept;
-};
-[[nodiscard]] ScaledReturnMap return_map(const OrbitSegment& orbit);
-/// Multipliers of the whole orbit, both halves of a symmetric one; the larger modulus first.
-[[nodiscard]] std::array<std::complex<double>, 2> multipliers(const OrbitSegment& orbit);
-
-/// How far the orbit is from losing or gaining a contact: the least of the impact speeds and of the distances of the
-/// turning points from the walls, negative where the motion would leave the gap.
-struct ContactMargin {
-  double margin;
-  bool is_speed;        // which of both
-  std::size_t index;    // of the impact, or of the one before the turning point
-  SegmentImpact touch;  // the contact of speed 0 that the turning point would be
-};
-[[nodiscard]] ContactMargin contact_margin(const OrbitSegment& orbit);
-
 /// Phasor U_k of u for k = 1, 2, ...; even ones vanish for symmetric orbits.
 [[nodiscard]] std::complex<double> harmonic(const OrbitSegment& orbit, int k);
+/// The same orbit with the phase of its first impact in [0, 2 pi).
+[[nodiscard]] OrbitSegment with_reduced_phase(OrbitSegment orbit);
 /// The twin 1 - u(tau + pi).
 [[nodiscard]] OrbitSegment mirror_image(const OrbitSegment& orbit);
 
@@ -95,8 +68,6 @@ struct Halves {
   OrbitSegment mean;
 };
 [[nodiscard]] std::optional<Halves> halves(const OrbitSegment& orbit);
-/// Direction in the doubled space in which the halves part at a multiplier -1.
-[[nodiscard]] Direction flip_direction(const OrbitSegment& orbit);
 
 [[nodiscard]] OrbitSegment with_impact(const OrbitSegment& orbit, std::size_t before, const SegmentImpact& impact);
 [[nodiscard]] OrbitSegment without_impact(const OrbitSegment& orbit, std::size_t index);
@@ -104,11 +75,5 @@ struct Halves {
 /// One round of an orbit that goes several times through the same motion, or through it and its mirror image in turn;
 /// empty for any other orbit.
 [[nodiscard]] std::optional<OrbitSegment> repeated_round(const OrbitSegment& orbit);
-/// The orbit near a guess at its parameter, reduced to its mirror half or to one of several repeats.  Empty when
-/// Newton's iteration finds none there.
-[[nodiscard]] std::optional<OrbitSegment> corrected_to_shortest(const OrbitSegment& guess);
-/// Same, from a state on the orbit, followed for that many half periods.
-[[nodiscard]] std::optional<OrbitSegment> orbit_through(const GapMotion& motion, const GapState& on_orbit, int impacts,
-                                                        int half_periods);
 
 }  // namespace backlash::detail

@@ -148,7 +148,7 @@ class Design {
     return largest;
   }
 
-  // Of the fastest thing that a simulation is to show.
+  // Frequency of the fastest motion that a simulation has to show, rad/s.
   [[nodiscard]] double rate_of(const Largest& largest) const {
     return std::max(crossover_, largest.cycle == nullptr ? 0 : largest.cycle->omega);
   }
@@ -269,6 +269,10 @@ std::string message_of(const BacklashTuning& result) {
 }
 
 }  // namespace
+
+std::string BacklashTuning::summary() const {
+  return usable() ? linear.summary() + " " + message : linear.summary();
+}
 
 BacklashTuning tune_with_backlash(const BacklashPlant& plant, const frac::LoopSpecification& specification,
                                   const frac::TuningOptions& options) {

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/check.hpp"
+#include "base/short_text.hpp"
 
 namespace backlash {
 namespace {
@@ -163,6 +164,16 @@ JumpGrid jump_grid(double mass1, double mass2, const std::vector<double>& force,
     jumps_of_physics(result, mass2, threads, progress);
   }
   return result;
+}
+
+std::string JumpLaw::summary() const {
+  using frac::detail::short_text;
+  if (!usable()) return message;
+  const auto of_clearance = [](const frac::PowerLaw& law) {
+    return short_text(law.coefficient) + " Delta^" + short_text(law.exponent);
+  };
+  return "w_J = a F^b by " + std::string(to_string(criterion)) + ", a = " + of_clearance(a_of_clearance) +
+         ", b = " + of_clearance(b_of_clearance);
 }
 
 JumpLaw fit_jump_law(double mass1, double mass2, const std::vector<double>& force, const std::vector<double>& clearance,

@@ -76,7 +76,7 @@ class SceneSearcher {
   }
 
  private:
-  // Of those that are not near each other, the best ones.
+  // Returns the best places that are not near each other.
   static std::vector<SceneVector> places_of(const std::vector<LocalScene>& sorted, std::size_t most, double worth) {
     std::vector<SceneVector> places;
     std::vector<const LocalScene*> taken;

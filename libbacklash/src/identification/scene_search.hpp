@@ -17,7 +17,7 @@ struct KnownScene {
 };
 
 struct SceneSearch {
-  /// Of greatest evidence; not usable when no start was.
+  /// The estimate of greatest evidence; not usable when no start was.
   LocalScene best;
   /// Other estimates whose odds against the best one are less than 150 to 1, best first.
   std::vector<LocalScene> rivals;

@@ -55,9 +55,9 @@ class AnsweredTrain {
 ///   y(t) = middle - sum_b I_b sum_l g(t - t_b + l period).
 class CycleEquations {
  public:
-  /// Of a loop.
+  /// Equations of the cycles of a loop.
   CycleEquations(const ControlLoop& loop, const CycleGuess& guess);
-  /// Of the same with a controller that answers to the mean and the fundamental alone.
+  /// Equations of a loop whose controller answers to the mean and the fundamental alone.
   CycleEquations(const ControlLoop& loop, const CycleGuess& guess, FundamentalAnswer answer);
   /// Of bodies under a sine force: the period is that of the guess, and the phase of the force takes its place.
   CycleEquations(const LinearBodies& bodies, const CycleGuess& guess, const ForcedGap& forced);
@@ -81,7 +81,7 @@ class CycleEquations {
   [[nodiscard]] std::string reason_against(const ClosedMotion& motion) const;
   /// The j-th derivative of x2 - x1 just before each impact; of the position without the middle.
   [[nodiscard]] std::vector<double> gap(const ClosedMotion& motion, std::size_t derivative) const;
-  /// Of impulse a, per period: sum_b I_b e^{-j omega t_b} 2/period at `turns` times the frequency of the motion.
+  /// Fundamental of the impulses: sum_b I_b e^{-j omega t_b} 2/period at `turns` times the frequency of the motion.
   [[nodiscard]] static std::complex<double> strength(const ClosedMotion& motion, int turns);
 
   [[nodiscard]] const GapResponse& response() const noexcept { return response_; }

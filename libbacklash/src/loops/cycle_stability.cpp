@@ -57,7 +57,7 @@ class Characteristic {
 // Per half period of a symmetric motion; z_0 = -1.
 class HalfPeriod final : public Characteristic {
  public:
-  /// Of a loop.
+  /// Half a period of a cycle of a loop.
   HalfPeriod(const ImpulseTrain& train, double exchange)
       : Characteristic(train),
         exchange_(exchange),

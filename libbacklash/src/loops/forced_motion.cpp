@@ -86,7 +86,7 @@ class Follower {
       const LoopRun::Event event = run_.advance(until);
       if (event == LoopRun::Event::impact) impacts_.push_back(run_.last_impact());
       has_contact = has_contact || run_.is_in_contact();
-      if (run_.is_stuck() || run_.has_diverged()) return false;
+      if (run_.is_stuck() || run_.is_spent() || run_.has_diverged() || impacts_.size() > most_impacts) return false;
     }
     const LoopRow at = run_.row(LoopEvent::sample);
     const double clearance = bodies_.system().clearance();

@@ -16,7 +16,7 @@ enum class Harmonics { all, first };
 /// The terms of a controller that is a sum of powers of s; empty where it is a ratio.
 [[nodiscard]] std::vector<frac::PowerTerm> controller_powers(const ControlLoop& loop);
 
-/// Whose roots are the frequencies of the cycles of a loop with the load measured, without dead time:
+/// Sum of powers with roots at the frequencies of the cycles, for a loop without dead time with the load measured:
 ///   sum c w^q sin(q pi/2) lambda(3 - q) - (pi/4) (M1 + M2) w^2 (1 - eps)/(1 + eps),   C = sum c s^q,
 /// lambda(p) the sum over odd k of k^-p, or its first term.
 [[nodiscard]] std::vector<frac::PowerTerm> frequency_equation(const ControlLoop& loop, Harmonics harmonics);

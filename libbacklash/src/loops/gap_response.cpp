@@ -73,7 +73,7 @@ class AlternatingSums {
   std::array<Real, direct_terms + 1> value_;
 };
 
-// Of a whole power they end with it.
+// Coefficients of the older pulses; the series of a whole power ends with that power.
 std::vector<double> older_pulses(double power) {
   const bool is_whole = power == std::round(power);
   std::vector<double> coefficient(is_whole ? static_cast<std::size_t>(power) + 1 : 36);

@@ -74,7 +74,7 @@ class ImageTrain {
   void choose_angle();
   void add_contour(double earliest);
   void add(std::complex<double> r, std::complex<double> weight);
-  /// That of the latest impulse whose answer has begun, a time t <= tau after the impact.
+  /// Age of the latest impulse whose answer has begun, a time t <= tau after the impact.
   struct Age {
     double seconds;
     double latest;  // l of it

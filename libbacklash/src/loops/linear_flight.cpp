@@ -17,8 +17,10 @@ using Matrix = Eigen::MatrixXd;
 using ComplexMatrix = Eigen::MatrixXcd;
 
 constexpr Index degree = 18;
-// Of what the polynomial leaves out.  It leaves it out of every flight alike, so that it is far below a rounding.
+// Size of what the polynomial leaves out.  It does so in every flight alike, so the size is far below a rounding.
 constexpr double negligible = 1e-19;
+// Looked at for one rise: a hundred times what flights take whose size is far above their rounding.
+constexpr int most_intervals = 20'000;
 // Sizes of the left eigenvectors of modes that are still told apart.
 constexpr double most_skew = 1e6;
 
@@ -183,6 +185,12 @@ FlightPath::Signal::Signal(const FlightPath& path, const LinearFlight::Form& for
   for (Index i = 0; i < fast_.size(); ++i) fast_[i] = sign * form.fast[i] * path.fast_[i];
 }
 
+bool FlightPath::Signal::is_finite() const {
+  double sum = 0;
+  for (const double each : polynomial_) sum += std::abs(each);
+  return std::isfinite(sum) && fast_.allFinite();
+}
+
 double FlightPath::Signal::value(double t) const {
   double sum = 0;
   for (std::size_t j = polynomial_.size(); j-- > 0;) sum = sum * t + polynomial_[j];
@@ -232,25 +240,29 @@ FlightPath::Signal::Range FlightPath::Signal::rates(double from, double to) cons
 }
 
 std::optional<double> FlightPath::Signal::first_rise(double from, double to) const {
+  left_ = most_intervals;
   return first_rise(from, value(from), to, 0);
 }
 
 std::optional<double> FlightPath::Signal::first_rise(double from, double at_from, double to, int depth) const {
   const Range range = rates(from, to);
+  // Beyond the range of numbers nothing can be said; the motion has diverged there.
+  const bool is_bounded = std::isfinite(range.low) && std::isfinite(range.high);
+  if (!is_bounded && !std::isfinite(value(to))) return std::nullopt;
   if (range.high <= 0 || at_from + range.high * (to - from) < 0) return std::nullopt;
   if (range.low > 0) {
     if (at_from > 0) return from;
     if (value(to) <= 0) return std::nullopt;
     return root(from, to);
   }
-  // An extremum that touches 0 cannot be told from one that does not.
-  if (depth == 50) return value(to) > 0 ? std::optional(to) : std::nullopt;
+  // An extremum that touches 0 cannot be told from one that does not, and noise is no motion.
+  if (depth == 50 || --left_ < 0) return value(to) > 0 ? std::optional(to) : std::nullopt;
   const double middle = 0.5 * (from + to);
   if (const auto early = first_rise(from, at_from, middle, depth + 1)) return early;
   return first_rise(middle, value(middle), to, depth + 1);
 }
 
-// Of a rising function with a change of sign: Newton's method, kept inside by bisection.
+// Root of a rising function with a change of sign: Newton's method, kept inside by bisection.
 double FlightPath::Signal::root(double low, double high) const {
   double t = 0.5 * (low + high);
   for (int i = 0; i < 100; ++i) {

@@ -49,6 +49,8 @@ class FlightPath {
   class Signal {
    public:
     Signal(const FlightPath& path, const LinearFlight::Form& form, double sign, double offset);
+    /// False where the state has left the range of numbers, so that nothing can be said.
+    [[nodiscard]] bool is_finite() const;
     [[nodiscard]] double value(double t) const;
     [[nodiscard]] double rate(double t) const;
     /// The first instant in (from, to] at which it rises above 0; none is missed, as an interval is passed over only
@@ -66,6 +68,7 @@ class FlightPath {
     const FlightPath& path_;
     std::vector<double> polynomial_;
     Eigen::VectorXcd fast_;  // with the weight 2 of pairs
+    mutable int left_ = 0;   // intervals that are still looked at
   };
   /// sign times the form, plus an offset.
   [[nodiscard]] Signal signal(const LinearFlight::Form& form, double sign = 1, double offset = 0) const {

@@ -28,22 +28,29 @@ constexpr double patience = 200;
 double growth_beside(detail::LoopRun run, const detail::RealisedLoop& loop) {
   constexpr double distance = 1e-7;
   constexpr int rounds = 400;
+  // A light body may bounce any number of times while a heavy one moves.
+  constexpr std::int64_t most_impacts = 50'000;
   detail::LoopRun beside = run;
   beside.displace(run, distance);
   const double begin = run.time();
   double logarithm = 0;
   int counted = 0;
   std::int64_t ahead = 0;
-  const auto follow = [](detail::LoopRun& motion, double until) {
+  std::int64_t followed = 0;
+  const auto follow = [&](detail::LoopRun& motion, double until) {
     int impacts = 0;
-    while (motion.time() < until && !motion.has_diverged() && !motion.is_stuck()) {
-      impacts += motion.advance(until) == detail::LoopRun::Event::impact ? 1 : 0;
+    while (motion.time() < until && !motion.has_diverged() && !motion.is_stuck() && !motion.is_spent() &&
+           followed < most_impacts) {
+      const int impact = motion.advance(until) == detail::LoopRun::Event::impact ? 1 : 0;
+      impacts += impact;
+      followed += impact;
     }
     return impacts;
   };
   for (int i = 1; i <= rounds; ++i) {
     const double until = begin + i * 2 / loop.pace();
     ahead += follow(run, until) - follow(beside, until);
+    if (followed == most_impacts || run.is_spent()) return std::numeric_limits<double>::quiet_NaN();
     const double apart = beside.distance(run);
     if (!std::isfinite(apart) || apart == 0) return std::numeric_limits<double>::quiet_NaN();
     // Between the impact of the one and that of the other they are apart by the jump.

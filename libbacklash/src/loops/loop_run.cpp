@@ -77,10 +77,10 @@ LoopRow LoopRun::row_of(const Eigen::VectorXd& state, double time, LoopEvent eve
 }
 
 bool LoopRun::has_diverged() const {
-  return !(std::max(std::abs(state_[v1]), std::abs(state_[v2])) < fastest_);
+  return is_lost_ || !(std::max(std::abs(state_[v1]), std::abs(state_[v2])) < fastest_);
 }
 
-// Of the force that the controller asks for now.
+// Chooses the limit that the force asked for now is held at, if any.
 void LoopRun::choose_limit() {
   if (!std::isfinite(force_limit_)) return;
   const double wanted = loop_->regime({RealisedLoop::Limit::none, mode_.contact}).wanted_force_row.dot(state_);
@@ -91,7 +91,8 @@ void LoopRun::choose_limit() {
 
 LoopRun::Event LoopRun::advance(double until) {
   using Limit = RealisedLoop::Limit;
-  while (time_ < until) {
+  while (time_ < until && !is_spent()) {
+    ++flights_;
     const RealisedLoop::Regime& regime = loop_->regime(mode_);
     const FlightPath path(regime.flight, state_);
     double end = std::min(until, time_ + std::min(step_, path.horizon()));
@@ -100,7 +101,9 @@ LoopRun::Event LoopRun::advance(double until) {
     enum class Guard { none, far, near, high, low, back, release } met = Guard::none;
     const auto watch = [&](Guard guard, const LinearFlight::Form& form, double sign, double offset, double from = 0) {
       if (from >= length) return;
-      if (const auto at = path.signal(form, sign, offset).first_rise(from, length)) {
+      const FlightPath::Signal signal = path.signal(form, sign, offset);
+      is_lost_ = is_lost_ || !signal.is_finite();
+      if (const auto at = signal.first_rise(from, length)) {
         length = *at;
         met = guard;
       }
@@ -161,6 +164,7 @@ LoopRun::Event LoopRun::advance(double until) {
 
 LoopRun::Event LoopRun::strike(double wall) {
   before_ = state_;
+  flights_ = 0;
   const double rate = state_[v2] - state_[v1];
   const ImpactVelocities after = post_impact_velocities(system_, {state_[v1], state_[v2]});
   const double change = after.mass1 - state_[v1];
@@ -248,6 +252,7 @@ LoopHistory run_loop(const ControlLoop& of, const LoopStart& start, const SetPoi
     switch (run.advance(to_sample ? next_sample : options.duration)) {
       case LoopRun::Event::none:
         if (run.has_diverged()) return end_at(LoopEnd::diverged);
+        if (run.is_spent()) return end_at(LoopEnd::most_flights);
         if (to_sample) {
           history.rows.push_back(run.row(LoopEvent::sample));
           ++sample;

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <complex>
+#include <cstdint>
 #include <deque>
 #include <optional>
 
@@ -33,6 +34,8 @@ class LoopRun {
   [[nodiscard]] std::complex<double> take_phasor() { return loop_->take_phasor(state_); }
   /// Impacts follow each other without end, or rest where that is not followed.
   [[nodiscard]] bool is_stuck() const noexcept { return is_stuck_; }
+  /// So many flights without an end that no more are followed.
+  [[nodiscard]] bool is_spent() const noexcept { return flights_ >= most_flights; }
   [[nodiscard]] bool has_diverged() const;
   [[nodiscard]] bool is_in_contact() const noexcept { return mode_.contact; }
 
@@ -44,6 +47,8 @@ class LoopRun {
   [[nodiscard]] double distance(const LoopRun& other) const;
 
  private:
+  static constexpr std::int64_t most_flights = 20'000'000;
+
   // What happens at a time that is known.
   struct Planned {
     double time;
@@ -75,6 +80,8 @@ class LoopRun {
   LoopImpact last_impact_{};
   int crowded_ = 0;
   bool is_stuck_ = false;
+  bool is_lost_ = false;      // beyond the range of numbers
+  std::int64_t flights_ = 0;  // since the last event
 };
 
 /// simulate_loop() but for whole_memory, of arguments that are valid.

@@ -32,7 +32,7 @@ constexpr std::array<long double, 12> bernoulli_over_factorial{1.0L / 12,
 // Powers of the first terms of a zeta function, for orders that fall or rise by one.
 class ZetaTerms {
  public:
-  /// Of sum_(i >= 0) (i + v)^-s.
+  /// Terms of sum_(i >= 0) (i + v)^-s.
   ZetaTerms(long double s, long double v) : s_(s), v_(v) {
     for (int i = 0; i <= terms; ++i) power_[static_cast<std::size_t>(i)] = std::pow(i + v, -s);
   }

@@ -38,7 +38,7 @@ class PowerTrain {
   [[nodiscard]] std::array<std::complex<double>, 3> by_terms(std::complex<double> u) const;
   [[nodiscard]] std::array<std::complex<double>, 3> about_origin(std::complex<double> u) const;
   [[nodiscard]] std::array<std::complex<double>, 3> zeta_series(std::complex<double> u) const;
-  // Of the series about the origin, which powers with a closed form seldom need.
+  // Makes the coefficients of the series about the origin, which powers with a closed form seldom need.
   void prepare_zeta() const;
   void require_zeta() const {
     if (!has_zeta_) prepare_zeta();

@@ -161,7 +161,7 @@ std::vector<double> symmetric_frequencies(const ControlLoop& loop, const std::op
   return frequencies;
 }
 
-// Of free masses, by the curve on which -1/nu of the asymmetric orbits lies.
+// Asymmetric cycles of free masses, by the curve on which -1/nu of the asymmetric orbits lies.
 std::vector<PredictedCycle> asymmetric_of_masses(const ControlLoop& loop, const std::optional<FrequencyRange>& range) {
   // The curve begins at real part 1/2; the grid gets the frequencies at which the loop passes that, so that what lies
   // left of it hides no root.

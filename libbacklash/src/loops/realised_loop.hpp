@@ -72,7 +72,7 @@ class RealisedLoop {
   [[nodiscard]] double pace() const noexcept { return pace_; }
   /// Largest of its operators.
   [[nodiscard]] double error() const noexcept { return error_; }
-  /// Of the states, roughly.
+  /// Rough sizes of the states.
   [[nodiscard]] const Eigen::VectorXd& sizes() const noexcept { return scale_; }
 
  private:

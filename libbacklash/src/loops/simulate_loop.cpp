@@ -23,9 +23,10 @@ constexpr std::array<std::pair<LoopEvent, std::string_view>, 5> event_names{
      {LoopEvent::after_impact, "after-impact"},
      {LoopEvent::contact, "contact"},
      {LoopEvent::release, "release"}}};
-constexpr std::array<std::pair<LoopEnd, std::string_view>, 4> end_names{{{LoopEnd::duration, "duration"},
+constexpr std::array<std::pair<LoopEnd, std::string_view>, 5> end_names{{{LoopEnd::duration, "duration"},
                                                                          {LoopEnd::rest, "rest"},
                                                                          {LoopEnd::most_impacts, "most-impacts"},
+                                                                         {LoopEnd::most_flights, "most-flights"},
                                                                          {LoopEnd::diverged, "diverged"}}};
 
 // A term of the controller with what it makes of a step (kind 0) and of a change of slope (kind 1) of its input:
@@ -117,7 +118,7 @@ class Loop {
   struct Range {
     double low, high;
   };
-  /// Of the gap's rate between the present time and `to`.  Every power is monotone, and so are its derivatives: young
+  /// Range of the gap's rate from the present time to `to`.  Every power is monotone, and so are its derivatives: young
   /// ones are bounded as they stand, those of old impacts, which nearly cancel, by two terms of Taylor and the range of
   /// the second derivative.
   [[nodiscard]] Range rates_until(double to) const {

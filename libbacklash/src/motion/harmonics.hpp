@@ -67,7 +67,7 @@ class FlightSum {
   void add_crossing(const GapState& state) noexcept;
   /// The tail of a chatter that begins at `state`.
   void add_tail(const GapState& state, const ChatterTail& tail) noexcept;
-  /// That of a motion that follows, or comes before.
+  /// Adds the sum of a motion that follows, or comes before.
   FlightSum& operator+=(const FlightSum& other) noexcept;
   /// Harmonics of the motion, which must be closed over `half_periods`, or, where their number is odd, be one mirror
   /// half of an orbit that is.

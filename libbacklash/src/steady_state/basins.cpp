@@ -205,7 +205,7 @@ class Search {
 
  private:
   static std::string key_of(std::size_t piece) { return std::to_string(piece); }
-  // Of a start that was followed on.
+  // Key of a start that was followed further.
   static std::string key_of_end(std::size_t start) { return "on-" + std::to_string(start); }
 
   void follow_on(const std::vector<std::size_t>& means, std::size_t first, std::size_t last) {

@@ -269,7 +269,7 @@ class ReturnDetector {
   std::array<std::int64_t, longest_period + 1> wait_{};
 };
 
-// Of U_1.  An asymmetric orbit is known as well as its gamma, by the change of U_1 from it to a neighbour.
+// Uncertainty of U_1.  An asymmetric orbit is known as well as its gamma: by the change of U_1 to a neighbour.
 double two_impact_uncertainty(const TwoImpactOrbit& orbit, double restitution, std::complex<double> u1) {
   if (orbit.symmetric()) return SymmetricFamily(restitution).at(orbit.gamma).uncertainty;
   const double asymmetry = 0.5 * std::abs(pi - orbit.flight_time);

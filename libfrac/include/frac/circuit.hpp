@@ -113,9 +113,9 @@ struct TransferCircuit {
                                                double tolerance);
 
 struct NetlistOptions {
-  /// Of the subcircuit: letters, digits and _, the first a letter or _, up to 40 characters.
+  /// Name of the subcircuit: letters, digits and _, the first a letter or _, up to 40 characters.
   std::string name = "model";
-  /// Put at the head, one line or more.
+  /// Comment at the head, one line or more.
   std::string comment = {};
 };
 

@@ -26,7 +26,7 @@ struct FmuVariable {
   std::string name;
   Role role;
   std::string description;
-  /// Such as "m/s"; empty for none.
+  /// As text, such as "m/s"; empty for none.
   std::string unit = {};
   double start = 0;
   /// 0 or 1 instead of a number; outputs only.
@@ -36,13 +36,13 @@ struct FmuVariable {
 };
 
 struct FmuOptions {
-  /// Of the model, its files and its library: letters, digits and _, the first a letter or _, up to 40 characters.
+  /// Name of the model, its files and its library: letters, digits and _, the first a letter or _, up to 40 characters.
   std::string name = "model";
   /// Arithmetic of a controller or filter; plants compute in double.
   Precision precision = Precision::double_type;
   /// One line or more.
   std::string description = {};
-  /// Of the program that writes it, such as "fracfit 1.2".
+  /// Name of the program that writes it, such as "fracfit 1.2".
   std::string tool = {};
 };
 

@@ -48,10 +48,12 @@ class FractionalDerivative {
   /// Back to zero before the first sample.
   void reset() noexcept;
 
-  [[nodiscard]] std::size_t exponentials() const noexcept;  // K; 0 for a whole order
+  /// Number of exponentials in the sum; 0 for a whole order.
+  [[nodiscard]] std::size_t exponentials() const noexcept;
   /// Relative error of any weight up to the horizon, known before the first sample; at most the tolerance.
   [[nodiscard]] double error_bound() const noexcept;
-  [[nodiscard]] std::size_t rejected() const noexcept;  // samples since the start or the last reset()
+  /// Samples refused since the start or the last reset().
+  [[nodiscard]] std::size_t rejected() const noexcept;
 
  private:
   static constexpr double default_tolerance = sizeof(Real) == sizeof(double) ? 1e-12 : 1e-6;

@@ -67,7 +67,7 @@ using Realisation =
 /// @throws std::invalid_argument  a member is out of range; the text names it, its value and what is allowed.
 void validate(const Realisation& realisation);
 
-/// Name as on the command line: exact, oustaloup, grunwald-letnikov, ladder.
+/// exact, oustaloup, grunwald-letnikov, ladder.
 [[nodiscard]] std::string to_string(const Realisation& realisation);
 
 /// Response of a realised s^order and its derivative by the order.
@@ -78,9 +78,9 @@ struct PowerResponse {
 
 /// s^order at s = j omega through a realisation.  An Oustaloup realisation jumps where the order passes a whole number
 /// other than 0, because the whole part is realised exactly.
-/// @throws std::invalid_argument  order not finite, or |order| > 20 for a realisation other than the exact one; omega
-/// not
-///                                positive and finite, or above pi/sample_time; the realisation not valid.
+/// @throws std::invalid_argument  order not finite, or |order| > 20 for a realisation other than the exact one;
+///                                omega not positive and finite, or above pi/sample_time; the realisation
+///                                not valid.
 [[nodiscard]] PowerResponse power_response(const Realisation& realisation, double order, double omega);
 
 }  // namespace frac

@@ -66,7 +66,7 @@ struct StabilityAnalysis {
   /// One sentence that says why the stability is undetermined; else empty.
   std::string remark;
 };
-/// Of a model without regard to its dead time, which moves no pole.
+/// Stability and poles of a model; its dead time moves no pole and is not looked at.
 [[nodiscard]] StabilityAnalysis analyse_stability(const FractionalTransferFunction& model);
 
 /// Roots of 1 + L(s) = 0 with Re s > 0, dead time of L included, by the argument principle on D(s) + N(s) e^{-delay s}.

@@ -82,7 +82,7 @@ struct RationalModel {
   /// Stages in series with direct + modes, for a product of factors whose modes would cancel each other to rounding.
   /// Empty for any other model.
   std::vector<RationalStage> series;
-  /// Of all stages.
+  /// States of all stages together.
   std::size_t states = 0;
   /// All poles lie left of the imaginary axis.
   bool stable = false;

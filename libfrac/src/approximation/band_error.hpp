@@ -10,6 +10,8 @@
 #include <numbers>
 #include <vector>
 
+#include "frac/cancellation.hpp"
+
 namespace frac::detail {
 
 /// How far a ratio H/G departs from 1 on a band.
@@ -48,6 +50,7 @@ template <typename Real, typename Ratio>
   std::vector<Real> deviation;
   deviation.reserve(points.size());
   for (const Real at : points) {
+    throw_if_cancelled();
     const std::complex<Real> value = ratio(at);
     const Real size = std::abs(value - Real{1});
     deviation.push_back(std::isnan(size) ? std::numeric_limits<Real>::infinity() : size);

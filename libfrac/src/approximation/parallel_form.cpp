@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <limits>
 
+#include "frac/cancellation.hpp"
+
 namespace frac::detail {
 namespace {
 
@@ -73,7 +75,10 @@ ParallelForm parallel_form(const ZeroPoleGain& system, double fractional_order, 
                            double system_error) {
   ParallelForm form;
   form.direct = system.gain;
-  for (const double pole : system.poles) form.residues.push_back(static_cast<double>(value_at(system, pole).real()));
+  for (const double pole : system.poles) {
+    throw_if_cancelled();
+    form.residues.push_back(static_cast<double>(value_at(system, pole).real()));
+  }
   for (const std::complex<double> pole : system.pole_pairs) {
     form.pair_residues.emplace_back(std::complex<double>(value_at(system, pole)));
   }

@@ -7,7 +7,7 @@ namespace frac::detail {
 
 // Eigen's solver costs ten seconds of compiler time: it is compiled in one file.
 
-/// Of a real matrix; a pair of conjugate ones stands side by side, the upper first.
+/// Eigenvalues of a real matrix; a conjugate pair stands side by side, the upper one first.
 [[nodiscard]] Eigen::VectorXcd eigenvalues(const Eigen::MatrixXd& matrix);
 
 }  // namespace frac::detail

@@ -50,6 +50,20 @@ Eigen::MatrixXd PlainQr::dual() const {
       .transpose();
 }
 
+CholeskyFactor::CholeskyFactor(const Eigen::MatrixXd& matrix) : factor_(matrix) {}
+
+bool CholeskyFactor::exists() const {
+  return factor_.info() == Eigen::Success;
+}
+
+Eigen::VectorXd CholeskyFactor::diagonal() const {
+  return factor_.matrixLLT().diagonal();
+}
+
+Eigen::VectorXd CholeskyFactor::solve(const Eigen::VectorXd& right) const {
+  return factor_.solve(right);
+}
+
 Eigen::MatrixXd shortest_solution(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& right) {
   // Into the space of the columns; there the rows are independent, and the solution lies in their space.
   const Eigen::MatrixXd basis = PivotedQr(matrix).basis();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <Eigen/QR>
 
@@ -46,6 +47,21 @@ class PlainQr {
   Eigen::HouseholderQR<Eigen::MatrixXd> factors_;
 };
 
+/// L L' = a symmetric matrix; only its lower triangle is read.
+class CholeskyFactor {
+ public:
+  explicit CholeskyFactor(const Eigen::MatrixXd& matrix);
+
+  /// Whether the matrix is positive definite, to rounding; else there is no factor.
+  [[nodiscard]] bool exists() const;
+  /// Of L.
+  [[nodiscard]] Eigen::VectorXd diagonal() const;
+  [[nodiscard]] Eigen::VectorXd solve(const Eigen::VectorXd& right) const;
+
+ private:
+  Eigen::LLT<Eigen::MatrixXd> factor_;
+};
+
 /// Right-hand part of U diag(values) V' = matrix, largest singular value first.
 struct RightSingularVectors {
   Eigen::VectorXd values;
@@ -53,7 +69,7 @@ struct RightSingularVectors {
 };
 [[nodiscard]] RightSingularVectors right_singular_vectors(const Eigen::MatrixXd& matrix);
 
-/// Of all x with least |matrix x - right|, column by column, the shortest, whatever the rank.
+/// The shortest of all x with least |matrix x - right|, column by column, whatever the rank.
 [[nodiscard]] Eigen::MatrixXd shortest_solution(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& right);
 
 /// Solution for a symmetric matrix that is not indefinite, by L D L'; only the lower triangle is read.

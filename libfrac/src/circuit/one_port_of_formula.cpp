@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "base/eigenvalues.hpp"
+#include "base/linear_algebra.hpp"
 #include "base/short_text.hpp"
 #include "circuit/circuit_error.hpp"
 #include "frac/circuit.hpp"
@@ -107,9 +109,8 @@ std::vector<double> rates_of(const OnRealAxis& f, const OnBand& on_band, int cou
       shifted(i, j) = scale * (a * value[2 * i] - b * value[2 * j + 1]) / (a - b);
     }
   }
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(loewner.fullPivLu().solve(shifted), false);
   std::vector<double> rates;
-  for (const Complex& pole : solver.eigenvalues())
+  for (const Complex& pole : detail::eigenvalues(detail::PivotedQr(loewner).solve(shifted)))
     if (pole.real() < 0 && std::abs(pole.imag()) < 1e-6 * std::abs(pole.real())) rates.push_back(-pole.real());
   std::sort(rates.begin(), rates.end());
   return rates;
@@ -140,7 +141,7 @@ PositiveSum fitted(const OnBand& f, const OnRealAxis& axis, std::vector<double> 
       b[row] = rest.real();
       b[row + 1] = rest.imag();
     }
-    const Eigen::VectorXd weights = a.colPivHouseholderQr().solve(b);
+    const Eigen::VectorXd weights = detail::PivotedQr(a).solve(b);
     std::vector<double> kept;
     std::vector<double> residues;
     for (std::size_t i = 0; i < rates.size(); ++i) {

@@ -308,6 +308,15 @@ DigitalPower detail::power_in_sections(const SplitOrder& split, FrequencyBand ba
   return std::move(best.power);
 }
 
+std::string DigitalPower::summary() const {
+  using detail::short_text;
+  return "s^" + short_text(order) + " on " + short_text(band.lower) + " .. " + short_text(band.upper) +
+         " rad/s, every " + short_text(sample_time) + " s by " + std::string(to_string(method)) + ", " +
+         std::to_string(parallel.rates.size()) + " sections, " + std::to_string(taps.size()) +
+         (taps.size() == 1 ? " tap" : " taps") + ": largest relative error " + short_text(error.max_relative) + " at " +
+         short_text(error.omega_at_maximum) + " rad/s. " + message;
+}
+
 DigitalPower digital_power(double order, FrequencyBand band, ApproximationGoal goal, double sample_time,
                            Discretisation method, ApproximationMethod approximation, std::size_t memory_length,
                            double most_amplification) {

@@ -39,7 +39,7 @@ PidCoefficients<Real>::PidCoefficients(const FractionalPidDesign& design) noexce
   anti_windup = gains.ki != 0 ? config.anti_windup : AntiWindup::none;
   const double gain = time / 2 * design.integral().high_gain;
   const double tracking = design.tracking_time() > 0 ? std::pow(design.tracking_time(), -gains.lambda) : 0;
-  integral_tap = design.integral().tap_count > 0 ? static_cast<Real>(design.integral().taps[0]) : Real(1);
+  integral_tap = design.integral().taps.empty() ? Real(1) : static_cast<Real>(design.integral().taps[0]);
   integral_gain = static_cast<Real>(gain);
   inverse_integral_gain = static_cast<Real>(1 / gain);
   inverse_tracking = static_cast<Real>(tracking);
@@ -47,23 +47,25 @@ PidCoefficients<Real>::PidCoefficients(const FractionalPidDesign& design) noexce
 }
 
 template <typename Real>
-void FractionalPid<Real>::Filter::set(const PidOperator& design) noexcept {
-  output = design.output;
-  direct = static_cast<Real>(design.direct);
+void FractionalPid<Real>::Filter::set(const PidFilter& design) noexcept {
+  const auto fill = [](auto& numbers, const std::vector<double>& from, Real beyond) {
+    std::fill(std::transform(from.begin(), from.end(), numbers.begin(), [](double x) { return static_cast<Real>(x); }),
+              numbers.end(), beyond);
+  };
+  output = design.sections.output;
+  direct = static_cast<Real>(design.sections.direct);
   high_gain = static_cast<Real>(design.high_gain);
-  tap_count = design.tap_count;
-  sections = design.sections;
-  size = design.size;
-  for (std::size_t k = 0; k < PidOperator::tap_capacity; ++k) tap[k] = static_cast<Real>(design.taps[k]);
-  for (std::size_t i = 0; i < PidOperator::capacity; ++i) {
-    rate[i] = static_cast<Real>(design.rates[i]);
-    weight[i] = static_cast<Real>(design.weights[i]);
-  }
+  tap_count = design.taps.size();
+  sections = design.sections.rates.size();
+  size = detail::whole_groups(sections);
+  fill(tap, design.taps, 0);
+  fill(rate, design.sections.rates, 1);
+  fill(weight, design.sections.weights, 0);
 }
 
 template <typename Real>
 Real FractionalPid<Real>::Filter::through_taps(Real input) const noexcept {
-  static_assert(PidOperator::tap_capacity <= kept);
+  static_assert(PidFilter::most_taps <= kept);
   if (tap_count == 0) return input;
   const Real* const before = inputs();
   return detail::tapped(

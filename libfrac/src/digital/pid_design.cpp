@@ -100,36 +100,33 @@ FrequencyBand usable_band(const FractionalPidConfig& config, std::string& note) 
   return {band.lower, highest};
 }
 
-PidOperator operator_of(const DigitalPower& power) {
-  const ParallelSections& sections = power.parallel;
-  PidOperator result;
+PidFilter filter_of(const DigitalPower& power) {
+  PidFilter result;
   if (power.taps.size() > 1) {
-    result.tap_count = detail::even_count(power.taps.size());
-    assert(result.tap_count <= result.taps.size());
-    std::copy(power.taps.begin(), power.taps.end(), result.taps.begin());
+    result.taps = power.taps;
+    result.taps.resize(detail::even_count(power.taps.size()), 0);
+    assert(result.taps.size() <= PidFilter::most_taps);
   }
+  const ParallelSections& sections = power.parallel;
   const std::size_t count = sections.rates.size();
-  if (count > PidOperator::capacity) {
-    refuse(std::to_string(count) + " sections are needed; allowed are up to " + std::to_string(PidOperator::capacity) +
-           ": ask for a larger tolerance or a narrower band");
+  if (count > PidFilter::most_sections) {
+    refuse(std::to_string(count) + " sections are needed; allowed are up to " +
+           std::to_string(PidFilter::most_sections) + ": ask for a larger tolerance or a narrower band");
   }
-  result.output = sections.output;
-  result.direct = result.high_gain = sections.direct;
-  result.sections = count;
-  result.size = detail::whole_groups(count);
+  result.sections = {.output = sections.output, .direct = sections.direct, .rates = {}, .weights = {}};
+  result.high_gain = sections.direct;
   std::vector<std::size_t> order(count);
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::sort(order.begin(), order.end(),
             [&](std::size_t a, std::size_t b) { return sections.rates[a] < sections.rates[b]; });
-  result.rates.fill(1);
-  for (std::size_t i = 0; i < count; ++i) {
-    result.rates[i] = sections.rates[order[i]];
-    result.weights[i] = sections.weights[order[i]];
-    if (sections.output == SectionOutput::change) result.high_gain += result.weights[i];
+  for (const std::size_t i : order) {
+    result.sections.rates.push_back(sections.rates[i]);
+    result.sections.weights.push_back(sections.weights[i]);
+    if (sections.output == SectionOutput::change) result.high_gain += sections.weights[i];
   }
   result.high_gain *= power.taps[0];
   const auto is_wild = [](double value) { return !(std::abs(value) < largest_coefficient); };
-  if (is_wild(result.direct) || std::any_of(result.weights.begin(), result.weights.end(), is_wild)) {
+  if (is_wild(sections.direct) || std::any_of(sections.weights.begin(), sections.weights.end(), is_wild)) {
     refuse("a coefficient above 1e30 is needed; scale the signals or the time");
   }
   return result;
@@ -157,8 +154,8 @@ std::string design_note(const DigitalPower& power, const std::string& name, cons
 }
 
 // The filter for s^order, made so that `integrators` trapezoidal ones behind it are right too.
-PidOperator filter_for(double order, int integrators, const detail::DirectLimits& limits, const std::string& name,
-                       const FractionalPidConfig& config, double& error, std::string& note) {
+PidFilter filter_for(double order, int integrators, const detail::DirectLimits& limits, const std::string& name,
+                     const FractionalPidConfig& config, double& error, std::string& note) {
   if (order == 0) return {};
   const DigitalPower power = [&] {
     try {
@@ -170,7 +167,7 @@ PidOperator filter_for(double order, int integrators, const detail::DirectLimits
   }();
   error = power.error.max_relative;
   note += design_note(power, name, limits);
-  return operator_of(power);
+  return filter_of(power);
 }
 
 // With Ti = (kp/ki)^(1/lambda) the integral settles at the limit itself, whatever the control error is, and begins to
@@ -249,12 +246,9 @@ FractionalPidDesign::FractionalPidDesign(const FractionalPidConfig& config) : co
 std::complex<double> FractionalPidDesign::response(double omega) const {
   const double time = config_.sample_time;
   const std::complex<double> delta = detail::delta_at(omega, time);
-  const auto filter = [&](const PidOperator& design) {
-    std::complex<double> sum = design.direct;
-    for (std::size_t i = 0; i < design.sections; ++i) {
-      sum += design.weights[i] * (design.output == SectionOutput::state ? 1.0 : delta) / (delta + design.rates[i]);
-    }
-    return design.tap_count == 0 ? sum : sum * detail::response_of_taps({design.taps.data(), design.tap_count}, delta);
+  const auto filter = [&](const PidFilter& design) {
+    const std::complex<double> value = design.sections.response(delta);
+    return design.taps.empty() ? value : value * detail::response_of_taps(design.taps, delta);
   };
   const auto& [kp, ki, kd, lambda, mu] = config_.gains;
   const std::complex<double> difference = delta / (1.0 + delta) / time;

@@ -14,7 +14,7 @@ struct SplitOrder {
   int integrators;
 };
 
-/// Of Discretisation::direct, for what lies beyond the band.
+/// What Discretisation::direct allows beyond the band.
 struct DirectLimits {
   double amplification;                                    // see DigitalPower::most_amplification
   double swing = std::numeric_limits<double>::infinity();  // see step_swing(); for 0 < order < 1

@@ -186,7 +186,7 @@ std::string c_array(const std::string& type, const std::string& name, const std:
 
 Fmu fmu_of(const FmuParts& parts, const FmuOptions& options) {
   check_c_name(options.name);
-  // Of everything that is in it but itself.
+  // The unit is told by a fingerprint of all its text but the fingerprint itself.
   std::string all = main_source(parts, "") + description(parts, options, "");
   for (const auto& [name, content] : parts.includes) all += content;
   const std::string guid = "{" + fingerprint(all) + "-" + options.name + "}";

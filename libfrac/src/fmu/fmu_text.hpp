@@ -13,7 +13,7 @@ namespace frac::detail {
 /// What a unit is made of besides the functions of FMI.
 struct FmuParts {
   std::vector<FmuVariable> variables;
-  /// Of the continuous system, for model exchange; 0: co-simulation only.
+  /// States of the continuous system, for model exchange; 0: co-simulation only.
   std::size_t states = 0;
   /// Event indicators of the model, for model exchange.
   std::size_t events = 0;

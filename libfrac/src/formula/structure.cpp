@@ -37,8 +37,8 @@ std::string with_caret(std::string_view formula, std::size_t column) {
 
 void check_length(std::size_t length, std::size_t wanted, const char* what) {
   if (length != wanted) {
-    throw std::invalid_argument("Structure: " + std::to_string(length) + " " + what + " where " +
-                                std::to_string(wanted) + " are needed");
+    throw std::invalid_argument("formula: " + std::to_string(length) + " " + what + " where " + std::to_string(wanted) +
+                                " are needed");
   }
 }
 
@@ -89,9 +89,9 @@ void Structure::evaluate(std::span<const double> parameters, std::span<const dou
                          std::span<std::complex<double>> gradient) const {
   check_length(parameters.size(), names_.size(), "parameter values");
   validate(realisation);
-  detail::check_omega(realisation, omega, "Structure");
+  detail::check_omega(realisation, omega, "formula");
   if (!std::holds_alternative<ExactRealisation>(realisation) && !program_->unrealisable_power().empty()) {
-    throw std::invalid_argument("Structure: the power " + program_->unrealisable_power() + " in \"" + formula_ +
+    throw std::invalid_argument("formula: the power " + program_->unrealisable_power() + " in \"" + formula_ +
                                 "\" is not one of s, so " + to_string(realisation) +
                                 " cannot express it; only the exact realisation can");
   }

@@ -49,7 +49,7 @@ constexpr Real largest_sample = Real(sizeof(Real) == sizeof(double) ? 1e300 : 1e
 template <typename Real>
 void check(double order, double sample_time, double tolerance, double horizon) {
   const auto refuse = [](const char* name, double value, const std::string& allowed) {
-    throw std::invalid_argument("FractionalDerivative: " + std::string(name) + " = " + detail::number_text(value) +
+    throw std::invalid_argument("fractional derivative: " + std::string(name) + " = " + detail::number_text(value) +
                                 allowed);
   };
   detail::check_realised_order(order, "FractionalDerivative");
@@ -178,7 +178,7 @@ Real FractionalDerivative<Real>::step(Real sample) noexcept {
 template <typename Real>
 void FractionalDerivative<Real>::run(std::span<const Real> samples, std::span<Real> output) {
   if (samples.size() != output.size()) {
-    throw std::invalid_argument("FractionalDerivative: " + std::to_string(samples.size()) + " samples but room for " +
+    throw std::invalid_argument("fractional derivative: " + std::to_string(samples.size()) + " samples but room for " +
                                 std::to_string(output.size()) + " values");
   }
   stream_->take(samples, output.data());

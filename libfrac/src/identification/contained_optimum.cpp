@@ -89,7 +89,7 @@ double least_gain(const FrequencyResponseData& data) {
   for (const std::complex<double>& value : data.value()) least = std::min(least, std::abs(value));
   return least;
 }
-/// Of the output to the input.
+/// Largest output over largest input of a record.
 double least_gain(const TimeResponseData& data) {
   double output = 0, input = 0;
   for (const double value : data.output()) output = std::max(output, std::abs(value));

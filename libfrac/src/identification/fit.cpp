@@ -118,7 +118,8 @@ detail::GlobalSolution search(const detail::Residuals& residuals, const detail::
   const std::vector<double> orders = detail::suggested_orders(data);
   if (2 * data.size() < 3 * scouted) return global_search(residuals, residuals, orders, options.seed, hopeless);
   const Thinned few = thinned(data, rule, scouted);
-  const detail::FrequencyResiduals scouting(few.data, structure, options.realisation, residuals.map(), few.rule);
+  detail::FrequencyResiduals scouting(few.data, structure, options.realisation, residuals.map(), few.rule);
+  if (residuals.priors()) scouting.set_priors(*residuals.priors(), residuals.prior_weight());
   return global_search(scouting, residuals, orders, options.seed, hopeless);
 }
 
@@ -127,7 +128,8 @@ detail::GlobalSolution solve(const detail::Residuals& residuals, const detail::R
                              double hopeless) {
   // First iterations stay quick on so many points, and see the same shape.
   const Thinned thin = thinned(data, rule, 500);
-  const detail::FrequencyResiduals few(thin.data, structure, options.realisation, residuals.map(), thin.rule);
+  detail::FrequencyResiduals few(thin.data, structure, options.realisation, residuals.map(), thin.rule);
+  if (residuals.priors()) few.set_priors(*residuals.priors(), residuals.prior_weight());
   detail::GlobalSolution result;
   if (options.global_start && !residuals.map().free().empty()) {
     result = search(few, thin.rule, thin.data, structure, options, hopeless);
@@ -333,6 +335,24 @@ void remark_on_noisy_divisor(FitResult& result, const detail::FitProblem& proble
   result.message += text;
 }
 
+/// What the curvature says.  Priors weigh against the residuals by the noise that these tell, so that the solution
+/// moves until that stays.
+detail::Confidence weighed_confidence(detail::FitProblem& problem, detail::LocalSolution& solution,
+                                      const detail::LocalOptions& options) {
+  constexpr double least = 1e-9;  // of the data: noise of exact data, which priors still complete
+  constexpr double settled = 1e-4;
+  constexpr int most_rounds = 20;
+  detail::Confidence found = confidence(problem.residuals, solution, options);
+  for (int round = 0; round < most_rounds && !problem.priors.empty() && found.loss_unit >= 0; ++round) {
+    const double noise = std::max(std::sqrt(found.loss_unit), least);
+    if (std::abs(noise - problem.residuals.prior_weight()) <= settled * noise) break;
+    problem.residuals.set_priors(problem.priors, noise);
+    solution = local_solve(problem.residuals, solution.theta, options);
+    found = confidence(problem.residuals, solution, options);
+  }
+  return found;
+}
+
 FitResult fit_component(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
                         Extent extent) {
   const auto begin = std::chrono::steady_clock::now();
@@ -382,7 +402,7 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
       local = robust_refinement(residuals, options.loss, scale, solution.best);
     }
   }
-  const detail::Confidence found = confidence(residuals, solution.best, local);
+  const detail::Confidence found = weighed_confidence(problem, solution.best, local);
   result.message = ending(solution);
   describe_estimates(result, structure, residuals, options.constraints, found, solution.best.theta);
   const bool closely = solution.best.cost * rule.unit * rule.unit <= extent.hopeless;

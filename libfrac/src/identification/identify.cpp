@@ -13,6 +13,7 @@
 #include "identification/data/fit_data.hpp"
 #include "identification/data/noise_floor.hpp"
 #include "identification/data/residual_rule.hpp"
+#include "identification/equivalent_candidates.hpp"
 #include "identification/rational/family_members.hpp"
 #include "identification/statistics/curvature_fit.hpp"
 #include "identification/statistics/information.hpp"
@@ -34,7 +35,7 @@ struct Outcome {
   std::string reason;
   bool from_family = false;
   bool refuted = false;  // by the record itself, so that it is no rival any more
-  /// Of a family, see detail::FamilyMembers.
+  /// What detail::FamilyMembers says of a member of a family.
   double departed = std::numeric_limits<double>::infinity();
   std::size_t relaxations = 0;
 };
@@ -49,7 +50,8 @@ ComparedCurve compared(const FrequencyResponseData& data, const FixedCurve& curv
                                 " values for " + std::to_string(data.size()) + " frequencies");
   }
   std::vector<double> residual = detail::curve_residuals(data, rule, curve.value);
-  const detail::Information information = detail::information(residual, curve.fitted_parameters, rule.unit);
+  const detail::Information information =
+      detail::information(residual, static_cast<double>(curve.fitted_parameters), rule.unit);
   FitResult result{};
   result.model = curve.name;
   result.cost = information.cost;
@@ -65,7 +67,7 @@ ComparedCurve compared(const FrequencyResponseData& data, const FixedCurve& curv
   LackOfFit lack = detail::residual_tests(residual, rule.per_point(), data.omega(), curve.fitted_parameters, told,
                                           1e-12 * rule.unit);
   NamedModel model{curve.name, curve.name, ModelClass::fixed_curve, "given curve", {}};
-  return {{curve.name, ModelClass::fixed_curve, std::move(result), 0, 0, std::move(model), std::move(lack)},
+  return {{curve.name, ModelClass::fixed_curve, std::move(result), 0, 0, std::move(model), std::move(lack), false, {}},
           std::move(residual)};
 }
 
@@ -205,9 +207,10 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
     LackOfFit lack = lack_of_fit(data, options, *outcome.fit);
     std::vector<double> residual = detail::weighted_residuals(data, options, *outcome.fit);
     RankedFit ranked{outcome.model.name, outcome.model.model_class, std::move(*outcome.fit), 0, 0,
-                     outcome.model,      std::move(lack),           outcome.from_family};
+                     outcome.model,      std::move(lack),           outcome.from_family,     {}};
     competitors.push_back({std::move(ranked), std::move(residual), outcome.departed, outcome.relaxations});
   }
+  detail::merge_equivalent(competitors, data, options);
   competitors.insert(competitors.end(), curves.begin(), curves.end());
   if (competitors.empty()) {
     throw NoCandidateFits("no candidate could be fitted; the first: " + result.skipped.front());

@@ -49,7 +49,8 @@ std::string reason_against(const FitResult& simple, const FitResult& full, doubl
   char text[160];
   if (full.termination != FitTermination::converged) return "With another term the solver did not settle.";
   if (!(gain > 2)) {
-    std::snprintf(text, sizeof text, "Another term does not pay: it lowers AICc by %.2g, and 2 is asked.", gain);
+    std::snprintf(text, sizeof text, "Another term does not pay: it %s AICc by %.2g, where it must lower it by 2.",
+                  gain < 0 ? "raises" : "lowers", std::abs(gain));
     return text;
   }
   const double chance = f_test(simple, full).p_value;

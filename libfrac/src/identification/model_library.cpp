@@ -104,8 +104,13 @@ std::optional<NamedModel> term_family(std::string_view name) {
     }
     family.most_terms = *count;
   }
-  return NamedModel{
-      std::string(name), std::string(name), ModelClass::fractional, "sum of powers and arcs", {}, std::nullopt, family};
+  return NamedModel{std::string(name),
+                    std::string(name),
+                    ModelClass::fractional,
+                    "sum of powers, arcs and modes",
+                    {},
+                    std::nullopt,
+                    family};
 }
 
 }  // namespace
@@ -203,6 +208,26 @@ const std::vector<NamedModel>& model_library() {
        fractional,
        "diffusion into a layer, blocked at its far side",
        {}},
+      {"diffusion-through",
+       "K/cosh(sqrt(T s))",
+       fractional,
+       "diffusion through a layer, seen at its far side",
+       {sign_free("K")}},
+      {"diffusion-through-lag",
+       "K/((T2 s + 1) cosh(sqrt(T s)))",
+       fractional,
+       "the same behind a sensor's lag",
+       {sign_free("K")}},
+      {"fractional-lead-lag",
+       "K ((T1 s + 1)/(T2 s + 1))^a",
+       fractional,
+       "lead or lag compensator to a power (Monje et al. 2008)",
+       {sign_free("K"), within("a", 0, 2)}},
+      {"two-order-zener",
+       "K (1 + (T1 s)^a1)/(1 + (T2 s)^a2)",
+       fractional,
+       "solid or lead with two orders (Pritz 2003)",
+       {sign_free("K"), within("a1", 0, 1), within("a2", 0, 1)}},
       {"fractional-maxwell", "E1 (T s)^a/(1 + (T s)^a)", fractional, "liquid with one spring-pot", {within("a", 0, 1)}},
 
       {"gain", "K", integer_order, "constant", {sign_free("K")}},

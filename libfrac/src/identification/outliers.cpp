@@ -50,26 +50,39 @@ class Distances {
   std::vector<double> log_omega_, size_;
 };
 
-/// Points that stand out together, and by how much.
-struct Block {
-  std::size_t first, last;  // into the usable points
-  double excess;            // over what is allowed: above 1 for an outlier
-};
+/// Points near each other, as distances from the first among the usable ones.  Each hides the others, whose curves run
+/// through it, so they are tried together.
+using Pattern = std::vector<std::size_t>;
+const std::vector<Pattern>& patterns() {
+  // A sound point stands between any three: three in a row would be a resonance.
+  static const std::vector<Pattern> all = {{0},       {0, 1},    {0, 2},    {0, 3},    {0, 4},    {0, 5},   {0, 1, 3},
+                                           {0, 2, 3}, {0, 2, 4}, {0, 1, 4}, {0, 3, 4}, {0, 1, 5}, {0, 4, 5}};
+  return all;
+}
 
-/// How far points [first, last) of the usable ones stand out.
-double excess(const Distances& distance, const std::vector<std::size_t>& usable, std::size_t first, std::size_t last,
-              double usual) {
-  std::vector<std::size_t> rest(usable.begin(), usable.begin() + static_cast<std::ptrdiff_t>(first));
-  rest.insert(rest.end(), usable.begin() + static_cast<std::ptrdiff_t>(last), usable.end());
-  double allowed = of_all * usual;
-  const double times = last - first > 1 ? of_neighbours_of_pair : of_neighbours;
-  const std::size_t reach = 2;
-  for (std::size_t i = first > reach ? first - reach : 0; i < std::min(first + reach, rest.size()); ++i) {
-    allowed = std::max(allowed, times * distance(rest, rest[i]));
+/// By how much the points of a pattern stand out, over what is allowed: above 1 for outliers.
+double excess(const Distances& distance, const std::vector<std::size_t>& usable, std::size_t first,
+              const Pattern& pattern, double usual) {
+  std::vector<std::size_t> rest;
+  for (std::size_t i = 0, next = 0; i < usable.size(); ++i) {
+    if (next < pattern.size() && i == first + pattern[next]) {
+      ++next;
+    } else {
+      rest.push_back(usable[i]);
+    }
   }
   double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = first; i < last; ++i) least = std::min(least, distance(rest, usable[i]) / allowed);
-  return least;
+  for (const std::size_t each : pattern) {
+    least = std::min(least, distance(rest, usable[first + each]) / (of_all * usual));
+    if (least <= 1) return least;
+  }
+  double allowed = of_all * usual;
+  const double times = pattern.size() > 1 ? of_neighbours_of_pair : of_neighbours;
+  const std::size_t reach = 2, after = first + pattern.back() + 1 - pattern.size() + reach;
+  for (std::size_t i = first > reach ? first - reach : 0; i < std::min(after, rest.size()); ++i) {
+    allowed = std::max(allowed, times * distance(rest, rest[i]));
+  }
+  return least * of_all * usual / allowed;
 }
 
 }  // namespace
@@ -93,19 +106,22 @@ std::vector<std::size_t> isolated_outliers(const FrequencyResponseData& data, Co
     const double usual = detail::median(all) / median_of_noise;
     // Data that follow each other to rounding have no noise to stand out of.
     if (!(usual > 1e-9)) return {};
-    Block worst{0, 0, 1};
+    Pattern worst;
+    double most_excess = 1;
     for (std::size_t first = 0; first < usable.size(); ++first) {
       if (!(all[first] > usual)) continue;
-      for (const std::size_t length : {1, 2}) {
-        if (first + length > usable.size()) continue;
-        const double by = excess(distance, usable, first, first + length, usual);
-        if (by > worst.excess) worst = {first, first + length, by};
+      for (const Pattern& pattern : patterns()) {
+        if (first + pattern.back() >= usable.size()) continue;
+        const double by = excess(distance, usable, first, pattern, usual);
+        if (!(by > most_excess)) continue;
+        most_excess = by;
+        worst.clear();
+        for (const std::size_t each : pattern) worst.push_back(usable[first + each]);
       }
     }
-    if (worst.last == worst.first) break;
-    for (std::size_t i = worst.first; i < worst.last; ++i) outliers.push_back(usable[i]);
-    usable.erase(usable.begin() + static_cast<std::ptrdiff_t>(worst.first),
-                 usable.begin() + static_cast<std::ptrdiff_t>(worst.last));
+    if (worst.empty()) break;
+    outliers.insert(outliers.end(), worst.begin(), worst.end());
+    std::erase_if(usable, [&](std::size_t point) { return std::binary_search(worst.begin(), worst.end(), point); });
     if (outliers.size() > most) return {};
   }
   std::sort(outliers.begin(), outliers.end());

@@ -4,6 +4,7 @@
 
 #include "base/short_text.hpp"
 #include "frac/identification/identify.hpp"
+#include "frac/identification/robust_tune.hpp"
 #include "frac/identification/tune.hpp"
 
 namespace frac {
@@ -40,6 +41,11 @@ std::string TuningResult::summary() const {
             (each.met ? "" : ", not met");
   }
   return text + "\nMaximum sensitivity " + short_text(max_sensitivity) + ". " + message;
+}
+
+std::string RobustTuningResult::summary() const {
+  return nominal.summary() + "\nOver the region: maximum sensitivity " + short_text(max_sensitivity) + ", crossover " +
+         short_text(lowest_crossover) + " .. " + short_text(highest_crossover) + " rad/s. " + message;
 }
 
 }  // namespace frac

@@ -68,6 +68,8 @@ detail::DataScale data_scale(const TimeResponseData& data, std::optional<double>
 // A dead time beyond the record would leave nothing to fit.
 std::vector<ParameterConstraint> with_delay_limits(const Structure& structure,
                                                    std::vector<ParameterConstraint> constraints, double length) {
+  for (const ParameterConstraint& each : constraints)
+    if (each.prior) throw std::invalid_argument("prior of parameter '" + each.name + "': fits over time take none");
   for (std::size_t i = 0; i < structure.parameter_names().size(); ++i) {
     if (structure.parameter_roles()[i] != ParameterRole::delay) continue;
     const std::string& name = structure.parameter_names()[i];

@@ -16,6 +16,7 @@
 #include "identification/rational/family_members.hpp"
 #include "identification/statistics/autocorrelation.hpp"
 #include "identification/statistics/information.hpp"
+#include "identification/statistics/residual_tests.hpp"
 
 namespace frac::detail {
 namespace {
@@ -33,7 +34,10 @@ constexpr double few_relaxations = 2, price_of_relaxation = 16;
 constexpr double neither_agreed = 0.05, neither_contradicted = 0.5;
 constexpr double nearly_whole = 0.02;  // an order that is known to be so near a whole number counts as one
 constexpr double worse = 1.05, clearly_worse = 1.5;  // rms of predictions
-constexpr double most_model_error = 0.05;            // of the data
+// Times its residuals: a ratio that misses the last half decade by more, when it has not seen it, follows the rest
+// without knowing the system.
+constexpr double most_of_extrapolation = 100;
+constexpr double most_model_error = 0.05;  // of the data
 
 std::string number(double value) {
   char text[32];
@@ -51,14 +55,23 @@ double parameters(const RankedFit& ranked) {
   return static_cast<double>(ranked.fit.free_parameters);
 }
 
-/// n ln(cost/n)
-double misfit_term(const RankedFit& ranked, double residuals) {
-  return ranked.fit.bic - (parameters(ranked) + 1) * std::log(residuals);
+/// Whether all residuals are rounding, which have no correlation.
+bool meets_exactly(const RankedFit& ranked) {
+  return ranked.lack_of_fit.misfit == 1 && std::isnan(ranked.lack_of_fit.correlation);
+}
+
+/// n ln(cost/n), or what stands for it under noise with heavy tails where that explains the residuals better.  A model
+/// is not refuted by a few points that another one goes out of its way for.
+double misfit_term(const Competitor& competitor) {
+  const RankedFit& ranked = competitor.ranked;
+  const double n = static_cast<double>(competitor.residual.size());
+  const double normal = ranked.fit.bic - (parameters(ranked) + 1) * std::log(n);
+  return meets_exactly(ranked) ? normal : std::min(normal, heavy_tailed_misfit(competitor.residual));
 }
 
 double criterion(const Competitor& competitor) {
   const double n = static_cast<double>(competitor.residual.size());
-  return misfit_term(competitor.ranked, n) + price_of_parameters(parameters(competitor.ranked), n);
+  return misfit_term(competitor) + price_of_parameters(parameters(competitor.ranked), n);
 }
 
 /// Whether residuals are left over to judge a candidate by.
@@ -66,14 +79,37 @@ bool is_comparable(const Competitor& competitor) {
   return competitor.residual.size() > competitor.ranked.fit.free_parameters + 2;
 }
 
+/// Chance of residuals like these by noise alone.
+double chance_of(const LackOfFit& lack) {
+  const double of_size = std::isnan(lack.p_value) ? 1 : lack.p_value;
+  return std::min(of_size, std::isnan(lack.correlation_p_value) ? 1 : lack.correlation_p_value);
+}
+
+/// Whether a candidate takes part as one that follows the data.  One that fails its test may have failed by accident:
+/// a true model does so with a chance of least_chance.  A false one, again, gains evidence E over the true one with a
+/// chance of at most exp(-E/2).  So the better of two is set aside only by a chance that is less than both together.
+/// @param least  criterion of the best candidate that passes
+bool follows(const Competitor& competitor, double least) {
+  const LackOfFit& lack = competitor.ranked.lack_of_fit;
+  if (lack.adequate) return true;
+  const double correlation = std::isnan(lack.correlation) ? 0 : std::clamp(lack.correlation, 0.0, 0.999);
+  const double evidence = (least - criterion(competitor)) * (1 - correlation) / (1 + correlation);
+  return evidence > 0 && std::isfinite(evidence) && chance_of(lack) > least_chance * std::exp(-evidence / 2);
+}
+
 /// The candidate of a class with the least criterion, among those that follow the data or among all.
 std::optional<std::size_t> best_of(const std::vector<Competitor>& competitors, bool fractional, bool adequate) {
+  double least_of_adequate = infinity;
+  for (const Competitor& each : competitors) {
+    const double value = each.ranked.lack_of_fit.adequate ? criterion(each) : infinity;
+    if (std::isfinite(value)) least_of_adequate = std::min(least_of_adequate, value);
+  }
   std::optional<std::size_t> best;
   double least = infinity;
   for (std::size_t i = 0; i < competitors.size(); ++i) {
     const RankedFit& ranked = competitors[i].ranked;
     if ((ranked.model_class == ModelClass::fractional) != fractional) continue;
-    if (adequate && !ranked.lack_of_fit.adequate) continue;
+    if (adequate && !follows(competitors[i], least_of_adequate)) continue;
     const double value = criterion(competitors[i]);
     if (!std::isfinite(value) || !(value < least)) continue;
     least = value;
@@ -193,11 +229,6 @@ double log10_odds(double evidence, double neither) {
   return std::log10(((1 - neither) * fractional + neither / 2) / ((1 - neither) * integer + neither / 2));
 }
 
-/// Whether all residuals are rounding, which have no correlation.
-bool meets_exactly(const RankedFit& ranked) {
-  return ranked.lack_of_fit.misfit == 1 && std::isnan(ranked.lack_of_fit.correlation);
-}
-
 /// What a verdict rests on.
 struct Comparison {
   const Competitor& fractional;
@@ -205,8 +236,30 @@ struct Comparison {
   bool fractional_fits, integer_fits;
   double share;  // of the points that carry news
   Orders orders;
-  bool only_integer_grew = false;  // the integer-order one is the member of a family, and no fractional family grew
+  std::size_t departing_parameters;  // of the candidate that departure evidence is for
+  bool only_integer_grew = false;    // the integer-order one is the member of a family, and no fractional family grew
+  bool rounded;                      // coarsely_rounded()
 };
+
+/// Whether many values repeat their neighbours': they are rounded so coarsely that the steps are a shape of their own,
+/// which a model of many parameters follows.
+bool coarsely_rounded(const FrequencyResponseData& data, const FitOptions& options) {
+  constexpr double most_repeats = 0.05;
+  std::size_t repeats = 0, pairs = 0;
+  const auto count = [&](double value, double before) {
+    ++pairs;
+    repeats += value == before && value != 0 ? 1 : 0;
+  };
+  for (std::size_t k = 1; k < data.size(); ++k) {
+    if (data.omega()[k] == data.omega()[k - 1]) continue;
+    if (options.component != Component::imaginary) count(data.value()[k].real(), data.value()[k - 1].real());
+    if (options.component != Component::real) count(data.value()[k].imag(), data.value()[k - 1].imag());
+  }
+  return static_cast<double>(repeats) > most_repeats * static_cast<double>(pairs);
+}
+bool coarsely_rounded(const TimeResponseData&, const TimeFitOptions&) {
+  return false;
+}
 
 /// @param share  of the points that carry news
 double evidence_for(const Competitor& fractional, const Competitor& integer, double share) {
@@ -217,19 +270,22 @@ double evidence_for(const Competitor& fractional, const Competitor& integer, dou
   }
   const double news = std::log(std::max(share * n, 2.0)) / std::log(n);
   const auto price = [&](const Competitor& each) { return news * price_of_parameters(parameters(each.ranked), n); };
-  return share * (misfit_term(integer.ranked, n) - misfit_term(fractional.ranked, n)) + price(integer) -
-         price(fractional);
+  return share * (misfit_term(integer) - misfit_term(fractional)) + price(integer) - price(fractional);
 }
 
-/// Evidence for the best candidate with an order that departs() against the integer-order finalist.
-double evidence_of_departure(const std::vector<Competitor>& competitors, const Competitor& integer, double share) {
-  double most = -infinity;
+/// Of the best candidate with an order that departs() against the integer-order finalist.
+struct Departure {
+  double evidence = -infinity;
+  std::size_t parameters = 0;
+};
+Departure evidence_of_departure(const std::vector<Competitor>& competitors, const Competitor& integer, double share) {
+  Departure most;
   for (const Competitor& each : competitors) {
     if (each.ranked.model_class != ModelClass::fractional) continue;
     const double evidence = evidence_for(each, integer, share);
-    if (!(evidence > most)) continue;
+    if (!(evidence > most.evidence)) continue;
     const double falls = std::min(orders_of(each.ranked.fit, share).departure, share * each.departed);
-    most = std::max(most, evidence - falls);
+    if (evidence - falls > most.evidence) most = {evidence - falls, each.ranked.fit.free_parameters};
   }
   return most;
 }
@@ -323,7 +379,9 @@ Ruling ruling(const IdentificationResult& result, const Comparison& pair,
   const bool strong = result.evidence > supported_evidence;
   const bool predicts = !pair.integer_fits || (not_above(f.prediction_rms, worse, i.prediction_rms) &&
                                                not_above(f.extrapolation_rms, clearly_worse, i.extrapolation_rms));
-  if (pair.fractional_fits && strong && decided && predicts && skipped_rivals.empty()) {
+  // What follows the steps of rounded values needs more parameters for it.
+  const bool follows_steps = pair.rounded && f.parameters > i.parameters;
+  if (pair.fractional_fits && strong && decided && predicts && !follows_steps && skipped_rivals.empty()) {
     return {Verdict::fractional_supported, ""};
   }
   // A ratio with enough poles follows any data.  One that needed all the poles it may have shows no integer order.
@@ -334,7 +392,9 @@ Ruling ruling(const IdentificationResult& result, const Comparison& pair,
   const bool no_better = result.evidence < no_evidence || orders.all_nearly_whole;
   // Where no fractional family grows, a ratio with more parameters refutes the given fractional models only.
   const bool fair = !pair.only_integer_grew || i.parameters <= f.parameters;
-  if (pair.integer_fits && integer_settled && fair) {
+  const bool lost_beyond = i.extrapolation_rms > most_of_extrapolation * pair.integer.ranked.fit.rms;
+  const bool on_steps = pair.rounded && i.parameters > pair.departing_parameters;
+  if (pair.integer_fits && integer_settled && fair && !on_steps) {
     const auto integer_predicts = [&](double at_most) {
       return not_above(i.prediction_rms, at_most, f.prediction_rms) &&
              not_above(i.extrapolation_rms, clearly_worse, f.extrapolation_rms);
@@ -345,14 +405,18 @@ Ruling ruling(const IdentificationResult& result, const Comparison& pair,
     // A fractional model with whole orders is the integer-order model over again, and may predict as well.
     const bool same_again = orders.departure > 0;
     const bool integer_holds = integer_predicts(same_again ? clearly_worse : worse) || !pair.fractional_fits;
-    if (both_exact || (result.departure_evidence < refuted && no_better && integer_holds)) {
+    if (both_exact || (result.departure_evidence < refuted && no_better && integer_holds && !lost_beyond)) {
       return {Verdict::fractional_not_supported, same_again ? "; every order of the fractional one is whole" : ""};
     }
   }
   if (result.departure_evidence < refuted) {
     return {Verdict::undecided,
-            !no_better ? ", but the better one has an order that may be other than whole"
-            : !fair    ? ", but no fractional family grew beside the integer-order one, which needed more parameters"
+            on_steps ? ", but the values are rounded so coarsely that the integer-order one, with more parameters, may "
+                       "follow the steps"
+            : lost_beyond ? ", but the integer-order one, fitted to the rest, misses half a decade at the ends by " +
+                                number(i.extrapolation_rms / pair.integer.ranked.fit.rms) + " times its residuals"
+            : !no_better ? ", but the better one has an order that may be other than whole"
+            : !fair      ? ", but no fractional family grew beside the integer-order one, which needed more parameters"
             : integer_settled ? ", but the integer-order one predicts left-out points worse"
                               : ", but the integer-order one has as many poles as are tried"};
   }
@@ -369,6 +433,11 @@ Ruling ruling(const IdentificationResult& result, const Comparison& pair,
     return {Verdict::undecided, whole ? ", and evidence" + departing + " only" : ", which is too little"};
   }
   if (!decided) return {Verdict::undecided, ", but no order can be told from a whole number"};
+  if (follows_steps) {
+    return {Verdict::undecided,
+            ", but the values are rounded so coarsely that the fractional one, with more parameters, may follow the "
+            "steps"};
+  }
   if (!predicts) return {Verdict::undecided, ", but the fractional one predicts left-out points worse"};
   if (!skipped_rivals.empty()) return {Verdict::undecided, ", but " + unfitted(skipped_rivals)};
   return {Verdict::undecided, ", but only the other one follows the data"};
@@ -414,7 +483,7 @@ void judge_any(IdentificationResult& result, const Data& data, const Options& op
   const bool fractional_is_better = criterion(f) < criterion(i);
   const double share = independent_share((fractional_is_better ? f : i).residual, per_point);
   // Where both are off by model error alone, each is judged as if it followed the data if it comes close.
-  Comparison pair{f, i, fractional_fits, integer_fits, share, orders_of(f.ranked.fit, share)};
+  Comparison pair{f, i, fractional_fits, integer_fits, share, orders_of(f.ranked.fit, share), 0, false, false};
   pair.only_integer_grew =
       i.ranked.from_family && std::none_of(competitors.begin(), competitors.end(), [](const auto& each) {
         return each.ranked.model_class == ModelClass::fractional && each.ranked.from_family;
@@ -425,7 +494,10 @@ void judge_any(IdentificationResult& result, const Data& data, const Options& op
     if (!pair.fractional_fits && !pair.integer_fits) return call_inadequate();
   }
   result.evidence = evidence_for(f, i, share);
-  result.departure_evidence = evidence_of_departure(competitors, i, share);
+  const Departure departure = evidence_of_departure(competitors, i, share);
+  result.departure_evidence = departure.evidence;
+  pair.departing_parameters = departure.parameters;
+  pair.rounded = coarsely_rounded(data, options);
   if (f.ranked.model_class == ModelClass::fractional && i.ranked.model_class == ModelClass::integer_order) {
     differ_most(result, data, options, f.ranked.fit, i.ranked.fit);
   }

@@ -13,7 +13,7 @@ namespace frac::detail {
 struct Competitor {
   RankedFit ranked;
   std::vector<double> residual;  // weighted
-  /// Of the member of a family, see FamilyMembers.
+  /// What FamilyMembers says of a member of a family.
   double departed = std::numeric_limits<double>::infinity();
   std::size_t relaxations = 0;
 };

@@ -19,13 +19,13 @@ namespace {
 std::vector<PowerTerm> checked(std::vector<PowerTerm> terms, const std::string& name) {
   for (std::size_t i = 0; i < terms.size(); ++i) {
     if (!std::isfinite(terms[i].coefficient) || !std::isfinite(terms[i].order)) {
-      throw std::invalid_argument("FractionalTransferFunction: " + name + "[" + std::to_string(i) +
+      throw std::invalid_argument("transfer function: " + name + "[" + std::to_string(i) +
                                   "] = " + detail::number_text(terms[i].coefficient) + " s^" +
                                   detail::number_text(terms[i].order) + " is not finite");
     }
   }
   terms = detail::collected(std::move(terms));
-  if (terms.empty()) throw std::invalid_argument("FractionalTransferFunction: the " + name + " is zero");
+  if (terms.empty()) throw std::invalid_argument("transfer function: the " + name + " is zero");
   return terms;
 }
 
@@ -78,7 +78,7 @@ Ordered ordered(std::vector<PowerFactor> factors, const std::string& name) {
   Ordered result;
   for (PowerFactor& factor : factors) {
     if (factor.power < 1) {
-      throw std::invalid_argument("FractionalTransferFunction: a factor of the " + name + " has the power " +
+      throw std::invalid_argument("transfer function: a factor of the " + name + " has the power " +
                                   std::to_string(factor.power) + "; allowed is 1 or more");
     }
     std::vector<PowerTerm> sum = checked(std::move(factor.sum), name);
@@ -150,7 +150,7 @@ FractionalTransferFunction::FractionalTransferFunction(std::vector<PowerTerm> nu
       denominator_(checked(std::move(denominator), "denominator")),
       delay_(delay + 0.0) {
   if (!(std::isfinite(delay) && delay >= 0)) {
-    throw std::invalid_argument("FractionalTransferFunction: delay = " + detail::number_text(delay) +
+    throw std::invalid_argument("transfer function: delay = " + detail::number_text(delay) +
                                 " s; allowed is 0 or more, finite");
   }
   if (denominator_.size() == 1) {
@@ -185,8 +185,8 @@ FractionalTransferFunction FractionalTransferFunction::from_factors(std::vector<
 FractionalTransferFunction FractionalTransferFunction::parse(std::string_view formula) {
   const Structure structure(formula);
   if (!structure.parameter_names().empty()) {
-    throw std::invalid_argument("FractionalTransferFunction: the parameter '" + structure.parameter_names()[0] +
-                                "' of \"" + std::string(formula) + "\" has no value");
+    throw std::invalid_argument("transfer function: the parameter '" + structure.parameter_names()[0] + "' of \"" +
+                                std::string(formula) + "\" has no value");
   }
   return to_transfer_function(structure, {});
 }
@@ -215,7 +215,7 @@ std::string FractionalTransferFunction::formula() const {
 
 std::complex<double> FractionalTransferFunction::response(double omega, const Realisation& realisation) const {
   validate(realisation);
-  detail::check_omega(realisation, omega, "FractionalTransferFunction::response");
+  detail::check_omega(realisation, omega, "response of a transfer function");
   const std::complex<double> ratio = PreparedProduct({numerator_factors_, numerator_}, realisation)(omega) /
                                      PreparedProduct({denominator_factors_, denominator_}, realisation)(omega);
   return std::polar(1.0, -delay_ * omega) * ratio;
@@ -229,7 +229,7 @@ FrequencyResponseData FractionalTransferFunction::response(const std::vector<dou
   std::vector<std::complex<double>> value;
   value.reserve(omega.size());
   for (const double each : omega) {
-    detail::check_omega(realisation, each, "FractionalTransferFunction::response");
+    detail::check_omega(realisation, each, "response of a transfer function");
     value.push_back(std::polar(1.0, -delay_ * each) * (numerator(each) / denominator(each)));
   }
   return {omega, std::move(value)};

@@ -13,8 +13,8 @@ namespace {
 
 [[noreturn]] void refuse(const std::string& quantity, std::size_t index, const std::string& value,
                          const std::string& allowed) {
-  throw std::invalid_argument("FrequencyResponseData: " + quantity + "[" + std::to_string(index) + "] = " + value +
-                              " " + allowed);
+  throw std::invalid_argument("frequency response: " + quantity + "[" + std::to_string(index) + "] = " + value + " " +
+                              allowed);
 }
 
 void check_omega(const std::vector<double>& omega) {
@@ -35,9 +35,9 @@ void check_omega(const std::vector<double>& omega) {
 FrequencyResponseData::FrequencyResponseData(std::vector<double> omega, std::vector<std::complex<double>> value,
                                              std::vector<double> sigma)
     : omega_(std::move(omega)), value_(std::move(value)), sigma_(std::move(sigma)) {
-  if (omega_.empty()) throw std::invalid_argument("FrequencyResponseData: no points; at least one is needed");
+  if (omega_.empty()) throw std::invalid_argument("frequency response: no points; at least one is needed");
   if (value_.size() != omega_.size() || (!sigma_.empty() && sigma_.size() != omega_.size())) {
-    throw std::invalid_argument("FrequencyResponseData: lengths differ: " + std::to_string(omega_.size()) +
+    throw std::invalid_argument("frequency response: lengths differ: " + std::to_string(omega_.size()) +
                                 " frequencies, " + std::to_string(value_.size()) + " values, " +
                                 std::to_string(sigma_.size()) + " sigmas (0 sigmas: unknown)");
   }

@@ -14,7 +14,7 @@ namespace frac {
 namespace {
 
 [[noreturn]] void refuse(const std::string& reason) {
-  throw std::invalid_argument("TimeResponseData: " + reason);
+  throw std::invalid_argument("samples over time: " + reason);
 }
 
 std::string entry(const char* quantity, std::size_t index, double value) {

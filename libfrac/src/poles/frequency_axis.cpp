@@ -7,6 +7,8 @@
 #include <numbers>
 #include <utility>
 
+#include "frac/cancellation.hpp"
+
 namespace frac::detail {
 namespace {
 
@@ -173,6 +175,8 @@ FrequencyAxis::FrequencyAxis(const LaplaceImage& image, double delay) : image_(i
 }
 
 FrequencyAxis::Value FrequencyAxis::evaluated(const Sum& sum, double u) {
+  // Every search along the axis comes through here.
+  throw_if_cancelled();
   Value result{0, 0, -std::numeric_limits<double>::infinity()};
   for (const Term& term : sum.terms) result.scale = std::max(result.scale, term.log_size + term.order * u);
   for (const Term& term : sum.terms) {

@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "frac/cancellation.hpp"
 #include "winding_number.hpp"
 
 namespace frac::detail {
@@ -365,6 +366,8 @@ Complex exponential_rest(Complex x, int order) {
 }  // namespace
 
 ScaledSum scaled_sum(const std::vector<PowerTerm>& terms, Complex zeta) {
+  // Every search for roots comes through here.
+  throw_if_cancelled();
   double scale = -std::numeric_limits<double>::infinity();
   for (const PowerTerm& term : terms) {
     scale = std::max(scale, std::log(std::abs(term.coefficient)) + term.order * zeta.real());

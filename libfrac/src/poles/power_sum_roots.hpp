@@ -73,7 +73,7 @@ struct PowerSumRoots {
 /// holds one root or one cluster, and polished by Newton's method.
 [[nodiscard]] PowerSumRoots power_sum_roots(const std::vector<PowerTerm>& sum, double largest_argument);
 
-/// Of a product: the roots of each factor, as often as its power says.
+/// Roots of a product: those of each factor, as often as its power says.
 /// @param together  distance in ln s below which roots of different factors make one cluster
 [[nodiscard]] PowerSumRoots power_sum_roots(const PowerProduct& product, double largest_argument,
                                             double together = 1e-3);

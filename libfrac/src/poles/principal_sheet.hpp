@@ -5,6 +5,9 @@
 
 namespace frac::detail {
 
+/// Margin of arg s about pi/2 within which rounding of the coefficients decides.
+inline constexpr double axis_width = 1e-9;
+
 /// analyse_stability() without the roots on other sheets, which are expensive where orders have a small common divisor.
 [[nodiscard]] StabilityAnalysis analyse_principal_sheet(const FractionalTransferFunction& model);
 

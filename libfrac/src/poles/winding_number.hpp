@@ -8,6 +8,8 @@
 #include <numbers>
 #include <vector>
 
+#include "frac/cancellation.hpp"
+
 namespace frac::detail {
 
 /// A function's value and derivative, both times the same positive factor, which may differ from point to point.
@@ -27,6 +29,7 @@ double phase_change(const Function& f, std::complex<double> from, std::complex<d
       std::abs(at_to.slope) * length < 0.7 * std::abs(at_to.value)) {
     return change;
   }
+  throw_if_cancelled();
   if (depth == 0 || !std::isfinite(change)) return std::numeric_limits<double>::quiet_NaN();
   const std::complex<double> middle = (from + to) / 2.0;
   const ValueAndSlope at_middle = f(middle);

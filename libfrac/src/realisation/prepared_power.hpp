@@ -14,7 +14,7 @@ namespace frac::detail {
 class PreparedPower {
  public:
   /// @throws std::invalid_argument  |order| > 20 or not finite with a realisation other than the exact one.  An exact
-  /// power of
+  ///                                power of
   ///                                an order that is not finite gives values that are not finite.
   void prepare(const Realisation& realisation, double order);
 

@@ -71,9 +71,9 @@ std::string to_string(const Realisation& realisation) {
 
 PowerResponse power_response(const Realisation& realisation, double order, double omega) {
   validate(realisation);
-  detail::check_omega(realisation, omega, "power_response");
+  detail::check_omega(realisation, omega, "response of a power of s");
   if (!std::isfinite(order)) {
-    throw std::invalid_argument("power_response: order = " + detail::number_text(order) + " is not finite");
+    throw std::invalid_argument("response of a power of s: order = " + detail::number_text(order) + " is not finite");
   }
   detail::PreparedPower power;
   power.prepare(realisation, order);

@@ -78,7 +78,7 @@ struct EventResponse::Plan {
   Eigen::Index real_count = 0;
   Eigen::Index complex_count = 0;
   std::vector<Complex> rate;  // real ones first
-  // Those that decay within the horizon take the input itself, the others its m-fold integral.
+  // States that decay within the horizon take the input itself, the others its m-fold integral.
   std::vector<bool> is_direct;
   Eigen::MatrixXd weight;
   Eigen::MatrixXd constant;  // a row per derivative of the m-fold integral of the input, from the 0th

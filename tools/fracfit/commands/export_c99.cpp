@@ -18,7 +18,7 @@ class ExportC99 : public Command {
     options()
         .parsed("--fixed-point", ranges_, ranges_of,
                 "Whole numbers of 32 bits instead, fractions of these ranges, for processors without a floating-point "
-                "unit; the error is stated. For sections alone, e.g. of --discretisation tustin",
+                "unit; the error is stated",
                 "INPUT:OUTPUT")
         .not_with({"--precision", {"float"}}, "which it takes the place of");
     add_common({"c"});

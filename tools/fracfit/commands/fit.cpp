@@ -36,10 +36,15 @@ class Fit : public Command {
     add_points_and_seed(o, request_);
     add_outliers(o, request_);
     add_parameter_options(o, parameters_);
+    add_prior_options(o, parameters_);
+    for (const char* name : {"--prior", "--constraint"})
+      o[name].not_with({"--grow"}, "whose parameters the data choose");
+    o["--prior"].only_for(frequency_response);
     o.flag("--profile", statistics_.profile,
            "Add profile-likelihood intervals of every parameter: they follow the cost itself");
     o.count("--bootstrap", bootstrap_, fewest_samples, largest_table,
-            "Add intervals from N refits to resampled residuals, N >= 20", "N");
+            "Add intervals from N refits to resampled residuals, N >= 20", "N")
+        .not_with({"--prior"}, "which no residual can resample");
     o.text("--refits", statistics_.refits_file,
            "The parameters of each refit, as they come; after an interruption the same command goes on with "
            "FILE.partial",
@@ -58,6 +63,8 @@ class Fit : public Command {
         "  fracfit fit curve.csv --model power-law --where 'omega<4'\n"
         "  fracfit fit cell.csv --model 'R0 + R1/(1 + R1 Q1 s^n1)' --component both --bound n1=:1 --profile\n"
         "  fracfit fit cell.csv --model zarc --component both --derive 'f1 = (R1 Q1)^(-1/n1)/(2 pi)'\n"
+        "  fracfit fit cell.csv --model zarc --component both --prior R0=0.1+-5% --prior n1=0.9+-0.05\n"
+        "  fracfit fit cell.csv --model two-zarc --component both --constraint 'Q1<Q2'\n"
         "  fracfit fit cell.csv --grow arcs --component both\n"
         "  fracfit fit step.csv --model 'K exp(-L s)/(T s^a + 1)'      # columns time_s,input,output\n"
         "  fracfit fit curve.csv --model 'K/(T s^a + 1)' --where 'omega<4' --realisation oustaloup --band 0.01:1000 "
@@ -156,8 +163,10 @@ class Fit : public Command {
     fit.constraints = chosen_.constraints;
     const auto file = read_data(request_, note);
     const auto left_out = outliers_left_out(request_, file.data, note);
-    return fit_and_write(frac::without_points(file.data, left_out), fit,
-                         fit_run(request_, options(), file, left_out, command_line()));
+    auto about = fit_run(request_, options(), file, left_out, command_line());
+    if (!parameters_.prior.empty()) about.options.emplace_back("priors", joined(parameters_.prior));
+    if (!parameters_.order.empty()) about.options.emplace_back("constraints", joined(parameters_.order));
+    return fit_and_write(frac::without_points(file.data, left_out), fit, about);
   }
 
   FitRequest request_;

@@ -84,9 +84,6 @@ class Identify : public Command {
 
  private:
   void check() override {
-    if (options()["--models"].is_given() && models_text_.empty())
-      throw std::invalid_argument(
-          "--models '' is an empty list; expected presets, families or formulas separated by commas");
     models_ = chosen_models(models_text_);
   }
 

@@ -148,9 +148,8 @@ class IdentifyScene : public Command {
     run.options = {{"output", body}};
     for (auto& entry : options().entries({"--component", "--weight"})) run.options.push_back(std::move(entry));
     write(format() == "json" ? scene_json(run, result, comparison) : scene_table(run, result, comparison));
-    const bool found = result.termination == frac::FitTermination::converged &&
-                       std::any_of(result.parameters.begin(), result.parameters.end(),
-                                   [](const auto& parameter) { return parameter.identified; });
+    const bool found = result.usable() && std::any_of(result.parameters.begin(), result.parameters.end(),
+                                                      [](const auto& parameter) { return parameter.identified; });
     if (!found) say("no usable result: " + result.message);
     return found ? usable_result : no_usable_result;
   }

@@ -2,6 +2,7 @@
 #include "frac/identification/joint_fit.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 
@@ -10,8 +11,10 @@
 #include "io/data_error.hpp"
 #include "io/input_files.hpp"
 #include "io/number.hpp"
+#include "io/output_file.hpp"
 #include "options/model_choice.hpp"
 #include "output/joint_fit_output.hpp"
+#include "report/picture.hpp"
 
 namespace fracfit {
 namespace {
@@ -41,7 +44,20 @@ class JointFit : public Command {
     o.text("--model", model_, "or a preset; letters other than s are parameters").suggest(preset_names()).required();
     o.text("--shared", shared_, "Parameters that all curves have in common; of the others each has its own", "LIST");
     o.text("--each", each_, "Parameters of which each curve has its own; the others are shared", "LIST");
-    o.exactly_one({"--shared", "--each"}, "which parameters the curves have in common");
+    o["--each"].not_with({"--shared"}, "which says the same the other way round");
+    o.text("--shift", shift_,
+           "Lay the curves on one master curve by factors of each, aT on the frequency and with both bT on the value, "
+           "which --law may name; all else is shared unless told otherwise",
+           "DIRECTION")
+        .one_of({"horizontal", "both"});
+    o.text("--reference", reference_, "Curve that the others are laid on", "CURVE")
+        .only_with({"--shift"})
+        .default_is("the first one");
+    o.text("--master", master_, "Every point on the master curve, as CSV", "FILE").only_with({"--shift"}).unsaid();
+    o.text("--picture", picture_, "A picture beside the result, SVG or PNG by its ending; here the master curve",
+           "FILE")
+        .only_with({"--shift"})
+        .unsaid();
     o.texts("--law", fit_.laws,
             "A parameter as a law of what a file's header or the column of --by knows of its curve, e.g. "
             "'T = T0 exp(E/(8.314 temperature))'; its other names are fitted; repeatable",
@@ -52,24 +68,29 @@ class JointFit : public Command {
     add_residual_options(o, request_);
     add_points_and_seed(o, request_);
     add_parameter_options(o, parameters_);
+    add_prior_options(o, parameters_);
     o.texts("--derive", derive_);
     add_common({"json", "csv", "table"});
     set_footer(
         "Several curves in one file stand in columns re_<label>,im_<label> or in rows told apart by --by, as in "
         "batch.\n"
-        "--fix, --bound and --start hold in every curve; --bound and --start take parameters of a law too.\n"
+        "--fix, --bound, --start and --prior hold in every curve; but for --fix they take parameters of a law too.\n"
+        "With --shift neighbours should overlap: give the curves in the order of their temperature.\n"
         "Curves count by their noise.  The chance in the output is small where the curves do not share what they are\n"
         "told to.\n"
         "Examples:\n"
         "  fracfit joint-fit cold.csv warm.csv hot.csv --model 'K/(T s^a + 1)' --shared K,a --component both\n"
         "  fracfit joint-fit all.csv --by force_n --model power-law --each K --out joint.json\n"
-        "  fracfit joint-fit all.csv --by force_n --model power-law --shared a --law 'K = K0 force_n^p'");
+        "  fracfit joint-fit all.csv --by force_n --model power-law --shared a --law 'K = K0 force_n^p'\n"
+        "  fracfit joint-fit 20C.csv 40C.csv 60C.csv --model fractional-zener --component both --shift horizontal "
+        "--master master.csv");
   }
 
  private:
   void check() override {
-    if (request_.loss != frac::Loss::none)
-      throw std::invalid_argument("--loss has no meaning with joint-fit, which takes the plain sum of squares");
+    if (shared_.empty() && each_.empty() && shift_.empty())
+      throw std::invalid_argument(
+          "--shared, --each or --shift is required: which parameters the curves have in common");
     for (const auto& text : request_.where) static_cast<void>(io::PointFilter(text));
     chosen_ = chosen_model(model_);
     if (chosen_.is_family())
@@ -78,6 +99,7 @@ class JointFit : public Command {
     fit_.fit.constraints = constraints_of(chosen_, parameters_);
     const frac::Structure structure(chosen_.formula);
     const bool names_own = shared_.empty();
+    if (!shift_.empty()) fit_.shift = frac::CurveShift{0, shift_ == "both"};
     const auto named = names_in(names_own ? each_ : shared_);
     for (const auto& name : named)
       if (!has(structure.parameter_names(), name))
@@ -97,10 +119,28 @@ class JointFit : public Command {
     fit_.shared = names_own ? std::vector<std::string>{} : named;
     for (const auto& name : structure.parameter_names())
       if (names_own && !has(named, name) && !is_fixed(name) && !has_law(name)) fit_.shared.push_back(name);
-    if (fit_.shared.empty() && fit_.laws.empty())
+    if (fit_.shared.empty() && fit_.laws.empty() && !fit_.shift)
       throw std::invalid_argument("--each " + each_ + " leaves no parameter that is shared; use fracfit batch");
     fit_.threads = threads();
-    quantities_ = quantities_of(derive_, structure.parameter_names());
+    const auto fitted = fit_.shift ? frac::shifted(structure, *fit_.shift) : structure;
+    quantities_ = quantities_of(derive_, fitted.parameter_names());
+    try {
+      if (!picture_.empty()) drawing_.emplace(picture_, options().input_files());
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(std::string("--picture: ") + error.what());
+    }
+    if (!master_.empty()) master_file_.emplace(master_, options().input_files());
+  }
+
+  /// Index of the curve that --reference names, by its name or the file's.
+  [[nodiscard]] std::size_t reference_of(const std::vector<frac::JointCurve>& curves) const {
+    if (reference_.empty()) return 0;
+    std::string names;
+    for (std::size_t c = 0; c < curves.size(); ++c) {
+      if (curves[c].name == reference_) return c;
+      names += (names.empty() ? "" : ", ") + curves[c].name;
+    }
+    throw std::invalid_argument("--reference " + io::quoted(reference_) + " is no curve; there are " + names);
   }
 
   int run() override {
@@ -119,15 +159,22 @@ class JointFit : public Command {
     }
     if (!same_unit) run.value_unit.clear();
     run.options = options().entries({"--component", "--weight", "--realisation", "--band", "--poles", "--sample-time",
-                                     "--memory", "--seed", "--by"});
+                                     "--memory", "--seed", "--by", "--loss", "--shift"});
     run.options.emplace_back("where", where_text(request_));
-    std::string laws;
-    for (const auto& law : fit_.laws) laws += (laws.empty() ? "" : "; ") + law;
-    if (!laws.empty()) run.options.emplace_back("laws", laws);
+    if (!fit_.laws.empty()) run.options.emplace_back("laws", joined(fit_.laws));
+    if (!parameters_.prior.empty()) run.options.emplace_back("priors", joined(parameters_.prior));
+    if (!parameters_.order.empty()) run.options.emplace_back("constraints", joined(parameters_.order));
+    if (fit_.shift) {
+      fit_.shift->reference = reference_of(curves);
+      run.options.emplace_back("reference", curves.at(fit_.shift->reference).name);
+    }
     const auto result = frac::joint_fit(curves, frac::Structure(chosen_.formula), fit_);
     write(format() == "json"  ? joint_fit_json(run, result)
           : format() == "csv" ? joint_fit_csv(run, result)
                               : joint_fit_table(run, result));
+    if (master_file_ && !result.curves.empty())
+      master_file_->write(master_curve_csv(run, result, curves, fit_.fit.realisation));
+    if (drawing_ && !result.curves.empty()) drawing_->write(master_curve_figure(result, curves, fit_.fit.realisation));
     if (result.usable()) return usable_result;
     say("no usable result: " + result.message);
     return no_usable_result;
@@ -136,7 +183,9 @@ class JointFit : public Command {
   FitRequest request_;
   std::vector<std::string> data_, derive_;
   std::vector<frac::DerivedQuantity> quantities_;
-  std::string model_, shared_, each_;
+  std::string model_, shared_, each_, shift_, reference_, master_, picture_;
+  std::optional<report::PictureFile> drawing_;
+  std::optional<io::OutputFile> master_file_;
   ParameterOptions parameters_;
   frac::NamedModel chosen_{};
   frac::JointFitOptions fit_{};

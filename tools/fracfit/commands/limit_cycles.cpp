@@ -146,6 +146,8 @@ class LimitCyclesCommand : public Command {
   }
 
   int run() override {
+    // What is wrong with the loop is told before anything is made.
+    static_cast<void>(over_.values.empty() ? loop_.loop() : loop_.loop(over_.name, over_.values.front()));
     if (!pictures_.empty()) make_picture_folder(pictures_);
     std::vector<LoopCycles> loops;
     if (over_.values.empty()) {

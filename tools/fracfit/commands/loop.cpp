@@ -128,6 +128,9 @@ class LoopCommand : public Command {
           std::string(options_of_run_.whole_memory ? "with the whole memory" : "with a dead time"));
     }
     if (history.end == backlash::LoopEnd::most_impacts) say("ended early, at the most impacts allowed");
+    if (history.end == backlash::LoopEnd::most_flights)
+      say("ended early: the loop moves too fast for --duration " + io::format_number(options_of_run_.duration) +
+          ", of which it was followed to " + io::format_number(history.end_time) + " s");
     if (history.end == backlash::LoopEnd::diverged) say("ended early: the motion grows without bound");
     if (history.realisation_error > 10 * options_of_run_.tolerance) {
       say("the exponentials of the fractional powers err by " + short_number(history.realisation_error) +

@@ -50,9 +50,7 @@ class Respond : public Command {
               "Instants, s: FROM:TO:COUNT, FROM:TO:COUNTlog or a list; with a file, those of the file if not given",
               "GRID")
         .needed_with({"--input", {"step", "impulse", "ramp", "sine"}});
-    o.text("--hold", hold_, "of a file")
-        .one_of({"zero-order", "first-order"})
-        .not_with({"--input", {"step", "impulse", "ramp", "sine"}});
+    o.choice("--hold", hold_, frac::holds(), "of a file").not_with({"--input", {"step", "impulse", "ramp", "sine"}});
     o.choice("--method", method_, frac::response_methods(),
              "auto takes the cheaper of reference and exponential-sum that meets the tolerance");
     o.number("--tolerance", tolerance_,
@@ -79,8 +77,7 @@ class Respond : public Command {
     io::TimeSeries series = io::read_input_signal(input_);
     for (const auto& note : series.notes) say(input_ + ": " + note);
     if (time_.empty()) time_ = series.time;
-    return frac::SampledInput{std::move(series.time), std::move(series.input),
-                              hold_ == "first-order" ? frac::Hold::first_order : frac::Hold::zero_order};
+    return frac::SampledInput{std::move(series.time), std::move(series.input), hold_};
   }
 
   int run() override {
@@ -110,7 +107,8 @@ class Respond : public Command {
   }
 
   std::optional<frac::FractionalTransferFunction> model_;
-  std::string input_ = "step", hold_ = "zero-order";
+  std::string input_ = "step";
+  frac::Hold hold_ = frac::Hold::zero_order;
   double omega_ = NAN, tolerance_ = 1e-9;
   std::vector<double> time_;
   frac::ResponseMethod method_ = frac::ResponseMethod::automatic;

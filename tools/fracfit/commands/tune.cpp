@@ -5,10 +5,13 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
+#include <string>
 
 #include "backlash/design/tune_with_backlash.hpp"
 #include "commands/subcommand.hpp"
+#include "frac/identification/lack_of_fit.hpp"
 #include "frac/identification/robust_tune.hpp"
 #include "frac/identification/time_fit.hpp"
 #include "io/data_error.hpp"
@@ -90,10 +93,10 @@ Json region_json(const frac::RobustTuningResult& region) {
           {"plants", region.plants},
           {"not_stable", region.not_stable},
           {"max_sensitivity", region.max_sensitivity},
-          {"max_complementary_sensitivity", region.max_complementary},
+          {"max_complementary_sensitivity", region.max_complementary_sensitivity},
           {"least_phase_margin_deg", region.least_phase_margin / degree},
-          {"crossover_lowest", region.crossover[0]},
-          {"crossover_highest", region.crossover[1]}};
+          {"crossover_lowest", region.lowest_crossover},
+          {"crossover_highest", region.highest_crossover}};
 }
 
 Json motion_json(const backlash::PersistentMotion& motion) {
@@ -183,9 +186,10 @@ std::string region_table(const frac::RobustTuningResult& region) {
   AlignedTable table({"plants of the 95 % region", "worst"});
   table.add({"loops that are not stable", std::to_string(region.not_stable) + " of " + std::to_string(region.plants)});
   table.add({"max |S|", short_number(region.max_sensitivity)});
-  table.add({"max |T|", short_number(region.max_complementary)});
+  table.add({"max |T|", short_number(region.max_complementary_sensitivity)});
   table.add({"phase margin, deg", short_number(region.least_phase_margin / degree)});
-  table.add({"crossover, rad/s", short_number(region.crossover[0]) + " to " + short_number(region.crossover[1])});
+  table.add(
+      {"crossover, rad/s", short_number(region.lowest_crossover) + " to " + short_number(region.highest_crossover)});
   return "\n" + table.text() + "\n" + paragraph(region.message);
 }
 
@@ -216,7 +220,9 @@ class Tune : public Command {
         .names_input();
     o.text("--from-relay", relay_,
            "Plant from samples of input and output (columns time_s,input,output) of a relay experiment or any other: a "
-           "lag, a fractional lag or a second order, each with dead time, whichever explains them best; then as --fit",
+           "lag, a fractional lag, a second order or an integrator with lag, each with dead time, whichever explains "
+           "them "
+           "best; then as --fit",
            "FILE")
         .names_input();
     o.number("--clearance", clearance_,
@@ -269,23 +275,41 @@ class Tune : public Command {
   }
 
  private:
-  // Of the plants that relay experiments are described by, the one with the best evidence.
+  // Of the plants that relay experiments are described by, the one with the best evidence of those whose parameters the
+  // record tells.
   [[nodiscard]] frac::FitResult fit_of_relay() const {
     const frac::TimeResponseData data = io::time_response_data(relay_, io::read_time_response(relay_));
+    const auto is_told = [](const frac::FitResult& fit) {
+      return std::ranges::all_of(fit.parameters, [](const auto& each) { return std::isfinite(each.standard_error); });
+    };
     std::optional<frac::FitResult> best;
-    for (const char* formula :
-         {"K exp(-L s)/(T s + 1)", "K exp(-L s)/(T s^a + 1)", "K exp(-L s)/(T2 s^2 + T1 s + 1)"}) {
+    for (const char* formula : {"K exp(-L s)/(T s + 1)", "K exp(-L s)/(T s^a + 1)", "K exp(-L s)/(T2 s^2 + T1 s + 1)",
+                                "K exp(-L s)/(T s^2 + s)"}) {
       frac::FitResult fit = frac::fit(data, frac::Structure(formula));
-      if (fit.usable() && (!best || fit.aicc < best->aicc)) best = std::move(fit);
+      if (!fit.usable()) continue;
+      const bool is_better = !best || (is_told(fit) == is_told(*best) ? fit.aicc < best->aicc : is_told(fit));
+      if (is_better) best = std::move(fit);
     }
     if (!best)
       throw io::DataError(relay_, 0, 0, "shows no plant: neither a lag nor a second order with dead time follows it");
     return *best;
   }
 
+  // A region tells nothing of a plant of another kind than was fitted.
+  [[nodiscard]] std::string misfit_of_relay(const frac::FitResult& fit) const {
+    const frac::TimeResponseData data = io::time_response_data(relay_, io::read_time_response(relay_));
+    const frac::LackOfFit lack = frac::lack_of_fit(data, frac::TimeFitOptions{}, fit);
+    if (lack.adequate) return {};
+    return " But no plant that was tried follows the record to within its noise, so that the true one may lie outside "
+           "of "
+           "the region.";
+  }
+
   int run_for_region() {
     const frac::FitResult fit = fit_.empty() ? fit_of_relay() : read_fit(fit_);
-    const frac::RobustTuningResult result = frac::tune_for_region(fit, asked_, tuning_);
+    frac::RobustTuningResult result = frac::tune_for_region(fit, asked_, tuning_);
+    const std::string misfit = fit_.empty() ? misfit_of_relay(fit) : "";
+    result.message += misfit;
     const std::string plant = frac::fitted_plant(fit).formula();
     if (format() == "json") {
       Json json = tuning_json(result.nominal, plant, command_line());
@@ -295,9 +319,8 @@ class Tune : public Command {
     } else {
       write(tuning_table(result.nominal, plant, result.nominal.message) + region_table(result));
     }
-    if (result.usable()) return usable_result;
-    say(result.message);
-    return no_usable_result;
+    if (!result.usable() || (!misfit.empty() && format() != "table")) say(result.message);
+    return result.usable() ? usable_result : no_usable_result;
   }
 
   [[nodiscard]] backlash::BacklashPlant bodies() const {

@@ -11,6 +11,7 @@
 #include "commands/subcommand.hpp"
 #include "options/data_options.hpp"
 #include "options/measured_curves.hpp"
+#include "output/aligned_table.hpp"
 #include "output/document.hpp"
 #include "report/picture.hpp"
 
@@ -26,6 +27,12 @@ struct Judged {
 std::string frequencies(const Judged& judged, const std::vector<std::size_t>& points) {
   std::string text;
   for (const std::size_t i : points) text += (text.empty() ? "" : " ") + io::format_number(judged.data.omega()[i]);
+  return text;
+}
+
+std::string short_frequencies(const Judged& judged, const std::vector<std::size_t>& points) {
+  std::string text;
+  for (const std::size_t i : points) text += (text.empty() ? "" : ", ") + short_number(judged.data.omega()[i]);
   return text;
 }
 
@@ -67,24 +74,33 @@ class Validate : public Command {
     add_file_options(o, how_);
     add_select(o, how_);
     o.number("--level", level_, "Chance that data without a fault are not called valid, between 0 and 1", "P");
+    o.number(
+        "--accuracy", accuracy_,
+        "Systematic error that the instrument may have, as share of the response; departures within it are no fault",
+        "SHARE");
     o.text("--picture", picture_, "A picture beside the result, SVG or PNG by its ending; here the residuals", "FILE");
     add_common({"csv", "json", "table"});
     set_footer(
         "Real and imaginary part of a linear, causal, stable, steady response belong together (Kramers, Kronig).  The\n"
         "best sum of poles, their number told by evidence, is such a response; what it leaves must be noise.\n"
-        "Verdicts: valid; suspect (outliers or mains, the other points are consistent); invalid (drift, or residuals\n"
+        "Verdicts: valid; suspect (outliers or mains, the other points are consistent); invalid (drift, step, or "
+        "residuals\n"
         "that follow each other); undecided (band, points or noise leave too little to judge by; exit code 1 if all "
         "are).\n"
         "A response that depends on amplitude but stays the same during the sweep can pass.\n"
         "Examples:\n"
         "  fracfit validate cell.DTA --format table\n"
         "  fracfit validate sweep1.mpt sweep2.mpt --out validity.csv\n"
+        "  fracfit validate film.csv --accuracy 0.01\n"
         "  fracfit validate cell.csv --picture residuals.svg");
   }
 
  private:
   void check() override {
-    if (!(level_ > 0 && level_ < 1)) throw std::invalid_argument("--level must be between 0 and 1");
+    if (!(level_ >= 1e-15 && level_ < 1))
+      throw std::invalid_argument("--level " + io::format_number(level_) + ": allowed is 1e-15 up to 1");
+    if (!(accuracy_ >= 0 && accuracy_ < 1))
+      throw std::invalid_argument("--accuracy " + io::format_number(accuracy_) + ": allowed is 0 up to 1");
     if (picture_.empty()) return;
     try {
       drawing_.emplace(picture_, files_);
@@ -99,17 +115,36 @@ class Validate : public Command {
       auto curves = read_curves(file, how_);
       for (const auto& note : notes_of(curves)) say(file + ": " + note);
       for (auto& curve : curves) {
-        auto result = frac::validate(curve.file.data, {level_});
+        auto result = frac::validate(curve.file.data, {level_, accuracy_});
         all.push_back({file, curve.name, std::move(curve.file.data), std::move(result)});
       }
     }
     Document document;
     document.head.emplace_back("level", io::format_number(level_));
+    document.head.emplace_back("accuracy", io::format_number(accuracy_));
     auto& columns = document.rows.columns;
-    columns = {"file",       "curve",           "validity",         "points",         "decades",
-               "noise",      "noise_floor",     "noise_slope",      "correlation",    "drift",
-               "drift_law",  "drift_deviation", "detectable_drift", "outliers_rad_s", "mains_rad_s",
-               "real_poles", "pole_pairs"};
+    columns = {"file",
+               "curve",
+               "validity",
+               "points",
+               "decades",
+               "noise",
+               "noise_floor",
+               "noise_slope",
+               "correlation",
+               "drift",
+               "drift_law",
+               "drift_deviation",
+               "detectable_drift",
+               "outliers_rad_s",
+               "mains_rad_s",
+               "real_poles",
+               "pole_pairs",
+               "step",
+               "step_deviation",
+               "step_below_rad_s",
+               "step_above_rad_s",
+               "largest_residual"};
     for (const auto& finding : all.front().result.findings) {
       std::string name(to_string(finding.test));
       std::replace(name.begin(), name.end(), '-', '_');
@@ -121,13 +156,28 @@ class Validate : public Command {
       const Judged& judged = all[row];
       const auto& result = judged.result;
       const auto& omega = judged.data.omega();
-      cells.insert(
-          cells.end(),
-          {judged.file, judged.curve, std::string(to_string(result.validity)), static_cast<std::int64_t>(omega.size()),
-           std::log10(omega.back() / omega.front()), result.noise, result.noise_floor, result.noise_slope,
-           result.correlation, result.drift, std::string(to_string(result.drift_law)), result.drift_deviation,
-           result.detectable_drift, frequencies(judged, result.outliers), frequencies(judged, result.mains),
-           static_cast<std::int64_t>(result.real_poles), static_cast<std::int64_t>(result.pole_pairs)});
+      cells.insert(cells.end(), {judged.file,
+                                 judged.curve,
+                                 std::string(to_string(result.validity)),
+                                 static_cast<std::int64_t>(omega.size()),
+                                 std::log10(omega.back() / omega.front()),
+                                 result.noise,
+                                 result.noise_floor,
+                                 result.noise_slope,
+                                 result.correlation,
+                                 result.drift,
+                                 std::string(to_string(result.drift_law)),
+                                 result.drift_deviation,
+                                 result.detectable_drift,
+                                 frequencies(judged, result.outliers),
+                                 frequencies(judged, result.mains),
+                                 static_cast<std::int64_t>(result.real_poles),
+                                 static_cast<std::int64_t>(result.pole_pairs),
+                                 result.step,
+                                 result.step_deviation,
+                                 result.step_below,
+                                 result.step_above,
+                                 result.largest_residual});
       for (const auto& finding : result.findings) cells.emplace_back(finding.p_value);
       cells.emplace_back(result.summary());
     };
@@ -144,7 +194,8 @@ class Validate : public Command {
     for (const auto& each : all) {
       text += each.file + (each.curve.empty() ? "" : ", " + each.curve) + ": " + each.result.summary() + "\n";
       for (const auto& [points, name] : {std::pair{&each.result.outliers, "outliers"}, {&each.result.mains, "mains"}})
-        if (!points->empty()) text += std::string("  ") + name + " at rad/s: " + frequencies(each, *points) + "\n";
+        if (!points->empty())
+          text += std::string("  ") + name + " at rad/s: " + short_frequencies(each, *points) + "\n";
     }
     return text;
   }
@@ -165,6 +216,7 @@ class Validate : public Command {
   std::vector<std::string> files_;
   io::MeasurementOptions how_;
   double level_ = 0.05;
+  double accuracy_ = frac::ValidationOptions{}.accuracy;
   std::string picture_;
   std::optional<report::PictureFile> drawing_;
 };

@@ -7,12 +7,22 @@
 #include <cstdio>
 #include <filesystem>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
+
+#include "io/data_error.hpp"
 
 namespace fracfit {
 
 void complain(const std::string& message) {
-  std::fprintf(stderr, "fracfit: %s\n", message.c_str());
+  // Names of files may hold anything, bytes that command the terminal too; only our own messages have several lines.
+  std::string text;
+  for (std::size_t begin = 0; begin <= message.size();) {
+    const std::size_t end = std::min(message.find('\n', begin), message.size());
+    text += (begin > 0 ? "\n" : "") + io::printable(std::string_view(message).substr(begin, end - begin));
+    begin = end + 1;
+  }
+  std::fprintf(stderr, "fracfit: %s\n", text.c_str());
 }
 
 Command::Command(std::string name, std::string about) : name_(std::move(name)), about_(std::move(about)) {}

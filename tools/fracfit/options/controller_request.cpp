@@ -16,7 +16,7 @@ bool is_power(const frac::FractionalTransferFunction& model) {
   return model.numerator().size() == 1 && model.denominator().size() == 1 && model.delay() == 0;
 }
 
-// Those that give sections, which a controller is made of.
+// Discretisations that give sections, which a controller is made of.
 std::vector<frac::Discretisation> section_discretisations() {
   const auto all = frac::discretisations();
   std::vector<frac::Discretisation> some(all.begin(), all.end());

@@ -2,10 +2,12 @@
 #include "options/model_choice.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <utility>
 
+#include "frac/identification/constraints.hpp"
 #include "io/data_error.hpp"
 #include "io/number.hpp"
 #include "options/misspelling.hpp"
@@ -29,8 +31,10 @@ struct Assignment {
 Assignment assignment(std::string_view option, const std::string& text) {
   const auto equals = text.find('=');
   if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
-    throw std::invalid_argument(std::string(option) + " " + io::quoted(text) +
-                                ": expected NAME=" + (option == "--bound" ? "LOW:HIGH" : "VALUE"));
+    throw std::invalid_argument(std::string(option) + " " + io::quoted(text) + ": expected NAME=" +
+                                (option == "--bound"   ? "LOW:HIGH"
+                                 : option == "--prior" ? "VALUE+-DEVIATION"
+                                                       : "VALUE"));
   return {text.substr(0, equals), text.substr(equals + 1)};
 }
 
@@ -42,11 +46,45 @@ double limit(const std::string& text, const std::string& whole) {
   return *value;
 }
 
-frac::ParameterConstraint& constraint_of(std::vector<frac::ParameterConstraint>& constraints, const std::string& name) {
-  for (auto& constraint : constraints)
-    if (constraint.name == name) return constraint;
-  constraints.push_back({name, {}, {}, {}, {}});
-  return constraints.back();
+/// "0.5+-0.1", "10+-5%", with the sign for plus or minus in place of +- where that is at hand.
+frac::ParameterPrior prior_of(const std::string& text, const std::string& whole) {
+  const auto refuse = [&](const std::string& reason) {
+    throw std::invalid_argument("--prior " + io::quoted(whole) + ": " + reason +
+                                "; expected NAME=VALUE+-DEVIATION or NAME=VALUE+-SHARE%");
+  };
+  std::size_t sign = text.find("+-");
+  if (sign == std::string::npos) sign = text.find("\xc2\xb1");
+  if (sign == std::string::npos) refuse("it has no +-");
+  std::string deviation = text.substr(sign + 2);  // either sign has two bytes
+  const bool relative = !deviation.empty() && deviation.back() == '%';
+  if (relative) deviation.pop_back();
+  const auto number = [&](std::string part) {
+    std::erase(part, ' ');
+    const auto value = io::parse_number(part);
+    if (!value || !std::isfinite(*value)) refuse(io::quoted(part) + " is no number");
+    return *value;
+  };
+  const double value = number(text.substr(0, sign)), width = number(deviation);
+  if (!(width > 0)) refuse("the deviation must be positive");
+  if (relative && !(value > 0)) refuse("only a positive value has a deviation in per cent");
+  return {value, relative ? width / 100 : width, relative};
+}
+
+/// The names of a chain "A<B<C".
+std::vector<std::string> chain_of(const std::string& text) {
+  std::vector<std::string> names;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const auto end = std::min(text.find('<', begin), text.size());
+    std::string name = text.substr(begin, end - begin);
+    std::erase(name, ' ');
+    if (name.empty() || name.front() == '=')
+      throw std::invalid_argument("--constraint " + io::quoted(text) + ": expected names with < between them");
+    names.push_back(std::move(name));
+    begin = end + 1;
+  }
+  if (names.size() < 2)
+    throw std::invalid_argument("--constraint " + io::quoted(text) + ": expected names with < between them");
+  return names;
 }
 
 }  // namespace
@@ -55,6 +93,17 @@ void add_parameter_options(Options& options, ParameterOptions& given) {
   options.texts("--bound", given.bound);
   options.texts("--fix", given.fix);
   options.texts("--start", given.start);
+}
+
+void add_prior_options(Options& options, ParameterOptions& given) {
+  options.texts("--prior", given.prior);
+  options.texts("--constraint", given.order);
+}
+
+std::string joined(const std::vector<std::string>& texts) {
+  std::string text;
+  for (const auto& each : texts) text += (text.empty() ? "" : "; ") + each;
+  return text;
 }
 
 frac::NamedModel chosen_model(const std::string& given) {
@@ -93,7 +142,7 @@ std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& mo
   auto constraints = model.constraints;
   for (const auto& text : given.fix) {
     const auto [name, value] = assignment("--fix", text);
-    auto& constraint = constraint_of(constraints, name);
+    auto& constraint = frac::constraint_of(constraints, name);
     if (constraint.fixed) throw std::invalid_argument("--fix " + io::quoted(text) + ": " + name + " is fixed twice");
     // Limits and a start are the model's own here: those of the user come below.
     constraint = {name, number_of("--fix " + name, value), {}, {}, {}};
@@ -101,7 +150,7 @@ std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& mo
   for (const auto& text : given.bound) {
     const auto [name, range] = assignment("--bound", text);
     const auto [lower, upper] = pair_of("--bound", range);
-    auto& constraint = constraint_of(constraints, name);
+    auto& constraint = frac::constraint_of(constraints, name);
     const bool free_of_limits = lower.empty() && upper.empty();
     constexpr double infinity = std::numeric_limits<double>::infinity();
     if (!lower.empty() || free_of_limits) constraint.lower = free_of_limits ? -infinity : limit(lower, text);
@@ -109,7 +158,25 @@ std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& mo
   }
   for (const auto& text : given.start) {
     const auto [name, value] = assignment("--start", text);
-    constraint_of(constraints, name).start = number_of("--start " + name, value);
+    frac::constraint_of(constraints, name).start = number_of("--start " + name, value);
+  }
+  for (const auto& text : given.prior) {
+    auto [name, value] = assignment("--prior", text);
+    std::erase(name, ' ');
+    auto& constraint = frac::constraint_of(constraints, name);
+    if (constraint.fixed) throw std::invalid_argument("--prior " + io::quoted(text) + ": " + name + " is fixed");
+    if (constraint.prior) throw std::invalid_argument("--prior " + io::quoted(text) + ": " + name + " has one already");
+    constraint.prior = prior_of(value, text);
+  }
+  for (const auto& text : given.order) {
+    const auto names = chain_of(text);
+    for (std::size_t i = 1; i < names.size(); ++i) {
+      auto& constraint = frac::constraint_of(constraints, names[i]);
+      if (!constraint.above.empty())
+        throw std::invalid_argument("--constraint " + io::quoted(text) + ": " + names[i] + " is above " +
+                                    constraint.above + " already; write one chain, A<B<C");
+      constraint.above = names[i - 1];
+    }
   }
   return constraints;
 }

@@ -21,12 +21,19 @@ class Options;
 
 /// What the user says of parameters on the command line.
 struct ParameterOptions {
-  std::vector<std::string> fix;    // NAME=VALUE
-  std::vector<std::string> bound;  // NAME=LOW:HIGH, one side may be left out
-  std::vector<std::string> start;  // NAME=VALUE
+  std::vector<std::string> fix;         // NAME=VALUE
+  std::vector<std::string> bound;       // NAME=LOW:HIGH, one side may be left out
+  std::vector<std::string> start;       // NAME=VALUE
+  std::vector<std::string> prior = {};  // NAME=VALUE+-DEVIATION, or NAME=VALUE+-SHARE%
+  std::vector<std::string> order = {};  // A<B, or longer chains
 };
 /// --bound, --fix and --start.
 void add_parameter_options(Options& options, ParameterOptions& given);
+/// --prior and --constraint.
+void add_prior_options(Options& options, ParameterOptions& given);
+
+/// A list of these texts as the entry that outputs show.
+[[nodiscard]] std::string joined(const std::vector<std::string>& texts);
 
 /// The model's own constraints with the user's put over them.
 /// @throws std::invalid_argument  naming option, text and what is expected.

@@ -85,7 +85,6 @@ std::string shell_quoted(const std::string& text) {
 }
 
 io::Shard shard_of(std::string_view name, const std::string& text) {
-  if (text.empty()) return {};
   const auto slash = text.find('/');
   if (text.substr(0, slash) == "auto") {
     try {
@@ -313,6 +312,9 @@ void Options::interpret() {
   for (Option& option : options_) {
     if (option.kind_ == Option::Kind::value && option.given.size() > 1) refuse(option.name() + " is given twice");
     for (const std::string& text : option.given) {
+      // As from a variable of a script that is not set: left out without a word, the result would be another one.
+      if (text.empty() && option.kind_ != Option::Kind::flag)
+        refuse(option.name() + " '': the value is empty; expected " + option.type_);
       if (option.only_words_ && std::find(option.words_.begin(), option.words_.end(), text) == option.words_.end())
         refuse(option.name() + ": " + io::quoted(text) + " is not allowed; expected " + either(option.words_) +
                suggestion(text, option.words_));

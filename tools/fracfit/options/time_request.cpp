@@ -35,9 +35,7 @@ std::vector<io::SampleFilter> filters_of(const FitRequest& request) {
 }  // namespace
 
 void add_time_options(Options& options, TimeRequest& request) {
-  options.text("--hold", request.hold, "of samples over time")
-      .one_of({"zero-order", "first-order"})
-      .only_for(samples_over_time);
+  options.choice("--hold", request.hold, frac::holds(), "of samples over time").only_for(samples_over_time);
   options
       .text("--offset", request.offset,
             "Samples over time: what the output shows at rest, free (estimated) or a number", "VALUE")
@@ -81,7 +79,6 @@ frac::TimeFitOptions time_fit_options(const FitRequest& request, const TimeReque
 
 TimeRecord read_time_record(const FitRequest& request, const TimeRequest& over_time, Options& options,
                             const std::function<void(const std::string&)>& note) {
-  const frac::Hold hold = over_time.hold == "first-order" ? frac::Hold::first_order : frac::Hold::zero_order;
   io::TimeSeries series = io::read_time_response(request.data, filters_of(request));
   for (const auto& text : series.notes) note(request.data + ": " + text);
   const std::string weight = weight_of(request, options["--weight"].is_given(), series);
@@ -90,7 +87,7 @@ TimeRecord read_time_record(const FitRequest& request, const TimeRequest& over_t
   std::vector<std::size_t> index = std::move(series.kept);
   io::Metadata header = std::move(series.metadata);
   const frac::TimeResponseData data =
-      io::time_response_data(request.data, std::move(series), hold, over_time.input_at_rest);
+      io::time_response_data(request.data, std::move(series), over_time.hold, over_time.input_at_rest);
   if (index.empty()) throw io::DataError(request.data, 0, 0, "no sample satisfies --where");
   return {data.observed_at(std::move(index)), std::move(header)};
 }

@@ -12,7 +12,8 @@ namespace fracfit {
 
 /// Options that concern samples over time alone.
 struct TimeRequest {
-  std::string hold = "zero-order", offset = "free";
+  frac::Hold hold = frac::Hold::zero_order;
+  std::string offset = "free";
   double input_at_rest = 0;
   bool trend = false, earlier_input = false;
 };

@@ -44,6 +44,10 @@ const Meaning& meaning_of(std::string_view name) {
       {"--fix", "NAME=VALUE", "Hold a parameter at a value; repeatable"},
       {"--bound", "NAME=LOW:HIGH", "Limits of a parameter, one side may be left out; repeatable"},
       {"--start", "NAME=VALUE", "Start a parameter at a value; repeatable"},
+      {"--prior", "PRIOR",
+       "What is known of a parameter beside the data, as a normal distribution NAME=VALUE+-DEVIATION, or "
+       "NAME=VALUE+-SHARE% of its logarithm; repeatable"},
+      {"--constraint", "ORDER", "Parameters of one kind in rising order, e.g. 'Q1<Q2'; repeatable"},
       {"--derive", "DEFINITION",
        "Quantity computed from the parameters, with its interval, e.g. 'f1 = (R1 Q1)^(-1/n1)/(2 pi)'; repeatable"},
       {"--where", "TEST", "Use only points that satisfy a comparison with a number; repeatable"},

@@ -19,28 +19,19 @@ constexpr const char* recursion =
     "+ sum weight (x - rate v) "
     "(output: change), v from before the update";
 
-template <typename Rates>
-Json sections_json(const Rates& rates, const Rates& weights, std::size_t count) {
+Json sections_json(const frac::ParallelSections& design) {
   Json sections = Json::array();
-  for (std::size_t i = 0; i < count; ++i) {
-    sections.push_back({{"rate", rates[i]}, {"weight", weights[i]}});
+  for (std::size_t i = 0; i < design.rates.size(); ++i) {
+    sections.push_back({{"rate", design.rates[i]}, {"weight", design.weights[i]}});
   }
   return sections;
 }
 
-template <typename Taps>
-Json taps_json(const Taps& taps, std::size_t count) {
-  Json list = Json::array();
-  for (std::size_t k = 0; k < count; ++k) list.push_back(taps[k]);
-  if (list.size() == 0) list.push_back(1);
-  return list;
-}
-
-Json operator_json(const frac::PidOperator& design, double order, double error) {
+Json part_json(const frac::PidFilter& filter, double order, double error) {
   return {{"filter_order", order},
-          {"taps", taps_json(design.taps, design.tap_count)},
-          {"output", output_name(design.output)},
-          {"direct", design.direct},
+          {"taps", filter.taps.empty() ? Json{1} : Json(filter.taps)},
+          {"output", output_name(filter.sections.output)},
+          {"direct", filter.sections.direct},
           {"max_relative_error", error}};
 }
 
@@ -64,7 +55,7 @@ std::string formula(const frac::FractionalPidGains& gains) {
 }
 
 bool has_band(const frac::FractionalPidDesign& design) {
-  return design.integral().sections + design.derivative().sections > 0;
+  return !design.integral().sections.rates.empty() || !design.derivative().sections.rates.empty();
 }
 
 }  // namespace
@@ -80,17 +71,15 @@ std::string controller_json(const frac::FractionalPidDesign& design, const std::
   json["discretisation"] = frac::to_string(config.discretisation);
   json["note"] = design.note();
   json["recursion"] = recursion;
-  json["integral"] = operator_json(design.integral(), gains.ki == 0 ? 0 : 1 - gains.lambda, design.integral_error());
+  json["integral"] = part_json(design.integral(), gains.ki == 0 ? 0 : 1 - gains.lambda, design.integral_error());
   json["integral"]["then"] = "trapezoidal integrator T/2 (z + 1)/(z - 1)";
   const Json before = gains.mu < 1 ? "lag by the backward rule, y += T/(Tf + T) (x - y)"
                                    : "backward difference with lag, y_n = (Tf y_(n-1) + x_n - x_(n-1))/(Tf + T)";
-  json["derivative"] = operator_json(design.derivative(), derivative_filter_order(gains), design.derivative_error());
+  json["derivative"] = part_json(design.derivative(), derivative_filter_order(gains), design.derivative_error());
   json["derivative"]["after"] = before;
   json["derivative"]["filter_time"] = config.derivative_filter_time;
-  json["sections"] = {
-      {"integral", sections_json(design.integral().rates, design.integral().weights, design.integral().sections)},
-      {"derivative",
-       sections_json(design.derivative().rates, design.derivative().weights, design.derivative().sections)}};
+  json["sections"] = {{"integral", sections_json(design.integral().sections)},
+                      {"derivative", sections_json(design.derivative().sections)}};
   json["setpoint_weight"] = config.setpoint_weight;
   json["derivative_setpoint_weight"] = config.derivative_setpoint_weight;
   json["minimum"] = config.minimum;
@@ -112,10 +101,10 @@ std::string filter_json(const frac::DigitalFilterDesign& design, const std::stri
   json["dead_samples"] = design.dead_samples;
   json["differences"] = design.differences;
   json["states"] = design.states();
-  json["taps"] = taps_json(design.taps, design.taps.size());
+  json["taps"] = design.taps;
   json["output"] = output_name(design.sections.output);
   json["direct"] = design.sections.direct;
-  json["sections"] = sections_json(design.sections.rates, design.sections.weights, design.sections.rates.size());
+  json["sections"] = sections_json(design.sections);
   Json& pairs = json["pairs"] = Json::array();
   for (std::size_t i = 0; i < design.pair_rates.size(); ++i) {
     pairs.push_back({{"rate", {design.pair_rates[i].real(), design.pair_rates[i].imag()}},
@@ -133,10 +122,11 @@ std::string controller_table(const frac::FractionalPidDesign& design) {
   AlignedTable table({"", "filter", "sections", "taps", "largest error"});
   const auto filter = [&](double order) { return order == 0 ? std::string("none") : power_of_s(order); };
   table.add({"integral", filter(config.gains.ki == 0 ? 0 : 1 - config.gains.lambda),
-             std::to_string(design.integral().sections), std::to_string(design.integral().tap_count),
+             std::to_string(design.integral().sections.rates.size()), std::to_string(design.integral().taps.size()),
              short_number(design.integral_error())});
-  table.add({"derivative", filter(derivative_filter_order(config.gains)), std::to_string(design.derivative().sections),
-             std::to_string(design.derivative().tap_count), short_number(design.derivative_error())});
+  table.add({"derivative", filter(derivative_filter_order(config.gains)),
+             std::to_string(design.derivative().sections.rates.size()), std::to_string(design.derivative().taps.size()),
+             short_number(design.derivative_error())});
   text += table.text() + "\n";
   if (has_band(design)) {
     text += "band " + short_number(config.band.lower) + " .. " + short_number(config.band.upper) + " rad/s, " +

@@ -259,6 +259,13 @@ std::string remark_on(const frac::IdentificationResult& result, std::size_t rank
   return std::string(candidate.lack_of_fit.adequate ? "" : misses_the_data);
 }
 
+/// The remark with the other spellings of the model.
+std::string remark_with_spellings(const frac::IdentificationResult& result, std::size_t rank) {
+  std::string text = remark_on(result, rank);
+  for (const std::string& name : result.ranking[rank].also) text += (text.empty() ? "also " : ", also ") + name;
+  return text;
+}
+
 /// A reader compares the candidates that follow the data and the best of each class; of a long ranking the rest is
 /// named beneath the table.
 bool belongs_in_table(const frac::IdentificationResult& result, std::size_t rank) {
@@ -294,7 +301,7 @@ Json origin_of_fit(const FitRun& run) {
 std::string fit_table(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
   return "model      " + result.model + "\n" + reading(result.model) + heading(run) + "\n" +
          (statistics.growth ? growth_table(*statistics.growth) : "") + parameter_table(result) + "\n" +
-         derived_table(statistics.derived) + added_intervals(result, statistics) +
+         prior_table(result.priors) + derived_table(statistics.derived) + added_intervals(result, statistics) +
          residual_remarks(run, result, statistics) + closing(result);
 }
 
@@ -320,7 +327,7 @@ std::string identification_table(const FitRun& run, const frac::IdentificationRe
                                  short_number(candidate.delta_aicc),
                                  short_number(candidate.akaike_weight)};
     if (!prediction_rms.empty()) row.push_back(short_number(prediction_rms[i]));
-    row.push_back(remark);
+    row.push_back(remark_with_spellings(result, i));
     ranking.add(row);
   }
   const auto& chosen = result.ranking.at(result.chosen);
@@ -403,6 +410,10 @@ std::string fit_json(const FitRun& run, const frac::FitResult& result, const Fit
   append_fit(json, result);
   append_statistics(json, run, result, statistics);
   if (!statistics.derived.empty()) json["derived"] = derived_json(statistics.derived);
+  if (!result.priors.empty()) {
+    json["effective_parameters"] = result.effective_parameters;
+    append_priors(json["priors"] = Json::array(), result.priors);
+  }
   return json.dump() + "\n";
 }
 
@@ -411,7 +422,7 @@ std::string identification_json(const FitRun& run, const frac::IdentificationRes
   Json json = origin_of_fit(run);
   json["ranking"] = Json::array();
   for (const auto& candidate : result.ranking) {
-    Json ranked{{"name", candidate.name}, {"class", frac::to_string(candidate.model_class)}};
+    Json ranked{{"name", candidate.name}, {"class", frac::to_string(candidate.model_class)}, {"also", candidate.also}};
     append_fit(ranked, candidate.fit);
     ranked["delta_aicc"] = candidate.delta_aicc;
     ranked["akaike_weight"] = candidate.akaike_weight;

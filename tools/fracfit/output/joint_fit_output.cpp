@@ -2,6 +2,7 @@
 #include "output/joint_fit_output.hpp"
 
 #include <algorithm>
+#include <complex>
 
 #include "io/number.hpp"
 #include "output/aligned_table.hpp"
@@ -17,11 +18,14 @@ bool is_shared(const frac::JointFitResult& result, const std::string& name) {
                      [&](const frac::ParameterEstimate& each) { return each.name == name; });
 }
 
-/// Parameters of a curve that are its own.
+/// Parameters of a curve that are its own; of those that are held in some curves alone, the held ones too.
 std::vector<frac::ParameterEstimate> own_of(const frac::JointFitResult& result, const frac::JointCurveResult& curve) {
   std::vector<frac::ParameterEstimate> own;
-  for (const auto& parameter : curve.parameters)
-    if (!parameter.fixed && !is_shared(result, parameter.name)) own.push_back(parameter);
+  for (std::size_t i = 0; i < curve.parameters.size(); ++i) {
+    const bool is_free = std::any_of(result.curves.begin(), result.curves.end(),
+                                     [i](const auto& each) { return !each.parameters[i].fixed; });
+    if (is_free && !is_shared(result, curve.parameters[i].name)) own.push_back(curve.parameters[i]);
+  }
   return own;
 }
 
@@ -32,6 +36,18 @@ std::vector<frac::DerivedEstimate> derived_of(const JointRun& run, const frac::J
   std::vector<frac::DerivedEstimate> derived;
   for (const auto& each : run.derived) derived.push_back(each.at(values, curve.covariance, result.half_width));
   return derived;
+}
+
+/// Of shared parameters, and of each curve's own with the name of the curve.
+std::vector<frac::PriorEstimate> priors_of(const frac::JointFitResult& result) {
+  auto priors = result.priors;
+  for (const auto& curve : result.curves) {
+    for (auto prior : curve.priors) {
+      prior.name += " of " + curve.name;
+      priors.push_back(std::move(prior));
+    }
+  }
+  return priors;
 }
 
 std::string shared_table(const frac::JointFitResult& result) {
@@ -61,7 +77,7 @@ std::string curve_table(const JointRun& run, const frac::JointFitResult& result)
     std::string remark;
     for (const auto& parameter : own_of(result, curve)) {
       row.push_back(short_number(parameter.value));
-      row.push_back(short_number(result.half_width * parameter.standard_error));
+      row.push_back(parameter.fixed ? "-" : short_number(result.half_width * parameter.standard_error));
       if (const auto state = parameter_state(parameter); !state.empty())
         remark += (remark.empty() ? "" : ", ") + parameter.name + " " + state;
     }
@@ -84,12 +100,22 @@ std::string joint_fit_table(const JointRun& run, const frac::JointFitResult& res
   if (!run.value_unit.empty()) text += ", values in " + run.value_unit;
   text += "\nresiduals  " + std::string(io::find_value(run.options, "component").value_or("")) + ", " +
           std::string(io::find_value(run.options, "weight").value_or("")) + " weight\n";
-  if (const auto laws = io::find_value(run.options, "laws")) text += "laws       " + std::string(*laws) + "\n";
+  if (const auto loss = io::find_value(run.options, "loss"); loss && *loss != "none")
+    text.insert(text.size() - 1, ", " + std::string(*loss) + " loss");
+  const auto add_line = [&](const char* key, const char* label) {
+    if (const auto given = io::find_value(run.options, key)) text += label + std::string(*given) + "\n";
+  };
+  add_line("laws", "laws       ");
+  add_line("priors", "priors     ");
+  add_line("constraints", "order      ");
+  add_line("reference", "reference  ");
   text += "\n";
   if (!result.curves.empty())
     text += shared_table(result) + "\n" + curve_table(run, result) +
-            "+- is half of the 95 % interval; alone: rms where the curve shares nothing.\n\n";
-  text += "chance of curves that share to differ as these do " + short_number(result.sharing_p_value) + "\n";
+            "+- is half of the 95 % interval; alone: rms where the curve shares nothing.\n\n" +
+            prior_table(priors_of(result));
+  if (result.sharing_p_value == result.sharing_p_value)
+    text += "chance of curves that share to differ as these do " + short_number(result.sharing_p_value) + "\n";
   return text + paragraph(std::string(frac::to_string(result.termination)) + ": " + result.message + " " +
                           short_number(result.seconds) + " s.");
 }
@@ -134,6 +160,97 @@ std::string joint_fit_csv(const JointRun& run, const frac::JointFitResult& resul
   return text_of(document, "csv", run.command);
 }
 
+namespace {
+
+/// Parameters of the master curve: those of a curve with both shift factors at 1.
+std::vector<double> master_parameters(const frac::JointCurveResult& curve) {
+  std::vector<double> values;
+  for (const auto& parameter : curve.parameters) {
+    const bool shift = parameter.name == frac::horizontal_shift || parameter.name == frac::vertical_shift;
+    values.push_back(shift ? 1 : parameter.value);
+  }
+  return values;
+}
+
+double factor_of(const frac::JointCurveResult& curve, std::string_view name) {
+  for (const auto& parameter : curve.parameters)
+    if (parameter.name == name) return parameter.value;
+  return 1;
+}
+
+/// A curve on the master curve: frequencies, values, and what the fit says.
+struct Moved {
+  std::vector<double> omega;
+  std::vector<std::complex<double>> value, model;
+};
+Moved moved(const frac::JointFitResult& result, std::size_t c, const std::vector<frac::JointCurve>& curves,
+            const frac::Realisation& realisation) {
+  Moved all{curves[c].data.omega(), curves[c].data.value(), {}};
+  for (double& each : all.omega) each *= factor_of(result.curves[c], frac::horizontal_shift);
+  for (auto& each : all.value) each /= factor_of(result.curves[c], frac::vertical_shift);
+  all.model.resize(all.omega.size());
+  frac::Structure(result.model).response(master_parameters(result.curves[c]), all.omega, realisation, all.model);
+  return all;
+}
+
+}  // namespace
+
+std::string master_curve_csv(const JointRun& run, const frac::JointFitResult& result,
+                             const std::vector<frac::JointCurve>& curves, const frac::Realisation& realisation) {
+  struct Row {
+    std::size_t curve;
+    double measured, omega;
+    std::complex<double> value, model;
+  };
+  std::vector<Row> rows;
+  for (std::size_t c = 0; c < curves.size(); ++c) {
+    const Moved all = moved(result, c, curves, realisation);
+    for (std::size_t i = 0; i < all.omega.size(); ++i)
+      rows.push_back({c, curves[c].data.omega()[i], all.omega[i], all.value[i], all.model[i]});
+  }
+  std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.omega < b.omega; });
+  Document document{{{"formula", result.model}}, {{}, rows.size(), {}}};
+  document.rows.columns = {"omega", "re", "im", "curve", "omega_measured", "model_re", "model_im"};
+  document.rows.fill = [&](std::size_t i, std::vector<Cell>& cells) {
+    const Row& row = rows[i];
+    cells.insert(cells.end(), {row.omega, row.value.real(), row.value.imag(), result.curves[row.curve].name,
+                               row.measured, row.model.real(), row.model.imag()});
+  };
+  return text_of(document, "csv", run.command);
+}
+
+report::Figure master_curve_figure(const frac::JointFitResult& result, const std::vector<frac::JointCurve>& curves,
+                                   const frac::Realisation& realisation) {
+  report::Panel real{"", {"{/Symbol w} (rad/s)", true}, {"real part", true}},
+      imaginary{"", {"{/Symbol w} (rad/s)", true}, {"|imaginary part|", true}};
+  real.key = true;
+  std::vector<double> omega;
+  for (std::size_t c = 0; c < curves.size(); ++c) {
+    const Moved all = moved(result, c, curves, realisation);
+    omega.insert(omega.end(), all.omega.begin(), all.omega.end());
+    std::vector<double> re, im;
+    for (const auto& each : all.value) {
+      re.push_back(each.real());
+      im.push_back(std::abs(each.imag()));
+    }
+    const auto colour = report::family_colour(c, curves.size());
+    real.curves.push_back(report::make_curve(report::enhanced_escape(result.curves[c].name), colour,
+                                             report::Mark::open_points, all.omega, re));
+    imaginary.curves.push_back(report::make_curve("", colour, report::Mark::open_points, all.omega, im));
+  }
+  std::sort(omega.begin(), omega.end());
+  std::vector<std::complex<double>> model(omega.size());
+  frac::Structure(result.model).response(master_parameters(result.curves.front()), omega, realisation, model);
+  std::vector<double> re, im;
+  for (const auto& each : model) {
+    re.push_back(each.real());
+    im.push_back(std::abs(each.imag()));
+  }
+  real.curves.push_back(report::make_curve("master curve", "#000000", report::Mark::line, omega, re));
+  imaginary.curves.push_back(report::make_curve("", "#000000", report::Mark::line, omega, im));
+  return {"master", "", {std::move(real), std::move(imaginary)}};
+}
+
 std::string joint_fit_json(const JointRun& run, const frac::JointFitResult& result) {
   Json json = origin(run.command);
   json["options"] = object_of(run.options);
@@ -164,6 +281,12 @@ std::string joint_fit_json(const JointRun& run, const frac::JointFitResult& resu
   json["starts_at_best"] = result.starts_at_best;
   json["sharing_p_value"] = result.sharing_p_value;
   json["condition"] = result.condition;
+  if (!priors_of(result).empty()) {
+    json["effective_parameters"] = result.effective_parameters;
+    Json& priors = json["priors"] = Json::array();
+    append_priors(priors, result.priors);
+    for (const auto& curve : result.curves) append_priors(priors, curve.priors, curve.name);
+  }
   json["termination"] = frac::to_string(result.termination);
   json["message"] = result.message;
   json["seconds"] = result.seconds;

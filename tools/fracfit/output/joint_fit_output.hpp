@@ -7,6 +7,7 @@
 #include "frac/identification/derived.hpp"
 #include "frac/identification/joint_fit.hpp"
 #include "io/text_table.hpp"
+#include "report/figure.hpp"
 
 namespace fracfit {
 
@@ -26,6 +27,14 @@ struct JointRun {
 [[nodiscard]] std::string joint_fit_table(const JointRun& run, const frac::JointFitResult& result);
 /// Long form: a row per shared parameter, then a row per own parameter of each curve.
 [[nodiscard]] std::string joint_fit_csv(const JointRun& run, const frac::JointFitResult& result);
+/// Every point moved onto the master curve, with what the fit says there.
+/// @param curves  as measured
+[[nodiscard]] std::string master_curve_csv(const JointRun& run, const frac::JointFitResult& result,
+                                           const std::vector<frac::JointCurve>& curves,
+                                           const frac::Realisation& realisation);
+[[nodiscard]] report::Figure master_curve_figure(const frac::JointFitResult& result,
+                                                 const std::vector<frac::JointCurve>& curves,
+                                                 const frac::Realisation& realisation);
 [[nodiscard]] std::string joint_fit_json(const JointRun& run, const frac::JointFitResult& result);
 
 }  // namespace fracfit

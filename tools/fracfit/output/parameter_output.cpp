@@ -28,6 +28,37 @@ Json parameter_json(const frac::ParameterEstimate& parameter) {
           {"fixed", parameter.fixed}};
 }
 
+void append_priors(Json& list, const std::vector<frac::PriorEstimate>& priors, const std::string& curve) {
+  for (const auto& each : priors) {
+    Json& entry = list.push_back({{"name", each.name},
+                                  {"value", each.prior.value},
+                                  {"deviation", each.prior.deviation},
+                                  {"relative", each.prior.relative},
+                                  {"distance", each.distance},
+                                  {"conflict", each.conflict},
+                                  {"share", each.share}});
+    if (!curve.empty()) entry["curve"] = curve;
+  }
+}
+
+std::string prior_text(const frac::PriorEstimate& prior) {
+  const double shown = prior.prior.relative ? 100 * prior.prior.deviation : prior.prior.deviation;
+  return prior.name + " = " + short_number(prior.prior.value) + " +- " + short_number(shown) +
+         (prior.prior.relative ? " %" : "");
+}
+
+std::string prior_table(const std::vector<frac::PriorEstimate>& priors) {
+  if (priors.empty()) return {};
+  AlignedTable table({"prior", "estimate off by", "data off by", "prior tells"});
+  for (const auto& each : priors) {
+    table.add({prior_text(each), short_number(each.distance, 3), short_number(each.conflict, 3),
+               short_number(100 * each.share, 3) + " %"});
+  }
+  return table.text() +
+         "Estimates are off in standard deviations of the prior, data in those of both; beyond 2.6 they contradict "
+         "it.\n\n";
+}
+
 Json derived_json(const std::vector<frac::DerivedEstimate>& derived) {
   Json list = Json::array();
   for (const auto& each : derived)

@@ -36,10 +36,10 @@ struct SweepTable {
   io::Shard shard;
 };
 
-/// Of the curves of one scene over restitution, with all columns of a point.
+/// Table of the curves of one scene over restitution, with all columns of a point.
 [[nodiscard]] SweepTable map_table(const backlash::MapScene& scene, const std::vector<double>& restitution,
                                    const backlash::SweepOptions& options, const io::Shard& shard);
-/// Of one curve, or of several told apart by force, clearance and restitution.
+/// Table of one curve, or of several told apart by force, clearance and restitution.
 /// @param all   scenes of all shards
 /// @param part  those of this one
 [[nodiscard]] SweepTable sweep_table(const std::vector<backlash::SweepScene>& all,

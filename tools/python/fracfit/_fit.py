@@ -100,7 +100,7 @@ class FitResult:
 
     def summary(self) -> str:
         """A few lines for a person."""
-        return self._values["summary"]
+        return _fitting.summary(self._values)
 
     def predict(self, omega: Any = None) -> np.ndarray:
         """Fitted values: at frequencies (rad/s, any order), or of a record over time at its own instants."""

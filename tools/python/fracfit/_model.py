@@ -30,13 +30,14 @@ class _Record:
 
     __hash__ = None  # type: ignore[assignment]
 
+    def _rows(self) -> list[tuple[str, str]]:
+        return [(name, _shown(value)) for name, value in self.__dict__.items() if name != "summary" and not _is_empty(value)]
+
     def __repr__(self) -> str:
-        lines = [f"  {name} = {_shown(value)}" for name, value in self.__dict__.items() if name != "summary"]
-        return f"{type(self).__name__}:\n" + "\n".join(lines)
+        return f"{type(self).__name__}:\n" + "\n".join(f"  {name} = {value}" for name, value in self._rows())
 
     def _repr_html_(self) -> str:
-        rows = [(name, _shown(value)) for name, value in self.__dict__.items() if name != "summary"]
-        return html_table(["", ""], rows, type(self).__name__)
+        return html_table(["", ""], self._rows(), type(self).__name__)
 
 
 class Stability(_Record):
@@ -585,6 +586,15 @@ def _equal(a: Any, b: Any) -> bool:
 def _shown(value: Any) -> str:
     if isinstance(value, np.ndarray) and value.size > 6:
         return f"array of {value.dtype} of the shape {value.shape}"
-    if isinstance(value, (list, tuple)) and len(value) > 6:
-        return f"{len(value)} entries"
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
+    if isinstance(value, (list, tuple)):
+        if len(value) > 6:
+            return f"{len(value)} entries"
+        inside = ", ".join(map(_shown, value))
+        return f"[{inside}]" if isinstance(value, list) else f"({inside})"
     return short(value)
+
+
+def _is_empty(value: Any) -> bool:
+    return isinstance(value, str) and not value

@@ -21,11 +21,10 @@ def escaped(text: str) -> str:
 
 
 def html_table(head: Sequence[str], rows: Iterable[Sequence[Any]], caption: str = "") -> str:
-    """A table for a notebook."""
-    parts = ["<table>"]
-    if caption:
-        parts.append(f"<caption>{escaped(caption)}</caption>")
-    parts.append("<tr>" + "".join(f"<th>{escaped(name)}</th>" for name in head) + "</tr>")
+    """A table for a notebook; the caption is a paragraph of its own, which a narrow table does not break."""
+    parts = [f"<p><strong>{escaped(caption)}</strong></p>" if caption else "", "<table>"]
+    if any(head):
+        parts.append("<tr>" + "".join(f"<th>{escaped(name)}</th>" for name in head) + "</tr>")
     for row in rows:
         parts.append("<tr>" + "".join(f"<td>{escaped(short(cell))}</td>" for cell in row) + "</tr>")
     parts.append("</table>")

@@ -6,6 +6,7 @@
 #include "io/frequency_response_file.hpp"
 #include "io/point_filter.hpp"
 #include "io/time_series_file.hpp"
+#include "run.hpp"
 
 namespace python {
 namespace {
@@ -29,10 +30,7 @@ io::FrequencyResponseReadOptions options_of(const py::dict& given) {
 py::dict spectrum(const std::string& path, io::FrequencyResponseReadOptions options,
                   const std::vector<std::string>& where) {
   for (const auto& text : where) options.where.emplace_back(text);
-  const auto file = [&] {
-    const py::gil_scoped_release without_lock;
-    return io::read_frequency_response(path, options);
-  }();
+  const auto file = result_of([&](frac::Progress&) { return io::read_frequency_response(path, options); });
   py::dict result;
   result["omega"] = array_of(file.data.omega());
   result["response"] = array_of(file.data.value());
@@ -46,10 +44,7 @@ py::dict spectrum(const std::string& path, io::FrequencyResponseReadOptions opti
 py::dict record(const std::string& path, const std::vector<std::string>& where) {
   std::vector<io::SampleFilter> filters;
   for (const auto& text : where) filters.emplace_back(text);
-  const auto series = [&] {
-    const py::gil_scoped_release without_lock;
-    return io::read_time_response(path, filters);
-  }();
+  const auto series = result_of([&](frac::Progress&) { return io::read_time_response(path, filters); });
   py::dict result;
   result["time"] = array_of(series.time);
   result["input"] = array_of(series.input);
@@ -80,15 +75,11 @@ PYBIND11_MODULE(_files, module) {
   using namespace python;
   module.def("read", [](const std::string& path, const py::dict& given, const std::vector<std::string>& where) {
     const io::FrequencyResponseReadOptions options = options_of(given);
-    const bool over_time = [&] {
-      const py::gil_scoped_release without_lock;
-      return io::holds_time_response(path, options.how);
-    }();
+    const bool over_time = result_of([&](frac::Progress&) { return io::holds_time_response(path, options.how); });
     return over_time ? record(path, where) : spectrum(path, options, where);
   });
   module.def("sweep_names", [](const std::string& path, const std::string& key_column) {
-    const py::gil_scoped_release without_lock;
-    return io::curve_labels(io::read_measurement(path), key_column);
+    return result_of([&](frac::Progress&) { return io::curve_labels(io::read_measurement(path), key_column); });
   });
   module.def("points_where", &points_where);
 }

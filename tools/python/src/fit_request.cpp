@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "fit_request.hpp"
 
-#include <algorithm>
-#include <array>
 #include <limits>
-#include <stdexcept>
 #include <string>
 #include <tuple>
 
 #include "arrays.hpp"
+#include "frac/identification/constraints.hpp"
 #include "realisation_choice.hpp"
 
 namespace python {
@@ -27,24 +25,6 @@ std::string text_of(const py::dict& given, const char* key) {
   take(text, given, key);
   return text;
 }
-
-frac::ParameterConstraint& constraint_of(std::vector<frac::ParameterConstraint>& constraints, const std::string& name) {
-  for (auto& constraint : constraints)
-    if (constraint.name == name) return constraint;
-  constraints.push_back({name, {}, {}, {}, {}});
-  return constraints.back();
-}
-
-template <typename Enum, std::size_t N>
-Enum from_spelling(const std::array<Enum, N>& all, const std::string& text) {
-  for (const Enum each : all)
-    if (text == frac::to_string(each)) return each;
-  throw std::invalid_argument("'" + text + "' is no word of a fit result");
-}
-
-constexpr std::array terminations = {frac::FitTermination::converged, frac::FitTermination::not_converged,
-                                     frac::FitTermination::no_usable_start};
-constexpr std::array interval_kinds = {frac::IntervalKind::curvature, frac::IntervalKind::profile};
 
 // Calls visit(name, member) for each member that is a plain value, of a const result or of one to be filled.
 template <typename Estimate, typename Visit>
@@ -135,10 +115,9 @@ frac::FrequencyResponseData spectrum_of(const py::dict& data) {
 }
 
 frac::TimeResponseData record_of(const py::dict& data) {
-  const bool straight = text_of(data, "hold") == "first-order";
   const frac::TimeResponseData record(vector_of(data["time"].cast<Reals>()), vector_of(data["input"].cast<Reals>()),
                                       vector_of(data["output"].cast<Reals>()), vector_of(data["sigma"].cast<Reals>()),
-                                      straight ? frac::Hold::first_order : frac::Hold::zero_order,
+                                      frac::hold_from_string(data["hold"].cast<std::string>()),
                                       data["input_at_rest"].cast<double>());
   if (data["kept"].is_none()) return record;
   const auto kept = data["kept"].cast<py::array_t<std::int64_t, py::array::c_style>>();
@@ -150,16 +129,17 @@ std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& mo
   constexpr double infinity = std::numeric_limits<double>::infinity();
   // Limits and a start are the model's own here: those of the caller come below.
   for (const auto& [name, value] : given["fixed"].cast<py::dict>())
-    constraint_of(constraints, name.cast<std::string>()) = {name.cast<std::string>(), value.cast<double>(), {}, {}, {}};
+    frac::constraint_of(constraints, name.cast<std::string>()) = {
+        name.cast<std::string>(), value.cast<double>(), {}, {}, {}};
   for (const auto& [name, range] : given["bounds"].cast<py::dict>()) {
     const auto [lower, upper] = range.cast<std::pair<std::optional<double>, std::optional<double>>>();
-    auto& constraint = constraint_of(constraints, name.cast<std::string>());
+    auto& constraint = frac::constraint_of(constraints, name.cast<std::string>());
     const bool is_free = !lower && !upper;
     if (lower || is_free) constraint.lower = lower.value_or(-infinity);
     if (upper || is_free) constraint.upper = upper.value_or(infinity);
   }
   for (const auto& [name, value] : given["start"].cast<py::dict>()) {
-    auto& constraint = constraint_of(constraints, name.cast<std::string>());
+    auto& constraint = frac::constraint_of(constraints, name.cast<std::string>());
     if (!constraint.fixed) constraint.start = value.cast<double>();
   }
   return constraints;
@@ -185,7 +165,6 @@ py::dict dict_of(const frac::FitResult& result) {
   py::dict dict;
   visit_result(result, writer(dict));
   dict["termination"] = std::string(frac::to_string(result.termination));
-  dict["summary"] = result.summary();
   py::list parameters;
   for (const auto& each : result.parameters) {
     py::dict entry;
@@ -200,12 +179,12 @@ py::dict dict_of(const frac::FitResult& result) {
 frac::FitResult fit_result_from(const py::dict& dict) {
   frac::FitResult result{};
   visit_result(result, reader(dict));
-  result.termination = from_spelling(terminations, dict["termination"].cast<std::string>());
+  result.termination = frac::fit_termination_from_string(dict["termination"].cast<std::string>());
   for (const auto& each : dict["parameters"].cast<py::list>()) {
     const auto entry = each.cast<py::dict>();
     frac::ParameterEstimate estimate{};
     visit_estimate(estimate, reader(entry));
-    estimate.interval = from_spelling(interval_kinds, entry["interval"].cast<std::string>());
+    estimate.interval = frac::interval_kind_from_string(entry["interval"].cast<std::string>());
     result.parameters.push_back(std::move(estimate));
   }
   return result;

@@ -21,6 +21,7 @@ py::dict dict_of(const frac::RankedFit& candidate) {
   dict["adequate"] = candidate.lack_of_fit.adequate;
   dict["misfit"] = candidate.lack_of_fit.misfit;
   dict["from_family"] = candidate.from_family;
+  dict["also"] = candidate.also;
   dict["constraints"] = list_of(candidate.model.constraints);
   return dict;
 }

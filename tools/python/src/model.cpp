@@ -32,8 +32,7 @@ Complexes response(const frac::Structure& structure, const std::vector<double>& 
     structure.response(values, at.subspan(begin, count), realisation, out.subspan(begin, count));
   };
   if (at.size() <= block) {
-    const py::gil_scoped_release without_lock;
-    evaluate(0, at.size());
+    run_here([&] { evaluate(0, at.size()); });
   } else {
     run([&](frac::Progress&) {
       for (std::size_t i = 0; i < at.size(); i += block) {
@@ -56,8 +55,7 @@ Complexes values_at(const Transfer& model, const Complexes& s) {
     }
   };
   if (at.size() <= block) {
-    const py::gil_scoped_release without_lock;
-    evaluate();
+    run_here(evaluate);
   } else {
     run([&](frac::Progress&) { evaluate(); });
   }

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "run.hpp"
 
+#include <pthread.h>
+
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <exception>
 #include <mutex>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "frac/cancellation.hpp"
 
@@ -43,50 +47,109 @@ class Reporter {
   std::size_t told_ = 0, told_total_ = 0;
 };
 
+// Work for a thread of `Workers`.
+struct Job {
+  std::function<void()> work;
+  std::condition_variable ended;
+  bool has_ended = false;
+  std::exception_ptr failure;
+};
+
+// Threads that stay for a moment after their work: starting one takes longer than a small fit.
+class Workers {
+ public:
+  // Never destroyed, as a thread may still wait when the process ends.
+  static Workers& all() {
+    static auto* const workers = new Workers;
+    return *workers;
+  }
+
+  void start(Job& job) {
+    const std::lock_guard lock(mutex_);
+    if (idle_.empty()) {
+      std::thread([this, &job] { serve(job); }).detach();
+      return;
+    }
+    Seat& seat = *idle_.back();
+    idle_.pop_back();
+    seat.job = &job;
+    seat.called.notify_one();
+  }
+
+  // True once the job has ended, false after a time without that.
+  bool wait(Job& job, std::chrono::milliseconds time) {
+    std::unique_lock lock(mutex_);
+    return job.ended.wait_for(lock, time, [&] { return job.has_ended; });
+  }
+
+ private:
+  // Where a thread without work waits.
+  struct Seat {
+    std::condition_variable called;
+    Job* job = nullptr;
+  };
+  static constexpr auto patience = 50ms;
+
+  // The child of a fork has none of these threads.
+  Workers() {
+    ::pthread_atfork([] { all().mutex_.lock(); }, [] { all().mutex_.unlock(); },
+                     [] {
+                       all().idle_.clear();
+                       all().mutex_.unlock();
+                     });
+  }
+
+  void serve(Job& first) {
+    Seat seat;
+    for (Job* job = &first; job != nullptr; job = std::exchange(seat.job, nullptr)) {
+      try {
+        job->work();
+      } catch (...) {
+        job->failure = std::current_exception();
+      }
+      std::unique_lock lock(mutex_);
+      // Before the caller goes on, so that its next job finds this thread.
+      idle_.push_back(&seat);
+      job->has_ended = true;
+      job->ended.notify_one();
+      if (!seat.called.wait_for(lock, patience, [&] { return seat.job != nullptr; })) std::erase(idle_, &seat);
+    }
+  }
+
+  std::mutex mutex_;
+  std::vector<Seat*> idle_;
+};
+
 }  // namespace
 
 void run(const std::function<void(frac::Progress&)>& work, const py::object& report) {
   std::atomic<bool> cancelled = false;
   frac::Progress progress;
   Reporter reporter(report, progress);
-  std::mutex mutex;
-  std::condition_variable ended;
-  bool has_ended = false;
-  std::exception_ptr failure, interruption;
+  std::exception_ptr interruption;
+  Job job;
+  job.work = [&] {
+    const frac::CancellationScope scope(cancelled);
+    work(progress);
+  };
   {
     const py::gil_scoped_release without_lock;
-    std::thread worker([&] {
-      try {
-        const frac::CancellationScope scope(cancelled);
-        work(progress);
-      } catch (...) {
-        failure = std::current_exception();
-      }
-      const std::lock_guard lock(mutex);
-      has_ended = true;
-      ended.notify_one();
-    });
-    std::unique_lock lock(mutex);
-    while (!ended.wait_for(lock, between_looks, [&] { return has_ended; })) {
+    Workers& workers = Workers::all();
+    workers.start(job);
+    while (!workers.wait(job, between_looks)) {
       if (interruption) continue;
-      lock.unlock();
-      {
-        const py::gil_scoped_acquire with_lock;
-        try {
-          if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-          reporter.tell(false);
-        } catch (...) {
-          interruption = std::current_exception();
-          cancelled = true;
-        }
+      const py::gil_scoped_acquire with_lock;
+      try {
+        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+        reporter.tell(false);
+      } catch (...) {
+        interruption = std::current_exception();
+        cancelled = true;
       }
-      lock.lock();
     }
-    lock.unlock();
-    worker.join();
   }
   if (interruption) std::rethrow_exception(interruption);
-  if (failure) std::rethrow_exception(failure);
+  if (job.failure) std::rethrow_exception(job.failure);
   reporter.tell(true);
 }
 

@@ -37,8 +37,7 @@ py::array_t<Number> point_by_point(const Reals& alpha, const Reals& beta,
     }
   };
   if (at.size() <= few) {
-    const py::gil_scoped_release without_lock;
-    work();
+    run_here(work);
   } else {
     run([&](frac::Progress&) { work(); });
   }

@@ -60,12 +60,12 @@ void add_time_response(py::module_& module) {
                                  const Reals& time, double tolerance, const std::string& method) {
     return response(model, named_input(input, omega), time, tolerance, method);
   });
-  module.def("respond_sampled", [](const frac::FractionalTransferFunction& model, const Reals& input_time,
-                                   const Reals& input, const std::string& hold, const Reals& time, double tolerance,
-                                   const std::string& method) {
-    const frac::Hold kept = hold == "first-order" ? frac::Hold::first_order : frac::Hold::zero_order;
-    return response(model, frac::SampledInput{vector_of(input_time), vector_of(input), kept}, time, tolerance, method);
-  });
+  module.def("respond_sampled",
+             [](const frac::FractionalTransferFunction& model, const Reals& input_time, const Reals& input,
+                const std::string& hold, const Reals& time, double tolerance, const std::string& method) {
+               const frac::SampledInput samples{vector_of(input_time), vector_of(input), frac::hold_from_string(hold)};
+               return response(model, samples, time, tolerance, method);
+             });
   module.def("derivative", &derivative);
 }
 

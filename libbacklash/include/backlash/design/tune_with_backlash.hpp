@@ -48,6 +48,8 @@ struct PersistentMotion {
 struct BacklashTuning {
   /// The demands are kept; persistent.swing tells whether a motion is left.
   [[nodiscard]] bool usable() const noexcept { return linear.usable(); }
+  /// Controller, what became of the demands, and the motion that is left.
+  [[nodiscard]] std::string summary() const;
 
   frac::TuningResult linear;  // controller, and what it makes of the bodies without clearance
   PersistentMotion persistent;

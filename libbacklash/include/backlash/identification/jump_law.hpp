@@ -17,7 +17,7 @@ struct JumpPoint {
   std::optional<double> omega_jump;  // rad/s; empty when the criterion gives none
 };
 
-/// What one restitution gives to the averages.
+/// Similarity constant of the jump at one restitution.
 struct JumpConstant {
   double restitution;
   std::optional<double> similarity_constant;  // c, of a sweep the mean over forces and clearances; empty: left out
@@ -41,6 +41,11 @@ struct JumpGrid {
 /// Eqs. (7) and (8): a(Delta) and b(Delta) as power laws of the clearance.  Similarity says a = c Delta^-1/2 M2^-1/2
 /// and b = 1/2.
 struct JumpLaw : JumpGrid {
+  /// There is a law.
+  [[nodiscard]] bool usable() const noexcept { return message.empty(); }
+  /// Both power laws, or why there are none.
+  [[nodiscard]] std::string summary() const;
+
   std::string message;  // why there is no law, and its numbers are NaN; empty where there is one
   std::vector<ForceLaw> laws;
   frac::PowerLaw a_of_clearance;

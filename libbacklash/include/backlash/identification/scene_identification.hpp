@@ -26,7 +26,7 @@ struct SceneIdentificationOptions {
   /// relative: noise in proportion to |N|, that of the model for both parts, of the data for one; given: the sigma of
   /// the data; absolute: equal noise.
   frac::Weight weight = frac::Weight::relative;
-  /// Of mass1, mass2 (kg), clearance (m) and restitution.  Default limits: a factor 1e6 about what the data suggest for
+  /// On mass1, mass2 (kg), clearance (m) and restitution.  Default limits: a factor 1e6 about what the data suggest for
   /// masses and clearance, [0, 1] for restitution.
   std::vector<frac::ParameterConstraint> constraints;
   int threads = 0;  // 0: one per core; the result does not depend on it
@@ -51,11 +51,12 @@ struct SceneEstimate {
 
 enum class PointStatus {
   used,
-  off_branch,  // so far from every steady motion of the fitted scene that it is likelier another motion than predicted
-               // (near a jump), or an outlier
-  irregular,   // the fitted scene has neither two impacts per period nor a motion that sticks: more impacts,
-               // subharmonics or chaos, which depend on how the frequency was reached; or x1 without impacts, which
-               // stands still
+  /// So far from every steady motion of the fitted scene that it is likelier another motion than the predicted one
+  /// (near a jump), or an outlier.
+  off_branch,
+  /// The fitted scene has neither two impacts per period nor a motion that sticks: more impacts, subharmonics or chaos,
+  /// which depend on how the frequency was reached; or x1 without impacts, which stands still.
+  irregular,
 };
 [[nodiscard]] std::string_view to_string(PointStatus status);
 
@@ -77,6 +78,11 @@ struct RivalScene {
 };
 
 struct SceneIdentification {
+  /// The search settled.  SceneEstimate::identified says which parameters the data determine.
+  [[nodiscard]] bool usable() const noexcept { return termination == frac::FitTermination::converged; }
+  /// Parameters with their 95 % intervals, and the message.
+  [[nodiscard]] std::string summary() const;
+
   std::array<SceneEstimate, 4> parameters;    // mass1, mass2, clearance, restitution
   std::array<SceneEstimate, 3> combinations;  // mass1 + mass2, mass2 clearance, mass1/mass2
   /// One sentence per direction in the space of the parameters that the data leave free.

@@ -14,11 +14,11 @@ namespace backlash {
 /// How a cycle is left when it is not stable.
 enum class StabilityLoss {
   none,
-  symmetry_breaking,  // the multiplier of the half period of largest modulus is real and below -1: the halves of the
-                      // period become unequal
-  saddle_node,        // it is real and above 1
-  torus,              // it is one of a complex pair: a second frequency appears
-  period_doubling,    // of an ImpactCycle: the multiplier of its period is real and below -1
+  /// The multiplier of the half period of largest modulus is real and below -1: the halves become unequal.
+  symmetry_breaking,
+  saddle_node,      // it is real and above 1
+  torus,            // it is one of a complex pair: a second frequency appears
+  period_doubling,  // of an ImpactCycle: the multiplier of its period is real and below -1
 };
 /// "none", "symmetry-breaking", ...
 [[nodiscard]] std::string_view to_string(StabilityLoss loss);

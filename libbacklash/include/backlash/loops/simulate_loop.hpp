@@ -61,6 +61,7 @@ enum class LoopEnd {
   duration,      // as asked for
   rest,          // the masses stay in contact, or impacts follow each other without end, where that is not followed
   most_impacts,  // as many as were allowed
+  most_flights,  // 2 10^7 pieces of the motion without an impact: the loop is too fast for the duration
   diverged,      // the motion is 10^9 times as wide as the clearance or its set-point
 };
 [[nodiscard]] std::string_view to_string(LoopEnd end);
@@ -97,7 +98,7 @@ struct LoopSimulationOptions {
 /// over all earlier ones.  Rounding grows with the time since the start, as that to the power of 2 less the lowest
 /// order of the controller.
 /// @throws std::invalid_argument  dead time with x2 measured; what whole_memory does not follow; a step of the
-/// set-point
+///                                set-point
 ///                                with powers above 1, whose force throws mass 2 at infinite speed; a start outside the
 ///                                clearance or not finite; a duration, sample time, tolerance, limit or number of
 ///                                impacts that is none, knots that do not rise from time 0, or more than 10^7 rows.

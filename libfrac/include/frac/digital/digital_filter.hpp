@@ -55,8 +55,8 @@ struct DigitalFilterDesign {
 /// @param tolerance  1e-13 to 0.1, of the largest value of the step response over the horizon.
 /// @param horizon    number of samples the filter is good for, 1 to 10^12.
 /// @throws std::invalid_argument  an argument out of range; the model unstable, improper, with more than one whole
-/// integration, or
-///                                with one and a dead time that is no whole number of samples.
+///                                integration, or with one and a dead time that is
+///                                no whole number of samples.
 /// @throws std::domain_error      the poles could not be counted.
 [[nodiscard]] DigitalFilterDesign filter_design(const FractionalTransferFunction& model, double sample_time,
                                                 double tolerance = 1e-9, double horizon = 1e9);

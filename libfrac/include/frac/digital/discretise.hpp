@@ -61,7 +61,7 @@ struct ParallelSections {
   std::vector<double> rates;  // in (0, 2)
   std::vector<double> weights;
 
-  /// At z = 1 + delta.
+  /// Transfer function at z = 1 + delta.
   [[nodiscard]] std::complex<double> response(std::complex<double> delta) const;
 };
 
@@ -83,21 +83,26 @@ struct DigitalSections {
 /// integrators (order < 0), and F in first-order sections in either form, cascade or parallel.  Stable: all rates are
 /// in (0, 2).
 struct DigitalPower {
+  /// The tolerance is kept, where one was asked for.
+  [[nodiscard]] bool usable() const noexcept { return status != ApproximationStatus::not_attainable; }
+  /// Order, band, sample time, method, states and error.
+  [[nodiscard]] std::string summary() const;
+
   double order;
   /// As asked, rad/s.
   FrequencyBand band;
   /// s.
   double sample_time;
   Discretisation method;
-  /// Of the fractional part, in the variable that the rule puts for s, on the band that the band becomes there.
+  /// Design of the fractional part, in the variable that the rule puts for s, on the band as it is in that variable.
   Approximation prototype = {};
   int differences = 0;
   int integrators = 0;
   DeltaCascade cascade = {};
   ParallelSections parallel = {.output = SectionOutput::state, .direct = 1, .rates = {}, .weights = {}};
-  /// Of `direct`, and of `grunwald_letnikov`, which has no sections.
+  /// Used by `direct`, and by `grunwald_letnikov`, which has no sections.
   std::vector<double> taps = {1};
-  /// Of H(e^{j omega T})/(j omega)^order on the band.
+  /// Deviation of H(e^{j omega T})/(j omega)^order from 1 on the band.
   ApproximationError error = {};
   /// Largest |H| between the upper edge of the band and pi/T, divided by |(j omega)^order|; for a falling power, by its
   /// value at the edge.

@@ -9,7 +9,7 @@ namespace frac {
 
 /// Ranges of a filter or controller in fixed point: a number of 32 bits is a fraction of them, from -1 to below 1.
 struct FixedPointRanges {
-  /// Of the samples; of set-point and measured value.
+  /// Range of the samples, or of set-point and measured value.
   double input = 1;
   /// Outputs beyond it are cut.
   double output = 1;
@@ -23,20 +23,22 @@ struct FixedPointHeader {
   std::string text;
   /// Largest difference from the exact recursion of the design, in units of the output, for any input within its range
   /// and as long as no output is cut: rounding of coefficients, of samples, of states over all time, and of the output.
+  /// The integral of a filter goes on unseen while its output is cut, up to 16 output ranges, where it stops.
   double error_bound = 0;
-  /// What the integral of a controller adds to it with every sample at most: without feedback its rounding adds up.
+  /// What the integral of a controller or a filter adds to it with every sample at most: without feedback its rounding
+  /// adds up.
   double error_per_sample = 0;
 };
 
-/// @throws std::invalid_argument  the name; a range not positive and finite; a design with taps, pairs, differences,
-/// integrators, dead time or no section; gains so large that the output range has less than 8 bits left.
+/// @throws std::invalid_argument  the name; a range not positive and finite; a design that DigitalFilter refuses, or
+/// with more than one integrator, more than 100 000 samples of dead time, or a pair of complex poles damped less than
+/// about one in a million; gains so large that the output range has less than 8 bits left.
 [[nodiscard]] FixedPointHeader fixed_point_header(const DigitalFilterDesign& design, const FixedPointRanges& ranges,
                                                   const CHeaderOptions& options);
 
 /// Limits beyond the output range are taken as that.
-/// @throws std::invalid_argument  the name; a range not positive and finite; a design with taps (other discretisations
-/// than `direct` have none), conditional integration, or set-point weights beyond 0 to 1; gains so large that sums of
-/// 64 bits do not hold them.
+/// @throws std::invalid_argument  the name; a range not positive and finite; conditional integration, or set-point
+/// weights beyond 0 to 1; gains so large that sums of 64 bits do not hold them.
 [[nodiscard]] FixedPointHeader fixed_point_header(const FractionalPidDesign& design, const FixedPointRanges& ranges,
                                                   const CHeaderOptions& options);
 

@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "frac/approximation/approximate.hpp"
 #include "frac/digital/discretise.hpp"
@@ -45,7 +46,8 @@ struct FractionalPidConfig {
   double minimum = -std::numeric_limits<double>::infinity();
   double maximum = std::numeric_limits<double>::infinity();
   AntiWindup anti_windup = AntiWindup::back_calculation;
-  /// Of back_calculation, s; 0 stands for Ti = (kp/ki)^(1/lambda).
+  /// Of back_calculation, s; at least the sample time is used.  0 stands for Ti = (kp/ki)^(1/lambda), where kp is 0 for
+  /// (kd/ki)^(1/(lambda + mu)), and for ten sample times with the integral alone.
   double tracking_time = 0;
   /// s.
   double derivative_filter_time = 0;
@@ -64,24 +66,17 @@ struct FractionalPidConfig {
 /// "" if the configuration can be built, else one sentence that says why not.  Throws nothing.
 [[nodiscard]] std::string validate(const FractionalPidConfig& config);
 
-/// One operator of a controller: of x = sum taps_k input_(n-k), y = direct x + sum weight (v or x - rate v),
-/// v += x - rate v.
-struct PidOperator {
-  static constexpr std::size_t capacity = 64;
-  static constexpr std::size_t tap_capacity = 14;
-  /// Even, filled up with a tap of 0; 0 where x is the input itself.
-  std::size_t tap_count = 0;
-  std::array<double, tap_capacity> taps{};
-  SectionOutput output = SectionOutput::state;
-  double direct = 1;
-  /// dy/d(input) within one sample.
+/// Filter of the integral or the derivative part of a controller: sections.response() behind the taps,
+/// x_n = sum taps_k input_(n-k).
+struct PidFilter {
+  static constexpr std::size_t most_taps = 14;
+  static constexpr std::size_t most_sections = 64;
+  /// An even number of them, the last may be 0; none where x is the input itself.
+  std::vector<double> taps;
+  /// By rising rate.
+  ParallelSections sections = {.output = SectionOutput::state, .direct = 1, .rates = {}, .weights = {}};
+  /// d(output)/d(input) within one sample.
   double high_gain = 1;
-  std::size_t sections = 0;
-  /// Sections filled up to whole groups of 8, with rate 1 and weight 0.
-  std::size_t size = 0;
-  /// Rising up to `sections`.
-  std::array<double, capacity> rates{};
-  std::array<double, capacity> weights{};
 };
 
 /// The numbers a FractionalPid runs on, designed outside the loop.
@@ -100,13 +95,13 @@ class FractionalPidDesign {
   /// What differs from what was asked: a band cut at Nyquist, a tolerance not kept, gain beyond the band that makes
   /// steps ring.  Empty if nothing does.
   [[nodiscard]] const std::string& note() const noexcept { return note_; }
-  [[nodiscard]] const PidOperator& integral() const noexcept { return integral_; }
-  [[nodiscard]] const PidOperator& derivative() const noexcept { return derivative_; }
+  [[nodiscard]] const PidFilter& integral() const noexcept { return integral_; }
+  [[nodiscard]] const PidFilter& derivative() const noexcept { return derivative_; }
   /// Largest relative error on the band of the filter with its integrator against s^-lambda, and of the derivative's
   /// filter against s^mu or s^(mu - 1); 0 without filter.
   [[nodiscard]] double integral_error() const noexcept { return integral_error_; }
   [[nodiscard]] double derivative_error() const noexcept { return derivative_error_; }
-  /// s, as used; 0 where there is no back calculation.
+  /// Tracking time as used, s; 0 where there is no back calculation.
   [[nodiscard]] double tracking_time() const noexcept { return tracking_time_; }
   /// Largest |C_d/C - 1| on the band, C_d the running controller and C the exact one with its lag F, and where (rad/s);
   /// NaN where the configuration has no band.  Low values need more than good filters: the backward rule of lag and
@@ -119,8 +114,8 @@ class FractionalPidDesign {
  private:
   FractionalPidConfig config_;
   std::string note_;
-  PidOperator integral_;
-  PidOperator derivative_;
+  PidFilter integral_;
+  PidFilter derivative_;
   double integral_error_ = 0;
   double derivative_error_ = 0;
   double tracking_time_ = 0;
@@ -204,18 +199,19 @@ class FractionalPid {
     std::size_t tap_count = 0;
     std::size_t sections = 0;
     std::size_t size = 0;
-    std::array<Real, PidOperator::tap_capacity> tap{};
+    std::array<Real, PidFilter::most_taps> tap{};
     static constexpr std::size_t kept = 16;
     std::size_t newest = 0;
-    std::array<Real, 2 * kept> past{};  // inputs, a ring written twice over; from `newest` on the newest first
+    // Inputs, a ring written twice over; from `newest` on the newest first.
+    std::array<Real, 2 * kept> past{};
 
-    alignas(64) std::array<Real, PidOperator::capacity> rate{};
-    alignas(64) std::array<Real, PidOperator::capacity> weight{};
-    alignas(64) std::array<Real, PidOperator::capacity> state{};
-    alignas(64) std::array<Real, PidOperator::capacity> lost{};
+    alignas(64) std::array<Real, PidFilter::most_sections> rate{};
+    alignas(64) std::array<Real, PidFilter::most_sections> weight{};
+    alignas(64) std::array<Real, PidFilter::most_sections> state{};
+    alignas(64) std::array<Real, PidFilter::most_sections> lost{};
 
     [[nodiscard]] const Real* inputs() const noexcept { return past.data() + newest; }
-    void set(const PidOperator& design) noexcept;
+    void set(const PidFilter& design) noexcept;
     [[nodiscard]] Real through_taps(Real input) const noexcept;
     [[nodiscard]] Real output_for(Real x) const noexcept;  // x = through_taps(input)
     void advance(Real input, Real x) noexcept;

@@ -12,7 +12,7 @@
 
 namespace frac {
 
-/// What a derived quantity came out as.
+/// Estimate of a derived quantity.
 struct DerivedEstimate {
   std::string name;
   std::string formula;

@@ -23,8 +23,9 @@ enum class Weight {
   absolute,           // nothing
   given,              // the sigma of the data
   smoothed_relative,  // |data| as up to eight neighbours tell it: noise in |data| does not bias the fit
-  log_complex,  // residuals are ln|model/data| and the angle from data to model (component both, magnitude, phase)
-  repeats,      // the standard deviation of repeats at each frequency, pooled over five frequencies
+  /// Residuals are ln|model/data| and the angle from data to model (component both, magnitude, phase).
+  log_complex,
+  repeats,  // the standard deviation of repeats at each frequency, pooled over five frequencies
   /// sqrt(|data|^2 + floor^2): relative where the data are larger than the floor, absolute below it.  Magnitude and
   /// phase know no floor and are taken as under relative.
   learned,
@@ -43,6 +44,20 @@ enum class Loss { none, huber, cauchy };
 [[nodiscard]] std::span<const Weight> weights();
 [[nodiscard]] std::span<const Loss> losses();
 
+/// A normal distribution that a parameter comes from, by what is known beside the data.  It counts as one more datum:
+/// its square (parameter - value)^2/deviation^2 adds to those of the residuals in units of the noise, which the
+/// residuals tell.
+struct ParameterPrior {
+  double value;
+  double deviation;       // standard deviation, > 0
+  bool relative = false;  // of ln(parameter/value), as the share of the value that is meant by "10 +- 5 %"
+
+  /// Distance of a parameter from the value in standard deviations; NaN where there is no logarithm.
+  [[nodiscard]] double distance(double parameter) const;
+  /// Its derivative by the parameter.
+  [[nodiscard]] double slope(double parameter) const;
+};
+
 /// What is known of one parameter beforehand.  Unset limits take the defaults of its role: a coefficient that stands in
 /// a sum is positive (fitted as its logarithm) unless a lower limit <= 0 is given, an outer gain has any sign (but in a
 /// fit of magnitudes), an order lies in [0, 4], or [-4, 4] when it stands in no sum, a delay in [0, 2 pi/lowest omega].
@@ -52,6 +67,9 @@ struct ParameterConstraint {
   std::optional<double> lower;  // -infinity: free of sign
   std::optional<double> upper;
   std::optional<double> start;  // used by the first starts of a global search, and by a local one
+  std::optional<ParameterPrior> prior = {};
+  /// Another parameter of the same role and sign that it is not below; none where empty.
+  std::string above = {};
 };
 
 struct FitOptions {
@@ -72,6 +90,8 @@ struct FitOptions {
 /// What an interval follows: the curvature of the cost at its minimum, or the cost itself, as profile_interval() does.
 enum class IntervalKind { curvature, profile };
 [[nodiscard]] std::string_view to_string(IntervalKind kind);
+/// @throws std::invalid_argument  unknown name; the text lists the known ones.
+[[nodiscard]] IntervalKind interval_kind_from_string(std::string_view text);
 
 struct ParameterEstimate {
   std::string name;
@@ -83,17 +103,30 @@ struct ParameterEstimate {
   double ci95_lower, ci95_upper;
   bool fixed;
   bool at_bound;
-  bool
-      identified;  // false: at a bound, interval beyond 50 %, or part of a flat direction (Fisher condition beyond 1e6)
+  /// False at a bound, where the interval exceeds 50 % of the value, and for a part of a flat direction (condition of
+  /// the Fisher matrix above 1e6).
+  bool identified;
   /// With frequency in units of the band's geometric middle (T becomes T omega_c^a), where a coefficient is least
   /// correlated with the orders.
   double centre_value, centre_standard_error;
-  bool from_other_component;  // the fitted component is blind to it; estimated from the other one with the rest held
+  /// The fitted component does not depend on it; it is estimated from the other one, with the rest held.
+  bool from_other_component;
   /// profile where the interval is wider than 10 % of the value on a side, the fit has no loss and no flat direction.
   IntervalKind interval = IntervalKind::curvature;
   /// Factor that the correlation of neighbouring residuals has put on the standard error and the interval: about 1 for
   /// noise without, sqrt((1 + r)/(1 - r)) for a parameter that many points tell and noise of correlation r.
   double widening = 1;
+};
+
+/// What became of a prior in a fit.
+struct PriorEstimate {
+  std::string name;  // of the parameter
+  ParameterPrior prior;
+  double distance;  // of the estimate from the value, in standard deviations of the prior, with its sign
+  /// Distance between what the prior and what everything else says, in standard deviations of that difference: a
+  /// standard normal number where both are right.  NaN where nothing else speaks of the parameter.
+  double conflict;
+  double share;  // of what is known of the parameter, 0 to 1, that the prior has told
 };
 
 enum class FitTermination {
@@ -102,8 +135,11 @@ enum class FitTermination {
   no_usable_start,  // the model is not finite anywhere it was tried, or the fitted part of the data is 0 everywhere
 };
 [[nodiscard]] std::string_view to_string(FitTermination termination);
+/// @throws std::invalid_argument  unknown name; the text lists the known ones.
+[[nodiscard]] FitTermination fit_termination_from_string(std::string_view text);
 
-/// One structure fitted to data.  cost is the plain sum of squared (weighted) residuals, without the loss.
+/// One structure fitted to data.  cost is the plain sum of squared (weighted) residuals, without the loss and without
+/// priors.
 struct FitResult {
   /// Converged.  Every result with a judgement of its own has usable(), which is true where it is what was asked for,
   /// and summary(), a few plain lines for a person.
@@ -116,6 +152,7 @@ struct FitResult {
   double cost;
   double rms;           // sqrt(cost / residual count)
   double max_residual;  // largest |weighted residual|
+  /// Of the data: a parameter with a prior counts by the share of it that the residuals tell.
   double aicc;
   double bic;
   FitTermination termination;
@@ -150,15 +187,23 @@ struct FitResult {
   /// Correlation of neighbouring values of the noise, or of a smooth error of the model, that the intervals allow for:
   /// the mean over what the residuals leave possible, noise without any (0) included.  NaN where nothing was fitted.
   double noise_correlation = 0;
+  /// Parameters that the residuals tell: all free ones but for the shares that priors tell.
+  double effective_parameters = 0;
+  std::vector<PriorEstimate> priors = {};  // in the order of the parameters
 };
 
 /// Fits one structure: starts by linear least squares where the structure allows it, data-driven and seeded starts,
 /// Ceres for each, NLopt when they disagree.  Interchangeable parts get their labels in a fixed order (arcs by rising
 /// time constant, single powers by rising order), unless the constraints tell them apart.
-/// @throws std::invalid_argument  an unknown or contradictory constraint; fewer residuals than free parameters; weight
-///     `given` without sigma or `repeats` without repeats; a formula without s that has an order or a parameter
-///     named like a frequency (p, S ...), or with j w; zero data under relative weight or `learned`, log-complex
-///     weight, or for a phase; log-complex weight for one part; frequencies the realisation cannot cover.
+///
+/// Where an order of parameters (ParameterConstraint::above) is in force, the greater of the two is at its bound: it
+/// equals the other one and has no interval of its own, and the intervals of the others take the two as equal.
+/// @throws std::invalid_argument  an unknown or contradictory constraint; an order of parameters that goes in a circle,
+///     compares unlike parameters or meets a lower limit of the greater one; a prior of a fixed parameter, without a
+///     positive deviation, or a relative one of a value or parameter that is not positive; fewer residuals than free
+///     parameters; weight `given` without sigma or `repeats` without repeats; a formula without s that has an order or
+///     a parameter named like a frequency (p, S ...), or with j w; zero data under relative weight or `learned`,
+///     log-complex weight, or for a phase; log-complex weight for one part; frequencies the realisation cannot cover.
 [[nodiscard]] FitResult fit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options);
 
 /// Model values at the estimated parameters.

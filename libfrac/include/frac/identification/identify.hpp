@@ -31,6 +31,9 @@ struct RankedFit {
   NamedModel model;          // as fitted: formula and constraints; a given curve has only its name
   LackOfFit lack_of_fit;     // whether it follows the data to within their noise
   bool from_family = false;  // the member of a family that the data chose
+  /// Names of candidates that came to the same model in another spelling: as many parameters and the same response, on
+  /// the data and a decade beyond.  They are listed and counted once.
+  std::vector<std::string> also;
 };
 
 enum class Verdict { fractional_supported, fractional_not_supported, undecided, no_adequate_model };
@@ -61,13 +64,17 @@ struct NextMeasurement {
 ///
 /// The verdict compares the best fractional with the best integer-order or given candidate among those that follow the
 /// data to within their noise, see LackOfFit.  "Best" is least n ln(cost/n) + k n ln n/(n - k - 2) with n residuals and
-/// k parameters, Schwarz's criterion with the correction for few residuals (McQuarrie 1999).  A family of nested or
-/// nearly equal members takes part with one of them, so that their number is no evidence.
+/// k parameters, Schwarz's criterion with the correction for few residuals (McQuarrie 1999).  Where noise with heavy
+/// tails (Student's distribution, four degrees of freedom) explains the residuals of a candidate better than normal
+/// noise, its likelihood stands for n ln(cost/n): no model is refuted by a few points that another goes out of its way
+/// for.  A family of nested or nearly equal members takes part with one of them, so that their number is no evidence.
+/// A candidate that fails its test with a chance p counts as one that follows the data where p > 1e-3 exp(-E/2) and E
+/// is what its criterion is better by than all that pass: both are accidents, and the lesser one is taken.
 ///
 /// Evidence is the difference of this, integer-order minus fractional: twice the logarithm of the posterior odds of the
-/// two models to Schwarz's approximation.  It assumes equal odds beforehand and independent normal residuals.  Where
-/// the residuals of the better one follow each other (lag-one correlation r above 0), n is the number of points that
-/// carry news, n (1 - r)/(1 + r).
+/// two models to Schwarz's approximation.  It assumes equal odds beforehand and independent residuals.  Where the
+/// residuals of the better one follow each other (lag-one correlation r above 0), n is the number of points that carry
+/// news, n (1 - r)/(1 + r).
 ///
 /// An order departs where it lies 0.1 or more from every whole number.  Departure evidence is that of the best
 /// candidate with such an order, members that a family did not choose and the finalist with an order moved so far among
@@ -84,8 +91,9 @@ struct NextMeasurement {
 ///                2, or each order within 0.02 of a whole number.  Or both meet the data to rounding, and the
 ///                integer-order one has no more parameters.  Where the integer-order one is the member of a family and
 ///                no fractional family could grow, as over time, it may have no more parameters than the fractional
-///                one.
-/// undecided      anything else, with the next measurement that would decide.
+///                one.  Half a decade at the ends is missed by no more than a hundred times the residuals.
+/// undecided      anything else, with the next measurement that would decide.  So where one value in twenty repeats its
+///                neighbour's, as by coarse rounding, and the better one has more parameters: it may follow the steps.
 ///
 /// Where no candidate follows the data to within their noise, what is left is model error, as of computed data, whose
 /// noise is rounding, or of careful measurements.  The same rules then compare the two that come closest, since their

@@ -14,24 +14,28 @@ namespace frac {
 
 /// Whether residuals look like noise along the axis of frequency or time.
 struct ResidualWhiteness {
-  double lag_one_correlation;  // 0: unrelated neighbours; towards 1: the model misses a shape
-  double p_value;  // of the Ljung-Box statistic over min(10, n/5) lags: small means not white; NaN below 10 points
+  /// 0: unrelated neighbours; towards 1: the model misses a shape.
+  double lag_one_correlation;
+  /// Of the Ljung-Box statistic over min(10, n/5) lags: small means not white; NaN below 10 points.
+  double p_value;
 };
 
-/// Of the weighted residuals of a fit, both parts together (Ljung, Box 1978).
+/// Whiteness of the weighted residuals of a fit, both parts together (Ljung, Box 1978).
 [[nodiscard]] ResidualWhiteness residual_whiteness(const FrequencyResponseData& data, const FitOptions& options,
                                                    const FitResult& result);
 
-/// Of those of a fit over time, at the instants that count.
+/// Whiteness of the residuals of a fit over time, at the instants that count.
 [[nodiscard]] ResidualWhiteness residual_whiteness(const TimeResponseData& data, const TimeFitOptions& options,
                                                    const FitResult& result);
 
-/// F test of a structure against one it contains: p is the chance of so large an improvement if the simple one is true.
-/// @throws std::invalid_argument  the larger fit has no more free parameters, or no degree of freedom is left.
 struct FTest {
+  /// Improvement of the cost per parameter added, over the residual variance of the full fit.
   double statistic;
+  /// Chance of so large a statistic if the simple structure is true.
   double p_value;
 };
+/// F test of a structure, `full`, against one that it contains, `simple`.
+/// @throws std::invalid_argument  the full fit has no more free parameters, or no degree of freedom is left.
 [[nodiscard]] FTest f_test(const FitResult& simple, const FitResult& full);
 
 /// k-fold cross-validation over blocks of neighbouring frequencies: each block is predicted by a fit to the others.
@@ -52,9 +56,8 @@ enum class GrowthFamily {
   commensurate,  // the same in s^a
   terms,         // powers and arcs, whichever pays most each time, see TermFamily
 };
-/// Command-line spellings.  from_string throws std::invalid_argument naming the allowed ones.
+/// "powers", "denominator", ...
 [[nodiscard]] std::string_view to_string(GrowthFamily family);
-[[nodiscard]] GrowthFamily growth_family_from_string(std::string_view text);
 [[nodiscard]] std::span<const GrowthFamily> growth_families();
 
 /// Whether each member has the parameters of the one before under the same names, so that FitOptions::constraints may

@@ -26,9 +26,10 @@ struct RationalFamily {
   bool free_order = false;  // z = s^a
 };
 
-/// Sums of terms in parallel or series, chosen from the data: a constant, L s, 1/s, powers A s^q with -2 <= q <= 2, and
-/// arcs R/(1 + (T s)^n) with 0 < n <= 1.  Impedances are such sums, with arcs, inductive, capacitive and diffusive
-/// ends; so are moduli of solids.
+/// Sums of terms in parallel or series, chosen from the data: a constant, L s, 1/s, powers A s^q with -2 <= q <= 2,
+/// arcs R/(1 + (T s)^n) with 0 < n <= 1, and up to two modes G/(s^2/w^2 + d s/w + 1) or G (s/w)/(...) with d <= 1.
+/// Impedances are such sums, with arcs, inductive, capacitive and diffusive ends, of a loudspeaker with a mode; so are
+/// moduli of solids.
 struct TermFamily {
   std::size_t most_terms = 9;
 };

@@ -19,8 +19,8 @@ struct PowerLaw {
   [[nodiscard]] double operator()(double x) const;
 };
 
-/// @throws std::invalid_argument  fewer than 2 points, lengths differ, an entry not positive and finite (its index is
-/// named),
+/// @throws std::invalid_argument  fewer than 2 points, lengths differ, an entry not positive and finite (the text
+///                                names its index),
 ///                                or all x equal.
 [[nodiscard]] PowerLaw fit_power_law(std::span<const double> x, std::span<const double> y);
 

@@ -12,7 +12,7 @@
 
 namespace frac {
 
-/// What a time tau contributes to a response with the density g(ln tau) >= 0.
+/// What a relaxation time tau of density g(ln tau) >= 0 contributes to a response.
 enum class TimesKernel {
   falling,  // g/(1 + s tau): impedance, compliance, permittivity
   rising,   // g s tau/(1 + s tau): modulus, admittance
@@ -58,7 +58,7 @@ struct TimesDistribution {
 [[nodiscard]] TimesDistribution relaxation_times(const FitResult& fit, std::span<const double> tau, TimesKernel kernel);
 
 /// From data without a model: the density of least misfit and roughness that is nowhere negative, beside the three
-/// ends, none negative either, on 12 times per decade from 1.5 decades beyond the band.  The noise is that of
+/// ends, none negative either, on 12 times per decade from three decades beyond the band.  The noise is that of
 /// validate(), the weight of the roughness that of the largest evidence, the roughness relative to the density.  Bands
 /// and intervals hold 95 % of the solutions of data and prior moved by their noise (Bardsley, Fox 2012): they are those
 /// of a density as smooth as the prior has it, and hold less of a line or of an arc that is nearly one

@@ -26,16 +26,20 @@ namespace frac {
 struct RobustTuningResult {
   /// The specification is kept by the fitted plant, and its inequalities on |S| and |T| by every plant of the region.
   [[nodiscard]] bool usable() const noexcept { return status == TuningStatus::met; }
+  /// Controller, what the fitted plant makes of it, and the worst of the region.
+  [[nodiscard]] std::string summary() const;
 
-  TuningResult nominal;  ///< controller, and what the fitted plant makes of it
+  TuningResult nominal;  // controller, and what the fitted plant makes of it
   TuningStatus status = TuningStatus::not_met;
-  std::string message;            ///< one sentence
-  std::size_t plants = 0;         ///< of the region that were looked at
-  std::size_t not_stable = 0;     ///< of these, loops that are not stable
-  double max_sensitivity = 0;     ///< the largest of all stable loops
-  double max_complementary = 0;   ///< likewise
-  double least_phase_margin = 0;  ///< rad, the smallest of all stable loops
-  double crossover[2] = {0, 0};   ///< rad/s, lowest and highest
+  std::string message;         // one sentence
+  std::size_t plants = 0;      // of the region that were looked at
+  std::size_t not_stable = 0;  // of these, loops that are not stable
+  /// Largest and smallest over the nominal loop and all stable loops of the region: max |S|, max |T|, phase margin in
+  /// rad, crossover in rad/s.
+  double max_sensitivity = 0;
+  double max_complementary_sensitivity = 0;
+  double least_phase_margin = 0;
+  double lowest_crossover = 0, highest_crossover = 0;
 };
 
 /// Tunes for the fitted plant, and again with tighter bounds on max |S| and max |T| until every plant of the region

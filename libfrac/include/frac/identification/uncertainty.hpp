@@ -61,7 +61,7 @@ class BootstrapRefits {
   std::function<std::vector<double>(std::size_t)> refit_;
 };
 
-/// Of the parameters of each refit, one interval per parameter.
+/// Percentiles of the parameters of refits, one interval per parameter.
 /// @throws std::invalid_argument  fewer than 20 refits.
 [[nodiscard]] std::vector<BootstrapInterval> bootstrap_intervals(const std::vector<std::vector<double>>& refits);
 

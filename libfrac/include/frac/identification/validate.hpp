@@ -26,6 +26,7 @@ enum class ValidityTest {
   neighbourhoods,  // the same over a twelfth of the points
   drift_even,      // the response scaled up or down during the sweep, each point taking as long as the others
   drift_periods,   // the same, each point taking as many periods as the others
+  step,            // the response scaled up or down from one point on
   outliers,        // the largest residual
   mains_50,        // residuals within 2 % of 50 Hz and its first ten harmonics
   mains_60,
@@ -40,6 +41,9 @@ struct ValidityFinding {
 
 struct ValidationOptions {
   double level = 0.05;  // chance that data without a fault are not called valid, 0 < level < 1
+  /// Systematic error of the instrument as share of the response, >= 0: residuals that are no larger (root mean square
+  /// of all, or each single one) are no fault.  Exact data of a fractional system are followed to some 1e-5.
+  double accuracy = 1e-4;
   /// Of more points every k-th is judged, so that no more are left; 0: all are.
   std::size_t most_points = 0;
 };
@@ -58,8 +62,9 @@ inline constexpr std::size_t points_in_passing = 120;
 /// An amplitude-dependent but stationary response can be consistent: linearity is tested only as far as it shows here.
 struct ValidationResult {
   Validity validity;
-  double level;
+  double level, accuracy;  // as asked for
   std::vector<ValidityFinding> findings;
+  double largest_residual;  // of the judged points, share of the model
 
   std::size_t every = 1;                    // one point in so many was judged
   std::size_t real_poles, pole_pairs;       // of the consistent model
@@ -75,6 +80,11 @@ struct ValidationResult {
   ValidityTest drift_law;             // drift_even or drift_periods: the one with the smaller chance
   bool drift_explains;                // without the drift no residuals follow each other
   double detectable_drift;            // drift that is found in nine of ten such measurements
+  double step;                        // change of the response between two points, share of its size, upwards
+  double step_deviation;              // standard deviation of `step`
+  double step_below, step_above;      // omega of the points on either side of it
+  bool step_explains;                 // without the step no residuals follow each other
+  double drift_share, step_share;     // of the squares of the residuals that go with drift or step
   double freedom;                     // residuals less parameters
   std::vector<std::size_t> outliers;  // points, by index
   std::vector<std::size_t> mains;     // points at a mains frequency that has an alarm
@@ -85,7 +95,7 @@ struct ValidationResult {
   [[nodiscard]] std::string summary() const;
 };
 
-/// @throws std::invalid_argument  level outside of (0, 1)
+/// @throws std::invalid_argument  level outside of (0, 1), or accuracy below 0 or not finite
 [[nodiscard]] ValidationResult validate(const FrequencyResponseData& data, const ValidationOptions& options = {});
 
 }  // namespace frac

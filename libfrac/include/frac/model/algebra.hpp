@@ -24,9 +24,9 @@ namespace frac {
 [[nodiscard]] FractionalTransferFunction operator*(double factor, const FractionalTransferFunction& a);
 
 /// Negative feedback forward/(1 + forward backward).
-/// @throws std::invalid_argument  dead time in the loop, which leaves no ratio of sums of powers (its stability is
-/// still
-///     decided by analyse_closed_loop()), or 1 + forward backward = 0.
+/// @throws std::invalid_argument  1 + forward backward = 0, or dead time in the loop: the closed loop is then no ratio
+///     of sums of powers.  analyse_closed_loop() decides its
+///     stability all the same.
 [[nodiscard]] FractionalTransferFunction feedback(const FractionalTransferFunction& forward,
                                                   const FractionalTransferFunction& backward);
 

@@ -14,9 +14,9 @@ class FrequencyResponseData {
  public:
   /// @param sigma  standard deviation of each value, in the unit of the values (of the real and of the imaginary part
   ///               alike); empty when unknown.
-  /// @throws std::invalid_argument  lengths differ or are 0, omega not positive, finite and in increasing order, a
-  /// value
-  ///                                not finite, a sigma not positive and finite; the text names the first index
+  /// @throws std::invalid_argument  lengths differ or are 0, omega not positive, finite and in increasing order,
+  ///                                a value not finite, a sigma not positive and finite; the text names
+  ///                                the first index
   ///                                concerned.
   FrequencyResponseData(std::vector<double> omega, std::vector<std::complex<double>> value,
                         std::vector<double> sigma = {});

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <span>
+#include <string_view>
+
 namespace frac {
 
 /// How an input runs between its samples.
@@ -8,5 +11,10 @@ enum class Hold {
   zero_order,   // constant until the next sample
   first_order,  // straight to the next sample
 };
+/// zero-order, first-order.
+[[nodiscard]] std::string_view to_string(Hold hold);
+/// @throws std::invalid_argument  unknown name; the text lists the known ones.
+[[nodiscard]] Hold hold_from_string(std::string_view text);
+[[nodiscard]] std::span<const Hold> holds();
 
 }  // namespace frac

@@ -8,10 +8,12 @@
 #include <cstdint>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 
 #include "base/identifier.hpp"
 #include "base/spelling.hpp"
 #include "digital/section_kernel.hpp"
+#include "digital/tap_line.hpp"
 #include "runtime_text.hpp"
 
 namespace frac {
@@ -112,7 +114,7 @@ std::string CText::filled(std::string_view text, CWords words, const CConditions
   text.remove_prefix(text.find("\n\n") + 2);
   words.emplace("ZERO", literal(0));
   words.emplace("TINY", literal(is_float_ ? static_cast<double>(negligible_state<float>) : negligible_state<double>));
-  // Of the conditions around a line: whether it is ours, whether its present branch is kept, and whether one was.
+  // A condition around a line: whether it is ours, whether its present branch is kept, and whether one was.
   struct Condition {
     bool ours, kept, taken;
   };
@@ -136,7 +138,7 @@ std::string CText::filled(std::string_view text, CWords words, const CConditions
       here.taken = here.taken || here.kept;
       continue;
     } else if (line.starts_with("#endif")) {
-      // Those that the head of a header leaves open close in the text of its end.
+      // A condition that the head of a header leaves open is closed by the text of its end.
       if (!open.empty()) open.pop_back();
       if (is_ours) continue;
     }
@@ -187,6 +189,15 @@ std::string CText::closed(std::string text) const {
 
 std::string CText::guard() const {
   return capitals(name_) + "_H";
+}
+
+CSections c_sections(std::string prefix, std::vector<double> taps, const ParallelSections& design) {
+  CSections sections{std::move(prefix), std::move(taps), design.output, design.direct, design.rates, design.weights};
+  const std::size_t size = whole_groups(design.rates.size());
+  sections.taps.resize(even_count(sections.taps.size()), 0);
+  sections.rates.resize(size, 1);
+  sections.weights.resize(size, 0);
+  return sections;
 }
 
 void describe(const CSections& sections, CWords& words, CConditions& conditions) {

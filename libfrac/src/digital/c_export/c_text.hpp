@@ -21,6 +21,9 @@ struct CSections {
   [[nodiscard]] bool has_state() const { return !taps.empty() || !rates.empty(); }
 };
 
+/// Taps and sections as designed, filled up.
+[[nodiscard]] CSections c_sections(std::string prefix, std::vector<double> taps, const ParallelSections& design);
+
 /// Values of the identifiers in a C text, e.g. KP, and truth of the conditions it is written with, e.g. HAS_PAIRS.
 using CWords = std::map<std::string, std::string, std::less<>>;
 using CConditions = std::map<std::string, bool, std::less<>>;

@@ -5,26 +5,11 @@
 #include <vector>
 
 #include "c_text.hpp"
-#include "digital/section_kernel.hpp"
-#include "digital/tap_line.hpp"
 #include "runtime_text.hpp"
 #include "tuned_header.hpp"
 
 namespace frac {
 namespace {
-
-detail::CSections sections_of(const DigitalFilterDesign& filter) {
-  const ParallelSections& design = filter.sections;
-  detail::CSections sections{"section", {}, design.output, design.direct, design.rates, design.weights};
-  if (filter.taps != std::vector<double>{1}) {
-    sections.taps = filter.taps;
-    sections.taps.resize(detail::even_count(sections.taps.size()), 0);
-  }
-  const std::size_t size = detail::whole_groups(design.rates.size());
-  sections.rates.resize(size, 1);
-  sections.weights.resize(size, 0);
-  return sections;
-}
 
 std::string pair_arrays(const DigitalFilterDesign& design, const detail::CText& c) {
   if (design.pair_rates.empty()) return {};
@@ -49,7 +34,9 @@ std::string text_of(const DigitalFilterDesign& design, const CHeaderOptions& opt
                                 " samples; allowed is up to " + std::to_string(most_dead));
   }
   const detail::CText c(options);
-  const detail::CSections sections = sections_of(design);
+  const bool has_taps = design.taps != std::vector<double>{1};
+  const detail::CSections sections =
+      detail::c_sections("section", has_taps ? design.taps : std::vector<double>{}, design.sections);
   const std::size_t pairs = design.pair_rates.size();
   const bool loops = pairs > 0 || design.differences > 0 || design.integrators > 0;
   const bool has_arrays = loops || sections.has_state() || design.dead_samples > 0;

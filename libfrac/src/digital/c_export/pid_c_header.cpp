@@ -11,23 +11,15 @@
 namespace frac {
 namespace {
 
-detail::CSections sections_of(const PidOperator& design, const char* prefix) {
-  const auto size = static_cast<std::ptrdiff_t>(design.size);
-  const auto taps = static_cast<std::ptrdiff_t>(design.tap_count);
-  return {prefix,
-          {design.taps.begin(), design.taps.begin() + taps},
-          design.output,
-          design.direct,
-          {design.rates.begin(), design.rates.begin() + size},
-          {design.weights.begin(), design.weights.begin() + size}};
-}
-
 template <typename Real>
 std::string text_of(const FractionalPidDesign& design, const CHeaderOptions& options, bool is_tuned) {
   const detail::CText c(options);
   const PidCoefficients<Real> k(design);
-  const detail::CSections integral = sections_of(design.integral(), "integral");
-  const detail::CSections derivative = sections_of(design.derivative(), "derivative");
+  const auto sections_of = [](const char* prefix, const PidFilter& filter) {
+    return detail::c_sections(prefix, filter.taps, filter.sections);
+  };
+  const detail::CSections integral = sections_of("integral", design.integral());
+  const detail::CSections derivative = sections_of("derivative", design.derivative());
 
   const auto number = [&](Real value) { return c.literal(static_cast<double>(value)); };
   detail::CWords words{{"MOST", number(std::numeric_limits<Real>::max())},

@@ -9,6 +9,7 @@
  *   const char *model_start(model *, double time)  to the state at rest: 0, or what prevents it;
  *   const char *model_step(model *, double time, double duration)  under constant inputs;
  *   void model_results(model *)  results of the present state and inputs;
+ *   MODEL_TUNED(model *)  takes tunable parameters that were set; only where there are some;
  *   double *model_state(model *), void model_rates(model *, double *)  where MODEL_STATES > 0;
  *   void model_indicators(model *, double *), int model_event(model *)  where MODEL_EVENTS > 0: what changes its sign at
  *     an event, and what happens then, 1 if the states jump.
@@ -176,6 +177,9 @@ FMI2_EXPORT fmi2Status FMI2_NAME(fmi2SetReal)(fmi2Component component, const fmi
                                               const fmi2Real value[])
 {
   instance *c = (instance *)component;
+#if defined(MODEL_TUNED)
+  int tuned = 0;
+#endif
   size_t i;
   for (i = 0; i < count; ++i) {
     char access;
@@ -185,8 +189,14 @@ FMI2_EXPORT fmi2Status FMI2_NAME(fmi2SetReal)(fmi2Component component, const fmi
     if (access == 'p' && c->state.phase != is_instantiated && c->state.phase != is_initialising)
       return refuse(c, "fmi2SetReal: this parameter is fixed once the simulation runs");
     if (!(value[i] - value[i] == 0)) return refuse(c, "fmi2SetReal: a value is not finite");
+#if defined(MODEL_TUNED)
+    tuned |= access == 't';
+#endif
   }
   for (i = 0; i < count; ++i) c->state.inner.real[which[i]] = value[i];
+#if defined(MODEL_TUNED)
+  if (tuned) MODEL_TUNED(&c->state.inner);
+#endif
   return fmi2OK;
 }
 

@@ -49,9 +49,10 @@ static void recursion_start(model *m)
   give_results(m);
 }
 
+#define MODEL_TUNED(m) take_parameters(m)
+
 static void recursion_sample(model *m)
 {
-  take_parameters(m);
   (void)controller_step(&m->recursion, (controller_real)m->real[at_setpoint], (controller_real)m->real[at_measured]);
   give_results(m);
 }

@@ -290,6 +290,16 @@ ConsistentModel settled(const Problem& problem, Eigen::Index grid, FreeFit fit) 
   return model;
 }
 
+ConsistentModel on_grid(const Problem& problem, Eigen::Index poles, double reach) {
+  ConsistentModel model = made(problem.rows(grid_columns(problem, poles, reach)));
+  const Eigen::MatrixXd& q = model.rest.orthonormal;
+  take_residual(problem, problem.target - q * (q.transpose() * problem.target), model);
+  model.grid_poles = static_cast<std::size_t>(poles);
+  model.reach = reach;
+  model.criterion = aicc(problem, model.rest.square(), q.cols());
+  return model;
+}
+
 // AICc does not tell candidates apart whose values differ by less.  The richer one is taken: too poor a model is a
 // false alarm, too rich a one costs little.
 constexpr double alike = 2;
@@ -321,12 +331,11 @@ ConsistentModel best_on_grid(const WeightedPoints& points) {
   Candidate best{0, 0, least};
   for (const Candidate& each : candidates)
     if (each.criterion <= least + alike && each.poles >= best.poles) best = each;
-  ConsistentModel model = made(problem.rows(grid_columns(problem, best.poles, best.reach)));
-  const Eigen::MatrixXd& q = model.rest.orthonormal;
-  take_residual(problem, problem.target - q * (q.transpose() * problem.target), model);
-  model.grid_poles = static_cast<std::size_t>(best.poles);
-  model.criterion = best.criterion;
-  return model;
+  return on_grid(problem, best.poles, best.reach);
+}
+
+ConsistentModel on_grid(const WeightedPoints& points, std::size_t poles, double reach) {
+  return on_grid(Problem(points), static_cast<Eigen::Index>(poles), reach);
 }
 
 ConsistentModel best_with_free_poles(const WeightedPoints& points, std::span<const std::size_t> pair_counts) {

@@ -23,12 +23,16 @@ struct ConsistentModel {
   ProjectedResidual rest;  // weighted
   Eigen::VectorXcd value;
   std::size_t grid_poles = 0;
+  double reach = 0;  // of the grid beyond the band on either side, as ratio of frequencies on the logarithm
   std::vector<std::complex<double>> free_poles;  // real, or the upper one of a pair; in units of the middle of the band
   double criterion = 0;                          // AICc, of the same points and weights
 };
 
 /// c_0 + c_1 s + c_2/s + sum r_k/(1 + s tau_k), the tau_k evenly on the logarithm; the best of many counts and reaches.
 [[nodiscard]] ConsistentModel best_on_grid(const WeightedPoints& points);
+
+/// The one with so many and with this reach.
+[[nodiscard]] ConsistentModel on_grid(const WeightedPoints& points, std::size_t poles, double reach);
 
 /// The same with poles at free places in the left half plane, real or in pairs, found by vector fitting (Gustavsen,
 /// Semlyen 1999) and brought to least squares by Gauss-Newton steps.  A pair is at least half as wide as the

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "projected_residual.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <vector>
 
+#include "base/linear_algebra.hpp"
 #include "special/distributions.hpp"
 
 namespace frac::detail {
@@ -52,6 +54,31 @@ Traces traces(Eigen::Index count, std::span<const double> weights) {
   return sum;
 }
 
+/// Chance that two normal variables of this correlation both exceed a limit far above 0.
+double both_above(double limit, double correlation) {
+  // Of the second given the first, over the density of the first; 9 deviations further nothing is left of it.
+  const double scale = std::sqrt(std::max(1 - correlation * correlation, 1e-12));
+  constexpr int panels = 120;
+  constexpr double reach = 9, step = reach / panels;
+  double sum = 0;
+  for (int i = 0; i <= panels; ++i) {
+    const double x = limit + step * i;
+    const double weight = i == 0 || i == panels ? 1 : i % 2 == 1 ? 4 : 2;
+    sum += weight * std::exp(-x * x / 2) * normal_above((limit - correlation * x) / scale);
+  }
+  return sum * step / 3 / std::sqrt(2 * std::numbers::pi);
+}
+
+/// The normal deviate that is exceeded as often.
+double normal_deviate(double chance) {
+  double low = 0, high = 38;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = (low + high) / 2;
+    (normal_above(middle) > chance ? low : high) = middle;
+  }
+  return high;
+}
+
 }  // namespace
 
 CorrelationTest correlation_test(const ProjectedResidual& of, std::span<const double> weights) {
@@ -94,6 +121,40 @@ AddedColumn added_column(const ProjectedResidual& of, const Eigen::VectorXd& col
           deviation > 0 ? 2 * student_t_above(std::abs(coefficient) / deviation, degrees) : nan};
 }
 
+LargestColumn largest_column(const ProjectedResidual& of, const Eigen::MatrixXd& columns) {
+  LargestColumn largest{-1, {nan, nan, nan}};
+  const Eigen::MatrixXd& q = of.orthonormal;
+  Eigen::MatrixXd free = columns - q * (q.transpose() * columns);
+  std::vector<Eigen::Index> used;
+  for (Eigen::Index j = 0; j < free.cols(); ++j) {
+    const double size = free.col(j).norm();
+    if (!(size > 1e-8 * columns.col(j).norm())) continue;
+    free.col(j) /= size;
+    used.push_back(j);
+  }
+  double most = 0;
+  for (const Eigen::Index j : used) {
+    const double share = std::abs(free.col(j).dot(of.residual));
+    if (share > most) {
+      most = share;
+      largest.which = j;
+    }
+  }
+  if (largest.which < 0) return largest;
+  largest.column = added_column(of, columns.col(largest.which));
+  const double alone = largest.column.p_value;
+  double chance = static_cast<double>(used.size()) * alone;
+  if (chance > 1e-12) {
+    const double limit = normal_deviate(alone / 2);
+    for (std::size_t i = 1; i < used.size(); ++i) {
+      const double correlation = std::abs(free.col(used[i - 1]).dot(free.col(used[i])));
+      chance -= std::min(alone, 2 * both_above(limit, correlation));
+    }
+  }
+  largest.column.p_value = std::min(1.0, chance);
+  return largest;
+}
+
 ProjectedResidual with_column(const ProjectedResidual& of, const Eigen::VectorXd& column) {
   const Eigen::VectorXd free = (column - of.orthonormal * (of.orthonormal.transpose() * column)).normalized();
   ProjectedResidual result{Eigen::MatrixXd(of.orthonormal.rows(), of.orthonormal.cols() + 1),
@@ -114,8 +175,8 @@ double excess_chance(const ProjectedResidual& of, std::span<const Eigen::Index> 
   }
   // Their squares in units of their own covariance, which the projection has made smaller than that of the noise.
   const Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(2 * count, 2 * count) - rows * rows.transpose();
-  const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
-  if (factor.info() != Eigen::Success) return nan;
+  const CholeskyFactor factor(covariance);
+  if (!factor.exists()) return nan;
   const double own = residual.dot(factor.solve(residual));
   const double others = of.square() - own;
   if (!(own >= 0) || !std::isfinite(own)) return nan;

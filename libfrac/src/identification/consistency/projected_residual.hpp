@@ -33,6 +33,15 @@ struct AddedColumn {
 };
 [[nodiscard]] AddedColumn added_column(const ProjectedResidual& of, const Eigen::VectorXd& column);
 
+/// The column with the largest t-value, out of columns of which neighbours are alike: places of a step, say.
+struct LargestColumn {
+  Eigen::Index which;  // below 0: no column differs from what the model can follow
+  AddedColumn column;  // p_value: chance that any of the columns shows as much
+};
+/// The chance is bounded by that of the first column and of each further one without the one before it (Worsley 1982).
+/// The bound is sharp where columns are alike; twice their number would be too careful by far there.
+[[nodiscard]] LargestColumn largest_column(const ProjectedResidual& of, const Eigen::MatrixXd& columns);
+
 /// What is left when the column is added.
 [[nodiscard]] ProjectedResidual with_column(const ProjectedResidual& of, const Eigen::VectorXd& column);
 

@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frac/identification/validate.hpp"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <stdexcept>
 
+#include "base/number_text.hpp"
 #include "base/short_text.hpp"
 #include "base/spelling.hpp"
 #include "consistent_model.hpp"
@@ -27,15 +30,12 @@ using detail::WeightedPoints;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array all_tests{ValidityTest::neighbours,    ValidityTest::neighbourhoods, ValidityTest::drift_even,
-                               ValidityTest::drift_periods, ValidityTest::outliers,       ValidityTest::mains_50,
-                               ValidityTest::mains_60};
+                               ValidityTest::drift_periods, ValidityTest::step,           ValidityTest::outliers,
+                               ValidityTest::mains_50,      ValidityTest::mains_60};
 // Each test has this share of the level.  Seven shares of a seventh would do if weights and poles were given; they are
 // learned from the same residuals, which makes alarms up to 1.4 times as frequent (measured, see validity_rates).
 constexpr double share_of_level = 0.1;
 constexpr double fewest_degrees = 8;
-// Departures smaller than these shares of the response are no reason for an alarm: the model itself follows exact data
-// of a fractional system to some 1e-5, and no instrument is better.
-constexpr double negligible_residual = 1e-4;
 constexpr double negligible_drift = 1e-3;
 constexpr double highest_leverage = 0.5;
 
@@ -70,31 +70,50 @@ WeightedPoints points_of(const FrequencyResponseData& data, const std::vector<st
   return points;
 }
 
-/// Slope of the logarithm of the residuals over that of frequency, 0 unless it is clear: ln |r|^2 of two normal parts
-/// has the variance pi^2/6.
-double noise_slope(const WeightedPoints& points, const ConsistentModel& model) {
-  const auto count = static_cast<double>(points.omega.size());
-  if (count < 12) return 0;
-  double mean = 0, mean_log = 0;
-  std::vector<double> log_square;
-  for (std::size_t k = 0; k < points.omega.size(); ++k) {
-    const double square = model.rest.residual.segment(static_cast<Eigen::Index>(2 * k), 2).squaredNorm();
-    if (!(square > 0)) return 0;
-    log_square.push_back(std::log(square));
-    mean += log_square.back() / count;
-    mean_log += std::log(points.omega[k]) / count;
+/// How the noise changes over the band.
+struct NoiseShape {
+  std::vector<double> log_size;  // of each point, its mean 0; empty: nothing is clear
+  double slope = 0;              // over the logarithm of frequency, on average
+};
+
+/// Regression of ln |r|^2 on polynomials of the logarithm of frequency: the logarithm of the square of two normal parts
+/// has the variance pi^2/6, so that the reduction of each column is a chi-squared variable.
+NoiseShape noise_shape(const WeightedPoints& points, const ConsistentModel& model) {
+  const auto count = static_cast<Eigen::Index>(points.omega.size());
+  NoiseShape shape;
+  if (count < 12) return shape;
+  constexpr int highest = 4;
+  const int degrees = static_cast<int>(std::min<Eigen::Index>(highest, count / 12));
+  const double first = std::log(points.omega.front()), last = std::log(points.omega.back());
+  Eigen::MatrixXd columns(count, degrees + 1);
+  Eigen::VectorXd log_square(count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const double square = model.rest.residual.segment(2 * k, 2).squaredNorm();
+    const double noise_left = 1 - detail::leverage(model.rest, k);
+    if (!(square > 0) || !(noise_left > 1e-6)) return shape;
+    log_square(k) = std::log(square / noise_left);
+    const double x = (2 * std::log(points.omega[static_cast<std::size_t>(k)]) - first - last) / (last - first);
+    for (int degree = 0; degree <= degrees; ++degree) columns(k, degree) = std::pow(x, degree);
   }
-  double product = 0, power = 0;
-  for (std::size_t k = 0; k < points.omega.size(); ++k) {
-    const double x = std::log(points.omega[k]) - mean_log;
-    product += x * (log_square[k] - mean);
-    power += x * x;
+  const Eigen::HouseholderQR<Eigen::MatrixXd> factor(columns);
+  const Eigen::MatrixXd basis = factor.householderQ() * Eigen::MatrixXd::Identity(count, degrees + 1);
+  const Eigen::VectorXd found = basis.transpose() * log_square;
+  constexpr double variance = std::numbers::pi * std::numbers::pi / 6;
+  // Three standard deviations for a slope alone; each further degree has to earn its place among more of them.
+  double most = 0, sum = 0;
+  int chosen = 0;
+  for (int degree = 1; degree <= degrees; ++degree) {
+    sum += found(degree) * found(degree) / variance;
+    const double gain = sum - 6 - 3 * degree;
+    if (!(gain > most)) continue;
+    most = gain;
+    chosen = degree;
   }
-  if (!(power > 0)) return 0;
-  const double slope = product / power;
-  const double deviation = std::numbers::pi / std::sqrt(6 * power);
-  constexpr double clearly = 3;
-  return std::abs(slope) > clearly * deviation ? slope / 2 : 0;
+  if (chosen == 0) return shape;
+  const Eigen::VectorXd log_size = 0.5 * basis.middleCols(1, chosen) * found.segment(1, chosen);
+  shape.log_size.assign(log_size.begin(), log_size.end());
+  shape.slope = basis.col(1).dot(log_size) / basis.col(1).dot(columns.col(1)) * 2 / (last - first);
+  return shape;
 }
 
 /// Noise as the residuals show it: in part relative to the model, in part additive.
@@ -108,13 +127,14 @@ void weigh_by_residuals(Fitted& fitted) {
     points.deviation(k) = std::hypot(std::max(std::abs(fitted.model.value(k)), smallest), fitted.floor);
 }
 
-/// Noise that rises or falls with frequency besides.
-void weigh_by_slope(Fitted& fitted) {
-  fitted.slope = noise_slope(fitted.points, fitted.model);
-  const auto& omega = fitted.points.omega;
-  const double centre = std::sqrt(omega.front()) * std::sqrt(omega.back());
-  for (Eigen::Index k = 0; k < fitted.points.value.size(); ++k)
-    fitted.points.deviation(k) *= std::pow(omega[static_cast<std::size_t>(k)] / centre, fitted.slope);
+/// Noise that changes with frequency besides.
+/// @return whether it clearly does
+bool weigh_by_shape(Fitted& fitted) {
+  const NoiseShape shape = noise_shape(fitted.points, fitted.model);
+  fitted.slope = shape.slope;
+  for (std::size_t k = 0; k < shape.log_size.size(); ++k)
+    fitted.points.deviation(static_cast<Eigen::Index>(k)) *= std::exp(shape.log_size[k]);
+  return !shape.log_size.empty();
 }
 
 /// AICc with the part of the likelihood that depends on the weights.
@@ -152,9 +172,25 @@ detail::AddedColumn drift_of(const FrequencyResponseData& data, const Fitted& fi
   return detail::added_column(fitted.model.rest, drift_column(data, fitted, law));
 }
 
+/// The response of the points from each place on, two of them on either side.
+Eigen::MatrixXd step_columns(const Fitted& fitted) {
+  constexpr Eigen::Index least = 2;
+  const Eigen::Index count = fitted.points.value.size();
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(2 * count, std::max<Eigen::Index>(0, count - 2 * least + 1));
+  for (Eigen::Index j = 0; j < columns.cols(); ++j)
+    for (Eigen::Index i = j + least; i < count; ++i) {
+      const Complex moved = fitted.model.value(i) / fitted.points.deviation(i);
+      columns(2 * i, j) = moved.real();
+      columns(2 * i + 1, j) = moved.imag();
+    }
+  return columns;
+}
+std::size_t first_beyond(Eigen::Index step_column) {
+  return static_cast<std::size_t>(step_column) + 2;
+}
+
 /// Positions among the kept points.
-std::vector<Eigen::Index> at_mains(const Fitted& fitted, double mains) {
-  constexpr int harmonics = 10;
+std::vector<Eigen::Index> at_mains(const Fitted& fitted, double mains, int harmonics = 10) {
   constexpr double width = 0.02;
   std::vector<Eigen::Index> found;
   for (std::size_t i = 0; i < fitted.points.omega.size(); ++i) {
@@ -186,8 +222,11 @@ struct Tested {
   double correlation = 0;
   detail::AddedColumn drift;
   ValidityTest drift_law = ValidityTest::drift_even;
+  detail::LargestColumn step;
   double chance_beside_drift = nan;  // the least of both neighbour tests, the drift taken out
-  std::vector<double> point_chance;  // of each residual
+  double chance_beside_step = nan;
+  double square_beside_drift, square_beside_step;  // what is left then
+  std::vector<double> point_chance;                // of each residual
 
   [[nodiscard]] bool alarm(ValidityTest test, double level) const {
     const std::size_t i = index_of(test);
@@ -203,13 +242,13 @@ struct Tested {
   }
 };
 
-Tested tested(const FrequencyResponseData& data, const Fitted& fitted) {
+Tested tested(const FrequencyResponseData& data, const Fitted& fitted, double accuracy) {
   Tested result;
   result.p_value.fill(nan);
   result.counts.fill(true);
   const auto& rest = fitted.model.rest;
   const auto points = static_cast<Eigen::Index>(fitted.kept.size());
-  const bool seen = rms_of_residuals(fitted) > negligible_residual;
+  const bool seen = rms_of_residuals(fitted) > accuracy;
 
   const std::array next{1.0};
   const auto short_range = detail::correlation_test(rest, next);
@@ -227,22 +266,33 @@ Tested tested(const FrequencyResponseData& data, const Fitted& fitted) {
 
   const auto even = drift_of(data, fitted, ValidityTest::drift_even);
   const auto periods = drift_of(data, fitted, ValidityTest::drift_periods);
-  put(ValidityTest::drift_even, even.p_value, std::abs(even.coefficient) > negligible_drift);
-  put(ValidityTest::drift_periods, periods.p_value, std::abs(periods.coefficient) > negligible_drift);
+  put(ValidityTest::drift_even, even.p_value, seen && std::abs(even.coefficient) > negligible_drift);
+  put(ValidityTest::drift_periods, periods.p_value, seen && std::abs(periods.coefficient) > negligible_drift);
   const bool by_periods = std::isnan(even.p_value) || periods.p_value < even.p_value;
   result.drift_law = by_periods ? ValidityTest::drift_periods : ValidityTest::drift_even;
   result.drift = by_periods ? periods : even;
 
-  const auto steady = detail::with_column(rest, drift_column(data, fitted, result.drift_law));
-  result.chance_beside_drift =
-      std::fmin(detail::correlation_test(steady, next).p_value, detail::correlation_test(steady, wide).p_value);
+  const auto beside = [&](const Eigen::VectorXd& column, double& chance, double& square) {
+    const auto steady = detail::with_column(rest, column);
+    square = steady.square();
+    chance = std::fmin(detail::correlation_test(steady, next).p_value, detail::correlation_test(steady, wide).p_value);
+  };
+  beside(drift_column(data, fitted, result.drift_law), result.chance_beside_drift, result.square_beside_drift);
+
+  const Eigen::MatrixXd steps = step_columns(fitted);
+  result.step = detail::largest_column(rest, steps);
+  put(ValidityTest::step, result.step.column.p_value,
+      seen && std::abs(result.step.column.coefficient) > negligible_drift);
+  result.square_beside_step = rest.square();
+  if (result.step.which >= 0)
+    beside(steps.col(result.step.which), result.chance_beside_step, result.square_beside_step);
 
   for (Eigen::Index i = 0; i < points; ++i) {
     const std::array one{i};
     // A point that free poles have come to follow by itself tells nothing: its leverage is not that of places given
     // beforehand.
     const bool judged = fitted.model.free_poles.empty() || detail::leverage(rest, i) < highest_leverage;
-    const bool counts = relative_residual(fitted, i) > negligible_residual;
+    const bool counts = relative_residual(fitted, i) > accuracy;
     const double chance = judged && counts ? detail::excess_chance(rest, one) : 1;
     result.point_chance.push_back(std::isnan(chance) ? 1 : chance);
   }
@@ -251,7 +301,7 @@ Tested tested(const FrequencyResponseData& data, const Fitted& fitted) {
   for (const auto& [test, mains] : {std::pair{ValidityTest::mains_50, 50.0}, std::pair{ValidityTest::mains_60, 60.0}}) {
     const auto hit = at_mains(fitted, mains);
     const bool counts =
-        std::any_of(hit.begin(), hit.end(), [&](auto i) { return relative_residual(fitted, i) > negligible_residual; });
+        std::any_of(hit.begin(), hit.end(), [&](auto i) { return relative_residual(fitted, i) > accuracy; });
     put(test, detail::excess_chance(rest, hit), counts);
   }
   return result;
@@ -285,8 +335,7 @@ Fitted fit_on_grid(const FrequencyResponseData& data, std::vector<std::size_t> k
     each.model = detail::best_on_grid(each.points);
   }
   Fitted fitted = likelier(std::move(either));
-  weigh_by_slope(fitted);
-  if (fitted.slope != 0) fitted.model = detail::best_on_grid(fitted.points);
+  if (weigh_by_shape(fitted)) fitted.model = detail::best_on_grid(fitted.points);
   return fitted;
 }
 
@@ -297,8 +346,7 @@ void settle_free_poles(const FrequencyResponseData& data, Fitted& fitted) {
     weigh_by_residuals(fitted);
     fitted.model = detail::refitted(fitted.points, fitted.model);
   }
-  weigh_by_slope(fitted);
-  if (fitted.slope != 0) fitted.model = detail::refitted(fitted.points, fitted.model);
+  if (weigh_by_shape(fitted)) fitted.model = detail::refitted(fitted.points, fitted.model);
 }
 
 Fitted fit_free_poles(const FrequencyResponseData& data, std::vector<std::size_t> kept,
@@ -337,6 +385,30 @@ bool is_of_points(ValidityTest test) {
   return test == ValidityTest::outliers || test == ValidityTest::mains_50 || test == ValidityTest::mains_60;
 }
 
+/// The chance of the point that stands out most, beside the poles that the other points ask for: an outlier asks for
+/// poles of its own.
+void look_again(const FrequencyResponseData& data, const Fitted& fitted, Tested& result) {
+  const auto largest = std::min_element(result.point_chance.begin(), result.point_chance.end());
+  const auto points = static_cast<double>(result.point_chance.size());
+  constexpr double not_worth_it = 0.5;
+  if (!fitted.model.free_poles.empty() || !(points * *largest < not_worth_it)) return;
+  const auto at = static_cast<Eigen::Index>(largest - result.point_chance.begin());
+  const Fitted others = fit_on_grid(data, without(fitted.kept, {at}));
+  WeightedPoints all = fitted.points;
+  for (Eigen::Index i = 0; i < all.deviation.size(); ++i)
+    if (i != at) all.deviation(i) = others.points.deviation(i < at ? i : i - 1);
+  const Eigen::Index beside = at > 0 ? at - 1 : at + 1;
+  all.deviation(at) *= all.deviation(beside) / fitted.points.deviation(beside);
+  const ConsistentModel model = detail::on_grid(all, others.model.grid_poles, others.model.reach);
+  const std::array one{at};
+  // The poles were chosen for this point to stand out: as if it had been looked at beside some three models.
+  constexpr double models = 3;
+  const double chance = models * detail::excess_chance(model.rest, one);
+  if (!(chance < *largest)) return;
+  *largest = chance;
+  result.p_value[index_of(ValidityTest::outliers)] = std::min(1.0, points * chance);
+}
+
 /// A model of the points that do not stand out, and what was found on the way.
 struct Judgement {
   Fitted fitted;
@@ -350,22 +422,39 @@ struct Judgement {
   }
 };
 
+/// The alarm of single points to act on.  Of several the least likely: a point that stands out alone may happen to lie
+/// at a harmonic of the mains.  At their frequency itself it is taken for them.
+std::optional<ValidityTest> least_likely_of_points(const Judgement& judgement, double level) {
+  const Tested& last = judgement.last;
+  const auto largest = std::min_element(last.point_chance.begin(), last.point_chance.end()) - last.point_chance.begin();
+  std::optional<ValidityTest> found;
+  for (const ValidityTest test : all_tests) {
+    if (!is_of_points(test) || !last.alarm(test, level)) continue;
+    if (test != ValidityTest::outliers) {
+      const auto first = at_mains(judgement.fitted, test == ValidityTest::mains_50 ? 50.0 : 60.0, 1);
+      if (std::find(first.begin(), first.end(), largest) != first.end()) return test;
+    }
+    if (!found || last.p_value[index_of(test)] < last.p_value[index_of(*found)]) found = test;
+  }
+  return found;
+}
+
 /// Sets points that stand out aside, so that the others are judged without them.
 /// @param most  points set aside
 template <typename Fit>
-Judgement judge(const FrequencyResponseData& data, double level, std::size_t most, const Fit& fit) {
+Judgement judge(const FrequencyResponseData& data, const ValidationOptions& options, std::size_t most, const Fit& fit) {
+  const double level = options.level;
   std::vector<std::size_t> kept(data.size());
   std::iota(kept.begin(), kept.end(), std::size_t{0});
   Judgement judgement;
   judgement.fitted = fit(std::move(kept));
-  judgement.last = tested(data, judgement.fitted);
+  judgement.last = tested(data, judgement.fitted, options.accuracy);
+  look_again(data, judgement.fitted, judgement.last);
   judgement.first = judgement.last;
   while (true) {
     const Fitted& fitted = judgement.fitted;
-    const auto alarmed = std::find_if(all_tests.rbegin(), all_tests.rend(), [&](ValidityTest test) {
-      return is_of_points(test) && judgement.last.alarm(test, level);
-    });
-    if (alarmed == all_tests.rend()) break;
+    const std::optional<ValidityTest> alarmed = least_likely_of_points(judgement, level);
+    if (!alarmed) break;
     const bool outlier = *alarmed == ValidityTest::outliers;
     const std::vector<Eigen::Index> removed = outlier
                                                   ? judgement.last.standing_out(level)
@@ -375,7 +464,8 @@ Judgement judge(const FrequencyResponseData& data, double level, std::size_t mos
     for (const Eigen::Index i : removed) list.push_back(fitted.kept[static_cast<std::size_t>(i)]);
     if (judgement.outliers.size() + judgement.mains.size() > most) break;
     judgement.fitted = fit(without(fitted.kept, removed));
-    judgement.last = tested(data, judgement.fitted);
+    judgement.last = tested(data, judgement.fitted, options.accuracy);
+    look_again(data, judgement.fitted, judgement.last);
   }
   std::sort(judgement.outliers.begin(), judgement.outliers.end());
   std::sort(judgement.mains.begin(), judgement.mains.end());
@@ -383,7 +473,7 @@ Judgement judge(const FrequencyResponseData& data, double level, std::size_t mos
 }
 
 /// AICc of all points with the part of the likelihood that depends on the weights.  A point set aside costs three
-/// parameters: its two parts, and which point it is.
+/// parameters: its two parts, and which point it is; a drift two, its size and its law; a step two, its size and place.
 double criterion_of_all(const FrequencyResponseData& data, const Judgement& judgement) {
   const Fitted& fitted = judgement.fitted;
   const Eigen::VectorXd& deviation = fitted.points.deviation;
@@ -396,14 +486,27 @@ double criterion_of_all(const FrequencyResponseData& data, const Judgement& judg
   }
   const double rounding = 1e-24 * fitted.points.value.cwiseQuotient(deviation.cast<Complex>()).squaredNorm();
   const auto parameters = static_cast<std::size_t>(fitted.model.rest.orthonormal.cols()) + 3 * aside;
-  return information_criteria(fitted.model.rest.square() * share, 2 * data.size(), parameters, rounding).aicc +
+  const auto aicc = [&](double square, std::size_t further) {
+    return information_criteria(square * share, 2 * data.size(), parameters + further, rounding).aicc;
+  };
+  return std::min({aicc(fitted.model.rest.square(), 0), aicc(judgement.last.square_beside_drift, 2),
+                   aicc(judgement.last.square_beside_step, 2)}) +
          4 * logarithms;
 }
 
-Judgement judge(const FrequencyResponseData& data, double level) {
+/// Nothing but outliers, none next to another.
+bool has_lone_outliers(const Judgement& judgement) {
+  if (judgement.outliers.empty()) return false;
+  for (std::size_t i = 1; i < judgement.outliers.size(); ++i)
+    if (judgement.outliers[i] == judgement.outliers[i - 1] + 1) return false;
+  return true;
+}
+
+Judgement judge(const FrequencyResponseData& data, const ValidationOptions& options) {
+  const double level = options.level;
   const std::size_t some = std::max<std::size_t>(1, data.size() / 20), many = data.size() / 5;
   const auto steady = [&](const Judgement& each) { return !each.pattern(level) && each.of_points.empty(); };
-  Judgement best = judge(data, level, some, [&](auto kept) { return fit_on_grid(data, std::move(kept)); });
+  Judgement best = judge(data, options, some, [&](auto kept) { return fit_on_grid(data, std::move(kept)); });
   double least = best.outliers.size() + best.mains.size() > some ? std::numeric_limits<double>::infinity()
                                                                  : criterion_of_all(data, best);
   // Resonances stand out of real poles as outliers do, and outliers hide resonances: poles at free places are sought
@@ -411,9 +514,11 @@ Judgement judge(const FrequencyResponseData& data, double level) {
   const auto compare = [&](std::vector<std::size_t> kept, std::span<const std::size_t> pair_counts) {
     const Fitted free = fit_free_poles(data, std::move(kept), pair_counts);
     Judgement other =
-        judge(data, level, many, [&](auto points) { return refitted_points(data, std::move(points), free.model); });
+        judge(data, options, many, [&](auto points) { return refitted_points(data, std::move(points), free.model); });
     const double criterion = criterion_of_all(data, other);
-    constexpr double alike = 2;
+    // A pair of poles for a point that stands out alone follows this point and little else: it must explain much more.
+    constexpr double alike = 2, alone = 8;
+    if (has_lone_outliers(best) && other.outliers.empty() && !(criterion < least - alone)) return;
     if (!(criterion < least + (steady(other) && !steady(best) ? alike : 0))) return;
     least = criterion;
     best = std::move(other);
@@ -425,8 +530,10 @@ Judgement judge(const FrequencyResponseData& data, double level) {
     const std::vector<std::size_t> kept = best.fitted.kept;
     std::vector<std::size_t> all(data.size());
     std::iota(all.begin(), all.end(), std::size_t{0});
+    const bool lone = has_lone_outliers(best);
+    if (lone) compare(kept, few);
     compare(all, few);
-    if (kept != all && !steady(best)) compare(kept, few);
+    if (!lone && kept != all && !steady(best)) compare(kept, few);
     if (best.pattern(level)) compare(best.fitted.kept, more);
   }
   return best;
@@ -435,11 +542,11 @@ Judgement judge(const FrequencyResponseData& data, double level) {
 /// Whether a pattern tells nothing.  Over less than an octave the frequencies outside allow every smooth curve, and an
 /// echo that turns by more than half a cycle between points looks as if it came before its cause: only a response whose
 /// complex conjugate is explained, cause and effect being exchanged, is known to be none.
-bool is_left_open(const FrequencyResponseData& data, double level) {
+bool is_left_open(const FrequencyResponseData& data, const ValidationOptions& options) {
   if (!(data.omega().back() < 2 * data.omega().front())) return false;
   auto mirrored = data.value();
   for (Complex& each : mirrored) each = std::conj(each);
-  return judge({data.omega(), std::move(mirrored), data.sigma()}, level).pattern(level);
+  return judge({data.omega(), std::move(mirrored), data.sigma()}, options).pattern(options.level);
 }
 
 }  // namespace
@@ -453,10 +560,11 @@ std::string_view to_string(Validity validity) {
 }
 
 std::string_view to_string(ValidityTest test) {
-  constexpr detail::Spellings<ValidityTest, 7> spellings{{{ValidityTest::neighbours, "neighbours"},
+  constexpr detail::Spellings<ValidityTest, 8> spellings{{{ValidityTest::neighbours, "neighbours"},
                                                           {ValidityTest::neighbourhoods, "neighbourhoods"},
                                                           {ValidityTest::drift_even, "drift-even"},
                                                           {ValidityTest::drift_periods, "drift-periods"},
+                                                          {ValidityTest::step, "step"},
                                                           {ValidityTest::outliers, "outliers"},
                                                           {ValidityTest::mains_50, "mains-50"},
                                                           {ValidityTest::mains_60, "mains-60"}}};
@@ -466,7 +574,7 @@ std::string_view to_string(ValidityTest test) {
 namespace {
 
 /// Judges every k-th point.
-ValidationResult validate_thinned(const FrequencyResponseData& data, double level, std::size_t every) {
+ValidationResult validate_thinned(const FrequencyResponseData& data, ValidationOptions options, std::size_t every) {
   std::vector<double> omega, sigma;
   std::vector<Complex> value;
   for (std::size_t k = 0; k < data.size(); k += every) {
@@ -474,7 +582,8 @@ ValidationResult validate_thinned(const FrequencyResponseData& data, double leve
     value.push_back(data.value()[k]);
     if (!data.sigma().empty()) sigma.push_back(data.sigma()[k]);
   }
-  ValidationResult result = validate({std::move(omega), std::move(value), std::move(sigma)}, {level});
+  options.most_points = 0;
+  ValidationResult result = validate({std::move(omega), std::move(value), std::move(sigma)}, options);
   result.every = every;
   for (auto* points : {&result.outliers, &result.mains})
     for (std::size_t& point : *points) point *= every;
@@ -493,20 +602,27 @@ ValidationResult validate_thinned(const FrequencyResponseData& data, double leve
 
 ValidationResult validate(const FrequencyResponseData& data, const ValidationOptions& options) {
   const double level = options.level;
-  if (!(level > 0 && level < 1)) throw std::invalid_argument("level must be between 0 and 1");
+  // Quantiles of less are beyond the range of numbers.
+  if (!(level >= 1e-15 && level < 1))
+    throw std::invalid_argument("level = " + detail::number_text(level) + "; allowed is 1e-15 up to 1");
+  if (!(options.accuracy >= 0 && std::isfinite(options.accuracy)))
+    throw std::invalid_argument("accuracy = " + detail::number_text(options.accuracy) + "; allowed is 0 or above");
   if (options.most_points > 0 && data.size() > options.most_points)
-    return validate_thinned(data, level, (data.size() - 1) / options.most_points + 1);
+    return validate_thinned(data, options, (data.size() - 1) / options.most_points + 1);
   ValidationResult result{};
   result.level = level;
+  result.accuracy = options.accuracy;
   result.validity = Validity::undecided;
   result.noise = result.drift = result.drift_deviation = result.detectable_drift = nan;
+  result.step = result.step_deviation = result.step_below = result.step_above = nan;
+  result.drift_share = result.step_share = result.largest_residual = nan;
   constexpr std::size_t fewest_points = 6;
   if (data.size() < fewest_points || !(data.omega().back() > data.omega().front())) {
     for (const ValidityTest test : all_tests) result.findings.push_back({test, nan, false});
     return result;
   }
 
-  const Judgement judgement = judge(data, level);
+  const Judgement judgement = judge(data, options);
   const Fitted& fitted = judgement.fitted;
   const Tested& now = judgement.last;
   const std::vector<ValidityTest>& of_points = judgement.of_points;
@@ -526,6 +642,20 @@ ValidationResult validate(const FrequencyResponseData& data, const ValidationOpt
   result.drift_deviation = now.drift.deviation;
   result.drift_law = now.drift_law;
   result.drift_explains = !(now.chance_beside_drift < level * share_of_level);
+  const double square = fitted.model.rest.square();
+  result.drift_share = 1 - now.square_beside_drift / square;
+  if (now.step.which >= 0) {
+    const std::size_t above = first_beyond(now.step.which);
+    result.step = now.step.column.coefficient;
+    result.step_deviation = now.step.column.deviation;
+    result.step_below = fitted.points.omega[above - 1];
+    result.step_above = fitted.points.omega[above];
+    result.step_share = 1 - now.square_beside_step / square;
+    result.step_explains = !(now.chance_beside_step < level * share_of_level);
+  }
+  result.largest_residual = 0;
+  for (Eigen::Index i = 0; i < fitted.points.value.size(); ++i)
+    result.largest_residual = std::max(result.largest_residual, relative_residual(fitted, i));
   result.noise_floor = fitted.floor;
   result.noise_slope = fitted.slope;
   // Points set aside are shown by what their neighbours make of them.
@@ -554,7 +684,7 @@ ValidationResult validate(const FrequencyResponseData& data, const ValidationOpt
     result.detectable_drift = found * std::fmin(now.drift.deviation, other.deviation);
   }
   if (pattern) {
-    result.validity = is_left_open(data, level) ? Validity::undecided : Validity::invalid;
+    result.validity = is_left_open(data, options) ? Validity::undecided : Validity::invalid;
   } else if (!(result.freedom >= fewest_degrees) || !(result.detectable_drift < 1)) {
     result.validity = Validity::undecided;
   } else {
@@ -587,12 +717,31 @@ std::string ValidationResult::summary() const {
   std::vector<std::string> parts;
   const bool drifts = alarmed(ValidityTest::drift_even) || alarmed(ValidityTest::drift_periods);
   const bool follow = alarmed(ValidityTest::neighbours) || alarmed(ValidityTest::neighbourhoods);
-  if (drifts && (drift_explains || !follow))
-    parts.push_back("the response drifts by " + percent(drift) + " +- " + percent(drift_deviation) +
-                    " during the sweep");
-  if (follow && !(drifts && drift_explains))
+  const auto chance = [&](ValidityTest test) {
+    double least = 1;
+    for (const auto& each : findings)
+      if (each.test == test) least = std::fmin(least, each.p_value);
+    return least;
+  };
+  const bool rather_a_step =
+      alarmed(ValidityTest::step) &&
+      chance(ValidityTest::step) <= std::fmin(chance(ValidityTest::drift_even), chance(ValidityTest::drift_periods));
+  const bool explained = rather_a_step ? step_explains : drifts && drift_explains;
+  const std::string drift_text = percent(drift) + " +- " + percent(drift_deviation) + " during the sweep";
+  const std::string step_text = percent(step) + " +- " + percent(step_deviation) + " between " +
+                                detail::short_text(step_below) + " and " + detail::short_text(step_above) + " rad/s";
+  if (explained || !follow) {
+    if (rather_a_step)
+      parts.push_back("the response jumps by " + step_text);
+    else if (drifts)
+      parts.push_back("the response drifts by " + drift_text);
+  }
+  if (follow && !explained)
     parts.push_back("residuals of neighbouring points follow each other (correlation " +
-                    detail::short_text(correlation) + " beyond that of white noise)");
+                    detail::short_text(correlation) + " beyond that of white noise)" +
+                    (rather_a_step ? ", of which a jump by " + step_text + " explains " + percent(step_share)
+                     : drifts      ? ", of which a drift of " + drift_text + " explains " + percent(drift_share)
+                                   : ""));
   if (!mains.empty())
     parts.push_back(count_of(mains.size(), "point") + " at " + (alarmed(ValidityTest::mains_50) ? "50" : "60") +
                     " Hz or a harmonic stand out");
@@ -604,16 +753,20 @@ std::string ValidationResult::summary() const {
   };
   switch (validity) {
     case Validity::valid:
-      return text + ": a linear, stable, steady system explains all points to within " + noise_text +
-             "; a drift above " + percent(detectable_drift) + " would have been seen";
+      text += ": a linear, stable, steady system explains all points to within " + noise_text;
+      if (std::any_of(findings.begin(), findings.end(),
+                      [&](const auto& each) { return !each.alarm && each.p_value < level * share_of_level; }))
+        return text + "; what it leaves is no noise, but within the accuracy of " + percent(accuracy);
+      return text + "; a drift above " + percent(detectable_drift) + " would have been seen";
     case Validity::suspect:
       return text + ": " + joined() + "; the other points are consistent to within " + noise_text;
     case Validity::invalid:
-      return text + ": " + joined() + "; no linear, stable, steady system explains the points to within " + noise_text;
+      return text + ": " + joined() + "; no linear, stable, steady system explains the points to within " + noise_text +
+             ", " + percent(largest_residual) + " at most";
     case Validity::undecided:
       break;
   }
-  if (drifts || follow)
+  if (!parts.empty() && (drifts || follow || rather_a_step))
     return text + ": " + joined() +
            "; over less than an octave, echoes that the points are too far apart to resolve do that too";
   return text + ": band, points and noise leave too little to judge by (" + detail::short_text(freedom) +

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "frac/identification/constraints.hpp"
 #include "residual_rule.hpp"
 
 namespace frac::detail {
@@ -27,13 +28,9 @@ FitOptions started_at(const FitOptions& options, const FitResult& result) {
   started.global_start = false;
   for (const ParameterEstimate& estimate : result.parameters) {
     if (estimate.fixed) continue;
-    auto known = std::find_if(started.constraints.begin(), started.constraints.end(),
-                              [&](const ParameterConstraint& each) { return each.name == estimate.name; });
-    if (known == started.constraints.end()) {
-      known = started.constraints.insert(known, ParameterConstraint{estimate.name, {}, {}, {}, {}});
-    }
-    known->start = std::clamp(estimate.value, known->lower.value_or(-std::numeric_limits<double>::infinity()),
-                              known->upper.value_or(std::numeric_limits<double>::infinity()));
+    ParameterConstraint& known = constraint_of(started.constraints, estimate.name);
+    known.start = std::clamp(estimate.value, known.lower.value_or(-std::numeric_limits<double>::infinity()),
+                             known.upper.value_or(std::numeric_limits<double>::infinity()));
   }
   return started;
 }

@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "base/median.hpp"
 #include "base/wide_vectors.hpp"
+#include "neighbour_noise.hpp"
 
 namespace frac::detail {
 
@@ -51,19 +51,6 @@ LocalLine local_line(const std::vector<double>& x, const std::vector<double>& y,
   return {(sum_y * xx - sum_x * xy) / spread, xx / spread};
 }
 
-/// Standard deviation of the noise in y: 1.4826 times the median distance of a point from the line through its two
-/// neighbours, in units of what noise alone would give it.
-double noise_of(const std::vector<double>& x, const std::vector<double>& y) {
-  std::vector<double> distance;
-  for (std::size_t i = 1; i + 1 < x.size(); ++i) {
-    const double width = x[i + 1] - x[i - 1];
-    const double share = width > 0 ? (x[i] - x[i - 1]) / width : 0.5;
-    const double line = (1 - share) * y[i - 1] + share * y[i + 1];
-    distance.push_back(std::abs(y[i] - line) / std::sqrt(1 + share * share + (1 - share) * (1 - share)));
-  }
-  return robust_deviation(std::move(distance));
-}
-
 /// |data| as its neighbours tell it: exp of a straight line through ln|data| over ln omega of up to four on either
 /// side. As many as agree, within the noise, with what fewer say (Lepski's rule), so that a resonance is not smoothed
 /// away; and without the point itself, so that its weight does not depend on its noise, which would bias the fit.
@@ -73,7 +60,7 @@ std::vector<double> smoothed_magnitude(const FrequencyResponseData& data) {
     x.push_back(std::log(data.omega()[i]));
     y.push_back(std::log(std::abs(data.value()[i])));
   }
-  const double noise = noise_of(x, y);
+  const double noise = neighbour_noise(x, y);
   std::vector<double> result(data.size());
   for (std::size_t i = 0; i < data.size(); ++i) {
     std::vector<LocalLine> lines;

@@ -34,8 +34,8 @@ struct ResidualRule {
   }
   /// Residual(s) of one point; false where they do not exist.
   bool residual(std::size_t point, std::complex<double> model, std::complex<double> data, double* result) const;
-  /// Those of all points in order, and their derivatives from those of the model by one variable.  False where one is
-  /// not finite.
+  /// Residuals of all points in order, and their derivatives from those of the model by one variable.  False where one
+  /// is not finite.
   bool residuals(std::span<const std::complex<double>> model, std::span<const std::complex<double>> data,
                  double* result) const;
   bool derivatives(std::span<const std::complex<double>> model, std::span<const std::complex<double>> of_model,
@@ -46,7 +46,7 @@ struct ResidualRule {
 /// @param floor  of weight `learned`, >= 0
 [[nodiscard]] ResidualRule residual_rule(const FrequencyResponseData& data, Component component, Weight weight,
                                          double floor = 0);
-/// That of a fit with these options; an unset floor counts as 0.
+/// The rule of a fit with these options; an unset floor counts as 0.
 [[nodiscard]] ResidualRule residual_rule(const FrequencyResponseData& data, const FitOptions& options);
 
 /// Weighted residuals of given model values, in the unit fit.hpp defines them in.

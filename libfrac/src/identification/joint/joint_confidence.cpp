@@ -7,6 +7,7 @@
 
 #include "base/linear_algebra.hpp"
 #include "frac/identification/statistics.hpp"
+#include "identification/residuals/loss.hpp"
 #include "identification/statistics/correlated_noise.hpp"
 
 namespace frac::detail {
@@ -40,16 +41,53 @@ Eigen::MatrixXd inverse_of(const Eigen::MatrixXd& matrix, double& condition) {
   return vectors * values.cwiseMax(smallest).cwiseInverse().asDiagonal() * vectors.transpose();
 }
 
+/// Residuals under a loss, all curves together: the variance of one, and the unit of the loss, each times the degrees
+/// of freedom (Huber 1981, sect. 7.6); and, in place of the residuals, what they pull with.
+struct Pulls {
+  double variance, loss_unit;
+  double slope;  // mean of psi'
+  std::vector<Eigen::VectorXd> residual;
+};
+Pulls pulls_of(const std::vector<CurveResiduals>& curves, const std::vector<Curve>& at) {
+  Pulls pulls{0, 0, 0, {}};
+  double count = 0;
+  for (std::size_t c = 0; c < curves.size(); ++c) {
+    const double scale = curves[c].loss_scale();
+    Eigen::VectorXd& pull = pulls.residual.emplace_back(at[c].residual);
+    for (std::size_t row = 0; row < curves[c].count(); ++row) {
+      double& each = pull[static_cast<Eigen::Index>(row)];
+      const LossAt loss = loss_at(curves[c].loss(), each / scale);
+      each = loss.psi * scale;
+      pulls.variance += each * each;
+      pulls.slope += loss.slope;
+      ++count;
+    }
+  }
+  pulls.slope /= count;
+  pulls.loss_unit = pulls.variance / pulls.slope;
+  pulls.variance /= pulls.slope * pulls.slope;
+  return pulls;
+}
+
 /// How correlated neighbours enlarge the errors of variables, given what a curve adds to each.
 class Widening {
  public:
   explicit Widening(Eigen::Index count) : white_(Eigen::VectorXd::Zero(count)), wide_(white_) {}
-  void add(const Eigen::MatrixXd& influence, const CorrelatedNoise& noise) {
+  /// @param influence  of the residuals, and behind these of priors, which no noise correlates
+  void add(const Eigen::MatrixXd& influence, const CorrelatedNoise& noise, std::size_t residuals) {
+    const auto rows = static_cast<Eigen::Index>(residuals);
     for (Eigen::Index k = 0; k < influence.cols(); ++k) {
-      const double square = influence.col(k).squaredNorm(), factor = noise.widening(influence.col(k));
+      const Eigen::VectorXd of_residuals = influence.col(k).head(rows);
+      const double square = of_residuals.squaredNorm(), factor = noise.widening(of_residuals);
       white_[k] += square;
       wide_[k] += square * factor * factor;
     }
+    add_priors(influence.bottomRows(influence.rows() - rows));
+  }
+  void add_priors(const Eigen::MatrixXd& influence) {
+    const Eigen::VectorXd squares = influence.colwise().squaredNorm().transpose();
+    white_ += squares;
+    wide_ += squares;
   }
   [[nodiscard]] Eigen::VectorXd factors() const {
     return (white_.array() > 0).select((wide_.array() / white_.array()).sqrt(), 1.0);
@@ -76,11 +114,26 @@ JointConfidence joint_confidence(std::vector<CurveResiduals>& curves, const Join
   std::vector<Curve> at(curves.size());
   Eigen::VectorXd size = Eigen::VectorXd::Zero(shared);
   for (std::size_t c = 0; c < curves.size(); ++c) {
-    const auto rows = static_cast<Eigen::Index>(curves[c].count());
+    const auto rows = static_cast<Eigen::Index>(curves[c].rows());
     jacobian.emplace_back(rows, own + shared);
     at[c].residual.resize(rows);
     curves[c].evaluate(point.shared, point.own[c], at[c].residual.data(), jacobian[c].data());
     size += jacobian[c].rightCols(shared).colwise().squaredNorm().transpose();
+  }
+  const Pulls pulls = pulls_of(curves, at);
+  // The cost weighs priors by the unit of the loss; squares of residuals weigh by their variance.
+  const double prior_weight = curves.front().prior_weight() * std::sqrt(1 / pulls.slope);
+  Eigen::MatrixXd shared_priors(static_cast<Eigen::Index>(layout.shared_priors.size()), shared);
+  for (Eigen::Index row = 0; row < shared_priors.rows(); ++row) {
+    const JointLayout::Pull pull =
+        layout.pull(layout.shared_priors[static_cast<std::size_t>(row)], point.shared, point.own.front(), 0);
+    for (Eigen::Index k = 0; k < shared; ++k)
+      shared_priors(row, k) = prior_weight * pull.by_variable[static_cast<std::size_t>(own + k)];
+  }
+  size += shared_priors.colwise().squaredNorm().transpose();
+  for (std::size_t c = 0; c < curves.size(); ++c) {
+    jacobian[c].bottomRows(static_cast<Eigen::Index>(layout.own_priors.size())) *=
+        prior_weight / curves[c].prior_weight();
   }
   size = size.cwiseSqrt();
 
@@ -96,7 +149,9 @@ JointConfidence joint_confidence(std::vector<CurveResiduals>& curves, const Join
   }
   const auto width = static_cast<Eigen::Index>(inner.size());
   result.rank += inner.size();
-  Eigen::MatrixXd known = Eigen::MatrixXd::Zero(width, width);
+  shared_priors = Eigen::MatrixXd(shared_priors(Eigen::all, inner));
+  Eigen::MatrixXd known = shared_priors.transpose() * shared_priors;
+  const auto own_priors = static_cast<Eigen::Index>(layout.own_priors.size());
   std::size_t residuals = 0;
   for (std::size_t c = 0; c < curves.size(); ++c) {
     Curve& curve = at[c];
@@ -121,9 +176,11 @@ JointConfidence joint_confidence(std::vector<CurveResiduals>& curves, const Join
       const Eigen::VectorXd scale = columns.colwise().norm().transpose();
       columns = columns * scale.cwiseInverse().asDiagonal();
       const PlainQr qr(columns);
+      const Eigen::MatrixXd basis = qr.basis();
+      result.from_priors += basis.bottomRows(own_priors).squaredNorm();
       curve.own_influence = qr.dual() * scale.cwiseInverse().asDiagonal();
       curve.follows = -curve.own_influence.transpose() * curve.rest;
-      remove_span(qr.basis(), curve.rest);
+      remove_span(basis, curve.rest);
       fitted.conservativeResize(Eigen::NoChange, width + columns.cols());
       fitted.rightCols(columns.cols()) = columns;
     }
@@ -132,17 +189,15 @@ JointConfidence joint_confidence(std::vector<CurveResiduals>& curves, const Join
     for (Eigen::Index k = 0; k < fitted.cols(); ++k)
       if (scale[k] > 0) fitted.col(k) /= scale[k];
     // What is left of the residuals once the curve is fitted alone: the noise without what sharing adds.
-    Eigen::MatrixXd alone = curve.residual;
+    const auto count = static_cast<Eigen::Index>(curves[c].count());
+    fitted = Eigen::MatrixXd(fitted.topRows(count));
+    Eigen::MatrixXd alone = pulls.residual[c].head(count);
     remove_span(PivotedQr(fitted).basis(), alone);
     const Eigen::VectorXd left = alone.col(0);
     curve.noise = {std::span(left.data(), curves[c].count()), fitted, curves[c].per_point()};
     result.noise_correlation += curve.noise.correlation() / static_cast<double>(curves.size());
   }
 
-  const double degrees = static_cast<double>(residuals) - static_cast<double>(result.rank);
-  result.half_width = student_t_95(degrees);
-  result.deviation = degrees > 0 ? std::sqrt(point.cost / degrees) : nan;
-  const double variance = result.deviation * result.deviation;
   result.condition = 1;
   Eigen::MatrixXd covariance = known;
   if (width > 0) {
@@ -151,8 +206,19 @@ JointConfidence joint_confidence(std::vector<CurveResiduals>& curves, const Join
     covariance = scale.asDiagonal() * inverse_of(scale.asDiagonal() * known * scale.asDiagonal(), result.condition) *
                  scale.asDiagonal();
   }
+  result.from_priors += (shared_priors * covariance).cwiseProduct(shared_priors).sum();
+  for (const Curve& curve : at) {
+    const Eigen::MatrixXd rows = curve.rest.bottomRows(own_priors);
+    result.from_priors += (rows * covariance).cwiseProduct(rows).sum();
+  }
+  const double degrees = static_cast<double>(residuals) - static_cast<double>(result.rank) + result.from_priors;
+  result.half_width = student_t_95(degrees);
+  result.deviation = degrees > 0 ? std::sqrt(pulls.variance / degrees) : nan;
+  result.loss_unit = degrees > 0 ? pulls.loss_unit / degrees : nan;
+  const double variance = result.deviation * result.deviation;
   Widening widening(width);
-  for (const Curve& curve : at) widening.add(curve.rest * covariance, curve.noise);
+  for (std::size_t c = 0; c < at.size(); ++c) widening.add(at[c].rest * covariance, at[c].noise, curves[c].count());
+  widening.add_priors(shared_priors * covariance);
   const Eigen::VectorXd factors = widening.factors();
   const Eigen::MatrixXd white = variance * covariance;
   covariance = factors.asDiagonal() * white * factors.asDiagonal();
@@ -163,7 +229,7 @@ JointConfidence joint_confidence(std::vector<CurveResiduals>& curves, const Join
   for (std::size_t c = 0; c < curves.size(); ++c) {
     const Curve& curve = at[c];
     Widening local(curve.own_influence.cols());
-    local.add(curve.own_influence, curve.noise);
+    local.add(curve.own_influence, curve.noise, curves[c].count());
     const Eigen::VectorXd own_factors = local.factors();
     // Errors with the shared variables held, and those that these bring along, have nothing to do with each other.
     const Eigen::MatrixXd held = variance * own_factors.asDiagonal() *

@@ -17,7 +17,9 @@ struct JointConfidence {
   std::vector<double> shared_widening;  // factor of the errors by the correlation of neighbouring residuals
   std::vector<std::vector<double>> own_widening;
   std::size_t rank;              // variables that the residuals can tell, and those at a bound
+  double from_priors;            // how many of these priors tell in place of the residuals
   double deviation;              // of a residual in units of the noise it was taken to have
+  double loss_unit;              // as in FitResult, in these units: the square of the deviation where there is no loss
   double condition;              // of the scaled Fisher matrix of the shared variables
   double half_width;             // of a 95 % interval in standard errors
   double noise_correlation = 0;  // of neighbours, the mean over the curves

@@ -13,15 +13,25 @@
 
 namespace frac::detail {
 
-/// What the solver works on: the logarithm of a positive parameter, or the parameter itself.
+/// What the solver works on: the logarithm of a positive parameter, or the parameter itself.  Of one that is not to be
+/// below another it is the way up from that one, as ParameterMap has it; JointLayout knows the other one.
 struct JointVariable {
   std::string name;
   bool logarithmic;
-  double lower, upper;  // of the variable
+  double lower, upper;    // of the variable
+  bool in_order = false;  // above another one
 
   [[nodiscard]] double parameter(double variable) const;
   [[nodiscard]] double variable(double parameter) const;   // within the limits
   [[nodiscard]] double derivative(double variable) const;  // d parameter / d variable
+};
+
+/// A prior of a parameter of the structure, or of a variable of the laws.
+struct JointPrior {
+  std::string name;
+  ParameterPrior prior;
+  std::size_t parameter;     // of the structure; no_place where it is one of a law
+  std::size_t law_variable;  // among the shared variables; no_place where it is not
 };
 
 /// Which parameters of the structure are fixed, common to all curves, or of each curve.  The variables have no unit of
@@ -29,23 +39,30 @@ struct JointVariable {
 struct JointLayout {
   /// @throws std::invalid_argument  as joint_fit() says of names and constraints.
   /// @param laws           stay with the caller
+  /// @param law_constraints  on parameters of the laws
   /// @param law_variables  those of the parameters of the laws, which are shared and follow the shared parameters
   JointLayout(const Structure& structure, const JointFitOptions& options, const Laws& laws,
-              std::vector<JointVariable> law_variables, double omega_lower, double omega_upper);
+              std::vector<JointVariable> law_variables, const std::vector<ParameterConstraint>& law_constraints,
+              double omega_lower, double omega_upper);
 
+  static constexpr std::size_t no_place = static_cast<std::size_t>(-1);
   struct Place {
     std::size_t parameter;
     bool shared;
     std::size_t index;  // among the shared or own variables
+    std::size_t above;  // entry of `free` that it is not below, which stands before it; or no_place
+    double most;        // of the parameter, where it is above another one
   };
   std::vector<double> fixed;  // of every parameter; NaN: free
   std::vector<Place> free;
   std::vector<JointVariable> shared, own;
+  std::vector<JointPrior> shared_priors, own_priors;
+  std::size_t reference = no_place;  // curve in which the own variables of a shift are held
 
   [[nodiscard]] const JointVariable& variable(const Place& place) const {
     return place.shared ? shared[place.index] : own[place.index];
   }
-  /// Of the structure, in one curve.
+  /// Values of the structure's parameters in one curve.
   [[nodiscard]] std::vector<double> parameters(std::span<const double> shared_values,
                                                std::span<const double> own_values, std::size_t curve) const;
 
@@ -54,17 +71,33 @@ struct JointLayout {
     std::size_t parameter, variable;
     double slope;
   };
-  /// In rising order of the variables.
+  /// In rising order of the variables; one pair may have several, which add up.
   [[nodiscard]] std::vector<Slope> slopes(std::span<const double> shared_values, std::span<const double> own_values,
                                           std::size_t curve) const;
+  /// Variables from those they would be without an order of parameters.
+  void take_order(std::vector<double>& shared_values, std::vector<double>& own_values) const;
+  [[nodiscard]] bool is_held(std::size_t curve, std::size_t own_index) const;
+
+  /// Distance of the estimate from the value of a prior, and its derivatives by all variables: own, then shared ones.
+  struct Pull {
+    double distance;
+    std::vector<double> by_variable;
+  };
+  [[nodiscard]] Pull pull(const JointPrior& prior, std::span<const double> shared_values,
+                          std::span<const double> own_values, std::size_t curve) const;
 
  private:
+  void put_in_order(const Structure& structure, const std::vector<ParameterConstraint>& constraints);
+  [[nodiscard]] double way_up(const Place& place, std::span<const double> parameters) const;
+  void add_slopes(const Place& place, double factor, std::size_t of_parameter, std::span<const double> parameters,
+                  std::span<const double> shared_values, std::span<const double> own_values, std::size_t curve,
+                  std::vector<Slope>& all) const;
   [[nodiscard]] std::vector<double> of_laws(std::span<const double> shared_values) const;
   const Laws& laws_;
 };
 
-/// Residuals of one curve, each divided by the noise of the curve, and their derivatives.  Not thread-safe: it keeps
-/// buffers between calls.
+/// Residuals of one curve, each divided by the noise of the curve, and their derivatives; behind them the priors of its
+/// own parameters, in units of the residuals.  Not thread-safe: it keeps buffers between calls.
 class CurveResiduals {
  public:
   /// @param index  of the curve
@@ -72,12 +105,27 @@ class CurveResiduals {
   CurveResiduals(const FrequencyResponseData& data, const Structure& structure, const Realisation& realisation,
                  const JointLayout& layout, std::size_t index, ResidualRule rule, double noise);
 
+  /// Residuals of the data.
   [[nodiscard]] std::size_t count() const { return data_.size() * rule_.per_point(); }
+  /// These and the priors.
+  [[nodiscard]] std::size_t rows() const { return count() + layout_.own_priors.size(); }
   [[nodiscard]] std::size_t per_point() const { return rule_.per_point(); }
   [[nodiscard]] double noise() const { return noise_; }
+  void set_noise(double noise) { noise_ = noise; }
+  /// Standard deviation that a residual is taken to have where priors are weighed against it.
+  void set_prior_weight(double weight) { prior_weight_ = weight; }
+  [[nodiscard]] double prior_weight() const { return prior_weight_; }
+  void set_loss(Loss loss, double scale) {
+    loss_ = loss;
+    loss_scale_ = scale;
+  }
+  [[nodiscard]] Loss loss() const { return loss_; }
+  /// In units of the noise.
+  [[nodiscard]] double loss_scale() const { return loss_scale_; }
 
   /// False where one is not finite.
-  /// @param jacobian  a column of count() for each own variable, then for each shared one; or null
+  /// @param residual  rows() of them
+  /// @param jacobian  a column of rows() for each own variable, then for each shared one; or null
   bool evaluate(std::span<const double> shared, std::span<const double> own, double* residual, double* jacobian);
 
  private:
@@ -88,6 +136,9 @@ class CurveResiduals {
   std::size_t index_;
   ResidualRule rule_;
   double noise_;
+  double prior_weight_ = 1;
+  Loss loss_ = Loss::none;
+  double loss_scale_ = 1;
   std::vector<std::complex<double>> value_, gradient_, column_;
 };
 

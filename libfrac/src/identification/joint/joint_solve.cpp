@@ -12,13 +12,16 @@
 #include <memory>
 
 #include "frac/cancellation.hpp"
+#include "identification/residuals/loss.hpp"
+#include "identification/search/bounded_solve.hpp"
 #include "identification/search/triangular_form.hpp"
 
 namespace frac::detail {
 namespace {
 
 /// One curve as a Ceres residual block over its own variables, where there are any, and the shared ones: reduced to as
-/// many rows as there are columns, with the same cost, gradient and steps.
+/// many rows as there are columns, with the same cost, gradient and steps.  Under a loss each point counts with the
+/// weight that gives its gradient, and the last row, on which no variable acts, makes up the cost.
 class CurveCost final : public ceres::CostFunction {
  public:
   CurveCost(CurveResiduals& curve, std::size_t own, std::size_t shared)
@@ -26,8 +29,8 @@ class CurveCost final : public ceres::CostFunction {
         own_(own),
         shared_(shared),
         at_(own + shared, std::numeric_limits<double>::quiet_NaN()),
-        residual_(curve.count()),
-        jacobian_(curve.count() * width()),
+        residual_(curve.rows()),
+        jacobian_(curve.rows() * width()),
         triangle_((width() + 1) * (width() + 1)) {
     set_num_residuals(static_cast<int>(width() + 1));
     if (own > 0) mutable_parameter_block_sizes()->push_back(static_cast<int>(own));
@@ -64,15 +67,69 @@ class CurveCost final : public ceres::CostFunction {
     finite_ =
         !is_cancelled() && curve_.evaluate(all.subspan(own_), all.first(own_), residual_.data(), jacobian_.data());
     if (!finite_) return false;
+    const double added = weighed_by_loss();
     triangular_form(jacobian_, residual_, triangle_);
+    // A loss grows slower than the square, so that what it adds is not negative but by rounding.
+    double& last = triangle_.back();
+    if (added != 0) last = std::sqrt(std::max(0.0, last * last + added));
     finite_ = std::all_of(triangle_.begin(), triangle_.end(), [](double each) { return std::isfinite(each); });
     return finite_;
+  }
+
+  /// Multiplies each point by the root of what the loss takes of its square; the cost of the loss less that of the
+  /// weighed squares.
+  double weighed_by_loss() const {
+    if (curve_.loss() == Loss::none) return 0;
+    const double scale = curve_.loss_scale();
+    double added = 0;
+    for (std::size_t first = 0; first < curve_.count(); first += curve_.per_point()) {
+      double square = 0;
+      for (std::size_t row = first; row < first + curve_.per_point(); ++row) square += residual_[row] * residual_[row];
+      const double x = std::sqrt(square) / scale;
+      const LossAt loss = loss_at(curve_.loss(), x);
+      const double share = x > 0 ? loss.psi / x : 1, weight = std::sqrt(share);
+      added += loss.cost * scale * scale - share * square;
+      for (std::size_t row = first; row < first + curve_.per_point(); ++row) {
+        residual_[row] *= weight;
+        for (std::size_t k = 0; k < width(); ++k) jacobian_[k * curve_.rows() + row] *= weight;
+      }
+    }
+    return added;
   }
 
   CurveResiduals& curve_;
   std::size_t own_, shared_;
   mutable std::vector<double> at_, residual_, jacobian_, triangle_;
   mutable bool finite_ = false;
+};
+
+/// Priors of shared parameters over the shared variables.
+class SharedPriorCost final : public ceres::CostFunction {
+ public:
+  SharedPriorCost(const JointLayout& layout, double weight)
+      : layout_(layout), weight_(weight), own_(layout.own.size(), 0.0) {
+    set_num_residuals(static_cast<int>(layout.shared_priors.size()));
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(layout.shared.size()));
+  }
+
+  bool Evaluate(const double* const* parameters, double* residual, double** jacobians) const override {
+    const std::span<const double> shared(parameters[0], layout_.shared.size());
+    for (std::size_t row = 0; row < layout_.shared_priors.size(); ++row) {
+      // Shared parameters depend on no variable of a curve, so any curve and any values will do.
+      const JointLayout::Pull pull = layout_.pull(layout_.shared_priors[row], shared, own_, 0);
+      residual[row] = weight_ * pull.distance;
+      if (!std::isfinite(residual[row])) return false;
+      if (!jacobians || !jacobians[0]) continue;
+      for (std::size_t k = 0; k < shared.size(); ++k)
+        jacobians[0][row * shared.size() + k] = weight_ * pull.by_variable[own_.size() + k];
+    }
+    return true;
+  }
+
+ private:
+  const JointLayout& layout_;
+  double weight_;
+  std::vector<double> own_;
 };
 
 void add_block(ceres::Problem& problem, double* values, const std::vector<JointVariable>& variables) {
@@ -85,6 +142,22 @@ void add_block(ceres::Problem& problem, double* values, const std::vector<JointV
 
 }  // namespace
 
+JointCost cost_of_data(std::vector<CurveResiduals>& curves, const JointPoint& point) {
+  JointCost sum{0, 0};
+  for (std::size_t c = 0; c < curves.size(); ++c) {
+    std::vector<double> residual(curves[c].rows());
+    curves[c].evaluate(point.shared, point.own[c], residual.data(), nullptr);
+    const double scale = curves[c].loss_scale();
+    for (std::size_t first = 0; first < curves[c].count(); first += curves[c].per_point()) {
+      double square = 0;
+      for (std::size_t row = first; row < first + curves[c].per_point(); ++row) square += residual[row] * residual[row];
+      sum.squares += square;
+      sum.loss += loss_at(curves[c].loss(), std::sqrt(square) / scale).cost * scale * scale;
+    }
+  }
+  return sum;
+}
+
 JointPoint joint_solve(std::vector<CurveResiduals>& curves, const JointLayout& layout, JointPoint start,
                        double cost_tolerance) {
   throw_if_cancelled();
@@ -92,7 +165,8 @@ JointPoint joint_solve(std::vector<CurveResiduals>& curves, const JointLayout& l
   std::vector<double> own;
   for (const std::vector<double>& each : start.own) own.insert(own.end(), each.begin(), each.end());
   ceres::Problem problem;
-  ceres::Solver::Options solver;
+  constexpr int most_iterations = 200;
+  ceres::Solver::Options solver = solver_options(most_iterations, cost_tolerance);
   solver.linear_solver_ordering = std::make_shared<ceres::ParameterBlockOrdering>();
   add_block(problem, start.shared.data(), layout.shared);
   solver.linear_solver_ordering->AddElementToGroup(start.shared.data(), 1);
@@ -106,17 +180,13 @@ JointPoint joint_solve(std::vector<CurveResiduals>& curves, const JointLayout& l
     blocks.push_back(start.shared.data());
     problem.AddResidualBlock(new CurveCost(curves[c], layout.own.size(), layout.shared.size()), nullptr, blocks);
   }
-  solver.linear_solver_type = layout.own.empty() ? ceres::DENSE_QR : ceres::DENSE_SCHUR;
-  solver.max_num_iterations = 200;
-  solver.function_tolerance = cost_tolerance;
-  solver.gradient_tolerance = 1e-300;  // residuals are in units of the noise, so only relative changes say when to stop
-  solver.parameter_tolerance = 1e-14;
-  solver.max_num_consecutive_invalid_steps = 20;
-  solver.max_num_line_search_step_size_iterations = 0;  // as in local_solve()
-  solver.num_threads = 1;                               // sums in one order, so that results do not depend on threads
-  solver.logging_type = ceres::SILENT;
+  if (!layout.shared_priors.empty()) {
+    problem.AddResidualBlock(new SharedPriorCost(layout, curves.front().prior_weight()), nullptr,
+                             std::vector<double*>{start.shared.data()});
+  }
+  if (!layout.own.empty()) solver.linear_solver_type = ceres::DENSE_SCHUR;
   ceres::Solver::Summary summary;
-  ceres::Solve(solver, &problem, &summary);
+  solve_within_bounds(solver, problem, summary);
   throw_if_cancelled();
   for (std::size_t c = 0; c < curves.size(); ++c)
     std::copy_n(own.data() + c * layout.own.size(), layout.own.size(), start.own[c].data());

@@ -11,9 +11,15 @@ namespace frac::detail {
 struct JointPoint {
   std::vector<double> shared;
   std::vector<std::vector<double>> own;  // of each curve
-  double cost = 0;                       // sum of squares
+  double cost = 0;                       // what was made least: sum of squares, or of the loss, and what priors add
   bool converged = false;
 };
+
+/// Cost of the data at a point: sums of squares and of the loss.
+struct JointCost {
+  double squares, loss;
+};
+[[nodiscard]] JointCost cost_of_data(std::vector<CurveResiduals>& curves, const JointPoint& point);
 
 /// Bounded Levenberg-Marquardt (Ceres) over all curves.  In each step the own variables are eliminated curve by curve
 /// (Schur complement), so that it takes a time in proportion to the number of curves.

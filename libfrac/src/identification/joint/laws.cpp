@@ -152,6 +152,8 @@ LawSearch searched(Eigen::VectorXd at, const Residuals& residuals) {
 
 std::vector<double> Laws::starts(const std::vector<std::vector<double>>& parameters, const std::vector<bool>& known,
                                  std::span<const double> given) const {
+  // Laws of known quantities alone leave nothing to search for.
+  if (names_.empty()) return {};
   std::vector<std::size_t> curves;
   for (std::size_t c = 0; c < parameters.size(); ++c)
     if (known[c]) curves.push_back(c);

@@ -17,7 +17,7 @@ class Laws {
   Laws(const Structure& structure, const JointFitOptions& options, const std::vector<JointCurve>& curves);
 
   [[nodiscard]] std::size_t count() const { return laws_.size(); }
-  /// Of the structure, that follows a law.
+  /// The parameter of the structure that follows this law.
   [[nodiscard]] std::size_t parameter(std::size_t law) const { return laws_[law].parameter; }
   [[nodiscard]] bool drives(std::size_t parameter) const;
   /// Parameters of the laws; one may stand in several of them.

@@ -57,7 +57,7 @@ class ProjectedData {
   };
   /// False where a number overflows or no column is seen.
   bool solve(const Eigen::MatrixXcd& columns, Linear& linear) const;
-  /// Of the derivatives of the model at fixed coefficients, freed of what new coefficients take up (Kaufman 1975).
+  /// Normal equations from derivatives at fixed coefficients, less what new coefficients take up (Kaufman 1975).
   [[nodiscard]] NormalEquations normal_equations(const Eigen::MatrixXcd& derivatives, const Linear& linear) const;
   /// Rows of complex values, as the residuals hold them.
   void put(const Eigen::VectorXcd& values, Eigen::Ref<Eigen::VectorXd> column) const;
@@ -78,7 +78,7 @@ class ProjectedData {
 /// Iterations of a fit that is to show whether a place is worth more, and of one that is to end.
 inline constexpr int scouting = 12, thorough = 60;
 
-/// Of fits along a line of places appends each local minimum of the cost, those that are not finite left out.
+/// Appends to `starts` each finite local minimum of the cost among fits along a line of places.
 template <class Fit>
 void add_local_minima(std::vector<Fit> along, std::vector<Fit>& starts) {
   for (std::size_t i = 0; i < along.size(); ++i) {

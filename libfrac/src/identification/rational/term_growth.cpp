@@ -14,14 +14,20 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 // So many sums get the next term: the best one may have a term where another one belongs.
 constexpr std::size_t kept = 2;
+// Rows of modes are ratios.
+constexpr std::ptrdiff_t most_modes = 2;
 
 Term whole_power(double order) {
-  return {false, order, true, 0};
+  return {Term::Kind::power, order, true, 0, 0};
 }
 
 double value_of(const TermProblem& problem, const TermFit& fit) {
   double price = 0;
-  for (const Term& term : fit.sum) price += term.arc ? price_of_place(problem) : 0;
+  // A mode can be as narrow as the distance between two points, see price_of_search().
+  const double of_mode = 2 * std::log(static_cast<double>(problem.log_omega().size()));
+  for (const Term& term : fit.sum) {
+    price += term.kind == Term::Kind::arc ? price_of_place(problem) : term.kind == Term::Kind::mode ? of_mode : 0;
+  }
   return schwarz(problem, fit.cost, fit.parameters) + price;
 }
 
@@ -39,10 +45,14 @@ TermSum with(const TermSum& sum, const Term& term) {
   return result;
 }
 
+bool cheaper(const TermFit& a, const TermFit& b) {
+  return a.cost < b.cost;
+}
+
 /// Refines the `count` starts of least cost.
 void refine_best(const TermProblem& problem, std::vector<TermFit> starts, std::size_t count,
                  std::vector<TermFit>& refined) {
-  std::stable_sort(starts.begin(), starts.end(), [](const TermFit& a, const TermFit& b) { return a.cost < b.cost; });
+  std::stable_sort(starts.begin(), starts.end(), cheaper);
   for (std::size_t i = 0; i < std::min(count, starts.size()); ++i) {
     refined.push_back(problem.refine(std::move(starts[i].sum), scouting));
   }
@@ -56,7 +66,7 @@ void extend(const TermProblem& problem, const TermSum& sum, std::vector<TermFit>
   }
   std::vector<TermFit> powers;
   for (const double order : {-1.5, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.5}) {
-    powers.push_back(problem.at(with(sum, {false, order, false, 0})));
+    powers.push_back(problem.at(with(sum, {Term::Kind::power, order, false, 0, 0})));
   }
   std::vector<TermFit> starts;
   add_local_minima(std::move(powers), starts);
@@ -64,14 +74,30 @@ void extend(const TermProblem& problem, const TermSum& sum, std::vector<TermFit>
   starts.clear();
   constexpr int places = 12;
   const double first = problem.log_lower() - search_margin, last = problem.log_upper() + search_margin;
+  const auto at = [&](int i) { return first + (last - first) * i / (places - 1); };
   for (const double order : {0.95, 0.7, 0.45}) {
     std::vector<TermFit> along;
     for (int i = 0; i < places; ++i) {
-      along.push_back(problem.at(with(sum, {true, order, false, first + (last - first) * i / (places - 1)})));
+      along.push_back(problem.at(with(sum, {Term::Kind::arc, order, false, at(i), 0})));
     }
     add_local_minima(std::move(along), starts);
   }
+  const double best_arc = starts.empty() ? infinity : std::min_element(starts.begin(), starts.end(), cheaper)->cost;
   refine_best(problem, std::move(starts), 3, refined);
+  const auto modes =
+      std::count_if(sum.begin(), sum.end(), [](const Term& term) { return term.kind == Term::Kind::mode; });
+  if (sum.empty() || modes >= most_modes) return;
+  starts.clear();
+  for (const double top : {0.0, 1.0}) {
+    std::vector<TermFit> along;
+    for (int i = 0; i < places; ++i) {
+      along.push_back(problem.at(with(sum, {Term::Kind::mode, top, true, at(i), std::log(0.2)})));
+    }
+    add_local_minima(std::move(along), starts);
+  }
+  // Without a resonance in the data arcs are worth more from the start.
+  std::erase_if(starts, [&](const TermFit& fit) { return !(fit.cost < best_arc); });
+  refine_best(problem, std::move(starts), 2, refined);
 }
 
 /// Returns the fit without what does not pay for itself: terms, and free orders that may as well be whole.
@@ -87,9 +113,9 @@ TermFit without_idle_parts(const TermProblem& problem, TermFit best) {
       const Term& term = best.sum[k];
       if (term.held) continue;
       TermSum whole = best.sum;
-      whole[k].order = term.arc ? 1 : std::round(term.order);
+      whole[k].order = term.kind == Term::Kind::arc ? 1 : std::round(term.order);
       whole[k].held = true;
-      const bool twice = !term.arc && contains(best.sum, whole[k]);
+      const bool twice = contains(best.sum, whole[k]);
       if (!twice && std::abs(term.order - whole[k].order) < 0.3 && has_free_order(whole)) {
         moves.push_back(std::move(whole));
       }
@@ -150,17 +176,18 @@ TermLadder grow_terms(const TermProblem& problem, std::size_t most_terms) {
 }
 
 NamedModel written_out(const TermProblem& problem, const TermSum& sum) {
-  // Constant, whole powers, arcs by rising time constant, free powers.
+  // Constant, whole powers, arcs by rising time constant, modes, free powers.
   const auto rank = [](const Term& term) {
-    const double kind = term.arc ? 1 : term.held ? 0 : 2;
-    return std::pair(kind, term.arc ? -term.log_size : std::abs(term.order) + (term.order < 0 ? 0.1 : 0));
+    const bool power = term.kind == Term::Kind::power;
+    const int kind = power ? (term.held ? 0 : 3) : term.kind == Term::Kind::arc ? 1 : 2;
+    return std::pair(kind, power ? std::abs(term.order) + (term.order < 0 ? 0.1 : 0) : -term.log_size);
   };
   TermSum sorted = sum;
   std::stable_sort(sorted.begin(), sorted.end(), [&](const Term& a, const Term& b) { return rank(a) < rank(b); });
   const std::vector<double> coefficients = problem.coefficients(sorted);
-  NamedModel model{"", "", ModelClass::fractional, "sum of powers and arcs", {}};
+  NamedModel model{"", "", ModelClass::fractional, "sum of powers, arcs and modes", {}};
   std::string ends;
-  std::size_t arcs = 0, powers = 0;
+  std::size_t arcs = 0, modes = 0, powers = 0;
   const auto parameter = [&](const std::string& name, double start, double lower, double upper) {
     model.constraints.push_back({name, {}, lower, upper, start});
     return name;
@@ -169,11 +196,18 @@ NamedModel written_out(const TermProblem& problem, const TermSum& sum) {
     const Term& term = sorted[k];
     const auto gain = [&](const std::string& name) { return parameter(name, coefficients[k], -infinity, infinity); };
     std::string text;
-    if (term.arc) {
+    if (term.kind == Term::Kind::arc) {
       const std::string n = std::to_string(++arcs);
       text = gain("R" + n) + "/(1 + ";
       const std::string time = parameter("T" + n, std::exp(-term.log_size) / problem.centre_omega(), 0, infinity);
       text += term.held ? time + " s)" : "(" + time + " s)^" + parameter("n" + n, term.order, 0, 1) + ")";
+    } else if (term.kind == Term::Kind::mode) {
+      const std::string n = std::to_string(++modes);
+      text = gain("G" + n);
+      const std::string at_top = parameter("w" + n, std::exp(term.log_size) * problem.centre_omega(), 0, infinity);
+      const std::string damping = parameter("d" + n, 2 * std::exp(term.log_damping), 0, infinity);
+      text += (term.order > 0 ? " (s/" + at_top + ")" : "") + "/(s^2/" + at_top + "^2 + " + damping + " s/" + at_top +
+              " + 1)";
     } else if (!term.held) {
       const std::string n = std::to_string(++powers);
       text = gain("A" + n) + " s^" + parameter("q" + n, term.order, -most_power, most_power);
@@ -194,7 +228,7 @@ NamedModel written_out(const TermProblem& problem, const TermSum& sum) {
   const auto counted = [](std::size_t count, const std::string& what) {
     return count == 0 ? "" : count == 1 ? "+" + what : "+" + std::to_string(count) + what + "s";
   };
-  model.name = "terms:" + (ends + counted(arcs, "arc") + counted(powers, "power")).substr(1);
+  model.name = "terms:" + (ends + counted(arcs, "arc") + counted(modes, "mode") + counted(powers, "power")).substr(1);
   return model;
 }
 

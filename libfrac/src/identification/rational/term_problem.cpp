@@ -12,16 +12,35 @@ using Complex = std::complex<double>;
 using Index = Eigen::Index;
 // An arc may lie that many e-folds beyond the band: there an arc of order 1 is a constant, or 1/s, to 1e-3.
 constexpr double beyond_band = 7;
+// From a peak of 4000, which data show none sharper than, to a damping of a half: beyond it two arcs say the same.
+constexpr double least_log_damping = -9, most_log_damping = -0.7;
+
+Eigen::ArrayXcd scaled(const Term& term, const ProjectedData& data) {
+  return data.s().array() * std::exp(-term.log_size);
+}
+
+/// 1 + 2 z x + x^2
+Eigen::ArrayXcd denominator(const Term& mode, const Eigen::ArrayXcd& x) {
+  return 1.0 + x * (2 * std::exp(mode.log_damping) + x);
+}
 
 Eigen::ArrayXcd column_of(const Term& term, const ProjectedData& data) {
-  if (!term.arc) return (term.order * data.log_s().array()).exp();
-  return (1.0 + (term.order * (data.log_s().array() - term.log_size)).exp()).inverse();
+  switch (term.kind) {
+    case Term::Kind::arc:
+      return (1.0 + (term.order * (data.log_s().array() - term.log_size)).exp()).inverse();
+    case Term::Kind::mode: {
+      const Eigen::ArrayXcd x = scaled(term, data);
+      return (term.order > 0 ? x : Eigen::ArrayXcd::Ones(x.size())) / denominator(term, x);
+    }
+    default:
+      return (term.order * data.log_s().array()).exp();
+  }
 }
 
 }  // namespace
 
 bool same_power(const Term& a, const Term& b) {
-  return !a.arc && !b.arc && a.order == b.order;
+  return a.kind == Term::Kind::power && b.kind == Term::Kind::power && a.order == b.order;
 }
 
 Eigen::MatrixXcd TermProblem::columns(const TermSum& sum) const {
@@ -42,7 +61,14 @@ Eigen::MatrixXcd TermProblem::derivatives(const TermSum& sum, const Linear& line
     if (term.nonlinear() == 0) continue;
     const double coefficient = linear.coefficients[static_cast<Index>(k)];
     const Eigen::ArrayXcd value = column_of(term, *this);
-    if (!term.arc) {
+    if (term.kind == Term::Kind::mode) {
+      const Eigen::ArrayXcd x = scaled(term, *this), damped = 2 * std::exp(term.log_damping) * x,
+                            share = 1.0 / denominator(term, x);
+      result.col(column++) = (coefficient * value * ((damped + 2.0 * x * x) * share - term.order)).matrix();
+      result.col(column++) = (-coefficient * value * damped * share).matrix();
+      continue;
+    }
+    if (term.kind == Term::Kind::power) {
       result.col(column++) = (coefficient * value * log_s().array()).matrix();
       continue;
     }
@@ -60,13 +86,18 @@ TermSum TermProblem::stepped(const TermSum& sum, const Eigen::VectorXd& step) co
   TermSum next = sum;
   Index column = 0;
   for (Term& term : next) {
-    if (term.arc) {
+    if (term.kind != Term::Kind::power) {
       term.log_size = std::clamp(term.log_size + std::clamp(step[column++], -most_step, most_step),
                                  log_lower() - beyond_band, log_upper() + beyond_band);
     }
+    if (term.kind == Term::Kind::mode) {
+      term.log_damping = std::clamp(term.log_damping + std::clamp(step[column++], -most_step, most_step),
+                                    least_log_damping, most_log_damping);
+    }
     if (term.held) continue;
     const double order = term.order + std::clamp(step[column++], -most_change, most_change);
-    term.order = term.arc ? std::clamp(order, least_arc_order, 1.0) : std::clamp(order, -most_power, most_power);
+    term.order = term.kind == Term::Kind::arc ? std::clamp(order, least_arc_order, 1.0)
+                                              : std::clamp(order, -most_power, most_power);
   }
   return next;
 }
@@ -91,7 +122,7 @@ std::vector<double> TermProblem::coefficients(const TermSum& sum) const {
   if (!solve(columns(sum), linear)) return result;
   for (std::size_t k = 0; k < sum.size(); ++k) {
     result[k] = linear.coefficients[static_cast<Index>(k)];
-    if (!sum[k].arc) result[k] *= std::pow(centre_omega(), -sum[k].order);
+    if (sum[k].kind == Term::Kind::power) result[k] *= std::pow(centre_omega(), -sum[k].order);
   }
   return result;
 }

@@ -9,15 +9,19 @@
 
 namespace frac::detail {
 
-/// One term of a sum: s^order, or an arc 1/(1 + (s T)^order) with T = exp(-log_size).  An order that is held takes no
-/// part in the search.
+/// One term of a sum: s^order, an arc 1/(1 + (s T)^order) with T = exp(-log_size), or a mode
+/// x^order/(1 + 2 z x + x^2) with x = s T, z = exp(log_damping) and a held order of 0 or 1.  An order that is held
+/// takes no part in the search.
 struct Term {
-  bool arc = false;
+  enum class Kind { power, arc, mode } kind = Kind::power;
   double order = 0;
   bool held = false;
-  double log_size = 0;  // of an arc: frequency at its top, in units of the middle of the band
+  double log_size = 0;  // of an arc or a mode: frequency at its top, in units of the middle of the band
+  double log_damping = 0;
 
-  [[nodiscard]] std::size_t nonlinear() const { return (arc ? 1u : 0u) + (held ? 0u : 1u); }
+  [[nodiscard]] std::size_t nonlinear() const {
+    return (kind == Kind::power ? 0u : kind == Kind::arc ? 1u : 2u) + (held ? 0u : 1u);
+  }
 };
 using TermSum = std::vector<Term>;
 

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "nonnegative.hpp"
 
-#include <Eigen/Cholesky>
 #include <cstddef>
+
+#include "base/linear_algebra.hpp"
 
 namespace frac::detail {
 
@@ -20,7 +21,7 @@ Eigen::VectorXd nonnegative_minimum(const Eigen::MatrixXd& hessian, const Eigen:
     if (!chosen.empty()) {
       const Eigen::MatrixXd part = hessian(chosen, chosen);
       const Eigen::VectorXd right = b(chosen);
-      const Eigen::VectorXd solved = part.llt().solve(right);
+      const Eigen::VectorXd solved = CholeskyFactor(part).solve(right);
       x(chosen) = solved;
     }
     const Eigen::VectorXd slope = hessian * x - b;

@@ -13,6 +13,19 @@ double peak_area(std::span<const double> log_tau, std::span<const double> densit
   return sum;
 }
 
+double peak_area(std::span<const double> log_tau, std::span<const double> density, const PeakRange& range, double from,
+                 double to) {
+  double sum = 0;
+  for (std::size_t i = range.first; i < range.last; ++i) {
+    const double left = std::clamp(from, log_tau[i], log_tau[i + 1]),
+                 right = std::clamp(to, log_tau[i], log_tau[i + 1]);
+    if (!(left < right)) continue;
+    const double width = log_tau[i + 1] - log_tau[i], middle = ((left + right) / 2 - log_tau[i]) / width;
+    sum += (right - left) * (density[i] + middle * (density[i + 1] - density[i]));
+  }
+  return sum;
+}
+
 std::vector<PeakRange> peak_ranges(std::span<const double> density) {
   constexpr double prominence = 0.01;
   std::vector<PeakRange> ranges;

@@ -21,7 +21,7 @@ struct PeakRange {
 [[nodiscard]] std::vector<PeakRange> joined_peaks(std::vector<PeakRange> ranges, std::span<const double> density,
                                                   std::span<const double> lower, std::span<const double> upper);
 
-/// Those that hold more than a thousandth of the whole area.
+/// Keeps the peaks that hold more than a thousandth of the whole area.
 [[nodiscard]] std::vector<PeakRange> large_peaks(std::vector<PeakRange> ranges, std::span<const double> log_tau,
                                                  std::span<const double> density);
 
@@ -32,5 +32,8 @@ struct PeakRange {
 /// By the trapezoidal rule.
 [[nodiscard]] double peak_area(std::span<const double> log_tau, std::span<const double> density,
                                const PeakRange& range);
+/// Of the part between two values of ln tau, the density being straight between its places.
+[[nodiscard]] double peak_area(std::span<const double> log_tau, std::span<const double> density, const PeakRange& range,
+                               double from, double to);
 
 }  // namespace frac::detail

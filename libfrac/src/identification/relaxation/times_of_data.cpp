@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/linear_algebra.hpp"
 #include "frac/identification/relaxation_times.hpp"
 #include "frac/identification/validate.hpp"
 #include "nonnegative.hpp"
@@ -22,12 +22,15 @@ using Complex = std::complex<double>;
 
 constexpr Eigen::Index ends = 3;
 constexpr double per_decade = 12;
-constexpr double reach = 1.5;  // decades beyond the band
+// Decades beyond the band: the foot of a broad arc reaches far, and a density that had to end sooner would hold within
+// the band what belongs beyond.
+constexpr double reach = 3;
 
 /// Weighted rows of a response that is linear in its ends and in the density at each time.
 struct Equations {
   std::vector<double> log_tau;
   std::size_t first_seen, last_seen;  // times within the band
+  double band_first, band_last;       // its ends, in ln tau
   Eigen::MatrixXd columns;            // of size 1 at the ends, so that no unit matters
   Eigen::VectorXd end_scale;
   Eigen::VectorXd target;
@@ -45,8 +48,9 @@ Equations equations(const FrequencyResponseData& data, TimesKernel kernel) {
   for (const Complex& each : data.value()) largest = std::max(largest, std::abs(each));
 
   Equations made;
-  const double first = -std::log(data.omega().back()) - reach * std::log(10.0);
-  const double last = -std::log(data.omega().front()) + reach * std::log(10.0);
+  made.band_first = -std::log(data.omega().back());
+  made.band_last = -std::log(data.omega().front());
+  const double first = made.band_first - reach * std::log(10.0), last = made.band_last + reach * std::log(10.0);
   const auto times = static_cast<Eigen::Index>(std::ceil((last - first) / std::log(10.0) * per_decade)) + 1;
   const double spacing = (last - first) / static_cast<double>(times - 1);
   for (Eigen::Index j = 0; j < times; ++j) made.log_tau.push_back(first + spacing * static_cast<double>(j));
@@ -98,10 +102,10 @@ double best_smoothness(const Equations& of, const Eigen::MatrixXd& normal, const
   double least = std::numeric_limits<double>::infinity(), best = scale;
   for (double exponent = -10; exponent <= 4; exponent += 0.5) {
     const double smoothness = scale * std::pow(10, exponent);
-    const Eigen::LLT<Eigen::MatrixXd> factor(normal + smoothness * rough);
-    if (factor.info() != Eigen::Success) continue;
+    const detail::CholeskyFactor factor(normal + smoothness * rough);
+    if (!factor.exists()) continue;
     const double explained = right.dot(factor.solve(right));
-    const double log_determinant = 2 * factor.matrixLLT().diagonal().array().log().sum();
+    const double log_determinant = 2 * factor.diagonal().array().log().sum();
     const double value = of.target.squaredNorm() - explained + log_determinant - times * std::log(smoothness);
     if (value < least) {
       least = value;
@@ -214,8 +218,8 @@ TimesDistribution relaxation_times(const FrequencyResponseData& data, TimesKerne
       result.density);
   // Beyond the band stands what the prior continues.
   std::erase_if(ranges, [&](const auto& range) { return range.top < of.first_seen || range.top > of.last_seen; });
-  const auto seen = [&](const detail::PeakRange& range) {
-    return detail::PeakRange{std::max(range.first, of.first_seen), range.top, std::min(range.last, of.last_seen)};
+  const auto seen_area = [&](const std::vector<double>& of_density, const detail::PeakRange& range) {
+    return detail::peak_area(of.log_tau, of_density, range, of.band_first, of.band_last);
   };
   for (std::size_t i = 0; i < ranges.size(); ++i) {
     std::vector<double> place, area;
@@ -230,11 +234,11 @@ TimesDistribution relaxation_times(const FrequencyResponseData& data, TimesKerne
       if (i > 0) range.first = minimum_between(ranges[i - 1].top, range.top);
       if (i + 1 < ranges.size()) range.last = minimum_between(range.top, ranges[i + 1].top);
       place.push_back(detail::peak_place(of.log_tau, each, range));
-      area.push_back(detail::peak_area(of.log_tau, each, seen(range)));
+      area.push_back(seen_area(each, range));
     }
-    const double found = detail::peak_area(of.log_tau, result.density, seen(ranges[i]));
+    const double found = seen_area(result.density, ranges[i]);
     double lower = quantile(area, low), upper = quantile(area, high);
-    widened(lower, upper, found - detail::peak_area(of.log_tau, again, seen(ranges[i])));
+    widened(lower, upper, found - seen_area(again, ranges[i]));
     result.peaks.push_back({std::exp(detail::peak_place(of.log_tau, result.density, ranges[i])), found,
                             std::exp(quantile(place, low)), std::exp(quantile(place, high)), std::max(lower, 0.0),
                             upper});

@@ -31,7 +31,11 @@ FitProblem::FitProblem(const FrequencyResponseData& given, const Structure& mode
       structure(model),
       options(wanted),
       map(model, wanted.constraints, data_scale(given), wanted.component == Component::magnitude),
+      priors(model, wanted.constraints, map),
       rule(residual_rule(given, wanted)),
-      residuals(given, model, wanted.realisation, map, rule) {}
+      residuals(given, model, wanted.realisation, map, rule) {
+  // Until the residuals tell: noise of a hundredth of the data, in units of which residuals are.
+  residuals.set_priors(priors, 0.01);
+}
 
 }  // namespace frac::detail

@@ -19,6 +19,7 @@ struct FitProblem {
   const Structure& structure;
   const FitOptions& options;
   ParameterMap map;
+  Priors priors;
   ResidualRule rule;
   FrequencyResiduals residuals;
 };

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "base/median.hpp"
+#include "identification/data/neighbour_noise.hpp"
 #include "time_residuals.hpp"
 
 namespace frac::detail {
@@ -47,21 +47,6 @@ Samples input_of(const TimeResponseData& data) {
   return input;
 }
 
-// Standard deviation of the noise from second differences, which leave little of a smooth output.
-double noise_level(const Samples& output) {
-  std::vector<double> difference;
-  for (std::size_t i = 2; i < output.since.size(); ++i) {
-    const double before = output.since[i - 1] - output.since[i - 2];
-    const double after = output.since[i] - output.since[i - 1];
-    const double share = before / (before + after);
-    // At the instant between, so much of the line is the later end.
-    const double line = output.value[i - 2] * (1 - share) + output.value[i] * share;
-    const double variance = 1 + share * share + (1 - share) * (1 - share);
-    difference.push_back(std::abs(output.value[i - 1] - line) / std::sqrt(variance));
-  }
-  return robust_deviation(std::move(difference));
-}
-
 // Outputs that count, the first of them also for what was before it.
 Samples output_of(const TimeResponseData& data, double base) {
   Samples output;
@@ -70,7 +55,8 @@ Samples output_of(const TimeResponseData& data, double base) {
     output.value.push_back(data.output()[i] - base);
     if (!data.sigma().empty()) output.variance.push_back(data.sigma()[i] * data.sigma()[i]);
   }
-  if (data.sigma().empty()) output.variance.assign(output.since.size(), std::pow(noise_level(output), 2));
+  if (data.sigma().empty())
+    output.variance.assign(output.since.size(), std::pow(neighbour_noise(output.since, output.value), 2));
   if (output.since.front() > 0) {
     output.since.insert(output.since.begin(), 0);
     output.value.insert(output.value.begin(), output.value.front());

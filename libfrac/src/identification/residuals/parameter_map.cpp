@@ -30,6 +30,7 @@ void check(const ParameterConstraint& constraint, ParameterRole role, bool posit
     if (value && !std::isfinite(*value)) reject(constraint.name, std::string(what) + " must be finite");
   };
   finite(constraint.fixed, "fixed value");
+  if (constraint.fixed && constraint.prior) reject(constraint.name, "is fixed, so a prior says nothing of it");
   finite(constraint.start, "start value");
   if (constraint.fixed && (constraint.lower || constraint.upper || constraint.start)) {
     reject(constraint.name, "is fixed, so it takes no limits and no start");
@@ -62,6 +63,70 @@ void check(const ParameterConstraint& constraint, ParameterRole role, bool posit
   }
 }
 
+constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+
+/// The parameter each one is not below, or none.
+std::vector<std::size_t> lesser_ones(const Structure& structure, const std::vector<ParameterConstraint>& of) {
+  std::vector<std::size_t> lesser(of.size(), none);
+  for (std::size_t i = 0; i < of.size(); ++i)
+    if (!of[i].above.empty()) lesser[i] = structure.parameter_index(of[i].above);
+  for (std::size_t i = 0; i < of.size(); ++i) {
+    std::size_t at = i;
+    for (std::size_t step = 0; lesser[at] != none; ++step) {
+      at = lesser[at];
+      if (step == of.size() || at == i) reject(of[i].name, "the order of parameters goes in a circle");
+    }
+    if (lesser[i] != none && structure.parameter_roles()[i] != structure.parameter_roles()[lesser[i]])
+      reject(of[i].name, "is of another kind than '" + of[i].above + "', which it is not to be below");
+  }
+  return lesser;
+}
+
+/// Limits that follow from the order: those of the greater parameter hold for the lesser one from above, and the other
+/// way round; a parameter that has no room left is held.
+void tighten(std::vector<ParameterConstraint>& of, const Structure& structure, const std::vector<std::size_t>& lesser) {
+  const auto room = [&](ParameterConstraint& each) {
+    if (each.fixed || !each.lower || !each.upper || *each.lower < *each.upper) return;
+    // Ends of a profile come here with rounding.
+    if (*each.lower - *each.upper > 1e-9 * std::max(std::abs(*each.lower), std::abs(*each.upper)))
+      reject(each.name, "the order of parameters and their limits leave no value for it");
+    each.fixed = *each.upper;
+    each.lower = each.upper = each.start = std::nullopt;
+  };
+  for (std::size_t pass = 0; pass < of.size(); ++pass) {
+    for (std::size_t i = 0; i < of.size(); ++i) {
+      if (lesser[i] == none) continue;
+      ParameterConstraint &greater = of[i], &least = of[lesser[i]];
+      if (least.name.empty()) least.name = structure.parameter_names()[lesser[i]];
+      const auto top = greater.fixed ? greater.fixed : greater.upper;
+      const auto bottom = least.fixed ? least.fixed : least.lower;
+      if (least.fixed && greater.fixed && *least.fixed > *greater.fixed)
+        reject(greater.name, "is fixed below '" + least.name + "', which it is not to be below");
+      if (!least.fixed && top && !(least.upper && *least.upper <= *top)) least.upper = top;
+      if (!greater.fixed && bottom && !(greater.lower && *greater.lower >= *bottom)) greater.lower = bottom;
+      room(least);
+      room(greater);
+    }
+  }
+}
+
+/// Orders first, on which the units of the others depend, and each entry behind that which it is above.
+std::vector<std::size_t> in_sequence(const std::vector<ParameterMap::Free>& free) {
+  std::vector<std::size_t> sequence;
+  std::vector<bool> placed(free.size(), false);
+  for (const bool orders : {true, false}) {
+    for (std::size_t pass = 0; pass < free.size(); ++pass) {
+      for (std::size_t k = 0; k < free.size(); ++k) {
+        const bool waits = free[k].above && !placed[*free[k].above];
+        if (placed[k] || waits || (free[k].role == ParameterRole::order) != orders) continue;
+        sequence.push_back(k);
+        placed[k] = true;
+      }
+    }
+  }
+  return sequence;
+}
+
 }  // namespace
 
 ParameterMap::ParameterMap(const Structure& structure, const std::vector<ParameterConstraint>& constraints,
@@ -81,6 +146,12 @@ ParameterMap::ParameterMap(const Structure& structure, const std::vector<Paramet
     const bool outer_gain = roles[i] == ParameterRole::coefficient && !structure.parameter_in_sum()[i];
     if (blind_to_sign && outer_gain && constraint.lower == -infinity) of[i].lower.reset();
   }
+  const std::vector<std::size_t> lesser = lesser_ones(structure, of);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (lesser[i] != none && of[i].lower && !of[lesser[i]].fixed && !(of[lesser[i]].lower >= of[i].lower))
+      reject(of[i].name, "is not to be below '" + of[i].above + "', so limit that one from below");
+  }
+  tighten(of, structure, lesser);
 
   fixed_.assign(count, nan);
   start_.assign(count, nan);
@@ -105,20 +176,33 @@ ParameterMap::ParameterMap(const Structure& structure, const std::vector<Paramet
     shifted.push_back(parameter_dimensions(structure, orders));
   }
 
+  for (std::size_t pass = 0; pass < count; ++pass) {
+    for (const std::size_t i : order_parameters_) {
+      if (lesser[i] == none || is_fixed(i) || is_fixed(lesser[i])) continue;
+      order_lower[i] = std::max(order_lower[i], order_lower[lesser[i]]);
+      order_upper[lesser[i]] = std::min(order_upper[lesser[i]], order_upper[i]);
+    }
+  }
+
+  std::vector<std::size_t> entry_of(count, none);
   for (std::size_t i = 0; i < count; ++i) {
     if (is_fixed(i)) continue;
-    Free entry{i, roles[i], false, false, of[i].lower || of[i].upper, 0, 0, 0, 0};
+    Free entry{i, roles[i], false, false, of[i].lower || of[i].upper, 0, 0, 0, 0, -infinity, infinity};
     std::vector<double> slope(order_parameters_.size(), 0.0);
     double intercept = 0;
     switch (roles[i]) {
       case ParameterRole::order:
         entry.lower = order_lower[i];
         entry.upper = order_upper[i];
+        entry.least = entry.lower;
+        entry.most = entry.upper;
         break;
       case ParameterRole::delay:
         entry.frequency_exponent = intercept = -1;
         entry.lower = std::max(of[i].lower.value_or(0.0) * scale.omega, -1e6);
         entry.upper = of[i].upper ? *of[i].upper * scale.omega : 2 * std::numbers::pi * scale.omega / scale.omega_lower;
+        entry.least = entry.lower / scale.omega;
+        entry.most = entry.upper / scale.omega;
         break;
       case ParameterRole::coefficient: {
         entry.value_exponent = dimension[i].value_exponent;
@@ -127,6 +211,8 @@ ParameterMap::ParameterMap(const Structure& structure, const std::vector<Paramet
         const double lower = of[i].lower.value_or(positive ? 0.0 : -infinity), upper = of[i].upper.value_or(infinity);
         entry.logarithmic = lower >= 0 && (!of[i].lower || lower > 0);
         entry.either_sign = lower < 0;
+        entry.least = lower;
+        entry.most = upper;
         // Limits in the unit of the user bound theta only if that unit does not move with the orders.
         const bool movable = upper == infinity && (lower == 0 || lower == -infinity);
         for (std::size_t k = 0; k < order_parameters_.size() && movable; ++k) {
@@ -147,10 +233,23 @@ ParameterMap::ParameterMap(const Structure& structure, const std::vector<Paramet
         break;
       }
     }
+    entry_of[i] = free_.size();
     free_.push_back(entry);
     slope_.push_back(std::move(slope));
     intercept_.push_back(intercept);
   }
+  for (Free& entry : free_) {
+    const std::size_t other = lesser[entry.parameter];
+    if (other == none || is_fixed(other)) continue;
+    entry.above = entry_of[other];
+    if (entry.logarithmic != free_[*entry.above].logarithmic)
+      reject(names[entry.parameter], "may have another sign than '" + names[other] + "', which it is not to be below");
+    // A ratio has no dimension, and neither has a share of the way to a limit.
+    if (entry.logarithmic || entry.most < infinity) entry.value_exponent = 0;
+    entry.lower = 0;
+    entry.upper = entry.most < infinity ? 1 : (entry.logarithmic ? 2 * log_range : std::exp(log_range));
+  }
+  sequence_ = in_sequence(free_);
 }
 
 double ParameterMap::frequency_exponent(std::size_t k, std::span<const double> parameters) const {
@@ -164,53 +263,88 @@ double ParameterMap::log_unit(std::size_t k, std::span<const double> parameters)
   return free_[k].value_exponent * std::log(scale_.value) + frequency_exponent(k, parameters) * std::log(scale_.omega);
 }
 
+double ParameterMap::way_up(std::size_t k, std::span<const double> parameters) const {
+  const Free& entry = free_[k];
+  const double from = parameters[free_[*entry.above].parameter];
+  if (entry.most < infinity) return entry.logarithmic ? std::log(entry.most / from) : entry.most - from;
+  if (entry.logarithmic) return 1;
+  return std::exp(entry.value_exponent * std::log(scale_.value) + entry.frequency_exponent * std::log(scale_.omega));
+}
+
+double ParameterMap::value_at(std::size_t k, double theta, std::span<const double> parameters) const {
+  const Free& entry = free_[k];
+  if (entry.above) {
+    const double from = parameters[free_[*entry.above].parameter], way = theta * way_up(k, parameters);
+    return entry.logarithmic ? from * std::exp(way) : from + way;
+  }
+  if (entry.role == ParameterRole::order) return theta;
+  const double unit = log_unit(k, parameters);
+  return entry.logarithmic ? std::exp(theta + unit) : theta * std::exp(unit);
+}
+
+double ParameterMap::theta_at(std::size_t k, std::span<const double> parameters) const {
+  const Free& entry = free_[k];
+  const double value = parameters[entry.parameter];
+  if (entry.above) {
+    const double from = parameters[free_[*entry.above].parameter], way = way_up(k, parameters);
+    return way > 0 ? (entry.logarithmic ? std::log(value / from) : value - from) / way : 0;
+  }
+  if (entry.role == ParameterRole::order) return value;
+  const double unit = log_unit(k, parameters);
+  return entry.logarithmic ? std::log(value) - unit : value * std::exp(-unit);
+}
+
 std::vector<double> ParameterMap::to_user(std::span<const double> theta) const {
   std::vector<double> parameters = fixed_;
-  for (std::size_t k = 0; k < free_.size(); ++k) {
-    if (free_[k].role == ParameterRole::order) parameters[free_[k].parameter] = theta[k];
-  }
-  for (std::size_t k = 0; k < free_.size(); ++k) {
-    if (free_[k].role == ParameterRole::order) continue;
-    const double unit = log_unit(k, parameters);
-    parameters[free_[k].parameter] = free_[k].logarithmic ? std::exp(theta[k] + unit) : theta[k] * std::exp(unit);
-  }
+  for (const std::size_t k : sequence_) parameters[free_[k].parameter] = value_at(k, theta[k], parameters);
   return parameters;
 }
 
-std::vector<double> ParameterMap::to_theta(std::span<const double> parameters) const {
-  std::vector<double> theta(free_.size());
-  for (std::size_t k = 0; k < free_.size(); ++k) {
-    const double value = parameters[free_[k].parameter];
-    if (free_[k].role == ParameterRole::order) {
-      theta[k] = value;
-    } else {
-      const double unit = log_unit(k, parameters);
-      theta[k] = free_[k].logarithmic ? std::log(value) - unit : value * std::exp(-unit);
+std::vector<double> ParameterMap::to_theta(std::span<const double> given) const {
+  std::vector<double> parameters(given.begin(), given.end());
+  // As many passes as exchanges of neighbours can bring a chain into order.
+  for (std::size_t pass = 0; pass < free_.size(); ++pass) {
+    for (const Free& entry : free_) {
+      if (!entry.above) continue;
+      double &value = parameters[entry.parameter], &other = parameters[free_[*entry.above].parameter];
+      if (value < other) std::swap(value, other);
     }
-    theta[k] = std::clamp(theta[k], free_[k].lower, free_[k].upper);
   }
+  std::vector<double> theta(free_.size());
+  for (std::size_t k = 0; k < free_.size(); ++k)
+    theta[k] = std::clamp(theta_at(k, parameters), free_[k].lower, free_[k].upper);
   return theta;
+}
+
+void ParameterMap::add_slopes(std::size_t k, double factor, std::span<const double> parameters,
+                              std::size_t of_parameter, std::vector<Entry>& entries) const {
+  const Free& entry = free_[k];
+  const double value = parameters[entry.parameter];
+  if (entry.above) {
+    const double way = way_up(k, parameters), unit = entry.logarithmic ? value : 1;
+    entries.push_back({of_parameter, k, factor * unit * way});
+    const double from = entry.logarithmic ? parameters[free_[*entry.above].parameter] : 1;
+    const double left = entry.most < infinity ? 1 - theta_at(k, parameters) : 1;
+    add_slopes(*entry.above, factor * unit / from * left, parameters, of_parameter, entries);
+    return;
+  }
+  if (entry.role == ParameterRole::order) {
+    entries.push_back({of_parameter, k, factor});
+    return;
+  }
+  entries.push_back({of_parameter, k, factor * (entry.logarithmic ? value : std::exp(log_unit(k, parameters)))});
+  for (std::size_t j = 0; j < order_parameters_.size(); ++j) {
+    if (slope_[k][j] == 0) continue;
+    for (std::size_t order = 0; order < free_.size(); ++order) {
+      if (free_[order].parameter != order_parameters_[j]) continue;
+      add_slopes(order, factor * value * slope_[k][j] * std::log(scale_.omega), parameters, of_parameter, entries);
+    }
+  }
 }
 
 std::vector<ParameterMap::Entry> ParameterMap::jacobian_entries(std::span<const double> parameters) const {
   std::vector<Entry> entries;
-  const double log_omega = std::log(scale_.omega);
-  for (std::size_t k = 0; k < free_.size(); ++k) {
-    const std::size_t parameter = free_[k].parameter;
-    if (free_[k].role == ParameterRole::order) {
-      entries.push_back({parameter, k, 1});
-      continue;
-    }
-    const double value = parameters[parameter];
-    entries.push_back({parameter, k, free_[k].logarithmic ? value : std::exp(log_unit(k, parameters))});
-    for (std::size_t j = 0; j < order_parameters_.size(); ++j) {
-      if (slope_[k][j] == 0) continue;
-      for (std::size_t order = 0; order < free_.size(); ++order) {
-        if (free_[order].parameter != order_parameters_[j]) continue;
-        entries.push_back({parameter, order, value * slope_[k][j] * log_omega});
-      }
-    }
-  }
+  for (std::size_t k = 0; k < free_.size(); ++k) add_slopes(k, 1, parameters, free_[k].parameter, entries);
   return entries;
 }
 
@@ -218,7 +352,7 @@ Eigen::MatrixXd ParameterMap::jacobian(std::span<const double> parameters) const
   Eigen::MatrixXd result =
       Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(parameter_count()), static_cast<Eigen::Index>(free_.size()));
   for (const Entry& entry : jacobian_entries(parameters)) {
-    result(static_cast<Eigen::Index>(entry.parameter), static_cast<Eigen::Index>(entry.free)) = entry.derivative;
+    result(static_cast<Eigen::Index>(entry.parameter), static_cast<Eigen::Index>(entry.free)) += entry.derivative;
   }
   return result;
 }
@@ -233,6 +367,21 @@ double ParameterMap::centre_value_by_theta(std::size_t k, std::span<const double
   if (free_[k].role == ParameterRole::order) return 1;
   if (free_[k].logarithmic) return centre_value(k, parameters);
   return std::pow(scale_.value, free_[k].value_exponent);
+}
+
+std::vector<ParameterMap::Entry> ParameterMap::centre_entries(std::size_t k, std::span<const double> parameters) const {
+  std::vector<Entry> entries;
+  const std::size_t parameter = free_[k].parameter;
+  const double centre = centre_value(k, parameters);
+  add_slopes(k, free_[k].role == ParameterRole::order ? 1 : std::pow(scale_.omega, -frequency_exponent(k, parameters)),
+             parameters, parameter, entries);
+  for (std::size_t j = 0; j < order_parameters_.size(); ++j) {
+    for (std::size_t order = 0; order < free_.size() && slope_[k][j] != 0; ++order) {
+      if (free_[order].parameter == order_parameters_[j])
+        add_slopes(order, -centre * slope_[k][j] * std::log(scale_.omega), parameters, parameter, entries);
+    }
+  }
+  return entries;
 }
 
 }  // namespace frac::detail

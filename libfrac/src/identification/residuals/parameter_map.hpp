@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <cmath>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,6 +24,9 @@ struct DataScale {
 ///   coefficient of any sign     p = theta value^v omega^f(orders)
 ///   order                       p = theta
 ///   delay                       p = theta/omega
+///   above another one           ln p = ln other + theta, or p = other + theta value^v omega^f, theta >= 0
+///   and below an upper limit    ln p = ln other + theta (ln limit - ln other), alike without logarithms, 0 <= theta <=
+///   1
 /// where value^v omega^f is the dimension of the parameter.  f depends (linearly) on the orders, so theta is the
 /// parameter at the middle of the band, where it is least correlated with the orders.
 class ParameterMap {
@@ -42,7 +46,9 @@ class ParameterMap {
     bool bounded_by_user;
     double lower, upper;  // of theta
     double value_exponent;
-    double frequency_exponent;  // at the middle of the order ranges
+    double frequency_exponent;                        // at the middle of the order ranges
+    double least, most;                               // of the parameter; not finite where there is no limit
+    std::optional<std::size_t> above = std::nullopt;  // entry of free() that this one is not below
   };
 
   [[nodiscard]] std::size_t parameter_count() const noexcept { return fixed_.size(); }
@@ -54,8 +60,9 @@ class ParameterMap {
   [[nodiscard]] const std::vector<double>& start() const noexcept { return start_; }
 
   [[nodiscard]] std::vector<double> to_user(std::span<const double> theta) const;
+  /// Values that are not in the order the constraints want are exchanged.
   [[nodiscard]] std::vector<double> to_theta(std::span<const double> parameters) const;
-  /// d parameter / d theta[free] where it is not 0.
+  /// d parameter / d theta[free] where it is not 0; one pair may have several entries, which add up.
   struct Entry {
     std::size_t parameter, free;
     double derivative;
@@ -68,9 +75,18 @@ class ParameterMap {
   /// free()[k] with frequency in units of the middle of the band, and its derivative by theta[k].
   [[nodiscard]] double centre_value(std::size_t k, std::span<const double> parameters) const;
   [[nodiscard]] double centre_value_by_theta(std::size_t k, std::span<const double> parameters) const;
+  /// Its derivatives by every theta, which for one that is above another are several.
+  [[nodiscard]] std::vector<Entry> centre_entries(std::size_t k, std::span<const double> parameters) const;
 
  private:
   [[nodiscard]] double log_unit(std::size_t k, std::span<const double> parameters) const;
+  [[nodiscard]] double value_at(std::size_t k, double theta, std::span<const double> parameters) const;
+  [[nodiscard]] double theta_at(std::size_t k, std::span<const double> parameters) const;
+  /// What theta = 1 adds to the parameter that an entry is above, or to its logarithm.
+  [[nodiscard]] double way_up(std::size_t k, std::span<const double> parameters) const;
+  /// Derivatives of an entry times a factor, as those of another parameter.
+  void add_slopes(std::size_t k, double factor, std::span<const double> parameters, std::size_t of_parameter,
+                  std::vector<Entry>& entries) const;
 
   DataScale scale_;
   std::vector<double> fixed_;  // NaN: free
@@ -79,6 +95,7 @@ class ParameterMap {
   std::vector<std::size_t> order_parameters_;
   std::vector<std::vector<double>> slope_;  // [free][order parameter]: d frequency exponent / d order
   std::vector<double> intercept_;           // [free]: frequency exponent at all orders 0
+  std::vector<std::size_t> sequence_;       // of free(): orders first, and each one after that which it is above
 };
 
 }  // namespace frac::detail

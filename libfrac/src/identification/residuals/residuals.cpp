@@ -36,6 +36,7 @@ double Residuals::cost(std::span<const double> theta) const {
   if (!evaluate_all(theta, scratch_)) return std::numeric_limits<double>::infinity();
   double sum = 0;
   for (const double residual : scratch_) sum += residual * residual;
+  sum += prior_cost(theta);
   return std::isfinite(sum) ? sum : std::numeric_limits<double>::infinity();
 }
 

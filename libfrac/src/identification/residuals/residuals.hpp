@@ -7,6 +7,7 @@
 
 #include "identification/data/residual_rule.hpp"
 #include "parameter_map.hpp"
+#include "priors.hpp"
 
 namespace frac::detail {
 
@@ -27,7 +28,22 @@ class Residuals {
   /// where one of them is not finite.
   virtual bool evaluate(std::span<const double> theta, double* residual, double* jacobian) const = 0;
 
-  /// Sum of squares over all points; infinity where the model is not finite.
+  /// Lets priors count with the residuals: each by the square of its distance times that of `noise`, the standard
+  /// deviation that a residual is taken to have.
+  /// @param priors  stay with the caller
+  void set_priors(const Priors& priors, double noise) {
+    priors_ = priors.empty() ? nullptr : &priors;
+    prior_weight_ = noise;
+  }
+  /// Null where there are none.
+  [[nodiscard]] const Priors* priors() const noexcept { return priors_; }
+  [[nodiscard]] double prior_weight() const noexcept { return prior_weight_; }
+  /// What they add to the cost.
+  [[nodiscard]] double prior_cost(std::span<const double> theta) const {
+    return priors_ ? prior_weight_ * prior_weight_ * priors_->cost(map_.to_user(theta)) : 0;
+  }
+
+  /// Sum of squares over all points and priors; infinity where the model is not finite.
   [[nodiscard]] double cost(std::span<const double> theta) const;
 
   /// Costs below this are rounding: all of them are zero.
@@ -57,10 +73,12 @@ class Residuals {
 
  private:
   const ParameterMap& map_;
+  const Priors* priors_ = nullptr;
+  double prior_weight_ = 0;
   mutable std::vector<double> scratch_;
 };
 
-/// Those of a structure to a frequency response, in units of the rule.
+/// Residuals of a structure to a frequency response, in units of the rule.
 class FrequencyResiduals final : public Residuals {
  public:
   FrequencyResiduals(const FrequencyResponseData& data, const Structure& structure, const Realisation& realisation,

@@ -72,9 +72,9 @@ class TimeResiduals final : public Residuals {
   bool simulate(std::span<const double> theta) const;
   /// Whether the offset alone is free of the background, as in most fits.
   [[nodiscard]] bool only_offset() const { return !fixed_offset_ && !trend_ && earlier_.empty(); }
-  /// Of values with the weights of the residuals, what is to be subtracted to make the loss least.
+  /// What to subtract from values with the weights of the residuals to make the loss least.
   [[nodiscard]] double location(const Eigen::VectorXd& values) const;
-  /// Of weighted residuals, the coefficients of `columns` that are to be added to make the loss least.
+  /// Coefficients of `columns` that, added to weighted residuals, make the loss least.
   [[nodiscard]] Eigen::VectorXd coefficients(const Eigen::MatrixXd& columns, const Eigen::VectorXd& residual) const;
   /// Weighted derivatives by the parameters, those of the earlier steps with their coefficients included.
   [[nodiscard]] Eigen::MatrixXd weighted_gradient(const Eigen::VectorXd& coefficient) const;

@@ -61,6 +61,10 @@ std::vector<double> draw(const ParameterMap& map, const std::vector<double>& sug
   }
   for (std::size_t k = 0; k < free.size(); ++k) {
     if (free[k].role != ParameterRole::order) continue;
+    if (free[k].above) {
+      theta[k] = uniform(generator);
+      continue;
+    }
     // Orders beyond 2.5 are rare; the solver may still go there.
     const double lower = std::max(free[k].lower, -2.5), upper = std::min(free[k].upper, 2.5);
     const bool suggest = !suggested_orders.empty() && uniform(generator) < 0.5;
@@ -71,10 +75,17 @@ std::vector<double> draw(const ParameterMap& map, const std::vector<double>& sug
         suggest && suggestion >= free[k].lower && suggestion <= free[k].upper
             ? suggestion
             : (lower < upper ? between(generator, lower, upper) : between(generator, free[k].lower, free[k].upper));
-    parameters[free[k].parameter] = theta[k];
   }
+  const std::vector<double> drawn = map.to_user(theta);
+  for (const ParameterMap::Free& entry : free)
+    if (entry.role == ParameterRole::order) parameters[entry.parameter] = drawn[entry.parameter];
   for (std::size_t k = 0; k < free.size(); ++k) {
     if (free[k].role == ParameterRole::order) continue;
+    if (free[k].above) {
+      // Up to three decades between parameters of one kind.
+      theta[k] = between(generator, 0, std::min(free[k].upper, std::log(1e3)));
+      continue;
+    }
     const double log_value = between(generator, std::log(scale.value_lower), std::log(scale.value_upper));
     const double log_omega = between(generator, std::log(scale.omega_lower), std::log(scale.omega_upper));
     const double magnitude = free[k].value_exponent * (log_value - std::log(scale.value)) +
@@ -178,7 +189,8 @@ std::vector<std::vector<double>> whole_order_starts(const Residuals& residuals,
     for (std::size_t k = 0; k < theta.size(); ++k) {
       const ParameterMap::Free& entry = map.free()[k];
       if (entry.role != ParameterRole::order) continue;
-      const double nearest = entry.lower <= 1 && entry.upper >= 1 ? 1 : -1;
+      // One that is above another is whole where it equals it.
+      const double nearest = entry.above ? 0 : entry.lower <= 1 && entry.upper >= 1 ? 1 : -1;
       theta[k] = std::clamp(nearest, entry.lower, entry.upper);
     }
     return theta;

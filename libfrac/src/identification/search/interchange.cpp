@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <tuple>
 
 #include "formula/dimension_analysis.hpp"
 #include "formula/expression.hpp"
@@ -94,8 +95,17 @@ bool alike(std::span<const ParameterConstraint> constraints, const std::string& 
     return ParameterConstraint{};
   };
   const ParameterConstraint left = of(a), right = of(b);
+  const auto in_an_order = [&](const std::string& name) {
+    return std::any_of(constraints.begin(), constraints.end(), [&](const ParameterConstraint& each) {
+      return !each.above.empty() && (each.name == name || each.above == name);
+    });
+  };
+  const auto prior = [](const ParameterConstraint& each) {
+    return each.prior ? std::optional(std::tuple(each.prior->value, each.prior->deviation, each.prior->relative))
+                      : std::nullopt;
+  };
   return left.fixed == right.fixed && left.lower == right.lower && left.upper == right.upper &&
-         left.start == right.start;
+         left.start == right.start && prior(left) == prior(right) && !in_an_order(a) && !in_an_order(b);
 }
 
 /// ln of the product of powers of the coefficients that is a time, if there is one.

@@ -11,6 +11,7 @@
 #include <limits>
 #include <memory>
 
+#include "bounded_solve.hpp"
 #include "frac/cancellation.hpp"
 #include "triangular_form.hpp"
 
@@ -105,6 +106,28 @@ class PointCost final : public ceres::CostFunction {
   std::size_t first_;
 };
 
+/// The priors as a Ceres residual block, on which no loss acts.
+class PriorCost final : public ceres::CostFunction {
+ public:
+  explicit PriorCost(const Residuals& residuals) : residuals_(residuals) {
+    set_num_residuals(static_cast<int>(residuals.priors()->entries().size()));
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(residuals.map().free().size()));
+  }
+
+  bool Evaluate(const double* const* parameters, double* residual, double** jacobians) const override {
+    const Priors& priors = *residuals_.priors();
+    const std::size_t count = priors.entries().size(), width = residuals_.map().free().size();
+    double* const jacobian = jacobians ? jacobians[0] : nullptr;
+    if (!priors.evaluate(residuals_.map(), {parameters[0], width}, residual, jacobian)) return false;
+    for (std::size_t row = 0; row < count; ++row) residual[row] *= residuals_.prior_weight();
+    for (std::size_t i = 0; jacobian && i < count * width; ++i) jacobian[i] *= residuals_.prior_weight();
+    return true;
+  }
+
+ private:
+  const Residuals& residuals_;
+};
+
 std::unique_ptr<ceres::LossFunction> make_loss(Loss loss, double scale) {
   switch (loss) {
     case Loss::none:
@@ -126,7 +149,7 @@ LocalSolution solution_at(const Residuals& residuals, const std::vector<double>&
   if (!loss || !std::isfinite(solution.cost)) return solution;
   std::vector<double> residual(residuals.count());
   residuals.evaluate(solution.theta, residual.data(), nullptr);
-  solution.objective = 0;
+  solution.objective = residuals.prior_cost(solution.theta);
   for (std::size_t i = 0; i < residual.size(); i += residuals.per_point()) {
     double square = 0, rho[3];
     for (std::size_t row = i; row < i + residuals.per_point(); ++row) square += residual[row] * residual[row];
@@ -161,23 +184,20 @@ LocalSolution local_solve(const Residuals& residuals, const std::vector<double>&
   } else {
     problem.AddResidualBlock(new ReducedCost(evaluation), nullptr, theta);
   }
+  if (residuals.priors()) problem.AddResidualBlock(new PriorCost(residuals), nullptr, theta);
   for (std::size_t k = 0; k < free.size(); ++k) {
     problem.SetParameterLowerBound(theta, static_cast<int>(k), free[k].lower);
     problem.SetParameterUpperBound(theta, static_cast<int>(k), free[k].upper);
   }
 
-  ceres::Solver::Options solver;
-  solver.linear_solver_type = ceres::DENSE_QR;
-  solver.max_num_iterations = options.iterations;
-  solver.function_tolerance = options.cost_tolerance;
-  solver.gradient_tolerance = 1e-300;  // residuals are scaled, so only relative changes say when to stop
-  solver.parameter_tolerance = 1e-14;
-  solver.max_num_consecutive_invalid_steps = 20;
-  // A step that a bound cuts short is judged like any other; searching along it costs more than the next step.
-  solver.max_num_line_search_step_size_iterations = 0;
-  solver.logging_type = ceres::SILENT;
+  const ceres::Solver::Options solver = solver_options(options.iterations, options.cost_tolerance);
   ceres::Solver::Summary summary;
-  ceres::Solve(solver, &problem, &summary);
+  // Scouts are judged from afar.
+  constexpr double scouting = 1e-9;
+  if (options.cost_tolerance < scouting)
+    solve_within_bounds(solver, problem, summary);
+  else
+    ceres::Solve(solver, &problem, &summary);
   throw_if_cancelled();
   LocalSolution solution = solution_at(residuals, end, options);
   solution.converged = summary.termination_type == ceres::CONVERGENCE;

@@ -9,7 +9,7 @@ namespace frac::detail {
 
 struct LocalSolution {
   std::vector<double> theta;
-  double cost = 0;       // plain sum of squares, without the loss
+  double cost = 0;       // plain sum of squares and what priors add, without the loss
   double objective = 0;  // the same with the loss; the cost where there is none
   bool converged = false;
 };

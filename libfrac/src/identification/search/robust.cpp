@@ -12,15 +12,14 @@
 namespace frac::detail {
 namespace {
 
-/// Loss scales that keep 95 % efficiency on normal residuals (Huber 1981; Holland, Welsch 1977).
-double tuning_constant(Loss loss) {
-  return loss == Loss::huber ? 1.345 : 2.385;
-}
-
 /// Residuals below this, in units of the data, are rounding.
 constexpr double rounding = 1e-13;
 
 }  // namespace
+
+double tuning_constant(Loss loss) {
+  return loss == Loss::huber ? 1.345 : 2.385;
+}
 
 double loss_cost(std::span<const double> residual, std::size_t per_point, const LocalOptions& options) {
   double sum = 0;

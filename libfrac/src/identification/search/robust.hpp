@@ -16,6 +16,10 @@ namespace frac::detail {
 /// makes least.
 [[nodiscard]] double loss_cost(std::span<const double> residual, std::size_t per_point, const LocalOptions& options);
 
+/// Loss scale over the standard deviation of normal residuals that keeps 95 % of the efficiency (Huber 1981; Holland,
+/// Welsch 1977).
+[[nodiscard]] double tuning_constant(Loss loss);
+
 /// 1.4826 times the median absolute residual: the standard deviation of the well-behaved part (normal residuals).
 [[nodiscard]] double robust_spread(std::span<const double> residual);
 
@@ -30,7 +34,7 @@ namespace frac::detail {
                                              LocalSolution& solution);
 /// Searches under a robust loss: from a least-squares solution, which outliers may have led far off, and from seeded
 /// places about the best found so far, until several of them come back to it.
-/// Of two solutions under scales of their own that with the smaller spread of the well-behaved part is the better one.
+/// Two solutions have scales of their own: the better one has the smaller spread of the well-behaved residuals.
 [[nodiscard]] LocalOptions robust_search(Residuals& residuals, Loss loss, std::optional<double> scale,
                                          std::uint64_t seed, LocalSolution& solution);
 

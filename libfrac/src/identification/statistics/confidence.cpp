@@ -48,6 +48,16 @@ CorrelatedNoise noise_of(const Residuals& residuals, std::vector<double> residua
   return {residual, columns, residuals.per_point()};
 }
 
+/// Derivatives of the priors by theta, in units of residuals; no rows where there are none.
+Eigen::MatrixXd prior_rows(const Residuals& residuals, const std::vector<double>& theta) {
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const auto count = static_cast<Eigen::Index>(residuals.priors() ? residuals.priors()->entries().size() : 0);
+  RowMajor rows(count, static_cast<Eigen::Index>(theta.size()));
+  std::vector<double> distance(static_cast<std::size_t>(count));
+  if (count > 0) residuals.priors()->evaluate(residuals.map(), theta, distance.data(), rows.data());
+  return residuals.prior_weight() * rows;
+}
+
 }  // namespace
 
 Confidence confidence(const Residuals& residuals, const LocalSolution& solution, const LocalOptions& options) {
@@ -75,16 +85,22 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
   }
 
   std::vector<double> residual;
-  const std::optional<Eigen::MatrixXd> jacobian = reduced_jacobian(residuals, solution.theta, residual);
+  std::optional<Eigen::MatrixXd> jacobian = reduced_jacobian(residuals, solution.theta, residual);
   if (!jacobian) {
     std::fill(result.identified.begin(), result.identified.end(), false);
     result.condition = std::numeric_limits<double>::infinity();
     return result;
   }
 
+  // The cost weighs priors by the unit of the loss; squares of residuals weigh by their variance.
+  const Spread one = spread_of(residual, 1, options);
+  const Eigen::MatrixXd priors = std::sqrt(one.variance / one.loss_unit) * prior_rows(residuals, solution.theta);
+  jacobian->conservativeResize(jacobian->rows() + priors.rows(), Eigen::NoChange);
+  jacobian->bottomRows(priors.rows()) = priors;
+
   const auto measure_spread = [&] {
     const double degrees =
-        static_cast<double>(residual.size()) - static_cast<double>(result.rank + residuals.eliminated());
+        static_cast<double>(residual.size()) - result.effective() - static_cast<double>(residuals.eliminated());
     result.t = student_t_95(degrees);
     if (!(degrees > 0)) return;
     const Spread spread = spread_of(residual, degrees, options);
@@ -120,15 +136,23 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
   }
 
   const auto width = static_cast<Eigen::Index>(inner.size());
-  Eigen::MatrixXd scaled(columns, width);
+  Eigen::MatrixXd scaled(jacobian->rows(), width);
   for (Eigen::Index k = 0; k < width; ++k) {
     const Eigen::Index column = inner[static_cast<std::size_t>(k)];
     scaled.col(k) = jacobian->col(column) / norm[column];
   }
   const auto [sigma, directions] = right_singular_vectors(scaled);
-  const double smallest = std::max(sigma[width - 1], std::numeric_limits<double>::epsilon() * sigma[0]);
-  result.condition = (sigma[0] / smallest) * (sigma[0] / smallest);
   for (Eigen::Index k = 0; k < width; ++k) result.rank += sigma[k] > unseen_column * sigma[0] ? 1 : 0;
+  const Eigen::VectorXd inverse_sigma =
+      sigma.cwiseMax(std::numeric_limits<double>::epsilon() * sigma[0]).cwiseInverse();
+  const Eigen::VectorXd of_priors =
+      (scaled.bottomRows(priors.rows()) * directions * inverse_sigma.asDiagonal()).colwise().squaredNorm().transpose();
+  result.from_priors = of_priors.sum();
+  // A direction that priors hold is not flat.
+  const auto is_held = [&](Eigen::Index direction) { return of_priors[direction] > 0.5; };
+  for (Eigen::Index k = 0; k < width; ++k) {
+    if (!is_held(k)) result.condition = std::pow(sigma[0] * inverse_sigma[k], 2);
+  }
 
   measure_spread();
   const double deviation = result.deviation;
@@ -141,8 +165,6 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
     const Eigen::Index column = inner[static_cast<std::size_t>(k)];
     inner_to_user.col(k) = to_user.col(column) / norm[column];
   }
-  const Eigen::VectorXd inverse_sigma =
-      sigma.cwiseMax(std::numeric_limits<double>::epsilon() * sigma[0]).cwiseInverse();
   const Eigen::MatrixXd spread = inner_to_user * directions * inverse_sigma.asDiagonal();
 
   for (Eigen::Index k = 0; k < width; ++k) {
@@ -150,7 +172,8 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
     const double error = deviation * spread.row(static_cast<Eigen::Index>(parameter)).stableNorm();
     bool in_flat_direction = false;
     for (Eigen::Index direction = 0; direction < width; ++direction) {
-      const bool flat = sigma[direction] * sigma[direction] * flat_condition < sigma[0] * sigma[0];
+      const bool flat =
+          sigma[direction] * sigma[direction] * flat_condition < sigma[0] * sigma[0] && !is_held(direction);
       in_flat_direction = in_flat_direction || (flat && std::abs(directions(k, direction)) > flat_share);
     }
     result.identified[parameter] = !in_flat_direction;
@@ -161,6 +184,16 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
     result.centre_standard_error[parameter] =
         theta_error *
         residuals.map().centre_value_by_theta(static_cast<std::size_t>(inner[static_cast<std::size_t>(k)]), values);
+    if (free[static_cast<std::size_t>(inner[static_cast<std::size_t>(k)])].above) {
+      Eigen::RowVectorXd centre = Eigen::RowVectorXd::Zero(columns);
+      for (const auto& entry :
+           residuals.map().centre_entries(static_cast<std::size_t>(inner[static_cast<std::size_t>(k)]), values))
+        centre[static_cast<Eigen::Index>(entry.free)] += entry.derivative;
+      Eigen::RowVectorXd by_inner(width);
+      for (Eigen::Index j = 0; j < width; ++j)
+        by_inner[j] = centre[inner[static_cast<std::size_t>(j)]] / norm[inner[static_cast<std::size_t>(j)]];
+      result.centre_standard_error[parameter] = deviation * (by_inner * directions * inverse_sigma.asDiagonal()).norm();
+    }
     for (Eigen::Index other = 0; other < width; ++other) {
       const std::size_t j = free[static_cast<std::size_t>(inner[static_cast<std::size_t>(other)])].parameter;
       result.covariance[parameter][j] =
@@ -181,6 +214,12 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
   for (const Eigen::Index column : inner) {
     const std::size_t i = free[static_cast<std::size_t>(column)].parameter;
     result.widening[i] = result.noise.widening(result.influence.col(static_cast<Eigen::Index>(i)));
+    if (priors.rows() > 0) {
+      // What a prior tells of the parameter has nothing to do with the noise of the residuals.
+      const double of_residuals =
+          deviation * result.influence.col(static_cast<Eigen::Index>(i)).norm() / result.standard_error[i];
+      result.widening[i] = std::sqrt(1 + (result.widening[i] * result.widening[i] - 1) * of_residuals * of_residuals);
+    }
     const bool wide = !(result.t * result.widening[i] * result.standard_error[i] <= 0.5 * std::abs(values[i]));
     if (wide && !std::isnan(result.standard_error[i])) result.identified[i] = false;
   }

@@ -22,7 +22,7 @@ struct Confidence {
   std::vector<bool> at_bound;
   std::vector<bool> seen;        // the residuals depend on it
   std::vector<bool> identified;  // seen, interval within 50 %, not part of a flat direction
-  std::size_t rank;              // of the scaled Jacobian: parameters the residuals can tell apart
+  std::size_t rank;              // of the scaled Jacobian: parameters the residuals and priors can tell apart
   double condition;              // of the scaled Fisher matrix
   double t;                      // half width of a 95 % interval in standard errors
   double deviation;              // standard deviation of a residual, NaN without a degree of freedom
@@ -30,6 +30,10 @@ struct Confidence {
   CorrelatedNoise noise;  // of the residuals
   std::vector<double> widening;  // of each standard error, by the correlation of neighbouring residuals
   Eigen::MatrixXd influence;     // count() x parameters: what an estimate moves by for each residual; empty if unknown
+  double from_priors = 0;        // how many parameters priors tell in place of the residuals
+
+  /// Parameters that the residuals tell.
+  [[nodiscard]] double effective() const { return static_cast<double>(rank) - from_priors; }
 };
 
 [[nodiscard]] Confidence confidence(const Residuals& residuals, const LocalSolution& solution,

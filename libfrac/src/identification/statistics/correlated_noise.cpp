@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "correlated_noise.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -43,11 +42,11 @@ class RestrictedLikelihood {
   };
   [[nodiscard]] Value at(double r) const {
     const Eigen::MatrixXd all = whole_ - r * neighbours_ + r * r * middle_;
-    const Eigen::LLT<Eigen::MatrixXd> factor(all);
+    const Eigen::VectorXd factor = CholeskyFactor(all).diagonal();
     // The last diagonal entry is the length of the residual once the columns are fitted to it anew.
     double logarithm = 0.5 * series_ * std::log(1 - r * r);
-    for (Eigen::Index i = 0; i < width_; ++i) logarithm -= std::log(factor.matrixLLT()(i, i));
-    const double length = factor.matrixLLT()(width_, width_);
+    for (Eigen::Index i = 0; i < width_; ++i) logarithm -= std::log(factor(i));
+    const double length = factor(width_);
     return {logarithm - degrees() * std::log(length), length * length / degrees()};
   }
 

@@ -37,6 +37,19 @@ std::string listed(const std::vector<std::string>& names) {
   return text;
 }
 
+/// Orders of parameters that are in force.
+std::string remark_on_orders(const FitResult& result, std::span<const ParameterConstraint> constraints) {
+  std::vector<std::string> in_force;
+  for (const ParameterConstraint& constraint : constraints) {
+    for (const ParameterEstimate& each : result.parameters)
+      if (!constraint.above.empty() && each.name == constraint.name && each.at_bound)
+        in_force.push_back(constraint.above + " < " + each.name);
+  }
+  if (in_force.empty()) return {};
+  return " The order " + listed(in_force) +
+         " is in force: the data want it the other way round, and intervals take the two as equal.";
+}
+
 /// What limits say about the result: parameters that ended at one, and residuals as many as parameters.
 std::string remarks_on_limits(const FitResult& result, const Structure& structure,
                               std::span<const ParameterConstraint> constraints, bool degrees_left) {
@@ -55,6 +68,7 @@ std::string remarks_on_limits(const FitResult& result, const Structure& structur
   std::string text;
   if (!at_bound.empty()) {
     text += " At a bound: " + listed(at_bound) + ".";
+    text += remark_on_orders(result, constraints);
     if (held_positive) {
       text += " Coefficients in sums are taken as positive unless a lower limit below 0 is given for them.";
     }
@@ -84,7 +98,46 @@ std::string remark_on_correlation(const FitResult& result, const Confidence& fou
   return text;
 }
 
+void describe_priors(FitResult& result, const Residuals& residuals) {
+  if (!residuals.priors()) return;
+  for (const Priors::Entry& entry : residuals.priors()->entries()) {
+    const ParameterEstimate& estimate = result.parameters[entry.parameter];
+    result.priors.push_back(prior_estimate(estimate.name, entry.prior, estimate.value, estimate.standard_error));
+  }
+  result.message += remark_on_priors(result.priors);
+}
+
 }  // namespace
+
+PriorEstimate prior_estimate(const std::string& name, const ParameterPrior& prior, double value,
+                             double standard_error) {
+  PriorEstimate estimate{name, prior, prior.distance(value), nan, nan};
+  if (!std::isfinite(standard_error)) return estimate;
+  // Of a posterior of variance w in units of the prior's, what lies beside the prior has 1/(1/w - 1), so that its
+  // distance from the prior's value is distance/(1 - w), with variance 1/(1 - w).
+  const double error = standard_error * prior.slope(value);
+  estimate.share = std::min(1.0, error * error);
+  constexpr double nothing_else = 1e-6;
+  if (estimate.share < 1 - nothing_else) estimate.conflict = estimate.distance / std::sqrt(1 - estimate.share);
+  return estimate;
+}
+
+std::string remark_on_priors(std::span<const PriorEstimate> priors) {
+  constexpr double contradiction = 2.576;  // once in 100 where both are right
+  constexpr double mainly = 0.9;
+  std::string text;
+  char more[200];
+  std::vector<std::string> told;
+  for (const PriorEstimate& each : priors) {
+    if (each.share > mainly) told.push_back(each.name);
+    if (!(std::abs(each.conflict) > contradiction)) continue;
+    std::snprintf(more, sizeof more, " The data contradict the prior of %s by %.1f standard deviations.",
+                  each.name.c_str(), std::abs(each.conflict));
+    text += more;
+  }
+  if (!told.empty()) text += " What is said of " + listed(told) + " is little more than the prior.";
+  return text;
+}
 
 FitResult describe_search(const Structure& structure, const Residuals& residuals, const GlobalSolution& solution) {
   FitResult result{};
@@ -142,6 +195,8 @@ void describe_estimates(FitResult& result, const Structure& structure, const Res
   result.noise_correlation = found.noise.correlation();
   refuse_inseparable_parts(result, structure);
   result.condition = found.condition;
+  result.effective_parameters = found.effective() + static_cast<double>(residuals.eliminated());
+  describe_priors(result, residuals);
   if (found.condition > flat_condition) {
     char text[128];
     std::snprintf(text, sizeof text,
@@ -162,7 +217,8 @@ void describe_residuals(FitResult& result, const Residuals& residuals, const Loc
   result.loss_scale = options.loss == Loss::none ? nan : options.loss_scale * unit;
   result.loss_unit = found.loss_unit * unit * unit;
   for (double& value : residual) value *= unit;
-  const Information information = detail::information(residual, found.rank + residuals.eliminated(), unit);
+  const Information information =
+      detail::information(residual, found.effective() + static_cast<double>(residuals.eliminated()), unit);
   result.cost = information.cost;
   result.rms = information.rms;
   result.max_residual = information.max_residual;

@@ -25,6 +25,12 @@ void describe_estimates(FitResult& result, const Structure& structure, const Res
                         std::span<const ParameterConstraint> constraints, const Confidence& found,
                         std::span<const double> theta);
 
+/// What became of a prior, by the estimate and its standard error.
+[[nodiscard]] PriorEstimate prior_estimate(const std::string& name, const ParameterPrior& prior, double value,
+                                           double standard_error);
+/// Sentences on priors that the data contradict and on those that tell all; empty without any.
+[[nodiscard]] std::string remark_on_priors(std::span<const PriorEstimate> priors);
+
 /// Fills in cost, rms, criteria, outliers and loss.
 /// @param unit  of the residuals: the size of the weighted data
 void describe_residuals(FitResult& result, const Residuals& residuals, const LocalOptions& options,

@@ -28,22 +28,18 @@ class Profile {
         best_objective_(solution.objective),
         held_(problem.options.constraints) {
     const std::string& name = problem.structure.parameter_names()[parameter];
-    std::erase_if(held_, [&](const ParameterConstraint& constraint) { return constraint.name == name; });
-    held_.push_back({name, 0.0, {}, {}, {}});
+    std::string above;
+    std::erase_if(held_, [&](const ParameterConstraint& constraint) {
+      if (constraint.name == name) above = constraint.above;
+      return constraint.name == name;
+    });
+    held_.push_back({name, 0.0, {}, {}, {}, {}, above});
     options_.cost_tolerance = 1e-10;
     for (const ParameterMap::Free& entry : problem.map.free()) {
       if (entry.parameter != parameter) continue;
       logarithmic_ = entry.logarithmic;
-      if (entry.role == ParameterRole::order || entry.role == ParameterRole::delay) {
-        const double unit = entry.role == ParameterRole::delay ? problem.map.scale().omega : 1;
-        lower_ = entry.lower / unit;
-        upper_ = entry.upper / unit;
-      }
-    }
-    for (const ParameterConstraint& constraint : problem.options.constraints) {
-      if (constraint.name != name) continue;
-      lower_ = constraint.lower.value_or(lower_);
-      upper_ = constraint.upper.value_or(upper_);
+      lower_ = entry.least;
+      upper_ = entry.most;
     }
     if (logarithmic_) {
       lower_ = lower_ > 0 ? std::log(lower_) : -infinity;
@@ -77,8 +73,8 @@ class Profile {
     held_.back().fixed = value;
     const ParameterMap map(problem_.structure, held_, problem_.map.scale(),
                            problem_.options.component == Component::magnitude);
-    const FrequencyResiduals residuals(problem_.data, problem_.structure, problem_.options.realisation, map,
-                                       problem_.rule);
+    FrequencyResiduals residuals(problem_.data, problem_.structure, problem_.options.realisation, map, problem_.rule);
+    residuals.set_priors(problem_.priors, problem_.residuals.prior_weight());
     // From the farthest point inside: one outside may lie in another valley.
     std::vector<double> start = map.to_theta(predicted(user(coordinate)));
     const std::vector<double> unmoved = map.to_theta(inside_);

@@ -16,7 +16,6 @@ namespace frac {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-constexpr double least_chance = 1e-3;
 constexpr std::size_t fewest_points = 10;
 
 /// Standard deviation of the noise from the distance of each residual to the middle of its two neighbours, which white
@@ -119,7 +118,7 @@ LackOfFit detail::residual_tests(std::span<const double> residual, std::size_t p
   }
   if (told) {
     result.p_value = chi_squared_chance(square, degrees);
-    result.adequate = !(result.p_value < least_chance);
+    result.adequate = !(result.p_value < detail::least_chance);
   }
   result.correlation = autocorrelation(tame, per_point, 1);
   if (abscissa.size() >= fewest_points) {
@@ -131,7 +130,7 @@ LackOfFit detail::residual_tests(std::span<const double> residual, std::size_t p
     const double of_all = whiteness(tame, per_point).p_value;
     // Of two tests the smaller chance counts, twice.
     result.correlation_p_value = std::min(1.0, 2 * (result.correlation > 0 ? std::min(chance, of_all) : chance));
-    result.adequate = result.adequate && !(result.correlation_p_value < least_chance);
+    result.adequate = result.adequate && !(result.correlation_p_value < detail::least_chance);
   }
   if (!result.adequate) result.misses = missed_bands(tame, per_point, abscissa, result.noise);
   return result;
@@ -170,7 +169,7 @@ LackOfFit lack_of_fit(const FrequencyResponseData& data, const FitOptions& optio
   test.misfit = std::sqrt(square / (degrees + error.degrees) / variance);
   const double statistic = std::max(0.0, square - error.square) / degrees / variance;
   test.p_value = detail::fisher_f_above(std::min(statistic, 1e12), degrees, error.degrees);
-  test.adequate = test.adequate && !(test.p_value < least_chance);
+  test.adequate = test.adequate && !(test.p_value < detail::least_chance);
   if (!test.adequate) test.misses = missed_bands(clipped(residual), rule.per_point(), data.omega(), test.noise);
   return test;
 }

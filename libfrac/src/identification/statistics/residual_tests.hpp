@@ -7,6 +7,9 @@
 
 namespace frac::detail {
 
+/// A fit fails where noise alone would leave such residuals with less than that chance.
+inline constexpr double least_chance = 1e-3;
+
 /// lack_of_fit() of residuals that are at hand.
 /// @param residual  weighted, points in order, `per_point` of each
 /// @param abscissa  of the points

@@ -52,7 +52,7 @@ const ParameterEstimate& estimate_of(const FitResult& result, std::string_view n
   return *found;
 }
 
-/// Of a fit at one's hands. @throws std::invalid_argument  as profile_interval().
+/// Estimate of a parameter that can be profiled. @throws std::invalid_argument  as profile_interval().
 const ParameterEstimate& profiled(const FitResult& result, std::string_view parameter) {
   const ParameterEstimate& estimate = estimate_of(result, parameter);
   if (estimate.fixed)
@@ -234,6 +234,8 @@ ProfileInterval profile_interval(const FrequencyResponseData& data, const FitOpt
   const Structure structure(result.model);
   const FitOptions known = detail::settled(options, result);
   detail::FitProblem problem(data, structure, known);
+  if (result.loss_unit > 0)
+    problem.residuals.set_priors(problem.priors, std::sqrt(result.loss_unit) / problem.rule.unit);
   detail::LocalOptions local;
   if (std::isfinite(result.loss_scale)) {
     local.loss = options.loss;

@@ -26,7 +26,7 @@ double wrapped(double angle) {
   return std::remainder(angle, 2 * pi);
 }
 
-// Of the straight line between two points.
+// Returns the point nearest to the origin of the straight line between two points.
 Complex nearest_to_origin(Complex from, Complex to) {
   const Complex way = to - from;
   const double length = std::norm(way);

@@ -56,9 +56,9 @@ void look_at_region(const std::vector<FractionalTransferFunction>& plants, const
   result.plants = plants.size();
   result.not_stable = 0;
   result.max_sensitivity = result.nominal.max_sensitivity;
-  result.max_complementary = result.nominal.max_complementary_sensitivity;
+  result.max_complementary_sensitivity = result.nominal.max_complementary_sensitivity;
   result.least_phase_margin = result.nominal.phase_margin;
-  result.crossover[0] = result.crossover[1] = result.nominal.crossover;
+  result.lowest_crossover = result.highest_crossover = result.nominal.crossover;
   // The integrals of a step response say nothing here and cost most.
   TuningOptions without_steps = options;
   without_steps.horizon = 0;
@@ -72,18 +72,19 @@ void look_at_region(const std::vector<FractionalTransferFunction>& plants, const
       continue;
     }
     result.max_sensitivity = std::max(result.max_sensitivity, loop.max_sensitivity);
-    result.max_complementary = std::max(result.max_complementary, loop.max_complementary_sensitivity);
+    result.max_complementary_sensitivity =
+        std::max(result.max_complementary_sensitivity, loop.max_complementary_sensitivity);
     if (std::isnan(loop.crossover)) continue;
     result.least_phase_margin = std::min(result.least_phase_margin, loop.phase_margin);
-    result.crossover[0] = std::min(result.crossover[0], loop.crossover);
-    result.crossover[1] = std::max(result.crossover[1], loop.crossover);
+    result.lowest_crossover = std::min(result.lowest_crossover, loop.crossover);
+    result.highest_crossover = std::max(result.highest_crossover, loop.crossover);
   }
 }
 
 // By how much the region exceeds what was asked for; at most 1 where it keeps it.
 double excess(const RobustTuningResult& result, const LoopSpecification& asked) {
   return std::max(result.max_sensitivity / asked.max_sensitivity,
-                  result.max_complementary / asked.max_complementary_sensitivity);
+                  result.max_complementary_sensitivity / asked.max_complementary_sensitivity);
 }
 
 }  // namespace

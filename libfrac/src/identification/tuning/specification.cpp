@@ -17,9 +17,10 @@ constexpr double pi = std::numbers::pi;
   throw std::invalid_argument("tune: " + what);
 }
 
+// The powers of a loop at a frequency that a search tries beside it are numbers too.
 void check_positive(const char* name, double value, const char* unit) {
-  if (!(value > 0 && std::isfinite(value))) {
-    refuse(std::string(name) + " = " + number_text(value) + unit + "; allowed is above 0, finite");
+  if (!(value >= 1e-100 && value <= 1e100)) {
+    refuse(std::string(name) + " = " + number_text(value) + unit + "; allowed is 1e-100 to 1e100");
   }
 }
 
@@ -69,9 +70,7 @@ void require_valid(const FractionalTransferFunction& plant, const LoopSpecificat
     refuse("derivative_filter_time = " + number_text(options.derivative_filter_time) +
            " s; allowed is 0 or more, finite");
   }
-  if (!(options.horizon >= 0 && std::isfinite(options.horizon))) {
-    refuse("horizon = " + number_text(options.horizon) + " s; allowed is 0 or more, finite");
-  }
+  if (options.horizon != 0) check_positive("horizon", options.horizon, " s");
   if (options.criterion != TuningCriterion::sensitivity && options.horizon == 0) {
     refuse("the criterion " + std::string(to_string(options.criterion)) + " needs a horizon");
   }

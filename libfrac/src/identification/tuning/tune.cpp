@@ -132,8 +132,11 @@ TuningResult tuned(const FractionalTransferFunction& plant, const LoopSpecificat
     result.message = "The closed loop is stable and keeps the specification.";
   }
   for (const Crossover& each : result.other_crossovers) {
-    result.message += " |L| is 1 at " + rounded_text(each.omega) + " rad/s too, with a phase margin of " +
-                      rounded_text(each.margin * 180 / std::numbers::pi) + " degrees.";
+    result.message += " |L| is 1 at " + rounded_text(each.omega) + " rad/s too";
+    // Far up a dead time has turned L so often that rounding leaves no phase.
+    if (std::isfinite(each.margin))
+      result.message += ", with a phase margin of " + rounded_text(each.margin * 180 / std::numbers::pi) + " degrees";
+    result.message += ".";
   }
   if (result.mu_at_limit) {
     result.message += " mu stands at its limit, " + detail::number_text(result.mu_limit) +

@@ -2,6 +2,12 @@
 // State of a fractional PID in whole numbers.
 
 typedef struct {
+#if HAS_INTEGRAL_TAPS
+  int32_t integral_past[INTEGRAL_PAST]; /* what the taps took in, the newest first */
+#endif
+#if HAS_DERIVATIVE_TAPS
+  int32_t derivative_past[DERIVATIVE_PAST];
+#endif
 #if HAS_INTEGRAL_SECTIONS
   int64_t integral_part[INTEGRAL_SIZE];
 #endif
@@ -11,7 +17,7 @@ typedef struct {
 #if HAS_DERIVATIVE
   int64_t lag; /* fraction of 4 input ranges times 2^60 */
 #endif
-  int64_t integrator;   /* fraction of the output range times 2^58 */
+  int64_t integrator;   /* fraction of the output range times 2^INTEGRATOR_BITS */
   int32_t track_output;
   int32_t output; /* the last one */
   int is_tracking;

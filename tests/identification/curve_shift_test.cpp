@@ -1,0 +1,192 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <complex>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "frac/identification/joint_fit.hpp"
+#include "frac/identification/statistics.hpp"
+#include "support/expect_invalid_argument.hpp"
+
+namespace {
+
+using namespace frac;
+
+constexpr const char* solid = "E0 + E1 (T s)^a/(1 + (T s)^a)";
+const std::vector<double> truth{1, 99, 0.01, 0.6};  // E0, E1, T, a
+
+/// Shift factors of a polymer of the universal constants, 20 K above 0 to 60 K above 0, 1 at the third.
+double logarithm_of_shift(int curve) {
+  const double kelvin = 10.0 * (curve - 2);
+  return -std::log(10.0) * 17.44 * kelvin / (51.6 + 20 + kelvin) / 4;
+}
+
+/// A modulus over two decades at five temperatures, which together cover a good five.
+std::vector<JointCurve> temperatures(double noise, std::uint64_t seed, bool vertical, const char* formula = solid,
+                                     int points = 25) {
+  std::mt19937_64 generator(seed);
+  std::normal_distribution<double> normal(0, noise);
+  std::vector<JointCurve> curves;
+  for (int c = 0; c < 5; ++c) {
+    const double along = std::exp(logarithm_of_shift(c)), up = vertical ? 1 + 0.05 * (c - 2) : 1;
+    std::vector<double> omega;
+    std::vector<std::complex<double>> value;
+    for (int i = 0; i < points; ++i) {
+      omega.push_back(std::pow(100.0, static_cast<double>(i) / (points - 1)));
+      const std::complex<double> exact = up * Structure(formula).response(truth, along * omega.back());
+      const double real = normal(generator), imaginary = normal(generator);
+      value.push_back(exact * std::complex<double>(1 + real, imaginary));
+    }
+    curves.push_back({std::to_string(10 * (c - 2)) + " K", {omega, value}, {{"kelvin", 10.0 * (c - 2)}}});
+  }
+  return curves;
+}
+
+JointFitOptions shifting(bool vertical) {
+  JointFitOptions options;
+  options.fit.component = Component::both;
+  options.shared = {"E0", "E1", "T", "a"};
+  options.shift = CurveShift{2, vertical};
+  return options;
+}
+
+const ParameterEstimate& named(const JointCurveResult& curve, const std::string& name) {
+  for (const ParameterEstimate& each : curve.parameters)
+    if (each.name == name) return each;
+  throw std::logic_error("no " + name);
+}
+
+TEST(CurveShift, PutsTheFactorsBesideEachS) {
+  EXPECT_EQ(shifted(Structure("K/(T s^a + 1)"), {0, false}).formula(), "K/(T (aT s)^a + 1)");
+  const std::vector<double> omega{0.3, 2};
+  for (const char* formula : {"K exp(-L s)/(2 s^2.2 + 1.5e0 s + s1)", "R1/(1 + R1 Q1 s^n1) + 1/s", solid,
+                              "R0 + R1 tanh(sqrt(T s))/sqrt(T s)"}) {
+    const Structure master(formula), moved = shifted(master, {0, true});
+    std::vector<double> all, plain;
+    for (const std::string& name : moved.parameter_names()) all.push_back(name == "aT" ? 3 : name == "bT" ? 2 : 0.7);
+    plain.assign(master.parameter_names().size(), 0.7);
+    for (const double each : omega)
+      EXPECT_LT(std::abs(moved.response(all, each) - 2.0 * master.response(plain, 3 * each)), 1e-13) << formula;
+  }
+}
+
+TEST(CurveShift, RecoversFactorsOfExactCurves) {
+  for (const bool vertical : {false, true}) {
+    const JointFitResult result = joint_fit(temperatures(0, 1, vertical), Structure(solid), shifting(vertical));
+    ASSERT_TRUE(result.usable()) << result.message;
+    for (std::size_t k = 0; k < 4; ++k) EXPECT_NEAR(result.shared[k].value, truth[k], 1e-5 * truth[k]);
+    for (int c = 0; c < 5; ++c) {
+      const JointCurveResult& curve = result.curves[static_cast<std::size_t>(c)];
+      EXPECT_NEAR(std::log(named(curve, "aT").value), logarithm_of_shift(c), 1e-5);
+      if (vertical) {
+        EXPECT_NEAR(named(curve, "bT").value, 1 + 0.05 * (c - 2), 1e-5);
+      }
+      EXPECT_EQ(named(curve, "aT").fixed, c == 2);
+    }
+    EXPECT_EQ(result.free_parameters, vertical ? 12u : 8u);
+  }
+}
+
+// The errors against the inverse of the whole normal matrix, with derivatives by differences.
+TEST(CurveShift, ErrorsAreThoseOfTheWholeNormalMatrix) {
+  const auto curves = temperatures(0.01, 2, false);
+  const JointFitResult result = joint_fit(curves, Structure(solid), shifting(false));
+  ASSERT_TRUE(result.usable()) << result.message;
+  Eigen::VectorXd values(8);  // ln E0, ln E1, ln T, a, ln aT of all but the third
+  const auto slot = [](std::size_t c) { return static_cast<Eigen::Index>(c < 2 ? 4 + c : 3 + c); };
+  for (Eigen::Index k = 0; k < 4; ++k) {
+    const double value = result.shared[static_cast<std::size_t>(k)].value;
+    values[k] = k == 3 ? value : std::log(value);
+  }
+  for (const std::size_t c : {0u, 1u, 3u, 4u}) values[slot(c)] = std::log(named(result.curves[c], "aT").value);
+  const auto residuals = [&](const Eigen::VectorXd& at) {
+    Eigen::VectorXd all(5 * 50);
+    Eigen::Index row = 0;
+    for (std::size_t c = 0; c < 5; ++c) {
+      const std::vector<double> parameters{std::exp(at[0]), std::exp(at[1]), std::exp(at[2]), at[3]};
+      const double along = c == 2 ? 1 : std::exp(at[slot(c)]);
+      for (std::size_t i = 0; i < 25; ++i) {
+        const std::complex<double> data = curves[c].data.value()[i];
+        const std::complex<double> rest =
+            (Structure(solid).response(parameters, along * curves[c].data.omega()[i]) - data) / std::abs(data) /
+            result.curves[c].noise;
+        all[row++] = rest.real();
+        all[row++] = rest.imag();
+      }
+    }
+    return all;
+  };
+  Eigen::MatrixXd jacobian(250, 8);
+  for (Eigen::Index k = 0; k < 8; ++k) {
+    Eigen::VectorXd left = values, right = values;
+    left[k] -= 1e-5;
+    right[k] += 1e-5;
+    jacobian.col(k) = (residuals(right) - residuals(left)) / 2e-5;
+  }
+  // At the minimum the residuals are at right angles to every derivative.
+  EXPECT_LT((jacobian.transpose() * residuals(values)).norm(), 1e-3 * jacobian.norm());
+  const Eigen::MatrixXd covariance =
+      (jacobian.transpose() * jacobian).inverse() * residuals(values).squaredNorm() / (250 - 8);
+  for (Eigen::Index k = 0; k < 4; ++k) {
+    const ParameterEstimate& each = result.shared[static_cast<std::size_t>(k)];
+    const double unit = k == 3 ? 1 : each.value;
+    EXPECT_NEAR(each.standard_error / each.widening / unit / std::sqrt(covariance(k, k)), 1, 1e-3);
+  }
+  for (const std::size_t c : {0u, 1u, 3u, 4u}) {
+    const ParameterEstimate& each = named(result.curves[c], "aT");
+    EXPECT_NEAR(each.standard_error / each.widening / each.value / std::sqrt(covariance(slot(c), slot(c))), 1, 1e-3);
+  }
+}
+
+TEST(CurveShift, FactorsMayFollowALaw) {
+  JointFitOptions options = shifting(false);
+  options.laws = {"aT = exp(-C kelvin/(D + kelvin))"};
+  options.fit.constraints.push_back({"D", {}, 30, 500, 60});
+  const JointFitResult result = joint_fit(temperatures(0, 3, false), Structure(solid), options);
+  ASSERT_TRUE(result.usable()) << result.message;
+  const auto shared = [&](const std::string& name) {
+    for (const ParameterEstimate& each : result.shared)
+      if (each.name == name) return each.value;
+    return 0.0;
+  };
+  EXPECT_NEAR(shared("C"), std::log(10.0) * 17.44 / 4, 1e-4);
+  EXPECT_NEAR(shared("D"), 71.6, 1e-3);
+  EXPECT_NEAR(shared("T"), 0.01, 1e-6);
+}
+
+// Curves in any order of the reference, and of noise that hides neighbours' slopes.
+TEST(CurveShift, FindsThePlaceOfNoisyCurves) {
+  for (std::uint64_t seed = 10; seed < 30; ++seed) {
+    JointFitOptions options = shifting(seed % 2 == 0);
+    options.shift->reference = seed % 5;
+    const JointFitResult result = joint_fit(temperatures(0.03, seed, true), Structure(solid), options);
+    ASSERT_TRUE(result.usable()) << result.message;
+    for (int c = 0; c < 5; ++c) {
+      const double expected = logarithm_of_shift(c) - logarithm_of_shift(static_cast<int>(seed % 5));
+      EXPECT_NEAR(std::log(named(result.curves[static_cast<std::size_t>(c)], "aT").value), expected, 0.6) << seed;
+    }
+  }
+}
+
+TEST(CurveShift, SaysWhatItCannotTake) {
+  const auto curves = temperatures(0, 4, false);
+  const auto refused = [&](JointFitOptions options, const char* formula, const char* text) {
+    support::expect_invalid_argument([&] { static_cast<void>(joint_fit(curves, Structure(formula), options)); },
+                                     {text});
+  };
+  JointFitOptions options = shifting(false);
+  options.shared = {"aT"};
+  refused(options, "aT s", "'aT'");
+  options = shifting(false);
+  options.shift->reference = 5;
+  refused(options, solid, "reference");
+  options = shifting(false);
+  options.fit.weight = Weight::repeats;
+  refused(options, solid, "repeats");
+}
+
+}  // namespace
