@@ -59,7 +59,8 @@ class CycleEquations {
   CycleEquations(const ControlLoop& loop, const CycleGuess& guess);
   /// Equations of a loop whose controller answers to the mean and the fundamental alone.
   CycleEquations(const ControlLoop& loop, const CycleGuess& guess, FundamentalAnswer answer);
-  /// Of bodies under a sine force: the period is that of the guess, and the phase of the force takes its place.
+  /// Equations of bodies under a sine force: the period is that of the guess, and the phase of the force takes its
+  /// place.
   CycleEquations(const LinearBodies& bodies, const CycleGuess& guess, const ForcedGap& forced);
 
   /// The motion next to the guess by Newton's method, if that settles.

@@ -18,7 +18,7 @@ class LoopRun {
  public:
   /// @param loop  outlives the run
   LoopRun(const RealisedLoop& loop, const LoopStart& start, const SetPoint& set_point);
-  /// Of bodies under a sine force.
+  /// A motion of bodies under a sine force.
   LoopRun(const RealisedLoop& loop, const LoopStart& start) : LoopRun(loop, start, {}) {}
 
   enum class Event { none, impact, contact, release };
