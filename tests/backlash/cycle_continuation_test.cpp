@@ -174,6 +174,45 @@ TEST(CycleContinuation, FindsTheLeastFrictionThatLeavesNoCycle) {
   EXPECT_FALSE(has_cycle(limit * (1 + 1e-8)));
 }
 
+// With "kp + s", masses 1 and restitution .6 the sums over the impacts of an asymmetric cycle are Bernoulli
+// polynomials: its parts d and 1 - d of the period T meet kp T^2 d (1 - d) = 12 and T d (1 - d) = 1/2, so that T =
+// 24/kp and d (1 - d) = kp/48.  It begins at kp = 12 and exists below.
+TEST(CycleContinuation, FollowsAsymmetricCyclesFromWhereSymmetryBreaks) {
+  const CycleContinuation found = continue_cycles(
+      [](double kp) {
+        return loop_of({{1, 1}, {kp, 0}}, .6);
+      },
+      {5, 8, 9, 10, 11, 13});
+  ASSERT_EQ(found.branches.size(), 1U);
+  const CycleBranch& branch = found.branches[0];
+  EXPECT_NEAR(branch.born_at, 12, 1e-9);
+  ASSERT_EQ(branch.samples.size(), 5U);
+  for (const CycleBranch::Sample& sample : branch.samples) {
+    EXPECT_NEAR(sample.cycle.period, 24 / sample.parameter, 1e-9);
+    ASSERT_EQ(sample.cycle.impacts.size(), 2U);
+    const double share = sample.cycle.impacts[1].time / sample.cycle.period;
+    EXPECT_NEAR(share * (1 - share), sample.parameter / 48, 1e-8);
+    EXPECT_FALSE(sample.cycle.stability.stable);
+    EXPECT_TRUE(sample.cycle.admissible);
+  }
+  EXPECT_EQ(branch.samples.back().parameter, 8);
+  ASSERT_EQ(branch.events.size(), 1U);
+  EXPECT_EQ(branch.events[0].kind, CycleEventKind::admissibility);
+  EXPECT_FALSE(branch.events[0].reason.empty());
+  const double kp = branch.events[0].parameter;
+  EXPECT_NEAR(2 * pi / branch.events[0].omega, 24 / kp, 1e-8);
+  EXPECT_LT(kp, 8);
+  // Beside it the same cycle, closed anew from its closed form, is a motion on the one side and none on the other.
+  for (const double side : {1.0, -1.0}) {
+    const double at = kp * (1 + side * 1e-8), period = 24 / at, share = .5 + std::sqrt(.25 - at / 48);
+    const double impulse = branch.samples.back().cycle.impacts[0].impulse;
+    const auto cycle =
+        close_cycle(loop_of({{1, 1}, {at, 0}}, .6), {period, {{0, impulse, 0}, {share * period, -impulse, 0}}});
+    ASSERT_TRUE(cycle.has_value());
+    EXPECT_EQ(cycle->admissible, side > 0);
+  }
+}
+
 TEST(CycleContinuation, RefusesValuesWithoutOrder) {
   const auto loop_at = [](double kp) { return loop_of({{1, 1}, {kp, 0}}, .6); };
   for (const std::vector<double>& values : {std::vector<double>{1}, {1, 2, 2}, {1, 3, 2}})

@@ -220,7 +220,8 @@ TEST(ImpactCycles, StabilityIsThatOfTheSaltationMatrices) {
       }
       if (nearest < 3e-3) continue;
       EXPECT_EQ(cycle.stability.unstable_multipliers, outside) << loop.controller().formula() << " of " << n;
-      if (largest > .05 && n <= 6) {
+      // Of more impacts it is not said where it is not certain.
+      if (largest > .05 && (n <= 6 || !std::isnan(std::abs(cycle.stability.dominant)))) {
         EXPECT_NEAR(std::abs(cycle.stability.dominant), largest, 1e-6 * largest)
             << loop.controller().formula() << " of " << n;
       }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -14,6 +15,8 @@
 #include "backlash/loops/limit_cycles.hpp"
 #include "backlash/loops/predicted_cycles.hpp"
 #include "loops/forced_orbits.hpp"
+#include "loops/loop_run.hpp"
+#include "loops/realised_loop.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/expected_stability.hpp"
 #include "support/random.hpp"
@@ -304,6 +307,13 @@ TEST(LinearBodies, ForcedOrbitsAreThoseOfTheSimulation) {
   }
 }
 
+SweepOptions two_impact(Output output) {
+  SweepOptions options;
+  options.protocol = Protocol::two_impact;
+  options.output = output;
+  return options;
+}
+
 // Bodies whose factor cancels are free masses that go the way of all others: where the sweep of the free masses follows
 // the symmetric orbit, N and stability agree, to the 1e-11 of the inverse transform.
 TEST(ForcedBodies, AreTheFreeMassesWhereTheyAreFree) {
@@ -316,9 +326,9 @@ TEST(ForcedBodies, AreTheFreeMassesWhereTheyAreFree) {
   for (const Output output : {Output::x1, Output::x2}) {
     options.output = output;
     const DescribingFunctionSweep known = describing_function_sweep(masses, 40, omega, options);
-    const DescribingFunctionSweep found = bodies_describing_function(detour, 40, omega, output);
+    const DescribingFunctionSweep found = bodies_describing_function(detour, 40, omega, two_impact(output));
     const DescribingFunctionSweep plain =
-        bodies_describing_function(LinearBodies(free_mass(1), free_mass(2), .3, .6), 40, omega, output);
+        bodies_describing_function(LinearBodies(free_mass(1), free_mass(2), .3, .6), 40, omega, two_impact(output));
     int compared = 0;
     for (std::size_t i = 0; i < omega.size(); ++i) {
       EXPECT_EQ(plain.points[i].value, known.points[i].value);
@@ -342,8 +352,10 @@ TEST(ForcedBodies, AreWhatASimulationSettlesOn) {
     const double restitution = .6, force = 60, omega = 20, half = .15;
     const LinearBodies bodies(FractionalTransferFunction({{1, 0}}, {{m1, 2}, {b1, 1}, {k1, 0}}),
                               FractionalTransferFunction({{1, 0}}, {{m2, 2}, {b2, 1}, {k2, 0}}), 2 * half, restitution);
-    const DescribingFunctionPoint x1 = bodies_describing_function(bodies, force, {omega}, Output::x1).points[0];
-    const DescribingFunctionPoint x2 = bodies_describing_function(bodies, force, {omega}, Output::x2).points[0];
+    const DescribingFunctionPoint x1 =
+        bodies_describing_function(bodies, force, {omega}, two_impact(Output::x1)).points[0];
+    const DescribingFunctionPoint x2 =
+        bodies_describing_function(bodies, force, {omega}, two_impact(Output::x2)).points[0];
     ASSERT_EQ(x1.regime, Regime::symmetric);
     // State (x1, x1', x2, x2', cos, sin) of the force; steps of a 4096th of a period.
     using Matrix = Eigen::Matrix<double, 6, 6>;
@@ -404,15 +416,85 @@ TEST(ForcedBodies, AreWhatASimulationSettlesOn) {
   }
 }
 
-TEST(ForcedBodies, SayWhereTheMotionIsAnotherOne) {
+// The same bodies on the way from event to event meet the sweep of the free masses in every kind of motion: orbits of
+// four and of 14 impacts, of two periods, in contact every period, symmetric, free and chaotic.  Frequencies and starts
+// are such that both know but one long-run motion.
+TEST(ForcedBodies, FollowEveryMotionOfTheFreeMasses) {
+  const TwoMassSystem masses(1, 2, .3, .6);
+  const LinearBodies detour(parsed("(s + 3)/(s^3 + 3 s^2)"), parsed("(s + 2)/(2 s^3 + 4 s^2)"), .3, .6);
+  const std::vector<double> omega{.5, 2, 3.1, 3.7, 5.4, 7, 7.3, 8.8, 10.5, 12, 16, 20};
+  std::vector<Regime> regimes;
+  for (const Output output : {Output::x1, Output::x2}) {
+    for (const Protocol protocol : {Protocol::mid_gap_at_rest, Protocol::contact_at_rest}) {
+      SweepOptions options;
+      options.protocol = protocol;
+      options.output = output;
+      const DescribingFunctionSweep known = describing_function_sweep(masses, 40, omega, options);
+      const DescribingFunctionSweep found = bodies_describing_function(detour, 40, omega, options);
+      for (std::size_t i = 0; i < omega.size(); ++i) {
+        const DescribingFunctionPoint& point = found.points[i];
+        const DescribingFunctionPoint& other = known.points[i];
+        ASSERT_EQ(point.regime, other.regime) << omega[i];
+        regimes.push_back(point.regime);
+        const double size = std::abs(other.value);
+        if (point.regime == Regime::averaged) {
+          // Both are means with 95 % half widths, of motions that are independent of each other.
+          EXPECT_LT(std::abs(point.value - other.value), 2 * std::hypot(point.uncertainty, other.uncertainty))
+              << omega[i];
+          EXPECT_LT(point.uncertainty, .02 * size);
+          EXPECT_NEAR(point.impacts_per_period, other.impacts_per_period, .1);
+          continue;
+        }
+        // The inverse transform is known to 1e-11; rests are followed for a period, flight by flight.
+        EXPECT_LE(std::abs(point.value - other.value), 2e-11 * size) << omega[i];
+        EXPECT_EQ(point.period, other.period) << omega[i];
+        EXPECT_EQ(point.impacts_per_period, other.impacts_per_period) << omega[i];
+        if (point.regime == Regime::chatter || point.regime == Regime::free) continue;
+        EXPECT_NEAR(point.third_harmonic_ratio, other.third_harmonic_ratio, 1e-10) << omega[i];
+        // Of more than six impacts it is not said where it is not certain.
+        if (point.impacts_per_period > 6 && std::isnan(point.lyapunov_exponent)) continue;
+        EXPECT_NEAR(point.lyapunov_exponent, other.lyapunov_exponent, 1e-6) << omega[i];
+      }
+    }
+  }
+  for (const Regime regime : {Regime::chatter, Regime::periodic, Regime::averaged, Regime::symmetric, Regime::free}) {
+    EXPECT_NE(std::find(regimes.begin(), regimes.end(), regime), regimes.end()) << to_string(regime);
+  }
+}
+
+// Friction that is fractional: closed orbits of the whole memory against a mean of the simulated motion, whose powers
+// are sums of exponentials.
+TEST(ForcedBodies, ClosedOrbitsWithFractionalFrictionAreWhatTheMotionSettlesOn) {
+  const LinearBodies bodies(parsed("1/(s^2 + 0.4 s^0.5)"), parsed("1/(1.5 s^2 + 0.3 s)"), .3, .6);
+  const double force = 40, omega = 8;
+  SweepOptions options;
+  options.protocol = Protocol::mid_gap_at_rest;
+  const DescribingFunctionPoint point = bodies_describing_function(bodies, force, {omega}, options).points.front();
+  ASSERT_EQ(point.regime, Regime::periodic);
+  EXPECT_EQ(point.impacts_per_period, 4);
+  const detail::RealisedLoop loop(bodies, {force, omega}, Output::x1, 1e-9);
+  detail::LoopRun run(loop, {});
+  Complex sum = 0;
+  constexpr int settle = 400, read = 40;
+  for (int i = 1; i <= settle + read; ++i) {
+    const double until = i * 2 * pi / omega;
+    while (run.time() < until) run.advance(until);
+    const Complex phasor = run.take_phasor();
+    if (i > settle) sum += phasor;
+  }
+  // The memory of the start decays as t^-1.5, in 400 periods below 1e-6 of the motion.
+  EXPECT_LT(std::abs(sum / (read * force) - point.value), 1e-5 * std::abs(point.value));
+}
+
+TEST(ForcedBodies, FollowWhatTheSymmetricOrbitIsNot) {
   const LinearBodies bodies(parsed("1/(s^2 + 0.2 s)"), parsed("1/(s^2 + 0.3 s)"), .3, .6);
-  const DescribingFunctionSweep found = bodies_describing_function(bodies, 1, {.5, 20});
-  EXPECT_FALSE(found.points[0].usable());
-  EXPECT_EQ(found.points[0].regime, Regime::averaged);
+  const DescribingFunctionSweep found = bodies_describing_function(bodies, 1, {.5, 20}, two_impact(Output::x1));
+  EXPECT_TRUE(found.points[0].usable());
+  EXPECT_NE(found.points[0].regime, Regime::symmetric);
   EXPECT_EQ(found.points[1].regime, Regime::free);
   EXPECT_EQ(found.points[1].value, Complex(0));
-  support::expect_invalid_argument([&] { (void)bodies_describing_function(bodies, -1, {1}); }, {"force"});
-  support::expect_invalid_argument([&] { (void)bodies_describing_function(bodies, 1, {2, 1}); }, {"omega"});
+  support::expect_invalid_argument([&] { (void)bodies_describing_function(bodies, -1, {1}, {}); }, {"force"});
+  support::expect_invalid_argument([&] { (void)bodies_describing_function(bodies, 1, {2, 1}, {}); }, {"omega"});
 }
 
 }  // namespace

@@ -111,7 +111,9 @@ TEST(SimulateLoop, MeetsTheWallsAndNothingElse) {
       if (row.event != LoopEvent::after_impact) continue;
       const LoopRow& before = history.rows[k - 1];
       EXPECT_NEAR(std::abs(row.x2 - row.x1), half, 1e-9 * half + 1e-12 * std::abs(row.x1));
-      EXPECT_NEAR(row.v2 - row.v1, -system.restitution() * (before.v2 - before.v1), 1e-9);
+      // A bounce that leaves the wall by less than the rounding of positions, v^2/(2 a) of some 1e-15, is not followed.
+      const double followed = row.v2 == row.v1 ? 1e-6 : 1e-9;
+      EXPECT_NEAR(row.v2 - row.v1, -system.restitution() * (before.v2 - before.v1), followed);
       EXPECT_NEAR(system.mass1() * row.v1 + system.mass2() * row.v2,
                   system.mass1() * before.v1 + system.mass2() * before.v2, 1e-9);
       ++impacts;

@@ -13,16 +13,18 @@
 
 #include "base/check.hpp"
 #include "base/spelling.hpp"
+#include "cycle_branches.hpp"
 #include "symmetric_search.hpp"
 
 namespace backlash {
 namespace {
 
-constexpr std::array<std::pair<CycleEventKind, std::string_view>, 5> kind_names{
+constexpr std::array<std::pair<CycleEventKind, std::string_view>, 6> kind_names{
     {{CycleEventKind::fold, "fold"},
      {CycleEventKind::symmetry_breaking, "symmetry-breaking"},
      {CycleEventKind::torus, "torus"},
      {CycleEventKind::admissibility, "admissibility"},
+     {CycleEventKind::period_doubling, "period-doubling"},
      {CycleEventKind::range_end, "range-end"}}};
 
 // Neighbouring values are halved this often until each cycle of one is told from those of the other.
@@ -193,8 +195,9 @@ class Continuation {
     } else {
       std::complex<double> multiplier = 0;
       const double where = bisected(piece, [&](const At& at, double omega) {
-        multiplier = at.search.cycle_at(omega).stability.dominant;
-        return (std::abs(multiplier) < 1) == at_a.stability.stable;
+        const CycleStability stability = at.search.cycle_at(omega).stability;
+        if (std::isfinite(std::abs(stability.dominant))) multiplier = stability.dominant;
+        return stability.stable == at_a.stability.stable;
       });
       // A real multiplier of 1 is a fold, which is found by its cycles.
       if (multiplier.imag() == 0 && multiplier.real() > 0) return;
@@ -305,6 +308,11 @@ CycleContinuation continue_cycles(const std::function<ControlLoop(double)>& loop
     if (std::none_of(cycles.begin(), cycles.end(), is_motion)) add(result.without_cycles, ends[i], ends[i + 1]);
     if (std::none_of(cycles.begin(), cycles.end(), is_stable)) add(result.without_stable_cycles, ends[i], ends[i + 1]);
   }
+  detail::CycleBranches branches(loop_at, parameters);
+  for (const CycleEvent& event : result.events) {
+    if (event.kind == CycleEventKind::symmetry_breaking && event.is_admissible) branches.add_from(event);
+  }
+  result.branches = std::move(branches.found);
   return result;
 }
 

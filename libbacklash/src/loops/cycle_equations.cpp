@@ -43,19 +43,6 @@ class PairSums {
   std::vector<std::array<double, 3>> all_;
 };
 
-// x2 - x1 over the clearance, a time after the first impact that is none of an impact.
-GapMotion gap_at(const ClosedMotion& motion, const AnsweredTrain& train, double clearance, double time) {
-  GapMotion gap{motion.middle / clearance, 0};
-  for (std::size_t b = 0; b < motion.shares.size(); ++b) {
-    double lag = time - motion.period * motion.shares[b];
-    if (lag <= 0) lag += motion.period;
-    const std::array<double, 3> sums = train.repeated(lag);
-    gap.value -= motion.impulses[b] / clearance * sums[0];
-    gap.rate -= motion.impulses[b] / clearance * sums[1];
-  }
-  return gap;
-}
-
 double largest_impulse(const ClosedMotion& motion) {
   double largest = 0;
   for (const double impulse : motion.impulses) largest = std::max(largest, std::abs(impulse));
@@ -83,24 +70,53 @@ std::array<double, 3> AnsweredTrain::repeated(double t) const {
 }
 
 CycleEquations::CycleEquations(const ControlLoop& loop, const CycleGuess& guess)
-    : CycleEquations(loop, guess, gap_response(loop), std::nullopt) {}
+    : CycleEquations(loop.system(), guess, gap_response(loop), detail::static_gap(loop, 2 * pi / guess.period)) {}
 
 CycleEquations::CycleEquations(const ControlLoop& loop, const CycleGuess& guess, FundamentalAnswer answer)
-    : CycleEquations(loop, guess, gap_response(loop.bodies()), std::move(answer)) {}
+    : CycleEquations(loop.system(), guess, gap_response(loop.bodies()),
+                     detail::static_gap(loop, 2 * pi / guess.period)) {
+  answer_ = std::move(answer);
+}
 
-CycleEquations::CycleEquations(const ControlLoop& loop, const CycleGuess& guess, GapResponse response,
-                               std::optional<FundamentalAnswer> answer)
+CycleEquations::CycleEquations(const LinearBodies& bodies, const CycleGuess& guess, const ForcedGap& forced)
+    : CycleEquations(bodies.system(), guess, gap_response(bodies), detail::static_gap(bodies, 2 * pi / guess.period)) {
+  forced_ = forced;
+}
+
+CycleEquations::CycleEquations(const TwoMassSystem& system, const CycleGuess& guess, GapResponse response,
+                               std::optional<double> static_gap)
     : response_(std::move(response)),
-      answer_(std::move(answer)),
-      static_gap_(detail::static_gap(loop, 2 * pi / guess.period)),
-      half_clearance_(0.5 * loop.system().clearance()),
-      exchange_(response_.jump / (1 + loop.system().restitution())),
+      static_gap_(static_gap),
+      half_clearance_(0.5 * system.clearance()),
+      exchange_(response_.jump / (1 + system.restitution())),
       count_(guess.impacts.size()) {
   for (const CycleImpact& impact : guess.impacts) walls_.push_back(impact.impulse > 0 ? 1 : -1);
 }
 
-std::optional<CycleEquations::Solution> CycleEquations::solve(const CycleGuess& guess) const {
-  ClosedMotion found = start(guess);
+std::array<double, 3> CycleEquations::forced_at(const ClosedMotion& motion, double time) const {
+  if (!forced_) return {0, 0, 0};
+  const double omega = 2 * pi * forced_->force_periods / motion.period;
+  const double angle = omega * time + motion.phase;
+  const double position = forced_->amplitude * std::cos(angle);
+  return {position, -omega * forced_->amplitude * std::sin(angle), -omega * omega * position};
+}
+
+// A time after the first impact that is none of an impact.
+GapSample CycleEquations::gap_at(const ClosedMotion& motion, const AnsweredTrain& train, double time) const {
+  const std::array<double, 3> forced = forced_at(motion, time);
+  GapSample gap{motion.middle + forced[0], forced[1]};
+  for (std::size_t b = 0; b < count_; ++b) {
+    double lag = time - motion.period * motion.shares[b];
+    if (lag <= 0) lag += motion.period;
+    const std::array<double, 3> sums = train.repeated(lag);
+    gap.value -= motion.impulses[b] * sums[0];
+    gap.rate -= motion.impulses[b] * sums[1];
+  }
+  return gap;
+}
+
+std::optional<CycleEquations::Solution> CycleEquations::solve(const CycleGuess& guess, double phase) const {
+  ClosedMotion found = start(guess, phase);
   // Quadratic once near; then the rounding of the sums decides.
   double change = 1;
   for (int i = 0; i < 40; ++i) {
@@ -115,15 +131,15 @@ std::optional<CycleEquations::Solution> CycleEquations::solve(const CycleGuess& 
 }
 
 // The guess, with the middle that meets the walls on average.
-ClosedMotion CycleEquations::start(const CycleGuess& guess) const {
-  ClosedMotion motion{guess.period, {}, {}, 0};
+ClosedMotion CycleEquations::start(const CycleGuess& guess, double phase) const {
+  ClosedMotion motion{guess.period, {}, {}, 0, phase};
   for (const CycleImpact& impact : guess.impacts) {
     motion.shares.push_back(impact.time / guess.period);
     motion.impulses.push_back(impact.impulse);
   }
-  const PairSums sums(AnsweredTrain(response_, motion.period, answer_), motion);
+  const std::vector<double> position = gap(motion, 0);
   for (std::size_t a = 0; a < count_; ++a) {
-    motion.middle += (walls_[a] * half_clearance_ - sums.gap(a, 0)) / static_cast<double>(count_);
+    motion.middle += (walls_[a] * half_clearance_ - position[a]) / static_cast<double>(count_);
   }
   return motion;
 }
@@ -140,7 +156,11 @@ double CycleEquations::improve(ClosedMotion& motion) const {
   if (!std::isfinite(largest)) return NAN;
   const double damping = largest > 0.3 ? 0.3 / largest : 1;
   for (std::size_t a = 1; a < count_; ++a) motion.shares[a] += damping * change[a - 1];
-  motion.period *= std::exp(damping * change[count_ - 1]);
+  if (forced_) {
+    motion.phase += damping * change[count_ - 1];
+  } else {
+    motion.period *= std::exp(damping * change[count_ - 1]);
+  }
   for (std::size_t b = 0; b < count_; ++b) motion.impulses[b] += damping * scale * change[count_ + b];
   motion.middle += damping * half_clearance_ * change.back();
   for (std::size_t a = 0; a < count_; ++a) {
@@ -155,8 +175,9 @@ std::vector<double> CycleEquations::residuals(const ClosedMotion& motion, double
   std::vector<double> residual(2 * count_ + 1);
   double total = 0;
   for (std::size_t a = 0; a < count_; ++a) {
-    residual[a] = (motion.middle + sums.gap(a, 0)) / half_clearance_ - walls_[a];
-    residual[count_ + a] = (sums.gap(a, 1) / exchange_ - motion.impulses[a]) / scale;
+    const std::array<double, 3> forced = forced_at(motion, motion.period * motion.shares[a]);
+    residual[a] = (motion.middle + sums.gap(a, 0) + forced[0]) / half_clearance_ - walls_[a];
+    residual[count_ + a] = ((sums.gap(a, 1) + forced[1]) / exchange_ - motion.impulses[a]) / scale;
     total += motion.impulses[a];
   }
   residual.back() =
@@ -164,8 +185,8 @@ std::vector<double> CycleEquations::residuals(const ClosedMotion& motion, double
   return residual;
 }
 
-// By the shares but the first, the logarithm of the period, the impulses over the scale, and the middle over half the
-// clearance.
+// By the shares but the first, the logarithm of the period or the phase of the force, the impulses over the scale, and
+// the middle over half the clearance.
 std::vector<double> CycleEquations::derivatives(const ClosedMotion& motion, double scale) const {
   const PairSums sums(AnsweredTrain(response_, motion.period, answer_), motion);
   const std::size_t size = 2 * count_ + 1;
@@ -190,11 +211,22 @@ std::vector<double> CycleEquations::derivatives(const ClosedMotion& motion, doub
       at(a, count_ + b) -= scale * r[0] / half_clearance_;
       at(count_ + a, count_ + b) -= scale * r[1] / speed;
     }
+    if (forced_) {
+      const std::array<double, 3> forced = forced_at(motion, motion.period * motion.shares[a]);
+      if (a > 0) {
+        at(a, a - 1) += motion.period * forced[1] / half_clearance_;
+        at(count_ + a, a - 1) += motion.period * forced[2] / speed;
+      }
+      const double omega = 2 * pi * forced_->force_periods / motion.period;
+      at(a, count_ - 1) = forced[1] / omega / half_clearance_;
+      at(count_ + a, count_ - 1) = forced[2] / omega / speed;
+    }
     at(count_ + a, count_ + a) -= 1;
     at(a, size - 1) = 1;
     at(size - 1, count_ + a) = static_gap_ ? *static_gap_ * scale / motion.period / half_clearance_ : 1;
   }
   at(size - 1, size - 1) = static_gap_ ? 1 : 0;
+  if (forced_) return matrix;
   // The period enters the sums over all earlier impacts, which have no closed derivative by it.
   constexpr double step = 1e-6;
   const auto shifted = [&](double by) {
@@ -243,9 +275,9 @@ std::string CycleEquations::reason_against(const ClosedMotion& motion) const {
   for (std::size_t a = 0; a < count_; ++a) {
     const double from = motion.period * motion.shares[a];
     const double length = motion.period * ((a + 1 < count_ ? motion.shares[a + 1] : 1) - motion.shares[a]);
-    const auto gap = [&](double t) { return gap_at(motion, train, 2 * half_clearance_, from + t); };
+    const auto gap = [&](double t) { return gap_at(motion, train, from + t); };
     if (walls_[a] * gap(1e-6 * length).rate > 0) return "the masses would be pressed into the wall they have just hit";
-    const double excursion = largest_excursion(gap, length);
+    const double excursion = largest_excursion(gap, length) / (2 * half_clearance_);
     if (excursion >= 0.5) {
       return "between its impacts the motion would reach " + text(std::round(1e4 * excursion) / 1e4) +
              " of the clearance from the middle, beyond the walls at 0.5";
@@ -257,7 +289,9 @@ std::string CycleEquations::reason_against(const ClosedMotion& motion) const {
 std::vector<double> CycleEquations::gap(const ClosedMotion& motion, std::size_t derivative) const {
   const PairSums sums(AnsweredTrain(response_, motion.period, answer_), motion);
   std::vector<double> values;
-  for (std::size_t a = 0; a < count_; ++a) values.push_back(sums.gap(a, derivative));
+  for (std::size_t a = 0; a < count_; ++a) {
+    values.push_back(sums.gap(a, derivative) + forced_at(motion, motion.period * motion.shares[a])[derivative]);
+  }
   return values;
 }
 

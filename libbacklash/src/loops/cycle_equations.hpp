@@ -20,7 +20,14 @@ struct ClosedMotion {
   double period;
   std::vector<double> shares;  // of the period, at which the impacts happen; the first is 0
   std::vector<double> impulses;
-  double middle;  // mean of x2 - x1
+  double middle;     // mean of x2 - x1
+  double phase = 0;  // under a sine force: of what it does to x2 - x1, at the first impact
+};
+
+/// What a sine force of its own does to x2 - x1: amplitude cos(force_periods 2 pi t/period + phase).
+struct ForcedGap {
+  double amplitude;   // m
+  int force_periods;  // per period of the motion
 };
 
 /// What a sine force adds that answers to the fundamental of the impulses: F G2 = answer times it.
@@ -52,13 +59,16 @@ class CycleEquations {
   CycleEquations(const ControlLoop& loop, const CycleGuess& guess);
   /// Equations of a loop whose controller answers to the mean and the fundamental alone.
   CycleEquations(const ControlLoop& loop, const CycleGuess& guess, FundamentalAnswer answer);
+  /// Equations of bodies under a sine force: the period is that of the guess, and the phase of the force takes its
+  /// place.
+  CycleEquations(const LinearBodies& bodies, const CycleGuess& guess, const ForcedGap& forced);
 
   /// The motion next to the guess by Newton's method, if that settles.
   struct Solution {
     ClosedMotion motion;
     double error;  // largest relative change of the last step
   };
-  [[nodiscard]] std::optional<Solution> solve(const CycleGuess& guess) const;
+  [[nodiscard]] std::optional<Solution> solve(const CycleGuess& guess, double phase = 0) const;
 
   /// Derivatives of angular frequency and impulses by the answer's real and imaginary part, at a solution.
   struct Sensitivity {
@@ -82,15 +92,19 @@ class CycleEquations {
   [[nodiscard]] const std::vector<double>& walls() const noexcept { return walls_; }
 
  private:
-  CycleEquations(const ControlLoop& loop, const CycleGuess& guess, GapResponse response,
-                 std::optional<FundamentalAnswer> answer);
-  [[nodiscard]] ClosedMotion start(const CycleGuess& guess) const;
+  CycleEquations(const TwoMassSystem& system, const CycleGuess& guess, GapResponse response,
+                 std::optional<double> static_gap);
+  [[nodiscard]] ClosedMotion start(const CycleGuess& guess, double phase) const;
+  // x2 - x1 and its derivatives by the force, a time after the first impact.
+  [[nodiscard]] std::array<double, 3> forced_at(const ClosedMotion& motion, double time) const;
+  [[nodiscard]] GapSample gap_at(const ClosedMotion& motion, const AnsweredTrain& train, double time) const;
   [[nodiscard]] double improve(ClosedMotion& motion) const;
   [[nodiscard]] std::vector<double> residuals(const ClosedMotion& motion, double scale) const;
   [[nodiscard]] std::vector<double> derivatives(const ClosedMotion& motion, double scale) const;
 
   GapResponse response_;
   std::optional<FundamentalAnswer> answer_;
+  std::optional<ForcedGap> forced_;
   std::optional<double> static_gap_;  // of a constant force between the bodies, m/N, if they settle
   double half_clearance_;
   double exchange_;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cycle_harmonics.hpp"
 
+#include <functional>
+
 namespace backlash::detail {
 
 using Complex = std::complex<double>;
@@ -29,10 +31,23 @@ Complex image_of_gap(const ControlLoop& loop, double omega) {
                                        : load + drive / (1.0 + controller * drive);
 }
 
-std::optional<double> static_gap(const ControlLoop& loop, double omega) {
-  const Complex low = image_of_gap(loop, 1e-6 * omega);
-  if (std::abs(image_of_gap(loop, 1e-12 * omega)) > 2 * std::abs(low)) return std::nullopt;
+namespace {
+
+// Limit at frequency 0 of a response, if it has one.
+std::optional<double> limit_of(const std::function<Complex(double)>& response, double omega) {
+  const Complex low = response(1e-6 * omega);
+  if (std::abs(response(1e-12 * omega)) > 2 * std::abs(low)) return std::nullopt;
   return low.real();
+}
+
+}  // namespace
+
+std::optional<double> static_gap(const ControlLoop& loop, double omega) {
+  return limit_of([&](double at) { return image_of_gap(loop, at); }, omega);
+}
+
+std::optional<double> static_gap(const LinearBodies& bodies, double omega) {
+  return limit_of([&](double at) { return bodies.load().response(at) + bodies.drive().response(at); }, omega);
 }
 
 }  // namespace backlash::detail

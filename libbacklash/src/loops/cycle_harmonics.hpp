@@ -19,5 +19,7 @@ namespace backlash::detail {
 /// Its limit at frequency 0; empty where it grows without bound, as of a body that can drift.
 /// @param omega  rad/s, of the motion
 [[nodiscard]] std::optional<double> static_gap(const ControlLoop& loop, double omega);
+/// Without a controller.
+[[nodiscard]] std::optional<double> static_gap(const LinearBodies& bodies, double omega);
 
 }  // namespace backlash::detail

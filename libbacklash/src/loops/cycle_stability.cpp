@@ -87,8 +87,8 @@ class HalfPeriod final : public Characteristic {
 class WholePeriod final : public Characteristic {
  public:
   WholePeriod(const GapResponse& response, const ImpulseTrain& train, const std::vector<double>& times,
-              const std::vector<double>& bend, double exchange)
-      : Characteristic(train), times_(times), bend_(bend), exchange_(exchange) {
+              const std::vector<double>& bend, double exchange, bool has_shift)
+      : Characteristic(train), times_(times), bend_(bend), exchange_(exchange), has_shift_(has_shift) {
     const std::size_t n = times.size();
     const double period = train.half_period();
     trains_.reserve(n * n);
@@ -154,13 +154,14 @@ class WholePeriod final : public Characteristic {
       scaled = mean;
     }
     std::vector<Complex> none;
-    return scaled * eliminate(matrix, none) / (1.0 - 1.0 / z);
+    return scaled * eliminate(matrix, none) / (has_shift_ ? 1.0 - 1.0 / z : 1.0);
   }
 
  private:
   std::vector<double> times_;
   std::vector<double> bend_;
   double exchange_;
+  bool has_shift_;
   std::vector<std::unique_ptr<const GapResponse>> responses_;  // stay where they are: the trains point at them
   std::vector<ImpulseTrain> trains_;
 };
@@ -282,7 +283,12 @@ double furthest_real_root(const Characteristic& d, double height, double from, d
   return std::numeric_limits<double>::quiet_NaN();
 }
 
-CycleStability stability_by(const Characteristic& d) {
+struct Judgement {
+  CycleStability stability;
+  bool is_certain;  // by a count no root lies beyond the dominant one
+};
+
+Judgement stability_by(const Characteristic& d) {
   // A root is the furthest when none lies beyond a line next to it.
   const auto is_furthest = [&](Complex root) {
     return std::isfinite(root.real()) && roots_beyond(d, root.real() + 1e-3) == 0;
@@ -326,22 +332,25 @@ CycleStability stability_by(const Characteristic& d) {
                   : result.dominant.real() < 0 ? StabilityLoss::symmetry_breaking
                                                : StabilityLoss::saddle_node;
   }
-  return result;
+  return {result, known};
 }
 
 }  // namespace
 
 CycleStability cycle_stability(const ImpulseTrain& train, double exchange) {
-  return stability_by(HalfPeriod(train, exchange));
+  return stability_by(HalfPeriod(train, exchange)).stability;
 }
 
 CycleStability forced_stability(const ImpulseTrain& train, double exchange, double acceleration) {
-  return stability_by(HalfPeriod(train, exchange, acceleration));
+  return stability_by(HalfPeriod(train, exchange, acceleration)).stability;
 }
 
 CycleStability cycle_stability(const GapResponse& response, const ImpulseTrain& train, const std::vector<double>& times,
-                               const std::vector<double>& bend, double exchange) {
-  CycleStability result = stability_by(WholePeriod(response, train, times, bend, exchange));
+                               const std::vector<double>& bend, double exchange, bool is_forced) {
+  const Judgement judgement = stability_by(WholePeriod(response, train, times, bend, exchange, !is_forced));
+  CycleStability result = judgement.stability;
+  // Of so many impacts the search from a few points may lead past the largest.
+  if (result.stable && times.size() > 6 && !judgement.is_certain) result.dominant = NAN;
   if (result.loss == StabilityLoss::symmetry_breaking) result.loss = StabilityLoss::period_doubling;
   return result;
 }

@@ -28,8 +28,9 @@ namespace backlash::detail {
 /// @param train  of `response` over the period
 /// @param times  of the impacts, s, rising from 0, below the period
 /// @param bend   (x2 - x1)'' just before each, over minus its impulse
+/// @param is_forced  under a force of fixed phase, which knows no shift in time
 [[nodiscard]] CycleStability cycle_stability(const GapResponse& response, const ImpulseTrain& train,
                                              const std::vector<double>& times, const std::vector<double>& bend,
-                                             double exchange);
+                                             double exchange, bool is_forced = false);
 
 }  // namespace backlash::detail

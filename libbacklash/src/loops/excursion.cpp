@@ -9,7 +9,7 @@
 
 namespace backlash::detail {
 
-double largest_excursion(const std::function<GapMotion(double)>& gap, double half_period) {
+double largest_excursion(const std::function<GapSample(double)>& gap, double half_period) {
   constexpr int points = 64;
   double largest = 0;
   // Denser at the ends, where the motion leaves a wall and meets the other one; an extremum lies where the rate changes

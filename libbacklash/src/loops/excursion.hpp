@@ -6,13 +6,13 @@
 namespace backlash::detail {
 
 /// x2 - x1 and its rate.
-struct GapMotion {
+struct GapSample {
   double value;
   double rate;
 };
 
 /// The largest |x2 - x1| strictly between two impacts: the ends, at the walls, do not count.
 /// @param gap  at a time between 0 and half_period
-[[nodiscard]] double largest_excursion(const std::function<GapMotion(double)>& gap, double half_period);
+[[nodiscard]] double largest_excursion(const std::function<GapSample(double)>& gap, double half_period);
 
 }  // namespace backlash::detail

@@ -1,45 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "backlash/loops/forced_bodies.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
-#include <limits>
 #include <numbers>
 
 #include "base/check.hpp"
 #include "cycle_stability.hpp"
 #include "excursion.hpp"
+#include "forced_motion.hpp"
 #include "forced_orbits.hpp"
+#include "frac/parallel_for.hpp"
 #include "gap_response.hpp"
+#include "steady_state/describing_function_point.hpp"
 
 namespace backlash {
 namespace {
 
 using Complex = std::complex<double>;
 constexpr double pi = std::numbers::pi;
-constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
-
-DescribingFunctionPoint empty_point(double omega) {
-  DescribingFunctionPoint point{};
-  point.omega = omega;
-  point.value = {nothing, nothing};
-  point.regime = Regime::averaged;
-  point.impacts_per_period = point.uncertainty = point.third_harmonic_ratio = nothing;
-  return point;
-}
-
-// Body 1 at rest where its own springs hold it; body 2 about the middle of the clearance.
-DescribingFunctionPoint free_point(double omega, Complex drive, Output output) {
-  DescribingFunctionPoint point = empty_point(omega);
-  point.value = output == Output::x1 ? 0 : drive;
-  point.regime = Regime::free;
-  point.period = 1;
-  point.impacts_per_period = 0;
-  point.uncertainty = 1e-15 * std::abs(point.value);
-  point.energy_defect = 0;
-  return point;
-}
-
 class Point {
  public:
   Point(const LinearBodies& bodies, const detail::GapResponse& response, double force, double omega)
@@ -57,7 +37,7 @@ class Point {
     const auto gap = [&](double t) {
       const Complex turned = forced * std::polar(1.0, omega_ * t);
       const detail::ImpulseTrain::Wave wave = train_.wave(t);
-      return detail::GapMotion{turned.real() - orbit_.impulse * wave.value,
+      return detail::GapSample{turned.real() - orbit_.impulse * wave.value,
                                -omega_ * turned.imag() - orbit_.impulse * wave.slope};
     };
     const double clearance = bodies_.system().clearance();
@@ -71,7 +51,7 @@ class Point {
     return detail::forced_stability(train_, exchange_, acceleration);
   }
   [[nodiscard]] DescribingFunctionPoint point(Output output, const CycleStability& stability) const {
-    DescribingFunctionPoint point = empty_point(omega_);
+    DescribingFunctionPoint point = detail::empty_point(omega_);
     const Complex read = output == Output::x1 ? orbit_.x1 : orbit_.x2;
     const frac::FractionalTransferFunction& body = output == Output::x1 ? bodies_.load() : bodies_.drive();
     const double kick = detail::ForcedOrbits::impulse_share(omega_) * orbit_.impulse;
@@ -85,6 +65,27 @@ class Point {
     point.even_harmonic_ratio = 0;
     point.lyapunov_exponent = 2 * std::log(std::abs(stability.dominant));
     return point;
+  }
+  /// Roughly where the bodies are at a peak of the force.
+  [[nodiscard]] LoopStart at_peak() const {
+    const double turn = -std::arg(orbit_.force);
+    LoopStart state;
+    const auto add = [&](double order, Complex x1, Complex x2) {
+      const Complex rate(0, order * omega_);
+      state.x1 += x1.real();
+      state.v1 += (rate * x1).real();
+      state.x2 += x2.real();
+      state.v2 += (rate * x2).real();
+    };
+    add(1, orbit_.x1 * std::polar(1.0, turn), orbit_.x2 * std::polar(1.0, turn));
+    const double kick = detail::ForcedOrbits::impulse_share(omega_) * orbit_.impulse;
+    for (int k = 3; k < 100; k += 2) {
+      const Complex turned = kick * std::polar(1.0, k * turn);
+      add(k, bodies_.load().response(k * omega_) * turned, -bodies_.drive().response(k * omega_) * turned);
+    }
+    const double half = 0.5 * bodies_.system().clearance();
+    state.x2 = std::clamp(state.x2, state.x1 - half, state.x1 + half);
+    return state;
   }
 
  private:
@@ -100,28 +101,49 @@ class Point {
 }  // namespace
 
 DescribingFunctionSweep bodies_describing_function(const LinearBodies& bodies, double force_amplitude,
-                                                   const std::vector<double>& omega, Output output) {
-  SweepOptions options;
-  options.protocol = Protocol::two_impact;
-  options.output = output;
+                                                   const std::vector<double>& omega, const SweepOptions& options) {
   if (bodies.are_free()) return describing_function_sweep(bodies.system(), force_amplitude, omega, options);
+  detail::require_valid(options);
   detail::require_positive("clearance", "m", bodies.system().clearance());
   detail::require_positive("force amplitude", "N", force_amplitude);
   detail::require_frequency_grid(omega);
   const detail::GapResponse response = detail::gap_response(bodies);
   DescribingFunctionSweep sweep{bodies.system(), force_amplitude, options, {}};
-  for (const double each : omega) {
-    const Point point(bodies, response, force_amplitude, each);
-    if (point.exists(force_amplitude)) {
-      const CycleStability stability = point.stability();
-      if (stability.stable) {
-        sweep.points.push_back(point.point(output, stability));
-        continue;
+  sweep.points.resize(omega.size());
+  const auto begin = [&] {
+    LoopStart start;
+    if (options.protocol == Protocol::contact_at_rest) {
+      start.x1 = 0.25 * bodies.system().clearance();
+      start.x2 = -start.x1;
+    }
+    return start;
+  };
+  const bool is_carried =
+      options.protocol != Protocol::contact_at_rest && options.protocol != Protocol::mid_gap_at_rest;
+  LoopStart carried = begin();
+  const auto follow = [&](std::size_t i) {
+    const double at = omega[i];
+    if (options.protocol == Protocol::two_impact) {
+      const Point point(bodies, response, force_amplitude, at);
+      if (point.exists(force_amplitude)) {
+        const CycleStability stability = point.stability();
+        if (stability.stable) {
+          sweep.points[i] = point.point(options.output, stability);
+          carried = point.at_peak();
+          return;
+        }
       }
     }
-    const Complex drive = bodies.drive().response(each);
-    const bool stays_free = force_amplitude * std::abs(drive) < 0.5 * bodies.system().clearance();
-    sweep.points.push_back(stays_free ? free_point(each, drive, output) : empty_point(each));
+    const detail::ForcedMotion motion =
+        detail::follow_forced(bodies, force_amplitude, at, is_carried ? carried : begin(), options);
+    sweep.points[i] = motion.point;
+    if (is_carried) carried = motion.end;
+  };
+  if (is_carried) {
+    const bool is_down = options.protocol == Protocol::sweep_down;
+    for (std::size_t i = 0; i < omega.size(); ++i) follow(is_down ? omega.size() - 1 - i : i);
+  } else {
+    frac::parallel_for(omega.size(), options.threads, follow);
   }
   return sweep;
 }

@@ -98,7 +98,7 @@ ImpactCycles impact_cycles(const ControlLoop& loop, const ImpactCycleOptions& op
     start.v1 = speed * (0.4 * unit() - 0.2);
     start.v2 = speed * 0.2 * std::pow(25, unit());
     LoopMotion motion{start, LoopRegime::irregular, {}, std::numeric_limits<double>::quiet_NaN()};
-    detail::LoopRun run(loop, realised, start, {});
+    detail::LoopRun run(realised, start, {});
     std::vector<LoopImpact> impacts;
     double last = 0;
     while (impacts.size() < options.impacts && !run.is_stuck() && !run.has_diverged()) {

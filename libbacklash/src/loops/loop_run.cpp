@@ -12,8 +12,8 @@ enum : Eigen::Index { x1, v1, x2, v2 };
 
 }  // namespace
 
-LoopRun::LoopRun(const ControlLoop& of, const RealisedLoop& loop, const LoopStart& start, const SetPoint& set_point)
-    : system_(of.system()),
+LoopRun::LoopRun(const RealisedLoop& loop, const LoopStart& start, const SetPoint& set_point)
+    : system_(loop.system()),
       loop_(&loop),
       force_limit_(loop.force_limit()),
       half_clearance_(0.5 * system_.clearance()),
@@ -179,8 +179,12 @@ LoopRun::Event LoopRun::strike(double wall) {
   left_wall_ = wall;
   free_until_ = time_;
   choose_limit();
-  const double slowest =
-      1e-10 * std::max({loop_->pace() * system_.clearance(), std::abs(state_[v1]), std::abs(state_[v2])});
+  double slowest = 1e-10 * std::max({loop_->pace() * system_.clearance(), std::abs(state_[v1]), std::abs(state_[v2])});
+  const double acceleration = std::abs(loop_->regime(mode_).gap_acceleration.dot(state_));
+  const double rounding = 16 * std::numeric_limits<double>::epsilon() *
+                          std::max({half_clearance_, std::abs(state_[x1]), std::abs(state_[x2])});
+  // Bounces that leave the wall by no more than the rounding of positions may never become slower.
+  if (std::abs(rate) > 0.98 * last_impact_.speed && rate * rate < 2 * rounding * acceleration) slowest = std::abs(rate);
   if (std::abs(state_[v2] - state_[v1]) < slowest) {
     const Event event = touch(wall);
     if (event == Event::contact && std::abs(rate) < slowest) return event;
@@ -226,7 +230,7 @@ double LoopRun::distance(const LoopRun& other) const {
 LoopHistory run_loop(const ControlLoop& of, const LoopStart& start, const SetPoint& set_point,
                      const LoopSimulationOptions& options) {
   const RealisedLoop loop(of, set_point, options.force_limit, options.tolerance);
-  LoopRun run(of, loop, start, set_point);
+  LoopRun run(loop, start, set_point);
   LoopHistory history{{}, {}, LoopEnd::duration, options.duration, loop.error()};
   const auto end_at = [&](LoopEnd end) {
     history.end = end;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <complex>
 #include <cstdint>
 #include <deque>
 #include <optional>
@@ -16,7 +17,9 @@ namespace backlash::detail {
 class LoopRun {
  public:
   /// @param loop  outlives the run
-  LoopRun(const ControlLoop& of, const RealisedLoop& loop, const LoopStart& start, const SetPoint& set_point);
+  LoopRun(const RealisedLoop& loop, const LoopStart& start, const SetPoint& set_point);
+  /// A motion of bodies under a sine force.
+  LoopRun(const RealisedLoop& loop, const LoopStart& start) : LoopRun(loop, start, {}) {}
 
   enum class Event { none, impact, contact, release };
   /// To the next event or to `until`, whichever comes first. @return what happened; none at `until`
@@ -27,6 +30,8 @@ class LoopRun {
   /// At an event: just before it.
   [[nodiscard]] LoopRow row_before(LoopEvent event) const { return row_of(before_, time_, event); }
   [[nodiscard]] const LoopImpact& last_impact() const noexcept { return last_impact_; }
+  /// As RealisedLoop's.
+  [[nodiscard]] std::complex<double> take_phasor() { return loop_->take_phasor(state_); }
   /// Impacts follow each other without end, or rest where that is not followed.
   [[nodiscard]] bool is_stuck() const noexcept { return is_stuck_; }
   /// So many flights without an end that no more are followed.

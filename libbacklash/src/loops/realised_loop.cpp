@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
 
@@ -12,16 +14,18 @@ namespace backlash::detail {
 namespace {
 
 using Index = Eigen::Index;
-enum : Index { x1, v1, x2, v2, bodies };
+enum : Index { x1, v1, x2, v2, bodies_states };
 
-// What friction and springs make of a position: 1/G - M s^2.
-frac::FractionalTransferFunction resistance(const frac::FractionalTransferFunction& receptance, double mass) {
+// What friction and springs make of a position: 1/G - M s^2; empty where that is nothing.
+std::optional<frac::FractionalTransferFunction> resistance(const frac::FractionalTransferFunction& receptance,
+                                                           double mass) {
   const std::vector<frac::PowerTerm>& top = receptance.numerator();
   const std::vector<frac::PowerTerm>& bottom = receptance.denominator();
   std::vector<frac::PowerTerm> rest = frac::detail::merged(bottom, frac::detail::scaled(top, -mass, 2));
   // The leading terms cancel but for rounding.
   std::erase_if(rest, [&](const frac::PowerTerm& term) { return term.order > bottom.front().order - 1e-9; });
-  return {rest, top};
+  if (rest.empty()) return std::nullopt;
+  return frac::FractionalTransferFunction(rest, top);
 }
 
 // Where the rigid loop crosses over, from above; 1 where it never does.
@@ -59,19 +63,40 @@ RealisedLoop::RealisedLoop(const ControlLoop& loop, const SetPoint& set_point, d
     throw std::invalid_argument("a loop with the driven body measured (x2) and a dead time is not simulated");
   }
   const auto states = [&](Index count) { return std::exchange(size_, size_ + count); };
-  states(bodies);
+  states(bodies_states);
   if (std::isfinite(force_limit_)) one_ = states(1);
   if (set_point_.step != 0 || set_point_.ramp != 0 || !set_point_.knots.empty()) reference_ = states(2);
   if (set_point_.sine_amplitude != 0) sine_ = states(2);
   if (delay_ > 0) twin_ = states(2);
-  const LinearBodies& of = loop.bodies();
-  if (!of.has_free_load()) {
-    load_ = place(resistance(of.load(), system_.mass1()), 1.0 / 3, tolerance);
-    if (has_twin()) twin_load_ = place(resistance(of.load(), system_.mass1()), 1.0 / 3, tolerance);
-  }
-  if (!of.has_free_drive()) drive_ = place(resistance(of.drive(), system_.mass2()), 2.0 / 3, tolerance);
+  place_bodies(loop.bodies(), tolerance);
   controller_ = place(loop.controller(), 0, tolerance);
+  choose_scale();
+}
 
+RealisedLoop::RealisedLoop(const LinearBodies& bodies, const SineForce& force, Output output, double tolerance)
+    : system_(bodies.system()),
+      force_limit_(std::numeric_limits<double>::infinity()),
+      is_driven_(output == Output::x2),
+      pace_(force.omega),
+      band_{0.1 * pace_, 100 * pace_},
+      sine_force_(force.amplitude) {
+  size_ = bodies_states;
+  sine_ = std::exchange(size_, size_ + 2);
+  phasor_ = std::exchange(size_, size_ + 2);
+  set_point_.sine_omega = force.omega;
+  place_bodies(bodies, tolerance);
+  choose_scale();
+}
+
+void RealisedLoop::place_bodies(const LinearBodies& of, double tolerance) {
+  if (const auto resisted = resistance(of.load(), system_.mass1())) {
+    load_ = place(*resisted, 1.0 / 3, tolerance);
+    if (has_twin()) twin_load_ = place(*resisted, 1.0 / 3, tolerance);
+  }
+  if (const auto resisted = resistance(of.drive(), system_.mass2())) drive_ = place(*resisted, 2.0 / 3, tolerance);
+}
+
+void RealisedLoop::choose_scale() {
   const double length = system_.clearance();
   scale_ = Eigen::VectorXd::Ones(size_);
   scale_[x1] = scale_[x2] = length;
@@ -81,11 +106,12 @@ RealisedLoop::RealisedLoop(const ControlLoop& loop, const SetPoint& set_point, d
     scale_[pair] = length;
     scale_[pair + 1] = length * pace_;
   }
+  if (!controller_) scale_.segment(sine_, 2) << 1, pace_;
+  if (phasor_ >= 0) scale_.segment(phasor_, 2).setConstant(length / pace_);
   if (one_ >= 0) scale_[one_] = system_.mass2() * length * pace_ * pace_ / force_limit_;
-  for (const std::optional<Placed>* placed : {&load_, &drive_, &twin_load_}) {
+  for (const std::optional<Placed>* placed : {&load_, &drive_, &twin_load_, &controller_}) {
     if (*placed) scale_states(**placed);
   }
-  scale_states(controller_);
 }
 
 RealisedLoop::Placed RealisedLoop::place(const frac::FractionalTransferFunction& operand, double shift,
@@ -166,7 +192,7 @@ std::unique_ptr<RealisedLoop::Regime> RealisedLoop::make(Mode mode) const {
     error_rate += unit(sine_ + 1);
     reference_acceleration = -set_point_.sine_omega * set_point_.sine_omega * unit(sine_);
   }
-  const Row wanted = output(controller_, error, error_rate);
+  const Row wanted = controller_ ? output(*controller_, error, error_rate) : Row(sine_force_ * unit(sine_));
   const Row resisted1 = load_ ? output(*load_, unit(x1), unit(v1)) : none;
   const Row resisted2 = drive_ ? output(*drive_, unit(x2), unit(v2)) : none;
   const Row force = mode.limit == Limit::none   ? wanted
@@ -198,7 +224,12 @@ std::unique_ptr<RealisedLoop::Regime> RealisedLoop::make(Mode mode) const {
   if (drive_) fill(a, *drive_, unit(x2), unit(v2), acceleration2);
   if (twin_load_) fill(a, *twin_load_, unit(twin_), unit(twin_ + 1), twin_acceleration);
   const Row followed_acceleration = is_driven_ ? acceleration2 : has_twin() ? twin_acceleration : acceleration1;
-  fill(a, controller_, error, error_rate, reference_acceleration - followed_acceleration);
+  if (controller_) fill(a, *controller_, error, error_rate, reference_acceleration - followed_acceleration);
+  if (phasor_ >= 0) {
+    // w' = j omega w + x: e^{-j omega t} w is the integral of x e^{-j omega t}.
+    a.row(phasor_) = unit(followed) - set_point_.sine_omega * unit(phasor_ + 1);
+    a.row(phasor_ + 1) = set_point_.sine_omega * unit(phasor_);
+  }
 
   LinearFlight flight(a, pace_, scale_);
   auto result = std::make_unique<Regime>(Regime{std::move(flight), {}, {}, {}, free2 - free1, wanted});
@@ -227,6 +258,7 @@ Eigen::VectorXd RealisedLoop::rest(const LoopStart& start) const {
   state[x1] = start.x1;
   state[x2] = start.x2;
   if (one_ >= 0) state[one_] = 1;
+  if (!controller_) state[sine_] = 1;
   jump(state, start.v1, start.v2);
   return state;
 }
@@ -236,13 +268,13 @@ void RealisedLoop::jump(Eigen::VectorXd& state, double velocity1, double velocit
   state[v2] += velocity2;
   if (load_) kick(state, *load_, 2, velocity1);
   if (drive_) kick(state, *drive_, 2, velocity2);
-  if (!has_twin()) kick(state, controller_, 2, is_driven_ ? -velocity2 : -velocity1);
+  if (controller_ && !has_twin()) kick(state, *controller_, 2, is_driven_ ? -velocity2 : -velocity1);
 }
 
 void RealisedLoop::twin_jumps(Eigen::VectorXd& state, double velocity1) const {
   state[twin_ + 1] += velocity1;
   if (twin_load_) kick(state, *twin_load_, 2, velocity1);
-  kick(state, controller_, 2, -velocity1);
+  kick(state, *controller_, 2, -velocity1);
 }
 
 void RealisedLoop::twin_starts(Eigen::VectorXd& state, double position) const {
@@ -254,23 +286,29 @@ void RealisedLoop::set_point_starts(Eigen::VectorXd& state) const {
   if (!set_point_.knots.empty()) step += set_point_.knots.front().value;
   if (reference_ >= 0) {
     state[reference_] += step;
-    kick(state, controller_, 1, step);
+    kick(state, *controller_, 1, step);
     // A derivative that meets a step kicks mass 2.
-    if (step != 0 && controller_.of.on_velocity != 0) {
-      jump(state, 0, controller_.of.on_velocity * step / system_.mass2());
+    if (step != 0 && controller_->of.on_velocity != 0) {
+      jump(state, 0, controller_->of.on_velocity * step / system_.mass2());
     }
     set_point_bends(state, set_point_.ramp);
   }
-  if (sine_ >= 0) {
+  if (controller_ && sine_ >= 0) {
     const double slope = set_point_.sine_amplitude * set_point_.sine_omega;
     state[sine_ + 1] += slope;
-    kick(state, controller_, 2, slope);
+    kick(state, *controller_, 2, slope);
   }
+}
+
+std::complex<double> RealisedLoop::take_phasor(Eigen::VectorXd& state) const {
+  const std::complex<double> sum(state[phasor_], state[phasor_ + 1]);
+  state.segment(phasor_, 2).setZero();
+  return set_point_.sine_omega / std::numbers::pi * sum;
 }
 
 void RealisedLoop::set_point_bends(Eigen::VectorXd& state, double change_of_slope) const {
   state[reference_ + 1] += change_of_slope;
-  kick(state, controller_, 2, change_of_slope);
+  kick(state, *controller_, 2, change_of_slope);
 }
 
 }  // namespace backlash::detail

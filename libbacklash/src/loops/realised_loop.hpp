@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <complex>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -15,6 +16,12 @@
 
 namespace backlash::detail {
 
+/// F cos(omega t) on body 2.
+struct SineForce {
+  double amplitude;  // N
+  double omega;      // rad/s
+};
+
 /// The loop as x' = A x between impacts, with one A for each combination of limited force and contact.  The bodies are
 /// masses under the force of their friction and springs, R(s) = 1/G - M s^2 of their own position, so that an impact
 /// acts on velocities alone.  With a dead time the controller follows a twin of the load, to which everything happens
@@ -24,6 +31,9 @@ class RealisedLoop {
   /// @param tolerance  of fractional powers, relative over the frequencies of the motion
   /// @throws std::invalid_argument  dead time with the driven body measured.
   RealisedLoop(const ControlLoop& loop, const SetPoint& set_point, double force_limit, double tolerance);
+  /// The bodies under a force, without a controller.
+  /// @param output  whose phasor is formed
+  RealisedLoop(const LinearBodies& bodies, const SineForce& force, Output output, double tolerance);
 
   enum class Limit { none, low, high };
   struct Mode {
@@ -50,10 +60,15 @@ class RealisedLoop {
   void set_point_starts(Eigen::VectorXd& state) const;
   void set_point_bends(Eigen::VectorXd& state, double change_of_slope) const;
 
+  /// Under a sine force: 2/T times the integral of the output times e^{-j omega t} since the last call, for a time that
+  /// is a multiple of the period T.
+  [[nodiscard]] std::complex<double> take_phasor(Eigen::VectorXd& state) const;
+
+  [[nodiscard]] const TwoMassSystem& system() const noexcept { return system_; }
   [[nodiscard]] double force_limit() const noexcept { return force_limit_; }
   [[nodiscard]] double delay() const noexcept { return delay_; }
   [[nodiscard]] bool has_twin() const noexcept { return twin_ >= 0; }
-  /// rad/s, at which the rigid loop crosses over: of the motion.
+  /// rad/s, at which the rigid loop crosses over, or of the sine force: of the motion.
   [[nodiscard]] double pace() const noexcept { return pace_; }
   /// Largest of its operators.
   [[nodiscard]] double error() const noexcept { return error_; }
@@ -67,6 +82,8 @@ class RealisedLoop {
     LoopOperator of;
     Eigen::Index first;
   };
+  void place_bodies(const LinearBodies& bodies, double tolerance);
+  void choose_scale();
   [[nodiscard]] Placed place(const frac::FractionalTransferFunction& operand, double shift, double tolerance);
   [[nodiscard]] Row unit(Eigen::Index i) const;
   [[nodiscard]] Row output(const Placed& placed, const Row& position, const Row& velocity) const;
@@ -79,15 +96,16 @@ class RealisedLoop {
   TwoMassSystem system_;
   SetPoint set_point_;
   double force_limit_;
-  double delay_;
-  bool is_driven_;
+  double delay_ = 0;
+  bool is_driven_;  // x2 is measured or read
   double pace_;
   frac::FrequencyBand band_;
   double error_ = 0;
   Eigen::Index size_ = 0;
-  Eigen::Index one_ = -1, reference_ = -1, sine_ = -1, twin_ = -1;
+  Eigen::Index one_ = -1, reference_ = -1, sine_ = -1, twin_ = -1, phasor_ = -1;
   std::optional<Placed> load_, drive_, twin_load_;
-  Placed controller_;
+  std::optional<Placed> controller_;
+  double sine_force_ = 0;  // N, in place of the controller
   Eigen::VectorXd scale_;
   mutable std::array<std::unique_ptr<Regime>, 6> regimes_;
 };

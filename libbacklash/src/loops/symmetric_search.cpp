@@ -35,7 +35,7 @@ std::string reason_against(const ControlLoop& loop, const ImpulseTrain& train, d
   const double excursion = largest_excursion(
       [&](double t) {
         const ImpulseTrain::Wave wave = train.wave(t);
-        return GapMotion{-impulse / clearance * wave.value, -impulse / clearance * wave.slope};
+        return GapSample{-impulse / clearance * wave.value, -impulse / clearance * wave.slope};
       },
       train.half_period());
   if (excursion >= 0.5) {

@@ -37,8 +37,7 @@ class Simulate : public SweepCommand {
     o.number("--orbit-tolerance", sweep_.tolerance).not_with(is_static, "which is a closed form");
     for (const char* receptance : {"--load-receptance", "--drive-receptance"}) {
       o[receptance].not_with(is_static, "which knows masses alone");
-      for (const char* other : {"--protocol", "--orbit-tolerance"})
-        o[other].not_with({receptance}, "whose symmetric two-impact orbit is exact");
+      o["--orbit-tolerance"].not_with({receptance}, "whose closed orbits are solved to rounding");
     }
     o.flag("--diagnostics", diagnostics_,
            "More columns: even-harmonic ratio, energy defect, Lyapunov exponent, periods followed, whether it may be a "
@@ -55,6 +54,7 @@ class Simulate : public SweepCommand {
         "with it after an interruption.\n"
         "Several forces, clearances or restitutions give every combination in one table, with columns force_n, "
         "clearance_m, restitution in front.\n"
+        "With receptances --protocol is two-impact unless given.\n"
         "Examples:\n"
         "  fracfit simulate --force 40 --clearance 0.3 --restitution 0.6 --omega 5:35:200log\n"
         "  fracfit simulate --force 40 --clearance 0.3 --restitution 0.6 --omega 0.5:25:200log --body x2 --out "
@@ -81,8 +81,12 @@ class Simulate : public SweepCommand {
     const backlash::LinearBodies bodies(load_.value_or(backlash::free_mass(mass1_)),
                                         drive_.value_or(backlash::free_mass(mass2_)), clearance_.front(),
                                         restitution_.front());
+    if (!options()["--protocol"].is_given()) {
+      sweep_.protocol = backlash::Protocol::two_impact;
+      options()["--protocol"].say(std::string(backlash::to_string(sweep_.protocol)));
+    }
     const backlash::DescribingFunctionSweep sweep =
-        backlash::bodies_describing_function(bodies, force_.front(), omega_, sweep_.output);
+        backlash::bodies_describing_function(bodies, force_.front(), omega_, sweep_);
     if (format() == "json") {
       write(sweep_json(sweep, command_line()));
     } else {
@@ -91,13 +95,9 @@ class Simulate : public SweepCommand {
           scene, scene, sweep.options, diagnostics_ ? PointColumns::with_diagnostics : PointColumns::basic, shard());
       write(text_of(document_of(table, 0, omega_.size(), sweep.points), format(), command_line()));
     }
-    const auto missing = std::count_if(sweep.points.begin(), sweep.points.end(),
-                                       [](const backlash::DescribingFunctionPoint& point) { return !point.usable(); });
-    if (missing == 0) return usable_result;
-    say(std::to_string(missing) +
-        " of the points have no value: there no symmetric two-impact orbit is stable, and other motions of bodies with "
-        "friction or springs are not followed");
-    return no_usable_result;
+    PointCounts counts;
+    for (const backlash::DescribingFunctionPoint& point : sweep.points) counts.add(point);
+    return exit_code_of(counts, diagnostics_ ? PointColumns::with_diagnostics : PointColumns::basic);
   }
 
   int run_static() {

@@ -198,15 +198,35 @@ Json loop_json(const LoopCycles& loop) {
   return json;
 }
 
+Json events_json(const std::vector<backlash::CycleEvent>& events) {
+  Json list = Json::array();
+  for (const backlash::CycleEvent& event : events) {
+    list.push_back({{"kind", backlash::to_string(event.kind)},
+                    {"value", event.parameter},
+                    {"omega", event.omega},
+                    {"admissible", event.is_admissible},
+                    {"reason", event.reason.empty() ? Json() : Json(event.reason)}});
+  }
+  return list;
+}
+
 Json events_json(const backlash::CycleContinuation& followed) {
   Json json = Json::object();
-  Json& events = json["events"] = Json::array();
-  for (const backlash::CycleEvent& event : followed.events) {
-    events.push_back({{"kind", backlash::to_string(event.kind)},
-                      {"value", event.parameter},
-                      {"omega", event.omega},
-                      {"admissible", event.is_admissible},
-                      {"reason", event.reason.empty() ? Json() : Json(event.reason)}});
+  json["events"] = events_json(followed.events);
+  Json& branches = json["branches"] = Json::array();
+  for (const backlash::CycleBranch& branch : followed.branches) {
+    Json samples = Json::array();
+    for (const backlash::CycleBranch::Sample& sample : branch.samples) {
+      samples.push_back({{"value", sample.parameter},
+                         {"omega", frequency_of(sample.cycle)},
+                         {"stable", sample.cycle.stability.stable},
+                         {"multiplier_modulus", std::abs(sample.cycle.stability.dominant)},
+                         {"second_impact", sample.cycle.impacts[1].time / sample.cycle.period},
+                         {"impact_speed", sample.cycle.impacts.front().speed},
+                         {"middle", sample.cycle.middle}});
+    }
+    branches.push_back(
+        {{"born_at", branch.born_at}, {"samples", std::move(samples)}, {"events", events_json(branch.events)}});
   }
   const auto intervals = [](const std::vector<backlash::ParameterInterval>& all) {
     Json list = Json::array();
@@ -226,6 +246,17 @@ std::string events_text(const std::string& name, const backlash::CycleContinuati
     std::string line = name + " = " + precise(event.parameter) + ", omega " + short_number(event.omega) + ": " +
                        std::string(backlash::to_string(event.kind));
     if (!event.reason.empty()) line += "; beyond it " + event.reason;
+    text += paragraph(line + ".", 2);
+  }
+  for (const backlash::CycleBranch& branch : followed.branches) {
+    const backlash::CycleBranch::Sample& last = branch.samples.back();
+    const bool is_stable = std::any_of(branch.samples.begin(), branch.samples.end(),
+                                       [](const auto& sample) { return sample.cycle.stability.stable; });
+    std::string line = "From " + name + " = " + precise(branch.born_at) + " an asymmetric cycle goes on to " +
+                       short_number(last.parameter) + ", " + (is_stable ? "stable in part" : "unstable");
+    for (const backlash::CycleEvent& event : branch.events) {
+      line += "; " + precise(event.parameter) + ": " + std::string(backlash::to_string(event.kind));
+    }
     text += paragraph(line + ".", 2);
   }
   const auto intervals = [&](const std::vector<backlash::ParameterInterval>& all, const std::string& what) {

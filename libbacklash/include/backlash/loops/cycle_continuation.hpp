@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "backlash/loops/impact_cycles.hpp"
 #include "backlash/loops/limit_cycles.hpp"
 
 namespace backlash {
@@ -16,6 +17,7 @@ enum class CycleEventKind {
   symmetry_breaking,  // stability is lost to cycles with halves of unequal length
   torus,              // stability is lost to a second frequency
   admissibility,      // beyond it the equations have the root but there is no such motion
+  period_doubling,    // of a cycle that is not symmetric: stability is lost to cycles of twice its period
   range_end,          // its frequency leaves the range that is searched, or goes to 0 or infinity
 };
 /// "fold", "symmetry-breaking", ...
@@ -34,6 +36,19 @@ struct ParameterInterval {
   double to;
 };
 
+/// Asymmetric cycles of two impacts that begin where a symmetric one breaks its symmetry, over the values on their side
+/// of that.  The mirror image of each is another one and not listed beside it.
+struct CycleBranch {
+  double born_at;
+  struct Sample {
+    double parameter;
+    ImpactCycle cycle;
+  };
+  /// Right after it begins and at the values asked for, as far as it is a motion.
+  std::vector<Sample> samples;
+  std::vector<CycleEvent> events;  // in the order in which it meets them, refined as those of symmetric cycles
+};
+
 /// The symmetric cycles of a loop over a parameter.
 struct CycleContinuation {
   struct Sample {
@@ -44,7 +59,9 @@ struct CycleContinuation {
   std::vector<CycleEvent> events;  // in their order, each parameter to 1e-10 of its size or of the step
   /// Where no symmetric cycle with two impacts per period is a motion; the ends are events or those of the values.
   std::vector<ParameterInterval> without_cycles;
-  /// Where none is stable; holds those above.
+  /// Newton's method goes from value to value: a branch that turns back in the parameter ends there.
+  std::vector<CycleBranch> branches;
+  /// Where no symmetric cycle is stable; holds those above.
   std::vector<ParameterInterval> without_stable_cycles;
 };
 

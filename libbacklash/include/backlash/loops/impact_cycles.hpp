@@ -30,8 +30,7 @@ struct ImpactCycle {
   bool symmetric;                    // the second half of the period is the mirror image of the first
   bool admissible;                   // the motion exists: impacts push, and between them it stays off the walls
   std::string reason;                // one sentence where it is not admissible, else empty
-  /// Multipliers per period.  Those outside the unit circle are counted; of a stable motion with more than six impacts
-  /// the dominant one may be another than the largest.  With fractional powers those of modulus below 1 on the positive
+  /// Multipliers per period.  With fractional powers those of modulus below 1 on the positive
   /// axis lie on a cut and are not seen.
   CycleStability stability;
   /// Largest relative change of instants and impulses in the last step of Newton's method.

@@ -29,8 +29,9 @@ struct CycleStability {
   /// Multipliers of modulus above 1 per half period, the one of a shift in time left out; -1 where one is so near the
   /// unit circle that it cannot be told.
   int unstable_multipliers;
-  /// The multiplier of largest modulus; 0 where none is larger than 0.05 in modulus.  A fractional controller remembers
-  /// by powers of time besides, so that disturbances of a stable cycle vanish no faster than those.
+  /// The multiplier of largest modulus, none larger by a count; 0 where none is larger than 0.05 in modulus, NaN where
+  /// it was not found.  A fractional controller remembers by powers of time besides, so that disturbances of a stable
+  /// cycle vanish no faster than those.
   std::complex<double> dominant;
   StabilityLoss loss;
 };
