@@ -15,8 +15,8 @@ namespace frac {
 /// either side (cubic in the logarithm of frequency) by more than 5.5 robust standard deviations of all such distances
 /// and by more than four times (several together: ten times) the largest distance of those four themselves, found
 /// without it.  The second condition keeps resonances, which show at their neighbours too; three in a row are never
-/// named.  Distances are relative to what is measured, with the floor that the data show. White normal noise makes fewer
-/// than one in 10^5 points such.
+/// named.  Distances are relative to what is measured, with the floor that the data show. White normal noise makes
+/// fewer than one in 10^5 points such.
 ///
 /// None is named below 12 points, among repeats, for magnitude or phase alone, and where they would be more than 15 %
 /// of the data: then the noise itself has long tails.
