@@ -311,12 +311,11 @@ TEST_F(MeasurementTest, TablesOfAnyProgram) {
 TEST_F(MeasurementTest, NamesInOtherLanguages) {
   const std::vector<Point> points{{10, 1.5 - 2.5i}, {20, 3.0 + 4i}};
   expect("Frequenz / Hz;Z' / Ohm;-Z'' / Ohm\n10;1,5;2,5\n20;3;-4\n", "table, 2 points, Z'/-Z'' in ohm", points);
-  expect("Frequenz (Hz)\tRealteil\tImagin\xE4rteil\n10\t1,5\t-2,5\n20\t3\t4\n",
-         "table, 2 points, Realteil/Imagin\xC3\xA4rteil", points);
+  expect("Frequenz (Hz)\tRealteil\tImagin\xE4rteil\n10\t1,5\t-2,5\n20\t3\t4\n", "table, 2 points", points);
   expect("Fr\xC3\xA9quence (Hz),Re(Z) (Ohm),-Im(Z) (Ohm)\n10,1.5,2.5\n20,3,-4\n",
          "table, 2 points, Re(Z)/-Im(Z) in ohm", points);
   expect("Freq. [Hz],Eps',Eps''\n10,1.5,2.5\n20,3,-4\n", "table, 2 points, Eps'/Eps''", points);
-  expect("f (Hz),G (S),B (S)\n10,1.5,-2.5\n20,3,4\n", "table, 2 points, G (S)/B (S) in S", points);
+  expect("f (Hz),G (S),B (S)\n10,1.5,-2.5\n20,3,4\n", "table, 2 points, G/B in S", points);
   expect("Kreisfrequenz (rad/s);Speichermodul (Pa);Verlustmodul (Pa)\n10;2,5;1\n",
          "table, 1 point, Speichermodul/Verlustmodul in Pa", {{10 / turn, 2.5 + 1i}});
 }
