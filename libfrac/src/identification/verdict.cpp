@@ -27,9 +27,8 @@ constexpr double supported_evidence = 10;  // posterior odds of 150 to 1
 constexpr double refuted_evidence = -8;    // posterior odds of 1 to 55
 constexpr double no_evidence = 2;
 // Real poles and dead time that a ratio may have before they count as an approximation of what no candidate is, and the
-// evidence asked for each further one.  A row of three follows four decades of diffusion to 1 %, whatever the number of
-// points that speak against the candidates with a departing order.
-constexpr double few_relaxations = 2, price_of_relaxation = 64;
+// evidence asked for each further one: odds of 3000 to 1.
+constexpr double few_relaxations = 2, price_of_relaxation = 16;
 // Probability that neither finalist is near what made the data, so that evidence for one of them says nothing of its
 // class: where all rules of a verdict agree, and where some speak against the evidence.  Chosen on judged files.
 constexpr double neither_agreed = 0.05, neither_contradicted = 0.5;

@@ -86,7 +86,7 @@ struct NextMeasurement {
 /// not supported  an integer-order candidate follows the data, no more poles might improve it (see
 ///                NamedModel::ends_its_family), and it predicts not worse by more than a twentieth, extrapolates not
 ///                by more than a half (both a half where the fractional finalist has whole orders).  Departure evidence
-///                is below -8, and by 64 more for each stable real pole and dead time of a ratio beyond two, because
+///                is below -8, and by 16 more for each stable real pole and dead time of a ratio beyond two, because
 ///                rows of these approximate fractional systems, also such as are among no candidates; evidence is below
 ///                2, or each order within 0.02 of a whole number.  Or both meet the data to rounding, and the
 ///                integer-order one has no more parameters.  Where the integer-order one is the member of a family and
