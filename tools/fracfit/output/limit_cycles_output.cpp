@@ -249,14 +249,19 @@ std::string events_text(const std::string& name, const backlash::CycleContinuati
     text += paragraph(line + ".", 2);
   }
   for (const backlash::CycleBranch& branch : followed.branches) {
-    const backlash::CycleBranch::Sample& last = branch.samples.back();
-    const bool is_stable = std::any_of(branch.samples.begin(), branch.samples.end(),
-                                       [](const auto& sample) { return sample.cycle.stability.stable; });
-    std::string line = "From " + name + " = " + precise(branch.born_at) + " an asymmetric cycle goes on to " +
-                       short_number(last.parameter) + ", " + (is_stable ? "stable in part" : "unstable");
+    const auto is_stable = [](const auto& sample) { return sample.cycle.stability.stable; };
+    const bool all = std::all_of(branch.samples.begin(), branch.samples.end(), is_stable);
+    const bool any = std::any_of(branch.samples.begin(), branch.samples.end(), is_stable);
+    const std::string manner = all ? "a stable" : any ? "a partly stable" : "an unstable";
+    std::string line = "From " + name + " = " + precise(branch.born_at) + " " + manner + " asymmetric cycle";
+    bool has_end = false;
     for (const backlash::CycleEvent& event : branch.events) {
-      line += "; " + precise(event.parameter) + ": " + std::string(backlash::to_string(event.kind));
+      const std::string kind(backlash::to_string(event.kind));
+      has_end = event.kind == backlash::CycleEventKind::admissibility;
+      line += has_end ? " goes on to " + precise(event.parameter) + " (" + kind + ")"
+                      : ", " + kind + " at " + precise(event.parameter) + ",";
     }
+    if (!has_end) line += " goes on to " + precise(branch.samples.back().parameter) + " at least";
     text += paragraph(line + ".", 2);
   }
   const auto intervals = [&](const std::vector<backlash::ParameterInterval>& all, const std::string& what) {
