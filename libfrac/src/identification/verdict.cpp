@@ -34,6 +34,8 @@ constexpr double few_relaxations = 2, price_of_relaxation = 16;
 constexpr double neither_agreed = 0.05, neither_contradicted = 0.5;
 constexpr double nearly_whole = 0.02;  // an order that is known to be so near a whole number counts as one
 constexpr double worse = 1.05, clearly_worse = 1.5;  // rms of predictions
+// Of extrapolations, for a fractional model: a short ladder follows one power over the band and bends beyond it.
+constexpr double worse_beyond = 1.25;
 // Times its residuals: a ratio that misses the last half decade by more, when it has not seen it, follows the rest
 // without knowing the system.
 constexpr double most_of_extrapolation = 100;
@@ -74,9 +76,11 @@ double criterion(const Competitor& competitor) {
   return misfit_term(competitor) + price_of_parameters(parameters(competitor.ranked), n);
 }
 
-/// Whether residuals are left over to judge a candidate by.
+/// Whether enough residuals are left over to judge a candidate by.  With more parameters than half of them a model may
+/// pass through every point, for which no price is high enough.
 bool is_comparable(const Competitor& competitor) {
-  return competitor.residual.size() > competitor.ranked.fit.free_parameters + 2;
+  const std::size_t n = competitor.residual.size(), k = competitor.ranked.fit.free_parameters;
+  return n > k + 2 && n >= 2 * k;
 }
 
 /// Chance of residuals like these by noise alone.
@@ -108,7 +112,7 @@ std::optional<std::size_t> best_of(const std::vector<Competitor>& competitors, b
   double least = infinity;
   for (std::size_t i = 0; i < competitors.size(); ++i) {
     const RankedFit& ranked = competitors[i].ranked;
-    if ((ranked.model_class == ModelClass::fractional) != fractional) continue;
+    if ((ranked.model_class == ModelClass::fractional) != fractional || !is_comparable(competitors[i])) continue;
     if (adequate && !follows(competitors[i], least_of_adequate)) continue;
     const double value = criterion(competitors[i]);
     if (!std::isfinite(value) || !(value < least)) continue;
@@ -378,7 +382,7 @@ Ruling ruling(const IdentificationResult& result, const Comparison& pair,
   const bool decided = (orders.decided && !orders.all_nearly_whole) || !orders.any_free;
   const bool strong = result.evidence > supported_evidence;
   const bool predicts = !pair.integer_fits || (not_above(f.prediction_rms, worse, i.prediction_rms) &&
-                                               not_above(f.extrapolation_rms, clearly_worse, i.extrapolation_rms));
+                                               not_above(f.extrapolation_rms, worse_beyond, i.extrapolation_rms));
   // What follows the steps of rounded values needs more parameters for it.
   const bool follows_steps = pair.rounded && f.parameters > i.parameters;
   if (pair.fractional_fits && strong && decided && predicts && !follows_steps && skipped_rivals.empty()) {
@@ -449,8 +453,9 @@ void judge_any(IdentificationResult& result, const Data& data, const Options& op
   result.verdict = Verdict::undecided;
   result.evidence = result.departure_evidence = result.log10_odds = result.differ_most = result.differ_most_omega = nan;
   if (std::none_of(competitors.begin(), competitors.end(), is_comparable)) {
-    result.verdict_sentence = "Undecided: too few residuals (" + std::to_string(competitors.front().residual.size()) +
-                              ") to judge any candidate; at least three more are needed than it has parameters.";
+    result.verdict_sentence =
+        "Undecided: too few residuals (" + std::to_string(competitors.front().residual.size()) +
+        ") to judge any candidate; at least three more are needed than it has parameters, and twice as many.";
     return;
   }
   std::optional<std::size_t> fractional = best_of(competitors, true, true);

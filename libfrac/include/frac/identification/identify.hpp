@@ -81,7 +81,7 @@ struct NextMeasurement {
 /// them.
 ///
 /// supported      evidence above 10, cross-validation not worse by more than a twentieth and extrapolation not by more
-///                than a half, an order whose interval (widened by the correlation) excludes every whole number while
+///                than a quarter, an order whose interval (widened by the correlation) excludes every whole number while
 ///                not every order lies within 0.02 of one, and no integer-order candidate that could not be fitted.
 /// not supported  an integer-order candidate follows the data, no more poles might improve it (see
 ///                NamedModel::ends_its_family), and it predicts not worse by more than a twentieth, extrapolates not
