@@ -219,6 +219,16 @@ TEST(Usage, NoOptionTakesAnEmptyValue) {
   expect_failure({"convert", ""}, 2, "the value is empty");
 }
 
+TEST(Usage, NoOptionIsTakenForAValue) {
+  const TemporaryFolder folder;
+  const auto data = folder.write("curve.csv", good_data);
+  for (const char* next : {"--fix", "--quiet", "--component"}) {
+    expect_failure({"fit", data, "--model", "gain", "--out", next}, 2,
+                   std::string("--out lacks its value: ") + next + " is an option");
+    EXPECT_FALSE(fs::exists(next));
+  }
+}
+
 TEST(Usage, InputsWithoutEndAreRefused) {
   if (!fs::exists("/dev/zero")) GTEST_SKIP() << "no /dev/zero here";
   expect_failure({"fit", "/dev/zero", "--model", "gain"}, 3, "/dev/zero: is a device that does not end");

@@ -315,6 +315,11 @@ void Options::interpret() {
       // As from a variable of a script that is not set: left out without a word, the result would be another one.
       if (text.empty() && option.kind_ != Option::Kind::flag)
         refuse(option.name() + " '': the value is empty; expected " + option.type_);
+      // The value was forgotten, and the next option would be taken for it.
+      const bool is_option =
+          std::any_of(options_.begin(), options_.end(), [&](const Option& other) { return other.name() == text; });
+      if (is_option && option.kind_ != Option::Kind::flag)
+        refuse(option.name() + " lacks its value: " + text + " is an option; expected " + option.type_);
       if (option.only_words_ && std::find(option.words_.begin(), option.words_.end(), text) == option.words_.end())
         refuse(option.name() + ": " + io::quoted(text) + " is not allowed; expected " + either(option.words_) +
                suggestion(text, option.words_));
