@@ -24,7 +24,10 @@ namespace {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double supported_evidence = 10;  // posterior odds of 150 to 1
-constexpr double refuted_evidence = -8;    // posterior odds of 1 to 55
+// Where the ratio fits no worse, and over time: Schwarz's price leaves out what a prior says of each parameter, which a
+// record over few decades of time does not outweigh.
+constexpr double supported_by_price = 20;
+constexpr double refuted_evidence = -8;  // posterior odds of 1 to 55
 constexpr double no_evidence = 2;
 // Real poles and dead time that a ratio may have before they count as an approximation of what no candidate is, and the
 // evidence asked for each further one: odds of 3000 to 1.
@@ -243,6 +246,7 @@ struct Comparison {
   std::size_t departing_parameters;  // of the candidate that departure evidence is for
   bool only_integer_grew = false;    // the integer-order one is the member of a family, and no fractional family grew
   bool rounded;                      // coarsely_rounded()
+  bool price_alone = false;          // over time, and the integer-order one fits no worse
 };
 
 /// Whether many values repeat their neighbours': they are rounded so coarsely that the steps are a shape of their own,
@@ -380,7 +384,7 @@ Ruling ruling(const IdentificationResult& result, const Comparison& pair,
   const auto not_above = [](double value, double times, double other) { return !(value > times * other); };
   const Finalist &f = *result.fractional, &i = *result.integer;
   const bool decided = (orders.decided && !orders.all_nearly_whole) || !orders.any_free;
-  const bool strong = result.evidence > supported_evidence;
+  const bool strong = result.evidence > (pair.price_alone ? supported_by_price : supported_evidence);
   const bool predicts = !pair.integer_fits || (not_above(f.prediction_rms, worse, i.prediction_rms) &&
                                                not_above(f.extrapolation_rms, worse_beyond, i.extrapolation_rms));
   // What follows the steps of rounded values needs more parameters for it.
@@ -423,6 +427,11 @@ Ruling ruling(const IdentificationResult& result, const Comparison& pair,
             : !fair      ? ", but no fractional family grew beside the integer-order one, which needed more parameters"
             : integer_settled ? ", but the integer-order one predicts left-out points worse"
                               : ", but the integer-order one has as many poles as are tried"};
+  }
+  if (!strong && result.evidence > supported_evidence) {
+    return {Verdict::undecided,
+            ", all of it the price of the integer-order one's parameters, which over time has to be " +
+                number(supported_by_price)};
   }
   if (!strong) {
     const std::string departing = " against orders that depart from whole numbers by " + number(least_departure) +
@@ -493,6 +502,7 @@ void judge_any(IdentificationResult& result, const Data& data, const Options& op
       i.ranked.from_family && std::none_of(competitors.begin(), competitors.end(), [](const auto& each) {
         return each.ranked.model_class == ModelClass::fractional && each.ranked.from_family;
       });
+  pair.price_alone = std::is_same_v<Data, TimeResponseData> && misfit_term(i) <= misfit_term(f);
   if (result.model_error) {
     pair.fractional_fits = within_model_error(data, options, f.ranked.fit);
     pair.integer_fits = within_model_error(data, options, i.ranked.fit);

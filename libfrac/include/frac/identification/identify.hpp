@@ -80,9 +80,10 @@ struct NextMeasurement {
 /// candidate with such an order, members that a family did not choose and the finalist with an order moved so far among
 /// them.
 ///
-/// supported      evidence above 10, cross-validation not worse by more than a twentieth and extrapolation not by more
-///                than a quarter, an order whose interval (widened by the correlation) excludes every whole number while
-///                not every order lies within 0.02 of one, and no integer-order candidate that could not be fitted.
+/// supported      evidence above 10 (over time 20 where the integer-order one fits no worse), cross-validation not
+///                worse by more than a twentieth and extrapolation not by more than a quarter, an order whose interval
+///                (widened by the correlation) excludes every whole number while not every order lies within 0.02 of
+///                one, and no integer-order candidate that could not be fitted.
 /// not supported  an integer-order candidate follows the data, no more poles might improve it (see
 ///                NamedModel::ends_its_family), and it predicts not worse by more than a twentieth, extrapolates not
 ///                by more than a half (both a half where the fractional finalist has whole orders).  Departure evidence
