@@ -200,7 +200,8 @@ class Characteristic {
 
 ClosedLoopStability analyse_closed_loop(const FractionalTransferFunction& loop) {
   const Characteristic characteristic(loop);
-  const auto [first, last] = characteristic.stretch();
+  const auto stretch = characteristic.stretch();
+  const double first = stretch.first, last = stretch.last;
   if (loop.delay() * std::exp(last) > largest_turning) return {Stability::undetermined, 0};
   const auto turns = [&](double angle) {
     return detail::winding_number([&](Complex zeta) { return characteristic.at(zeta); },
