@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "identification/verdict.hpp"
+#include "identification/verdict/verdict.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,8 @@
 #include "frac/identification/statistics.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/residual_rule.hpp"
-#include "identification/next_measurement.hpp"
-#include "identification/prediction.hpp"
+#include "identification/verdict/next_measurement.hpp"
+#include "identification/verdict/prediction.hpp"
 #include "identification/rational/family_members.hpp"
 #include "identification/statistics/autocorrelation.hpp"
 #include "identification/statistics/information.hpp"
