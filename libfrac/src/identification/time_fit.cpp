@@ -19,6 +19,7 @@
 #include "identification/data/fit_data.hpp"
 #include "identification/data/formula_checks.hpp"
 #include "identification/search/robust.hpp"
+#include "identification/search/start_values.hpp"
 #include "identification/search/time_search.hpp"
 #include "identification/statistics/confidence.hpp"
 #include "identification/statistics/curvature_fit.hpp"
@@ -397,13 +398,7 @@ FitResult fit_record(const TimeResponseData& data, const Structure& structure, c
   const detail::ParameterMap map(structure, with_delay_limits(structure, options.constraints, length_of(data)),
                                  data_scale(data, options.offset));
   check(data, structure, options, map);
-  if (!options.global_start && !is_complete(map.start(), map)) {
-    for (const auto& entry : map.free()) {
-      if (!std::isnan(map.start()[entry.parameter])) continue;
-      throw std::invalid_argument("parameter '" + structure.parameter_names()[entry.parameter] +
-                                  "' has no start value, and the search for one is switched off");
-    }
-  }
+  if (!options.global_start) detail::require_start_values(map, structure);
   const double unit = unit_of(data, options.offset);
   const detail::TimeProblem problem{data, structure, map, options, unit, hopeless};
   const std::string silence = explained_by_offset(data, options.offset);
