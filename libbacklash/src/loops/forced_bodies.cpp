@@ -36,7 +36,7 @@ class Point {
     const Complex forced = orbit_.force * drive_;
     const auto gap = [&](double t) {
       const Complex turned = forced * std::polar(1.0, omega_ * t);
-      const detail::ImpulseTrain::Wave wave = train_.wave(t);
+      const detail::TrainWave wave = train_.wave(t);
       return detail::GapSample{turned.real() - orbit_.impulse * wave.value,
                                -omega_ * turned.imag() - orbit_.impulse * wave.slope};
     };
