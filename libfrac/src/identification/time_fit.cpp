@@ -170,7 +170,16 @@ void append_background(FitResult& result, const detail::TimeResiduals& residuals
   const double variance = found.deviation * found.deviation;
   const std::vector<double> output = observed_output(data);
   const auto [least, largest] = std::minmax_element(output.begin(), output.end());
-  const bool alone = std::find(found.seen.begin(), found.seen.end(), false) == found.seen.end();
+  // A parameter that the rest of the residuals does not see may stand for the background, unless it moves nothing at
+  // all.
+  bool alone = true;
+  for (std::size_t i = 0; i < modelled; ++i) {
+    if (found.seen[i]) continue;
+    constexpr double nothing = 1e-6;  // of what the output does
+    const double size = std::abs(result.parameters[i].value);
+    const double moved = size * eliminated.gradient.col(static_cast<Eigen::Index>(i)).norm();
+    alone = alone && size > 0 && moved <= nothing * (*largest - *least) * columns.col(0).norm();
+  }
   std::vector<double> widening = found.widening;
   for (std::size_t k = 0; k < names.size(); ++k) {
     const Eigen::VectorXd own = influence.col(static_cast<Eigen::Index>(k));
