@@ -183,6 +183,15 @@ bool is_narrow(const SceneEstimate& estimate) {
   return estimate.ci95_upper - estimate.ci95_lower <= range;
 }
 
+void stretch_over(const SceneEstimate& rival, SceneEstimate& estimate) {
+  if (estimate.fixed || estimate.at_bound) return;
+  // A rival at a limit has a value only.
+  const bool has_interval = std::isfinite(rival.ci95_lower);
+  estimate.ci95_lower = std::min(estimate.ci95_lower, has_interval ? rival.ci95_lower : rival.value);
+  estimate.ci95_upper = std::max(estimate.ci95_upper, has_interval ? rival.ci95_upper : rival.value);
+  estimate.identified = is_narrow(estimate);
+}
+
 SceneUncertainty scene_uncertainty(const NormalEquations& equations, const SceneBounds& bounds,
                                    const SceneVector& theta, double widening) {
   SceneUncertainty result{};

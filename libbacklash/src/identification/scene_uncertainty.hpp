@@ -29,4 +29,7 @@ struct SceneUncertainty {
 /// without an interval, as at a limit.
 [[nodiscard]] bool is_narrow(const SceneEstimate& estimate);
 
+/// Stretches the interval of an estimate over that of another one that explains the data nearly as well.
+void stretch_over(const SceneEstimate& rival, SceneEstimate& estimate);
+
 }  // namespace backlash::detail

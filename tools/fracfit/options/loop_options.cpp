@@ -62,6 +62,15 @@ void add_receptances(Options& options, std::optional<frac::FractionalTransferFun
   exclude_masses(options["--load-receptance"], options["--drive-receptance"]);
 }
 
+void add_open_receptances(Options& options, std::string& load, std::string& drive) {
+  options.text("--load-receptance", load,
+               "Displacement per force of body 1, m/N, with names that are estimated, instead of 1/(mass1 s^2); e.g. "
+               "'1/(m s^2 + b s)' with friction",
+               "FORMULA");
+  options.text("--drive-receptance", drive, "That of body 2, on which the force acts, instead of 1/(mass2 s^2)",
+               "FORMULA");
+}
+
 void LoopOptions::add(Options& options) {
   options
       .text("--controller", controller_, "C of the force -C(s) x on body 2; e.g. 'exp(-0.1 s) (2 + 1.5 s^0.9)'",
