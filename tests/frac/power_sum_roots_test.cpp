@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "poles/power_sum_roots.hpp"
+#include "poles/scaled_sum.hpp"
 
 #include <gtest/gtest.h>
 

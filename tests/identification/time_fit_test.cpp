@@ -294,6 +294,21 @@ TEST(TimeFit, AnOutputWithoutResponseIsNotIdentified) {
   EXPECT_TRUE(estimate(noise, "offset").identified);
 }
 
+// With b1 = 0 the order a1 moves nothing, and the offset is what it is.
+TEST(TimeFit, AnUnseenParameterThatMovesNothingLeavesTheOffsetIdentified) {
+  const std::vector<double> time = even_times(15, 301);
+  const TimeResponseData exact = data_of("1/(0.8 s + 1)", time, std::vector<double>(time.size(), 1.0));
+  support::Random random(3);
+  std::vector<double> output = exact.output();
+  for (double& each : output) each += 0.01 * random.normal();
+  const TimeResponseData data(exact.time(), exact.input(), output);
+  TimeFitOptions options;
+  options.constraints = {{"b1", 0.0, {}, {}, {}}, {"a1", {}, 0.1, 0.9, 0.5}};
+  const FitResult result = frac::fit(data, Structure("K/(T s + b1 s^a1 + 1)"), options);
+  EXPECT_FALSE(estimate(result, "a1").identified);
+  EXPECT_TRUE(estimate(result, "offset").identified) << result.message;
+}
+
 // The model reacts to the input throughout, while outputs that do not count may be anything.
 TEST(TimeFit, OutputsLeftOutDoNotMatter) {
   const TimeResponseData exact = furnace_step();

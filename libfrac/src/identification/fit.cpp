@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frac/identification/fit.hpp"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -11,7 +10,6 @@
 #include <stdexcept>
 
 #include "base/counted.hpp"
-#include "base/linear_algebra.hpp"
 #include "frac/identification/fit_from.hpp"
 #include "frac/identification/statistics.hpp"
 #include "identification/contained_optimum.hpp"
@@ -19,7 +17,7 @@
 #include "identification/data/formula_checks.hpp"
 #include "identification/data/noise_floor.hpp"
 #include "identification/residuals/fit_problem.hpp"
-#include "identification/search/global_search.hpp"
+#include "identification/search/frequency_search.hpp"
 #include "identification/search/interchange.hpp"
 #include "identification/search/robust.hpp"
 #include "identification/statistics/autocorrelation.hpp"
@@ -27,6 +25,7 @@
 #include "identification/statistics/curvature_fit.hpp"
 #include "identification/statistics/estimates.hpp"
 #include "identification/statistics/profile.hpp"
+#include "identification/statistics/unseen_parameters.hpp"
 
 namespace frac {
 
@@ -71,84 +70,6 @@ bool is_empty(const FrequencyResponseData& data, Component component) {
   });
 }
 
-void check_start(const detail::ParameterMap& map, const Structure& structure) {
-  for (const auto& entry : map.free()) {
-    if (std::isnan(map.start()[entry.parameter])) {
-      throw std::invalid_argument("parameter '" + structure.parameter_names()[entry.parameter] +
-                                  "' has no start value, and the search for one is switched off");
-    }
-  }
-}
-
-/// Points of the data, at most `count`: half of them spread evenly, half by the length of the curve in logarithms, so
-/// that a resonance keeps its points.
-struct Thinned {
-  FrequencyResponseData data;
-  detail::ResidualRule rule;
-};
-Thinned thinned(const FrequencyResponseData& data, const detail::ResidualRule& rule, std::size_t count) {
-  const std::size_t size = data.size();
-  std::vector<double> length(size, 0.0);
-  for (std::size_t i = 1; i < size; ++i) {
-    const std::complex<double> before = data.value()[i - 1], after = data.value()[i];
-    const double mean = (std::abs(before) + std::abs(after)) / 2;
-    length[i] = length[i - 1] + (mean > 0 ? std::abs(after - before) / mean : 0);  // at most 2: also of an outlier
-  }
-  std::vector<double> omega;
-  std::vector<std::complex<double>> value;
-  detail::ResidualRule thin{rule.form, {}, rule.unit};
-  const double total = length.back() > 0 ? length.back() : 1;
-  double next = 0;
-  for (std::size_t i = 0; i < size; ++i) {
-    const double place = 0.5 * static_cast<double>(i) / static_cast<double>(size) + 0.5 * length[i] / total;
-    if (count < size && place < next && i + 1 < size) continue;
-    next = (std::floor(place * static_cast<double>(count)) + 1) / static_cast<double>(count);
-    omega.push_back(data.omega()[i]);
-    value.push_back(data.value()[i]);
-    thin.weight.push_back(rule.weight[i]);
-  }
-  return {{std::move(omega), std::move(value)}, std::move(thin)};
-}
-
-detail::GlobalSolution search(const detail::Residuals& residuals, const detail::ResidualRule& rule,
-                              const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
-                              double hopeless) {
-  // So few that scouting is quick and so many that they show the shape of most curves; see global_search().
-  const std::size_t scouted = std::max<std::size_t>(64, 8 * residuals.map().free().size());
-  const std::vector<double> orders = detail::suggested_orders(data);
-  if (2 * data.size() < 3 * scouted) return global_search(residuals, residuals, orders, options.seed, hopeless);
-  const Thinned few = thinned(data, rule, scouted);
-  detail::FrequencyResiduals scouting(few.data, structure, options.realisation, residuals.map(), few.rule);
-  if (residuals.priors()) scouting.set_priors(*residuals.priors(), residuals.prior_weight());
-  return global_search(scouting, residuals, orders, options.seed, hopeless);
-}
-
-detail::GlobalSolution solve(const detail::Residuals& residuals, const detail::ResidualRule& rule,
-                             const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
-                             double hopeless) {
-  // First iterations stay quick on so many points, and see the same shape.
-  const Thinned thin = thinned(data, rule, 500);
-  detail::FrequencyResiduals few(thin.data, structure, options.realisation, residuals.map(), thin.rule);
-  if (residuals.priors()) few.set_priors(*residuals.priors(), residuals.prior_weight());
-  detail::GlobalSolution result;
-  if (options.global_start && !residuals.map().free().empty()) {
-    result = search(few, thin.rule, thin.data, structure, options, hopeless);
-    if (result.starts_at_best == 0) return result;
-  } else {
-    check_start(residuals.map(), structure);
-    result.starts = 1;
-    result.minima = 1;
-    result.confidence = nan;
-    result.best.theta = residuals.map().to_theta(residuals.map().start());
-    if (!std::isfinite(residuals.cost(result.best.theta))) return result;
-    result.best = local_solve(few, result.best.theta, {});
-  }
-  if (thin.data.size() < data.size()) result.best = local_solve(residuals, result.best.theta, {});
-  if (!std::isfinite(result.best.cost)) return {};
-  result.starts_at_best = std::max<std::size_t>(result.starts_at_best, 1);
-  return result;
-}
-
 std::string ending(const detail::GlobalSolution& solution) {
   if (!solution.best.converged) return "The solver stopped before the cost settled; the best point found is returned.";
   std::string text = std::to_string(solution.starts_at_best) + " of " + std::to_string(solution.starts) +
@@ -173,10 +94,6 @@ void refuse_whole_orders(FitResult& result, const Structure& structure, const Re
   }
 }
 
-Component other_component(Component component) {
-  return component == Component::imaginary ? Component::real : Component::imaginary;
-}
-
 /// Parts of fit() that some of its callers go without.
 struct Extent {
   bool recover;   // looks at the other component for what the fitted one is blind to
@@ -184,116 +101,6 @@ struct Extent {
   /// Cost, in the unit of FitResult, above which nobody looks closely: the search ends early, and without profiles.
   double hopeless = std::numeric_limits<double>::infinity();
 };
-FitResult fit_component(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
-                        Extent extent);
-
-/// Derivatives of the weighted residuals of the one component that `options` name, by every parameter.
-Eigen::MatrixXd other_gradient(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
-                               const std::vector<double>& parameters) {
-  const detail::ResidualRule rule = detail::residual_rule(data, options);
-  std::vector<std::complex<double>> value(data.size()), gradient(data.size() * parameters.size());
-  structure.response_and_gradient(parameters, data.omega(), options.realisation, value, gradient);
-  Eigen::MatrixXd result(static_cast<Eigen::Index>(data.size()), static_cast<Eigen::Index>(parameters.size()));
-  std::vector<double> column(data.size());
-  for (std::size_t k = 0; k < parameters.size(); ++k) {
-    rule.derivatives(value, std::span(gradient).subspan(k * data.size(), data.size()), column.data());
-    result.col(static_cast<Eigen::Index>(k)) = Eigen::Map<const Eigen::VectorXd>(column.data(), result.rows());
-  }
-  return result;
-}
-
-/// Parameters recovered with the others held move with the errors of those: by -(A' A)^-1 A' B times them, A and B the
-/// derivatives of the residuals they were recovered from by the recovered and by the others.  The noise of the two
-/// components is taken as unrelated.
-/// @param moves  which were recovered
-/// @param t      half width of their 95 % intervals in standard errors
-void carry_errors(FitResult& result, const FitResult& recovered, const std::vector<bool>& moves,
-                  const Eigen::MatrixXd& gradient, double t) {
-  std::vector<Eigen::Index> inner, outer;
-  for (std::size_t i = 0; i < moves.size(); ++i) {
-    if (moves[i]) inner.push_back(static_cast<Eigen::Index>(i));
-    if (!moves[i] && std::isfinite(result.covariance[i][i])) outer.push_back(static_cast<Eigen::Index>(i));
-  }
-  if (inner.empty()) return;
-  const auto covariance_of = [](const FitResult& of, Eigen::Index i, Eigen::Index j) {
-    return of.covariance[static_cast<std::size_t>(i)][static_cast<std::size_t>(j)];
-  };
-  Eigen::MatrixXd others(static_cast<Eigen::Index>(outer.size()), static_cast<Eigen::Index>(outer.size()));
-  for (Eigen::Index i = 0; i < others.rows(); ++i) {
-    for (Eigen::Index j = 0; j < others.cols(); ++j) {
-      others(i, j) = covariance_of(result, outer[static_cast<std::size_t>(i)], outer[static_cast<std::size_t>(j)]);
-    }
-  }
-  const Eigen::MatrixXd shift =
-      -detail::PivotedQr(gradient(Eigen::all, inner)).solve(Eigen::MatrixXd(gradient(Eigen::all, outer)));
-  const Eigen::MatrixXd mixed = shift * others;
-  const Eigen::MatrixXd carried = mixed * shift.transpose();
-  for (Eigen::Index a = 0; a < shift.rows(); ++a) {
-    const auto i = static_cast<std::size_t>(inner[static_cast<std::size_t>(a)]);
-    for (Eigen::Index b = 0; b < shift.rows(); ++b) {
-      const auto j = static_cast<std::size_t>(inner[static_cast<std::size_t>(b)]);
-      result.covariance[i][j] =
-          covariance_of(recovered, inner[static_cast<std::size_t>(a)], inner[static_cast<std::size_t>(b)]) +
-          carried(a, b);
-    }
-    for (Eigen::Index b = 0; b < mixed.cols(); ++b) {
-      const auto j = static_cast<std::size_t>(outer[static_cast<std::size_t>(b)]);
-      result.covariance[i][j] = result.covariance[j][i] = mixed(a, b);
-    }
-    ParameterEstimate& estimate = result.parameters[i];
-    const double grown = std::sqrt(result.covariance[i][i]) / estimate.standard_error;
-    estimate.standard_error *= grown;
-    estimate.centre_standard_error *= grown;
-    if (estimate.interval == IntervalKind::profile) {
-      estimate.ci95_lower = estimate.value - grown * (estimate.value - estimate.ci95_lower);
-      estimate.ci95_upper = estimate.value + grown * (estimate.ci95_upper - estimate.value);
-    } else {
-      estimate.ci95_lower = estimate.value - t * estimate.standard_error;
-      estimate.ci95_upper = estimate.value + t * estimate.standard_error;
-    }
-    const double half_width = (estimate.ci95_upper - estimate.ci95_lower) / 2;
-    estimate.identified = estimate.identified && half_width <= 0.5 * std::abs(estimate.value);
-  }
-}
-
-/// What the fitted component is blind to (a real constant in an imaginary part) is estimated from the other one, the
-/// rest held.
-void recover_unseen(FitResult& result, const detail::Confidence& found, const detail::Residuals& residuals, double cost,
-                    const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
-                    bool profiles) {
-  if (options.component != Component::imaginary && options.component != Component::real) return;
-  const bool all_seen = std::find(found.seen.begin(), found.seen.end(), false) == found.seen.end();
-  const bool none_seen = std::find(found.seen.begin(), found.seen.end(), true) == found.seen.end();
-  if (all_seen || none_seen) return;
-  FitOptions rest = options;
-  rest.component = other_component(options.component);
-  rest.constraints.clear();
-  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
-    const std::string& name = result.parameters[i].name;
-    if (found.seen[i]) {
-      rest.constraints.push_back({name, result.parameters[i].value, {}, {}, {}});
-      continue;
-    }
-    for (const ParameterConstraint& constraint : options.constraints) {
-      if (constraint.name == name) rest.constraints.push_back(constraint);
-    }
-  }
-  const FitResult recovered = fit_component(data, structure, rest, {false, profiles});
-  std::vector<double> values;
-  for (const ParameterEstimate& estimate : recovered.parameters) values.push_back(estimate.value);
-  // The fitted component must not notice: blindness at the minimum alone is not enough.
-  if (!(residuals.cost(residuals.map().to_theta(values)) <= cost * (1 + 1e-6) + residuals.rounding_cost())) return;
-  std::vector<bool> moves(result.parameters.size(), false);
-  for (std::size_t i = 0; i < result.parameters.size(); ++i) {
-    if (found.seen[i]) continue;
-    result.parameters[i] = recovered.parameters[i];
-    result.parameters[i].from_other_component = recovered.parameters[i].identified || recovered.parameters[i].at_bound;
-    moves[i] = std::isfinite(recovered.parameters[i].standard_error) && !recovered.parameters[i].fixed;
-  }
-  const double t =
-      student_t_95(static_cast<double>(recovered.residuals) - static_cast<double>(recovered.free_parameters));
-  carry_errors(result, recovered, moves, other_gradient(data, structure, rest, values), t);
-}
 
 /// An interval up to this share of the value on either side is left as the curvature gives it: where parameters act
 /// through their logarithms, the next term moves an end by half that share of the half width, and coverage by some
@@ -371,8 +178,7 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
 
   const bool empty = is_empty(data, options.component);
   detail::GlobalSolution solution =
-      empty ? detail::GlobalSolution{}
-            : solve(residuals, rule, data, structure, options, extent.hopeless / (rule.unit * rule.unit));
+      empty ? detail::GlobalSolution{} : frequency_search(problem, extent.hopeless / (rule.unit * rule.unit));
   FitResult result = describe_search(structure, residuals, solution);
   const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
   if (solution.starts_at_best == 0) {
@@ -408,7 +214,9 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   const bool closely = solution.best.cost * rule.unit * rule.unit <= extent.hopeless;
   if (extent.profiles && closely) follow_cost(result, problem, solution.best, found);
   if (extent.recover) {
-    recover_unseen(result, found, residuals, solution.best.cost, data, structure, options, extent.profiles);
+    recover_unseen(result, found, problem, solution.best.cost, [&](const FitOptions& rest) {
+      return fit_component(data, structure, rest, {false, extent.profiles});
+    });
   }
   refuse_whole_orders(result, structure, options.realisation);
 

@@ -13,13 +13,13 @@
 #include "identification/data/fit_data.hpp"
 #include "identification/data/noise_floor.hpp"
 #include "identification/data/residual_rule.hpp"
-#include "identification/equivalent_candidates.hpp"
+#include "identification/verdict/equivalent_candidates.hpp"
 #include "identification/rational/family_members.hpp"
 #include "identification/statistics/curvature_fit.hpp"
 #include "identification/statistics/information.hpp"
 #include "identification/statistics/residual_tests.hpp"
 #include "identification/time_growth.hpp"
-#include "identification/verdict.hpp"
+#include "identification/verdict/verdict.hpp"
 
 namespace frac {
 

@@ -163,9 +163,9 @@ Growth grown(const Data& data, GrowthFamily family, const Options& options, std:
     const FitResult& simple = growth.fits[growth.chosen];
     const FitResult& full = growth.fits.back();
     const double correlation = full.termination == FitTermination::converged
-                                   ? std::max(0.0, residual_whiteness(data, options, full).lag_one_correlation)
+                                   ? residual_whiteness(data, options, full).lag_one_correlation
                                    : 0;
-    const double gain = (simple.aicc - full.aicc) * (1 - correlation) / (1 + correlation);
+    const double gain = (simple.aicc - full.aicc) * detail::independent_share(correlation);
     growth.reason = reason_against(simple, full, gain);
     if (!growth.reason.empty()) break;
     growth.reason = enough;

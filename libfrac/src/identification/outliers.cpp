@@ -7,8 +7,11 @@
 #include <limits>
 
 #include "base/median.hpp"
+#include "frac/identification/lack_of_fit.hpp"
+#include "identification/data/fit_data.hpp"
 #include "identification/data/local_curve.hpp"
 #include "identification/data/noise_floor.hpp"
+#include "identification/statistics/curvature_fit.hpp"
 
 namespace frac {
 namespace {
@@ -126,6 +129,29 @@ std::vector<std::size_t> isolated_outliers(const FrequencyResponseData& data, Co
   }
   std::sort(outliers.begin(), outliers.end());
   return outliers;
+}
+
+std::vector<std::size_t> points_met(const FrequencyResponseData& data, const std::vector<std::size_t>& points,
+                                    const FitOptions& options, const FitResult& fit) {
+  if (points.empty() || !fit.usable() || !lack_of_fit(without_points(data, points), options, fit).adequate) return {};
+  constexpr double within_noise = 3, much_larger = 1.05;
+  const Structure structure(fit.model);
+  const FitOptions started = detail::started_at(detail::settled(options, fit), fit);
+  std::vector<std::size_t> met;
+  for (const std::size_t point : points) {
+    std::vector<std::size_t> others = points;
+    std::erase(others, point);
+    const FrequencyResponseData with = without_points(data, others);
+    const FitResult refit = detail::curvature_fit(with, structure, started);
+    if (!refit.usable() || refit.rms > much_larger * fit.rms) continue;
+    const std::vector<double> residual = detail::weighted_residuals(data, options, refit);
+    const std::size_t parts = residual.size() / data.size();
+    const auto first = residual.begin() + static_cast<std::ptrdiff_t>(point * parts);
+    const bool is_met = std::all_of(first, first + static_cast<std::ptrdiff_t>(parts),
+                                    [&](double each) { return std::abs(each) <= within_noise * fit.rms; });
+    if (is_met) met.push_back(point);
+  }
+  return met;
 }
 
 FrequencyResponseData without_points(const FrequencyResponseData& data, const std::vector<std::size_t>& points) {

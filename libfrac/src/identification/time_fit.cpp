@@ -19,6 +19,7 @@
 #include "identification/data/fit_data.hpp"
 #include "identification/data/formula_checks.hpp"
 #include "identification/search/robust.hpp"
+#include "identification/search/start_values.hpp"
 #include "identification/search/time_search.hpp"
 #include "identification/statistics/confidence.hpp"
 #include "identification/statistics/curvature_fit.hpp"
@@ -169,7 +170,16 @@ void append_background(FitResult& result, const detail::TimeResiduals& residuals
   const double variance = found.deviation * found.deviation;
   const std::vector<double> output = observed_output(data);
   const auto [least, largest] = std::minmax_element(output.begin(), output.end());
-  const bool alone = std::find(found.seen.begin(), found.seen.end(), false) == found.seen.end();
+  // A parameter that the rest of the residuals does not see may stand for the background, unless it moves nothing at
+  // all.
+  bool alone = true;
+  for (std::size_t i = 0; i < modelled; ++i) {
+    if (found.seen[i]) continue;
+    constexpr double nothing = 1e-6;  // of what the output does
+    const double size = std::abs(result.parameters[i].value);
+    const double moved = size * eliminated.gradient.col(static_cast<Eigen::Index>(i)).norm();
+    alone = alone && size > 0 && moved <= nothing * (*largest - *least) * columns.col(0).norm();
+  }
   std::vector<double> widening = found.widening;
   for (std::size_t k = 0; k < names.size(); ++k) {
     const Eigen::VectorXd own = influence.col(static_cast<Eigen::Index>(k));
@@ -397,13 +407,7 @@ FitResult fit_record(const TimeResponseData& data, const Structure& structure, c
   const detail::ParameterMap map(structure, with_delay_limits(structure, options.constraints, length_of(data)),
                                  data_scale(data, options.offset));
   check(data, structure, options, map);
-  if (!options.global_start && !is_complete(map.start(), map)) {
-    for (const auto& entry : map.free()) {
-      if (!std::isnan(map.start()[entry.parameter])) continue;
-      throw std::invalid_argument("parameter '" + structure.parameter_names()[entry.parameter] +
-                                  "' has no start value, and the search for one is switched off");
-    }
-  }
+  if (!options.global_start) detail::require_start_values(map, structure);
   const double unit = unit_of(data, options.offset);
   const detail::TimeProblem problem{data, structure, map, options, unit, hopeless};
   const std::string silence = explained_by_offset(data, options.offset);

@@ -11,6 +11,7 @@
 
 #include "frac/model/fractional_transfer_function.hpp"
 #include "power_sum_roots.hpp"
+#include "scaled_sum.hpp"
 
 namespace frac::detail {
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "frac/cancellation.hpp"
+#include "scaled_sum.hpp"
 #include "winding_number.hpp"
 
 namespace frac::detail {
@@ -299,10 +299,6 @@ double dominance(const std::vector<PowerTerm>& sum, const PowerTerm& term, doubl
   return bound;
 }
 
-bool by_argument(const RootCluster& a, const RootCluster& b) {
-  return a.log_s.imag() != b.log_s.imag() ? a.log_s.imag() < b.log_s.imag() : a.log_s.real() < b.log_s.real();
-}
-
 std::vector<RootCluster> clustered(std::vector<Found> roots) {
   std::vector<RootCluster> clusters;
   while (!roots.empty()) {
@@ -336,93 +332,7 @@ std::vector<RootCluster> clustered(std::vector<Found> roots) {
   return clusters;
 }
 
-// c e^{q zeta} over e^scale.
-Complex part_of(const PowerTerm& term, Complex zeta, double scale) {
-  const double modulus = std::abs(term.coefficient) * std::exp(term.order * zeta.real() - scale);
-  const double angle = term.order * zeta.imag();
-  const double signed_modulus = term.coefficient < 0 ? -modulus : modulus;
-  if (angle == 0) return signed_modulus;
-  return {signed_modulus * std::cos(angle), signed_modulus * std::sin(angle)};
-}
-
-// e^x less the first `order` terms of its series.
-Complex exponential_rest(Complex x, int order) {
-  Complex term = 1;
-  Complex start = 0;
-  for (int j = 0; j < order; ++j) {
-    start += term;
-    term *= x / static_cast<double>(j + 1);
-  }
-  if (std::abs(x) > order + 2) return std::exp(x) - start;
-  Complex rest = 0;
-  for (int j = order; j < order + 60; ++j) {
-    rest += term;
-    if (std::abs(term) <= 1e-18 * std::abs(rest)) break;
-    term *= x / static_cast<double>(j + 1);
-  }
-  return rest;
-}
-
 }  // namespace
-
-ScaledSum scaled_sum(const std::vector<PowerTerm>& terms, Complex zeta) {
-  // Every search for roots comes through here.
-  throw_if_cancelled();
-  double scale = -std::numeric_limits<double>::infinity();
-  for (const PowerTerm& term : terms) {
-    scale = std::max(scale, std::log(std::abs(term.coefficient)) + term.order * zeta.real());
-  }
-  ScaledSum sum{0, 0, scale, 0};
-  for (const PowerTerm& term : terms) {
-    const Complex value = part_of(term, zeta, scale);
-    sum.value += value;
-    sum.slope += term.order * value;
-    sum.magnitude += std::abs(value);
-  }
-  return sum;
-}
-
-ScaledSum scaled_sum(const PowerProduct& product, Complex zeta) {
-  if (!product.is_factored()) return scaled_sum(product.terms, zeta);
-  ScaledSum whole{1, 0, 0, 0};
-  for (const PowerFactor& factor : product.factors) {
-    const ScaledSum sum = scaled_sum(factor.sum, zeta);
-    const double size = std::abs(sum.value);
-    for (int i = 0; i < factor.power; ++i) {
-      whole.slope = whole.slope * sum.value + whole.value * sum.slope;
-      whole.magnitude = whole.magnitude * size + std::abs(whole.value) * sum.magnitude;
-      whole.value *= sum.value;
-      whole.scale += sum.scale;
-    }
-  }
-  return whole;
-}
-
-TaylorStart taylor_start(const std::vector<PowerTerm>& terms, Complex zeta, int count) {
-  const double scale = scaled_sum(terms, zeta).scale;
-  TaylorStart start{std::vector<Complex>(static_cast<std::size_t>(count), 0.0),
-                    std::vector<double>(static_cast<std::size_t>(count), 0.0)};
-  for (const PowerTerm& term : terms) {
-    const Complex value = part_of(term, zeta, scale);
-    double factor = 1;  // order^j/j!
-    for (std::size_t j = 0; j < start.coefficient.size(); factor *= term.order / static_cast<double>(++j)) {
-      start.coefficient[j] += factor * value;
-      start.rounding[j] += std::abs(factor * value) * (4 + std::abs(term.order * zeta));
-    }
-  }
-  return start;
-}
-
-DeflatedSum deflated_sum(const std::vector<PowerTerm>& terms, Complex zeta, Complex offset, int order) {
-  const double scale = scaled_sum(terms, zeta).scale;
-  DeflatedSum sum{0, 0};
-  for (const PowerTerm& term : terms) {
-    const Complex part = part_of(term, zeta, scale) * exponential_rest(term.order * offset, order);
-    sum.value += part;
-    sum.magnitude += std::abs(part);
-  }
-  return sum;
-}
 
 PowerSumRoots power_sum_roots(const std::vector<PowerTerm>& sum, double largest_argument) {
   PowerSumRoots result;
@@ -466,131 +376,6 @@ PowerSumRoots power_sum_roots(const std::vector<PowerTerm>& sum, double largest_
   result.trouble = search.gave_up() ? "their search was given up at its limit of 40 million terms evaluated"
                                     : "rounding of the coefficients hides how many there are";
   return result;
-}
-
-namespace {
-
-// A cluster of one factor, as often as the factor's power says.
-struct Given {
-  RootCluster cluster;
-  int power;
-};
-
-RootCluster combined(const std::vector<Given>& group) {
-  if (group.size() == 1 && group[0].cluster.multiplicity == 1) {
-    RootCluster result = group[0].cluster;
-    result.multiplicity = group[0].power;
-    result.is_exact = true;
-    return result;
-  }
-  RootCluster result{0, 0, 0, false, group.size() == 1 && group[0].cluster.is_exact, {}};
-  for (const auto& [cluster, power] : group) result.is_conjugate = result.is_conjugate || cluster.is_conjugate;
-  std::vector<ClusterMember> members;  // at first by their places in the plane of ln s
-  for (const auto& [cluster, power] : group) {
-    const auto add = [&, times = power, with_conjugate = result.is_conjugate && !cluster.is_conjugate](
-                         Complex at, int multiplicity) {
-      members.push_back({at, multiplicity * times});
-      if (with_conjugate) members.push_back({std::conj(at), multiplicity * times});
-    };
-    if (cluster.members.empty()) add(cluster.log_s, cluster.multiplicity);
-    for (const ClusterMember& member : cluster.members) add(cluster.log_s + member.offset, member.multiplicity);
-  }
-  for (const ClusterMember& member : members) {
-    result.multiplicity += member.multiplicity;
-    result.log_s += static_cast<double>(member.multiplicity) * member.offset;
-  }
-  result.log_s /= result.multiplicity;
-  if (result.is_conjugate) result.log_s = result.log_s.real();
-  for (ClusterMember& member : members) {
-    member.offset -= result.log_s;
-    result.spread = std::max(result.spread, std::abs(member.offset));
-  }
-  // Roots of different factors that differ by rounding alone are one.
-  constexpr double rounding = 64 * std::numeric_limits<double>::epsilon();
-  if (result.spread <= rounding * (1 + std::abs(result.log_s))) {
-    result.spread = 0;
-  } else {
-    result.members = std::move(members);
-  }
-  return result;
-}
-
-// ln of the size of the partial fractions at cluster k over that of their sum.
-double amplification(const std::vector<RootCluster>& clusters, std::size_t k, std::size_t& nearest) {
-  double sum = 0;
-  double closest = std::numeric_limits<double>::infinity();
-  for (std::size_t j = 0; j < clusters.size(); ++j) {
-    if (j == k) continue;
-    const double distance = std::max(std::abs(clusters[j].log_s - clusters[k].log_s) - clusters[j].spread, 1e-300);
-    sum -= clusters[j].multiplicity * std::min(0.0, std::log(distance));
-    if (distance < closest) {
-      closest = distance;
-      nearest = j;
-    }
-  }
-  return sum - clusters[k].multiplicity * std::min(0.0, std::log(0.5 * closest));
-}
-
-int side_of_negative_axis(const RootCluster& cluster) {
-  const double beyond = cluster.log_s.imag() - std::numbers::pi;
-  return std::abs(beyond) < 1e-9 ? 0 : beyond > 0 ? 1 : -1;
-}
-
-}  // namespace
-
-PowerSumRoots power_sum_roots(const PowerProduct& product, double largest_argument, double together) {
-  if (!product.is_factored()) return power_sum_roots(product.terms, largest_argument);
-  PowerSumRoots result;
-  std::vector<Given> all;
-  for (const PowerFactor& factor : product.factors) {
-    const PowerSumRoots roots = power_sum_roots(factor.sum, largest_argument);
-    result.complete = result.complete && roots.complete;
-    if (!roots.complete) result.trouble = roots.trouble;
-    for (const RootCluster& cluster : roots.clusters) all.push_back({cluster, factor.power});
-  }
-  while (!all.empty()) {
-    std::vector<Given> group{all.front()};
-    all.erase(all.begin());
-    for (std::size_t i = 0; i < group.size(); ++i) {
-      for (std::size_t j = all.size(); j-- > 0;) {
-        const double reach = together + all[j].cluster.spread + group[i].cluster.spread;
-        if (!(std::abs(all[j].cluster.log_s - group[i].cluster.log_s) < reach)) continue;
-        group.push_back(all[j]);
-        all.erase(all.begin() + static_cast<std::ptrdiff_t>(j));
-      }
-    }
-    result.clusters.push_back(combined(group));
-  }
-  std::sort(result.clusters.begin(), result.clusters.end(), by_argument);
-  return result;
-}
-
-std::vector<RootCluster> without_crowds(std::vector<RootCluster> clusters) {
-  constexpr double most_amplification = 11.5;  // 1e5
-  constexpr double widest = 0.5;
-  constexpr std::size_t most_clusters = 64;  // the work grows as the cube
-  while (clusters.size() <= most_clusters) {
-    double worst = most_amplification;
-    std::size_t first = 0;
-    std::size_t second = 0;
-    RootCluster best;
-    for (std::size_t k = 0; k < clusters.size(); ++k) {
-      std::size_t nearest = k;
-      const double size = amplification(clusters, k, nearest);
-      if (!(size > worst) || side_of_negative_axis(clusters[k]) != side_of_negative_axis(clusters[nearest])) continue;
-      RootCluster both = combined({{clusters[k], 1}, {clusters[nearest], 1}});
-      if (both.spread > widest) continue;
-      worst = size;
-      first = std::min(k, nearest);
-      second = std::max(k, nearest);
-      best = std::move(both);
-    }
-    if (first == second) break;
-    clusters[first] = std::move(best);
-    clusters.erase(clusters.begin() + static_cast<std::ptrdiff_t>(second));
-  }
-  std::sort(clusters.begin(), clusters.end(), by_argument);
-  return clusters;
 }
 
 }  // namespace frac::detail

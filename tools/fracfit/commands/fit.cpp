@@ -134,7 +134,14 @@ class Fit : public Command {
 
   template <class Data, class FitOptions>
   int fit_and_write(const Data& data, FitOptions fit, const FitRun& run) {
-    const auto [result, growth] = fitted(data, fit);
+    const auto made = fitted(data, fit);
+    return write_fit(data, fit, made, run);
+  }
+
+  /// @param fit  as fitted() left it
+  template <class Data, class FitOptions>
+  int write_fit(const Data& data, const FitOptions& fit, const Fitted& made, const FitRun& run) {
+    const auto& [result, growth] = made;
     auto asked = statistics_;
     asked.command = command_line();
     auto statistics = fit_statistics(data, fit, result, asked, threads());
@@ -159,14 +166,20 @@ class Fit : public Command {
       return fit_and_write(record.data, fit, time_fit_run(request_, record, options(), command_line()));
     }
     options().settle(frequency_response);
-    auto fit = fit_options(request_);
-    fit.constraints = chosen_.constraints;
+    auto wanted = fit_options(request_);
+    wanted.constraints = chosen_.constraints;
     const auto file = read_data(request_, note);
-    const auto left_out = outliers_left_out(request_, file.data, note);
+    auto left_out = outliers_left_out(request_, file.data, note);
+    auto fit = wanted;
+    auto made = fitted(frac::without_points(file.data, left_out), fit);
+    if (take_back_met(left_out, file.data, fit, made.result, note)) {
+      fit = wanted;
+      made = fitted(frac::without_points(file.data, left_out), fit);
+    }
     auto about = fit_run(request_, options(), file, left_out, command_line());
     if (!parameters_.prior.empty()) about.options.emplace_back("priors", joined(parameters_.prior));
     if (!parameters_.order.empty()) about.options.emplace_back("constraints", joined(parameters_.order));
-    return fit_and_write(frac::without_points(file.data, left_out), fit, about);
+    return write_fit(frac::without_points(file.data, left_out), fit, made, about);
   }
 
   FitRequest request_;

@@ -83,9 +83,7 @@ class Identify : public Command {
   }
 
  private:
-  void check() override {
-    models_ = chosen_models(models_text_);
-  }
+  void check() override { models_ = chosen_models(models_text_); }
 
   // Takes from the header that `simulate` writes what the options leave open.
   // @return whether there is a static-backlash candidate
@@ -157,16 +155,27 @@ class Identify : public Command {
     const auto note = [this](const std::string& text) { say(text); };
     const auto file = read_data(request_, note);
     check_folds(file.data.size());
-    const auto left_out = outliers_left_out(request_, file.data, note);
-    const auto data = frac::without_points(file.data, left_out);
-    std::vector<frac::FixedCurve> curves;
-    if (complete_scene(file.metadata)) {
-      curves.push_back({"static-backlash",
-                        backlash::static_describing_function(*mass1_, *mass2_, *clearance_, *force_, data.omega())});
-      if (io::find_value(file.metadata, "output") == "x2")
-        say(request_.data + ": the data are of x2, while the static-backlash curve describes x1");
+    auto left_out = outliers_left_out(request_, file.data, note);
+    const bool static_backlash = complete_scene(file.metadata);
+    if (static_backlash && io::find_value(file.metadata, "output") == "x2")
+      say(request_.data + ": the data are of x2, while the static-backlash curve describes x1");
+    const auto ranked = [&](const frac::FrequencyResponseData& data) {
+      std::vector<frac::FixedCurve> curves;
+      if (static_backlash) {
+        curves.push_back({"static-backlash",
+                          backlash::static_describing_function(*mass1_, *mass2_, *clearance_, *force_, data.omega())});
+      }
+      return frac::identify(data, models_, curves, fit, threads());
+    };
+    auto data = frac::without_points(file.data, left_out);
+    auto result = ranked(data);
+    const auto& chosen = result.ranking.at(result.chosen);
+    auto of_chosen = fit;
+    of_chosen.constraints = chosen.model.constraints;
+    if (take_back_met(left_out, file.data, of_chosen, chosen.fit, note)) {
+      data = frac::without_points(file.data, left_out);
+      result = ranked(data);
     }
-    const auto result = frac::identify(data, models_, curves, fit, threads());
     if (request_.weight == frac::to_string(frac::Weight::learned)) fit.noise_floor = result.noise_floor;
     return write_ranking(data, fit, result, fit_run(request_, options(), file, left_out, command_line()));
   }

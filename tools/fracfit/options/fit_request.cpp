@@ -9,6 +9,7 @@
 #include "frac/identification/outliers.hpp"
 #include "io/data_error.hpp"
 #include "options/model_options.hpp"
+#include "output/aligned_table.hpp"
 
 namespace fracfit {
 namespace {
@@ -149,6 +150,18 @@ std::vector<std::size_t> outliers_left_out(const FitRequest& request, const frac
   if (!points.empty())
     note(contradicted_points(data, points) + "; they are left out, and taken in with --outliers keep");
   return points;
+}
+
+bool take_back_met(std::vector<std::size_t>& left_out, const frac::FrequencyResponseData& data,
+                   const frac::FitOptions& options, const frac::FitResult& fit,
+                   const std::function<void(const std::string&)>& note) {
+  const auto met = frac::points_met(data, left_out, options, fit);
+  if (met.empty()) return false;
+  std::erase_if(left_out, [&](std::size_t point) { return std::binary_search(met.begin(), met.end(), point); });
+  std::string at;
+  for (const std::size_t point : met) at += " " + short_number(data.omega()[point]);
+  note("the model meets what was left out at omega =" + at + " to within the noise, so that it is taken in again");
+  return true;
 }
 
 FitRun fit_run(const FitRequest& request, const Options& options, const io::FrequencyResponseFile& file,

@@ -59,6 +59,12 @@ void add_outliers(Options& options, FitRequest& request);
                                                          const frac::FrequencyResponseData& data,
                                                          const std::function<void(const std::string&)>& note);
 
+/// Takes points back that a fit to the others meets after all, out of what was left out.
+/// @return whether there were such, so that the fit is to be made anew
+[[nodiscard]] bool take_back_met(std::vector<std::size_t>& left_out, const frac::FrequencyResponseData& data,
+                                 const frac::FitOptions& options, const frac::FitResult& fit,
+                                 const std::function<void(const std::string&)>& note);
+
 /// What the outputs say of where a result came from.
 /// @param left_out  indices of the file's data
 [[nodiscard]] FitRun fit_run(const FitRequest& request, const Options& options, const io::FrequencyResponseFile& file,

@@ -22,6 +22,17 @@ namespace frac {
 /// of the data: then the noise itself has long tails.
 [[nodiscard]] std::vector<std::size_t> isolated_outliers(const FrequencyResponseData& data, Component component);
 
+/// Those of some points that go with the others after all: a fit to these and the point, from the estimates of `fit`,
+/// meets it to within three times the rms that `fit` has, and its own rms is no more than a twentieth larger.  None
+/// where `fit` does not follow the others to within their noise, see LackOfFit.  So the flank of a sharp resonance,
+/// which two points on either side do not show, is no outlier once a model has the resonance.
+/// @param points   indices of the data, increasing
+/// @param options  with the constraints of the model
+/// @param fit      to without_points(data, points) with these options
+[[nodiscard]] std::vector<std::size_t> points_met(const FrequencyResponseData& data,
+                                                  const std::vector<std::size_t>& points, const FitOptions& options,
+                                                  const FitResult& fit);
+
 /// The data without some points.
 /// @param points  indices, increasing
 [[nodiscard]] FrequencyResponseData without_points(const FrequencyResponseData& data,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <span>
 
@@ -16,6 +17,12 @@ namespace frac::detail {
     if (i >= stride * lag) product += values[i] * values[i - stride * lag];
   }
   return power > 0 ? product / power : 0;
+}
+
+/// The share of the values that carry news where neighbours are correlated by r: (1 - r)/(1 + r), at most 1.
+[[nodiscard]] inline double independent_share(double correlation) {
+  const double r = std::clamp(correlation, 0.0, 0.999);
+  return (1 - r) / (1 + r);
 }
 
 /// Whether `stride` interleaved series of residuals look like noise.

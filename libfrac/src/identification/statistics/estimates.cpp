@@ -89,13 +89,16 @@ std::string remark_on_correlation(const FitResult& result, const Confidence& fou
     most = std::max(most, estimate.widening);
   }
   if (!(most > 0)) return {};
-  char text[200];
-  std::snprintf(
-      text, sizeof text,
-      " Neighbouring residuals go together (correlation %.2f), by the noise or by a smooth error of the model:"
-      " intervals are %.2g to %.2g times as wide as white noise would make them.",
-      found.noise.correlation(), least, most);
-  return text;
+  const auto two_digits = [](double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.2g", value);
+    return std::string(text);
+  };
+  const std::string from = two_digits(least), to = two_digits(most);
+  char text[64];
+  std::snprintf(text, sizeof text, " Neighbouring residuals go together (correlation %.2f)", found.noise.correlation());
+  return text + std::string(", by the noise or by a smooth error of the model: intervals are ") +
+         (from == to ? from : from + " to " + to) + " times as wide as white noise would make them.";
 }
 
 void describe_priors(FitResult& result, const Residuals& residuals) {

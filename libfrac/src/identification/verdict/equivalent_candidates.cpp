@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "identification/equivalent_candidates.hpp"
+#include "identification/verdict/equivalent_candidates.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "identification/next_measurement.hpp"
+#include "identification/verdict/next_measurement.hpp"
 
 #include <Eigen/Core>
 #include <algorithm>

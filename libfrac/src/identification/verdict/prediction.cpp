@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "identification/prediction.hpp"
+#include "identification/verdict/prediction.hpp"
 
 #include <algorithm>
 #include <cmath>

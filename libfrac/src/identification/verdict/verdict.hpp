@@ -1,22 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <cstddef>
-#include <limits>
+#include <string>
 #include <vector>
 
-#include "frac/identification/identify.hpp"
+#include "identification/verdict/competitor.hpp"
 
 namespace frac::detail {
-
-/// A ranked candidate with what a verdict needs beside.
-struct Competitor {
-  RankedFit ranked;
-  std::vector<double> residual;  // weighted
-  /// What FamilyMembers says of a member of a family.
-  double departed = std::numeric_limits<double>::infinity();
-  std::size_t relaxations = 0;
-};
 
 /// Fills in the verdict of a ranking as IdentificationResult defines it.
 /// @param competitors  in the order of the ranking

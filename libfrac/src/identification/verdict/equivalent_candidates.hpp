@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "identification/verdict.hpp"
+#include "identification/verdict/competitor.hpp"
 
 namespace frac::detail {
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "identification/verdict.hpp"
+#include "identification/verdict/competitor.hpp"
 
 namespace frac::detail {
 

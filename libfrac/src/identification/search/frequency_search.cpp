@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "identification/search/frequency_search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <vector>
+
+#include "identification/search/start_values.hpp"
+
+namespace frac::detail {
+namespace {
+
+/// Points of the data, at most `count`: half of them spread evenly, half by the length of the curve in logarithms, so
+/// that a resonance keeps its points.
+struct Thinned {
+  FrequencyResponseData data;
+  ResidualRule rule;
+};
+Thinned thinned(const FrequencyResponseData& data, const ResidualRule& rule, std::size_t count) {
+  const std::size_t size = data.size();
+  std::vector<double> length(size, 0.0);
+  for (std::size_t i = 1; i < size; ++i) {
+    const std::complex<double> before = data.value()[i - 1], after = data.value()[i];
+    const double mean = (std::abs(before) + std::abs(after)) / 2;
+    length[i] = length[i - 1] + (mean > 0 ? std::abs(after - before) / mean : 0);  // at most 2: also of an outlier
+  }
+  std::vector<double> omega;
+  std::vector<std::complex<double>> value;
+  ResidualRule thin{rule.form, {}, rule.unit};
+  const double total = length.back() > 0 ? length.back() : 1;
+  double next = 0;
+  for (std::size_t i = 0; i < size; ++i) {
+    const double place = 0.5 * static_cast<double>(i) / static_cast<double>(size) + 0.5 * length[i] / total;
+    if (count < size && place < next && i + 1 < size) continue;
+    next = (std::floor(place * static_cast<double>(count)) + 1) / static_cast<double>(count);
+    omega.push_back(data.omega()[i]);
+    value.push_back(data.value()[i]);
+    thin.weight.push_back(rule.weight[i]);
+  }
+  return {{std::move(omega), std::move(value)}, std::move(thin)};
+}
+
+/// The problem at few of its points, or at few of these again.
+struct FewResiduals {
+  FewResiduals(const FitProblem& problem, const FrequencyResponseData& data, const ResidualRule& rule,
+               std::size_t count)
+      : points(thinned(data, rule, count)),
+        residuals(points.data, problem.structure, problem.options.realisation, problem.map, points.rule) {
+    residuals.set_priors(problem.priors, problem.residuals.prior_weight());
+  }
+  Thinned points;
+  FrequencyResiduals residuals;
+};
+
+GlobalSolution search_from_nothing(const FitProblem& problem, const FewResiduals& few, double hopeless) {
+  const FrequencyResponseData& data = few.points.data;
+  // So few that scouting is quick and so many that they show the shape of most curves; see global_search().
+  const std::size_t scouted = std::max<std::size_t>(64, 8 * problem.map.free().size());
+  const std::vector<double> orders = suggested_orders(data);
+  const std::uint64_t seed = problem.options.seed;
+  if (2 * data.size() < 3 * scouted) return global_search(few.residuals, few.residuals, orders, seed, hopeless);
+  const FewResiduals fewer(problem, data, few.points.rule, scouted);
+  return global_search(fewer.residuals, few.residuals, orders, seed, hopeless);
+}
+
+/// The solve from the start values; `starts_at_best` is 0 where the model is not finite there.
+GlobalSolution search_from_start(const FitProblem& problem, const FewResiduals& few) {
+  require_start_values(problem.map, problem.structure);
+  GlobalSolution result;
+  result.starts = 1;
+  result.minima = 1;
+  result.confidence = std::numeric_limits<double>::quiet_NaN();
+  result.best.theta = problem.map.to_theta(problem.map.start());
+  if (!std::isfinite(problem.residuals.cost(result.best.theta))) return result;
+  result.best = local_solve(few.residuals, result.best.theta, {});
+  result.starts_at_best = 1;
+  return result;
+}
+
+}  // namespace
+
+GlobalSolution frequency_search(const FitProblem& problem, double hopeless) {
+  // First iterations stay quick on so many points, and see the same shape.
+  const FewResiduals few(problem, problem.data, problem.rule, 500);
+  const bool blind = problem.options.global_start && !problem.map.free().empty();
+  GlobalSolution result = blind ? search_from_nothing(problem, few, hopeless) : search_from_start(problem, few);
+  if (result.starts_at_best == 0) return result;
+  if (few.points.data.size() < problem.data.size()) {
+    result.best = local_solve(problem.residuals, result.best.theta, {});
+  }
+  if (!std::isfinite(result.best.cost)) return {};
+  return result;
+}
+
+}  // namespace frac::detail

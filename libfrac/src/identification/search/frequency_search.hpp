@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include "identification/residuals/fit_problem.hpp"
+#include "identification/search/global_search.hpp"
+
+namespace frac::detail {
+
+/// The optimum of a fit to a frequency response: global_search() on a thinned copy of many points, finished on all;
+/// from the start values alone where options.global_start is off.
+/// @param hopeless  as global_search()
+/// @throws std::invalid_argument  a parameter without a start value where the search is off
+[[nodiscard]] GlobalSolution frequency_search(const FitProblem& problem, double hopeless);
+
+}  // namespace frac::detail

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "identification/residuals/residuals.hpp"
+
+namespace frac::detail {
+
+/// The starts of a round, each the best of a few draws: screening all draws together would send every solve into the
+/// one basin that looks best from afar.
+[[nodiscard]] std::vector<std::vector<double>> screened_draws(const Residuals& residuals,
+                                                              const std::vector<double>& suggested_orders,
+                                                              std::mt19937_64& generator, bool from_given_starts);
+
+/// Starts by linear least squares for the coefficients, at orders and delays drawn like those of the others: the best
+/// few of several draws.
+[[nodiscard]] std::vector<std::vector<double>> linear_starts(const Residuals& residuals,
+                                                             const std::vector<double>& suggested_orders,
+                                                             std::mt19937_64& generator);
+
+/// Starts with every order at a whole number: integer-order structures are contained in fractional ones, and their
+/// optimum is a place of its own.
+[[nodiscard]] std::vector<std::vector<double>> whole_order_starts(const Residuals& residuals,
+                                                                  const std::vector<double>& suggested_orders,
+                                                                  std::mt19937_64& generator);
+
+/// Best point of NLopt's CRS2 over a box six natural units (e-folds) around the data, for models no start agrees on.
+[[nodiscard]] std::vector<double> controlled_random_search(const Residuals& residuals, const std::vector<double>& start,
+                                                           std::uint64_t seed);
+
+}  // namespace frac::detail

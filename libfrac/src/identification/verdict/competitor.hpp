@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+#include "frac/identification/identify.hpp"
+
+namespace frac::detail {
+
+/// A ranked candidate with what a verdict needs beside.
+struct Competitor {
+  RankedFit ranked;
+  std::vector<double> residual;  // weighted
+  /// What FamilyMembers says of a member of a family.
+  double departed = std::numeric_limits<double>::infinity();
+  std::size_t relaxations = 0;
+
+  [[nodiscard]] bool is_fractional() const { return ranked.model_class == ModelClass::fractional; }
+  [[nodiscard]] double parameters() const { return static_cast<double>(ranked.fit.free_parameters); }
+};
+
+}  // namespace frac::detail

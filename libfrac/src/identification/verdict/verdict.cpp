@@ -1,0 +1,215 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "identification/verdict/verdict.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
+#include "identification/data/fit_data.hpp"
+#include "identification/data/residual_rule.hpp"
+#include "identification/statistics/autocorrelation.hpp"
+#include "identification/verdict/finalists.hpp"
+#include "identification/verdict/next_measurement.hpp"
+#include "identification/verdict/prediction.hpp"
+#include "identification/verdict/ruling.hpp"
+#include "identification/verdict/verdict_sentence.hpp"
+
+namespace frac::detail {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double most_model_error = 0.05;  // of the data
+
+/// Where within a decade outside the data two fits differ most.
+void differ_most(IdentificationResult& result, const FrequencyResponseData& data, const FitOptions& options,
+                 const FitResult& fractional, const FitResult& integer) {
+  std::vector<double> omega;
+  constexpr int steps = 20;
+  for (int i = 1; i <= steps; ++i) {
+    const double factor = std::pow(10.0, static_cast<double>(i) / steps);
+    omega.push_back(data.omega().front() / factor);
+    omega.push_back(data.omega().back() * factor);
+  }
+  if (!std::holds_alternative<ExactRealisation>(options.realisation)) return;
+  const auto a = fitted_response(fractional, options.realisation, omega);
+  const auto b = fitted_response(integer, options.realisation, omega);
+  double most = -1;
+  for (std::size_t i = 0; i < omega.size(); ++i) {
+    const double difference = std::abs(a[i] / b[i] - 1.0);
+    if (!(difference > most)) continue;
+    most = difference;
+    result.differ_most = difference;
+    result.differ_most_omega = omega[i];
+  }
+}
+void differ_most(IdentificationResult&, const TimeResponseData&, const TimeFitOptions&, const FitResult&,
+                 const FitResult&) {}
+
+const char* axis_unit(const FrequencyResponseData&) {
+  return "rad/s";
+}
+const char* axis_unit(const TimeResponseData&) {
+  return "s";
+}
+
+/// Whether many values repeat their neighbours': they are rounded so coarsely that the steps are a shape of their own,
+/// which a model of many parameters follows.
+bool coarsely_rounded(const FrequencyResponseData& data, const FitOptions& options) {
+  constexpr double most_repeats = 0.05;
+  std::size_t repeats = 0, pairs = 0;
+  const auto count = [&](double value, double before) {
+    ++pairs;
+    repeats += value == before && value != 0 ? 1 : 0;
+  };
+  for (std::size_t k = 1; k < data.size(); ++k) {
+    if (data.omega()[k] == data.omega()[k - 1]) continue;
+    if (options.component != Component::imaginary) count(data.value()[k].real(), data.value()[k - 1].real());
+    if (options.component != Component::real) count(data.value()[k].imag(), data.value()[k - 1].imag());
+  }
+  return static_cast<double>(repeats) > most_repeats * static_cast<double>(pairs);
+}
+bool coarsely_rounded(const TimeResponseData&, const TimeFitOptions&) {
+  return false;
+}
+
+bool within_model_error(const FrequencyResponseData& data, const FitOptions& options, const FitResult& fit) {
+  return fit.rms <= most_model_error * residual_rule(data, options).unit;
+}
+/// Over time the unit is the rms of the output.
+bool within_model_error(const TimeResponseData& data, const TimeFitOptions&, const FitResult& fit) {
+  double square = 0;
+  for (const std::size_t i : data.observed()) {
+    const double weighted = data.output()[i] / (data.sigma().empty() ? 1 : data.sigma()[i]);
+    square += weighted * weighted;
+  }
+  return fit.rms <= most_model_error * std::sqrt(square / static_cast<double>(data.observed().size()));
+}
+
+/// What would let the skipped rivals take part.
+std::string advice_on_skipped(const FrequencyResponseData&, const FitOptions& options) {
+  const bool one_number = options.component == Component::magnitude || options.component == Component::phase;
+  return one_number ? ": families of ratios are fitted to the real and the imaginary part, not to a magnitude or a "
+                      "phase; fit both parts (component both) to have them compared"
+                    : "";
+}
+std::string advice_on_skipped(const TimeResponseData&, const TimeFitOptions&) {
+  return "";
+}
+
+void suggest_next(IdentificationResult& result, const FrequencyResponseData& data, const FitOptions& options,
+                  const Comparison& pair) {
+  if (pair.integer.ranked.model_class != ModelClass::integer_order) return;
+  const RankedFit& better = result.evidence > 0 ? pair.fractional.ranked : pair.integer.ranked;
+  const double noise = std::max(better.lack_of_fit.noise, better.fit.rms);
+  result.next = next_measurement(data, options, pair.fractional.ranked.fit, pair.integer.ranked.fit, noise,
+                                 evidence_to_decide(result.evidence));
+  // Where the two are one model in two spellings, nothing tells them apart.
+  if (result.next && !(result.next->expected_evidence > no_evidence)) result.next.reset();
+  if (result.next) result.verdict_sentence += advice(*result.next);
+}
+void suggest_next(IdentificationResult&, const TimeResponseData&, const TimeFitOptions&, const Comparison&) {}
+
+void call_inadequate(IdentificationResult& result, const char* unit) {
+  result.verdict = Verdict::no_adequate_model;
+  result.verdict_sentence = sentence_without_model(result.ranking.at(result.chosen), unit);
+}
+
+/// Whether a ratio was grown from the data and no fractional family was.
+bool only_integer_grew(const std::vector<Competitor>& competitors, const Competitor& integer) {
+  const auto grew = [](const Competitor& each) { return each.is_fractional() && each.ranked.from_family; };
+  return integer.ranked.from_family && std::none_of(competitors.begin(), competitors.end(), grew);
+}
+
+template <class Data, class Options>
+Comparison comparison_of(const Data& data, const Options& options, const std::vector<Competitor>& competitors,
+                         const Finalists& finalists, bool model_error) {
+  const Competitor &f = competitors[*finalists.fractional], &i = competitors[*finalists.integer];
+  const Competitor& better = criterion(f) < criterion(i) ? f : i;
+  const double share = independent_share(autocorrelation(better.residual, residuals_per_point(data, options), 1));
+  // Where both are off by model error alone, each is judged as if it followed the data if it comes close.
+  const auto comes_close = [&](const Competitor& each) {
+    return model_error && within_model_error(data, options, each.ranked.fit);
+  };
+  return {.fractional = f,
+          .integer = i,
+          .fractional_follows = finalists.fractional_follows || comes_close(f),
+          .integer_follows = finalists.integer_follows || comes_close(i),
+          .share = share,
+          .orders = orders_of(f.ranked.fit, share),
+          .departure = evidence_of_departure(competitors, i, share),
+          .only_integer_grew = only_integer_grew(competitors, i),
+          .rounded = coarsely_rounded(data, options),
+          .price_alone = std::is_same_v<Data, TimeResponseData> && misfit_term(i) <= misfit_term(f)};
+}
+
+template <class Data, class Options>
+void predict(const Data& data, const Options& options, const Competitor& competitor, Finalist& finalist) {
+  finalist.prediction_rms = prediction_rms(data, options, competitor, blocks_of(data));
+  finalist.extrapolation_rms = prediction_rms(data, options, competitor, end_blocks(data));
+}
+
+template <class Data, class Options>
+void compare(IdentificationResult& result, const Data& data, const Options& options, const Comparison& pair,
+             const std::vector<std::string>& skipped_rivals) {
+  result.evidence = evidence_for(pair.fractional, pair.integer, pair.share);
+  result.departure_evidence = pair.departure.evidence;
+  if (pair.fractional.is_fractional() && pair.integer.ranked.model_class == ModelClass::integer_order) {
+    differ_most(result, data, options, pair.fractional.ranked.fit, pair.integer.ranked.fit);
+  }
+  predict(data, options, pair.fractional, *result.fractional);
+  predict(data, options, pair.integer, *result.integer);
+
+  Ruling decided = ruling(result, pair, skipped_rivals);
+  result.log10_odds = log10_odds(result.evidence, decided.verdict);
+  const bool undecided = decided.verdict == Verdict::undecided;
+  if (result.model_error && undecided) return call_inadequate(result, axis_unit(data));
+  if (undecided && !skipped_rivals.empty()) decided.reason += advice_on_skipped(data, options);
+  result.verdict = decided.verdict;
+  result.verdict_sentence = verdict_sentence(result, pair, decided, axis_unit(data));
+  if (undecided) suggest_next(result, data, options, pair);
+}
+
+template <class Data, class Options>
+void judge_any(IdentificationResult& result, const Data& data, const Options& options,
+               const std::vector<Competitor>& competitors, const std::vector<std::string>& skipped_rivals) {
+  result.verdict = Verdict::undecided;
+  result.evidence = result.departure_evidence = result.log10_odds = result.differ_most = result.differ_most_omega = nan;
+  if (std::none_of(competitors.begin(), competitors.end(), is_comparable)) {
+    result.verdict_sentence =
+        "Undecided: too few residuals (" + std::to_string(competitors.front().residual.size()) +
+        ") to judge any candidate; at least three more are needed than it has parameters, and twice as many.";
+    return;
+  }
+  const Finalists finalists = finalists_of(competitors);
+  const auto finalist = [&](std::size_t index) {
+    return Finalist{index, competitors[index].ranked.fit.free_parameters, nan, nan};
+  };
+  if (finalists.fractional) result.fractional = finalist(*finalists.fractional);
+  if (finalists.integer) result.integer = finalist(*finalists.integer);
+  result.model_error = !finalists.fractional_follows && !finalists.integer_follows;
+  if (!result.fractional || !result.integer) {
+    if (result.model_error) return call_inadequate(result, axis_unit(data));
+    result.verdict_sentence = result.fractional
+                                  ? "Only fractional-order candidates could be ranked, so nothing is compared."
+                                  : "No fractional-order candidate could be ranked, so nothing is compared.";
+    return;
+  }
+  const Comparison pair = comparison_of(data, options, competitors, finalists, result.model_error);
+  if (!pair.fractional_follows && !pair.integer_follows) return call_inadequate(result, axis_unit(data));
+  compare(result, data, options, pair, skipped_rivals);
+}
+
+}  // namespace
+
+void judge(IdentificationResult& result, const FrequencyResponseData& data, const FitOptions& options,
+           const std::vector<Competitor>& competitors, const std::vector<std::string>& skipped_rivals) {
+  judge_any(result, data, options, competitors, skipped_rivals);
+}
+
+void judge(IdentificationResult& result, const TimeResponseData& data, const TimeFitOptions& options,
+           const std::vector<Competitor>& competitors, const std::vector<std::string>& skipped_rivals) {
+  judge_any(result, data, options, competitors, skipped_rivals);
+}
+
+}  // namespace frac::detail

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "identification/verdict/verdict_sentence.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "base/counted.hpp"
+
+namespace frac::detail {
+namespace {
+
+std::string described(const RankedFit& ranked) {
+  return "'" + ranked.name + "' (" + counted(ranked.fit.free_parameters, "parameter") + ", rms " +
+         four_digits(ranked.fit.rms) + ")";
+}
+
+/// What shows that residuals are not noise: their size where it exceeds the noise, else that they follow each other.
+std::string how_far_off(const LackOfFit& lack) {
+  const std::string correlated = " are correlated by " + four_digits(lack.correlation);
+  return lack.misfit > 1
+             ? "its residuals are " + four_digits(lack.misfit) + " times the noise, and neighbouring ones" + correlated
+             : "its neighbouring residuals" + correlated;
+}
+
+std::string list_of_bands(const LackOfFit& lack, const char* unit) {
+  std::string text;
+  for (std::size_t i = 0; i < std::min<std::size_t>(lack.misses.size(), 3); ++i) {
+    text += (i > 0 ? ", " : "") + four_digits(lack.misses[i].lower) + " to " + four_digits(lack.misses[i].upper);
+  }
+  return text.empty() ? "" : " (misses at " + text + " " + unit + ")";
+}
+
+/// rms of predictions, which are infinite where the rest of the data does not determine the model.
+std::string rms_text(double rms) {
+  return std::isfinite(rms) ? four_digits(rms) : "none (what is left does not determine the model)";
+}
+
+std::string compared(const IdentificationResult& result, const Comparison& pair) {
+  const Finalist &f = *result.fractional, &i = *result.integer;
+  std::string text = described(pair.fractional.ranked) + " against " + described(pair.integer.ranked) + ", evidence " +
+                     four_digits(result.evidence) + " (odds " +
+                     four_digits(std::pow(10.0, std::abs(result.log10_odds))) + " to 1 for the " +
+                     (result.evidence > 0 ? "fractional" : "integer-order") +
+                     " one, had they been equal before), predictions to rms " + rms_text(f.prediction_rms) +
+                     " against " + rms_text(i.prediction_rms);
+  if (!std::isnan(f.extrapolation_rms) && !std::isnan(i.extrapolation_rms)) {
+    text += ", half a decade beyond to " + rms_text(f.extrapolation_rms) + " against " + rms_text(i.extrapolation_rms);
+  }
+  return text;
+}
+
+std::string decided_order(const Orders& orders) {
+  if (!orders.decided) return "";
+  const ParameterEstimate& order = *orders.decided;
+  return "; order " + order.name + " = " + four_digits(order.value) + " (95 %: " + four_digits(order.ci95_lower) +
+         " to " + four_digits(order.ci95_upper) + ")";
+}
+
+std::string model_error_and_difference(const IdentificationResult& result) {
+  std::string text;
+  if (result.model_error) {
+    text = "; neither follows the data to within their noise, and what is left is taken for model error";
+  }
+  if (!std::isnan(result.differ_most)) {
+    text += "; outside the data they differ most at " + four_digits(result.differ_most_omega) + " rad/s, by " +
+            four_digits(100 * result.differ_most) + " %";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string four_digits(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+std::string unfitted(const std::vector<std::string>& rivals) {
+  constexpr std::size_t most = 3;
+  std::string text = rivals.size() == 1 ? "the rival " : "the rivals ";
+  for (std::size_t i = 0; i < std::min(rivals.size(), most); ++i) text += (i > 0 ? ", '" : "'") + rivals[i] + "'";
+  if (rivals.size() > most) text += " and " + std::to_string(rivals.size() - most) + " more";
+  return text + " could not be fitted";
+}
+
+std::string verdict_sentence(const IdentificationResult& result, const Comparison& pair, const Ruling& ruling,
+                             const char* unit) {
+  const std::string rivals = compared(result, pair);
+  switch (ruling.verdict) {
+    case Verdict::fractional_supported:
+      return "A fractional order is supported: " + rivals + decided_order(pair.orders) +
+             (pair.integer_follows || result.model_error ? "" : "; no integer-order candidate follows the data") +
+             model_error_and_difference(result) + ".";
+    case Verdict::fractional_not_supported: {
+      const LackOfFit& lack = pair.fractional.ranked.lack_of_fit;
+      const std::string miss = "; the fractional one misses the data: " + how_far_off(lack) + list_of_bands(lack, unit);
+      return "A fractional order is not supported: " + rivals + ruling.reason +
+             (pair.fractional_follows || result.model_error ? "" : miss) + model_error_and_difference(result) + ".";
+    }
+    default:
+      return "Undecided: " + rivals + ruling.reason + ".";
+  }
+}
+
+std::string sentence_without_model(const RankedFit& best, const char* unit) {
+  return "No candidate describes these data to within their noise: the best is " + described(best) + "; " +
+         how_far_off(best.lack_of_fit) + list_of_bands(best.lack_of_fit, unit) + ".";
+}
+
+std::string advice(const NextMeasurement& next) {
+  return " To decide, measure " + counted(next.points, "point") + " from " + four_digits(next.lower) + " to " +
+         four_digits(next.upper) + " rad/s with residuals of " + four_digits(next.accuracy) + " (expected evidence " +
+         four_digits(next.expected_evidence) + ").";
+}
+
+}  // namespace frac::detail

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scaled_sum.hpp"
+
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include "frac/cancellation.hpp"
+
+namespace frac::detail {
+namespace {
+
+using Complex = std::complex<double>;
+
+// c e^{q zeta} over e^scale.
+Complex part_of(const PowerTerm& term, Complex zeta, double scale) {
+  const double modulus = std::abs(term.coefficient) * std::exp(term.order * zeta.real() - scale);
+  const double angle = term.order * zeta.imag();
+  const double signed_modulus = term.coefficient < 0 ? -modulus : modulus;
+  if (angle == 0) return signed_modulus;
+  return {signed_modulus * std::cos(angle), signed_modulus * std::sin(angle)};
+}
+
+// e^x less the first `order` terms of its series.
+Complex exponential_rest(Complex x, int order) {
+  Complex term = 1;
+  Complex start = 0;
+  for (int j = 0; j < order; ++j) {
+    start += term;
+    term *= x / static_cast<double>(j + 1);
+  }
+  if (std::abs(x) > order + 2) return std::exp(x) - start;
+  Complex rest = 0;
+  for (int j = order; j < order + 60; ++j) {
+    rest += term;
+    if (std::abs(term) <= 1e-18 * std::abs(rest)) break;
+    term *= x / static_cast<double>(j + 1);
+  }
+  return rest;
+}
+
+}  // namespace
+
+ScaledSum scaled_sum(const std::vector<PowerTerm>& terms, Complex zeta) {
+  // Every search for roots comes through here.
+  throw_if_cancelled();
+  double scale = -std::numeric_limits<double>::infinity();
+  for (const PowerTerm& term : terms) {
+    scale = std::max(scale, std::log(std::abs(term.coefficient)) + term.order * zeta.real());
+  }
+  ScaledSum sum{0, 0, scale, 0};
+  for (const PowerTerm& term : terms) {
+    const Complex value = part_of(term, zeta, scale);
+    sum.value += value;
+    sum.slope += term.order * value;
+    sum.magnitude += std::abs(value);
+  }
+  return sum;
+}
+
+ScaledSum scaled_sum(const PowerProduct& product, Complex zeta) {
+  if (!product.is_factored()) return scaled_sum(product.terms, zeta);
+  ScaledSum whole{1, 0, 0, 0};
+  for (const PowerFactor& factor : product.factors) {
+    const ScaledSum sum = scaled_sum(factor.sum, zeta);
+    const double size = std::abs(sum.value);
+    for (int i = 0; i < factor.power; ++i) {
+      whole.slope = whole.slope * sum.value + whole.value * sum.slope;
+      whole.magnitude = whole.magnitude * size + std::abs(whole.value) * sum.magnitude;
+      whole.value *= sum.value;
+      whole.scale += sum.scale;
+    }
+  }
+  return whole;
+}
+
+TaylorStart taylor_start(const std::vector<PowerTerm>& terms, Complex zeta, int count) {
+  const double scale = scaled_sum(terms, zeta).scale;
+  TaylorStart start{std::vector<Complex>(static_cast<std::size_t>(count), 0.0),
+                    std::vector<double>(static_cast<std::size_t>(count), 0.0)};
+  for (const PowerTerm& term : terms) {
+    const Complex value = part_of(term, zeta, scale);
+    double factor = 1;  // order^j/j!
+    for (std::size_t j = 0; j < start.coefficient.size(); factor *= term.order / static_cast<double>(++j)) {
+      start.coefficient[j] += factor * value;
+      start.rounding[j] += std::abs(factor * value) * (4 + std::abs(term.order * zeta));
+    }
+  }
+  return start;
+}
+
+DeflatedSum deflated_sum(const std::vector<PowerTerm>& terms, Complex zeta, Complex offset, int order) {
+  const double scale = scaled_sum(terms, zeta).scale;
+  DeflatedSum sum{0, 0};
+  for (const PowerTerm& term : terms) {
+    const Complex part = part_of(term, zeta, scale) * exponential_rest(term.order * offset, order);
+    sum.value += part;
+    sum.magnitude += std::abs(part);
+  }
+  return sum;
+}
+
+}  // namespace frac::detail
