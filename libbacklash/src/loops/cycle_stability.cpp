@@ -125,7 +125,7 @@ class WholePeriod final : public Characteristic {
         const ImpulseTrain& train = trains_[a * n + b];
         std::array<Complex, 3> g;
         if (is_split) {
-          const ImpulseTrain::Split split = train.split(s);
+          const TrainSplit split = train.split(s);
           g = split.regular;
           if (a == 0 && b == 0) mean = split.mean;
         } else {

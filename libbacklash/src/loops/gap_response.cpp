@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
-#include <string>
 #include <utility>
 
 #include "formula/power_sum.hpp"
@@ -159,10 +158,6 @@ double rate_by(const ImpulseAnswer& response, double half_period) {
 
 }  // namespace
 
-double alternating_sum(double power, double v) {
-  return AlternatingSums<long double>(power, v).sum();
-}
-
 ImpulseAnswer gap_response(const LinearBodies& bodies) {
   ImpulseAnswer response = free_response(bodies.system());
   if (bodies.are_free()) return response;
@@ -313,8 +308,8 @@ std::array<double, 3> ImpulseTrain::repeated(double t) const {
   return total;
 }
 
-ImpulseTrain::Split ImpulseTrain::split(Complex s) const {
-  Split total{};
+TrainSplit ImpulseTrain::split(Complex s) const {
+  TrainSplit total{};
   const Complex u = -s * tau_;
   for (const Part& part : parts_) {
     const PowerTrain::Split train = part.train.split(u);
@@ -328,15 +323,15 @@ ImpulseTrain::Split ImpulseTrain::split(Complex s) const {
     total.mean += scale * train.mean;
   }
   for (const ImageTrain& image : images_) {
-    const ImageTrain::Split other = image.split(s);
+    const TrainSplit other = image.split(s);
     for (std::size_t j = 0; j < 3; ++j) total.regular[j] += other.regular[j];
     total.mean += other.mean;
   }
   return total;
 }
 
-ImpulseTrain::Wave ImpulseTrain::wave(double t) const {
-  Wave wave{0, 0};
+TrainWave ImpulseTrain::wave(double t) const {
+  TrainWave wave{0, 0};
   for (const Part& part : parts_) {
     // Age over tau, now, of the latest impulse whose answer has begun.
     double age = part.offset + t / tau_;
@@ -357,7 +352,7 @@ ImpulseTrain::Wave ImpulseTrain::wave(double t) const {
     wave.slope += sign / tau_ * (slope + (age > 0 ? part.exponent * young / age : 0));
   }
   for (const ImageTrain& image : images_) {
-    const ImageTrain::Wave other = image.wave(t);
+    const TrainWave other = image.wave(t);
     wave.value += other.value;
     wave.slope += other.slope;
   }

@@ -48,22 +48,14 @@ class ImpulseTrain {
   [[nodiscard]] std::array<double, 3> sums_of_one_sign() const;
 
   /// sum_(l >= 0) (-1)^l g(l tau + t) and its derivative by t, 0 < t < tau.
-  struct Wave {
-    double value;
-    double slope;
-  };
-  [[nodiscard]] Wave wave(double t) const;
+  [[nodiscard]] TrainWave wave(double t) const;
 
   /// sum_(l >= 0) g^(j)(l tau + t), j = 0, 1, 2, for 0 < t <= tau, without the harmonic of frequency 0: what impulses
   /// of one sign leave a time t after the last one; at tau just before the next.
   [[nodiscard]] std::array<double, 3> repeated(double t) const;
 
-  /// sums_j(s) = regular_j + mean s^j, with what is singular at s = 0 in `mean`; |s tau| < 2 pi.
-  struct Split {
-    std::array<std::complex<double>, 3> regular;
-    std::complex<double> mean;
-  };
-  [[nodiscard]] Split split(std::complex<double> s) const;
+  /// sums_j(s) in parts; |s tau| < 2 pi.
+  [[nodiscard]] TrainSplit split(std::complex<double> s) const;
 
   [[nodiscard]] double half_period() const noexcept { return tau_; }
   /// Real parts of the poles of g's image, times tau, each as often as it counts, conjugates too.
@@ -92,8 +84,5 @@ class ImpulseTrain {
 [[nodiscard]] double rate_before_impact(const ImpulseAnswer& response, double half_period);
 /// The same to about 1e-10 of its largest part, at a tenth of the cost where g is a sum of powers.
 [[nodiscard]] double rough_rate_before_impact(const ImpulseAnswer& response, double half_period);
-
-/// sum_(n >= 0) (-1)^n (n + v)^power, v > 0, in the sense of Abel where it does not converge.
-[[nodiscard]] double alternating_sum(double power, double v);
 
 }  // namespace backlash::detail

@@ -33,7 +33,7 @@ bool SymmetricForcedOrbit::exists() const {
   const Complex forced = orbit_.force * drive_;
   const auto gap = [&](double t) {
     const Complex turned = forced * std::polar(1.0, omega_ * t);
-    const ImpulseTrain::Wave wave = train_.wave(t);
+    const TrainWave wave = train_.wave(t);
     return GapSample{turned.real() - orbit_.impulse * wave.value,
                      -omega_ * turned.imag() - orbit_.impulse * wave.slope};
   };
