@@ -442,6 +442,10 @@ LinearBodies BodiesStructure::bodies(const std::vector<double>& values) const {
   return {body(load), body(drive), values[values.size() - 2], values[values.size() - 1]};
 }
 
+std::string BodiesIdentification::summary() const {
+  return detail::summary_of(parameters, message);
+}
+
 BodiesIdentification identify_bodies(const std::vector<MeasuredDescribingFunction>& curves,
                                      const BodiesStructure& structure, const SceneIdentificationOptions& options) {
   const auto begin = std::chrono::steady_clock::now();

@@ -202,18 +202,7 @@ std::string_view to_string(PointStatus status) {
 }
 
 std::string SceneIdentification::summary() const {
-  using frac::detail::short_text;
-  std::string text;
-  for (const SceneEstimate& each : parameters) {
-    text += each.name + " = " + short_text(each.value) + (each.unit.empty() ? "" : " " + each.unit);
-    if (each.fixed) {
-      text += ", fixed";
-    } else if (std::isfinite(each.ci95_lower) && std::isfinite(each.ci95_upper)) {
-      text += ", 95 % within " + short_text(each.ci95_lower) + " .. " + short_text(each.ci95_upper);
-    }
-    text += each.identified ? "\n" : ", not identified\n";
-  }
-  return text + message;
+  return detail::summary_of(parameters, message);
 }
 
 TwoMassSystem SceneIdentification::system() const {

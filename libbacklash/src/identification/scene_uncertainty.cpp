@@ -183,6 +183,20 @@ bool is_narrow(const SceneEstimate& estimate) {
   return estimate.ci95_upper - estimate.ci95_lower <= range;
 }
 
+std::string summary_of(std::span<const SceneEstimate> parameters, const std::string& message) {
+  std::string text;
+  for (const SceneEstimate& each : parameters) {
+    text += each.name + " = " + short_text(each.value) + (each.unit.empty() ? "" : " " + each.unit);
+    if (each.fixed) {
+      text += ", fixed";
+    } else if (std::isfinite(each.ci95_lower) && std::isfinite(each.ci95_upper)) {
+      text += ", 95 % within " + short_text(each.ci95_lower) + " .. " + short_text(each.ci95_upper);
+    }
+    text += each.identified ? "\n" : ", not identified\n";
+  }
+  return text + message;
+}
+
 void stretch_over(const SceneEstimate& rival, SceneEstimate& estimate) {
   if (estimate.fixed || estimate.at_bound) return;
   // A rival at a limit has a value only.

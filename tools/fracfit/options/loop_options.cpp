@@ -37,8 +37,8 @@ class Formula {
   frac::Structure structure_;
 };
 
-constexpr const char* load_help =
-    "Displacement per force of body 1, m/N, instead of the free mass 1/(M1 s^2); e.g. '1/(2 s^2 + 0.1 s + 3)'";
+constexpr const char* load_meaning = "Displacement per force of body 1, m/N, instead of the free mass 1/(M1 s^2)";
+const std::string load_help = std::string(load_meaning) + "; e.g. '1/(2 s^2 + 0.1 s + 3)'";
 constexpr const char* drive_help = "That of body 2, on which the force acts";
 
 void exclude_masses(Option& load, Option& drive) {
@@ -64,11 +64,8 @@ void add_receptances(Options& options, std::optional<frac::FractionalTransferFun
 
 void add_open_receptances(Options& options, std::string& load, std::string& drive) {
   options.text("--load-receptance", load,
-               "Displacement per force of body 1, m/N, with names that are estimated, instead of 1/(mass1 s^2); e.g. "
-               "'1/(m s^2 + b s)' with friction",
-               "FORMULA");
-  options.text("--drive-receptance", drive, "That of body 2, on which the force acts, instead of 1/(mass2 s^2)",
-               "FORMULA");
+               std::string(load_meaning) + "; names are estimated; e.g. '1/(m s^2 + b s)' with friction", "FORMULA");
+  options.text("--drive-receptance", drive, drive_help, "FORMULA");
 }
 
 void LoopOptions::add(Options& options) {

@@ -27,6 +27,8 @@ struct BodiesStructure {
 struct BodiesIdentification {
   /// The search settled.  SceneEstimate::identified says which parameters the data determine.
   [[nodiscard]] bool usable() const noexcept { return termination == frac::FitTermination::converged; }
+  /// Parameters with their 95 % intervals, and the message.
+  [[nodiscard]] std::string summary() const;
 
   /// Names in the formula of the load, those of the drive that are not in it, clearance, restitution.
   std::vector<SceneEstimate> parameters;
