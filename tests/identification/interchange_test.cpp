@@ -51,6 +51,16 @@ TEST(Interchange, SortsPowersByOrder) {
   EXPECT_EQ(ordered("K/((1 + T1 s)(1 + T2 s))", {1, 5, 2}), (Values{1, 2, 5}));
 }
 
+// As in a preset whose orders have limits of their own.
+TEST(Interchange, SortsAcrossLimitsThatAllowBothPlaces) {
+  const char* const oscillator = "K/(b2 s^a2 + b1 s^a1 + 1)";
+  const std::vector<frac::ParameterConstraint> limits{{"a1", {}, 0.0, 2.0, {}}, {"a2", {}, 0.0, 4.0, {}}};
+  EXPECT_EQ(ordered(oscillator, {3, 0.4, 0.7, 9, 1.8}, limits), (Values{3, 9, 1.8, 0.4, 0.7}));
+  // The order that would go to a1 lies beyond its limit.
+  const std::vector<frac::ParameterConstraint> narrow{{"a1", {}, 1.0, 2.0, {}}, {"a2", {}, 0.0, 4.0, {}}};
+  EXPECT_EQ(ordered(oscillator, {3, 0.4, 0.7, 9, 1.8}, narrow), (Values{3, 0.4, 0.7, 9, 1.8}));
+}
+
 TEST(Interchange, LeavesWhatIsNoSymmetry) {
   EXPECT_TRUE(frac::detail::interchanges(Structure("K/(T s^a + 1)")).empty());
   // Two parts of the same shape in places that differ.

@@ -46,6 +46,66 @@ def test_bits_of_the_command_line(cell):
     same_as_command_line(found, held)
 
 
+@pytest.fixture(scope="module")
+def torn(tmp_path_factory):
+    """A lag with noise of 1 % and two points far off the others: as a file, as data, and without the two."""
+    chance = np.random.default_rng(20)
+    omega = np.logspace(-1, 3, 41)
+    response = Model("3/(0.4 s^0.8 + 1)")(1j * omega)
+    response *= 1 + 0.01 * (chance.standard_normal(41) + 1j * chance.standard_normal(41))
+    response[[12, 30]] *= 1.4, 0.7
+    path = tmp_path_factory.mktemp("torn") / "torn.csv"
+    rows = [f"{w!r},{z.real!r},{z.imag!r}" for w, z in zip(omega.tolist(), response.tolist())]
+    path.write_text("\n".join(["omega_rad_s,re,im", *rows]))
+    others = np.delete(np.arange(41), [12, 30])
+    return path, fracfit.read(path), FrequencyResponse(omega[others], response[others])
+
+
+def test_points_that_contradict_their_neighbours_are_left_out_as_on_the_command_line(torn):
+    path, data, others = torn
+    arguments = ("fit", path, "--model", "fractional-lag", "--component", "both")
+    with pytest.warns(UserWarning, match="contradict their neighbours") as told:
+        result = fracfit.fit(data, "fractional-lag")
+    same_as_command_line(command_line.json_of(*arguments), result)
+    assert result.left_out == [12, 30] and "left out: omega = " in repr(result)
+    sentence = str(told[0].message)
+    assert sentence.partition(", and taken in")[0] in command_line.notes_of(*arguments)
+    assert sentence.endswith('outliers="keep"')
+    # The others alone give the same; what is computed from the data afterwards goes by them too.
+    alone = fracfit.fit(others, "fractional-lag")
+    assert alone.left_out == [] and alone.parameters == result.parameters
+    assert alone.profile("K") == result.profile("K") and alone.lack_of_fit()["noise"] == result.lack_of_fit()["noise"]
+    assert result.predict().shape == data.response.shape
+    assert pickle.loads(pickle.dumps(result)).left_out == [12, 30]
+    together = fracfit.batch([data, others], "fractional-lag")
+    assert [each.left_out for each in together] == [[12, 30], []]
+    assert together[0].parameters == result.parameters
+
+
+def test_points_that_contradict_their_neighbours_are_kept_where_asked(torn, recwarn):
+    path, data, _ = torn
+    kept = fracfit.fit(data, "fractional-lag", outliers="keep")
+    found = command_line.json_of("fit", path, "--model", "fractional-lag", "--component", "both", "--outliers", "keep")
+    same_as_command_line(found, kept)
+    assert kept.left_out == [] and set(kept.outliers) >= {12, 30}
+    assert fracfit.fit(data, "fractional-lag", loss="cauchy").left_out == []
+    assert not recwarn.list
+    with pytest.raises(ValueError, match="expected one of leave-out, keep"):
+        fracfit.fit(data, "fractional-lag", outliers="drop")
+
+
+def test_identify_leaves_out_the_same_points(torn):
+    path, data, others = torn
+    with pytest.warns(UserWarning, match="2 of 41 points"):
+        found = fracfit.identify(data, ["fractional-lag", "lag"], curves={"itself": data.response})
+    alone = fracfit.identify(others, ["fractional-lag", "lag"], curves={"itself": others.response})
+    assert found.left_out == [12, 30] and alone.left_out == []
+    assert found.evidence == alone.evidence and found.best.parameters == alone.best.parameters
+    assert found.best.left_out == [12, 30]
+    with pytest.raises(ValueError, match="40 values; expected one for each of the 41"):
+        fracfit.identify(data, ["lag"], curves={"short": data.response[1:]})
+
+
 def test_a_preset_with_limits_of_its_own_can_be_fixed():
     result = fracfit.fit(fracfit.read(CELL), "cole-cole", fixed={"K": 0.11})
     assert result["K"] == 0.11 and result.standard_errors["K"] == 0
@@ -266,3 +326,36 @@ def test_pictures():
     with pytest.raises(ValueError, match="bode or nyquist"):
         EXACT.plot(kind="nichols")
     plt.close("all")
+
+
+def test_a_result_is_a_mapping_of_its_parameters(cell):
+    assert "R0" in cell and "R9" not in cell
+    assert list(cell) == cell.keys() == ["R0", "R1", "Q1", "n1", "R2", "Q2", "n2"]
+    assert dict(cell) == cell.parameters and len(cell) == 7
+    with pytest.raises(KeyError, match="no parameter 'R9'"):
+        cell["R9"]
+
+
+def test_a_misspelt_preset_is_no_formula():
+    for given, meant in (("lagg", "lag"), ("havriliak_negami", "havriliak-negami"), ("cole-col", "cole-cole")):
+        with pytest.raises(ValueError, match=f"neither a preset nor a formula of s .did you mean {meant}"):
+            fracfit.fit(EXACT, given)
+    with pytest.raises(ValueError, match="neither a preset"):
+        fracfit.batch([EXACT], "wobble")
+    assert fracfit.fit(EXACT, "lag").formula
+
+
+def test_a_guess_without_names_goes_by_appearance():
+    f = np.logspace(-2, 4, 40)
+    truth = {"R0": 0.02, "R1": 0.03, "Q1": 0.5, "n1": 0.85}
+    impedance = Model("R0 + R1/(1 + R1 Q1 s^n1)", **truth)(2j * np.pi * f)
+    for circuit in ("R0 + R1/(1 + R1 Q1 s^n1)", "zarc"):
+        guess = fracfit.CustomCircuit(circuit, initial_guess=[0.03, 0.02, 1, 0.8])
+        assert guess.initial_guess == {"R0": 0.03, "R1": 0.02, "Q1": 1, "n1": 0.8}
+        assert np.allclose(guess.fit(f, impedance).parameters_, list(truth.values()), rtol=1e-9)
+    with pytest.raises(ValueError, match="2 entries; expected those of R0, R1, Q1, n1"):
+        fracfit.CustomCircuit("zarc", initial_guess=[1, 2])
+    with pytest.raises(ValueError, match="initial_guess is None, or holds it"):
+        fracfit.CustomCircuit("zarc", initial_guess=[1, None, 2, 3])
+    with pytest.raises(ValueError, match="K is None"):
+        Model("K/(s + 1)", K=None)

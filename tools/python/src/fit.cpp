@@ -12,15 +12,18 @@
 #include "parts.hpp"
 #include "realisation_choice.hpp"
 #include "run.hpp"
+#include "screening.hpp"
 
 namespace python {
 namespace {
 
-// A fit with the constraints and the kind of start it was made with.
+// A fit with the constraints and the kind of start it was made with, and the points it left out, kept as it is until
+// Python asks for its values.
 struct Fitted {
   frac::FitResult result;
   std::vector<frac::ParameterConstraint> constraints;
-  bool global_start;
+  bool global_start = true;
+  Screening screening = {};
 };
 
 // The model as given, or the member of a family that suits the data.
@@ -36,6 +39,22 @@ Fitted fitted(const Data& data, const frac::NamedModel& model,
   return {frac::fit(data, frac::Structure(member.formula), options), member.constraints, false};
 }
 
+// The same to what outliers leave.
+Fitted fitted_to_others(const frac::FrequencyResponseData& data, const frac::NamedModel& model,
+                        const std::vector<frac::ParameterConstraint>& constraints, const frac::FitOptions& options,
+                        bool keep) {
+  Screening screening(data, options, keep);
+  Fitted fit = fitted(screening.others(data), model, constraints, options);
+  auto made_with = options;
+  made_with.constraints = fit.constraints;
+  made_with.global_start = fit.global_start;
+  if (screening.take_back_met(data, made_with, fit.result))
+    fit = fitted(screening.others(data), model, constraints, options);
+  screening.restore_indices(fit.result.outliers);
+  fit.screening = std::move(screening);
+  return fit;
+}
+
 // A family has its names and ranges with the data only.
 std::vector<frac::ParameterConstraint> asked_constraints(const frac::NamedModel& model, const py::dict& given) {
   auto constraints = constraints_of(model, given);
@@ -45,10 +64,12 @@ std::vector<frac::ParameterConstraint> asked_constraints(const frac::NamedModel&
   return constraints;
 }
 
+// Plain values, as Python keeps them.
 py::dict dict_of_fitted(const Fitted& fit) {
   py::dict result = dict_of(fit.result);
   result["constraints"] = list_of(fit.constraints);
   result["global_start"] = fit.global_start;
+  result["left_out"] = fit.screening.left_out;
   return result;
 }
 
@@ -56,35 +77,37 @@ py::dict dict_of_fitted(const Fitted& fit) {
 // in about a microsecond.
 bool is_short(const frac::FrequencyResponseData& points, const frac::NamedModel& model,
               const frac::FitOptions& options) {
-  constexpr std::size_t few = 128;
+  constexpr std::size_t few = 400;
   return !options.global_start && !model.is_family() && points.size() <= few &&
          std::holds_alternative<frac::ExactRealisation>(options.realisation);
 }
 
-py::dict fit_spectrum(const py::dict& data, const std::string& name, const py::dict& given) {
+Fitted fit_spectrum(const py::dict& data, const std::string& name, const py::dict& given) {
   const frac::NamedModel model = frac::find_model(name);
   const auto constraints = asked_constraints(model, given);
   const frac::FitOptions options = fit_options(given);
   const frac::FrequencyResponseData points = spectrum_of(data);
-  const auto work = [&] { return fitted(points, model, constraints, options); };
-  if (is_short(points, model, options)) return dict_of_fitted(run_here(work));
-  return dict_of_fitted(result_of([&](frac::Progress&) { return work(); }));
+  const bool keep = keeps_outliers(given);
+  const auto work = [&] { return fitted_to_others(points, model, constraints, options, keep); };
+  if (is_short(points, model, options)) return run_here(work);
+  return result_of([&](frac::Progress&) { return work(); });
 }
 
-py::dict fit_record(const py::dict& data, const std::string& name, const py::dict& given) {
+Fitted fit_record(const py::dict& data, const std::string& name, const py::dict& given) {
   const frac::NamedModel model = frac::find_model(name);
   const auto constraints = asked_constraints(model, given);
   const frac::TimeFitOptions options = time_fit_options(given);
   const frac::TimeResponseData record = record_of(data);
-  return dict_of_fitted(result_of([&](frac::Progress&) { return fitted(record, model, constraints, options); }));
+  return result_of([&](frac::Progress&) { return fitted(record, model, constraints, options); });
 }
 
-// One dict or one sentence for each set of data.
+// One fit or one sentence for each set of data.
 py::list fit_many(const py::list& data, const std::string& name, const py::dict& given, int threads,
                   const py::object& report) {
   const frac::NamedModel model = frac::find_model(name);
   const auto constraints = asked_constraints(model, given);
   const frac::FitOptions options = fit_options(given);
+  const bool keep = keeps_outliers(given);
   std::vector<frac::FrequencyResponseData> curves;
   for (const auto& each : data) curves.push_back(spectrum_of(each.cast<py::dict>()));
   using Outcome = std::variant<std::string, Fitted>;
@@ -94,7 +117,7 @@ py::list fit_many(const py::list& data, const std::string& name, const py::dict&
         progress.total = curves.size();
         frac::parallel_for(curves.size(), threads, [&](std::size_t i) {
           try {
-            all[i] = fitted(curves[i], model, constraints, options);
+            all[i] = fitted_to_others(curves[i], model, constraints, options, keep);
           } catch (const std::invalid_argument& reason) {
             all[i] = std::string(reason.what());
           }
@@ -108,7 +131,7 @@ py::list fit_many(const py::list& data, const std::string& name, const py::dict&
     if (const auto* reason = std::get_if<std::string>(&outcome))
       list.append(*reason);
     else
-      list.append(dict_of_fitted(std::get<Fitted>(outcome)));
+      list.append(std::get<Fitted>(outcome));
   }
   return list;
 }
@@ -177,6 +200,9 @@ py::array response_deviation(const py::dict& fit, const py::dict& realisation, c
 }  // namespace
 
 void add_fit(py::module_& module) {
+  py::class_<Fitted>(module, "Fitted").def("as_dict", &dict_of_fitted).def("notes", [](const Fitted& fit) {
+    return fit.screening.notes;
+  });
   module.def("fit_spectrum", &fit_spectrum);
   module.def("fit_record", &fit_record);
   module.def("fit_many", &fit_many);

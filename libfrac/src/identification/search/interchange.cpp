@@ -87,14 +87,16 @@ bool named_before(const std::string& a, const std::string& b) {
   return digits_a.size() != digits_b.size() ? digits_a.size() < digits_b.size() : digits_a < digits_b;
 }
 
+ParameterConstraint of_parameter(std::span<const ParameterConstraint> constraints, const std::string& name) {
+  for (const ParameterConstraint& constraint : constraints) {
+    if (constraint.name == name) return constraint;
+  }
+  return {};
+}
+
+/// Whether nothing but limits tells two parameters apart.
 bool alike(std::span<const ParameterConstraint> constraints, const std::string& a, const std::string& b) {
-  const auto of = [&](const std::string& name) {
-    for (const ParameterConstraint& constraint : constraints) {
-      if (constraint.name == name) return constraint;
-    }
-    return ParameterConstraint{};
-  };
-  const ParameterConstraint left = of(a), right = of(b);
+  const ParameterConstraint left = of_parameter(constraints, a), right = of_parameter(constraints, b);
   const auto in_an_order = [&](const std::string& name) {
     return std::any_of(constraints.begin(), constraints.end(), [&](const ParameterConstraint& each) {
       return !each.above.empty() && (each.name == name || each.above == name);
@@ -104,8 +106,20 @@ bool alike(std::span<const ParameterConstraint> constraints, const std::string& 
     return each.prior ? std::optional(std::tuple(each.prior->value, each.prior->deviation, each.prior->relative))
                       : std::nullopt;
   };
-  return left.fixed == right.fixed && left.lower == right.lower && left.upper == right.upper &&
-         left.start == right.start && prior(left) == prior(right) && !in_an_order(a) && !in_an_order(b);
+  return left.fixed == right.fixed && left.start == right.start && prior(left) == prior(right) && !in_an_order(a) &&
+         !in_an_order(b);
+}
+
+/// Whether each of a pair may have the value of the other.
+bool within_limits(std::span<const ParameterConstraint> constraints, const std::vector<std::string>& names,
+                   const Pairs& pairs, const std::vector<double>& parameters) {
+  const auto allows = [&](std::size_t i, double value) {
+    const ParameterConstraint constraint = of_parameter(constraints, names[i]);
+    return !(constraint.lower && value < *constraint.lower) && !(constraint.upper && value > *constraint.upper);
+  };
+  return std::all_of(pairs.begin(), pairs.end(), [&](const auto& pair) {
+    return allows(pair.first, parameters[pair.second]) && allows(pair.second, parameters[pair.first]);
+  });
 }
 
 /// ln of the product of powers of the coefficients that is a time, if there is one.
@@ -198,7 +212,7 @@ std::vector<double> with_labels_in_order(const Structure& structure, std::span<c
       const auto dimensions = parameter_dimensions(structure, parameters);
       const double key_first = sort_key(structure, first, single_powers, parameters, dimensions);
       const double key_second = sort_key(structure, second, single_powers, parameters, dimensions);
-      if (!(key_first > key_second)) continue;
+      if (!(key_first > key_second) || !within_limits(constraints, names, pairs, parameters)) continue;
       parameters = exchanged(std::move(parameters), pairs);
       changed = true;
     }

@@ -23,7 +23,8 @@ struct Interchange {
 
 /// The same model with its labels in a fixed order, from the part named first: rising orders of
 /// single powers, rising time constants of other parts, rising values of the first parameter of those that have
-/// neither.  Parts the constraints treat differently keep their labels.
+/// neither.  Parts that a fixed value, a start, a prior or an order tells
+/// apart keep their labels, and so do parts one of which has a value beyond the limits of the other.
 [[nodiscard]] std::vector<double> with_labels_in_order(const Structure& structure,
                                                        std::span<const ParameterConstraint> constraints,
                                                        std::vector<double> parameters);
