@@ -42,10 +42,15 @@ SplitName normalised(std::string_view base, std::string_view unit) {
   return {name, std::string(without_gaps(unit))};
 }
 
-// A unit in brackets, or after a free-standing slash as in "f / Hz".
+// A unit in brackets, or after a free-standing slash as in "f / Hz".  Of two brackets, "Re[FRF] (m/N)", the first says
+// whose part it is.
 std::optional<SplitName> split_at_mark(std::string_view name) {
   const auto open = name.find_first_of("[(");
   if (open != std::string_view::npos) {
+    const auto first_close = name.find_first_of("])", open);
+    const auto second = name.find_first_of("[(", std::min(first_close, name.size()));
+    if (second != std::string_view::npos && without_gaps(name).ends_with(name[second] == '(' ? ')' : ']'))
+      return normalised(name.substr(0, open), name.substr(second + 1, name.find_last_of("])") - second - 1));
     const auto close = name.find_last_of("])");
     const auto length = close == std::string_view::npos || close < open ? std::string_view::npos : close - open - 1;
     return normalised(name.substr(0, open), name.substr(open + 1, length));
@@ -189,9 +194,36 @@ void read_phase_unit(ColumnMeaning& meaning) {
   }
 }
 
+// Of "dB" and "dB re 1 m/N" the values have the unit of what they are relative to.
+void read_magnitude_unit(ColumnMeaning& meaning) {
+  const std::string unit = lowered(meaning.unit);
+  if (unit != "db" && !unit.starts_with("db re ") && !unit.starts_with("db rel ")) return;
+  meaning.quantity = Quantity::magnitude_db;
+  std::string_view reference = meaning.unit;
+  const auto drop_word = [&reference] {
+    reference.remove_prefix(std::min(reference.find(' '), reference.size()));
+    reference = without_gaps(reference);
+  };
+  drop_word();
+  if (!reference.empty()) drop_word();
+  const std::string_view number = reference.substr(0, reference.find_first_not_of("0123456789.,"));
+  if (!number.empty() && number != "1")
+    meaning.problem =
+        "the decibels are relative to " + quoted(reference) + "; expected 1 of a unit, such as dB re 1 m/N";
+  reference.remove_prefix(number.size());
+  meaning.unit = std::string(without_gaps(reference));
+}
+
 }  // namespace
 
 ColumnMeaning column_meaning(std::string_view name) {
+  // "Frequenz in Hz", where what stands before the word has a meaning.
+  if (const auto at = name.find(" in "); at != std::string_view::npos && name.find_first_of("[(") == name.npos) {
+    constexpr std::size_t word = 4;
+    ColumnMeaning meaning =
+        column_meaning(std::string(name.substr(0, at)) + " [" + std::string(name.substr(at + word)) + "]");
+    if (meaning.quantity != Quantity::other) return meaning;
+  }
   ColumnMeaning meaning{Quantity::other, 1, {}, {}};
   bool angular = false;
   if (auto of_instrument = instrument_column(name)) {
@@ -208,8 +240,7 @@ ColumnMeaning column_meaning(std::string_view name) {
   }
   if (meaning.quantity == Quantity::frequency) read_frequency_unit(angular, meaning);
   if (meaning.quantity == Quantity::phase) read_phase_unit(meaning);
-  if (meaning.quantity == Quantity::magnitude && lowered(meaning.unit) == "db")
-    meaning.quantity = Quantity::magnitude_db;
+  if (meaning.quantity == Quantity::magnitude) read_magnitude_unit(meaning);
   return meaning;
 }
 

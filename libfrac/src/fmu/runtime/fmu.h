@@ -348,7 +348,6 @@ FMI2_EXPORT fmi2Status FMI2_NAME(fmi2DoStep)(fmi2Component component, fmi2Real t
   why = model_step(&c->state.inner, time, duration);
   if (why) return refuse(c, why);
   c->state.time = time + duration;
-  model_results(&c->state.inner);
   return fmi2OK;
 }
 
