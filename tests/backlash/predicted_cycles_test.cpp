@@ -42,6 +42,17 @@ TEST(PredictedCycles, AreThoseOfTheTable) {
   }
 }
 
+// Of gains beyond 1e16 the balance of an asymmetric cycle lies at an angle that is pi to rounding.
+TEST(PredictedCycles, AreNumbersAtAnyGain) {
+  for (const char* controller : {"1e20", "1e30/(1e-3 s^2 + s + 1)", "1e200/(1e-200 s^2 + 1)"}) {
+    const ControlLoop loop({1, 1, 1, 0.3}, frac::FractionalTransferFunction::parse(controller));
+    for (const PredictedCycle& cycle : predicted_limit_cycles(loop)) {
+      EXPECT_TRUE(std::isfinite(cycle.omega) && cycle.omega > 0) << controller;
+      EXPECT_TRUE(std::isfinite(cycle.force_amplitude)) << controller;
+    }
+  }
+}
+
 // N of the forced masses from the sweep, which follows their motion.
 Complex describing_function_of(const TwoMassSystem& system, Output output, double force, double omega) {
   SweepOptions options;

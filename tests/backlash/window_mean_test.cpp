@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
+#include <cstdint>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -29,6 +30,36 @@ TEST(WindowMean, HalfWidthIsThatOfErrorsAlongALineAndInAllDirections) {
     const double m = 2 * (n - 1);
     EXPECT_NEAR(backlash::detail::half_width_of_mean(plane), std::sqrt(m / 2 * (std::pow(0.05, -2 / m) - 1) / (n - 1)),
                 1e-8);
+  }
+}
+
+// A drift of 0.01 a period with hardly an impact is the same in every batch, so that nothing scatters; the ends alone
+// move the mean, by (u + j u')/(pi periods) at each.  With many impacts they are part of the scatter.
+TEST(WindowMean, ADriftThatDoesNotScatterWidensTheInterval) {
+  const backlash::detail::GapMotion motion(0.8, 0.5);
+  for (const int impacts_per_period : {0, 2}) {
+    std::vector<backlash::detail::WindowRecord> window(33);
+    for (int i = 0; i <= 32; ++i) {
+      auto& record = window[static_cast<std::size_t>(i)];
+      record.period = i;
+      record.strobe = {0.01 * i, -0.002 * i, impacts_per_period * i + i / 32};
+    }
+    const double drift = impacts_per_period == 0 ? 0.012 / std::numbers::pi : 0;
+    EXPECT_NEAR(backlash::detail::averaged(window, motion).uncertainty, drift, 1e-15);
+  }
+}
+
+// Without impacts a window goes on: to 64 times its records once it is as long as asked for, to 128 times before.
+TEST(WindowMean, AWindowWithFewImpactsEndsEarlierOnceItIsLongEnough) {
+  for (const auto& [wanted, last] : {std::pair<std::int64_t, std::int64_t>{1, 64 * 1024}, {1'000'000, 128 * 1024}}) {
+    backlash::detail::Window window;
+    std::int64_t period = 0;
+    for (bool goes_on = true; goes_on; ++period) {
+      backlash::detail::WindowRecord record;
+      record.period = period;
+      goes_on = window.add(record, wanted);
+    }
+    EXPECT_EQ(period - 1, last);
   }
 }
 

@@ -56,6 +56,8 @@ double angle_of(double real_part) {
   // There the excess is below 0, as sin(theta) > theta - theta^3/6.
   const double low = std::sqrt(3 * (2 * real_part - 1) / (2 * real_part));
   if (!(excess(low) < 0)) return low;
+  // Of numbers above 1e16 the angle is pi to rounding.
+  if (!(excess(pi) > 0)) return pi;
   const auto [from, to] =
       boost::math::tools::toms748_solve(excess, low, pi, boost::math::tools::eps_tolerance<double>(52), evaluations);
   return 0.5 * (from + to);
