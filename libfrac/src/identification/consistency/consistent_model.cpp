@@ -132,7 +132,7 @@ Complex admitted(const Problem& problem, Complex pole) {
   const double* last = first + problem.size();
   const double* above = std::clamp(std::upper_bound(first, last, std::log(size)), first + 1, last - 1);
   const double spacing = *above - *(above - 1);
-  const double narrowest = std::min(0.25 * spacing, 0.7) * size;
+  const double narrowest = std::min(0.05 * spacing, 0.7) * size;
   return {-std::max(std::abs(pole.real()), narrowest), std::abs(pole.imag())};
 }
 
