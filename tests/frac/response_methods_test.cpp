@@ -144,6 +144,28 @@ TEST(RespondByAnyMethod, TakesTheNextMethodWhereTheCheapestMisses) {
   EXPECT_TRUE(frac::respond(model("1/(s^2 + 0.3)^2"), ResponseInput{}, dense, 1e-10).meets_tolerance);
 }
 
+// 1/(s - 2) answers a step with (e^{2 t} - 1)/2, which leaves the range of a double at 355 s.
+TEST(RespondByAnyMethod, GivesTheInstantsBeforeAnUnstableModelOutgrowsADouble) {
+  const FractionalTransferFunction unstable({{1, 0}}, {{1, 1}, {-2, 0}});
+  for (const std::size_t count : {2U, 61U}) {
+    std::vector<double> time;
+    for (std::size_t n = 0; n < count; ++n)
+      time.push_back(1 + 900.0 * static_cast<double>(n) / static_cast<double>(count - 1));
+    const auto response = respond(unstable, ResponseInput{}, time);
+    EXPECT_EQ(response.method, ResponseMethod::reference);
+    for (std::size_t n = 0; n < count; ++n) {
+      const double exact = std::expm1(2 * time[n]) / 2;
+      if (std::isinf(exact)) {
+        EXPECT_EQ(response.output[n], exact) << time[n];
+      } else {
+        EXPECT_NEAR(response.output[n] / exact, 1, 1e-12) << time[n];
+      }
+    }
+    EXPECT_THROW(static_cast<void>(respond(unstable, ResponseInput{}, time, 1e-9, ResponseMethod::exponential_sum)),
+                 std::invalid_argument);
+  }
+}
+
 TEST(RespondByAnyMethod, MeetsTheToleranceForEveryNamedInputAtAnyInstants) {
   const std::vector<double> even = even_times(20, 400);
   std::vector<double> uneven{0};

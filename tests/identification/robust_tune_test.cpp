@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>
@@ -125,6 +126,59 @@ TEST(RobustTune, PlantsStandOnTheBorderOfTheRegion) {
     for (std::size_t i = 0; i < 3; ++i)
       for (std::size_t j = 0; j < 3; ++j) square += step[i] * minor(j, i) / determinant * step[j];
     EXPECT_NEAR(square, 3 * 2.766, 3 * 2.766 * 1e-3);  // the table has four digits
+  }
+}
+
+// Data of a lag to which a second order was fitted: a short second time constant would allow a derivative of s^1.8,
+// with which |L| of the lag itself grows without bound.  The lag, given as possible besides, is kept stable.
+TEST(RobustTune, KeepsPlantsOfOtherKindsStableToo) {
+  frac::FitResult fit = measured_plant(1);
+  fit.model = "K exp(-L s)/(T2 s^2 + T s + 1)";
+  fit.parameters.insert(fit.parameters.begin() + 2, fit.parameters[2]);
+  fit.parameters[2].name = "T2";
+  fit.parameters[2].value = 0.02;
+  for (auto& row : fit.covariance) row.insert(row.begin() + 2, 0.0);
+  fit.covariance.insert(fit.covariance.begin() + 2, std::vector<double>(4, 0.0));
+  fit.covariance[2][2] = 1e-6;
+  ASSERT_EQ(frac::fitted_plant(fit).denominator().front().order, 2);
+  const auto lag = frac::FractionalTransferFunction::parse("2 exp(-0.2 s)/(3 s + 1)");
+  const frac::LoopSpecification asked{.crossover = 1, .phase_margin = 1.0, .max_sensitivity = 1.7};
+  EXPECT_GT(frac::tune_for_region(fit, asked).nominal.gains.mu, 0.8) << "the case tells nothing";
+  const frac::RobustTuningResult robust = frac::tune_for_region(fit, asked, {}, {lag});
+  ASSERT_TRUE(robust.usable()) << robust.message;
+  EXPECT_NE(robust.message.find("other kinds"), std::string::npos) << robust.message;
+  EXPECT_LE(robust.nominal.gains.mu, 0.8);
+  EXPECT_LE(max_sensitivity({2, 0.2, 3}, robust.nominal.gains), 1.7 * 1.002);
+  EXPECT_EQ(robust.plants, 2 * 4 + 64 + 1U);
+}
+
+// An order of the region may be lower than the fitted one, and so may be what it allows of mu.
+TEST(RobustTune, KeepsOrdersOfTheRegionInMind) {
+  frac::FitResult fit = measured_plant(1);
+  fit.model = "K exp(-L s)/(T s^a + 1)";
+  fit.parameters.push_back(fit.parameters[2]);
+  fit.parameters[3].name = "a";
+  fit.parameters[3].value = 1.2;
+  for (auto& row : fit.covariance) row.push_back(0);
+  fit.covariance.emplace_back(4, 0.0);
+  fit.covariance[3][3] = 0.05 * 0.05;
+  double lowest = 2;
+  for (const auto& plant : frac::plants_of_region(fit))
+    lowest = std::min(lowest, plant.denominator().front().order - plant.numerator().front().order);
+  EXPECT_LT(lowest, 1.15);
+  const frac::RobustTuningResult robust = frac::tune_for_region(fit, {.crossover = 1, .phase_margin = 1.0});
+  EXPECT_LE(robust.nominal.gains.mu, lowest - 0.2);
+  EXPECT_EQ(robust.not_stable, 0U) << robust.message;
+}
+
+TEST(RobustTune, CoefficientsThatAreHardlyKnownStayFinite) {
+  frac::FitResult fit = measured_plant(1);
+  fit.parameters[2].value = 1e-3;  // 3 +- 0.1 become 1e-3 +- 0.1
+  for (const auto& plant : frac::plants_of_region(fit)) {
+    const double time = plant.denominator().front().coefficient;
+    EXPECT_GE(time, 0);
+    // Largest distance in one parameter: sqrt(3 * 2.766) standard deviations, and e for what grows in proportion.
+    EXPECT_LE(time, 1e-3 + 2.719 * std::sqrt(3 * 2.766 * fit.covariance[2][2]));
   }
 }
 

@@ -266,3 +266,36 @@ def test_pictures():
     with pytest.raises(ValueError, match="bode or nyquist"):
         EXACT.plot(kind="nichols")
     plt.close("all")
+
+
+def test_a_result_is_a_mapping_of_its_parameters(cell):
+    assert "R0" in cell and "R9" not in cell
+    assert list(cell) == cell.keys() == ["R0", "R1", "Q1", "n1", "R2", "Q2", "n2"]
+    assert dict(cell) == cell.parameters and len(cell) == 7
+    with pytest.raises(KeyError, match="no parameter 'R9'"):
+        cell["R9"]
+
+
+def test_a_misspelt_preset_is_no_formula():
+    for given, meant in (("lagg", "lag"), ("havriliak_negami", "havriliak-negami"), ("cole-col", "cole-cole")):
+        with pytest.raises(ValueError, match=f"neither a preset nor a formula of s .did you mean {meant}"):
+            fracfit.fit(EXACT, given)
+    with pytest.raises(ValueError, match="neither a preset"):
+        fracfit.batch([EXACT], "wobble")
+    assert fracfit.fit(EXACT, "lag").formula
+
+
+def test_a_guess_without_names_goes_by_appearance():
+    f = np.logspace(-2, 4, 40)
+    truth = {"R0": 0.02, "R1": 0.03, "Q1": 0.5, "n1": 0.85}
+    impedance = Model("R0 + R1/(1 + R1 Q1 s^n1)", **truth)(2j * np.pi * f)
+    for circuit in ("R0 + R1/(1 + R1 Q1 s^n1)", "zarc"):
+        guess = fracfit.CustomCircuit(circuit, initial_guess=[0.03, 0.02, 1, 0.8])
+        assert guess.initial_guess == {"R0": 0.03, "R1": 0.02, "Q1": 1, "n1": 0.8}
+        assert np.allclose(guess.fit(f, impedance).parameters_, list(truth.values()), rtol=1e-9)
+    with pytest.raises(ValueError, match="2 entries; expected those of R0, R1, Q1, n1"):
+        fracfit.CustomCircuit("zarc", initial_guess=[1, 2])
+    with pytest.raises(ValueError, match="initial_guess is None, or holds it"):
+        fracfit.CustomCircuit("zarc", initial_guess=[1, None, 2, 3])
+    with pytest.raises(ValueError, match="K is None"):
+        Model("K/(s + 1)", K=None)

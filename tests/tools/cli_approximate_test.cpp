@@ -145,6 +145,29 @@ TEST(Approximate, ARecursionThatMissesTheToleranceIsNoUsableResult) {
   }
 }
 
+// At half the sampling frequency z = -1, so that each section is known in closed form.
+TEST(Approximate, TheGainBeyondTheBandOfAFallingPowerIsOverThatAtItsEdge) {
+  const std::vector<std::string> asked{"--band",        "0.1:300", "--poles",          "6",
+                                       "--sample-time", "1e-3",    "--discretisation", "tustin"};
+  for (const double order : {0.5, -0.5}) {
+    std::vector<std::string> all{"--order=" + std::to_string(order)};
+    all.insert(all.end(), asked.begin(), asked.end());
+    const Json digital = Json::parse(run_fracfit(approximate(all)).output).at("digital");
+    const Json& parallel = digital.at("parallel");
+    double gain = parallel.at("direct");
+    for (const Json& section : parallel.at("sections")) {
+      const double over = section.at("weight").get<double>() / (section.at("rate").get<double>() - 2);
+      gain += parallel.at("output") == "state" ? over : -2 * over;
+    }
+    const double reference = std::pow(order < 0 ? 300 : 3.14159265 / 1e-3, order);
+    const double most = digital.at("most_amplification_beyond_band");
+    EXPECT_LE(std::abs(gain), most * reference * (1 + 1e-8)) << order;
+    all.insert(all.end(), {"--format", "table"});
+    const std::string table = run_fracfit(approximate(all)).output;
+    EXPECT_EQ(table.find(" at the upper edge\n") != std::string::npos, order < 0) << table;
+  }
+}
+
 TEST(Approximate, SampleTimeInTableAndCsvAndTaps) {
   const std::vector<std::string> asked{"--order", "0.5", "--band", "0.1:300", "--poles", "6", "--sample-time", "1e-3"};
   const auto with = [&](std::vector<std::string> more) {

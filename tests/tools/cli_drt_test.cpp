@@ -5,6 +5,7 @@
 #include <complex>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <sstream>
 #include <string>
 
 #include "run_program.hpp"
@@ -88,6 +89,26 @@ TEST(DrtCommand, WrongUsageAndUselessDataAreNamed) {
   const auto few = run_fracfit({"drt", folder.write("few.csv", "omega_rad_s,re,im\n1,1,0\n2,1,0\n")});
   EXPECT_NE(few.code, 0);
   EXPECT_NE(few.error.find("6 points"), std::string::npos) << few.error;
+}
+
+// Two spectra in one file: refused as one curve, and the way that the refusal names leads to the spectrum alone.
+TEST(DrtCommand, TakesOneCurveOfSeveral) {
+  const TemporaryFolder folder;
+  std::string both = "temperature," + spectrum().substr(0, spectrum().find('\n') + 1);
+  for (const char* temperature : {"280", "320"}) {
+    std::istringstream lines(spectrum());
+    std::string line;
+    std::getline(lines, line);
+    while (std::getline(lines, line)) both += std::string(temperature) + ',' + line + '\n';
+  }
+  const auto alone = folder.write("alone.csv", spectrum()), several = folder.write("several.csv", both);
+  const auto expected = run_fracfit({"drt", alone, "--format", "json"});
+  const auto taken = run_fracfit({"drt", several, "--where", "temperature==320", "--format", "json"});
+  ASSERT_EQ(taken.code, 0) << taken.error;
+  EXPECT_EQ(json::parse(taken.output).at("rows"), json::parse(expected.output).at("rows"));
+  for (const auto& wrong :
+       std::vector<std::vector<std::string>>{{"drt", several, "--where", "omega<<4"}, {"drt", "--where", "omega<4"}})
+    EXPECT_EQ(run_fracfit(wrong).code, 2);
 }
 
 }  // namespace

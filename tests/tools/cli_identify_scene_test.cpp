@@ -82,6 +82,29 @@ TEST_F(IdentifyScene, TakesColumnsAndASweepByChoice) {
   EXPECT_NE(refused.error.find("--select"), std::string::npos) << refused.error;
 }
 
+// Friction of the load, where the driven body has none; the mass of a body without a formula keeps its name.
+TEST_F(IdentifyScene, FindsFrictionOfAReceptance) {
+  const std::vector<std::string> friction{"--load-receptance", "1/(2 s^2 + 0.7 s)"};
+  const auto file = folder.path("friction.csv");
+  std::vector<std::string> arguments{"simulate", "--force", "50", "--clearance", "0.3", "--restitution", "0.6"};
+  for (const char* each : {"--omega", "23:40:12", "--out", file.c_str()}) arguments.emplace_back(each);
+  arguments.insert(arguments.end(), friction.begin(), friction.end());
+  ASSERT_EQ(run_fracfit(arguments).code, 0);
+  const auto result = run_fracfit(
+      {"identify-scene", file, "--load-receptance", "1/(2 s^2 + b s)", "--fix", "mass2=1", "--format", "json"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const auto json = Json::parse(result.output);
+  const std::vector<std::pair<std::string, double>> truth{
+      {"b", 0.7}, {"mass2", 1}, {"clearance", 0.3}, {"restitution", 0.6}};
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    EXPECT_EQ(json["parameters"][i]["name"], truth[i].first);
+    EXPECT_NEAR(json["parameters"][i]["value"], truth[i].second, 1e-8);
+  }
+  const auto refused = run_fracfit({"identify-scene", file, "--load-receptance", "1/(2 s^2 + b s)", "--compare"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.error.find("--compare"), std::string::npos) << refused.error;
+}
+
 TEST_F(IdentifyScene, SaysWhatIsNotIdentified) {
   const auto result = run_fracfit({"identify-scene", weak, strong, "--format", "table"});
   EXPECT_EQ(result.code, 0) << result.error;

@@ -5,6 +5,7 @@
 #include <complex>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -203,6 +204,29 @@ TEST(Analyse, ReportsALoopOfAnUnstablePlant) {
   ASSERT_EQ(margins["phase_crossovers"].size(), 2u);
   EXPECT_EQ(margins["phase_crossovers"][0]["omega"], 0.0);
   EXPECT_TRUE(margins["phase_crossovers"][1]["omega"].is_null());
+}
+
+// K e^{-s T}/s crosses 1 at K with the phase -pi/2 - K T; beyond K T = pi/2 the loop is unstable.
+TEST(Analyse, SignsThePhaseMarginOfAnUnstableLoop) {
+  for (const double gain : {2.0, 4.0}) {
+    const std::string loop = std::to_string(gain) + "*exp(-0.5 s)/s";
+    const Json margins = Json::parse(run_fracfit({"analyse", "--model", loop}).output).at("margins");
+    EXPECT_NEAR(margins.at("phase_margin_rad"), std::numbers::pi / 2 - gain * 0.5, 1e-12) << loop;
+    EXPECT_EQ(margins.at("phase_margin_rad"), margins.at("gain_crossovers")[0].at("phase_margin_rad")) << loop;
+  }
+  EXPECT_NE(run_fracfit({"analyse", "--model", "4*exp(-0.5 s)/s", "--format", "table"}).output.find("margin: -24.5"),
+            std::string::npos);
+}
+
+TEST(Analyse, TellsSingleFromDoubleIntegrators) {
+  for (const int order : {1, 2}) {
+    const std::string model = "6/(s^" + std::to_string(order) + " (s + 3))";
+    const Json origin = Json::parse(run_fracfit({"analyse", "--model", model}).output).at("towards_origin");
+    EXPECT_DOUBLE_EQ(origin.at("gain"), 2);
+    EXPECT_DOUBLE_EQ(origin.at("order"), -order);
+    const std::string table = run_fracfit({"analyse", "--model", model, "--format", "table"}).output;
+    EXPECT_NE(table.find("towards the origin it grows as 2 s^-" + std::to_string(order)), std::string::npos) << table;
+  }
 }
 
 TEST(Analyse, ReportsASlowlyFallingLoopWithDeadTime) {

@@ -47,13 +47,16 @@ void log(void*, const char*, int, const char*, const char* format, ...) {
 // A unit that the program has written and `unzip` has unpacked.
 class Unit {
  public:
-  explicit Unit(std::vector<std::string> arguments) {
+  // @param compiled_anew  what is run in the folder of the unit before its library is loaded
+  explicit Unit(std::vector<std::string> arguments, const std::string& compiled_anew = "true") {
     arguments.insert(arguments.begin(), {"export", "fmu"});
     arguments.insert(arguments.end(), {"--name", "unit", "--out", folder_.path("unit.fmu")});
     const auto result = run_fracfit(arguments);
     EXPECT_EQ(result.code, 0) << result.error;
     EXPECT_EQ(result.error, "");
     EXPECT_EQ(run_shell("cd '" + folder_.path() + "' && unzip -q unit.fmu").code, 0);
+    const auto compiled = run_shell("cd '" + folder_.path() + "' && " + compiled_anew);
+    EXPECT_EQ(compiled.code, 0) << compiled.error;
     description_ = content_of(folder_.path("modelDescription.xml"));
     library_ = ::dlopen(folder_.path("binaries/linux64/unit.so").c_str(), RTLD_NOW | RTLD_LOCAL);
     if (library_ == nullptr) throw std::runtime_error(::dlerror());
@@ -397,6 +400,60 @@ TEST_F(FmuTest, TwoMassesGiveTheBitsOfTheLibrary) {
   EXPECT_GT(impacts, 1000U);
 }
 
+// Roots are the count of a step's work: two at most of each flight between walls.  A flight from wall to wall takes at
+// least clearance/v at the largest speed v = sqrt(rate^2 + 2 |acceleration| clearance), which impacts can only lessen;
+// flights back to the wall they left are summed in closed form, once in a step.  So there are at most 3 flights more
+// than v duration/clearance, whatever the number of impacts.
+TEST_F(FmuTest, WorkOfAStepOfTwoMassesIsBoundedWhateverTheImpacts) {
+  const double clearance = 0.01, mass2 = 1.5;
+  const Unit unit({"--clearance", "0.01", "--restitution", "0.6", "--mass1", "2", "--mass2", "1.5"},
+                  R"(cat >counting.h <<end
+#include <math.h>
+double counted_sqrt(double x);
+double counted_pow(double x, double y);
+#define sqrt counted_sqrt
+#define pow counted_pow
+end
+cat >counts.c <<end
+#include <math.h>
+long roots, powers;
+double counted_sqrt(double x) { ++roots; return sqrt(x); }
+double counted_pow(double x, double y) { ++powers; return pow(x, y); }
+end
+cc -fPIC -c counts.c &&
+cc -w -shared -fPIC -include counting.h sources/unit.c counts.o -o binaries/linux64/unit.so -lm)");
+  long& roots = *static_cast<long*>(unit.symbol("roots"));
+  long& powers = *static_cast<long*>(unit.symbol("powers"));
+  std::mt19937 random(12);
+  std::uniform_real_distribution<double> exponent(-3, 3), share(0, 1);
+  double most_impacts = 0, nearest = 0;
+  for (const double restitution : {0.0, 0.5, 0.9, 0.999, 1.0}) {
+    const Instance instance(unit);
+    EXPECT_EQ(instance.set("restitution", restitution), ok);
+    EXPECT_EQ(instance.set("start_position2", 0.3 * clearance), ok);
+    EXPECT_EQ(instance.set("start_velocity2", 0.4), ok);
+    instance.initialise();
+    for (int n = 0; n < 400; ++n) {
+      const double force = (share(random) < 0.5 ? -1 : 1) * (n % 5 == 0 ? 0 : std::pow(10, exponent(random)));
+      const double duration = std::pow(10, exponent(random) - 2);
+      const double rate = instance.get("velocity2") - instance.get("velocity1");
+      const double before = instance.get("impacts");
+      const double crossings = std::sqrt(rate * rate + 2 * std::abs(force) / mass2 * clearance) * duration / clearance;
+      instance.set("force", force);
+      roots = powers = 0;
+      ASSERT_EQ(instance.step(0, duration), ok) << last_message;
+      // The first root is that of the largest speed; crossings round by 1e-9 of their number.
+      ASSERT_LE(static_cast<double>(roots), 1 + 2 * ((1 + 1e-9) * crossings + 3))
+          << n << " " << force << " " << duration;
+      ASSERT_LE(powers, 1);
+      most_impacts = std::max(most_impacts, (instance.get("impacts") - before) / (crossings + 3));
+      nearest = std::max(nearest, static_cast<double>(roots) / (1 + 2 * (crossings + 3)));
+    }
+  }
+  EXPECT_GT(most_impacts, 3) << "impacts are not what a step costs";
+  EXPECT_GT(nearest, 0.4) << "the bound is near";
+}
+
 // A master that integrates the states exactly, as accelerations are constant under a constant force, and finds each
 // event by bisection of a step.
 class ExchangeMaster {
@@ -581,9 +638,18 @@ TEST_F(FmuTest, RefusalsNameWhatIsWrong) {
   EXPECT_EQ(instance.set("gap", 0), error);
   EXPECT_EQ(instance.set("force", NAN), error);
   EXPECT_EQ(instance.step(0, -1), error);
+  for (const double endless : {HUGE_VAL, double(NAN)}) {
+    EXPECT_EQ(instance.step(0, endless), error);
+    EXPECT_EQ(instance.step(endless, 1), error);
+  }
   EXPECT_EQ(instance.set("force", 1e30), ok);
   EXPECT_EQ(instance.step(0, 1), error);
   EXPECT_NE(last_message.find("1e7 times"), std::string::npos);
+  const Unit sampled(pid_options);
+  const Instance controller(sampled);
+  controller.initialise();
+  EXPECT_EQ(controller.step(0, 2e6), error) << "2e9 samples";
+  EXPECT_NE(last_message.find("1e9 samples"), std::string::npos) << last_message;
 }
 
 std::vector<std::string> matches(const std::string& text, const std::string& pattern) {
@@ -597,7 +663,9 @@ std::vector<std::string> matches(const std::string& text, const std::string& pat
 void expect_valid(const Unit& unit, bool has_states) {
   const std::string& xml = unit.description();
   if (std::system("xmllint --version >/dev/null 2>&1") == 0) {
-    EXPECT_EQ(run_shell("xmllint --noout '" + unit.path("modelDescription.xml") + "'").error, "");
+    const auto validated =
+        run_shell("xmllint --noout --relaxng '" FMI2_DESCRIPTION "' '" + unit.path("modelDescription.xml") + "'");
+    EXPECT_EQ(validated.code, 0) << validated.error;
   }
   // Elements in the order of the schema.
   std::size_t at = 0;
@@ -610,6 +678,9 @@ void expect_valid(const Unit& unit, bool has_states) {
   }
   EXPECT_EQ(xml.find("<ModelExchange") != std::string::npos, has_states);
   EXPECT_EQ(xml.find("<Derivatives>") != std::string::npos, has_states);
+  // States jump at events, and only there.
+  EXPECT_EQ(xml.find("reinit=\"true\"") != std::string::npos,
+            has_states && xml.find("numberOfEventIndicators=\"0\"") == std::string::npos);
   const auto variables = matches(xml, "(<ScalarVariable[^>]*>\\s*<[^>]*/>)");
   std::set<std::string> names, references;
   std::vector<std::string> outputs;

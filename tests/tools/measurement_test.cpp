@@ -318,6 +318,28 @@ TEST_F(MeasurementTest, NamesInOtherLanguages) {
   expect("f (Hz),G (S),B (S)\n10,1.5,-2.5\n20,3,4\n", "table, 2 points, G/B in S", points);
   expect("Kreisfrequenz (rad/s);Speichermodul (Pa);Verlustmodul (Pa)\n10;2,5;1\n",
          "table, 1 point, Speichermodul/Verlustmodul in Pa", {{10 / turn, 2.5 + 1i}});
+  expect("Messfrequenz in Hz;Realteil in Ohm;Imaginaerteil in Ohm\n10;1,5;-2,5\n20;3;4\n", "table, 2 points", points);
+  expect("Frequenza [Hz],Parte reale,Parte immaginaria\n10,1.5,-2.5\n20,3,4\n", "", points);
+  expect(
+      "f_Hz,partie r\xC3\xA9"
+      "elle,partie imaginaire\n10,1.5,-2.5\n20,3,4\n",
+      "", points);
+  expect("f_Hz,Parte real (Ohm),Parte imaginaria (Ohm)\n10,1.5,-2.5\n20,3,4\n", "", points);
+  expect("\xCF\x89 (rad/s),G prime (Pa),G double prime (Pa)\n10,2.5,1\n",
+         "table, 1 point, G prime/G double prime in Pa", {{10 / turn, 2.5 + 1i}});
+}
+
+TEST_F(MeasurementTest, ResistanceAndReactanceOfABridge) {
+  const std::vector<Point> points{{10, 1.5 - 2.5i}, {20, 3.0 + 4i}};
+  expect("f (Hz),R (Ohm),X (Ohm)\n10,1.5,-2.5\n20,3,4\n", "table, 2 points, R/X in ohm", points);
+  expect("f (Hz),Rs (Ohm),Xs (Ohm)\n10,1.5,-2.5\n20,3,4\n", "table, 2 points, Rs/Xs in ohm", points);
+}
+
+TEST_F(MeasurementTest, AResponseNamedInBracketsBeforeItsUnit) {
+  const auto file = read("frequency (Hz),Re[H] (mm/V),Im[H] (mm/V)\n10,1.5,-2.5\n20,3,4\n");
+  EXPECT_EQ(file.value_unit, "mm/V");
+  ASSERT_EQ(file.data.size(), 2U);
+  EXPECT_EQ(file.data.value()[1], 3.0 + 4i);
 }
 
 TEST_F(MeasurementTest, APhaseMayBeCountedDownwards) {

@@ -51,6 +51,16 @@ TEST(HtmlFormula, RaisesPowersAndEscapes) {
   EXPECT_EQ(html_formula("K s^a1/(T s^0.5 + 1)"),
             "<span class=\"formula\">K s<sup>a1</sup>/(T s<sup>0.5</sup> + 1)</span>");
   EXPECT_EQ(html_formula("a<b"), "<span class=\"formula\">a&lt;b</span>");
+  EXPECT_EQ(html_formula("c s^(2 q_1)/((T s)^(q_1 + (1 - p)) + s^-0.5)"),
+            "<span class=\"formula\">c s<sup>2 q_1</sup>/((T s)<sup>q_1 + (1 - p)</sup> + s<sup>-0.5</sup>)</span>");
+  EXPECT_EQ(html_formula("s^2^(a)"), "<span class=\"formula\">s<sup>2</sup><sup>a</sup></span>");
+}
+
+TEST(HtmlSentence, BeginsLargeAndEndsWithAStop) {
+  EXPECT_EQ(html_sentence("rows < 3 have been sorted"), "Rows &lt; 3 have been sorted.");
+  EXPECT_EQ(html_sentence("Table, 2 points."), "Table, 2 points.");
+  EXPECT_EQ(html_sentence("\u00e4 stays"), "\u00e4 stays.");
+  EXPECT_EQ(html_sentence(""), "");
 }
 
 TEST(Prose, JoinsTheLinesOfAPassageAndFillsItsPlaces) {

@@ -42,10 +42,15 @@ SplitName normalised(std::string_view base, std::string_view unit) {
   return {name, std::string(without_gaps(unit))};
 }
 
-// A unit in brackets, or after a free-standing slash as in "f / Hz".
+// A unit in brackets, or after a free-standing slash as in "f / Hz".  Of two brackets, "Re[FRF] (m/N)", the first says
+// whose part it is.
 std::optional<SplitName> split_at_mark(std::string_view name) {
   const auto open = name.find_first_of("[(");
   if (open != std::string_view::npos) {
+    const auto first_close = name.find_first_of("])", open);
+    const auto second = name.find_first_of("[(", std::min(first_close, name.size()));
+    if (second != std::string_view::npos && without_gaps(name).ends_with(name[second] == '(' ? ')' : ']'))
+      return normalised(name.substr(0, open), name.substr(second + 1, name.find_last_of("])") - second - 1));
     const auto close = name.find_last_of("])");
     const auto length = close == std::string_view::npos || close < open ? std::string_view::npos : close - open - 1;
     return normalised(name.substr(0, open), name.substr(open + 1, length));
@@ -192,6 +197,13 @@ void read_phase_unit(ColumnMeaning& meaning) {
 }  // namespace
 
 ColumnMeaning column_meaning(std::string_view name) {
+  // "Frequenz in Hz", where what stands before the word has a meaning.
+  if (const auto at = name.find(" in "); at != std::string_view::npos && name.find_first_of("[(") == name.npos) {
+    constexpr std::size_t word = 4;
+    ColumnMeaning meaning =
+        column_meaning(std::string(name.substr(0, at)) + " [" + std::string(name.substr(at + word)) + "]");
+    if (meaning.quantity != Quantity::other) return meaning;
+  }
   ColumnMeaning meaning{Quantity::other, 1, {}, {}};
   bool angular = false;
   if (auto of_instrument = instrument_column(name)) {

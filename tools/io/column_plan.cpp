@@ -79,10 +79,6 @@ std::optional<std::size_t> Planner::frequency() const {
   return std::nullopt;
 }
 
-bool Planner::uses(std::size_t column) const {
-  return std::find(used_.begin(), used_.end(), column) != used_.end();
-}
-
 std::string Planner::values_of_instrument(const ColumnPlan& plan) const {
   if (meanings_[plan.first].symbol.empty()) return "";
   std::string text(bare_name(plan.first));

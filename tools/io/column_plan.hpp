@@ -45,7 +45,6 @@ class Planner {
   [[nodiscard]] const ColumnMeaning& meaning(std::size_t column) const { return meanings_[column]; }
   /// The only understood frequency column, if there is one.
   [[nodiscard]] std::optional<std::size_t> frequency() const;
-  [[nodiscard]] bool uses(std::size_t column) const;
   /// Names as an instrument gives them, e.g. "Zreal/Zimag"; empty where all names are of the common kind.
   [[nodiscard]] std::string values_of_instrument(const ColumnPlan& plan) const;
 

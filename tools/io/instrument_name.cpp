@@ -75,6 +75,11 @@ constexpr std::array known{
     // The loss of a dielectric is counted positive: eps = eps' - i eps''.
     Known{"eps'", Quantity::real, "eps"}, Known{"epsilon'", Quantity::real, "eps"},
     Known{"eps''", Quantity::negative_imaginary, "eps"}, Known{"epsilon''", Quantity::negative_imaginary, "eps"},
+    Known{"gprime", Quantity::real, "g"}, Known{"gdoubleprime", Quantity::imaginary, "g"},
+    Known{"eprime", Quantity::real, "e"}, Known{"edoubleprime", Quantity::imaginary, "e"},
+    // Resistance and reactance in series, as bridges write them.
+    Known{"r", Quantity::real, "z", "ohm"}, Known{"x", Quantity::imaginary, "z", "ohm"},
+    Known{"rs", Quantity::real, "z", "ohm"}, Known{"xs", Quantity::imaginary, "z", "ohm"},
     // Conductance and susceptance.
     Known{"g", Quantity::real, "y", "S"}, Known{"b", Quantity::imaginary, "y", "S"},
     // As programs write them in other languages.
@@ -85,7 +90,14 @@ constexpr std::array known{
     Known{"realteil", Quantity::real}, Known{"imagin\xC3\xA4rteil", Quantity::imaginary},
     Known{"betrag", Quantity::magnitude}, Known{"phasenwinkel", Quantity::phase}, Known{"phasewinkel", Quantity::phase},
     Known{"speichermodul", Quantity::real, "g"}, Known{"verlustmodul", Quantity::imaginary, "g"},
-    Known{"moduledeconservation", Quantity::real, "g"}, Known{"moduledeperte", Quantity::imaginary, "g"}};
+    Known{"imaginaerteil", Quantity::imaginary}, Known{"partereal", Quantity::real},
+    Known{"parteimaginaria", Quantity::imaginary}, Known{"partereale", Quantity::real},
+    Known{"parteimmaginaria", Quantity::imaginary},
+    Known{"partier\xC3\xA9"
+          "elle",
+          Quantity::real},
+    Known{"partieimaginaire", Quantity::imaginary}, Known{"moduledeconservation", Quantity::real, "g"},
+    Known{"moduledeperte", Quantity::imaginary, "g"}};
 
 // Letters that ZView sets behind a name, no units.
 bool is_letter_of_a_column(std::string_view unit) {
@@ -129,12 +141,15 @@ std::optional<ColumnMeaning> instrument_column(std::string_view name) {
     return each.name == base && (each.needs_unit.empty() || unit.starts_with(each.needs_unit));
   });
   if (found == known.end()) return std::nullopt;
-  // Names of the common kind are read by column_meaning(), unless a slash gives the unit or a dot shortens the name.
+  // Names of the common kind are read by column_meaning(), unless a slash gives the unit, a dot shortens the name or it
+  // is written in Greek.
   constexpr std::array<std::string_view, 9> common{"frequency",        "freq",         "f",       "omega", "w",
                                                    "angularfrequency", "angfrequency", "angfreq", "phase"};
   const bool is_common = std::find(common.begin(), common.end(), found->name) != common.end();
   const bool is_shortened = name.substr(0, name.find_first_of("/([")).find('.') != std::string_view::npos;
-  if (is_common && !is_negative && !(has_mark && (view[end] == '/' || is_shortened))) return std::nullopt;
+  const bool is_ascii = std::all_of(name.begin(), name.end(), [](char c) { return static_cast<signed char>(c) >= 0; });
+  const bool is_told_by_unit = has_mark && (view[end] == '/' || is_shortened);
+  if (is_common && is_ascii && !is_negative && !is_told_by_unit) return std::nullopt;
   Quantity quantity = found->quantity;
   double factor = 1;
   if (is_negative) {

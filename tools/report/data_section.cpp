@@ -63,7 +63,7 @@ Section data_section(const Work& work, const std::string& name, const io::Freque
   if (taken.size() < read.data.size())
     text += " " + prose("data", "thinned", {{"points", std::to_string(taken.size())}});
   if (!outliers.empty()) text += " " + prose("data", "outliers", {{"at", frequencies_of(taken, outliers)}});
-  for (const std::string& note : read.notes) text += " " + escape_html(note);
+  for (const std::string& note : read.notes) text += " " + html_sentence(note);
   section.add(Html{"<p>" + text + "</p>"});
 
   const std::vector<frac::NamedModel> models = that_suit(frac::default_candidates(), 2 * data.size());

@@ -224,20 +224,56 @@ std::string escape_html(std::string_view text) {
   return safe;
 }
 
-std::string html_formula(std::string_view formula) {
-  std::string html = "<span class=\"formula\">";
+namespace {
+
+/// Where an exponent that begins at `from` ends: a name or number with its sign, or the brackets around it.
+std::size_t end_of_exponent(std::string_view formula, std::size_t from) {
+  std::size_t end = from;
+  if (end < formula.size() && formula[end] == '(') {
+    int depth = 0;
+    while (end < formula.size()) {
+      depth += formula[end] == '(' ? 1 : formula[end] == ')' ? -1 : 0;
+      ++end;
+      if (depth == 0) break;
+    }
+    return end;
+  }
+  if (end < formula.size() && formula[end] == '-') ++end;
+  while (end < formula.size() &&
+         (std::isalnum(static_cast<unsigned char>(formula[end])) != 0 || formula[end] == '.' || formula[end] == '_'))
+    ++end;
+  return end;
+}
+
+std::string with_raised_exponents(std::string_view formula) {
+  std::string html;
   for (std::size_t i = 0; i < formula.size(); ++i) {
     if (formula[i] != '^') {
       html += escape_html(formula.substr(i, 1));
       continue;
     }
-    std::size_t end = i + 1;
-    while (end < formula.size() && (std::isalnum(static_cast<unsigned char>(formula[end])) != 0 || formula[end] == '.'))
-      ++end;
-    html += "<sup>" + escape_html(formula.substr(i + 1, end - i - 1)) + "</sup>";
+    const std::size_t end = end_of_exponent(formula, i + 1);
+    std::string_view exponent = formula.substr(i + 1, end - i - 1);
+    // Raised, it needs no brackets.
+    if (exponent.starts_with('(') && exponent.ends_with(')')) exponent = exponent.substr(1, exponent.size() - 2);
+    html += "<sup>" + with_raised_exponents(exponent) + "</sup>";
     i = end - 1;
   }
-  return html + "</span>";
+  return html;
+}
+
+}  // namespace
+
+std::string html_formula(std::string_view formula) {
+  return "<span class=\"formula\">" + with_raised_exponents(formula) + "</span>";
+}
+
+std::string html_sentence(std::string_view note) {
+  std::string sentence(note);
+  if (sentence.empty()) return sentence;
+  if (sentence.front() >= 'a' && sentence.front() <= 'z') sentence.front() += 'A' - 'a';
+  if (!sentence.ends_with('.')) sentence += '.';
+  return escape_html(sentence);
 }
 
 std::string html_number(double value, int digits) {

@@ -16,6 +16,9 @@ namespace report {
 /// A formula of s with its powers raised.
 [[nodiscard]] std::string html_formula(std::string_view formula);
 
+/// A remark as a sentence among others: a capital letter first, a stop at the end.
+[[nodiscard]] std::string html_sentence(std::string_view note);
+
 /// A number for readers: so many significant digits, powers of ten as such, an en dash for NaN.
 [[nodiscard]] std::string html_number(double value, int digits = 4);
 /// A time in the unit that suits it.

@@ -85,7 +85,7 @@ Section time_section(const Work& work, const std::string& name, const frac::Time
                             {"weight", read.sigma().empty() ? prose("time", "plain") : prose("time", "given")}});
   const std::string outputs = std::to_string(data.observed().size());
   if (data.observed().size() < read.size()) text += " " + prose("time", "thinned", {{"outputs", outputs}});
-  for (const std::string& note : notes) text += " " + escape_html(note);
+  for (const std::string& note : notes) text += " " + html_sentence(note);
   section.add(Html{"<p>" + text + "</p>"});
 
   // The offset is fitted beside the parameters of each structure.

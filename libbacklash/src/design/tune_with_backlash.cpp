@@ -308,7 +308,7 @@ BacklashTuning tune_with_backlash(const BacklashPlant& plant, const frac::LoopSp
   if (result.usable()) {
     if (design.is_at_limit(result.persistent.cycles)) {
       result.constraints.push_back(
-          {"cycles no faster, rad/s", design.fastest(), result.persistent.cycles.back().omega, true});
+          {"search for cycles, up to rad/s", design.fastest(), result.persistent.cycles.back().omega, true});
     }
     result.constraints.push_back({cycle_constraint, 0, result.persistent.swing, result.of_regardless.swing > 0});
   }

@@ -8,11 +8,11 @@
 #include <optional>
 #include <stdexcept>
 
-#include "backlash/jump_frequency.hpp"
 #include "base/check.hpp"
 #include "base/median.hpp"
 #include "base/short_text.hpp"
 #include "scene_adequacy.hpp"
+#include "scene_data.hpp"
 #include "scene_search.hpp"
 #include "scene_uncertainty.hpp"
 #include "steady_state/two_impact_orbit.hpp"
@@ -28,58 +28,6 @@ constexpr std::array<std::string_view, 4> parameter_names = {"mass1", "mass2", "
 
 // Factor by which masses and clearance may differ from what the data suggest.
 const double default_range = std::log(1e6);
-// gamma where the motion of the low-frequency side ends: between 0.463 and 0.533 for restitution 0.2 to 0.8.
-constexpr double jump_gamma = 0.5;
-constexpr std::size_t jumps_per_curve = 3;
-
-void check(const std::vector<MeasuredDescribingFunction>& curves, const SceneIdentificationOptions& options) {
-  if (curves.empty()) throw std::invalid_argument("curves is empty; at least one describing function is needed");
-  for (std::size_t i = 0; i < curves.size(); ++i) {
-    const std::string curve = "curve " + std::to_string(i);
-    detail::require_positive(curve + ": force_amplitude", "N", curves[i].force_amplitude);
-    if (options.weight == frac::Weight::given && curves[i].data.sigma().empty()) {
-      throw std::invalid_argument(curve + ": weight is given, but the data have no sigma");
-    }
-  }
-  using frac::Component;
-  using frac::Weight;
-  if (options.component != Component::both && options.component != Component::real &&
-      options.component != Component::imaginary) {
-    throw std::invalid_argument("component is " + std::string(frac::to_string(options.component)) +
-                                "; it must be both, real or imaginary");
-  }
-  if (options.weight != Weight::relative && options.weight != Weight::given && options.weight != Weight::absolute) {
-    throw std::invalid_argument("weight is " + std::string(frac::to_string(options.weight)) +
-                                "; it must be relative, given or absolute");
-  }
-}
-
-detail::SceneData scene_data(const std::vector<MeasuredDescribingFunction>& curves,
-                             const SceneIdentificationOptions& options) {
-  detail::SceneData data{{}, {}, options.output, options.component, options.weight, 0, 0};
-  std::vector<double> sizes;
-  for (std::size_t curve = 0; curve < curves.size(); ++curve) {
-    data.curve_begin.push_back(data.points.size());
-    const frac::FrequencyResponseData& response = curves[curve].data;
-    for (std::size_t i = 0; i < response.size(); ++i) {
-      const double sigma = response.sigma().empty() ? nan : response.sigma()[i];
-      data.points.push_back({curve, i, curves[curve].force_amplitude, response.omega()[i], response.value()[i], sigma});
-      const double size = std::abs(response.value()[i]);
-      if (size > 0) sizes.push_back(size);
-    }
-  }
-  data.curve_begin.push_back(data.points.size());
-  if (sizes.empty()) throw std::invalid_argument("all data are zero; nothing moves, so nothing can be identified");
-  data.typical = frac::detail::median(sizes);
-  std::vector<double> misfits;
-  for (const detail::MeasuredPoint& point : data.points) {
-    const double deviation = data.deviation(point, point.value);
-    if (deviation > 0) misfits.push_back(std::abs(point.value) / deviation);
-  }
-  data.typical_misfit = frac::detail::median(misfits);
-  return data;
-}
-
 std::string allowed_range(std::size_t k) {
   return k == 3 ? "in [0, 1]" : "positive and finite";
 }
@@ -156,26 +104,6 @@ detail::KnownScene known_scene(const detail::SceneData& data,
   return known;
 }
 
-// mass2 clearance = F/(gamma omega_J^2) with the jump of the data at omega_J.
-std::vector<double> products_from_jumps(const std::vector<MeasuredDescribingFunction>& curves) {
-  std::vector<double> products;
-  for (const MeasuredDescribingFunction& curve : curves) {
-    std::vector<double> omega = curve.data.omega();
-    omega.erase(std::unique(omega.begin(), omega.end()), omega.end());
-    if (omega.size() < 5) continue;
-    const std::vector<Discontinuity> jumps = find_discontinuities(curve.data);
-    for (std::size_t i = 0; i < std::min(jumps.size(), jumps_per_curve); ++i) {
-      products.push_back(curve.force_amplitude / (jump_gamma * jumps[i].omega * jumps[i].omega));
-    }
-  }
-  return products;
-}
-
-PointStatus status_of(const detail::PointChoice& choice) {
-  if (choice.used) return PointStatus::used;
-  return choice.kind == detail::PointChoice::Kind::none ? PointStatus::irregular : PointStatus::off_branch;
-}
-
 Regime regime_of(const detail::PointChoice& choice, double gamma, double restitution) {
   switch (choice.kind) {
     case detail::PointChoice::Kind::two_impact:
@@ -197,7 +125,7 @@ void report_points(const detail::SceneData& data, const detail::LocalScene& loca
     ScenePoint reported{point.curve,
                         point.index,
                         point.omega,
-                        status_of(choice),
+                        detail::status_of(choice),
                         regime_of(choice, detail::gamma_at(local.theta, point), local.theta[3]),
                         Complex(nan, nan),
                         Complex(nan, nan)};
@@ -215,20 +143,13 @@ void report_points(const detail::SceneData& data, const detail::LocalScene& loca
   }
 }
 
-void stretch_over(const SceneEstimate& rival, SceneEstimate& estimate) {
-  if (estimate.fixed || estimate.at_bound) return;
-  // A rival at a limit has a value only.
-  const bool has_interval = std::isfinite(rival.ci95_lower);
-  estimate.ci95_lower = std::min(estimate.ci95_lower, has_interval ? rival.ci95_lower : rival.value);
-  estimate.ci95_upper = std::max(estimate.ci95_upper, has_interval ? rival.ci95_upper : rival.value);
-  estimate.identified = detail::is_narrow(estimate);
-}
-
 // Stretches the intervals of an estimate over those of another one that explains the data nearly as well.
 void stretch_over(const detail::SceneUncertainty& rival, detail::SceneUncertainty& estimate) {
-  for (std::size_t k = 0; k < rival.parameters.size(); ++k) stretch_over(rival.parameters[k], estimate.parameters[k]);
+  for (std::size_t k = 0; k < rival.parameters.size(); ++k) {
+    detail::stretch_over(rival.parameters[k], estimate.parameters[k]);
+  }
   for (std::size_t c = 0; c < rival.combinations.size(); ++c) {
-    stretch_over(rival.combinations[c], estimate.combinations[c]);
+    detail::stretch_over(rival.combinations[c], estimate.combinations[c]);
   }
 }
 
@@ -281,18 +202,7 @@ std::string_view to_string(PointStatus status) {
 }
 
 std::string SceneIdentification::summary() const {
-  using frac::detail::short_text;
-  std::string text;
-  for (const SceneEstimate& each : parameters) {
-    text += each.name + " = " + short_text(each.value) + (each.unit.empty() ? "" : " " + each.unit);
-    if (each.fixed) {
-      text += ", fixed";
-    } else if (std::isfinite(each.ci95_lower) && std::isfinite(each.ci95_upper)) {
-      text += ", 95 % within " + short_text(each.ci95_lower) + " .. " + short_text(each.ci95_upper);
-    }
-    text += each.identified ? "\n" : ", not identified\n";
-  }
-  return text + message;
+  return detail::summary_of(parameters, message);
 }
 
 TwoMassSystem SceneIdentification::system() const {
@@ -302,15 +212,15 @@ TwoMassSystem SceneIdentification::system() const {
 SceneIdentification identify_scene(const std::vector<MeasuredDescribingFunction>& curves,
                                    const SceneIdentificationOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
-  check(curves, options);
-  const detail::SceneData data = scene_data(curves, options);
+  detail::check_curves(curves, options);
+  const detail::SceneData data = detail::scene_data(curves, options);
   const detail::KnownScene known = known_scene(data, options.constraints);
   const std::size_t residuals = data.points.size() * data.residuals_per_point();
   if (residuals < known.bounds.free_count()) {
     throw std::invalid_argument("the data form " + std::to_string(residuals) + " residuals, fewer than the " +
                                 std::to_string(known.bounds.free_count()) + " free parameters");
   }
-  const std::vector<double> jumps = products_from_jumps(curves);
+  const std::vector<double> jumps = detail::products_from_jumps(curves);
   const detail::SceneSearch found = detail::search_scene(data, known, jumps, options.threads);
 
   SceneIdentification result{};

@@ -200,6 +200,7 @@ class Solver {
   }
 
   void least_squares();
+  [[nodiscard]] double way_in_standard_errors(const SceneVector& start, const NormalEquations& end) const;
 
   const SceneData& data_;
   const SceneBounds& bounds_;
@@ -255,90 +256,128 @@ NormalEquations products(const SceneData& data, const SceneVector& theta, const 
   return result;
 }
 
-// Levenberg and Marquardt's method in a box: parameters at a bound that the gradient presses against it stay there.
+// How much Levenberg and Marquardt's steps are shortened.
+struct Damping {
+  double value = 1e-4;
+  int rejected = 0;
+
+  void accept() {
+    value = std::max(value * 0.1, 1e-15);
+    rejected = 0;
+  }
+  /// After a step that was no gain: whether shorter ones have been so for too long.
+  [[nodiscard]] bool is_in_vain() {
+    value = std::max(value * 8, 1e-10);
+    return ++rejected > 12;
+  }
+};
+
+// The normal equations of those parameters that no bound holds: one at a bound that the gradient presses against it
+// stays there.
+class BoxedEquations {
+ public:
+  BoxedEquations(const NormalEquations& equations, const SceneVector& theta, const SceneBounds& bounds)
+      : equations_(equations) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      const bool pressed = (theta[k] <= bounds.lower[k] && equations.gradient[k] > 0) ||
+                           (theta[k] >= bounds.upper[k] && equations.gradient[k] < 0);
+      inner_[k] = bounds.is_free(k) && !pressed;
+      if (inner_[k]) largest_ = std::max(largest_, equations.matrix[k][k]);
+    }
+  }
+
+  /// Whether nothing is left that the data would move.
+  [[nodiscard]] bool is_flat() const { return !(largest_ > 0); }
+
+  [[nodiscard]] Vector4 step(double damping) const {
+    Matrix4 matrix = Matrix4::Identity();
+    Vector4 gradient = Vector4::Zero();
+    for (std::size_t k = 0; k < 4; ++k) {
+      if (!inner_[k]) continue;
+      const auto row = static_cast<Eigen::Index>(k);
+      gradient[row] = equations_.gradient[k];
+      for (std::size_t l = 0; l < 4; ++l) {
+        if (inner_[l]) matrix(row, static_cast<Eigen::Index>(l)) = equations_.matrix[k][l];
+      }
+      matrix(row, row) += damping * std::max(equations_.matrix[k][k], 1e-12 * largest_);
+    }
+    return -matrix.colPivHouseholderQr().solve(gradient);
+  }
+
+ private:
+  NormalEquations equations_;
+  std::array<bool, 4> inner_{};
+  double largest_ = 0;
+};
+
+struct Trial {
+  SceneVector theta;
+  double change;  // of the parameter that moved most
+};
+Trial step_within(const SceneBounds& bounds, const SceneVector& theta, const Vector4& step) {
+  Trial trial{theta, 0};
+  for (std::size_t k = 0; k < 4; ++k) {
+    trial.theta[k] = std::clamp(theta[k] + step[static_cast<Eigen::Index>(k)], bounds.lower[k], bounds.upper[k]);
+    trial.change = std::max(trial.change, std::abs(trial.theta[k] - theta[k]));
+  }
+  return trial;
+}
+
+// Levenberg and Marquardt's method in a box.
 void Solver::least_squares() {
   const SceneVector start = theta_;
   const std::vector<double> deviation = deviations();
-  double damping = 1e-4;
-  int rejected = 0;
+  Damping damping;
   least_squares_converged_ = false;
   Evaluation current = evaluate(theta_, deviation, true);
   drop(current.ended);
   for (int iteration = 0; iteration < iterations_ && !least_squares_converged_;) {
     frac::throw_if_cancelled();
-    const NormalEquations equations = products(data_, theta_, choices_, &deviation, effort_);
-    std::array<bool, 4> inner{};
-    double largest = 0;
-    for (std::size_t k = 0; k < 4; ++k) {
-      const bool pressed = (theta_[k] <= bounds_.lower[k] && equations.gradient[k] > 0) ||
-                           (theta_[k] >= bounds_.upper[k] && equations.gradient[k] < 0);
-      inner[k] = bounds_.is_free(k) && !pressed;
-      if (inner[k]) largest = std::max(largest, equations.matrix[k][k]);
-    }
-    if (!(largest > 0)) {
+    const BoxedEquations equations(products(data_, theta_, choices_, &deviation, effort_), theta_, bounds_);
+    if (equations.is_flat()) {
       least_squares_converged_ = true;
       break;
     }
-    for (;; ++iteration) {
-      if (iteration >= iterations_) break;
-      Matrix4 matrix = Matrix4::Identity();
-      Vector4 gradient = Vector4::Zero();
-      for (std::size_t k = 0; k < 4; ++k) {
-        if (!inner[k]) continue;
-        const auto row = static_cast<Eigen::Index>(k);
-        gradient[row] = equations.gradient[k];
-        for (std::size_t l = 0; l < 4; ++l) {
-          if (inner[l]) matrix(row, static_cast<Eigen::Index>(l)) = equations.matrix[k][l];
-        }
-        matrix(row, row) += damping * std::max(equations.matrix[k][k], 1e-12 * largest);
-      }
-      const Vector4 step = -matrix.colPivHouseholderQr().solve(gradient);
-      SceneVector trial = theta_;
-      double change = 0;
-      for (std::size_t k = 0; k < 4; ++k) {
-        trial[k] = std::clamp(theta_[k] + step[static_cast<Eigen::Index>(k)], bounds_.lower[k], bounds_.upper[k]);
-        change = std::max(change, std::abs(trial[k] - theta_[k]));
-      }
-      if (!(change > 1e-13)) {
+    bool moved = false;
+    while (!moved && iteration < iterations_) {
+      const Trial trial = step_within(bounds_, theta_, equations.step(damping.value));
+      if (!(trial.change > 1e-13)) {
         least_squares_converged_ = true;
         break;
       }
-      const Evaluation next = evaluate(trial, deviation, false);
-      if (next.ended.empty() && next.cost <= current.cost) {
+      ++iteration;
+      const Evaluation next = evaluate(trial.theta, deviation, false);
+      moved = next.ended.empty() && next.cost <= current.cost;
+      if (moved) {
         // Rounding of the cost hides steps this small.
-        least_squares_converged_ = change < 1e-11 || current.cost - next.cost <= 1e-6 * current.cost;
-        theta_ = trial;
+        least_squares_converged_ = trial.change < 1e-11 || current.cost - next.cost <= 1e-6 * current.cost;
+        theta_ = trial.theta;
         current = next;
-        damping = std::max(damping * 0.1, 1e-15);
-        rejected = 0;
-        ++iteration;
-        break;
-      }
-      damping = std::max(damping * 8, 1e-10);
-      // Shorter steps in vain: a motion ends right here, or the differences in cost are rounding.
-      if (++rejected > 12) {
-        rejected = 0;
-        damping = 1e-4;
-        if (next.ended.empty()) {
-          least_squares_converged_ = true;
-        } else {
-          drop(evaluate(trial, deviation, true).ended);
+        damping.accept();
+      } else if (damping.is_in_vain()) {
+        // A motion ends right here, or the differences in cost are rounding.
+        damping = {};
+        least_squares_converged_ = next.ended.empty();
+        if (!least_squares_converged_) {
+          drop(evaluate(trial.theta, deviation, true).ended);
           current = evaluate(theta_, deviation, true);
         }
-        ++iteration;
         break;
       }
     }
   }
-  // Length of the way in units of the standard errors, rounding aside.
-  const NormalEquations end = products(data_, theta_, choices_, &deviation, effort_);
+  moved_ = way_in_standard_errors(start, products(data_, theta_, choices_, &deviation, effort_));
+}
+
+// Length of the way from the start in units of the standard errors, rounding aside.
+double Solver::way_in_standard_errors(const SceneVector& start, const NormalEquations& end) const {
   double square = 0;
   for (std::size_t k = 0; k < 4; ++k) {
     for (std::size_t l = 0; l < 4; ++l) square += (theta_[k] - start[k]) * end.matrix[k][l] * (theta_[l] - start[l]);
   }
   const double count = static_cast<double>(std::max<std::size_t>(1, end.residuals));
   const double accuracy = 1e-9 * data_.typical_misfit;
-  moved_ = std::sqrt(std::max(square, 0.0) / (end.cost / count + accuracy * accuracy));
+  return std::sqrt(std::max(square, 0.0) / (end.cost / count + accuracy * accuracy));
 }
 
 }  // namespace

@@ -183,6 +183,29 @@ bool is_narrow(const SceneEstimate& estimate) {
   return estimate.ci95_upper - estimate.ci95_lower <= range;
 }
 
+std::string summary_of(std::span<const SceneEstimate> parameters, const std::string& message) {
+  std::string text;
+  for (const SceneEstimate& each : parameters) {
+    text += each.name + " = " + short_text(each.value) + (each.unit.empty() ? "" : " " + each.unit);
+    if (each.fixed) {
+      text += ", fixed";
+    } else if (std::isfinite(each.ci95_lower) && std::isfinite(each.ci95_upper)) {
+      text += ", 95 % within " + short_text(each.ci95_lower) + " .. " + short_text(each.ci95_upper);
+    }
+    text += each.identified ? "\n" : ", not identified\n";
+  }
+  return text + message;
+}
+
+void stretch_over(const SceneEstimate& rival, SceneEstimate& estimate) {
+  if (estimate.fixed || estimate.at_bound) return;
+  // A rival at a limit has a value only.
+  const bool has_interval = std::isfinite(rival.ci95_lower);
+  estimate.ci95_lower = std::min(estimate.ci95_lower, has_interval ? rival.ci95_lower : rival.value);
+  estimate.ci95_upper = std::max(estimate.ci95_upper, has_interval ? rival.ci95_upper : rival.value);
+  estimate.identified = is_narrow(estimate);
+}
+
 SceneUncertainty scene_uncertainty(const NormalEquations& equations, const SceneBounds& bounds,
                                    const SceneVector& theta, double widening) {
   SceneUncertainty result{};

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,5 +29,11 @@ struct SceneUncertainty {
 /// Whether the interval is no wider than the value, or the range of restitution: what `identified` asks for.  False
 /// without an interval, as at a limit.
 [[nodiscard]] bool is_narrow(const SceneEstimate& estimate);
+
+/// Estimates with their 95 % intervals line by line, and the message.
+[[nodiscard]] std::string summary_of(std::span<const SceneEstimate> parameters, const std::string& message);
+
+/// Stretches the interval of an estimate over that of another one that explains the data nearly as well.
+void stretch_over(const SceneEstimate& rival, SceneEstimate& estimate);
 
 }  // namespace backlash::detail

@@ -51,7 +51,8 @@ double largest_impulse(const ClosedMotion& motion) {
 
 }  // namespace
 
-AnsweredTrain::AnsweredTrain(const GapResponse& response, double period, const std::optional<FundamentalAnswer>& answer)
+AnsweredTrain::AnsweredTrain(const ImpulseAnswer& response, double period,
+                             const std::optional<FundamentalAnswer>& answer)
     : train_(response, period) {
   if (!answer) return;
   omega_ = 2 * pi * answer->force_periods / period;
@@ -83,7 +84,7 @@ CycleEquations::CycleEquations(const LinearBodies& bodies, const CycleGuess& gue
   forced_ = forced;
 }
 
-CycleEquations::CycleEquations(const TwoMassSystem& system, const CycleGuess& guess, GapResponse response,
+CycleEquations::CycleEquations(const TwoMassSystem& system, const CycleGuess& guess, ImpulseAnswer response,
                                std::optional<double> static_gap)
     : response_(std::move(response)),
       static_gap_(static_gap),

@@ -39,7 +39,7 @@ struct FundamentalAnswer {
 /// Sums over all earlier impacts at distances of whole periods: those of ImpulseTrain, and of the force that answers.
 class AnsweredTrain {
  public:
-  AnsweredTrain(const GapResponse& response, double period, const std::optional<FundamentalAnswer>& answer);
+  AnsweredTrain(const ImpulseAnswer& response, double period, const std::optional<FundamentalAnswer>& answer);
   /// As ImpulseTrain::repeated.
   [[nodiscard]] std::array<double, 3> repeated(double t) const;
   [[nodiscard]] const ImpulseTrain& train() const noexcept { return train_; }
@@ -85,14 +85,14 @@ class CycleEquations {
   /// Fundamental of the impulses: sum_b I_b e^{-j omega t_b} 2/period at `turns` times the frequency of the motion.
   [[nodiscard]] static std::complex<double> strength(const ClosedMotion& motion, int turns);
 
-  [[nodiscard]] const GapResponse& response() const noexcept { return response_; }
+  [[nodiscard]] const ImpulseAnswer& response() const noexcept { return response_; }
   /// Speed of the masses towards each other per impulse.
   [[nodiscard]] double exchange() const noexcept { return exchange_; }
   [[nodiscard]] double half_clearance() const noexcept { return half_clearance_; }
   [[nodiscard]] const std::vector<double>& walls() const noexcept { return walls_; }
 
  private:
-  CycleEquations(const TwoMassSystem& system, const CycleGuess& guess, GapResponse response,
+  CycleEquations(const TwoMassSystem& system, const CycleGuess& guess, ImpulseAnswer response,
                  std::optional<double> static_gap);
   [[nodiscard]] ClosedMotion start(const CycleGuess& guess, double phase) const;
   // x2 - x1 and its derivatives by the force, a time after the first impact.
@@ -102,7 +102,7 @@ class CycleEquations {
   [[nodiscard]] std::vector<double> residuals(const ClosedMotion& motion, double scale) const;
   [[nodiscard]] std::vector<double> derivatives(const ClosedMotion& motion, double scale) const;
 
-  GapResponse response_;
+  ImpulseAnswer response_;
   std::optional<FundamentalAnswer> answer_;
   std::optional<ForcedGap> forced_;
   std::optional<double> static_gap_;  // of a constant force between the bodies, m/N, if they settle

@@ -86,7 +86,7 @@ class HalfPeriod final : public Characteristic {
 // Per period of a motion with any number of impacts; z_0 = 1.
 class WholePeriod final : public Characteristic {
  public:
-  WholePeriod(const GapResponse& response, const ImpulseTrain& train, const std::vector<double>& times,
+  WholePeriod(const ImpulseAnswer& response, const ImpulseTrain& train, const std::vector<double>& times,
               const std::vector<double>& bend, double exchange, bool has_shift)
       : Characteristic(train), times_(times), bend_(bend), exchange_(exchange), has_shift_(has_shift) {
     const std::size_t n = times.size();
@@ -96,10 +96,10 @@ class WholePeriod final : public Characteristic {
       for (std::size_t b = 0; b < n; ++b) {
         // From impact b to impact a, of which the train sees the answers of later periods: lags l period - delay.
         const double delay = b < a ? period - (times[a] - times[b]) : times[b] - times[a];
-        GapResponse delayed = response;
+        ImpulseAnswer delayed = response;
         for (PowerPart& part : delayed.parts) part.delay += delay;
         for (ImagePart& part : delayed.images) part.delay += delay;
-        responses_.push_back(std::make_unique<GapResponse>(std::move(delayed)));
+        responses_.push_back(std::make_unique<ImpulseAnswer>(std::move(delayed)));
         trains_.emplace_back(*responses_.back(), period);
       }
     }
@@ -125,7 +125,7 @@ class WholePeriod final : public Characteristic {
         const ImpulseTrain& train = trains_[a * n + b];
         std::array<Complex, 3> g;
         if (is_split) {
-          const ImpulseTrain::Split split = train.split(s);
+          const TrainSplit split = train.split(s);
           g = split.regular;
           if (a == 0 && b == 0) mean = split.mean;
         } else {
@@ -162,7 +162,7 @@ class WholePeriod final : public Characteristic {
   std::vector<double> bend_;
   double exchange_;
   bool has_shift_;
-  std::vector<std::unique_ptr<const GapResponse>> responses_;  // stay where they are: the trains point at them
+  std::vector<std::unique_ptr<const ImpulseAnswer>> responses_;  // stay where they are: the trains point at them
   std::vector<ImpulseTrain> trains_;
 };
 
@@ -345,8 +345,13 @@ CycleStability forced_stability(const ImpulseTrain& train, double exchange, doub
   return stability_by(HalfPeriod(train, exchange, acceleration)).stability;
 }
 
-CycleStability cycle_stability(const GapResponse& response, const ImpulseTrain& train, const std::vector<double>& times,
-                               const std::vector<double>& bend, double exchange, bool is_forced) {
+bool is_forced_stable(const ImpulseTrain& train, double exchange, double acceleration) {
+  return roots_beyond(HalfPeriod(train, exchange, acceleration), 0) == 0;
+}
+
+CycleStability cycle_stability(const ImpulseAnswer& response, const ImpulseTrain& train,
+                               const std::vector<double>& times, const std::vector<double>& bend, double exchange,
+                               bool is_forced) {
   const Judgement judgement = stability_by(WholePeriod(response, train, times, bend, exchange, !is_forced));
   CycleStability result = judgement.stability;
   // Of so many impacts the search from a few points may lead past the largest.

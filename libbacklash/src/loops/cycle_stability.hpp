@@ -19,6 +19,8 @@ namespace backlash::detail {
 ///   (q + G1(z))^2 - G0(z) (G2(z) - acceleration).
 /// @param acceleration  (x2 - x1)'' just before the impact at +clearance/2, over minus the impulse
 [[nodiscard]] CycleStability forced_stability(const ImpulseTrain& train, double exchange, double acceleration);
+/// Whether it is stable, by the count alone.
+[[nodiscard]] bool is_forced_stable(const ImpulseTrain& train, double exchange, double acceleration);
 
 /// Of a motion with any impacts per period: multipliers per period but that of a shift in time, the roots of det D(z)
 /// for disturbances of instants, delta_a, and impulses, iota_a, that grow by z per period,
@@ -29,7 +31,7 @@ namespace backlash::detail {
 /// @param times  of the impacts, s, rising from 0, below the period
 /// @param bend   (x2 - x1)'' just before each, over minus its impulse
 /// @param is_forced  under a force of fixed phase, which knows no shift in time
-[[nodiscard]] CycleStability cycle_stability(const GapResponse& response, const ImpulseTrain& train,
+[[nodiscard]] CycleStability cycle_stability(const ImpulseAnswer& response, const ImpulseTrain& train,
                                              const std::vector<double>& times, const std::vector<double>& bend,
                                              double exchange, bool is_forced = false);
 

@@ -18,7 +18,7 @@ double ForcedOrbits::impulse_share(double omega) {
 ForcedOrbits::ForcedOrbits(const LinearBodies& bodies, double omega)
     : ForcedOrbits(bodies, gap_response(bodies), omega) {}
 
-ForcedOrbits::ForcedOrbits(const LinearBodies& bodies, const GapResponse& response, double omega)
+ForcedOrbits::ForcedOrbits(const LinearBodies& bodies, const ImpulseAnswer& response, double omega)
     : omega_(omega),
       half_clearance_(0.5 * bodies.system().clearance()),
       load_(bodies.load().response(omega)),

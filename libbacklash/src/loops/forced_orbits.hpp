@@ -7,7 +7,7 @@
 
 namespace backlash::detail {
 
-struct GapResponse;
+struct ImpulseAnswer;
 
 /// The symmetric orbits with two impacts per period, at opposite walls, of linear bodies under a sine force on body 2.
 /// With impulses +-I, the first of them on body 1 at x2 - x1 = +clearance/2 at t = 0, and the force Re F e^{jwt},
@@ -16,7 +16,7 @@ struct GapResponse;
 class ForcedOrbits {
  public:
   /// @param response  of the bodies alone
-  ForcedOrbits(const LinearBodies& bodies, const GapResponse& response, double omega);
+  ForcedOrbits(const LinearBodies& bodies, const ImpulseAnswer& response, double omega);
   ForcedOrbits(const LinearBodies& bodies, double omega);
 
   /// Phasors of the fundamentals.

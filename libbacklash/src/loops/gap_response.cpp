@@ -5,7 +5,6 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
-#include <string>
 #include <utility>
 
 #include "formula/power_sum.hpp"
@@ -122,12 +121,12 @@ bool has_whole_orders(const frac::detail::LaplaceImage& image) {
          std::all_of(image.denominator().terms.begin(), image.denominator().terms.end(), is_whole);
 }
 
-GapResponse free_response(const TwoMassSystem& system) {
+ImpulseAnswer free_response(const TwoMassSystem& system) {
   const double jump = 1 / system.mass1() + 1 / system.mass2();
   return {{{jump, 1, 0}}, {}, jump};
 }
 
-void add_image(GapResponse& response, Terms numerator, const std::vector<Terms>& denominators, double delay) {
+void add_image(ImpulseAnswer& response, Terms numerator, const std::vector<Terms>& denominators, double delay) {
   if (numerator.empty()) return;
   // Single terms make one factor, which comes first.
   frac::detail::PowerProduct denominator;
@@ -145,7 +144,7 @@ void add_image(GapResponse& response, Terms numerator, const std::vector<Terms>&
 }
 
 template <typename Real>
-double rate_by(const GapResponse& response, double half_period) {
+double rate_by(const ImpulseAnswer& response, double half_period) {
   double rate = 0;
   for (const PowerPart& part : response.parts) {
     const FirstPulse first = first_pulse(part.delay, half_period);
@@ -159,12 +158,8 @@ double rate_by(const GapResponse& response, double half_period) {
 
 }  // namespace
 
-double alternating_sum(double power, double v) {
-  return AlternatingSums<long double>(power, v).sum();
-}
-
-GapResponse gap_response(const LinearBodies& bodies) {
-  GapResponse response = free_response(bodies.system());
+ImpulseAnswer gap_response(const LinearBodies& bodies) {
+  ImpulseAnswer response = free_response(bodies.system());
   if (bodies.are_free()) return response;
   const Body load(bodies.load(), bodies.system().mass1());
   const Body drive(bodies.drive(), bodies.system().mass2());
@@ -174,7 +169,7 @@ GapResponse gap_response(const LinearBodies& bodies) {
   return response;
 }
 
-GapResponse gap_response(const ControlLoop& loop) {
+ImpulseAnswer gap_response(const ControlLoop& loop) {
   const LinearBodies& bodies = loop.bodies();
   const frac::FractionalTransferFunction& controller = loop.controller();
   const double mass1 = loop.system().mass1();
@@ -187,7 +182,7 @@ GapResponse gap_response(const ControlLoop& loop) {
   }
   if (bodies.are_free() && !is_driven) {
     // G1 + G2 and C G1 G2; 1/s^p is t^(p - 1)/Gamma(p).
-    GapResponse response = free_response(bodies.system());
+    ImpulseAnswer response = free_response(bodies.system());
     if (controller.denominator().size() != 1) {
       add_image(response, controller.numerator(), {controller.denominator(), {{mass1 * mass2, 4}}}, controller.delay());
       return response;
@@ -208,7 +203,7 @@ GapResponse gap_response(const ControlLoop& loop) {
                      merged(product(bodies.drive().denominator(), controller.denominator()),
                             product(bodies.drive().numerator(), controller.numerator())),
                      mass2);
-    GapResponse response = free_response(bodies.system());
+    ImpulseAnswer response = free_response(bodies.system());
     add_image(response,
               merged(product(load.excess, drive.scaled_denominator), product(drive.excess, load.scaled_denominator)),
               {{{1, 2}}, load.scaled_denominator, drive.scaled_denominator}, 0);
@@ -219,12 +214,12 @@ GapResponse gap_response(const ControlLoop& loop) {
   Terms chain = product(product(load.numerator, drive.numerator), controller.numerator());
   chain = frac::detail::scaled(std::move(chain), mass1 * mass2, 0);
   if (controller.delay() > 0) {
-    GapResponse response = gap_response(bodies);
+    ImpulseAnswer response = gap_response(bodies);
     add_image(response, std::move(chain), {controller.denominator(), load.scaled_denominator, drive.scaled_denominator},
               controller.delay());
     return response;
   }
-  GapResponse response = free_response(bodies.system());
+  ImpulseAnswer response = free_response(bodies.system());
   const Terms apart =
       merged(product(load.excess, drive.scaled_denominator), product(drive.excess, load.scaled_denominator));
   add_image(response, merged(product(apart, controller.denominator()), frac::detail::scaled(std::move(chain), 1, 2)),
@@ -232,7 +227,7 @@ GapResponse gap_response(const ControlLoop& loop) {
   return response;
 }
 
-ImpulseTrain::ImpulseTrain(const GapResponse& response, double half_period) : tau_(half_period) {
+ImpulseTrain::ImpulseTrain(const ImpulseAnswer& response, double half_period) : tau_(half_period) {
   parts_.reserve(response.parts.size());
   has_whole_powers_ = std::all_of(response.parts.begin(), response.parts.end(),
                                   [](const PowerPart& part) { return part.exponent == std::round(part.exponent); });
@@ -313,8 +308,8 @@ std::array<double, 3> ImpulseTrain::repeated(double t) const {
   return total;
 }
 
-ImpulseTrain::Split ImpulseTrain::split(Complex s) const {
-  Split total{};
+TrainSplit ImpulseTrain::split(Complex s) const {
+  TrainSplit total{};
   const Complex u = -s * tau_;
   for (const Part& part : parts_) {
     const PowerTrain::Split train = part.train.split(u);
@@ -328,15 +323,15 @@ ImpulseTrain::Split ImpulseTrain::split(Complex s) const {
     total.mean += scale * train.mean;
   }
   for (const ImageTrain& image : images_) {
-    const ImageTrain::Split other = image.split(s);
+    const TrainSplit other = image.split(s);
     for (std::size_t j = 0; j < 3; ++j) total.regular[j] += other.regular[j];
     total.mean += other.mean;
   }
   return total;
 }
 
-ImpulseTrain::Wave ImpulseTrain::wave(double t) const {
-  Wave wave{0, 0};
+TrainWave ImpulseTrain::wave(double t) const {
+  TrainWave wave{0, 0};
   for (const Part& part : parts_) {
     // Age over tau, now, of the latest impulse whose answer has begun.
     double age = part.offset + t / tau_;
@@ -357,18 +352,18 @@ ImpulseTrain::Wave ImpulseTrain::wave(double t) const {
     wave.slope += sign / tau_ * (slope + (age > 0 ? part.exponent * young / age : 0));
   }
   for (const ImageTrain& image : images_) {
-    const ImageTrain::Wave other = image.wave(t);
+    const TrainWave other = image.wave(t);
     wave.value += other.value;
     wave.slope += other.slope;
   }
   return wave;
 }
 
-double rate_before_impact(const GapResponse& response, double half_period) {
+double rate_before_impact(const ImpulseAnswer& response, double half_period) {
   return rate_by<long double>(response, half_period);
 }
 
-double rough_rate_before_impact(const GapResponse& response, double half_period) {
+double rough_rate_before_impact(const ImpulseAnswer& response, double half_period) {
   return rate_by<double>(response, half_period);
 }
 

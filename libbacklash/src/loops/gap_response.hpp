@@ -21,22 +21,22 @@ struct PowerPart {
 /// What the gap does after an impact: a unit impulse on mass 1 and its opposite on mass 2 make x2 - x1 = -g(t), with
 /// the controller's answer in it.  With the load measured and a controller that is a sum of powers g is one too;
 /// otherwise originals of images are added, and of bodies that are no free masses too.
-struct GapResponse {
+struct ImpulseAnswer {
   std::vector<PowerPart> parts;
   std::vector<ImagePart> images;  // the last one has the poles of the others
   double jump;                    // 1/M1 + 1/M2: g' right after the impulse
 };
 /// @throws std::invalid_argument  dead time with the driven body measured: g has then no image of finitely many powers;
 ///                                poles that could not be counted.
-[[nodiscard]] GapResponse gap_response(const ControlLoop& loop);
+[[nodiscard]] ImpulseAnswer gap_response(const ControlLoop& loop);
 /// Without a controller.
-[[nodiscard]] GapResponse gap_response(const LinearBodies& bodies);
+[[nodiscard]] ImpulseAnswer gap_response(const LinearBodies& bodies);
 
 /// Alternating impulses at all t = l tau, l = ..., -1, 0: what is left of them.
 class ImpulseTrain {
  public:
   /// @param half_period  tau, s, > 0
-  ImpulseTrain(const GapResponse& response, double half_period);
+  ImpulseTrain(const ImpulseAnswer& response, double half_period);
 
   /// sum_(l >= 1) (-1)^l g^(j)(l tau) z^-l, j = 0, 1, 2, at z = -e^{s tau}: outside the unit circle where Re s > 0, z =
   /// 1 at s = j pi/tau, and z = -1, where the sums are singular, at s = 0.  Continued analytically to |Im s| <= pi/tau
@@ -48,22 +48,14 @@ class ImpulseTrain {
   [[nodiscard]] std::array<double, 3> sums_of_one_sign() const;
 
   /// sum_(l >= 0) (-1)^l g(l tau + t) and its derivative by t, 0 < t < tau.
-  struct Wave {
-    double value;
-    double slope;
-  };
-  [[nodiscard]] Wave wave(double t) const;
+  [[nodiscard]] TrainWave wave(double t) const;
 
   /// sum_(l >= 0) g^(j)(l tau + t), j = 0, 1, 2, for 0 < t <= tau, without the harmonic of frequency 0: what impulses
   /// of one sign leave a time t after the last one; at tau just before the next.
   [[nodiscard]] std::array<double, 3> repeated(double t) const;
 
-  /// sums_j(s) = regular_j + mean s^j, with what is singular at s = 0 in `mean`; |s tau| < 2 pi.
-  struct Split {
-    std::array<std::complex<double>, 3> regular;
-    std::complex<double> mean;
-  };
-  [[nodiscard]] Split split(std::complex<double> s) const;
+  /// sums_j(s) in parts; |s tau| < 2 pi.
+  [[nodiscard]] TrainSplit split(std::complex<double> s) const;
 
   [[nodiscard]] double half_period() const noexcept { return tau_; }
   /// Real parts of the poles of g's image, times tau, each as often as it counts, conjugates too.
@@ -89,11 +81,8 @@ class ImpulseTrain {
 };
 
 /// sum_(l >= 1) (-1)^l g'(l tau): the cheap part of `sums` at z = 1 that decides the frequency of a cycle.
-[[nodiscard]] double rate_before_impact(const GapResponse& response, double half_period);
+[[nodiscard]] double rate_before_impact(const ImpulseAnswer& response, double half_period);
 /// The same to about 1e-10 of its largest part, at a tenth of the cost where g is a sum of powers.
-[[nodiscard]] double rough_rate_before_impact(const GapResponse& response, double half_period);
-
-/// sum_(n >= 0) (-1)^n (n + v)^power, v > 0, in the sense of Abel where it does not converge.
-[[nodiscard]] double alternating_sum(double power, double v);
+[[nodiscard]] double rough_rate_before_impact(const ImpulseAnswer& response, double half_period);
 
 }  // namespace backlash::detail

@@ -162,7 +162,7 @@ ImageTrain::Age ImageTrain::age_at(double t) const {
   return age > tau_ ? Age{age - tau_, first_ - 1} : Age{age, first_};
 }
 
-ImageTrain::Wave ImageTrain::wave(double t) const {
+TrainWave ImageTrain::wave(double t) const {
   const auto [age, latest] = age_at(t);
   Complex value = 0;
   Complex slope = 0;
@@ -172,7 +172,7 @@ ImageTrain::Wave ImageTrain::wave(double t) const {
     slope += part * node.r;
   }
   const double sign = std::fmod(latest, 2) == 0 ? 2 : -2;
-  Wave wave{sign * value.real(), sign * slope.real()};
+  TrainWave wave{sign * value.real(), sign * slope.real()};
   // Frequencies of the alternation on the side of the cut: those nearest to the origin, if any.
   for (int n = 1; n <= 7; n += 2) {
     const Complex turning(0, n * pi / tau_);
@@ -203,7 +203,7 @@ std::array<double, 3> ImageTrain::repeated(double t) const {
   return {total[0].real(), total[1].real(), total[2].real()};
 }
 
-ImageTrain::Split ImageTrain::split(Complex s) const {
+TrainSplit ImageTrain::split(Complex s) const {
   const Complex share = share_left(parameter(s));
   const bool has_mean = std::abs(share) > nothing;
   return {sums(s, false),

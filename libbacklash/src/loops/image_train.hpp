@@ -25,6 +25,18 @@ struct ImagePart {
   double delay;
 };
 
+/// What a train of impulses leaves at one time after an impact, and its derivative by that time.
+struct TrainWave {
+  double value;
+  double slope;
+};
+
+/// Three sums as regular_j + mean s^j, with what is singular at s = 0 in `mean`.
+struct TrainSplit {
+  std::array<std::complex<double>, 3> regular;
+  std::complex<double> mean;
+};
+
 /// The sums of ImpulseTrain for such a response g: with its inversion as an integral over r along a hyperbola about the
 /// branch cut, and residues of the poles beyond it,
 ///   sum_(l >= 1) (-1)^l g^(j)(l tau) z^-l = sum_nodes W r^j/(e^{(s - r) tau} - 1),   z = -e^{s tau},
@@ -48,21 +60,13 @@ class ImageTrain {
   [[nodiscard]] static double rate(const ImagePart& part, double tau);
 
   /// sum_(l >= 0) (-1)^l g(l tau + t) and its derivative, from t = earliest tau on.
-  struct Wave {
-    double value;
-    double slope;
-  };
-  [[nodiscard]] Wave wave(double t) const;
+  [[nodiscard]] TrainWave wave(double t) const;
 
   /// sum_(l >= 0) g^(j)(l tau + t), j = 0, 1, 2, without the harmonic of frequency 0, from t = earliest tau to tau.
   [[nodiscard]] std::array<double, 3> repeated(double t) const;
 
-  /// `sums` without the response at s itself, and that: sums_j = regular_j + mean s^j.
-  struct Split {
-    std::array<std::complex<double>, 3> regular;
-    std::complex<double> mean;
-  };
-  [[nodiscard]] Split split(std::complex<double> s) const;
+  /// `sums` without the response at s itself, and that.
+  [[nodiscard]] TrainSplit split(std::complex<double> s) const;
 
  private:
   struct Node {

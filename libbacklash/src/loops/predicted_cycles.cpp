@@ -140,7 +140,7 @@ std::vector<double> symmetric_frequencies(const ControlLoop& loop, const std::op
   std::vector<double> frequencies;
   if (!loop.bodies().are_free()) {
     // The masses meet at the speed that the impacts ask for.
-    const detail::GapResponse response = detail::gap_response(loop.bodies());
+    const detail::ImpulseAnswer response = detail::gap_response(loop.bodies());
     const double exchange = response.jump / (1 + loop.system().restitution());
     const auto defect = [&](double omega) {
       const double rate = detail::rate_before_impact(response, pi / omega);
@@ -268,7 +268,7 @@ class ShareGrid {
 
   const ControlLoop& loop_;
   Predictions predictions_;
-  detail::GapResponse response_;
+  detail::ImpulseAnswer response_;
   const std::vector<double>& omega_;
 };
 

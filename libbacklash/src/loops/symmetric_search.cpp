@@ -34,7 +34,7 @@ std::string reason_against(const ControlLoop& loop, const ImpulseTrain& train, d
   const double clearance = loop.system().clearance();
   const double excursion = largest_excursion(
       [&](double t) {
-        const ImpulseTrain::Wave wave = train.wave(t);
+        const TrainWave wave = train.wave(t);
         return GapSample{-impulse / clearance * wave.value, -impulse / clearance * wave.slope};
       },
       train.half_period());

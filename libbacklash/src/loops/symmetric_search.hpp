@@ -38,7 +38,7 @@ class SymmetricSearch {
  private:
   const ControlLoop* loop_;
   LimitCycleOptions options_;
-  GapResponse response_;
+  ImpulseAnswer response_;
   FrequencyRange range_;
   double exchange_;  // speed of the impacts over their impulse
 };

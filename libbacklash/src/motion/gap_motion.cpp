@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "arcs.hpp"
 #include "base/wide_vectors.hpp"
@@ -58,6 +57,21 @@ Root monotone_root(const GapState& start, const Flight& flight, double target, d
     h = next;
   }
   return {h, velocity};
+}
+
+// Ends a flight at a wall: the opposite one, or the one it started from.
+FRACFIT_INLINE inline void end_at(const Root& contact, bool crosses, Flight& flight) noexcept {
+  flight.hits = true;
+  flight.crosses = crosses;
+  flight.duration = contact.h;
+  flight.speed = std::max(0.0, crosses ? contact.velocity : -contact.velocity);
+}
+
+// acos A, from 1 - A.
+FRACFIT_INLINE inline double angle_of_rest(double one_minus_a) noexcept {
+  if (one_minus_a < 0.5) return 2 * std::asin(std::sqrt(one_minus_a / 2));
+  if (one_minus_a > 1.5) return pi - 2 * std::asin(std::sqrt((2 - one_minus_a) / 2));
+  return std::acos(1 - one_minus_a);
 }
 
 }  // namespace
@@ -130,46 +144,40 @@ FRACFIT_INLINE inline Flight GapMotion::flight_from(GapState& start) const noexc
   // pi n, theta = acos A; 1 - A without cancellation at small s.
   const double one_minus_a = start.sin_s * start.sin_s / (1 + start.cos_s) - parity * start.velocity * inverse_gamma_;
   const double drift = parity * gamma_ * (1 - one_minus_a);  // mean velocity
-  const double limit = 2 * pi * static_cast<double>(max_free_periods);
-
   if (one_minus_a < 0 || one_minus_a > 2) {
-    // The velocity never vanishes, so the opposite wall is met in the period in which the mean motion brings it there.
-    const double room = 1 - start.distance;
-    const double periods = std::max(0.0, std::floor(room / (2 * pi * drift)) - 1);
-    double lower = 2 * pi * periods;
-    if (!(lower < limit)) return flight;
-    while (along(start, flight, lower + 2 * pi).distance < 1) {
-      lower += 2 * pi;
-      if (!(lower < limit)) return flight;
-    }
-    const double from = along(start, flight, lower).distance;
-    const double to = along(start, flight, lower + 2 * pi).distance;
-    const double guess = lower + 2 * pi * std::clamp((1 - from) / (to - from), 0.0, 1.0);
-    const Root root = monotone_root(start, flight, 1, lower, lower + 2 * pi, guess, true);
-    flight.hits = flight.crosses = true;
-    flight.duration = root.h;
-    flight.speed = std::max(0.0, root.velocity);
-    return flight;
+    cross_in_one_direction(start, drift, flight);
+  } else {
+    fly_to_and_fro(start, one_minus_a, drift, flight);
   }
+  return flight;
+}
 
-  double theta;
-  if (one_minus_a < 0.5) {
-    theta = 2 * std::asin(std::sqrt(one_minus_a / 2));
-  } else if (one_minus_a > 1.5) {
-    theta = pi - 2 * std::asin(std::sqrt((2 - one_minus_a) / 2));
-  } else {
-    theta = std::acos(1 - one_minus_a);
+// The velocity never vanishes, so the opposite wall is met in the period in which the mean motion brings it there.
+FRACFIT_INLINE inline void GapMotion::cross_in_one_direction(const GapState& start, double drift,
+                                                             Flight& flight) const noexcept {
+  const double limit = 2 * pi * static_cast<double>(max_free_periods);
+  const double room = 1 - start.distance;
+  const double periods = std::max(0.0, std::floor(room / (2 * pi * drift)) - 1);
+  double lower = 2 * pi * periods;
+  if (!(lower < limit)) return;
+  while (along(start, flight, lower + 2 * pi).distance < 1) {
+    lower += 2 * pi;
+    if (!(lower < limit)) return;
   }
+  const double from = along(start, flight, lower).distance;
+  const double to = along(start, flight, lower + 2 * pi).distance;
+  const double guess = lower + 2 * pi * std::clamp((1 - from) / (to - from), 0.0, 1.0);
+  end_at(monotone_root(start, flight, 1, lower, lower + 2 * pi, guess, true), true, flight);
+}
+
+// The distance rises to a top and falls to a bottom in every period; contact is in the first rise or fall that reaches
+// a wall.
+FRACFIT_INLINE inline void GapMotion::fly_to_and_fro(const GapState& start, double one_minus_a, double drift,
+                                                     Flight& flight) const noexcept {
+  const double theta = angle_of_rest(one_minus_a);
   // The velocity is positive now; it ends being so at the first top.
-  double top;
-  double bottom;
-  if (parity > 0) {
-    top = start.s < 0 ? -theta - start.s : 2 * pi - theta - start.s;
-    bottom = top + 2 * theta;
-  } else {
-    top = theta - start.s;
-    bottom = top + 2 * (pi - theta);
-  }
+  double top = start.parity() > 0 ? (start.s < 0 ? -theta - start.s : 2 * pi - theta - start.s) : theta - start.s;
+  double bottom = top + 2 * (start.parity() > 0 ? theta : pi - theta);
   top = std::max(top, 0.0);
   bottom = std::max(bottom, top);
   double rise_from = 0;
@@ -192,29 +200,20 @@ FRACFIT_INLINE inline Flight GapMotion::flight_from(GapState& start) const noexc
       const double guess =
           rise_from + (top - rise_from) * fraction_before_rest((1 - rise_from_distance) / rise,
                                                                rise_velocity * (top - rise_from) / rise);
-      const Root root = monotone_root(start, flight, 1, rise_from, top, guess, true);
-      flight.hits = flight.crosses = true;
-      flight.duration = root.h;
-      flight.speed = std::max(0.0, root.velocity);
-      return flight;
+      return end_at(monotone_root(start, flight, 1, rise_from, top, guess, true), true, flight);
     }
     const double bottom_distance = bottom_at(bottom);
     if (bottom_distance < 0) {
       const double guess =
           top + (bottom - top) * fraction_between_rests(top_distance / (top_distance - bottom_distance));
-      const Root root = monotone_root(start, flight, 0, top, bottom, guess, false);
-      flight.hits = true;
-      flight.crosses = false;
-      flight.duration = root.h;
-      flight.speed = std::max(0.0, -root.velocity);
-      return flight;
+      return end_at(monotone_root(start, flight, 0, top, bottom, guess, false), false, flight);
     }
-    if (drift == 0) return flight;
+    if (drift == 0) return;
     // No contact in this period: later ones are shifted by the drift, so those out of reach are skipped.
     const double room = drift > 0 ? 1 - top_distance : bottom_distance;
     const double wait = std::floor(room / (2 * pi * std::abs(drift)));
     const double skip = std::max(1.0, wait - 1);
-    if (!(static_cast<double>(passed) + skip <= static_cast<double>(max_free_periods))) return flight;
+    if (!(static_cast<double>(passed) + skip <= static_cast<double>(max_free_periods))) return;
     passed += static_cast<std::int64_t>(skip);
     top += 2 * pi * skip;
     bottom += 2 * pi * skip;

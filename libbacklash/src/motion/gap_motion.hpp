@@ -100,6 +100,8 @@ class GapMotion {
 
  private:
   [[nodiscard]] Flight flight_from(GapState& state) const noexcept;
+  void cross_in_one_direction(const GapState& start, double drift, Flight& flight) const noexcept;
+  void fly_to_and_fro(const GapState& start, double one_minus_a, double drift, Flight& flight) const noexcept;
 
   double gamma_;
   double restitution_;

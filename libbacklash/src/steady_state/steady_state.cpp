@@ -298,122 +298,173 @@ SteadyState two_impact_steady_state(const TwoImpactOrbit& orbit, double restitut
   return steady;
 }
 
-SteadyState find_steady_state(const GapMotion& motion, const GapState& start, double tolerance, const MeanGoal& goal) {
-  const double limit = tail_limit(motion, tolerance);
-  const double lost = 1 - motion.restitution() * motion.restitution();
-  const std::int64_t wanted = goal.transients == Transients::outlasted ? longest_transient(lost) : 0;
-  const std::int64_t most_impacts = transient_impacts + (wanted > usual_window ? 2 : 1) * window_impacts;
-  ReturnDetector returns(motion.gamma());
-  std::optional<ReturnDetector::Return> candidate;
-  std::optional<GapState> released;
-  Window window;
-  JumpSum jumps;
-  Disturbance disturbance;
-  GapState state = start;
-  GapState last_peak = start;
-  std::int64_t next_peak = start.half_period + 2;
-  std::int64_t periods = 0;
-  std::int64_t transient_begin = 0;
-  std::int64_t impacts = 0;
-  int long_flights = 0;
+namespace {
 
-  const bool quick = goal.relative > 0 && lost > 0;
-  const auto in_transient = [&] {
-    const std::int64_t passed = periods - transient_begin;
-    if (passed >= most_transient_periods || impacts >= transient_impacts) return false;
-    const bool is_forgotten = lost == 0 || static_cast<double>(impacts) * lost >= energy_memory;
-    return passed < (quick ? quick_transient_periods : transient_periods) ||
-           (!is_forgotten && (quick || goal.transients == Transients::outlasted));
-  };
-  const auto growth = [&] { return window.records().back().log_growth - window.records().front().log_growth; };
-  const auto finish = [&] {
-    SteadyState steady = averaged(window.records(), motion);
-    steady.end = last_peak;
-    steady.periods_followed = static_cast<double>(periods);
+/// Follows a motion impact by impact until it is known what it does in the long run: it closes, sticks, leaves both
+/// walls, or fills a window over which it is averaged.
+class LongRun {
+ public:
+  LongRun(const GapMotion& motion, const GapState& start, double tolerance, const MeanGoal& goal)
+      : motion_(motion),
+        tolerance_(tolerance),
+        goal_(goal),
+        limit_(tail_limit(motion, tolerance)),
+        lost_(1 - motion.restitution() * motion.restitution()),
+        wanted_(goal.transients == Transients::outlasted ? longest_transient(lost_) : 0),
+        most_impacts_(transient_impacts + (wanted_ > usual_window ? 2 : 1) * window_impacts),
+        is_quick_(goal.relative > 0 && lost_ > 0),
+        returns_(motion.gamma()),
+        state_(start),
+        last_peak_(start),
+        next_peak_(start.half_period + 2) {}
+
+  SteadyState found() {
+    for (;;) {
+      if (motion_.rests(state_) || motion_.chatter_tail(state_).negligible(limit_)) {
+        if (released_) return sticking();
+        skip_rest();
+      }
+      const Flight flight = motion_.next_flight(state_);
+      if (!flight.hits) return free_motion(motion_.gamma(), last_peak_);
+      const GapState next = motion_.after_impact(state_, flight);
+      if (next.half_period - next_peak_ >= 2 * transient_periods && long_flights_ < most_long_flights) {
+        begin_anew_after(next);
+      }
+      while (next.half_period >= next_peak_) {
+        if (!pass_peak(state_.wall, motion_.along(state_, flight, radians_to_half_period(state_, next_peak_))))
+          return averaged_motion();
+      }
+      jumps_.add(next, flight.speed);
+      if (!window_.empty()) disturbance_.advance(motion_, state_, flight, next);
+      ++impacts_;
+      state_ = next;
+      if (impacts_ >= most_impacts_) return averaged_motion();
+      if (candidate_) {
+        if (std::optional<SteadyState> steady = closed_orbit()) return *steady;
+      }
+    }
+  }
+
+ private:
+  [[nodiscard]] bool in_transient() const {
+    const std::int64_t passed = periods_ - transient_begin_;
+    if (passed >= most_transient_periods || impacts_ >= transient_impacts) return false;
+    const bool is_forgotten = lost_ == 0 || static_cast<double>(impacts_) * lost_ >= energy_memory;
+    return passed < (is_quick_ ? quick_transient_periods : transient_periods) ||
+           (!is_forgotten && (is_quick_ || goal_.transients == Transients::outlasted));
+  }
+
+  /// Of a small disturbance within the window, as a logarithm.
+  [[nodiscard]] double growth() const {
+    return window_.records().back().log_growth - window_.records().front().log_growth;
+  }
+
+  [[nodiscard]] SteadyState averaged_motion() const {
+    SteadyState steady = averaged(window_.records(), motion_);
+    steady.end = last_peak_;
+    steady.periods_followed = static_cast<double>(periods_);
     // What attracts nothing, at restitution 1, has no transients.
-    steady.transient_possible = lost > 0 && (window.empty() || periods < longest_transient(lost) ||
-                                             longest_transient(lost) == most_periods || growth() < certain_growth);
+    steady.transient_possible = lost_ > 0 && (window_.empty() || periods_ < longest_transient(lost_) ||
+                                              longest_transient(lost_) == most_periods || growth() < certain_growth);
     return steady;
-  };
-  const auto meets_goal = [&] {
-    const std::vector<WindowRecord>& records = window.records();
+  }
+
+  [[nodiscard]] bool meets_goal() const {
+    const std::vector<WindowRecord>& records = window_.records();
     const std::size_t length = records.size() - 1;
-    if (!quick || records.back().period != periods || length < first_judged || (length & (length - 1)) != 0)
+    if (!is_quick_ || records.back().period != periods_ || length < first_judged || (length & (length - 1)) != 0)
       return false;
     if (records.back().strobe.impacts - records.front().strobe.impacts < least_judged_impacts) return false;
     if (growth() < certain_growth) return false;
-    const SteadyState mean = averaged(records, motion);
-    return mean.uncertainty <= goal.relative * std::abs(mean.harmonics.u[0] - goal.zero);
-  };
-  // A motion that has lost its disturbances, or let them grow but little, is drawn slowly to an orbit.
-  const auto wanted_periods = [&] {
-    if (lost == 0 || goal.transients == Transients::ignored || window.empty()) return wanted;
-    return growth() < certain_growth ? std::max(wanted, slow_periods) : wanted;
-  };
-  // False when the window is complete.
-  const auto pass_peak = [&](int wall, const DistanceAndVelocity& at) {
-    frac::throw_if_cancelled();
-    ++periods;
-    last_peak = motion.peak_state(wall, at);
-    // The impacts counted so far are those before; a contact at the peak itself is still to come.
-    const Strobe strobe{last_peak.position(), wall == 0 ? at.velocity : -at.velocity, impacts};
-    if (!candidate) candidate = returns.add(periods, strobe);
-    const bool transient = !released && window.empty() && in_transient();
-    const bool more =
-        transient || !window.takes(periods) ||
-        (window.add({strobe, periods, jumps, disturbance.log_growth()}, wanted_periods()) && !meets_goal());
-    next_peak += 2;
-    return more;
-  };
-
-  for (;;) {
-    if (motion.rests(state) || motion.chatter_tail(state).negligible(limit)) {
-      if (released) {
-        if (goal.leaves_rests) return finish();
-        return sticking_motion(motion, *released, tolerance, goal, longest_period, averaged(window.records(), motion));
-      }
-      const GapState release = motion.release_after(state);
-      // What follows a rest depends on nothing before it, and velocity jumps do not describe one: a window that would
-      // be complete within the rest is given up like any other.
-      while (release.half_period >= next_peak) pass_peak(state.wall, {0, 0});
-      window.clear();
-      candidate.reset();
-      released = release;
-      state = release;
-    }
-    const Flight flight = motion.next_flight(state);
-    if (!flight.hits) return free_motion(motion.gamma(), last_peak);
-    const GapState next = motion.after_impact(state, flight);
-    if (next.half_period - next_peak >= 2 * transient_periods && long_flights < most_long_flights) {
-      // A flight that outlasts a transient belongs to it: what is to be averaged begins after the impact.
-      ++long_flights;
-      const std::int64_t passed = (next.half_period - next_peak) / 2 + 1;
-      next_peak += 2 * passed;
-      periods += passed;
-      transient_begin = periods;
-      window.clear();
-      returns = ReturnDetector(motion.gamma());
-      candidate.reset();
-    }
-    while (next.half_period >= next_peak) {
-      if (!pass_peak(state.wall, motion.along(state, flight, radians_to_half_period(state, next_peak))))
-        return finish();
-    }
-    jumps.add(next, flight.speed);
-    if (!window.empty()) disturbance.advance(motion, state, flight, next);
-    ++impacts;
-    state = next;
-    if (impacts >= most_impacts) return finish();
-    if (candidate) {
-      const ReturnDetector::Return found = *candidate;
-      candidate.reset();
-      if (std::optional<SteadyState> steady =
-              closed_orbit_near(motion, state, found.impacts, found.period, tolerance)) {
-        return *steady;
-      }
-      returns.reject(periods, found.period);
-    }
+    const SteadyState mean = averaged(records, motion_);
+    return mean.uncertainty <= goal_.relative * std::abs(mean.harmonics.u[0] - goal_.zero);
   }
+
+  /// A motion that has lost its disturbances, or let them grow but little, is drawn slowly to an orbit.
+  [[nodiscard]] std::int64_t wanted_periods() const {
+    if (lost_ == 0 || goal_.transients == Transients::ignored || window_.empty()) return wanted_;
+    return growth() < certain_growth ? std::max(wanted_, slow_periods) : wanted_;
+  }
+
+  /// False when the window is complete.
+  bool pass_peak(int wall, const DistanceAndVelocity& at) {
+    frac::throw_if_cancelled();
+    ++periods_;
+    last_peak_ = motion_.peak_state(wall, at);
+    // The impacts counted so far are those before; a contact at the peak itself is still to come.
+    const Strobe strobe{last_peak_.position(), wall == 0 ? at.velocity : -at.velocity, impacts_};
+    if (!candidate_) candidate_ = returns_.add(periods_, strobe);
+    next_peak_ += 2;
+    if (!released_ && window_.empty() && in_transient()) return true;
+    if (!window_.takes(periods_)) return true;
+    return window_.add({strobe, periods_, jumps_, disturbance_.log_growth()}, wanted_periods()) && !meets_goal();
+  }
+
+  [[nodiscard]] SteadyState sticking() const {
+    if (goal_.leaves_rests) return averaged_motion();
+    return sticking_motion(motion_, *released_, tolerance_, goal_, longest_period,
+                           averaged(window_.records(), motion_));
+  }
+
+  /// What follows a rest depends on nothing before it, and velocity jumps do not describe one: a window that would be
+  /// complete within the rest is given up like any other.
+  void skip_rest() {
+    const GapState release = motion_.release_after(state_);
+    while (release.half_period >= next_peak_) pass_peak(state_.wall, {0, 0});
+    window_.clear();
+    candidate_.reset();
+    released_ = release;
+    state_ = release;
+  }
+
+  /// A flight that outlasts a transient belongs to it: what is to be averaged begins after the impact.
+  void begin_anew_after(const GapState& impact) {
+    ++long_flights_;
+    const std::int64_t passed = (impact.half_period - next_peak_) / 2 + 1;
+    next_peak_ += 2 * passed;
+    periods_ += passed;
+    transient_begin_ = periods_;
+    window_.clear();
+    returns_ = ReturnDetector(motion_.gamma());
+    candidate_.reset();
+  }
+
+  /// The orbit near a return of the motion, if there is one.
+  std::optional<SteadyState> closed_orbit() {
+    const ReturnDetector::Return found = *candidate_;
+    candidate_.reset();
+    std::optional<SteadyState> steady = closed_orbit_near(motion_, state_, found.impacts, found.period, tolerance_);
+    if (!steady) returns_.reject(periods_, found.period);
+    return steady;
+  }
+
+  const GapMotion& motion_;
+  double tolerance_;
+  const MeanGoal& goal_;
+  double limit_;
+  double lost_;  // share of the energy of relative motion that an impact takes
+  std::int64_t wanted_;
+  std::int64_t most_impacts_;
+  bool is_quick_;
+  ReturnDetector returns_;
+  std::optional<ReturnDetector::Return> candidate_;
+  std::optional<GapState> released_;
+  Window window_;
+  JumpSum jumps_;
+  Disturbance disturbance_;
+  GapState state_;
+  GapState last_peak_;
+  std::int64_t next_peak_;
+  std::int64_t periods_ = 0;
+  std::int64_t transient_begin_ = 0;
+  std::int64_t impacts_ = 0;
+  int long_flights_ = 0;
+};
+
+}  // namespace
+
+SteadyState find_steady_state(const GapMotion& motion, const GapState& start, double tolerance, const MeanGoal& goal) {
+  return LongRun(motion, start, tolerance, goal).found();
 }
 
 }  // namespace backlash::detail

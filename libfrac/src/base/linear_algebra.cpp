@@ -2,6 +2,7 @@
 #include "base/linear_algebra.hpp"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 
 namespace frac::detail {
 
@@ -34,7 +35,13 @@ Eigen::VectorXd PlainQr::solve(const Eigen::VectorXd& right) const {
 }
 
 Eigen::MatrixXd PlainQr::basis() const {
-  return factors_.householderQ() * Eigen::MatrixXd::Identity(factors_.rows(), factors_.cols());
+  return factors_.householderQ() *
+         Eigen::MatrixXd::Identity(factors_.rows(), std::min(factors_.rows(), factors_.cols()));
+}
+
+double PlainQr::squared_distance(const Eigen::VectorXd& from) const {
+  const Eigen::VectorXd turned = factors_.householderQ().adjoint() * from;
+  return turned.tail(factors_.rows() - factors_.cols()).squaredNorm();
 }
 
 Eigen::VectorXd PlainQr::solve_triangle(const Eigen::VectorXd& right) const {

@@ -36,8 +36,10 @@ class PlainQr {
 
   /// Least-squares solution.
   [[nodiscard]] Eigen::VectorXd solve(const Eigen::VectorXd& right) const;
-  /// Orthonormal, as many as columns.
+  /// Orthonormal, of the space of the columns: as many as these, and no more than rows.
   [[nodiscard]] Eigen::MatrixXd basis() const;
+  /// Of a vector from the space of the columns.
+  [[nodiscard]] double squared_distance(const Eigen::VectorXd& from) const;
   /// Solution x of R x = right.
   [[nodiscard]] Eigen::VectorXd solve_triangle(const Eigen::VectorXd& right) const;
   /// C with C' columns = 1, in the space of the columns: the transposed pseudo-inverse.

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -51,10 +50,7 @@ void refuse_unstable(const detail::PowerSumRoots& poles) {
   }
 }
 
-}  // namespace
-
-DigitalFilterDesign filter_design(const FractionalTransferFunction& model, double sample_time, double tolerance,
-                                  double horizon) {
+void check(double sample_time, double tolerance, double horizon) {
   if (!(sample_time > 0 && std::isfinite(sample_time))) {
     refuse("sample_time = " + detail::number_text(sample_time) + " s; allowed is above 0, finite");
   }
@@ -64,26 +60,42 @@ DigitalFilterDesign filter_design(const FractionalTransferFunction& model, doubl
   if (!(horizon >= 1 && horizon <= 1e12)) {
     refuse("horizon = " + detail::number_text(horizon) + " samples; allowed is 1 to 1e12");
   }
-  const double high_order = model.numerator().front().order - model.denominator().front().order;
-  const double low_order = model.numerator().back().order - model.denominator().back().order;
-  if (high_order > 0) {
-    refuse("the model grows as s^" + detail::number_text(high_order) +
+}
+
+/// Powers of s that the model follows at high and at low frequency.
+struct EndOrders {
+  double high, low;
+};
+EndOrders checked_orders(const FractionalTransferFunction& model) {
+  const EndOrders orders{model.numerator().front().order - model.denominator().front().order,
+                         model.numerator().back().order - model.denominator().back().order};
+  if (orders.high > 0) {
+    refuse("the model grows as s^" + detail::number_text(orders.high) +
            " at high frequency; allowed is a proper model (a power of s has digital_power())");
   }
-  if (low_order <= -2) {
-    refuse("the model integrates more than once (s^" + detail::number_text(low_order) +
+  if (orders.low <= -2) {
+    refuse("the model integrates more than once (s^" + detail::number_text(orders.low) +
            " at low frequency); allowed is above s^-2");
   }
-  const bool integrates = low_order <= -1;
-  const auto [late, whole, rest] = detail::sampled_dead_time(model.delay(), sample_time);
+  return orders;
+}
+
+detail::SampledDeadTime checked_dead_time(double delay, double sample_time, bool integrates) {
+  const detail::SampledDeadTime dead_time = detail::sampled_dead_time(delay, sample_time);
+  const auto& [late, whole, rest] = dead_time;
   constexpr double most_late = 1e6;
   if (!(late <= most_late)) refuse("dead time of " + detail::number_text(late) + " samples; allowed is up to 1e6");
   if (integrates && rest > 0) {
     refuse("dead time of " + detail::number_text(late) +
            " samples with an integration; allowed is a whole number of samples");
   }
+  return dead_time;
+}
 
-  // Step response of the model without its integration and dead time: constant + sum weight (e^{rate t} - 1).
+/// Step response of the model without its integration and dead time: constant + sum weight (e^{rate t} - 1).
+/// @param theta  instant within a sample from which on it is read
+detail::ExponentialSum step_response(const FractionalTransferFunction& model, double sample_time, double theta,
+                                     double tolerance, double horizon, bool integrates) {
   const detail::LaplaceImage step(detail::scaled(detail::numerator_of(model), 1, integrates ? 1 : 0),
                                   detail::scaled(detail::denominator_of(model), 1, 1));
   if (!step.poles().complete) {
@@ -91,36 +103,31 @@ DigitalFilterDesign filter_design(const FractionalTransferFunction& model, doubl
                             std::string(step.poles().trouble));
   }
   refuse_unstable(step.poles());
-  const double latest = horizon * sample_time;
-  const double theta = 1 - rest;
-  const detail::ExponentialSum sum =
-      detail::exponential_sum(step, theta * sample_time, latest, tolerance, integrates ? 1 : 0, integrates ? 2 : 1);
-  const double high_gain =
-      high_order == 0 ? model.numerator().front().coefficient / model.denominator().front().coefficient : 0;
+  return detail::exponential_sum(step, theta * sample_time, horizon * sample_time, tolerance, integrates ? 1 : 0,
+                                 integrates ? 2 : 1);
+}
+
+/// With rate = 1 - e^{r T} a term answers a constant by -weight rate v, and a ramp over one interval by
+/// -weight rate (1 + change) v, change = (e^{rT} - 1 - rT)/(rT); what is left over falls to the previous input, for
+/// which a section of rate 1 stands.
+/// @param high_gain  of the model
+void add_sections(const detail::ExponentialSum& sum, double theta, double high_gain, DigitalFilterDesign& design) {
+  const double sample_time = design.sample_time;
+  const bool integrates = design.integrators > 0, is_late = theta < 1;
   double after_step = sum.constants[0];
   double after_ramp = integrates ? sum.constants[0] + sum.constants[1] / sample_time : 0;
   for (const detail::Exponential& term : sum.terms) {
     after_step += (term.weight * expm1(term.rate * (theta * sample_time))).real();
     if (integrates) after_ramp += (term.weight * second_change(term.rate * sample_time)).real();
   }
-
-  DigitalFilterDesign design;
-  design.sample_time = sample_time;
-  design.rule = IntegratorRule::held;
-  design.integrators = integrates ? 1 : 0;
-  // Read within the interval, the output is known one sample later.
-  design.dead_samples = static_cast<std::size_t>(whole) + (rest > 0 ? 1 : 0);
-  // With rate = 1 - e^{r T} a term answers a constant by -weight rate v, and a ramp over one interval by
-  // -weight rate (1 + change) v, change = (e^{rT} - 1 - rT)/(rT); what is left over falls to the previous input, for
-  // which a section of rate 1 stands.
-  design.sections.direct = rest > 0 ? after_step : integrates ? after_ramp : high_gain;
-  double previous = rest > 0 ? 0 : after_step - design.sections.direct;
+  design.sections.direct = is_late ? after_step : integrates ? after_ramp : high_gain;
+  double previous = is_late ? 0 : after_step - design.sections.direct;
   for (const detail::Exponential& term : sum.terms) {
     const Complex z = term.rate * sample_time;
     const Complex rate = -expm1(z);
     const Complex ramp = integrates ? second_change(z) : 0;
     Complex weight = -term.weight * rate * (1.0 + ramp);
-    if (rest > 0) {
+    if (is_late) {
       weight *= std::exp(term.rate * (theta * sample_time));
     } else {
       previous += (term.weight * (rate + ramp)).real();
@@ -137,6 +144,28 @@ DigitalFilterDesign filter_design(const FractionalTransferFunction& model, doubl
     design.sections.rates.push_back(1);
     design.sections.weights.push_back(previous);
   }
+}
+
+}  // namespace
+
+DigitalFilterDesign filter_design(const FractionalTransferFunction& model, double sample_time, double tolerance,
+                                  double horizon) {
+  check(sample_time, tolerance, horizon);
+  const EndOrders orders = checked_orders(model);
+  const bool integrates = orders.low <= -1;
+  const auto [late, whole, rest] = checked_dead_time(model.delay(), sample_time, integrates);
+  const double theta = 1 - rest;
+  const detail::ExponentialSum sum = step_response(model, sample_time, theta, tolerance, horizon, integrates);
+
+  DigitalFilterDesign design;
+  design.sample_time = sample_time;
+  design.rule = IntegratorRule::held;
+  design.integrators = integrates ? 1 : 0;
+  // Read within the interval, the output is known one sample later.
+  design.dead_samples = static_cast<std::size_t>(whole) + (rest > 0 ? 1 : 0);
+  const double high_gain =
+      orders.high == 0 ? model.numerator().front().coefficient / model.denominator().front().coefficient : 0;
+  add_sections(sum, theta, high_gain, design);
   return design;
 }
 

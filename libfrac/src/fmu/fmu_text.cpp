@@ -78,8 +78,8 @@ std::string scalar_variables(const FmuParts& parts) {
   for (std::size_t i = 0; i < parts.states; ++i) {
     text += "    <ScalarVariable" + attribute("name", "x[" + std::to_string(i + 1) + "]") +
             attribute("valueReference", std::to_string(reals++)) +
-            R"( causality="local" variability="continuous" initial="calculated">)" + "\n      <Real/>\n" +
-            "    </ScalarVariable>\n";
+            R"( causality="local" variability="continuous" initial="calculated">)" + "\n      <Real" +
+            (parts.events > 0 ? attribute("reinit", "true") : "") + "/>\n    </ScalarVariable>\n";
   }
   for (std::size_t i = 0; i < parts.states; ++i) {
     text += "    <ScalarVariable" + attribute("name", "der(x[" + std::to_string(i + 1) + "])") +

@@ -15,7 +15,7 @@ struct FmuParts {
   std::vector<FmuVariable> variables;
   /// States of the continuous system, for model exchange; 0: co-simulation only.
   std::size_t states = 0;
-  /// Event indicators of the model, for model exchange.
+  /// Event indicators of the model, for model exchange; where there are some, states may jump at an event.
   std::size_t events = 0;
   /// Largest step that makes sense, s; NaN where any does.
   double sample_time;

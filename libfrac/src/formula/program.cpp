@@ -2,10 +2,8 @@
 #include "program.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cassert>
 #include <cmath>
-#include <numbers>
 #include <tuple>
 #include <utility>
 
@@ -41,93 +39,62 @@ void Program::add_real_step(const Node& node, const std::vector<int>& slot, cons
                          node.has_parameter, active(node.left), active(node.right)});
 }
 
+Program::Code Program::code_of(Operation operation, bool left_has_s, bool right_has_s) {
+  const bool both = left_has_s && right_has_s;
+  // clang-format off
+  switch (operation) {
+    case Operation::laplace:       return Code::laplace;
+    case Operation::exact_laplace: return Code::exact_laplace;
+    case Operation::add:           return both ? Code::add_cc : Code::add_cr;
+    case Operation::subtract:      return both ? Code::subtract_cc : left_has_s ? Code::subtract_cr : Code::subtract_rc;
+    case Operation::multiply:      return both ? Code::multiply_cc : Code::multiply_cr;
+    case Operation::divide:        return both ? Code::divide_cc : left_has_s ? Code::divide_cr : Code::divide_rc;
+    case Operation::negate:        return Code::negate;
+    case Operation::power_of_s:    return Code::power_of_s;
+    case Operation::power:         return Code::general_power;
+    case Operation::exp:           return Code::exp;
+    case Operation::sqrt:          return Code::sqrt;
+    case Operation::tanh:          return Code::tanh;
+    case Operation::coth:          return Code::coth;
+    case Operation::sinh:          return Code::sinh;
+    case Operation::cosh:          return Code::cosh;
+    case Operation::sech:          return Code::sech;
+    case Operation::log:           return Code::log;
+    case Operation::number:
+    case Operation::parameter:     break;
+  }
+  // clang-format on
+  assert(false && "numbers and parameters hold no s");
+  return Code::laplace;
+}
+
 void Program::add_complex_step(const Expression& expression, const Node& node, const std::vector<int>& slot) {
   const auto at = [&](int index) -> const Node& { return expression.nodes[static_cast<std::size_t>(index)]; };
   const auto slot_of = [&](int index) { return index < 0 ? -1 : slot[static_cast<std::size_t>(index)]; };
   const auto active = [&](int index) { return index >= 0 && at(index).has_parameter; };
-  ComplexStep step{
-      Code::laplace, slot_of(node.left), slot_of(node.right), active(node.left), active(node.right), -1, 0};
-  const auto choose = [&](Code both, Code complex_real, Code real_complex) {
-    if (at(node.left).has_s && at(node.right).has_s) {
-      step.code = both;
-    } else {
-      step.code = at(node.left).has_s ? complex_real : real_complex;
-    }
-  };
-  const auto complex_operand_first = [&] {
-    if (at(node.left).has_s) return;
+  const auto has_s = [&](int index) { return index >= 0 && at(index).has_s; };
+  ComplexStep step{code_of(node.operation, has_s(node.left), has_s(node.right)),
+                   slot_of(node.left),
+                   slot_of(node.right),
+                   active(node.left),
+                   active(node.right),
+                   -1,
+                   0};
+  const bool commutes = node.operation == Operation::add || node.operation == Operation::multiply;
+  if (commutes && !has_s(node.left)) {
     std::swap(step.left, step.right);
     std::swap(step.left_active, step.right_active);
-  };
-  switch (node.operation) {
-    case Operation::laplace:
-      step.power = static_cast<int>(power_count_++);
-      break;
-    case Operation::exact_laplace:
-      step.code = Code::exact_laplace;
-      break;
-    case Operation::add:
-      choose(Code::add_cc, Code::add_cr, Code::add_cr);
-      complex_operand_first();
-      break;
-    case Operation::subtract:
-      choose(Code::subtract_cc, Code::subtract_cr, Code::subtract_rc);
-      break;
-    case Operation::multiply:
-      choose(Code::multiply_cc, Code::multiply_cr, Code::multiply_cr);
-      complex_operand_first();
-      break;
-    case Operation::divide:
-      choose(Code::divide_cc, Code::divide_cr, Code::divide_rc);
-      break;
-    case Operation::negate:
-      step.code = Code::negate;
-      break;
-    case Operation::power_of_s:
-      step.code = Code::power_of_s;
-      step.power = static_cast<int>(power_count_++);
-      break;
-    case Operation::power: {
-      const auto exponent = literal_value(expression.nodes, node.right);
-      if (exponent && *exponent == std::nearbyint(*exponent) && std::abs(*exponent) <= largest_whole_exponent) {
-        step.code = Code::whole_power;
-        step.whole = static_cast<int>(*exponent);
-      } else {
-        step.code = Code::general_power;
-        if (unrealisable_power_.empty()) unrealisable_power_ = expression.text_of(node);
-      }
-      break;
-    }
-    case Operation::exp:
-      step.code = Code::exp;
-      break;
-    case Operation::sqrt:
-      step.code = Code::sqrt;
-      if (unrealisable_power_.empty()) unrealisable_power_ = expression.text_of(node);
-      break;
-    case Operation::tanh:
-      step.code = Code::tanh;
-      break;
-    case Operation::coth:
-      step.code = Code::coth;
-      break;
-    case Operation::sinh:
-      step.code = Code::sinh;
-      break;
-    case Operation::cosh:
-      step.code = Code::cosh;
-      break;
-    case Operation::sech:
-      step.code = Code::sech;
-      break;
-    case Operation::log:
-      step.code = Code::log;
-      break;
-    case Operation::number:
-    case Operation::parameter:
-      assert(false);
-      break;
   }
+  if (step.code == Code::laplace || step.code == Code::power_of_s) step.power = static_cast<int>(power_count_++);
+  if (step.code == Code::general_power) {
+    const auto exponent = literal_value(expression.nodes, node.right);
+    if (exponent && *exponent == std::nearbyint(*exponent) && std::abs(*exponent) <= largest_whole_exponent) {
+      step.code = Code::whole_power;
+      step.whole = static_cast<int>(*exponent);
+    }
+  }
+  const bool is_unrealisable = step.code == Code::general_power || step.code == Code::sqrt;
+  if (is_unrealisable && unrealisable_power_.empty()) unrealisable_power_ = expression.text_of(node);
   complex_steps_.push_back(step);
 }
 

@@ -73,6 +73,10 @@ class Program {
   };
   struct Workspace;
 
+  /// What an operation becomes, given whether its operands hold s.
+  [[nodiscard]] static Code code_of(Operation operation, bool left_has_s, bool right_has_s);
+  [[nodiscard]] static bool left_is_real(Code code);
+  [[nodiscard]] static bool right_is_real(Code code);
   void add_real_step(const Node& node, const std::vector<int>& slot, const std::vector<Node>& nodes);
   void add_complex_step(const Expression& expression, const Node& node, const std::vector<int>& slot);
 
@@ -81,6 +85,8 @@ class Program {
   /// Frequencies omega, which are those of the grid from `first` on.
   void forward(std::span<const double> omega, std::size_t first, bool with_gradient, Workspace& work) const;
   void backward(std::size_t count, Workspace& work) const;
+  /// Adds the adjoint of a complex step to those of its operands.
+  void pass_back(std::size_t index, std::size_t count, Workspace& work) const;
 
   std::vector<RealStep> real_steps_;        // step i fills real slot i
   std::vector<ComplexStep> complex_steps_;  // step i fills complex slot i

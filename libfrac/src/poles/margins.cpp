@@ -176,8 +176,8 @@ std::string rounded_text(double value) {
   return {text.data(), end.ptr};
 }
 
-void add_sentence(std::string& text, const std::string& sentence) {
-  text += (text.empty() ? "" : " ") + sentence;
+void add_remark(std::string& text, const std::string& remark) {
+  text += (text.empty() ? "" : " ") + remark;
 }
 
 void read_phase_margins(const FrequencyAxis& axis, double delay, const std::vector<double>& gain_crossovers,
@@ -189,7 +189,7 @@ void read_phase_margins(const FrequencyAxis& axis, double delay, const std::vect
     if (delay * omega * epsilon * (1 + std::abs(u)) > largest_phase_rounding) {
       blurred = true;
       result.phase.push_back({omega, std::numeric_limits<double>::quiet_NaN()});
-      add_sentence(result.remark, "The phase margin at " + rounded_text(omega) +
+      add_remark(result.remark, "The phase margin at " + rounded_text(omega) +
                                       " rad/s is not determined: the dead time turns the phase by " +
                                       rounded_text(delay * omega) + " rad there, which rounding blurs.");
       continue;
@@ -268,12 +268,12 @@ Margins margins(const FractionalTransferFunction& loop) {
   read_gain_margins(axis, crossovers, low, high, delay, result);
   if (!ends_settled) {
     result.phase_margin = result.delay_margin = std::numeric_limits<double>::quiet_NaN();
-    add_sentence(result.remark,
+    add_remark(result.remark,
                  "Phase and delay margin are not determined: |L| may be 1 below e^-690 or above e^690 rad/s.");
   }
   const double listed_until = std::min(crossovers.followed_until, last);
   if (delay > 0 && listed_until < listed_end) {
-    add_sentence(result.remark, "Phase crossovers are listed up to " + rounded_text(std::exp(listed_until)) +
+    add_remark(result.remark, "Phase crossovers are listed up to " + rounded_text(std::exp(listed_until)) +
                                     " rad/s and beyond only where they decide a margin; dead time makes more with |L| "
                                     "above 1e-3.");
   }

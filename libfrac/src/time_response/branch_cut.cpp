@@ -42,15 +42,21 @@ BranchCut best_cut(const LaplaceImage& image, double enough, double advantage, A
   return best;
 }
 
+double digits_beside_pole(double digits, double half_width, int multiplicity) {
+  return digits + (multiplicity - 1) * std::log(digits / half_width);
+}
+
+int largest_multiplicity(const LaplaceImage& image) {
+  int multiplicity = 1;
+  for (const RootCluster& pole : image.poles().clusters) multiplicity = std::max(multiplicity, pole.multiplicity);
+  return multiplicity;
+}
+
 // A complex term costs as much as two real ones.
 CutRule::CutRule(const LaplaceImage& image, double earliest, double tolerance)
     : cut_(best_cut(image, 0.7, 2, Avoided::crowded)) {
   const std::vector<RootCluster>& poles = image.poles().clusters;
-  int multiplicity = 1;
-  for (const RootCluster& pole : poles) multiplicity = std::max(multiplicity, pole.multiplicity);
-  // At a pole of order m beside the strip the rule errs by (2 pi/step)^(m-1) times what it does at a simple one.
-  double digits = std::log(1 / tolerance) + 3;
-  digits += (multiplicity - 1) * std::log(digits / cut_.half_width);
+  const double digits = digits_beside_pole(std::log(1 / tolerance) + 3, cut_.half_width, largest_multiplicity(image));
   step_ = 2 * pi * 0.97 * cut_.half_width / digits;
   const double fastest = std::log(digits / (-std::cos(cut_.angle) * earliest));
   // Places the nodes as far from the poles as possible: beside a pole the weight of the node and the share of the

@@ -23,6 +23,13 @@ enum class Avoided { all, crowded };
 [[nodiscard]] BranchCut best_cut(const LaplaceImage& image, double enough, double advantage,
                                  Avoided avoided = Avoided::all);
 
+/// Exponent 2 pi half_width/step that a rule needs to err by e^-digits beside a pole of that multiplicity, where it
+/// errs by (2 pi/step)^(multiplicity-1) times what it does at a simple one.
+[[nodiscard]] double digits_beside_pole(double digits, double half_width, int multiplicity);
+
+/// The largest multiplicity of the poles, 1 without any.
+[[nodiscard]] int largest_multiplicity(const LaplaceImage& image);
+
 /// The trapezoidal rule in ln s along a cut, for lags of at least `earliest`.  A simple pole may lie in its strip, even
 /// on the cut.  The rule then misses the share 1/(1 - e^{-w}) of the residue of that pole, w = 2 pi i (ln s -
 /// node)/step: all of it where the pole lies well before the cut, almost nothing where it lies well beyond.  The share

@@ -4,17 +4,16 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <limits>
 #include <numbers>
 #include <utility>
 
 #include "branch_cut.hpp"
+#include "event_run.hpp"
 #include "exponential_sum.hpp"
 #include "exponential_terms.hpp"
 #include "formula/power_sum.hpp"
 #include "poles/laplace_image.hpp"
 #include "sensitive_image.hpp"
-#include "special/phi_functions.hpp"
 
 namespace frac::detail {
 namespace {
@@ -22,25 +21,6 @@ namespace {
 using Complex = std::complex<double>;
 constexpr double pi = std::numbers::pi;
 constexpr std::size_t most_integrators = 8;
-
-// Instants closer than this are one.
-double rounding_at(double t) {
-  return 16 * std::numeric_limits<double>::epsilon() * std::abs(t);
-}
-
-// One row of one column or more.
-Eigen::Array<Complex, 1, 1> row_of(Complex weight) {
-  return Eigen::Array<Complex, 1, 1>(weight);
-}
-const ComplexRow& row_of(const ComplexRow& weight) {
-  return weight;
-}
-Eigen::Array<double, 1, 1> row_of(double value) {
-  return Eigen::Array<double, 1, 1>(value);
-}
-const RealRow& row_of(const RealRow& value) {
-  return value;
-}
 
 using SensitiveTerms = std::vector<ExponentialTerm<ComplexRow>>;
 
@@ -71,52 +51,6 @@ void add_circles(const LaplaceImage& image, const CutRule& rule, SensitiveImage&
 }
 
 }  // namespace
-
-// The model at one set of parameters, ready to be run over the events.  Rows of `weight`: real nodes, real parts of
-// complex ones, their imaginary parts.
-struct EventResponse::Plan {
-  Eigen::Index real_count = 0;
-  Eigen::Index complex_count = 0;
-  std::vector<Complex> rate;  // real ones first
-  // States that decay within the horizon take the input itself, the others its m-fold integral.
-  std::vector<bool> is_direct;
-  Eigen::MatrixXd weight;
-  Eigen::MatrixXd constant;  // a row per derivative of the m-fold integral of the input, from the 0th
-  Eigen::VectorXd motion;    // weights of the states in the output's rate of change; empty where it is not wanted
-  double direct = 0;
-  Eigen::RowVectorXd direct_by;
-  std::size_t integrators = 0;
-  std::size_t channels = 1;
-  double delay = 0;
-  std::vector<double> delay_slope;
-
-  template <typename Weight, typename Value>
-  void take(std::vector<ExponentialTerm<Weight>> terms, const std::vector<Value>& constants) {
-    const auto complex_terms =
-        std::stable_partition(terms.begin(), terms.end(), [](const auto& term) { return term.rate.imag() == 0; });
-    real_count = complex_terms - terms.begin();
-    complex_count = terms.end() - complex_terms;
-    const Eigen::Index columns = row_of(constants.front()).size();
-    weight.resize(real_count + 2 * complex_count, columns);
-    if (!delay_slope.empty()) motion.resize(weight.rows());
-    for (Eigen::Index i = 0; i < real_count + complex_count; ++i) {
-      const ExponentialTerm<Weight>& term = terms[static_cast<std::size_t>(i)];
-      rate.push_back(term.rate);
-      is_direct.push_back(term.is_direct);
-      const auto& row = row_of(term.weight);
-      const Complex moved = row[0] * term.rate;
-      weight.row(i) = row.real().matrix();
-      if (!delay_slope.empty()) motion[i] = moved.real();
-      if (i < real_count) continue;
-      weight.row(i + complex_count) = -row.imag().matrix();
-      if (!delay_slope.empty()) motion[i + complex_count] = -moved.imag();
-    }
-    constant.resize(static_cast<Eigen::Index>(constants.size()), columns);
-    for (std::size_t j = 0; j < constants.size(); ++j) {
-      constant.row(static_cast<Eigen::Index>(j)) = row_of(constants[j]).matrix();
-    }
-  }
-};
 
 EventResponse::EventResponse(std::vector<double> input_time, std::vector<double> input, Hold hold,
                              std::vector<double> output_time)
@@ -152,12 +86,12 @@ double EventResponse::shortest_lag(double delay) const {
   return shortest;
 }
 
-std::optional<EventResponse::Plan> EventResponse::planned(double high_order, double low_order, double delay) const {
+std::optional<EventPlan> EventResponse::planned(double high_order, double low_order, double delay) const {
   if (high_order > 0 || !(low_order > -1.0 - static_cast<double>(most_integrators)) || !std::isfinite(delay) ||
       delay < 0) {
     return std::nullopt;
   }
-  Plan plan;
+  EventPlan plan;
   plan.delay = delay;
   plan.integrators = low_order <= -1 ? static_cast<std::size_t>(std::floor(-low_order)) : 0;
   plan.channels = plan.integrators + (has_slopes_ ? 2 : 1);
@@ -165,9 +99,9 @@ std::optional<EventResponse::Plan> EventResponse::planned(double high_order, dou
 }
 
 bool EventResponse::evaluate(const FractionalTransferFunction& model, double tolerance, Result& result) const {
-  std::optional<Plan> planned_for = planned(order_at_infinity(model), order_at_origin(model), model.delay());
+  std::optional<EventPlan> planned_for = planned(order_at_infinity(model), order_at_origin(model), model.delay());
   if (!planned_for) return false;
-  Plan& plan = *planned_for;
+  EventPlan& plan = *planned_for;
   if (order_at_infinity(model) == 0) {
     plan.direct = model.numerator().front().coefficient / model.denominator().front().coefficient;
   }
@@ -185,7 +119,7 @@ bool EventResponse::evaluate(const FractionalTransferFunction& model, double tol
   ExponentialSum sum = exponential_sum(step, shortest_lag(plan.delay), latest, tolerance, plan.integrators,
                                        plan.channels, FastTerms::direct);
   plan.take(std::move(sum.terms), sum.constants);
-  run(plan, result);
+  run_over_events(plan, knots_, output_time_, result);
   return result.value.allFinite();
 }
 
@@ -195,9 +129,9 @@ bool EventResponse::evaluate(const RatioOfPowerSums& ratio, double tolerance, Re
   if (numerator.empty() || denominator.empty()) return false;
   const double high_order = numerator.front().order - denominator.front().order;
   const double low_order = numerator.back().order - denominator.back().order;
-  std::optional<Plan> planned_for = planned(high_order, low_order, ratio.delay);
+  std::optional<EventPlan> planned_for = planned(high_order, low_order, ratio.delay);
   if (!planned_for) return false;
-  Plan& plan = *planned_for;
+  EventPlan& plan = *planned_for;
   if (std::any_of(ratio.delay_slope.begin(), ratio.delay_slope.end(), [](double each) { return each != 0; })) {
     plan.delay_slope = ratio.delay_slope;
   }
@@ -238,154 +172,8 @@ bool EventResponse::evaluate(const RatioOfPowerSums& ratio, double tolerance, Re
   const auto constants = constants_of(terms, image_at, log_anchors(image, latest, plan.integrators + 1), &rule,
                                       1e-3 * rule.step() * tolerance * largest, plan.integrators, plan.channels);
   plan.take(std::move(terms), constants);
-  run(plan, result);
+  run_over_events(plan, knots_, output_time_, result);
   return result.value.allFinite() && result.gradient.allFinite();
-}
-
-namespace {
-
-// What one gap without events does to the states: x <- e^z x + sum_i drive_i V_i, V_i the derivatives of the m-fold
-// integral of the input at its start.
-struct Gap {
-  double length;
-  Eigen::ArrayXd change_re, change_im;  // e^z - 1
-  Eigen::ArrayXXd drive;                // a column per channel
-};
-
-}  // namespace
-
-void EventResponse::run(const Plan& plan, Result& result) const {
-  const Eigen::Index reals = plan.real_count;
-  const Eigen::Index complexes = plan.complex_count;
-  const Eigen::Index size = reals + 2 * complexes;
-  const auto channels = static_cast<Eigen::Index>(plan.channels);
-  const auto level = static_cast<Eigen::Index>(plan.integrators);
-
-  std::vector<Complex> phis(plan.channels);
-  const auto prepared = [&](double length) {
-    Gap gap{length, Eigen::ArrayXd(reals + complexes), Eigen::ArrayXd(complexes),
-            Eigen::ArrayXXd::Zero(size, channels)};
-    for (Eigen::Index k = 0; k < reals + complexes; ++k) {
-      const Complex z = plan.rate[static_cast<std::size_t>(k)] * length;
-      const Complex change = k < reals ? Complex(std::expm1(z.real())) : expm1(z);
-      gap.change_re[k] = change.real();
-      if (k >= reals) gap.change_im[k - reals] = change.imag();
-      if (channels > 1) phi(z, phis);
-      const Eigen::Index first = plan.is_direct[static_cast<std::size_t>(k)] ? level : 0;
-      double power = 1;
-      for (Eigen::Index i = first; i < channels; ++i, power *= length) {
-        const Complex drive = i == first ? change : power * z * phis[static_cast<std::size_t>(i - first)];
-        gap.drive(k, i) = drive.real();
-        if (k >= reals) gap.drive(k + complexes, i) = drive.imag();
-      }
-    }
-    return gap;
-  };
-  double now = knots_.front().time + plan.delay;
-  // Equal gaps, to rounding, are prepared once.
-  constexpr std::size_t most_kept = 12;
-  std::vector<Gap> kept;
-  kept.reserve(most_kept);
-  std::size_t oldest = 0;
-  const auto gap_of = [&](double length) -> const Gap& {
-    for (const Gap& gap : kept) {
-      if (std::abs(gap.length - length) <= rounding_at(now + length)) return gap;
-    }
-    if (kept.size() < most_kept) {
-      kept.push_back(prepared(length));
-      return kept.back();
-    }
-    oldest = (oldest + 1) % most_kept;
-    kept[oldest] = prepared(length);
-    return kept[oldest];
-  };
-
-  Eigen::ArrayXd state = Eigen::ArrayXd::Zero(size);
-  Eigen::ArrayXd input = Eigen::ArrayXd::Zero(channels);
-  const auto advance = [&](double to) {
-    if (to <= now) return;
-    const double length = to - now;
-    const Gap& gap = gap_of(length);
-    now = to;
-    if ((input == 0).all() && (state == 0).all()) return;
-    state.head(reals) += gap.change_re.head(reals) * state.head(reals);
-    if (complexes > 0) {
-      const auto change_re = gap.change_re.tail(complexes);
-      auto re = state.segment(reals, complexes);
-      auto im = state.tail(complexes);
-      const Eigen::ArrayXd previous = re;
-      re += change_re * previous - gap.change_im * im;
-      im += gap.change_im * previous + change_re * im;
-    }
-    for (Eigen::Index i = 0; i < channels; ++i) {
-      if (input[i] != 0) state += input[i] * gap.drive.col(i);
-    }
-    for (Eigen::Index i = 0; i < channels; ++i) {
-      double factor = 1;
-      for (Eigen::Index j = i + 1; j < channels; ++j) {
-        factor *= length / static_cast<double>(j - i);
-        input[i] += factor * input[j];
-      }
-    }
-  };
-  const auto apply = [&](const Knot& knot) {
-    input[level] += knot.jump;
-    if (level + 1 < channels) input[level + 1] += knot.slope;
-  };
-
-  const auto rows = static_cast<Eigen::Index>(output_time_.size());
-  const Eigen::Index columns = plan.weight.cols();
-  result.value.resize(rows);
-  result.gradient.resize(rows, columns - 1);
-  // States are turned into outputs a few hundred instants at a time.
-  constexpr Eigen::Index most_buffered = 512;
-  const Eigen::Index buffered = std::min(rows, most_buffered);
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> states(buffered, size);
-  Eigen::MatrixXd inputs(buffered, channels);
-  Eigen::VectorXd jumps(buffered);
-  const auto flush = [&](Eigen::Index first, Eigen::Index count) {
-    const auto x = states.topRows(count);
-    const auto v = inputs.topRows(count);
-    const auto jump = jumps.head(count);
-    auto value = result.value.segment(first, count);
-    auto gradient = result.gradient.middleRows(first, count);
-    value.noalias() = x * plan.weight.col(0);
-    value.noalias() += v * plan.constant.col(0);
-    value += plan.direct * jump;
-    gradient.noalias() = x * plan.weight.rightCols(columns - 1);
-    gradient.noalias() += v * plan.constant.rightCols(columns - 1);
-    gradient.noalias() += jump * plan.direct_by;
-    if (plan.delay_slope.empty()) return;
-    // d/dt of each state is rate (state + what it takes).
-    Eigen::VectorXd motion = x * plan.motion;
-    for (Eigen::Index k = 0; k < reals + complexes; ++k) {
-      motion += plan.motion[k] * v.col(plan.is_direct[static_cast<std::size_t>(k)] ? level : 0);
-    }
-    for (Eigen::Index j = 0; j + 1 < channels; ++j) motion += plan.constant(j, 0) * v.col(j + 1);
-    for (Eigen::Index p = 0; p + 1 < columns; ++p) {
-      gradient.col(p) -= plan.delay_slope[static_cast<std::size_t>(p)] * motion;
-    }
-  };
-  std::size_t next = 0;
-  for (Eigen::Index n = 0; n < rows; ++n) {
-    const double t = output_time_[static_cast<std::size_t>(n)];
-    const auto at = [&] { return knots_[next].time + plan.delay; };
-    while (next < knots_.size() && at() < t - rounding_at(t)) {
-      advance(at());
-      apply(knots_[next++]);
-    }
-    const bool on_knot = next < knots_.size() && at() <= t + rounding_at(t);
-    advance(t);
-    const Eigen::Index row = n % most_buffered;
-    states.row(row) = state.matrix();
-    inputs.row(row) = input.matrix();
-    jumps[row] = 0;
-    if (on_knot) {
-      jumps[row] = knots_[next].jump;
-      apply(knots_[next++]);
-    }
-    if (row + 1 == most_buffered || n + 1 == rows) flush(n - row, row + 1);
-  }
 }
 
 }  // namespace frac::detail

@@ -12,6 +12,8 @@
 
 namespace frac::detail {
 
+struct EventPlan;
+
 /// Response of a ratio of sums of powers at any instants to an input given at any instants, with its derivatives by the
 /// parameters.  With H = G s^m finite or integrable at the origin, m whole integrations,
 ///   step response of H = c + Re sum_k w_k (e^{r_k t} - 1),   w_k = a_k H(s_k):
@@ -20,6 +22,12 @@ namespace frac::detail {
 /// exact: that of the weights, poles included, without a derivative of the poles and without differences.
 class EventResponse {
  public:
+  struct Knot {
+    double time;
+    double jump;   // of the input
+    double slope;  // change of the input's slope
+  };
+
   /// @param input_time  rising; from rest before the first.   @param output_time  rising, not before the first input.
   EventResponse(std::vector<double> input_time, std::vector<double> input, Hold hold, std::vector<double> output_time);
 
@@ -35,16 +43,9 @@ class EventResponse {
   [[nodiscard]] bool evaluate(const FractionalTransferFunction& model, double tolerance, Result& result) const;
 
  private:
-  struct Knot {
-    double time;
-    double jump;   // of the input
-    double slope;  // change of the input's slope
-  };
-  struct Plan;
   // Orders of the model at infinity and at the origin; empty where it is improper or integrates too often.
-  [[nodiscard]] std::optional<Plan> planned(double high_order, double low_order, double delay) const;
+  [[nodiscard]] std::optional<EventPlan> planned(double high_order, double low_order, double delay) const;
   [[nodiscard]] double shortest_lag(double delay) const;
-  void run(const Plan& plan, Result& result) const;
 
   std::vector<Knot> knots_;
   std::vector<double> output_time_;

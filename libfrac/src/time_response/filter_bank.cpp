@@ -15,7 +15,7 @@ using Complex = std::complex<double>;
 constexpr std::size_t block = FilterBank::block;
 constexpr std::size_t lane = filter_lane;
 constexpr std::size_t half = lane / 2;  // from a real part to its imaginary part
-constexpr std::size_t most_powers = FilterBank::most_integrations + 2;
+constexpr std::size_t most_powers = FilterBank::most_powers;
 
 constexpr std::array<double, most_powers> inverse_factorials() {
   std::array<double, most_powers> values{};
@@ -77,6 +77,36 @@ class ByLag {
 
 }  // namespace
 
+/// Where a state stands in the vectors and matrices of the bank: a real one in one slot, a complex one in two.
+struct FilterBank::StatePlace {
+  std::size_t slot;  // of the real part
+  std::size_t size;  // of a vector of states
+  bool is_real;
+
+  void put(AlignedVector<double>& list, std::size_t row, Complex value) const {
+    put_at(list[row * size + slot], half, value);
+  }
+  void put_in_column(AlignedVector<double>& matrix, std::size_t rows, std::size_t row, Complex value) const {
+    put_at(matrix[(slot / lane * rows + row) * lane + slot % lane], half, value);
+  }
+  void put_in_row(AlignedVector<double>& matrix, std::size_t column, Complex value) const {
+    put_at(matrix[(column / lane * size + slot) * lane + column % lane], half * lane, value);
+  }
+  void put_change(AlignedVector<double>& change, AlignedVector<double>& cross, Complex value) const {
+    change[slot] = value.real();
+    if (is_real) return;
+    change[slot + half] = value.real();
+    cross[slot] = -value.imag();
+    cross[slot + half] = value.imag();
+  }
+
+ private:
+  void put_at(double& re, std::size_t to_imaginary, Complex value) const {
+    re = flushed(value.real());
+    if (!is_real) *(&re + to_imaginary) = flushed(value.imag());
+  }
+};
+
 FilterBank::FilterBank(const FilterDesign& design)
     : integrations_(design.integrations), is_straight_(design.is_straight), now_(design.now) {
   std::vector<Exponential> terms = design.terms;
@@ -87,6 +117,24 @@ FilterBank::FilterBank(const FilterDesign& design)
   complex_count_ = terms.size() - real_count_;
   real_size_ = filled_up(real_count_, lane);
   size_ = real_size_ + 2 * filled_up(complex_count_, half);
+  allocate();
+  // Response of the output to each power, without the integrals.
+  OwnResponse own{};
+  std::copy(now_.begin(), now_.end(), own[0].begin());
+  std::size_t next_real = 0;
+  std::size_t next_complex = 0;
+  for (const Exponential& term : terms) {
+    const bool real = is_real(term);
+    const std::size_t s = real ? next_real++ : real_size_ + next_complex / half * lane + next_complex % half;
+    if (!real) ++next_complex;
+    add_state(term, design, {s, size_, real}, own);
+  }
+  set_response(own);
+  set_gains_of_integrals();
+  set_steady_gain(design.smallest);
+}
+
+void FilterBank::allocate() {
   const std::size_t extra = 1 + integrations_;
   state_.assign(size_, 0);
   before_.assign(together * size_, 0);
@@ -100,94 +148,73 @@ FilterBank::FilterBank(const FilterDesign& design)
   block_drive_.assign(block * size_, 0);
   extra_drive_.assign(extra * size_, 0);
   extra_.assign(together * extra, 0);
-  std::size_t next_real = 0;
-  std::size_t next_complex = 0;
-  // Response of the output to each power, without the integrals.
-  std::array<std::array<double, most_powers>, block> own{};
-  std::copy(now_.begin(), now_.end(), own[0].begin());
-  std::vector<Complex> phis(integrations_ + 2);
-  for (const Exponential& term : terms) {
-    const bool real = is_real(term);
-    const std::size_t s = real ? next_real++ : real_size_ + next_complex / half * lane + next_complex % half;
-    if (!real) ++next_complex;
-    const auto put_at = [&](double& re, double* im, Complex value) {
-      re = flushed(value.real());
-      if (!real) *im = flushed(value.imag());
-    };
-    const auto put = [&](AlignedVector<double>& list, std::size_t row, Complex value) {
-      double& re = list[row * size_ + s];
-      put_at(re, &re + half, value);
-    };
-    const auto put_in_column = [&](AlignedVector<double>& matrix, std::size_t rows, std::size_t row, Complex value) {
-      double& re = matrix[(s / lane * rows + row) * lane + s % lane];
-      put_at(re, &re + half, value);
-    };
-    const auto put_in_row = [&](AlignedVector<double>& matrix, std::size_t column, Complex value) {
-      double& re = matrix[(column / lane * size_ + s) * lane + column % lane];
-      put_at(re, &re + half * lane, value);
-    };
-    const Complex z = term.rate * design.sample_time;
-    const auto put_change = [&](AlignedVector<double>& change, AlignedVector<double>& cross, Complex value) {
-      change[s] = value.real();
-      if (real) return;
-      change[s + half] = value.real();
-      cross[s] = -value.imag();
-      cross[s + half] = value.imag();
-    };
-    put_change(change_, cross_, expm1(z));
-    put_change(block_change_, block_cross_, expm1(z * static_cast<double>(block)));
-    phi(z, phis);
-    const Complex factor = std::exp(z);
-    const Complex output = std::conj(term.weight * std::exp(design.theta * z));
-    put(output_, 0, output);
-    ByLag<Complex> driven(integrations_, is_straight_);
-    Complex power = 1;  // factor^i
-    for (std::size_t i = 0; i < block; ++i) {
-      put_in_row(block_output_, i, output * std::conj(power));
-      std::array<Complex, most_powers> later{};
-      const std::size_t first = term.is_direct ? integrations_ : 0;
-      for (std::size_t q = first; q <= integrations_ + (is_straight_ ? 1 : 0); ++q) {
-        later[q] = z * phis[q - first] * power;
-        if (i == 0) put(drive_, q, later[q]);
-        if (i + 1 < block) own[i + 1][q] += (std::conj(output) * later[q]).real();
-      }
-      driven.append(later);
-      power = std::abs(power * factor) < 1e-280 ? 0 : power * factor;
-    }
-    for (std::size_t i = 0; i < block; ++i) put_in_column(block_drive_, block, i, driven.sample(block - 1 - i));
-    put_in_column(extra_drive_, extra, 0, driven.start(block - 1));
-    for (std::size_t q = 0; q < integrations_; ++q) {
-      put_in_column(extra_drive_, extra, 1 + q, driven.integral(q, block - 1));
-    }
-  }
-  ByLag<double> response(integrations_, is_straight_);
-  for (const auto& each : own) response.append(each);
   kernel_.assign(2 * block, 0);
   extra_output_.assign(extra * block, 0);
+}
+
+void FilterBank::add_state(const Exponential& term, const FilterDesign& design, const StatePlace& place,
+                           OwnResponse& own) {
+  const std::size_t extra = 1 + integrations_;
+  const Complex z = term.rate * design.sample_time;
+  place.put_change(change_, cross_, expm1(z));
+  place.put_change(block_change_, block_cross_, expm1(z * static_cast<double>(block)));
+  std::vector<Complex> phis(integrations_ + 2);
+  phi(z, phis);
+  const Complex factor = std::exp(z);
+  const Complex output = std::conj(term.weight * std::exp(design.theta * z));
+  place.put(output_, 0, output);
+  ByLag<Complex> driven(integrations_, is_straight_);
+  Complex power = 1;  // factor^i
+  for (std::size_t i = 0; i < block; ++i) {
+    place.put_in_row(block_output_, i, output * std::conj(power));
+    std::array<Complex, most_powers> later{};
+    const std::size_t first = term.is_direct ? integrations_ : 0;
+    for (std::size_t q = first; q <= integrations_ + (is_straight_ ? 1 : 0); ++q) {
+      later[q] = z * phis[q - first] * power;
+      if (i == 0) place.put(drive_, q, later[q]);
+      if (i + 1 < block) own[i + 1][q] += (std::conj(output) * later[q]).real();
+    }
+    driven.append(later);
+    power = std::abs(power * factor) < 1e-280 ? 0 : power * factor;
+  }
+  for (std::size_t i = 0; i < block; ++i) place.put_in_column(block_drive_, block, i, driven.sample(block - 1 - i));
+  place.put_in_column(extra_drive_, extra, 0, driven.start(block - 1));
+  for (std::size_t q = 0; q < integrations_; ++q) {
+    place.put_in_column(extra_drive_, extra, 1 + q, driven.integral(q, block - 1));
+  }
+}
+
+void FilterBank::set_response(const OwnResponse& own) {
+  const std::size_t extra = 1 + integrations_;
+  ByLag<double> response(integrations_, is_straight_);
+  for (const auto& each : own) response.append(each);
   for (std::size_t i = 0; i < block; ++i) {
     kernel_[block + i] = response.sample(i);
     double* column = &extra_output_[i / lane * extra * lane + i % lane];
     column[0] = response.start(i);
     for (std::size_t q = 0; q < integrations_; ++q) column[(1 + q) * lane] = response.integral(q, i);
   }
+}
+
+void FilterBank::set_gains_of_integrals() {
   for (std::size_t p = 0; p < integrations_; ++p) {
+    // What each power adds to this integral by the end of its own interval.
+    std::array<double, most_powers> own{};
+    own[p] = 1;
+    for (std::size_t q = p + 1; q <= integrations_ + (is_straight_ ? 1 : 0); ++q) own[q] = inverse_factorial[q - p];
     ByLag<double> gained(integrations_, is_straight_);
-    for (std::size_t i = 0; i < block; ++i) {
-      // What each power adds to this integral by the end of its own interval.
-      std::array<double, most_powers> first{};
-      for (std::size_t q = p + 1; i == 0 && q <= integrations_ + (is_straight_ ? 1 : 0); ++q) {
-        first[q] = inverse_factorial[q - p];
-      }
-      if (i == 0) first[p] = 1;
-      gained.append(first);
-    }
+    gained.append(own);
+    for (std::size_t i = 1; i < block; ++i) gained.append({});
     gained_from_extra_.push_back(gained.start(block - 1));
     for (std::size_t q = 0; q < integrations_; ++q) {
       gained_from_extra_.push_back(gained.integral(q, block - 1) - (q == p ? 1 : 0));
     }
     for (std::size_t i = 0; i < block; ++i) gained_from_sample_.push_back(gained.sample(block - 1 - i));
   }
-  // The output for a constant input of 1 after all states have reached their end values, -1.
+}
+
+// The output for a constant input of 1 after all states have reached their end values, -1.
+void FilterBank::set_steady_gain(double smallest) {
   steady_gain_ = now_[integrations_];
   double total = 0;
   for (std::size_t s = 0; s < size_; ++s) {
@@ -196,7 +223,7 @@ FilterBank::FilterBank(const FilterDesign& design)
     total += std::abs(output_[s]);
   }
   // Before the response has risen, the gain and the decaying parts cancel, which costs digits.
-  may_settle_ = integrations_ == 0 && total * std::numeric_limits<double>::epsilon() <= design.smallest;
+  may_settle_ = integrations_ == 0 && total * std::numeric_limits<double>::epsilon() <= smallest;
 }
 
 bool FilterBank::is_real_part(std::size_t s) const noexcept {

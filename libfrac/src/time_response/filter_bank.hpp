@@ -34,6 +34,7 @@ class FilterBank {
   static constexpr std::size_t block = filter_block;
   static constexpr std::size_t together = filter_together;
   static constexpr std::size_t most_integrations = 8;
+  static constexpr std::size_t most_powers = most_integrations + 2;  // of the input, a straight line included
 
   explicit FilterBank(const FilterDesign& design);
 
@@ -45,6 +46,15 @@ class FilterBank {
   [[nodiscard]] std::size_t states() const noexcept { return real_count_ + 2 * complex_count_ + integrations_; }
 
  private:
+  struct StatePlace;
+  using OwnResponse = std::array<std::array<double, most_powers>, block>;  // by interval and power
+
+  void allocate();
+  void add_state(const Exponential& term, const FilterDesign& design, const StatePlace& place, OwnResponse& own);
+  void set_response(const OwnResponse& own);
+  void set_gains_of_integrals();
+  void set_steady_gain(double smallest);
+
   void add_to_integral(std::size_t q, double gain) noexcept;
   void integrate_block(const double* next, double* extra) noexcept;
   void leave_constant() noexcept;

@@ -40,7 +40,7 @@ Complex exponential(Complex zeta, Complex offset, double t) {
 InverseLaplace::InverseLaplace(LaplaceImage image)
     : y(std::move(image)),
       cut(best_cut(y, 0.5, 1.3)),
-      cut_step(2 * pi * 0.95 * cut.half_width / accuracy),
+      cut_step(2 * pi * 0.95 * cut.half_width / digits_beside_pole(accuracy, cut.half_width, largest_multiplicity(y))),
       early(y.origin_expansion(-0.5)),
       late(y.origin_expansion(1.5)) {}
 
@@ -55,7 +55,8 @@ const InverseLaplace::Node& InverseLaplace::node(const LaplaceImage::OriginExpan
     const Complex zeta = log_s_of(each);
     const ScaledSum top = scaled_sum(expansion.remainder, zeta);
     const ScaledSum bottom = scaled_sum(y.denominator(), zeta);
-    return Node{top.value / bottom.value, top.scale - bottom.scale, top.magnitude / std::abs(top.value)};
+    return Node{top.value / bottom.value, top.scale - bottom.scale,
+                top.magnitude / std::abs(top.value) + bottom.magnitude / std::abs(bottom.value)};
   };
   if (known.list.empty()) known.first = index;
   while (index < known.first) known.list.push_front(computed(--known.first));
@@ -167,7 +168,9 @@ InverseLaplace::Estimate InverseLaplace::by_parabola(double t) const {
     const double weight = (k == 0 && offset == 0 ? 0.5 : 1) * 2 * step / pi;
     const Complex part = weight * y.value(2.0 * log_w - log_t, w * w + log_w - log_t);
     sum += part.real();
-    rounding += std::abs(part) * (4 + 2 * std::abs(w));
+    // The image comes from its logarithm, whose rounding grows with its size.
+    const double log_image = y.log_magnitude(2 * log_w.real() - log_t);
+    rounding += std::abs(part) * (4 + 2 * std::abs(w) + 0.5 * std::abs(log_image));
   }
   const double rate = 2 * pi / step;
   for (const Pole& pole : poles) {

@@ -38,7 +38,7 @@ class InverseLaplace {
   struct Node {
     std::complex<double> value;
     double scale;
-    double cancelled;  // rounding of the remainder, in its units
+    double cancelled;  // rounding of the remainder and of the denominator, in their units
   };
   // Nodes by falling |s| from the index `first` on; an index is the same ln s for every instant.
   struct Nodes {

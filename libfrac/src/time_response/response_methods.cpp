@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -32,6 +33,11 @@ constexpr detail::Spellings<ResponseMethod, 6> method_names{{{ResponseMethod::au
 [[noreturn]] void refuse(const std::string& reason) {
   throw std::invalid_argument("respond: " + reason);
 }
+
+/// The sum of exponentials has no number somewhere; the reference may have.
+class NoFiniteSum : public std::invalid_argument {
+  using std::invalid_argument::invalid_argument;
+};
 
 std::string at(const char* list, std::size_t index, double value) {
   return std::string(list) + "[" + std::to_string(index) + "] = " + detail::number_text(value);
@@ -146,9 +152,10 @@ std::vector<double> by_events(const FractionalTransferFunction& model, const Tim
   }();
   detail::EventResponse::Result result;
   if (!events.evaluate(driven, tolerance, result)) {
-    refuse(
-        "the exponential sum has no finite response: the poles could not be counted, the response begins infinite, "
-        "or it outgrows a double");
+    throw NoFiniteSum(
+        "respond: the exponential sum has no finite response: the poles could not be counted, the response begins "
+        "infinite, or it outgrows a double up to " +
+        detail::number_text(time.back()) + " s; the method reference gives the instants before that");
   }
   return {result.value.begin(), result.value.end()};
 }
@@ -342,17 +349,30 @@ bool reference_may_meet(const FractionalTransferFunction& model, const TimeInput
                      [&](std::size_t n) { return reference(time[n]).error_estimate <= error; });
 }
 
+std::optional<TimeResponse> where_finite(ResponseMethod method, const FractionalTransferFunction& model,
+                                         const TimeInput& input, const EvenSamples& even, std::span<const double> time,
+                                         double tolerance) {
+  try {
+    return by_method(method, model, input, even, time, tolerance);
+  } catch (const NoFiniteSum&) {
+    return std::nullopt;
+  }
+}
+
 TimeResponse by_cheapest(const FractionalTransferFunction& model, const TimeInput& input, const EvenSamples& even,
                          std::span<const double> time, double tolerance) {
   const std::vector<ResponseMethod> methods = candidates(model, input, even, time, tolerance);
-  TimeResponse best = by_method(methods[0], model, input, even, time, tolerance);
-  if (best.meets_tolerance || methods.size() == 1) return best;
+  if (methods.size() == 1) return by_method(methods[0], model, input, even, time, tolerance);
+  const std::optional<TimeResponse> first = where_finite(methods[0], model, input, even, time, tolerance);
+  if (!first) return by_method(methods[1], model, input, even, time, tolerance);
+  if (first->meets_tolerance) return *first;
   if (methods[1] == ResponseMethod::reference &&
-      !reference_may_meet(model, input, time, tolerance * largest(best.output))) {
-    return best;
+      !reference_may_meet(model, input, time, tolerance * largest(first->output))) {
+    return *first;
   }
-  TimeResponse other = by_method(methods[1], model, input, even, time, tolerance);
-  return other.meets_tolerance || other.error_estimate < best.error_estimate ? other : best;
+  const std::optional<TimeResponse> second = where_finite(methods[1], model, input, even, time, tolerance);
+  const bool is_better = second && (second->meets_tolerance || second->error_estimate < first->error_estimate);
+  return is_better ? *second : *first;
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Prints a header for Doxygen: <x> in a comment is no HTML, and lines that are set in columns stay as they are.
+"""Prints a header for Doxygen: <x> in a comment is no HTML, lines that are set in columns stay as they are, and a comment
+behind a member is its description.
 
 Usage: comment_filter.py HEADER
 """
@@ -10,6 +11,8 @@ import sys
 # "///   name   meaning", or "/// name   meaning"; two blanks after a full stop only separate sentences.
 aligned = re.compile(r"^ *///(?: {3,}\S.*[^\s.] {2,}\S| [^\s@]+(?: [^\s@]+)? {3,}\S)")
 continued = re.compile(r"^ */// {3,}\S")
+# "double omega;  // rad/s"
+behind = re.compile(r"^( *[^/#} ].*[;,])( +)// (.+)$")
 
 inside = False
 for line in open(sys.argv[1], encoding="utf-8").read().splitlines():
@@ -17,6 +20,10 @@ for line in open(sys.argv[1], encoding="utf-8").read().splitlines():
     if column != inside:
         print("/// @verbatim" if column else "/// @endverbatim")
         inside = column
-    if not column and line.lstrip().startswith("///"):
-        line = re.sub(r"<([a-z_]*)>", r"&lt;\1&gt;", line)
+    code, sign, comment = line, "", ""
+    if member := behind.match(line):
+        code, sign, comment = member[1] + member[2], "///< ", re.sub("^>", r"\\>", member[3])
+    elif line.lstrip().startswith("///") and not column:
+        code, comment = "", line
+    line = code + sign + re.sub(r"<([a-z_]*)>", r"&lt;\1&gt;", comment)
     print(line)

@@ -44,6 +44,29 @@ Json complex_number(std::complex<double> value) {
   return {{"re", value.real()}, {"im", value.imag()}};
 }
 
+bool is_unstable_when_closed(const Analysis& result) {
+  return result.closed_loop && result.closed_loop->stability == frac::Stability::unstable;
+}
+
+// Of a stable loop the distance from the loss of stability; of an unstable one, which has no reserve, with the sign at
+// its crossover.
+double phase_margin(const Analysis& result) {
+  const double smallest = result.margins.phase_margin;
+  if (!is_unstable_when_closed(result)) return smallest;
+  for (const auto& crossover : result.margins.phase)
+    if (std::abs(crossover.margin) == smallest) return crossover.margin;
+  return smallest;
+}
+
+// G tends to gain s^order towards the origin.  A pole there is no point of the surface of ln s and stands in no list.
+struct Origin {
+  double gain, order;
+};
+Origin origin_of(const frac::FractionalTransferFunction& model) {
+  const auto &top = model.numerator().back(), &bottom = model.denominator().back();
+  return {top.coefficient / bottom.coefficient, top.order - bottom.order};
+}
+
 Json crossovers(const std::vector<frac::Crossover>& list, const char* margin) {
   Json array = Json::array();
   for (const auto& crossover : list) array.push_back({{"omega", crossover.omega}, {margin, crossover.margin}});
@@ -62,6 +85,8 @@ std::string json_text(const Analysis& result, const std::string& command) {
     entry["cancelled"] = pole.cancelled;
     poles.push_back(entry);
   }
+  const Origin at_origin = origin_of(result.model);
+  json["towards_origin"] = {{"gain", at_origin.gain}, {"order", at_origin.order}};
   json["commensurate_order"] = result.stability.commensurate_order;
   Json& sheet_roots = json["sheet_roots"] = Json::array();
   for (const auto& root : result.stability.sheet_roots) {
@@ -75,7 +100,7 @@ std::string json_text(const Analysis& result, const std::string& command) {
   json["h_infinity_norm"] = {{"gain", result.peak.gain}, {"omega", result.peak.omega}};
   json["margins"] = {{"gain_margin", result.margins.gain_margin},
                      {"gain_reduction", result.margins.gain_reduction},
-                     {"phase_margin_rad", result.margins.phase_margin},
+                     {"phase_margin_rad", phase_margin(result)},
                      {"delay_margin_s", result.margins.delay_margin},
                      {"gain_crossovers", crossovers(result.margins.phase, "phase_margin_rad")},
                      {"phase_crossovers", crossovers(result.margins.gain, "gain_margin")},
@@ -109,6 +134,10 @@ std::string table_text(const Analysis& result) {
     }
     text += table.text();
   }
+  if (const Origin at_origin = origin_of(result.model); at_origin.order < 0) {
+    text +=
+        "towards the origin it grows as " + short_number(at_origin.gain) + " s^" + short_number(at_origin.order) + "\n";
+  }
   if (result.stability.commensurate_order) {
     text += "commensurate order: " + short_number(*result.stability.commensurate_order) + ", " +
             std::to_string(result.stability.sheet_roots.size()) + " roots in the upper half of all sheets\n";
@@ -120,12 +149,12 @@ std::string table_text(const Analysis& result) {
   text += "\n\nas a loop under unity feedback: ";
   text += result.closed_loop ? std::string(frac::to_string(result.closed_loop->stability))
                              : "not judged, |L| does not fall below 1 at high frequency";
-  if (result.closed_loop && result.closed_loop->stability == frac::Stability::unstable) {
+  if (is_unstable_when_closed(result)) {
     text += "\nthe closed loop is unstable: the margins below are those of an unstable loop, no reserve of stability";
   }
   text += "\ngain margin: factor " + short_number(result.margins.gain_margin) + " up, " +
           short_number(result.margins.gain_reduction) +
-          " down\nphase margin: " + short_number(result.margins.phase_margin * 180 / std::numbers::pi) +
+          " down\nphase margin: " + short_number(phase_margin(result) * 180 / std::numbers::pi) +
           " deg\ndelay margin: " + short_number(result.margins.delay_margin) + " s\n";
   if (!result.margins.remark.empty()) text += result.margins.remark + "\n";
   return text;

@@ -23,7 +23,9 @@ class Approximate : public Command {
     o.number("--sample-time", sample_time_, "gives the recursion in the samples too");
     o.choice("--discretisation", discretisation_, frac::discretisations()).only_with({"--sample-time"});
     o.number("--amplification", amplification_,
-             "Most gain between the band and half the sampling frequency, over that of the power", "G")
+             "Most gain between the band and half the sampling frequency, over that of the power; of a falling one "
+             "over that at the band's edge",
+             "G")
         .only_with({"--discretisation", {"direct"}})
         .only_with({"--sample-time"});
     o.count("--taps", taps_, 1, largest_table, "Memory of grunwald-letnikov, samples", "N")

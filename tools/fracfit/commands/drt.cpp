@@ -27,8 +27,9 @@ class Drt : public Command {
     o.text("--data", data_, "A frequency response as a table or as an instrument writes it", "FILE")
         .or_argument()
         .names_input();
-    add_file_options(o, how_);
-    add_select(o, how_);
+    add_file_options(o, read_.how);
+    add_select(o, read_.how);
+    o.texts("--where", where_, "of re, im, magnitude, omega or f, or of any column of the file").only_with({"--data"});
     o.text("--fit", fit_, "Result of fracfit fit as JSON: its model, parameters and their covariance", "FILE")
         .names_input();
     o.numbers("--tau", tau_, "Times at which a fit is shown, s; FROM:TO:COUNTlog", "TAU").only_with({"--fit"});
@@ -58,6 +59,7 @@ class Drt : public Command {
     if (data_.empty() && fit_.empty())
       throw std::invalid_argument("--data or --fit is required: what has the distribution");
     if (!fit_.empty() && tau_.empty()) throw std::invalid_argument("--fit needs --tau, the times at which it is shown");
+    for (const auto& text : where_) read_.where.emplace_back(text);
     if (picture_.empty()) return;
     try {
       drawing_.emplace(picture_, options().input_files());
@@ -108,9 +110,7 @@ class Drt : public Command {
     report::Panel panel{"", {"{/Symbol t} (s)", true}, {"density per e-fold"}};
     panel.key = true;
     if (!data_.empty()) {
-      io::FrequencyResponseReadOptions read;
-      read.how = how_;
-      const auto file = io::read_frequency_response(data_, read);
+      const auto file = io::read_frequency_response(data_, read_);
       for (const auto& note : file.notes) say(data_ + ": " + note);
       const auto times = frac::relaxation_times(file.data, kernel_);
       add_rows("data", times, rows);
@@ -140,7 +140,8 @@ class Drt : public Command {
   }
 
   std::string data_, fit_, picture_;
-  io::MeasurementOptions how_;
+  std::vector<std::string> where_;
+  io::FrequencyResponseReadOptions read_;
   std::vector<double> tau_;
   frac::TimesKernel kernel_ = frac::TimesKernel::falling;
   std::optional<report::PictureFile> drawing_;

@@ -6,12 +6,13 @@
 #include <optional>
 #include <stdexcept>
 
-#include "backlash/identification/scene_identification.hpp"
+#include "backlash/identification/bodies_identification.hpp"
 #include "commands/subcommand.hpp"
 #include "io/data_error.hpp"
 #include "io/frequency_response_file.hpp"
 #include "io/number.hpp"
 #include "options/data_options.hpp"
+#include "options/loop_options.hpp"
 #include "options/model_choice.hpp"
 #include "output/identify_scene_output.hpp"
 
@@ -55,22 +56,40 @@ class IdentifyScene : public Command {
              std::array{frac::Component::both, frac::Component::real, frac::Component::imaginary});
     o.choice("--weight", scene_.weight, std::array{frac::Weight::relative, frac::Weight::given, frac::Weight::absolute},
              "relative |data|; given the files' sigma or weight column; absolute nothing");
-    o.texts("--fix", given_.fix, "of mass1, mass2, clearance and restitution; x1 needs a mass or the clearance");
+    add_open_receptances(o, load_, drive_);
+    o.texts("--fix", given_.fix,
+            "of mass1, mass2, clearance and restitution, or of names in the receptances; x1 needs a mass or the "
+            "clearance");
     o.texts("--bound", given_.bound);
     o.texts("--where", where_, "of re, im, magnitude, omega or f, or of any column of the files");
     o.flag("--compare", compare_,
-           "Also rank static backlash, fractional and integer-order structures on the same points");
+           "Also rank static backlash, fractional and integer-order structures on the same points")
+        .not_with({"--load-receptance"}, "the ranking is against free masses")
+        .not_with({"--drive-receptance"}, "the ranking is against free masses");
     add_common({"json", "table"});
     set_footer(
         "Examples:\n"
         "  fracfit identify-scene f10.csv f30.csv f50.csv --fix mass1=1\n"
         "  fracfit identify-scene a.csv b.csv --force 10,50 --body x2 --component imaginary --fix mass1=1\n"
-        "  fracfit identify-scene f*.csv --fix mass1=1 --fix mass2=1 --compare --format table");
+        "  fracfit identify-scene f*.csv --fix mass1=1 --fix mass2=1 --compare --format table\n"
+        "  fracfit identify-scene f20.csv f40.csv --load-receptance '1/(m1 s^2 + b1 s)' --drive-receptance "
+        "'1/(1.5 s^2 + b2 s)'");
   }
 
  private:
+  [[nodiscard]] bool has_receptances() const { return !load_.empty() || !drive_.empty(); }
+
+  [[nodiscard]] backlash::BodiesStructure receptances() const {
+    const auto formula = [](const std::string& text, const char* free_mass) {
+      return frac::Structure(text.empty() ? free_mass : text);
+    };
+    return {formula(load_, "1/(mass1 s^2)"), formula(drive_, "1/(mass2 s^2)")};
+  }
+
   void check() override {
-    scene_.constraints = constraints_of(given_);
+    scene_.constraints = has_receptances() ? constraints_of(frac::NamedModel{}, given_) : constraints_of(given_);
+    // A formula that does not parse is told before files are read.
+    if (has_receptances()) static_cast<void>(receptances());
     for (const auto& text : where_) reading_.where.emplace_back(text);
     if (force_.size() > 1 && force_.size() != data_.size())
       throw std::invalid_argument("--force names " + std::to_string(force_.size()) + " amplitudes for " +
@@ -133,11 +152,24 @@ class IdentifyScene : public Command {
     scene_.threads = threads();
     SceneRun run{"", {}, {}, {}};
     const auto curves = read(run);
+    if (has_receptances()) {
+      const auto result = backlash::identify_bodies(curves, receptances(), scene_);
+      complete(run);
+      write(format() == "json" ? bodies_json(run, result) : bodies_table(run, result));
+      return outcome(result);
+    }
     const auto result = backlash::identify_scene(curves, scene_);
     std::optional<backlash::SceneComparison> comparison;
     if (compare_ && result.termination != frac::FitTermination::no_usable_start)
       comparison = backlash::compare_explanations(curves, scene_, result);
 
+    complete(run);
+    write(format() == "json" ? scene_json(run, result, comparison) : scene_table(run, result, comparison));
+    return outcome(result);
+  }
+
+  // Says what was read from the files.
+  void complete(SceneRun& run) {
     std::string forces;
     for (const double force : run.forces) forces += (forces.empty() ? "" : ",") + io::format_number(force);
     const std::string body(backlash::to_string(scene_.output));
@@ -147,7 +179,10 @@ class IdentifyScene : public Command {
     run.command = command_line();
     run.options = {{"output", body}};
     for (auto& entry : options().entries({"--component", "--weight"})) run.options.push_back(std::move(entry));
-    write(format() == "json" ? scene_json(run, result, comparison) : scene_table(run, result, comparison));
+  }
+
+  template <typename Identification>
+  [[nodiscard]] int outcome(const Identification& result) const {
     const auto is_fixed = [](const auto& parameter) { return parameter.fixed; };
     const auto is_determined = [](const auto& parameter) { return parameter.identified && !parameter.fixed; };
     const auto& parameters = result.parameters;
@@ -158,6 +193,7 @@ class IdentifyScene : public Command {
   }
 
   std::vector<std::string> data_, where_;
+  std::string load_, drive_;
   ParameterOptions given_;
   std::vector<double> force_;
   std::optional<backlash::Output> body_;

@@ -14,6 +14,7 @@
 #include "frac/identification/lack_of_fit.hpp"
 #include "frac/identification/robust_tune.hpp"
 #include "frac/identification/time_fit.hpp"
+#include "frac/structure.hpp"
 #include "io/data_error.hpp"
 #include "io/time_series_file.hpp"
 #include "options/fit_record.hpp"
@@ -276,24 +277,39 @@ class Tune : public Command {
   }
 
  private:
+  struct PlantsOfRelay {
+    frac::FitResult best;
+    std::vector<frac::FractionalTransferFunction> others;
+  };
+
   // Of the plants that relay experiments are described by, the one with the best evidence of those whose parameters the
-  // record tells.
-  [[nodiscard]] frac::FitResult fit_of_relay() const {
+  // record tells, and the others that it leaves possible: what falls faster at high frequency than the true plant, for
+  // the sake of a little noise, would allow a derivative that the true plant does not.
+  [[nodiscard]] PlantsOfRelay plants_of_relay() const {
     const frac::TimeResponseData data = io::time_response_data(relay_, io::read_time_response(relay_));
+    // Parameters of the record, its offset, stand behind those of the plant.
     const auto is_told = [](const frac::FitResult& fit) {
-      return std::ranges::all_of(fit.parameters, [](const auto& each) { return std::isfinite(each.standard_error); });
+      const auto own = static_cast<std::ptrdiff_t>(frac::Structure(fit.model).parameter_names().size());
+      return std::all_of(fit.parameters.begin(), fit.parameters.begin() + own,
+                         [](const auto& each) { return each.standard_error < std::abs(each.value); });
     };
-    std::optional<frac::FitResult> best;
+    std::vector<frac::FitResult> fits;
     for (const char* formula : {"K exp(-L s)/(T s + 1)", "K exp(-L s)/(T s^a + 1)", "K exp(-L s)/(T2 s^2 + T1 s + 1)",
                                 "K exp(-L s)/(T s^2 + s)", "K exp(-L s)/(T s + 1)^3"}) {
       frac::FitResult fit = frac::fit(data, frac::Structure(formula));
-      if (!fit.usable()) continue;
-      const bool is_better = !best || (is_told(fit) == is_told(*best) ? fit.aicc < best->aicc : is_told(fit));
-      if (is_better) best = std::move(fit);
+      if (fit.usable()) fits.push_back(std::move(fit));
     }
-    if (!best)
+    if (fits.empty())
       throw io::DataError(relay_, 0, 0, "shows no plant: neither a lag nor a second order with dead time follows it");
-    return *best;
+    std::ranges::sort(fits, [&](const frac::FitResult& a, const frac::FitResult& b) {
+      return is_told(a) == is_told(b) ? a.aicc < b.aicc : is_told(a);
+    });
+    // Evidence of e^5 to 1 is beyond doubt.
+    constexpr double certain = 10;
+    std::vector<frac::FractionalTransferFunction> others;
+    for (std::size_t i = 1; i < fits.size(); ++i)
+      if (is_told(fits[i]) && fits[i].aicc < fits.front().aicc + certain) others.push_back(frac::fitted_plant(fits[i]));
+    return {fits.front(), others};
   }
 
   // A region tells nothing of a plant of another kind than was fitted.
@@ -307,8 +323,9 @@ class Tune : public Command {
   }
 
   int run_for_region() {
-    const frac::FitResult fit = fit_.empty() ? fit_of_relay() : read_fit(fit_);
-    frac::RobustTuningResult result = frac::tune_for_region(fit, asked_, tuning_);
+    const PlantsOfRelay plants = fit_.empty() ? plants_of_relay() : PlantsOfRelay{read_fit(fit_), {}};
+    const frac::FitResult& fit = plants.best;
+    frac::RobustTuningResult result = frac::tune_for_region(fit, asked_, tuning_, plants.others);
     const std::string misfit = fit_.empty() ? misfit_of_relay(fit) : "";
     result.message += misfit;
     const std::string plant = frac::fitted_plant(fit).formula();

@@ -37,8 +37,8 @@ class Formula {
   frac::Structure structure_;
 };
 
-constexpr const char* load_help =
-    "Displacement per force of body 1, m/N, instead of the free mass 1/(M1 s^2); e.g. '1/(2 s^2 + 0.1 s + 3)'";
+constexpr const char* load_meaning = "Displacement per force of body 1, m/N, instead of the free mass 1/(M1 s^2)";
+const std::string load_help = std::string(load_meaning) + "; e.g. '1/(2 s^2 + 0.1 s + 3)'";
 constexpr const char* drive_help = "That of body 2, on which the force acts";
 
 void exclude_masses(Option& load, Option& drive) {
@@ -60,6 +60,12 @@ void add_receptances(Options& options, std::optional<frac::FractionalTransferFun
   options.parsed("--load-receptance", load, formula_of, load_help, "FORMULA");
   options.parsed("--drive-receptance", drive, formula_of, drive_help, "FORMULA");
   exclude_masses(options["--load-receptance"], options["--drive-receptance"]);
+}
+
+void add_open_receptances(Options& options, std::string& load, std::string& drive) {
+  options.text("--load-receptance", load,
+               std::string(load_meaning) + "; names are estimated; e.g. '1/(m s^2 + b s)' with friction", "FORMULA");
+  options.text("--drive-receptance", drive, drive_help, "FORMULA");
 }
 
 void LoopOptions::add(Options& options) {

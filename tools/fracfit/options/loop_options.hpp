@@ -15,6 +15,8 @@ void add_receptances(Options& options, std::string& load, std::string& drive);
 /// Without names in them.
 void add_receptances(Options& options, std::optional<frac::FractionalTransferFunction>& load,
                      std::optional<frac::FractionalTransferFunction>& drive);
+/// With names that are estimated, beside no masses.
+void add_open_receptances(Options& options, std::string& load, std::string& drive);
 
 /// Two bodies with clearance under a controller, as formulas with names in them.
 class LoopOptions {

@@ -3,11 +3,34 @@
 
 #include <algorithm>
 #include <limits>
+#include <stdexcept>
+
+#include "frac/structure.hpp"
 
 namespace fracfit {
 
+namespace {
+
+// Whether a text is a function of s, with all its numbers.
+bool is_function(const std::string& text) {
+  try {
+    return frac::Structure(text).parameter_names().empty();
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
+}
+
+}  // namespace
+
 frac::FractionalTransferFunction formula_of(std::string_view, const std::string& text) {
-  return frac::FractionalTransferFunction::parse(text);
+  try {
+    return frac::FractionalTransferFunction::parse(text);
+  } catch (const std::invalid_argument& reason) {
+    if (!is_function(text)) throw;
+    throw std::invalid_argument(std::string(reason.what()) +
+                                "; poles, stability and responses over time are computed for such ratios only; fit one "
+                                "to the response on a band (fracfit evaluate, fracfit fit)");
+  }
 }
 
 Option& add_model(Options& options, std::optional<frac::FractionalTransferFunction>& model, const std::string& help) {

@@ -229,7 +229,7 @@ std::string approximation_table(const frac::Approximation& result, const frac::D
   }
   text += "largest error " + short_number(digital->error.max_relative) + " relative; from the band to half the " +
           "sampling frequency at most " + short_number(digital->most_amplification) + " times the gain of s^" +
-          short_number(digital->order) + "\n";
+          short_number(digital->order) + (digital->order < 0 ? " at the upper edge\n" : "\n");
   return text + digital->message + "\n";
 }
 

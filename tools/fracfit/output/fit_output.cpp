@@ -52,7 +52,7 @@ std::string reading(const std::string& formula) {
   return bare(grouped) == bare(formula) ? "" : "read as    " + grouped + "\n";
 }
 
-std::string note_on_profiles(const frac::FitResult& result) {
+std::string remark_on_profiles(const frac::FitResult& result) {
   std::string names;
   for (const auto& parameter : result.parameters) {
     if (parameter.interval == frac::IntervalKind::profile) names += (names.empty() ? "" : ", ") + parameter.name;
@@ -69,7 +69,7 @@ std::string parameter_table(const frac::FitResult& result) {
                parameter.fixed ? "-" : short_number(parameter.standard_error),
                has_interval ? interval(parameter.ci95_lower, parameter.ci95_upper) : "-", parameter_state(parameter)});
   }
-  return table.text() + note_on_profiles(result);
+  return table.text() + remark_on_profiles(result);
 }
 
 std::string added_intervals(const frac::FitResult& result, const FitStatistics& statistics) {
@@ -95,7 +95,7 @@ std::string added_intervals(const frac::FitResult& result, const FitStatistics& 
   return table.text() + "\n";
 }
 
-std::string residual_remarks(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
+std::string remarks_on_residuals(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
   if (result.confidence_of_optimum == 1) return "residuals: rounding only\n";
   std::string text = "residuals: correlation of neighbours " + short_number(statistics.whiteness.lag_one_correlation) +
                      ", chance of that from noise alone " + short_number(statistics.whiteness.p_value) + "\n";
@@ -302,7 +302,7 @@ std::string fit_table(const FitRun& run, const frac::FitResult& result, const Fi
   return "model      " + result.model + "\n" + reading(result.model) + heading(run) + "\n" +
          (statistics.growth ? growth_table(*statistics.growth) : "") + parameter_table(result) + "\n" +
          prior_table(result.priors) + derived_table(statistics.derived) + added_intervals(result, statistics) +
-         residual_remarks(run, result, statistics) + closing(result);
+         remarks_on_residuals(run, result, statistics) + closing(result);
 }
 
 std::string identification_table(const FitRun& run, const frac::IdentificationResult& result,

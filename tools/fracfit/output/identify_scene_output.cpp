@@ -39,10 +39,9 @@ std::string estimate_table(const std::string& heading, const Estimates& estimate
   return table.text();
 }
 
-}  // namespace
-
-std::string scene_json(const SceneRun& run, const backlash::SceneIdentification& result,
-                       const std::optional<backlash::SceneComparison>& comparison) {
+// What identifications of every kind tell alike, before and after what is their own.
+template <typename Identification>
+Json common_json(const SceneRun& run, const Identification& result) {
   Json json = origin(run.command);
   json["data"] = Json::array();
   for (std::size_t i = 0; i < run.files.size(); ++i)
@@ -51,20 +50,11 @@ std::string scene_json(const SceneRun& run, const backlash::SceneIdentification&
   for (const auto& [key, value] : run.options) json["options"][key] = value;
   json["parameters"] = Json::array();
   for (const auto& parameter : result.parameters) json["parameters"].push_back(estimate_json(parameter));
-  json["combinations"] = Json::array();
-  for (const auto& combination : result.combinations) json["combinations"].push_back(estimate_json(combination));
-  json["free_directions"] = result.free_directions;
-  json["misfits"] = result.misfits;
-  json["residual_correlation"] = result.residual_correlation;
-  json["rivals"] = Json::array();
-  for (const auto& rival : result.rivals) {
-    const auto& [mass1, mass2, clearance, restitution] = rival.parameters;
-    json["rivals"].push_back({{"mass1", mass1},
-                              {"mass2", mass2},
-                              {"clearance", clearance},
-                              {"restitution", restitution},
-                              {"odds_against", rival.odds}});
-  }
+  return json;
+}
+
+template <typename Identification>
+void add_common_json(Json& json, const Identification& result) {
   json["cost"] = result.cost;
   json["rms"] = result.rms;
   json["max_residual"] = result.max_residual;
@@ -87,6 +77,51 @@ std::string scene_json(const SceneRun& run, const backlash::SceneIdentification&
                               {"model_im_m_per_n", point.model.imag()},
                               {"residual_re", point.residual.real()},
                               {"residual_im", point.residual.imag()}});
+}
+
+template <typename Identification>
+std::string data_table(const SceneRun& run, const Identification& result) {
+  AlignedTable data({"data", "force/N", "points", "used", "off branch", "irregular"});
+  for (std::size_t curve = 0; curve < run.files.size(); ++curve) {
+    std::size_t all = 0, used = 0, off_branch = 0;
+    for (const auto& point : result.points) {
+      if (point.curve != curve) continue;
+      ++all;
+      used += point.status == backlash::PointStatus::used ? 1 : 0;
+      off_branch += point.status == backlash::PointStatus::off_branch ? 1 : 0;
+    }
+    data.add({run.files[curve], short_number(run.forces[curve]), std::to_string(all), std::to_string(used),
+              std::to_string(off_branch), std::to_string(all - used - off_branch)});
+  }
+  return data.text();
+}
+
+template <typename Identification>
+std::string verdict_text(const Identification& result) {
+  return paragraph(std::string(frac::to_string(result.termination)) + ": " + result.message + " " +
+                   short_number(result.seconds) + " s.");
+}
+
+}  // namespace
+
+std::string scene_json(const SceneRun& run, const backlash::SceneIdentification& result,
+                       const std::optional<backlash::SceneComparison>& comparison) {
+  Json json = common_json(run, result);
+  json["combinations"] = Json::array();
+  for (const auto& combination : result.combinations) json["combinations"].push_back(estimate_json(combination));
+  json["free_directions"] = result.free_directions;
+  json["misfits"] = result.misfits;
+  json["residual_correlation"] = result.residual_correlation;
+  json["rivals"] = Json::array();
+  for (const auto& rival : result.rivals) {
+    const auto& [mass1, mass2, clearance, restitution] = rival.parameters;
+    json["rivals"].push_back({{"mass1", mass1},
+                              {"mass2", mass2},
+                              {"clearance", clearance},
+                              {"restitution", restitution},
+                              {"odds_against", rival.odds}});
+  }
+  add_common_json(json, result);
   if (comparison) {
     Json ranking = Json::array();
     for (const auto& fit : comparison->ranking)
@@ -108,23 +143,10 @@ std::string scene_json(const SceneRun& run, const backlash::SceneIdentification&
 
 std::string scene_table(const SceneRun& run, const backlash::SceneIdentification& result,
                         const std::optional<backlash::SceneComparison>& comparison) {
-  AlignedTable data({"data", "force/N", "points", "used", "off branch", "irregular"});
-  for (std::size_t curve = 0; curve < run.files.size(); ++curve) {
-    std::size_t all = 0, used = 0, off_branch = 0;
-    for (const auto& point : result.points) {
-      if (point.curve != curve) continue;
-      ++all;
-      used += point.status == backlash::PointStatus::used ? 1 : 0;
-      off_branch += point.status == backlash::PointStatus::off_branch ? 1 : 0;
-    }
-    data.add({run.files[curve], short_number(run.forces[curve]), std::to_string(all), std::to_string(used),
-              std::to_string(off_branch), std::to_string(all - used - off_branch)});
-  }
-  std::string text = data.text() + "\n" + estimate_table("parameter", result.parameters) + "\n" +
+  std::string text = data_table(run, result) + "\n" + estimate_table("parameter", result.parameters) + "\n" +
                      estimate_table("combination", result.combinations) + "\n";
   for (const auto& direction : result.free_directions) text += direction + "\n";
-  text += paragraph(std::string(frac::to_string(result.termination)) + ": " + result.message + " " +
-                    short_number(result.seconds) + " s.");
+  text += verdict_text(result);
   if (comparison) {
     AlignedTable ranking({"explanation", "model", "free", "rms", "AICc above best"});
     for (const auto& fit : comparison->ranking)
@@ -133,6 +155,18 @@ std::string scene_table(const SceneRun& run, const backlash::SceneIdentification
     text += "\n" + ranking.text() + paragraph(comparison->sentence);
   }
   return text;
+}
+
+std::string bodies_json(const SceneRun& run, const backlash::BodiesIdentification& result) {
+  Json json = common_json(run, result);
+  json["misfits"] = result.misfits;
+  json["residual_correlation"] = result.residual_correlation;
+  add_common_json(json, result);
+  return json.dump() + "\n";
+}
+
+std::string bodies_table(const SceneRun& run, const backlash::BodiesIdentification& result) {
+  return data_table(run, result) + "\n" + estimate_table("parameter", result.parameters) + "\n" + verdict_text(result);
 }
 
 }  // namespace fracfit

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "backlash/identification/bodies_identification.hpp"
 #include "backlash/identification/scene_comparison.hpp"
 #include "backlash/identification/scene_identification.hpp"
 #include "io/text_table.hpp"
@@ -23,5 +24,9 @@ struct SceneRun {
                                      const std::optional<backlash::SceneComparison>& comparison);
 [[nodiscard]] std::string scene_table(const SceneRun& run, const backlash::SceneIdentification& result,
                                       const std::optional<backlash::SceneComparison>& comparison);
+
+/// Of bodies with friction and springs.
+[[nodiscard]] std::string bodies_json(const SceneRun& run, const backlash::BodiesIdentification& result);
+[[nodiscard]] std::string bodies_table(const SceneRun& run, const backlash::BodiesIdentification& result);
 
 }  // namespace fracfit

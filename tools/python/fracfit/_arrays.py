@@ -16,6 +16,8 @@ def _numbers(value: Any, name: str, kinds: str, what: str, dtype: type) -> np.nd
     except ValueError as reason:
         raise ValueError(f"{name} is no array of {what} numbers: {reason}") from None
     if array.dtype.kind == "O":
+        if any(each is None for each in array.flat):
+            raise ValueError(f"{name} is None, or holds it; expected {what} numbers")
         try:
             array = array.astype(dtype)
         except (TypeError, ValueError):
@@ -49,6 +51,8 @@ def _shaped(array: np.ndarray, given: np.ndarray, name: str, shape: tuple[int, .
 
 def number(value: Any, name: str) -> float:
     """One real number."""
+    if type(value) is float:
+        return value
     array = _numbers(value, name, "biuf", "real", float)
     if array.size != 1:
         raise ValueError(f"{name} has the shape {array.shape}; expected one number")

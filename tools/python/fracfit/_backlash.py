@@ -274,10 +274,11 @@ class LimitCycles(_Record):
     """
 
     def __repr__(self) -> str:
-        lines = [f"LimitCycles({len(self.cycles)} found, {len(self.predicted)} predicted)"]  # type: ignore[attr-defined]
+        found = sum(cycle["admissible"] for cycle in self.cycles)  # type: ignore[attr-defined]
+        lines = [f"LimitCycles({found} found, {len(self.predicted)} predicted)"]  # type: ignore[attr-defined]
         for cycle in self.cycles:  # type: ignore[attr-defined]
             kind = "stable" if cycle["stable"] else "unstable"
-            lines.append(f"  {cycle['omega']:.6g} rad/s, " + (kind if cycle["admissible"] else cycle["reason"]))
+            lines.append(f"  {cycle['omega']:.6g} rad/s, " + (kind if cycle["admissible"] else f"no motion: {cycle['reason']}"))
         return "\n".join(lines)
 
 
@@ -293,6 +294,8 @@ def limit_cycles(
     harmonics: int = 5,
 ) -> LimitCycles:
     """Symmetric limit cycles of two masses with backlash under the force ``-C(s) x`` on mass 2.
+
+    These have two impacts in a period; the command ``fracfit limit-cycles`` also finds others by simulation.
 
     Parameters
     ----------
@@ -334,6 +337,8 @@ def jump_frequency(
     criterion: str = "sweep-up",
 ) -> float | None:
     """Frequency at which the describing function jumps, rad/s; None where there is no jump.
+
+    The command ``fracfit jump-law`` takes "two-impact-loss" unless told otherwise.
 
     Parameters
     ----------

@@ -24,7 +24,7 @@ class FractionalPid:
     lambda_, mu : float
         Orders of integration and differentiation, within (0, 2).
     sample_time : float
-        s.
+        In seconds.
     band : (float, float), optional
         On which the orders hold, rad/s; needed unless they are 1.
     tolerance : float

@@ -3,8 +3,11 @@
 
 from __future__ import annotations
 
+import difflib
 import math
-from typing import Any, Mapping, Sequence
+import re
+from functools import cached_property
+from typing import Any, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -47,10 +50,20 @@ class FitResult:
     True
     """
 
-    def __init__(self, values: Mapping[str, Any], data: Any = None, options: Mapping[str, Any] | None = None) -> None:
-        self._values = dict(values)
+    def __init__(
+        self, values: Mapping[str, Any] | _fitting.Fitted, data: Any = None, options: Mapping[str, Any] | None = None
+    ) -> None:
+        self._given = values
         self._data = data
         self._options = dict(options or {})
+
+    @cached_property
+    def _values(self) -> dict[str, Any]:
+        # What the compiled part has found becomes a dict when somebody asks: that takes a tenth of a small fit.
+        return self._given.as_dict() if isinstance(self._given, _fitting.Fitted) else dict(self._given)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"_given": self._values, "_data": self._data, "_options": self._options}
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_") or name not in self._values:
@@ -157,8 +170,21 @@ class FitResult:
     def __getitem__(self, name: str) -> float:
         values = self.parameters
         if name not in values:
-            raise KeyError(f"{self.formula} has no parameter {name}")
+            raise KeyError(f"the fit has no parameter {name!r}; it has {', '.join(values)}")
         return values[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.parameters
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.parameters)
+
+    def __len__(self) -> int:
+        return len(self._values["parameters"])
+
+    def keys(self) -> list[str]:
+        """Names of the parameters, so that ``dict(result)`` has their values."""
+        return list(self.parameters)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, FitResult):
@@ -641,8 +667,8 @@ class CustomCircuit:
     ----------
     circuit : str
         A formula of s such as ``"R0 + R1/(1 + R1 Q1 s^n1)"``, or the name of a preset.
-    initial_guess : mapping of str to float, optional
-        Starts of some parameters; none is needed.
+    initial_guess : mapping of str to float, or sequence of float, optional
+        Starts of some parameters by name, or of all in order of appearance; none is needed.
     **options
         As of `fit`.
 
@@ -659,9 +685,18 @@ class CustomCircuit:
     True
     """
 
-    def __init__(self, circuit: str, initial_guess: Mapping[str, float] | None = None, **options: Any) -> None:
+    def __init__(
+        self, circuit: str, initial_guess: Mapping[str, float] | Sequence[float] | None = None, **options: Any
+    ) -> None:
         self.circuit = circuit
-        self.initial_guess = dict(initial_guess or {})
+        if initial_guess is None or isinstance(initial_guess, Mapping):
+            self.initial_guess = dict(initial_guess or {})
+        else:
+            names = Model(presets().get(circuit, circuit)).parameter_names
+            starts = real_array(initial_guess, "initial_guess")
+            if len(starts) != len(names):
+                raise ValueError(f"initial_guess has {len(starts)} entries; expected those of {', '.join(names)}")
+            self.initial_guess = dict(zip(names, starts.tolist()))
         self.options = options
         self.result_: FitResult | None = None
 
@@ -719,6 +754,15 @@ def _structure(model: Model | str) -> tuple[str, dict[str, float]]:
         return model.formula, model.parameters
     if not isinstance(model, str):
         raise ValueError(f"model is of the type {type(model).__name__}; expected a Model, a formula or the name of a preset")
+    # Such words are formulas of one parameter, which nobody means.
+    known = [*presets(), "rational", "commensurate", "terms"] if re.fullmatch("[a-z][a-z_-]{3,}", model) else [model]
+    if model not in known:
+        near = difflib.get_close_matches(model.replace("_", "-"), known, 1)
+        raise ValueError(
+            f"model {model!r} is neither a preset nor a formula of s"
+            + (f" (did you mean {near[0]}?)" if near else "")
+            + "; presets() lists the names"
+        )
     return model, {}
 
 

@@ -67,7 +67,7 @@ class Margins(_Record):
     phase_margin : float
         rad.
     delay_margin : float
-        s.
+        In seconds.
     phase_crossovers : ndarray
         Rows of frequency (rad/s) and factor where the loop is real and negative.
     gain_crossovers : ndarray

@@ -62,7 +62,7 @@ def derivative(samples: Any, order: float, sample_time: float, *, tolerance: flo
     order : float
         -20 to 20.
     sample_time : float
-        s.
+        In seconds.
     tolerance : float
         Largest relative error of a weight of the sum.
 

@@ -16,11 +16,11 @@
 namespace python {
 namespace {
 
-// A fit with the constraints and the kind of start it was made with.
+// A fit with the constraints and the kind of start it was made with, kept as it is until Python asks for its values.
 struct Fitted {
   frac::FitResult result;
   std::vector<frac::ParameterConstraint> constraints;
-  bool global_start;
+  bool global_start = true;
 };
 
 // The model as given, or the member of a family that suits the data.
@@ -45,6 +45,7 @@ std::vector<frac::ParameterConstraint> asked_constraints(const frac::NamedModel&
   return constraints;
 }
 
+// Plain values, as Python keeps them.
 py::dict dict_of_fitted(const Fitted& fit) {
   py::dict result = dict_of(fit.result);
   result["constraints"] = list_of(fit.constraints);
@@ -56,30 +57,30 @@ py::dict dict_of_fitted(const Fitted& fit) {
 // in about a microsecond.
 bool is_short(const frac::FrequencyResponseData& points, const frac::NamedModel& model,
               const frac::FitOptions& options) {
-  constexpr std::size_t few = 128;
+  constexpr std::size_t few = 400;
   return !options.global_start && !model.is_family() && points.size() <= few &&
          std::holds_alternative<frac::ExactRealisation>(options.realisation);
 }
 
-py::dict fit_spectrum(const py::dict& data, const std::string& name, const py::dict& given) {
+Fitted fit_spectrum(const py::dict& data, const std::string& name, const py::dict& given) {
   const frac::NamedModel model = frac::find_model(name);
   const auto constraints = asked_constraints(model, given);
   const frac::FitOptions options = fit_options(given);
   const frac::FrequencyResponseData points = spectrum_of(data);
   const auto work = [&] { return fitted(points, model, constraints, options); };
-  if (is_short(points, model, options)) return dict_of_fitted(run_here(work));
-  return dict_of_fitted(result_of([&](frac::Progress&) { return work(); }));
+  if (is_short(points, model, options)) return run_here(work);
+  return result_of([&](frac::Progress&) { return work(); });
 }
 
-py::dict fit_record(const py::dict& data, const std::string& name, const py::dict& given) {
+Fitted fit_record(const py::dict& data, const std::string& name, const py::dict& given) {
   const frac::NamedModel model = frac::find_model(name);
   const auto constraints = asked_constraints(model, given);
   const frac::TimeFitOptions options = time_fit_options(given);
   const frac::TimeResponseData record = record_of(data);
-  return dict_of_fitted(result_of([&](frac::Progress&) { return fitted(record, model, constraints, options); }));
+  return result_of([&](frac::Progress&) { return fitted(record, model, constraints, options); });
 }
 
-// One dict or one sentence for each set of data.
+// One fit or one sentence for each set of data.
 py::list fit_many(const py::list& data, const std::string& name, const py::dict& given, int threads,
                   const py::object& report) {
   const frac::NamedModel model = frac::find_model(name);
@@ -108,7 +109,7 @@ py::list fit_many(const py::list& data, const std::string& name, const py::dict&
     if (const auto* reason = std::get_if<std::string>(&outcome))
       list.append(*reason);
     else
-      list.append(dict_of_fitted(std::get<Fitted>(outcome)));
+      list.append(std::get<Fitted>(outcome));
   }
   return list;
 }
@@ -177,6 +178,7 @@ py::array response_deviation(const py::dict& fit, const py::dict& realisation, c
 }  // namespace
 
 void add_fit(py::module_& module) {
+  py::class_<Fitted>(module, "Fitted").def("as_dict", &dict_of_fitted);
   module.def("fit_spectrum", &fit_spectrum);
   module.def("fit_record", &fit_record);
   module.def("fit_many", &fit_many);

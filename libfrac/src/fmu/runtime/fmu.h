@@ -344,6 +344,7 @@ FMI2_EXPORT fmi2Status FMI2_NAME(fmi2DoStep)(fmi2Component component, fmi2Real t
   (void)no_earlier_state;
   if (c->state.phase != is_running || c->type != fmi2CoSimulation) return refuse(c, "fmi2DoStep: not in step mode");
   if (!(duration >= 0)) return refuse(c, "fmi2DoStep: the step is negative");
+  if (!(time - time == 0 && duration - duration == 0)) return refuse(c, "fmi2DoStep: the step has no end");
   why = model_step(&c->state.inner, time, duration);
   if (why) return refuse(c, why);
   c->state.time = time + duration;

@@ -15,6 +15,7 @@ static const char *model_step(model *m, double time, double duration)
 {
   /* Times that the master adds up differ from multiples of the sample time by rounding. */
   const double end = (time - m->start + duration) / SAMPLE_TIME - 1e-6;
+  if (!(end - m->samples <= 1e9)) return "the step would take more than 1e9 samples";
   while (m->samples < end) {
     recursion_sample(m);
     m->samples += 1;

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "consistent_model.hpp"
 
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <limits>
 
 #include "base/eigenvalues.hpp"
+#include "base/linear_algebra.hpp"
 #include "frac/identification/statistics.hpp"
 
 namespace frac::detail {
@@ -67,9 +68,7 @@ double aicc(const Problem& problem, double cost, Eigen::Index parameters) {
 
 ConsistentModel made(const Eigen::MatrixXd& tangent) {
   ConsistentModel model;
-  const Eigen::HouseholderQR<Eigen::MatrixXd> factor(tangent);
-  model.rest.orthonormal =
-      factor.householderQ() * Eigen::MatrixXd::Identity(tangent.rows(), std::min(tangent.rows(), tangent.cols()));
+  model.rest.orthonormal = PlainQr(tangent).basis();
   return model;
 }
 
@@ -141,7 +140,7 @@ Eigen::VectorXd solve(const Eigen::MatrixXd& columns, const Eigen::VectorXd& tar
   Eigen::VectorXd scale = columns.colwise().norm();
   for (double& each : scale) each = each > 0 ? each : 1;
   const Eigen::MatrixXd scaled = columns * scale.cwiseInverse().asDiagonal();
-  return Eigen::VectorXd(scaled.householderQr().solve(target)).cwiseQuotient(scale);
+  return PlainQr(scaled).solve(target).cwiseQuotient(scale);
 }
 
 Eigen::MatrixXd unscaled_rows(const Problem& problem, const Eigen::MatrixXcd& columns) {
@@ -321,9 +320,7 @@ ConsistentModel best_on_grid(const WeightedPoints& points) {
     const Eigen::Index most = std::min(densest, rows / 2 - ends);
     for (Eigen::Index poles = 0; poles <= most; poles += std::max<Eigen::Index>(1, poles / 6)) {
       const Eigen::MatrixXd columns = problem.rows(grid_columns(problem, poles, reach));
-      const Eigen::HouseholderQR<Eigen::MatrixXd> factor(columns);
-      const Eigen::VectorXd turned = factor.householderQ().adjoint() * problem.target;
-      const double criterion = aicc(problem, turned.tail(rows - columns.cols()).squaredNorm(), columns.cols());
+      const double criterion = aicc(problem, PlainQr(columns).squared_distance(problem.target), columns.cols());
       candidates.push_back({poles, reach, criterion});
       least = std::min(least, criterion);
     }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frac/identification/validate.hpp"
 
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,6 +12,7 @@
 #include <span>
 #include <stdexcept>
 
+#include "base/linear_algebra.hpp"
 #include "base/number_text.hpp"
 #include "base/short_text.hpp"
 #include "base/spelling.hpp"
@@ -95,8 +96,7 @@ NoiseShape noise_shape(const WeightedPoints& points, const ConsistentModel& mode
     const double x = (2 * std::log(points.omega[static_cast<std::size_t>(k)]) - first - last) / (last - first);
     for (int degree = 0; degree <= degrees; ++degree) columns(k, degree) = std::pow(x, degree);
   }
-  const Eigen::HouseholderQR<Eigen::MatrixXd> factor(columns);
-  const Eigen::MatrixXd basis = factor.householderQ() * Eigen::MatrixXd::Identity(count, degrees + 1);
+  const Eigen::MatrixXd basis = detail::PlainQr(columns).basis();
   const Eigen::VectorXd found = basis.transpose() * log_square;
   constexpr double variance = std::numbers::pi * std::numbers::pi / 6;
   // Three standard deviations for a slope alone; each further degree has to earn its place among more of them.
@@ -598,98 +598,117 @@ ValidationResult validate_thinned(const FrequencyResponseData& data, ValidationO
   return result;
 }
 
-}  // namespace
-
-ValidationResult validate(const FrequencyResponseData& data, const ValidationOptions& options) {
-  const double level = options.level;
-  // Quantiles of less are beyond the range of numbers.
-  if (!(level >= 1e-15 && level < 1))
-    throw std::invalid_argument("level = " + detail::number_text(level) + "; allowed is 1e-15 up to 1");
-  if (!(options.accuracy >= 0 && std::isfinite(options.accuracy)))
-    throw std::invalid_argument("accuracy = " + detail::number_text(options.accuracy) + "; allowed is 0 or above");
-  if (options.most_points > 0 && data.size() > options.most_points)
-    return validate_thinned(data, options, (data.size() - 1) / options.most_points + 1);
+/// Before anything is judged.
+ValidationResult nothing_known(const ValidationOptions& options) {
   ValidationResult result{};
-  result.level = level;
+  result.level = options.level;
   result.accuracy = options.accuracy;
   result.validity = Validity::undecided;
   result.noise = result.drift = result.drift_deviation = result.detectable_drift = nan;
   result.step = result.step_deviation = result.step_below = result.step_above = nan;
   result.drift_share = result.step_share = result.largest_residual = nan;
-  constexpr std::size_t fewest_points = 6;
-  if (data.size() < fewest_points || !(data.omega().back() > data.omega().front())) {
-    for (const ValidityTest test : all_tests) result.findings.push_back({test, nan, false});
-    return result;
-  }
+  return result;
+}
 
-  const Judgement judgement = judge(data, options);
-  const Fitted& fitted = judgement.fitted;
-  const Tested& now = judgement.last;
+void describe_tests(const Judgement& judgement, ValidationResult& result) {
   const std::vector<ValidityTest>& of_points = judgement.of_points;
-  const bool pattern = judgement.pattern(level);
   for (const ValidityTest test : all_tests) {
     const bool alarm = is_of_points(test) ? std::find(of_points.begin(), of_points.end(), test) != of_points.end()
-                                          : now.alarm(test, level);
-    result.findings.push_back({test, (is_of_points(test) ? judgement.first : now).p_value[index_of(test)], alarm});
+                                          : judgement.last.alarm(test, result.level);
+    const Tested& tested = is_of_points(test) ? judgement.first : judgement.last;
+    result.findings.push_back({test, tested.p_value[index_of(test)], alarm});
   }
   result.outliers = judgement.outliers;
   result.mains = judgement.mains;
-  result.real_poles = fitted.model.grid_poles;
-  for (const Complex& pole : fitted.model.free_poles) (pole.imag() == 0 ? result.real_poles : result.pole_pairs) += 1;
-  result.freedom = fitted.model.rest.freedom();
-  result.correlation = now.correlation;
+  result.correlation = judgement.last.correlation;
+}
+
+/// What a drift and a step explain of the residuals.
+void describe_unsteadiness(const Judgement& judgement, ValidationResult& result) {
+  const Fitted& fitted = judgement.fitted;
+  const Tested& now = judgement.last;
   result.drift = now.drift.coefficient;
   result.drift_deviation = now.drift.deviation;
   result.drift_law = now.drift_law;
-  result.drift_explains = !(now.chance_beside_drift < level * share_of_level);
+  result.drift_explains = !(now.chance_beside_drift < result.level * share_of_level);
   const double square = fitted.model.rest.square();
   result.drift_share = 1 - now.square_beside_drift / square;
-  if (now.step.which >= 0) {
-    const std::size_t above = first_beyond(now.step.which);
-    result.step = now.step.column.coefficient;
-    result.step_deviation = now.step.column.deviation;
-    result.step_below = fitted.points.omega[above - 1];
-    result.step_above = fitted.points.omega[above];
-    result.step_share = 1 - now.square_beside_step / square;
-    result.step_explains = !(now.chance_beside_step < level * share_of_level);
-  }
+  if (now.step.which < 0) return;
+  const std::size_t above = first_beyond(now.step.which);
+  result.step = now.step.column.coefficient;
+  result.step_deviation = now.step.column.deviation;
+  result.step_below = fitted.points.omega[above - 1];
+  result.step_above = fitted.points.omega[above];
+  result.step_share = 1 - now.square_beside_step / square;
+  result.step_explains = !(now.chance_beside_step < result.level * share_of_level);
+}
+
+void describe_model(const Fitted& fitted, std::size_t points, ValidationResult& result) {
+  result.real_poles = fitted.model.grid_poles;
+  for (const Complex& pole : fitted.model.free_poles) (pole.imag() == 0 ? result.real_poles : result.pole_pairs) += 1;
+  result.freedom = fitted.model.rest.freedom();
   result.largest_residual = 0;
   for (Eigen::Index i = 0; i < fitted.points.value.size(); ++i)
     result.largest_residual = std::max(result.largest_residual, relative_residual(fitted, i));
   result.noise_floor = fitted.floor;
   result.noise_slope = fitted.slope;
-  // Points set aside are shown by what their neighbours make of them.
   const double scale = std::sqrt(fitted.model.rest.square() / std::max(result.freedom, 1.0));
+  // Points set aside are shown by what their neighbours make of them.
+  result.model.assign(points, Complex(nan, nan));
+  result.deviation.assign(points, nan);
   double sum = 0;
-  for (std::size_t k = 0, i = 0; k < data.size(); ++k) {
-    if (i < fitted.kept.size() && fitted.kept[i] == k) {
-      const auto at = static_cast<Eigen::Index>(i);
-      result.model.push_back(fitted.model.value(at));
-      result.deviation.push_back(scale * fitted.points.deviation(at));
-      sum += std::pow(result.deviation.back() / std::abs(result.model.back()), 2);
-      ++i;
-    } else {
-      result.model.emplace_back(nan, nan);
-      result.deviation.push_back(nan);
-    }
+  for (std::size_t i = 0; i < fitted.kept.size(); ++i) {
+    const auto at = static_cast<Eigen::Index>(i);
+    const std::size_t k = fitted.kept[i];
+    result.model[k] = fitted.model.value(at);
+    result.deviation[k] = scale * fitted.points.deviation(at);
+    sum += std::pow(result.deviation[k] / std::abs(result.model[k]), 2);
   }
   result.noise = std::sqrt(sum / static_cast<double>(fitted.kept.size()));
-  if (result.freedom > 1) {
-    const double degrees = result.freedom - 1;
-    const double found =
-        detail::student_t_quantile(0.9, degrees) - detail::student_t_quantile(level * share_of_level / 2, degrees);
-    const auto other =
-        drift_of(data, fitted,
-                 now.drift_law == ValidityTest::drift_even ? ValidityTest::drift_periods : ValidityTest::drift_even);
-    result.detectable_drift = found * std::fmin(now.drift.deviation, other.deviation);
+}
+
+/// The drift that the tests find nine times in ten.
+double detectable_drift(const FrequencyResponseData& data, const Judgement& judgement, const ValidationResult& result) {
+  if (!(result.freedom > 1)) return nan;
+  const Tested& now = judgement.last;
+  const double degrees = result.freedom - 1;
+  const double found =
+      detail::student_t_quantile(0.9, degrees) - detail::student_t_quantile(result.level * share_of_level / 2, degrees);
+  const bool is_even = now.drift_law == ValidityTest::drift_even;
+  const auto other = drift_of(data, judgement.fitted, is_even ? ValidityTest::drift_periods : ValidityTest::drift_even);
+  return found * std::fmin(now.drift.deviation, other.deviation);
+}
+
+Validity validity_of(const FrequencyResponseData& data, const ValidationOptions& options, const Judgement& judgement,
+                     const ValidationResult& result) {
+  if (judgement.pattern(result.level)) return is_left_open(data, options) ? Validity::undecided : Validity::invalid;
+  if (!(result.freedom >= fewest_degrees) || !(result.detectable_drift < 1)) return Validity::undecided;
+  return judgement.of_points.empty() ? Validity::valid : Validity::suspect;
+}
+
+}  // namespace
+
+ValidationResult validate(const FrequencyResponseData& data, const ValidationOptions& options) {
+  // Quantiles of less are beyond the range of numbers.
+  if (!(options.level >= 1e-15 && options.level < 1))
+    throw std::invalid_argument("level = " + detail::number_text(options.level) + "; allowed is 1e-15 up to 1");
+  if (!(options.accuracy >= 0 && std::isfinite(options.accuracy)))
+    throw std::invalid_argument("accuracy = " + detail::number_text(options.accuracy) + "; allowed is 0 or above");
+  if (options.most_points > 0 && data.size() > options.most_points)
+    return validate_thinned(data, options, (data.size() - 1) / options.most_points + 1);
+
+  ValidationResult result = nothing_known(options);
+  constexpr std::size_t fewest_points = 6;
+  if (data.size() < fewest_points || !(data.omega().back() > data.omega().front())) {
+    for (const ValidityTest test : all_tests) result.findings.push_back({test, nan, false});
+    return result;
   }
-  if (pattern) {
-    result.validity = is_left_open(data, options) ? Validity::undecided : Validity::invalid;
-  } else if (!(result.freedom >= fewest_degrees) || !(result.detectable_drift < 1)) {
-    result.validity = Validity::undecided;
-  } else {
-    result.validity = of_points.empty() ? Validity::valid : Validity::suspect;
-  }
+  const Judgement judgement = judge(data, options);
+  describe_tests(judgement, result);
+  describe_model(judgement.fitted, data.size(), result);
+  describe_unsteadiness(judgement, result);
+  result.detectable_drift = detectable_drift(data, judgement, result);
+  result.validity = validity_of(data, options, judgement, result);
   return result;
 }
 

@@ -8,28 +8,28 @@
 #include "base/linear_algebra.hpp"
 #include "frac/identification/statistics.hpp"
 #include "identification/residuals/loss.hpp"
+#include "identification/statistics/confidence.hpp"
 #include "identification/statistics/correlated_noise.hpp"
 
 namespace frac::detail {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-// A column this much smaller than the largest is rounding: the residuals do not see the variable.
-constexpr double unseen_column = 1e-10;
 
 bool is_at_bound(const JointVariable& variable, double value) {
-  const double margin = 1e-6 * std::min(1.0, variable.upper - variable.lower);
-  return value - variable.lower <= margin || variable.upper - value <= margin;
+  return detail::is_at_bound(value, variable.lower, variable.upper);
 }
 
 /// One curve at the minimum.  With own columns A and shared columns B of the Jacobian the own variables follow the
 /// shared ones by -A^+ B, and what the curve knows of the shared ones stands in the part of B outside the space of A.
 struct Curve {
-  std::vector<Eigen::Index> inner;  // own variables that are seen and not at a bound
   Eigen::VectorXd residual;
-  Eigen::MatrixXd own_influence;  // what an own variable moves by for each residual, the shared ones held
-  Eigen::MatrixXd follows;        // d own / d shared
-  Eigen::MatrixXd rest;           // of the shared columns
+  Eigen::MatrixXd jacobian;         // own columns, shared columns; the last rows are those of own priors
+  std::vector<Eigen::Index> inner;  // own variables that are seen and not at a bound
+  Eigen::MatrixXd own_influence;    // what an own variable moves by for each residual, the shared ones held
+  Eigen::MatrixXd follows;          // d own / d shared
+  Eigen::MatrixXd rest;             // of the shared columns
+  Eigen::MatrixXd fitted;           // all inner columns
   CorrelatedNoise noise;
 };
 
@@ -97,161 +97,234 @@ class Widening {
   Eigen::VectorXd white_, wide_;
 };
 
-}  // namespace
-
-JointConfidence joint_confidence(std::vector<CurveResiduals>& curves, const JointLayout& layout,
-                                 const JointPoint& point) {
+JointConfidence nothing_known(std::size_t curves, const JointLayout& layout) {
   const auto own = static_cast<Eigen::Index>(layout.own.size()),
              shared = static_cast<Eigen::Index>(layout.shared.size());
   JointConfidence result{};
   result.shared = Eigen::MatrixXd::Constant(shared, shared, nan);
-  result.curve.assign(curves.size(), Eigen::MatrixXd::Constant(own + shared, own + shared, nan));
+  result.curve.assign(curves, Eigen::MatrixXd::Constant(own + shared, own + shared, nan));
   result.shared_widening.assign(layout.shared.size(), 1.0);
-  result.own_widening.assign(curves.size(), std::vector<double>(layout.own.size(), 1.0));
-  result.own_at_bound.assign(curves.size(), std::vector<bool>(layout.own.size(), false));
+  result.own_widening.assign(curves, std::vector<double>(layout.own.size(), 1.0));
+  result.own_at_bound.assign(curves, std::vector<bool>(layout.own.size(), false));
+  result.condition = 1;
+  return result;
+}
 
-  std::vector<Eigen::MatrixXd> jacobian;
-  std::vector<Curve> at(curves.size());
-  Eigen::VectorXd size = Eigen::VectorXd::Zero(shared);
-  for (std::size_t c = 0; c < curves.size(); ++c) {
-    const auto rows = static_cast<Eigen::Index>(curves[c].rows());
-    jacobian.emplace_back(rows, own + shared);
-    at[c].residual.resize(rows);
-    curves[c].evaluate(point.shared, point.own[c], at[c].residual.data(), jacobian[c].data());
-    size += jacobian[c].rightCols(shared).colwise().squaredNorm().transpose();
-  }
-  const Pulls pulls = pulls_of(curves, at);
-  // The cost weighs priors by the unit of the loss; squares of residuals weigh by their variance.
-  const double prior_weight = curves.front().prior_weight() * std::sqrt(1 / pulls.slope);
-  Eigen::MatrixXd shared_priors(static_cast<Eigen::Index>(layout.shared_priors.size()), shared);
-  for (Eigen::Index row = 0; row < shared_priors.rows(); ++row) {
-    const JointLayout::Pull pull =
-        layout.pull(layout.shared_priors[static_cast<std::size_t>(row)], point.shared, point.own.front(), 0);
-    for (Eigen::Index k = 0; k < shared; ++k)
-      shared_priors(row, k) = prior_weight * pull.by_variable[static_cast<std::size_t>(own + k)];
-  }
-  size += shared_priors.colwise().squaredNorm().transpose();
-  for (std::size_t c = 0; c < curves.size(); ++c) {
-    jacobian[c].bottomRows(static_cast<Eigen::Index>(layout.own_priors.size())) *=
-        prior_weight / curves[c].prior_weight();
-  }
-  size = size.cwiseSqrt();
+/// The errors of all variables, found in the order of the functions below; each notes its part of the result.
+class JointErrors {
+ public:
+  JointErrors(std::vector<CurveResiduals>& curves, const JointLayout& layout, const JointPoint& point)
+      : curves_(curves),
+        layout_(layout),
+        point_(point),
+        own_(static_cast<Eigen::Index>(layout.own.size())),
+        shared_(static_cast<Eigen::Index>(layout.shared.size())),
+        own_priors_(static_cast<Eigen::Index>(layout.own_priors.size())),
+        at_(curves.size()),
+        result_(nothing_known(curves.size(), layout)) {}
 
-  std::vector<Eigen::Index> inner;
-  for (Eigen::Index k = 0; k < shared; ++k) {
-    const auto index = static_cast<std::size_t>(k);
-    result.shared_at_bound.push_back(is_at_bound(layout.shared[index], point.shared[index]));
-    if (result.shared_at_bound.back()) {
-      ++result.rank;
-    } else if (size[k] > unseen_column * size.maxCoeff()) {
-      inner.push_back(k);
+  JointConfidence found() {
+    linearise();
+    pulls_ = pulls_of(curves_, at_);
+    weigh_priors_and_choose_shared();
+    Eigen::MatrixXd known = shared_priors_.transpose() * shared_priors_;
+    for (std::size_t c = 0; c < curves_.size(); ++c) {
+      split_off_own(c);
+      known += at_[c].rest.transpose() * at_[c].rest;
+      find_noise(c);
+    }
+    const Eigen::MatrixXd unit_covariance = inverse_of_known(known);
+    measure_spread(unit_covariance);
+    set_shared_errors(unit_covariance);
+    for (std::size_t c = 0; c < curves_.size(); ++c) set_own_errors(c);
+    return std::move(result_);
+  }
+
+ private:
+  void linearise() {
+    for (std::size_t c = 0; c < curves_.size(); ++c) {
+      const auto rows = static_cast<Eigen::Index>(curves_[c].rows());
+      at_[c].residual.resize(rows);
+      at_[c].jacobian.resize(rows, own_ + shared_);
+      curves_[c].evaluate(point_.shared, point_.own[c], at_[c].residual.data(), at_[c].jacobian.data());
     }
   }
-  const auto width = static_cast<Eigen::Index>(inner.size());
-  result.rank += inner.size();
-  shared_priors = Eigen::MatrixXd(shared_priors(Eigen::all, inner));
-  Eigen::MatrixXd known = shared_priors.transpose() * shared_priors;
-  const auto own_priors = static_cast<Eigen::Index>(layout.own_priors.size());
-  std::size_t residuals = 0;
-  for (std::size_t c = 0; c < curves.size(); ++c) {
-    Curve& curve = at[c];
-    residuals += curves[c].count();
-    const Eigen::VectorXd norm = jacobian[c].leftCols(own).colwise().norm();
-    for (Eigen::Index k = 0; k < own; ++k) {
+
+  void weigh_priors_and_choose_shared() {
+    // The cost weighs priors by the unit of the loss; squares of residuals weigh by their variance.
+    const double prior_weight = curves_.front().prior_weight() * std::sqrt(1 / pulls_.slope);
+    const Eigen::MatrixXd priors = shared_prior_rows(prior_weight);
+    Eigen::VectorXd size = Eigen::VectorXd::Zero(shared_);
+    for (const Curve& curve : at_) size += curve.jacobian.rightCols(shared_).colwise().squaredNorm().transpose();
+    size += priors.colwise().squaredNorm().transpose();
+    choose_shared(size.cwiseSqrt());
+    shared_priors_ = priors(Eigen::all, inner_);
+    for (std::size_t c = 0; c < curves_.size(); ++c)
+      at_[c].jacobian.bottomRows(own_priors_) *= prior_weight / curves_[c].prior_weight();
+  }
+
+  [[nodiscard]] Eigen::MatrixXd shared_prior_rows(double weight) const {
+    Eigen::MatrixXd rows(static_cast<Eigen::Index>(layout_.shared_priors.size()), shared_);
+    for (Eigen::Index row = 0; row < rows.rows(); ++row) {
+      const JointLayout::Pull pull =
+          layout_.pull(layout_.shared_priors[static_cast<std::size_t>(row)], point_.shared, point_.own.front(), 0);
+      for (Eigen::Index k = 0; k < shared_; ++k)
+        rows(row, k) = weight * pull.by_variable[static_cast<std::size_t>(own_ + k)];
+    }
+    return rows;
+  }
+
+  void choose_shared(const Eigen::VectorXd& size) {
+    for (Eigen::Index k = 0; k < shared_; ++k) {
       const auto index = static_cast<std::size_t>(k);
-      const bool at_bound = is_at_bound(layout.own[index], point.own[c][index]);
-      result.own_at_bound[c][index] = at_bound;
+      result_.shared_at_bound.push_back(is_at_bound(layout_.shared[index], point_.shared[index]));
+      if (result_.shared_at_bound.back()) {
+        ++result_.rank;
+      } else if (size[k] > unseen_column * size.maxCoeff()) {
+        inner_.push_back(k);
+      }
+    }
+    result_.rank += inner_.size();
+  }
+
+  void choose_own(std::size_t c) {
+    Curve& curve = at_[c];
+    const Eigen::VectorXd norm = curve.jacobian.leftCols(own_).colwise().norm();
+    for (Eigen::Index k = 0; k < own_; ++k) {
+      const auto index = static_cast<std::size_t>(k);
+      const bool at_bound = is_at_bound(layout_.own[index], point_.own[c][index]);
+      result_.own_at_bound[c][index] = at_bound;
       if (at_bound)
-        ++result.rank;
+        ++result_.rank;
       else if (norm[k] > unseen_column * norm.maxCoeff())
         curve.inner.push_back(k);
     }
-    result.rank += curve.inner.size();
-    curve.rest = jacobian[c].rightCols(shared)(Eigen::all, inner);
-    Eigen::MatrixXd fitted = curve.rest;
-    curve.follows = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(curve.inner.size()), width);
-    curve.own_influence = Eigen::MatrixXd::Zero(fitted.rows(), curve.follows.rows());
-    if (!curve.inner.empty()) {
-      Eigen::MatrixXd columns = jacobian[c](Eigen::all, curve.inner);
-      const Eigen::VectorXd scale = columns.colwise().norm().transpose();
-      columns = columns * scale.cwiseInverse().asDiagonal();
-      const PlainQr qr(columns);
-      const Eigen::MatrixXd basis = qr.basis();
-      result.from_priors += basis.bottomRows(own_priors).squaredNorm();
-      curve.own_influence = qr.dual() * scale.cwiseInverse().asDiagonal();
-      curve.follows = -curve.own_influence.transpose() * curve.rest;
-      remove_span(basis, curve.rest);
-      fitted.conservativeResize(Eigen::NoChange, width + columns.cols());
-      fitted.rightCols(columns.cols()) = columns;
-    }
-    known += curve.rest.transpose() * curve.rest;
+    result_.rank += curve.inner.size();
+  }
+
+  /// What a curve tells of its own variables, and of the shared ones beside them.
+  void split_off_own(std::size_t c) {
+    choose_own(c);
+    Curve& curve = at_[c];
+    curve.rest = curve.jacobian.rightCols(shared_)(Eigen::all, inner_);
+    curve.fitted = curve.rest;
+    curve.follows = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(curve.inner.size()), width());
+    curve.own_influence = Eigen::MatrixXd::Zero(curve.rest.rows(), curve.follows.rows());
+    if (curve.inner.empty()) return;
+    Eigen::MatrixXd columns = curve.jacobian(Eigen::all, curve.inner);
+    const Eigen::VectorXd scale = columns.colwise().norm().transpose();
+    columns = columns * scale.cwiseInverse().asDiagonal();
+    const PlainQr qr(columns);
+    const Eigen::MatrixXd basis = qr.basis();
+    result_.from_priors += basis.bottomRows(own_priors_).squaredNorm();
+    curve.own_influence = qr.dual() * scale.cwiseInverse().asDiagonal();
+    curve.follows = -curve.own_influence.transpose() * curve.rest;
+    remove_span(basis, curve.rest);
+    curve.fitted.conservativeResize(Eigen::NoChange, width() + columns.cols());
+    curve.fitted.rightCols(columns.cols()) = columns;
+  }
+
+  /// The noise is what is left of the residuals once the curve is fitted alone, without what sharing adds.
+  void find_noise(std::size_t c) {
+    Curve& curve = at_[c];
+    Eigen::MatrixXd& fitted = curve.fitted;
     const Eigen::VectorXd scale = fitted.colwise().norm().transpose();
     for (Eigen::Index k = 0; k < fitted.cols(); ++k)
       if (scale[k] > 0) fitted.col(k) /= scale[k];
-    // What is left of the residuals once the curve is fitted alone: the noise without what sharing adds.
-    const auto count = static_cast<Eigen::Index>(curves[c].count());
+    const auto count = static_cast<Eigen::Index>(curves_[c].count());
     fitted = Eigen::MatrixXd(fitted.topRows(count));
-    Eigen::MatrixXd alone = pulls.residual[c].head(count);
+    Eigen::MatrixXd alone = pulls_.residual[c].head(count);
     remove_span(PivotedQr(fitted).basis(), alone);
     const Eigen::VectorXd left = alone.col(0);
-    curve.noise = {std::span(left.data(), curves[c].count()), fitted, curves[c].per_point()};
-    result.noise_correlation += curve.noise.correlation() / static_cast<double>(curves.size());
+    curve.noise = {std::span(left.data(), curves_[c].count()), fitted, curves_[c].per_point()};
+    result_.noise_correlation += curve.noise.correlation() / static_cast<double>(curves_.size());
   }
 
-  result.condition = 1;
-  Eigen::MatrixXd covariance = known;
-  if (width > 0) {
+  /// The covariance of the shared variables for residuals of unit variance.
+  [[nodiscard]] Eigen::MatrixXd inverse_of_known(const Eigen::MatrixXd& known) {
+    if (width() == 0) return known;
     const Eigen::VectorXd scale =
         known.diagonal().cwiseSqrt().cwiseMax(std::numeric_limits<double>::min()).cwiseInverse();
-    covariance = scale.asDiagonal() * inverse_of(scale.asDiagonal() * known * scale.asDiagonal(), result.condition) *
-                 scale.asDiagonal();
+    return scale.asDiagonal() * inverse_of(scale.asDiagonal() * known * scale.asDiagonal(), result_.condition) *
+           scale.asDiagonal();
   }
-  result.from_priors += (shared_priors * covariance).cwiseProduct(shared_priors).sum();
-  for (const Curve& curve : at) {
-    const Eigen::MatrixXd rows = curve.rest.bottomRows(own_priors);
-    result.from_priors += (rows * covariance).cwiseProduct(rows).sum();
-  }
-  const double degrees = static_cast<double>(residuals) - static_cast<double>(result.rank) + result.from_priors;
-  result.half_width = student_t_95(degrees);
-  result.deviation = degrees > 0 ? std::sqrt(pulls.variance / degrees) : nan;
-  result.loss_unit = degrees > 0 ? pulls.loss_unit / degrees : nan;
-  const double variance = result.deviation * result.deviation;
-  Widening widening(width);
-  for (std::size_t c = 0; c < at.size(); ++c) widening.add(at[c].rest * covariance, at[c].noise, curves[c].count());
-  widening.add_priors(shared_priors * covariance);
-  const Eigen::VectorXd factors = widening.factors();
-  const Eigen::MatrixXd white = variance * covariance;
-  covariance = factors.asDiagonal() * white * factors.asDiagonal();
-  for (Eigen::Index k = 0; k < width; ++k)
-    result.shared_widening[static_cast<std::size_t>(inner[static_cast<std::size_t>(k)])] = factors[k];
-  result.shared(inner, inner) = covariance;
 
-  for (std::size_t c = 0; c < curves.size(); ++c) {
-    const Curve& curve = at[c];
+  void measure_spread(const Eigen::MatrixXd& unit_covariance) {
+    const auto told_by = [&](const Eigen::MatrixXd& priors) {
+      return (priors * unit_covariance).cwiseProduct(priors).sum();
+    };
+    result_.from_priors += told_by(shared_priors_);
+    std::size_t residuals = 0;
+    for (std::size_t c = 0; c < curves_.size(); ++c) {
+      result_.from_priors += told_by(at_[c].rest.bottomRows(own_priors_));
+      residuals += curves_[c].count();
+    }
+    const double degrees = static_cast<double>(residuals) - static_cast<double>(result_.rank) + result_.from_priors;
+    result_.half_width = student_t_95(degrees);
+    result_.deviation = degrees > 0 ? std::sqrt(pulls_.variance / degrees) : nan;
+    result_.loss_unit = degrees > 0 ? pulls_.loss_unit / degrees : nan;
+    variance_ = result_.deviation * result_.deviation;
+  }
+
+  void set_shared_errors(const Eigen::MatrixXd& unit_covariance) {
+    Widening widening(width());
+    for (std::size_t c = 0; c < at_.size(); ++c)
+      widening.add(at_[c].rest * unit_covariance, at_[c].noise, curves_[c].count());
+    widening.add_priors(shared_priors_ * unit_covariance);
+    const Eigen::VectorXd factors = widening.factors();
+    white_ = variance_ * unit_covariance;
+    covariance_ = factors.asDiagonal() * white_ * factors.asDiagonal();
+    for (Eigen::Index k = 0; k < width(); ++k)
+      result_.shared_widening[static_cast<std::size_t>(inner_[static_cast<std::size_t>(k)])] = factors[k];
+    result_.shared(inner_, inner_) = covariance_;
+  }
+
+  void set_own_errors(std::size_t c) {
+    const Curve& curve = at_[c];
     Widening local(curve.own_influence.cols());
-    local.add(curve.own_influence, curve.noise, curves[c].count());
-    const Eigen::VectorXd own_factors = local.factors();
+    local.add(curve.own_influence, curve.noise, curves_[c].count());
+    const Eigen::VectorXd factors = local.factors();
     // Errors with the shared variables held, and those that these bring along, have nothing to do with each other.
-    const Eigen::MatrixXd held = variance * own_factors.asDiagonal() *
-                                 (curve.own_influence.transpose() * curve.own_influence) * own_factors.asDiagonal();
-    const Eigen::MatrixXd mixed = curve.follows * covariance;
+    const Eigen::MatrixXd held = variance_ * factors.asDiagonal() *
+                                 (curve.own_influence.transpose() * curve.own_influence) * factors.asDiagonal();
+    const Eigen::MatrixXd mixed = curve.follows * covariance_;
     const Eigen::MatrixXd carried = mixed * curve.follows.transpose();
-    const Eigen::MatrixXd carried_in_white_noise = curve.follows * white * curve.follows.transpose();
+    const Eigen::MatrixXd carried_in_white_noise = curve.follows * white_ * curve.follows.transpose();
     std::vector<Eigen::Index> places;
-    for (const Eigen::Index k : inner) places.push_back(own + k);
-    Eigen::MatrixXd& all = result.curve[c];
-    all(places, places) = covariance;
+    for (const Eigen::Index k : inner_) places.push_back(own_ + k);
+    Eigen::MatrixXd& all = result_.curve[c];
+    all(places, places) = covariance_;
     all(curve.inner, curve.inner) = held + carried;
     all(curve.inner, places) = mixed;
     all(places, curve.inner) = mixed.transpose();
     for (std::size_t k = 0; k < curve.inner.size(); ++k) {
       const auto i = static_cast<Eigen::Index>(k);
-      const double in_white_noise = held(i, i) / (own_factors[i] * own_factors[i]) + carried_in_white_noise(i, i);
-      result.own_widening[c][static_cast<std::size_t>(curve.inner[k])] =
+      const double in_white_noise = held(i, i) / (factors[i] * factors[i]) + carried_in_white_noise(i, i);
+      result_.own_widening[c][static_cast<std::size_t>(curve.inner[k])] =
           in_white_noise > 0 ? std::sqrt((held(i, i) + carried(i, i)) / in_white_noise) : 1;
     }
   }
-  return result;
+
+  [[nodiscard]] Eigen::Index width() const { return static_cast<Eigen::Index>(inner_.size()); }
+
+  std::vector<CurveResiduals>& curves_;
+  const JointLayout& layout_;
+  const JointPoint& point_;
+  Eigen::Index own_, shared_, own_priors_;
+  std::vector<Curve> at_;
+  Pulls pulls_{};
+  std::vector<Eigen::Index> inner_;     // shared variables that are seen and not at a bound
+  Eigen::MatrixXd shared_priors_;       // derivatives of the shared priors by these
+  double variance_ = 0;                 // of a residual
+  Eigen::MatrixXd white_, covariance_;  // of the inner shared variables: in white noise, in the noise there is
+  JointConfidence result_;
+};
+
+}  // namespace
+
+JointConfidence joint_confidence(std::vector<CurveResiduals>& curves, const JointLayout& layout,
+                                 const JointPoint& point) {
+  return JointErrors(curves, layout, point).found();
 }
 
 }  // namespace frac::detail

@@ -4,23 +4,20 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <optional>
 #include <stdexcept>
 
 #include "base/counted.hpp"
-#include "base/short_text.hpp"
 #include "curves_alone.hpp"
 #include "frac/identification/constraints.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/formula_checks.hpp"
 #include "identification/search/robust.hpp"
-#include "identification/statistics/estimates.hpp"
 #include "joint_confidence.hpp"
+#include "joint_result.hpp"
 #include "noise_levels.hpp"
 #include "shift.hpp"
-#include "special/distributions.hpp"
 
 namespace frac {
 namespace {
@@ -233,170 +230,6 @@ detail::JointPoint search(std::vector<detail::CurveResiduals>& curves, const det
   return joint_solve(curves, layout, std::move(best), settled);
 }
 
-/// One estimate from a variable and the variance of it.
-ParameterEstimate estimate_of(const detail::JointVariable& variable, double value, double variance, double half_width,
-                              bool at_bound, double widening) {
-  ParameterEstimate estimate{};
-  estimate.name = variable.name;
-  estimate.value = estimate.centre_value = variable.parameter(value);
-  const double error = at_bound ? nan : std::sqrt(variance);
-  estimate.standard_error = estimate.centre_standard_error = error * std::abs(variable.derivative(value));
-  estimate.ci95_lower = variable.parameter(value - half_width * error);
-  estimate.ci95_upper = variable.parameter(value + half_width * error);
-  estimate.at_bound = at_bound;
-  const double widest = std::max(estimate.value - estimate.ci95_lower, estimate.ci95_upper - estimate.value);
-  estimate.identified = widest <= 0.5 * std::abs(estimate.value);  // false where there is no interval
-  estimate.widening = widening;
-  return estimate;
-}
-
-/// The interval of a parameter that depends on several variables, by its variance; even in the logarithm of one that is
-/// fitted so.
-void set_interval(ParameterEstimate& estimate, double variance, double half_width, bool logarithmic) {
-  estimate.standard_error = estimate.centre_standard_error = std::sqrt(variance);
-  const double width = half_width * estimate.standard_error;
-  const double factor = logarithmic ? std::exp(width / estimate.value) : 1;
-  estimate.ci95_lower = logarithmic ? estimate.value / factor : estimate.value - width;
-  estimate.ci95_upper = logarithmic ? estimate.value * factor : estimate.value + width;
-  const double widest = std::max(estimate.value - estimate.ci95_lower, estimate.ci95_upper - estimate.value);
-  estimate.identified = widest <= 0.5 * std::abs(estimate.value);
-}
-
-JointCurveResult describe_curve(const Structure& structure, const detail::JointLayout& layout, const detail::Laws& laws,
-                                const detail::JointPoint& point, const detail::JointConfidence& found, std::size_t c,
-                                const JointFitResult& so_far) {
-  JointCurveResult result{};
-  const std::size_t count = structure.parameter_names().size();
-  result.parameters.resize(count);
-  result.covariance.assign(count, std::vector<double>(count, 0.0));
-  for (std::size_t i = 0; i < count; ++i) {
-    ParameterEstimate& fixed = result.parameters[i];
-    fixed.name = structure.parameter_names()[i];
-    fixed.value = fixed.centre_value = layout.fixed[i];
-    fixed.ci95_lower = fixed.ci95_upper = nan;
-    fixed.fixed = fixed.identified = true;
-  }
-  for (const auto& place : layout.free)
-    result.parameters[place.parameter] =
-        place.shared
-            ? so_far.shared[place.index]
-            : estimate_of(
-                  layout.own[place.index], point.own[c][place.index],
-                  found.curve[c](static_cast<Eigen::Index>(place.index), static_cast<Eigen::Index>(place.index)),
-                  found.half_width, found.own_at_bound[c][place.index], found.own_widening[c][place.index]);
-  const auto slopes = layout.slopes(point.shared, point.own[c], c);
-  for (const auto& a : slopes)
-    for (const auto& b : slopes)
-      result.covariance[a.parameter][b.parameter] +=
-          a.slope * b.slope *
-          found.curve[c](static_cast<Eigen::Index>(a.variable), static_cast<Eigen::Index>(b.variable));
-  const std::vector<double> values = layout.parameters(point.shared, point.own[c], c);
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!laws.drives(i)) continue;
-    ParameterEstimate& estimate = result.parameters[i];
-    estimate = {};
-    estimate.name = structure.parameter_names()[i];
-    estimate.value = estimate.centre_value = values[i];
-    set_interval(estimate, result.covariance[i][i], found.half_width, false);
-  }
-  for (const auto& place : layout.free) {
-    ParameterEstimate& estimate = result.parameters[place.parameter];
-    if (place.above != detail::JointLayout::no_place) {
-      estimate.value = estimate.centre_value = values[place.parameter];
-      const double variance = result.covariance[place.parameter][place.parameter];
-      set_interval(estimate, estimate.at_bound ? nan : variance, found.half_width, layout.variable(place).logarithmic);
-    }
-    if (place.shared || !layout.is_held(c, place.index)) continue;
-    estimate.value = estimate.centre_value = 1;
-    estimate.standard_error = estimate.centre_standard_error = 0;
-    estimate.ci95_lower = estimate.ci95_upper = nan;
-    estimate.fixed = estimate.identified = true;
-  }
-  for (const detail::JointPrior& prior : layout.own_priors) {
-    const ParameterEstimate& estimate = result.parameters[prior.parameter];
-    result.priors.push_back(detail::prior_estimate(prior.name, prior.prior, estimate.value, estimate.standard_error));
-  }
-  return result;
-}
-
-void describe_residuals(JointCurveResult& result, detail::CurveResiduals& curve, const detail::JointPoint& point,
-                        std::size_t c, const std::optional<FitResult>& alone) {
-  std::vector<double> residual(curve.rows());
-  curve.evaluate(point.shared, point.own[c], residual.data(), nullptr);
-  residual.resize(curve.count());
-  double square = 0;
-  for (const double each : residual) {
-    square += each * each;
-    result.max_residual = std::max(result.max_residual, std::abs(each) * curve.noise());
-  }
-  result.residuals = residual.size();
-  result.rms = std::sqrt(square / static_cast<double>(residual.size())) * curve.noise();
-  result.rms_alone = alone ? alone->rms : nan;
-  result.noise = curve.noise();
-}
-
-/// See JointFitResult::sharing_p_value.  Under a loss the test takes its rise in units of the loss (Schrader,
-/// Hettmansperger 1980).
-/// @param cost_together  of the joint fit without priors
-double sharing_p_value(const JointFitResult& joint, double cost_together, const Alone& alone) {
-  double cost = 0, unit = 0, parameters = 0;
-  for (std::size_t c = 0; c < alone.size(); ++c) {
-    if (!alone[c]) return nan;
-    const double variance = joint.curves[c].noise * joint.curves[c].noise;
-    const double degrees = static_cast<double>(alone[c]->residuals) - static_cast<double>(alone[c]->free_parameters);
-    cost += alone[c]->loss_cost / variance;
-    unit += degrees * alone[c]->loss_unit / variance;
-    parameters += static_cast<double>(alone[c]->free_parameters);
-  }
-  const double saved = parameters - static_cast<double>(joint.free_parameters);
-  const double degrees = static_cast<double>(joint.residuals) - parameters;
-  if (!(saved > 0) || !(degrees > 0) || !(unit > 0)) return nan;
-  const double ratio = std::max(0.0, cost_together - cost) / saved / (unit / degrees);
-  return detail::fisher_f_above(ratio, saved, degrees);
-}
-
-/// What the data alone cost together.
-double cost_without_priors(std::vector<detail::CurveResiduals>& curves, const detail::JointLayout& layout,
-                           const detail::JointPoint& point) {
-  if (layout.shared_priors.empty() && layout.own_priors.empty()) return point.cost;
-  const double weight = curves.front().prior_weight();
-  for (detail::CurveResiduals& curve : curves) curve.set_prior_weight(0);
-  constexpr double cost_tolerance = 1e-10;
-  const detail::JointPoint without = joint_solve(curves, layout, point, cost_tolerance);
-  for (detail::CurveResiduals& curve : curves) curve.set_prior_weight(weight);
-  return without.cost;
-}
-
-std::string message_of(const JointFitResult& result, double noise_correlation) {
-  if (!result.usable()) return "The solver stopped before the cost settled; the best point found is returned.";
-  std::string text = std::to_string(result.starts_at_best) + " of " + std::to_string(result.starts) +
-                     " joint searches ended at the best cost.";
-  char more[240];
-  constexpr double doubtful = 0.01, noticeable = 0.1;
-  if (result.sharing_p_value < doubtful) {
-    std::snprintf(more, sizeof more,
-                  " The curves ask for separate values of what they are to share: fitted alone they leave so much less "
-                  "that chance explains it with probability %.1e.",
-                  result.sharing_p_value);
-    text += more;
-  }
-  std::vector<PriorEstimate> priors = result.priors;
-  for (const JointCurveResult& curve : result.curves)
-    priors.insert(priors.end(), curve.priors.begin(), curve.priors.end());
-  text += detail::remark_on_priors(priors);
-  if (noise_correlation > noticeable) {
-    std::snprintf(more, sizeof more,
-                  " Neighbouring residuals go together (correlation %.2f on average), which the intervals allow for.",
-                  noise_correlation);
-    text += more;
-  }
-  return text;
-}
-
-}  // namespace
-
-namespace {
-
 /// What is known before the curves are fitted together.
 struct Preparation {
   Alone alone;
@@ -500,6 +333,89 @@ detail::JointConfidence weighed_confidence(std::vector<detail::CurveResiduals>& 
   return found;
 }
 
+/// The residuals of each curve, weighed as the fits alone say.
+std::vector<detail::CurveResiduals> problem_of(const std::vector<JointCurve>& curves, const Structure& structure,
+                                               const FitOptions& options, const detail::JointLayout& layout,
+                                               const Preparation& known) {
+  std::vector<detail::CurveResiduals> problem;
+  for (std::size_t c = 0; c < curves.size(); ++c)
+    problem.emplace_back(curves[c].data, structure, options.realisation, layout, c, known.rules[c], known.noise[c]);
+  set_losses(problem, known.alone, options);
+  return problem;
+}
+
+/// @throws std::invalid_argument  there are more free parameters than residuals
+void count(const std::vector<detail::CurveResiduals>& problem, const detail::JointLayout& layout,
+           JointFitResult& result) {
+  std::size_t held = 0;
+  for (std::size_t c = 0; c < problem.size(); ++c) {
+    result.residuals += problem[c].count();
+    for (std::size_t k = 0; k < layout.own.size(); ++k) held += layout.is_held(c, k) ? 1 : 0;
+  }
+  result.free_parameters = layout.shared.size() + problem.size() * layout.own.size() - held;
+  if (result.residuals < result.free_parameters)
+    throw std::invalid_argument(detail::counted(result.residuals, "residual") + " cannot determine " +
+                                detail::counted(result.free_parameters, "free parameter"));
+}
+
+/// Limits of parameters that a law drives are those of the law.
+void free_driven(std::vector<ParameterConstraint>& constraints, const Structure& structure, const detail::Laws& laws) {
+  for (ParameterConstraint& each : constraints)
+    if (laws.drives(structure.parameter_index(each.name)) && !each.fixed) each.lower = each.upper = std::nullopt;
+}
+
+struct OmegaRange {
+  double lower = std::numeric_limits<double>::infinity(), upper = 0;
+};
+OmegaRange range_of(const std::vector<JointCurve>& curves) {
+  OmegaRange range;
+  for (const JointCurve& curve : curves) {
+    range.lower = std::min(range.lower, curve.data.omega().front());
+    range.upper = std::max(range.upper, curve.data.omega().back());
+  }
+  return range;
+}
+
+JointFitResult fitted(const std::vector<JointCurve>& curves, const Structure& master, const JointFitOptions& given) {
+  JointFitOptions options = given;
+  if (given.shift) keep_shifts_positive(options.fit.constraints, *given.shift);
+  const Structure structure = given.shift ? shifted(master, *given.shift) : master;
+  const detail::Laws laws(structure, given, curves);
+  const std::vector<ParameterConstraint> of_laws = taken_out(options.fit.constraints, laws);
+  free_driven(options.fit.constraints, structure, laws);
+
+  const Preparation known = given.shift ? from_superposition(curves, master, structure, options)
+                                        : from_fits_alone(curves, structure, options);
+  std::vector<double> law_starts;
+  const std::vector<detail::JointVariable> law_variables = variables_of(laws, of_laws, known.values, law_starts);
+  const OmegaRange range = range_of(curves);
+  const detail::JointLayout layout(structure, options, laws, law_variables, of_laws, range.lower, range.upper);
+  std::vector<detail::CurveResiduals> problem = problem_of(curves, structure, options.fit, layout, known);
+  JointFitResult result{};
+  result.model = structure.formula();
+  count(problem, layout, result);
+
+  const auto searched = [&] {
+    return search(problem, layout, shared_starts(layout, known.values, known.alone, law_starts),
+                  own_starts(layout, known.values), result);
+  };
+  detail::JointPoint point = searched();
+  if (given.shift && given.fit.weight != Weight::given && std::isfinite(point.cost)) {
+    const std::vector<double> noise = noise_left(problem, layout, point, options.fit.loss);
+    for (std::size_t c = 0; c < problem.size(); ++c) problem[c].set_noise(noise[c]);
+    set_losses(problem, known.alone, options.fit);
+    point = searched();
+  }
+  if (!std::isfinite(point.cost)) {
+    detail::describe_failure(point.cost, result);
+    return result;
+  }
+  const detail::JointConfidence found = weighed_confidence(problem, layout, point);
+  for (const JointCurve& curve : curves) result.curves.emplace_back().name = curve.name;
+  detail::describe({structure, layout, laws, point, found, known.alone}, problem, result);
+  return result;
+}
+
 }  // namespace
 
 JointFitResult joint_fit(const std::vector<JointCurve>& curves, const Structure& master, const JointFitOptions& given) {
@@ -507,104 +423,9 @@ JointFitResult joint_fit(const std::vector<JointCurve>& curves, const Structure&
   if (curves.empty()) throw std::invalid_argument("there is no curve to fit");
   detail::require_function_of_s(master);
   validate(given.fit.realisation);
-  double lower = std::numeric_limits<double>::infinity(), upper = 0;
-  for (const JointCurve& curve : curves) {
-    lower = std::min(lower, curve.data.omega().front());
-    upper = std::max(upper, curve.data.omega().back());
-  }
-  JointFitOptions options = given;
-  if (given.shift) keep_shifts_positive(options.fit.constraints, *given.shift);
-  const Structure structure = given.shift ? shifted(master, *given.shift) : master;
-  const detail::Laws laws(structure, given, curves);
-  const std::vector<ParameterConstraint> of_laws = taken_out(options.fit.constraints, laws);
-  for (ParameterConstraint& each : options.fit.constraints)
-    if (laws.drives(structure.parameter_index(each.name)) && !each.fixed) each.lower = each.upper = std::nullopt;
-
-  const Preparation known = given.shift ? from_superposition(curves, master, structure, options)
-                                        : from_fits_alone(curves, structure, options);
-  const Alone& alone = known.alone;
-  std::vector<double> law_starts;
-  const std::vector<detail::JointVariable> law_variables = variables_of(laws, of_laws, known.values, law_starts);
-  const detail::JointLayout layout(structure, options, laws, law_variables, of_laws, lower, upper);
-  std::vector<detail::CurveResiduals> problem;
-  JointFitResult result{};
-  result.model = structure.formula();
-  std::size_t held = 0;
-  for (std::size_t c = 0; c < curves.size(); ++c) {
-    problem.emplace_back(curves[c].data, structure, options.fit.realisation, layout, c, known.rules[c], known.noise[c]);
-    result.residuals += problem.back().count();
-    for (std::size_t k = 0; k < layout.own.size(); ++k) held += layout.is_held(c, k) ? 1 : 0;
-  }
-  set_losses(problem, alone, options.fit);
-  result.free_parameters = layout.shared.size() + curves.size() * layout.own.size() - held;
-  if (result.residuals < result.free_parameters)
-    throw std::invalid_argument(detail::counted(result.residuals, "residual") + " cannot determine " +
-                                detail::counted(result.free_parameters, "free parameter"));
-
-  const auto searched = [&] {
-    return search(problem, layout, shared_starts(layout, known.values, alone, law_starts),
-                  own_starts(layout, known.values), result);
-  };
-  detail::JointPoint point = searched();
-  if (given.shift && given.fit.weight != Weight::given && std::isfinite(point.cost)) {
-    const std::vector<double> noise = noise_left(problem, layout, point, options.fit.loss);
-    for (std::size_t c = 0; c < problem.size(); ++c) problem[c].set_noise(noise[c]);
-    set_losses(problem, alone, options.fit);
-    point = searched();
-  }
-  const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
-  if (!std::isfinite(point.cost)) {
-    result.termination = FitTermination::no_usable_start;
-    result.message = "The model is not finite on these frequencies anywhere it was tried.";
-    result.cost = result.loss_cost = point.cost;
-    result.sharing_p_value = result.condition = result.half_width = nan;
-    result.seconds = seconds();
-    return result;
-  }
-  const detail::JointConfidence found = weighed_confidence(problem, layout, point);
-  const detail::JointCost cost = cost_of_data(problem, point);
-  result.cost = cost.squares;
-  result.loss_cost = cost.loss;
-  result.termination = point.converged ? FitTermination::converged : FitTermination::not_converged;
-  result.condition = found.condition;
-  result.half_width = found.half_width;
-  result.effective_parameters = static_cast<double>(found.rank) - found.from_priors;
-  for (std::size_t k = 0; k < layout.shared.size(); ++k) {
-    const auto i = static_cast<Eigen::Index>(k);
-    result.shared.push_back(estimate_of(layout.shared[k], point.shared[k], found.shared(i, i), found.half_width,
-                                        found.shared_at_bound[k], found.shared_widening[k]));
-  }
-  for (std::size_t c = 0; c < curves.size(); ++c) {
-    JointCurveResult curve = describe_curve(structure, layout, laws, point, found, c, result);
-    curve.name = curves[c].name;
-    describe_residuals(curve, problem[c], point, c, alone[c]);
-    result.curves.push_back(std::move(curve));
-  }
-  for (const auto& place : layout.free)
-    if (place.shared) result.shared[place.index] = result.curves.front().parameters[place.parameter];
-  for (const detail::JointPrior& prior : layout.shared_priors) {
-    const auto of = std::find_if(result.shared.begin(), result.shared.end(),
-                                 [&](const ParameterEstimate& each) { return each.name == prior.name; });
-    result.priors.push_back(detail::prior_estimate(prior.name, prior.prior, of->value, of->standard_error));
-  }
-  result.sharing_p_value = sharing_p_value(result, cost_without_priors(problem, layout, point), alone);
-  result.message = message_of(result, found.noise_correlation);
-  result.seconds = seconds();
+  JointFitResult result = fitted(curves, master, given);
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return result;
-}
-
-std::string JointFitResult::summary() const {
-  using detail::short_text;
-  std::string text = model + ", " + detail::counted(curves.size(), "curve") + "\n";
-  for (const ParameterEstimate& each : shared) {
-    text += "  " + each.name + " = " + short_text(each.value);
-    if (std::isfinite(each.ci95_lower) && std::isfinite(each.ci95_upper))
-      text += ", 95 % within " + short_text(each.ci95_lower) + " .. " + short_text(each.ci95_upper);
-    if (each.at_bound) text += ", at its bound";
-    if (!each.identified) text += ", not identified";
-    text += "\n";
-  }
-  return text + message;
 }
 
 }  // namespace frac

@@ -9,7 +9,6 @@
 #include <string>
 
 #include "base/number_text.hpp"
-#include "formula/dimension_analysis.hpp"
 
 namespace frac::detail {
 
@@ -110,6 +109,31 @@ void tighten(std::vector<ParameterConstraint>& of, const Structure& structure, c
   }
 }
 
+/// One constraint for each parameter; those that the caller does not constrain have no name.
+std::vector<ParameterConstraint> by_parameter(const Structure& structure,
+                                              const std::vector<ParameterConstraint>& constraints, bool blind_to_sign) {
+  std::vector<ParameterConstraint> of(structure.parameter_names().size());
+  for (const ParameterConstraint& constraint : constraints) {
+    const std::size_t i = structure.parameter_index(constraint.name);
+    if (!of[i].name.empty()) reject(constraint.name, "is constrained twice");
+    const ParameterRole role = structure.parameter_roles()[i];
+    const bool is_coefficient = role == ParameterRole::coefficient, in_sum = structure.parameter_in_sum()[i];
+    check(constraint, role, is_coefficient && (blind_to_sign || in_sum));
+    of[i] = constraint;
+    // A magnitude is blind to the sign of an outer gain: positive, even where the model leaves it open.
+    if (blind_to_sign && is_coefficient && !in_sum && constraint.lower == -infinity) of[i].lower.reset();
+  }
+  return of;
+}
+
+/// A parameter that is not below another takes its lower limit from that one.
+void check_lower_limits(const std::vector<ParameterConstraint>& of, const std::vector<std::size_t>& lesser) {
+  for (std::size_t i = 0; i < of.size(); ++i) {
+    if (lesser[i] != none && of[i].lower && !of[lesser[i]].fixed && !(of[lesser[i]].lower >= of[i].lower))
+      reject(of[i].name, "is not to be below '" + of[i].above + "', so limit that one from below");
+  }
+}
+
 /// Orders first, on which the units of the others depend, and each entry behind that which it is above.
 std::vector<std::size_t> in_sequence(const std::vector<ParameterMap::Free>& free) {
   std::vector<std::size_t> sequence;
@@ -132,112 +156,129 @@ std::vector<std::size_t> in_sequence(const std::vector<ParameterMap::Free>& free
 ParameterMap::ParameterMap(const Structure& structure, const std::vector<ParameterConstraint>& constraints,
                            const DataScale& scale, bool blind_to_sign)
     : scale_(scale) {
-  const auto& names = structure.parameter_names();
-  const auto& roles = structure.parameter_roles();
-  const std::size_t count = names.size();
-  std::vector<ParameterConstraint> of(count);
-  for (const ParameterConstraint& constraint : constraints) {
-    const std::size_t i = structure.parameter_index(constraint.name);
-    if (!of[i].name.empty()) reject(constraint.name, "is constrained twice");
-    check(constraint, roles[i],
-          roles[i] == ParameterRole::coefficient && (blind_to_sign || structure.parameter_in_sum()[i]));
-    of[i] = constraint;
-    // A magnitude is blind to the sign of an outer gain: positive, even where the model leaves it open.
-    const bool outer_gain = roles[i] == ParameterRole::coefficient && !structure.parameter_in_sum()[i];
-    if (blind_to_sign && outer_gain && constraint.lower == -infinity) of[i].lower.reset();
-  }
+  std::vector<ParameterConstraint> of = by_parameter(structure, constraints, blind_to_sign);
   const std::vector<std::size_t> lesser = lesser_ones(structure, of);
-  for (std::size_t i = 0; i < count; ++i) {
-    if (lesser[i] != none && of[i].lower && !of[lesser[i]].fixed && !(of[lesser[i]].lower >= of[i].lower))
-      reject(of[i].name, "is not to be below '" + of[i].above + "', so limit that one from below");
-  }
+  check_lower_limits(of, lesser);
   tighten(of, structure, lesser);
 
+  const std::size_t count = of.size();
   fixed_.assign(count, nan);
   start_.assign(count, nan);
-  std::vector<double> order_middle(count, 0.0);
-  std::vector<double> order_lower(count), order_upper(count);
   for (std::size_t i = 0; i < count; ++i) {
     if (of[i].fixed) fixed_[i] = start_[i] = *of[i].fixed;
     if (of[i].start) start_[i] = *of[i].start;
-    if (roles[i] != ParameterRole::order) continue;
-    order_parameters_.push_back(i);
-    order_lower[i] = of[i].lower.value_or(structure.parameter_in_sum()[i] ? 0.0 : -4.0);
-    order_upper[i] = of[i].upper.value_or(std::max(4.0, order_lower[i] + 4));
-    order_middle[i] = of[i].fixed.value_or((order_lower[i] + order_upper[i]) / 2);
+    if (structure.parameter_roles()[i] == ParameterRole::order) order_parameters_.push_back(i);
   }
-
-  // The frequency exponents are linear in the orders for every formula whose exponents are, so differences are exact.
-  const auto dimension = parameter_dimensions(structure, order_middle);
-  std::vector<std::vector<ParameterDimension>> shifted;
-  for (const std::size_t k : order_parameters_) {
-    std::vector<double> orders = order_middle;
-    orders[k] += 0.5;
-    shifted.push_back(parameter_dimensions(structure, orders));
-  }
-
-  for (std::size_t pass = 0; pass < count; ++pass) {
-    for (const std::size_t i : order_parameters_) {
-      if (lesser[i] == none || is_fixed(i) || is_fixed(lesser[i])) continue;
-      order_lower[i] = std::max(order_lower[i], order_lower[lesser[i]]);
-      order_upper[lesser[i]] = std::min(order_upper[lesser[i]], order_upper[i]);
-    }
-  }
+  OrderLimits orders = limits_of_orders(structure, of);
+  const Dimensions dimensions = dimensions_of(structure, orders.middle);
+  tighten_orders(lesser, orders);
 
   std::vector<std::size_t> entry_of(count, none);
   for (std::size_t i = 0; i < count; ++i) {
     if (is_fixed(i)) continue;
-    Free entry{i, roles[i], false, false, of[i].lower || of[i].upper, 0, 0, 0, 0, -infinity, infinity};
-    std::vector<double> slope(order_parameters_.size(), 0.0);
-    double intercept = 0;
-    switch (roles[i]) {
-      case ParameterRole::order:
-        entry.lower = order_lower[i];
-        entry.upper = order_upper[i];
-        entry.least = entry.lower;
-        entry.most = entry.upper;
-        break;
-      case ParameterRole::delay:
-        entry.frequency_exponent = intercept = -1;
-        entry.lower = std::max(of[i].lower.value_or(0.0) * scale.omega, -1e6);
-        entry.upper = of[i].upper ? *of[i].upper * scale.omega : 2 * std::numbers::pi * scale.omega / scale.omega_lower;
-        entry.least = entry.lower / scale.omega;
-        entry.most = entry.upper / scale.omega;
-        break;
-      case ParameterRole::coefficient: {
-        entry.value_exponent = dimension[i].value_exponent;
-        entry.frequency_exponent = intercept = dimension[i].frequency_exponent;
-        const bool positive = blind_to_sign || structure.parameter_in_sum()[i] || (of[i].upper && *of[i].upper > 0);
-        const double lower = of[i].lower.value_or(positive ? 0.0 : -infinity), upper = of[i].upper.value_or(infinity);
-        entry.logarithmic = lower >= 0 && (!of[i].lower || lower > 0);
-        entry.either_sign = lower < 0;
-        entry.least = lower;
-        entry.most = upper;
-        // Limits in the unit of the user bound theta only if that unit does not move with the orders.
-        const bool movable = upper == infinity && (lower == 0 || lower == -infinity);
-        for (std::size_t k = 0; k < order_parameters_.size() && movable; ++k) {
-          slope[k] = (shifted[k][i].frequency_exponent - dimension[i].frequency_exponent) / 0.5;
-          intercept -= slope[k] * order_middle[order_parameters_[k]];
-        }
-        const double unit =
-            movable ? 0 : entry.value_exponent * std::log(scale.value) + intercept * std::log(scale.omega);
-        if (entry.logarithmic) {
-          entry.lower = lower > 0 ? std::log(lower) - unit : -log_range;
-          entry.upper = upper < infinity ? std::log(upper) - unit : std::max(log_range, entry.lower + 2 * log_range);
-          if (!(lower > 0)) entry.lower = std::min(entry.lower, entry.upper - 2 * log_range);
-        } else {
-          const double widest = std::exp(log_range);
-          entry.lower = std::max(lower * std::exp(-unit), -widest);
-          entry.upper = std::min(upper * std::exp(-unit), widest);
-        }
-        break;
-      }
-    }
     entry_of[i] = free_.size();
-    free_.push_back(entry);
-    slope_.push_back(std::move(slope));
-    intercept_.push_back(intercept);
+    add_entry(structure, i, of[i], orders, dimensions, blind_to_sign);
   }
+  measure_from_lesser_ones(structure, lesser, entry_of);
+  sequence_ = in_sequence(free_);
+}
+
+ParameterMap::OrderLimits ParameterMap::limits_of_orders(const Structure& structure,
+                                                         const std::vector<ParameterConstraint>& of) const {
+  OrderLimits orders{std::vector<double>(of.size()), std::vector<double>(of.size()), std::vector<double>(of.size())};
+  for (const std::size_t i : order_parameters_) {
+    orders.lower[i] = of[i].lower.value_or(structure.parameter_in_sum()[i] ? 0.0 : -4.0);
+    orders.upper[i] = of[i].upper.value_or(std::max(4.0, orders.lower[i] + 4));
+    orders.middle[i] = of[i].fixed.value_or((orders.lower[i] + orders.upper[i]) / 2);
+  }
+  return orders;
+}
+
+ParameterMap::Dimensions ParameterMap::dimensions_of(const Structure& structure,
+                                                     const std::vector<double>& orders) const {
+  // The frequency exponents are linear in the orders for every formula whose exponents are, so differences are exact.
+  Dimensions dimensions{parameter_dimensions(structure, orders), {}};
+  for (const std::size_t k : order_parameters_) {
+    std::vector<double> shifted = orders;
+    shifted[k] += 0.5;
+    dimensions.at_shifted_order.push_back(parameter_dimensions(structure, shifted));
+  }
+  return dimensions;
+}
+
+void ParameterMap::tighten_orders(const std::vector<std::size_t>& lesser, OrderLimits& orders) const {
+  for (std::size_t pass = 0; pass < lesser.size(); ++pass) {
+    for (const std::size_t i : order_parameters_) {
+      if (lesser[i] == none || is_fixed(i) || is_fixed(lesser[i])) continue;
+      orders.lower[i] = std::max(orders.lower[i], orders.lower[lesser[i]]);
+      orders.upper[lesser[i]] = std::min(orders.upper[lesser[i]], orders.upper[i]);
+    }
+  }
+}
+
+void ParameterMap::add_entry(const Structure& structure, std::size_t parameter, const ParameterConstraint& constraint,
+                             const OrderLimits& orders, const Dimensions& dimensions, bool blind_to_sign) {
+  const ParameterRole role = structure.parameter_roles()[parameter];
+  Free entry{parameter, role, false, false, constraint.lower || constraint.upper, 0, 0, 0, 0, -infinity, infinity};
+  slope_.emplace_back(order_parameters_.size(), 0.0);
+  intercept_.push_back(0);
+  switch (role) {
+    case ParameterRole::order:
+      entry.lower = entry.least = orders.lower[parameter];
+      entry.upper = entry.most = orders.upper[parameter];
+      break;
+    case ParameterRole::delay:
+      entry.frequency_exponent = intercept_.back() = -1;
+      entry.lower = std::max(constraint.lower.value_or(0.0) * scale_.omega, -1e6);
+      entry.upper = constraint.upper ? *constraint.upper * scale_.omega
+                                     : 2 * std::numbers::pi * scale_.omega / scale_.omega_lower;
+      entry.least = entry.lower / scale_.omega;
+      entry.most = entry.upper / scale_.omega;
+      break;
+    case ParameterRole::coefficient:
+      limit_coefficient(constraint, blind_to_sign || structure.parameter_in_sum()[parameter], orders.middle, dimensions,
+                        entry);
+      break;
+  }
+  free_.push_back(entry);
+}
+
+void ParameterMap::limit_coefficient(const ParameterConstraint& constraint, bool is_positive,
+                                     const std::vector<double>& orders, const Dimensions& dimensions, Free& entry) {
+  const ParameterDimension& dimension = dimensions.at_middle[entry.parameter];
+  std::vector<double>& slope = slope_.back();
+  double& intercept = intercept_.back();
+  entry.value_exponent = dimension.value_exponent;
+  entry.frequency_exponent = intercept = dimension.frequency_exponent;
+  const bool positive = is_positive || (constraint.upper && *constraint.upper > 0);
+  const double lower = constraint.lower.value_or(positive ? 0.0 : -infinity);
+  const double upper = constraint.upper.value_or(infinity);
+  entry.logarithmic = lower >= 0 && (!constraint.lower || lower > 0);
+  entry.either_sign = lower < 0;
+  entry.least = lower;
+  entry.most = upper;
+  // Limits in the unit of the user bound theta only if that unit does not move with the orders.
+  const bool movable = upper == infinity && (lower == 0 || lower == -infinity);
+  for (std::size_t k = 0; k < order_parameters_.size() && movable; ++k) {
+    const ParameterDimension& shifted = dimensions.at_shifted_order[k][entry.parameter];
+    slope[k] = (shifted.frequency_exponent - dimension.frequency_exponent) / 0.5;
+    intercept -= slope[k] * orders[order_parameters_[k]];
+  }
+  const double unit = movable ? 0 : entry.value_exponent * std::log(scale_.value) + intercept * std::log(scale_.omega);
+  if (entry.logarithmic) {
+    entry.lower = lower > 0 ? std::log(lower) - unit : -log_range;
+    entry.upper = upper < infinity ? std::log(upper) - unit : std::max(log_range, entry.lower + 2 * log_range);
+    if (!(lower > 0)) entry.lower = std::min(entry.lower, entry.upper - 2 * log_range);
+  } else {
+    const double widest = std::exp(log_range);
+    entry.lower = std::max(lower * std::exp(-unit), -widest);
+    entry.upper = std::min(upper * std::exp(-unit), widest);
+  }
+}
+
+void ParameterMap::measure_from_lesser_ones(const Structure& structure, const std::vector<std::size_t>& lesser,
+                                            const std::vector<std::size_t>& entry_of) {
+  const auto& names = structure.parameter_names();
   for (Free& entry : free_) {
     const std::size_t other = lesser[entry.parameter];
     if (other == none || is_fixed(other)) continue;
@@ -249,7 +290,6 @@ ParameterMap::ParameterMap(const Structure& structure, const std::vector<Paramet
     entry.lower = 0;
     entry.upper = entry.most < infinity ? 1 : (entry.logarithmic ? 2 * log_range : std::exp(log_range));
   }
-  sequence_ = in_sequence(free_);
 }
 
 double ParameterMap::frequency_exponent(std::size_t k, std::span<const double> parameters) const {

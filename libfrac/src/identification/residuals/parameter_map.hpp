@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "formula/dimension_analysis.hpp"
 #include "frac/identification/fit.hpp"
 #include "frac/structure.hpp"
 
@@ -79,6 +80,28 @@ class ParameterMap {
   [[nodiscard]] std::vector<Entry> centre_entries(std::size_t k, std::span<const double> parameters) const;
 
  private:
+  /// Of those parameters that are orders, in the sequence of the parameters.
+  struct OrderLimits {
+    std::vector<double> lower, upper, middle;
+  };
+  /// At the middle orders, and with each of order_parameters_ raised by a half.
+  struct Dimensions {
+    std::vector<ParameterDimension> at_middle;
+    std::vector<std::vector<ParameterDimension>> at_shifted_order;
+  };
+
+  [[nodiscard]] OrderLimits limits_of_orders(const Structure& structure,
+                                             const std::vector<ParameterConstraint>& of) const;
+  [[nodiscard]] Dimensions dimensions_of(const Structure& structure, const std::vector<double>& orders) const;
+  void tighten_orders(const std::vector<std::size_t>& lesser, OrderLimits& orders) const;
+  void add_entry(const Structure& structure, std::size_t parameter, const ParameterConstraint& constraint,
+                 const OrderLimits& orders, const Dimensions& dimensions, bool blind_to_sign);
+  void limit_coefficient(const ParameterConstraint& constraint, bool is_positive, const std::vector<double>& orders,
+                         const Dimensions& dimensions, Free& entry);
+  /// Entries that are above another get their limits from that one.
+  void measure_from_lesser_ones(const Structure& structure, const std::vector<std::size_t>& lesser,
+                                const std::vector<std::size_t>& entry_of);
+
   [[nodiscard]] double log_unit(std::size_t k, std::span<const double> parameters) const;
   [[nodiscard]] double value_at(std::size_t k, double theta, std::span<const double> parameters) const;
   [[nodiscard]] double theta_at(std::size_t k, std::span<const double> parameters) const;

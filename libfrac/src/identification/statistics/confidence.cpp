@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "base/linear_algebra.hpp"
 #include "frac/identification/statistics.hpp"
@@ -17,8 +18,6 @@ namespace {
 
 // Share of a parameter in a flat direction (a unit vector) from which on it counts as part of it.
 constexpr double flat_share = 0.1;
-// A column this much smaller than the largest is rounding: the residuals do not see the parameter.
-constexpr double unseen_column = 1e-10;
 
 /// Variance of one unit-weight residual, for a robust loss Huber's (1981, sect. 7.6) estimate sum psi^2/(n - k)/
 /// mean(psi')^2, and the same with the first power of mean(psi').
@@ -58,12 +57,9 @@ Eigen::MatrixXd prior_rows(const Residuals& residuals, const std::vector<double>
   return residuals.prior_weight() * rows;
 }
 
-}  // namespace
-
-Confidence confidence(const Residuals& residuals, const LocalSolution& solution, const LocalOptions& options) {
-  const auto& free = residuals.map().free();
-  const std::size_t parameters = residuals.map().parameter_count();
-  const auto columns = static_cast<Eigen::Index>(free.size());
+/// What is known before the residuals are looked at: fixed parameters, and nothing else.
+Confidence nothing_known(const ParameterMap& map) {
+  const std::size_t parameters = map.parameter_count();
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   Confidence result{std::vector<double>(parameters, nan),
                     std::vector<double>(parameters, nan),
@@ -80,9 +76,153 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
                     std::vector<double>(parameters, 1.0),
                     {}};
   for (std::size_t i = 0; i < parameters; ++i) {
-    if (!residuals.map().is_fixed(i)) continue;
+    if (!map.is_fixed(i)) continue;
     for (std::size_t j = 0; j < parameters; ++j) result.covariance[i][j] = result.covariance[j][i] = 0;
   }
+  return result;
+}
+
+/// The columns of those variables that are seen and not at a bound; notes the others in `result`.
+std::vector<Eigen::Index> inner_columns(const ParameterMap& map, const std::vector<double>& theta,
+                                        const Eigen::VectorXd& norm, Confidence& result) {
+  std::vector<Eigen::Index> inner;
+  for (Eigen::Index k = 0; k < norm.size(); ++k) {
+    const auto index = static_cast<std::size_t>(k);
+    const ParameterMap::Free& free = map.free()[index];
+    const bool at_bound = is_at_bound(theta[index], free.lower, free.upper);
+    result.at_bound[free.parameter] = at_bound;
+    // A logarithm at its bound has a vanishing column too, but because the data have driven it there.
+    result.seen[free.parameter] = at_bound || norm[k] > unseen_column * norm.maxCoeff();
+    if (!result.seen[free.parameter]) {
+      result.identified[free.parameter] = false;
+    } else if (at_bound) {
+      ++result.rank;
+    } else {
+      inner.push_back(k);
+    }
+  }
+  return inner;
+}
+
+/// The inner columns of the Jacobian, each of length one, and the directions in which they tell the variables apart.
+struct InnerDirections {
+  std::vector<Eigen::Index> column;    // of each inner variable, among all that are free
+  std::vector<std::size_t> parameter;  // of each inner variable
+  Eigen::VectorXd norm;                // of each column before it was scaled
+  Eigen::VectorXd sigma, inverse_sigma;
+  Eigen::MatrixXd vectors;    // a direction per column
+  Eigen::VectorXd of_priors;  // share of what is known along a direction that priors tell
+
+  /// @param jacobian  of the residuals, and in its last rows of the priors
+  InnerDirections(const ParameterMap& map, std::vector<Eigen::Index> inner, const Eigen::VectorXd& norms,
+                  const Eigen::MatrixXd& jacobian, Eigen::Index priors)
+      : column(std::move(inner)), norm(norms(column)) {
+    for (const Eigen::Index k : column) parameter.push_back(map.free()[static_cast<std::size_t>(k)].parameter);
+    const Eigen::MatrixXd unit = scaled(jacobian);
+    RightSingularVectors right = right_singular_vectors(unit);
+    sigma = std::move(right.values);
+    vectors = std::move(right.vectors);
+    inverse_sigma = sigma.cwiseMax(std::numeric_limits<double>::epsilon() * sigma[0]).cwiseInverse();
+    of_priors = (unit.bottomRows(priors) * vectors * inverse_sigma.asDiagonal()).colwise().squaredNorm().transpose();
+  }
+
+  [[nodiscard]] Eigen::Index count() const { return norm.size(); }
+
+  /// The inner columns of a matrix that has one for each free variable, by the norms of those of the Jacobian.
+  [[nodiscard]] Eigen::MatrixXd scaled(const Eigen::MatrixXd& matrix) const {
+    Eigen::MatrixXd columns(matrix.rows(), count());
+    for (Eigen::Index k = 0; k < count(); ++k)
+      columns.col(k) = matrix.col(column[static_cast<std::size_t>(k)]) / norm[k];
+    return columns;
+  }
+
+  /// Whether priors hold a direction: such a one is not flat, however little the residuals tell of it.
+  [[nodiscard]] bool is_held(Eigen::Index direction) const { return of_priors[direction] > 0.5; }
+
+  /// Whether a variable has a share in a direction along which estimates are noise.
+  [[nodiscard]] bool lies_in_flat_direction(Eigen::Index k) const {
+    for (Eigen::Index direction = 0; direction < count(); ++direction) {
+      const bool flat = sigma[direction] * sigma[direction] * flat_condition < sigma[0] * sigma[0];
+      if (flat && !is_held(direction) && std::abs(vectors(k, direction)) > flat_share) return true;
+    }
+    return false;
+  }
+};
+
+void measure_rank(const InnerDirections& inner, Confidence& result) {
+  result.from_priors = inner.of_priors.sum();
+  for (Eigen::Index k = 0; k < inner.count(); ++k) {
+    if (inner.sigma[k] > unseen_column * inner.sigma[0]) ++result.rank;
+    if (!inner.is_held(k)) result.condition = std::pow(inner.sigma[0] * inner.inverse_sigma[k], 2);
+  }
+}
+
+/// How far the residuals scatter, given how many parameters they were spent on.
+void measure_spread(const Residuals& residuals, const std::vector<double>& residual, const LocalOptions& options,
+                    Confidence& result) {
+  const double degrees =
+      static_cast<double>(residual.size()) - result.effective() - static_cast<double>(residuals.eliminated());
+  result.t = student_t_95(degrees);
+  if (!(degrees > 0)) return;
+  const Spread spread = spread_of(residual, degrees, options);
+  result.deviation = std::sqrt(spread.variance);
+  result.loss_unit = spread.loss_unit;
+}
+
+/// Standard error of a parameter with frequency in units of the middle of the band: theta is that parameter, as a
+/// logarithm or in its natural unit.
+double centre_error(const ParameterMap& map, const std::vector<double>& values, const InnerDirections& inner,
+                    Eigen::Index k, double deviation) {
+  const auto place = static_cast<std::size_t>(inner.column[static_cast<std::size_t>(k)]);
+  if (!map.free()[place].above) {
+    const double theta_error =
+        deviation * (inner.vectors.row(k) * inner.inverse_sigma.asDiagonal()).norm() / inner.norm[k];
+    return theta_error * map.centre_value_by_theta(place, values);
+  }
+  Eigen::RowVectorXd centre = Eigen::RowVectorXd::Zero(static_cast<Eigen::Index>(map.free().size()));
+  for (const auto& entry : map.centre_entries(place, values))
+    centre[static_cast<Eigen::Index>(entry.free)] += entry.derivative;
+  const Eigen::RowVectorXd by_inner = inner.scaled(centre);
+  return deviation * (by_inner * inner.vectors * inner.inverse_sigma.asDiagonal()).norm();
+}
+
+/// Errors in white noise.  @param spread  rows: parameters; columns: directions of unit residual change
+void set_errors(const ParameterMap& map, const std::vector<double>& values, const InnerDirections& inner,
+                const Eigen::MatrixXd& spread, Confidence& result) {
+  const double deviation = result.deviation;
+  for (Eigen::Index k = 0; k < inner.count(); ++k) {
+    const std::size_t parameter = inner.parameter[static_cast<std::size_t>(k)];
+    const auto row = spread.row(static_cast<Eigen::Index>(parameter));
+    result.identified[parameter] = !inner.lies_in_flat_direction(k);
+    result.standard_error[parameter] = deviation * row.stableNorm();
+    result.centre_standard_error[parameter] = centre_error(map, values, inner, k, deviation);
+    for (const std::size_t other : inner.parameter) {
+      result.covariance[parameter][other] =
+          deviation * deviation * row.dot(spread.row(static_cast<Eigen::Index>(other)));
+    }
+  }
+}
+
+/// By how much the correlation of neighbouring residuals widens an error.
+double widening_of(std::size_t parameter, bool with_priors, const Confidence& result) {
+  const auto influence = result.influence.col(static_cast<Eigen::Index>(parameter));
+  const double widening = result.noise.widening(influence);
+  if (!with_priors) return widening;
+  // What a prior tells of the parameter has nothing to do with the noise of the residuals.
+  const double of_residuals = result.deviation * influence.norm() / result.standard_error[parameter];
+  return std::sqrt(1 + (widening * widening - 1) * of_residuals * of_residuals);
+}
+
+}  // namespace
+
+bool is_at_bound(double value, double lower, double upper) {
+  const double margin = 1e-6 * std::min(1.0, upper - lower);
+  return value - lower <= margin || upper - value <= margin;
+}
+
+Confidence confidence(const Residuals& residuals, const LocalSolution& solution, const LocalOptions& options) {
+  const ParameterMap& map = residuals.map();
+  Confidence result = nothing_known(map);
 
   std::vector<double> residual;
   std::optional<Eigen::MatrixXd> jacobian = reduced_jacobian(residuals, solution.theta, residual);
@@ -91,135 +231,33 @@ Confidence confidence(const Residuals& residuals, const LocalSolution& solution,
     result.condition = std::numeric_limits<double>::infinity();
     return result;
   }
-
   // The cost weighs priors by the unit of the loss; squares of residuals weigh by their variance.
   const Spread one = spread_of(residual, 1, options);
   const Eigen::MatrixXd priors = std::sqrt(one.variance / one.loss_unit) * prior_rows(residuals, solution.theta);
   jacobian->conservativeResize(jacobian->rows() + priors.rows(), Eigen::NoChange);
   jacobian->bottomRows(priors.rows()) = priors;
 
-  const auto measure_spread = [&] {
-    const double degrees =
-        static_cast<double>(residual.size()) - result.effective() - static_cast<double>(residuals.eliminated());
-    result.t = student_t_95(degrees);
-    if (!(degrees > 0)) return;
-    const Spread spread = spread_of(residual, degrees, options);
-    result.deviation = std::sqrt(spread.variance);
-    result.loss_unit = spread.loss_unit;
-  };
-  if (free.empty()) {
-    measure_spread();
-    return result;
-  }
-
   const Eigen::VectorXd norm = jacobian->colwise().norm();
-  std::vector<Eigen::Index> inner;  // seen and not at a bound
-  for (Eigen::Index k = 0; k < columns; ++k) {
-    const auto index = static_cast<std::size_t>(k);
-    const double margin = 1e-6 * std::min(1.0, free[index].upper - free[index].lower);
-    const double theta = solution.theta[index];
-    const std::size_t parameter = free[index].parameter;
-    result.at_bound[parameter] = theta - free[index].lower <= margin || free[index].upper - theta <= margin;
-    // A logarithm at its bound has a vanishing column too, but because the data have driven it there.
-    result.seen[parameter] = result.at_bound[parameter] || norm[k] > unseen_column * norm.maxCoeff();
-    if (!result.seen[parameter]) {
-      result.identified[parameter] = false;
-    } else if (result.at_bound[parameter]) {
-      ++result.rank;
-    } else {
-      inner.push_back(k);
-    }
-  }
-  if (inner.empty()) {
-    measure_spread();
+  std::vector<Eigen::Index> columns = inner_columns(map, solution.theta, norm, result);
+  if (columns.empty()) {
+    measure_spread(residuals, residual, options, result);
     return result;
   }
+  const InnerDirections inner(map, std::move(columns), norm, *jacobian, priors.rows());
+  measure_rank(inner, result);
+  measure_spread(residuals, residual, options, result);
 
-  const auto width = static_cast<Eigen::Index>(inner.size());
-  Eigen::MatrixXd scaled(jacobian->rows(), width);
-  for (Eigen::Index k = 0; k < width; ++k) {
-    const Eigen::Index column = inner[static_cast<std::size_t>(k)];
-    scaled.col(k) = jacobian->col(column) / norm[column];
-  }
-  const auto [sigma, directions] = right_singular_vectors(scaled);
-  for (Eigen::Index k = 0; k < width; ++k) result.rank += sigma[k] > unseen_column * sigma[0] ? 1 : 0;
-  const Eigen::VectorXd inverse_sigma =
-      sigma.cwiseMax(std::numeric_limits<double>::epsilon() * sigma[0]).cwiseInverse();
-  const Eigen::VectorXd of_priors =
-      (scaled.bottomRows(priors.rows()) * directions * inverse_sigma.asDiagonal()).colwise().squaredNorm().transpose();
-  result.from_priors = of_priors.sum();
-  // A direction that priors hold is not flat.
-  const auto is_held = [&](Eigen::Index direction) { return of_priors[direction] > 0.5; };
-  for (Eigen::Index k = 0; k < width; ++k) {
-    if (!is_held(k)) result.condition = std::pow(sigma[0] * inverse_sigma[k], 2);
-  }
+  const std::vector<double> values = map.to_user(solution.theta);
+  const Eigen::MatrixXd spread = inner.scaled(map.jacobian(values)) * inner.vectors * inner.inverse_sigma.asDiagonal();
+  set_errors(map, values, inner, spread, result);
 
-  measure_spread();
-  const double deviation = result.deviation;
-
-  const std::vector<double> values = residuals.map().to_user(solution.theta);
-  const Eigen::MatrixXd to_user = residuals.map().jacobian(values);
-  // Rows: parameters; columns: singular directions of unit residual change.
-  Eigen::MatrixXd inner_to_user(to_user.rows(), width);
-  for (Eigen::Index k = 0; k < width; ++k) {
-    const Eigen::Index column = inner[static_cast<std::size_t>(k)];
-    inner_to_user.col(k) = to_user.col(column) / norm[column];
-  }
-  const Eigen::MatrixXd spread = inner_to_user * directions * inverse_sigma.asDiagonal();
-
-  for (Eigen::Index k = 0; k < width; ++k) {
-    const std::size_t parameter = free[static_cast<std::size_t>(inner[static_cast<std::size_t>(k)])].parameter;
-    const double error = deviation * spread.row(static_cast<Eigen::Index>(parameter)).stableNorm();
-    bool in_flat_direction = false;
-    for (Eigen::Index direction = 0; direction < width; ++direction) {
-      const bool flat =
-          sigma[direction] * sigma[direction] * flat_condition < sigma[0] * sigma[0] && !is_held(direction);
-      in_flat_direction = in_flat_direction || (flat && std::abs(directions(k, direction)) > flat_share);
-    }
-    result.identified[parameter] = !in_flat_direction;
-    result.standard_error[parameter] = error;
-    // theta is the parameter at the middle of the band, as a logarithm or in its natural unit.
-    const double theta_error =
-        deviation * (directions.row(k) * inverse_sigma.asDiagonal()).norm() / norm[inner[static_cast<std::size_t>(k)]];
-    result.centre_standard_error[parameter] =
-        theta_error *
-        residuals.map().centre_value_by_theta(static_cast<std::size_t>(inner[static_cast<std::size_t>(k)]), values);
-    if (free[static_cast<std::size_t>(inner[static_cast<std::size_t>(k)])].above) {
-      Eigen::RowVectorXd centre = Eigen::RowVectorXd::Zero(columns);
-      for (const auto& entry :
-           residuals.map().centre_entries(static_cast<std::size_t>(inner[static_cast<std::size_t>(k)]), values))
-        centre[static_cast<Eigen::Index>(entry.free)] += entry.derivative;
-      Eigen::RowVectorXd by_inner(width);
-      for (Eigen::Index j = 0; j < width; ++j)
-        by_inner[j] = centre[inner[static_cast<std::size_t>(j)]] / norm[inner[static_cast<std::size_t>(j)]];
-      result.centre_standard_error[parameter] = deviation * (by_inner * directions * inverse_sigma.asDiagonal()).norm();
-    }
-    for (Eigen::Index other = 0; other < width; ++other) {
-      const std::size_t j = free[static_cast<std::size_t>(inner[static_cast<std::size_t>(other)])].parameter;
-      result.covariance[parameter][j] =
-          deviation * deviation *
-          spread.row(static_cast<Eigen::Index>(parameter)).dot(spread.row(static_cast<Eigen::Index>(j)));
-    }
-  }
-
-  Eigen::MatrixXd full(static_cast<Eigen::Index>(residual.size()), columns);
+  Eigen::MatrixXd full(static_cast<Eigen::Index>(residual.size()), norm.size());
   residuals.evaluate(solution.theta, residual.data(), full.data());
-  Eigen::MatrixXd fitted(full.rows(), width);
-  for (Eigen::Index k = 0; k < width; ++k) {
-    const Eigen::Index column = inner[static_cast<std::size_t>(k)];
-    fitted.col(k) = full.col(column) / norm[column];
-  }
+  const Eigen::MatrixXd fitted = inner.scaled(full);
   result.noise = noise_of(residuals, residual, fitted, options);
-  result.influence = fitted * (directions * inverse_sigma.asDiagonal() * spread.transpose());
-  for (const Eigen::Index column : inner) {
-    const std::size_t i = free[static_cast<std::size_t>(column)].parameter;
-    result.widening[i] = result.noise.widening(result.influence.col(static_cast<Eigen::Index>(i)));
-    if (priors.rows() > 0) {
-      // What a prior tells of the parameter has nothing to do with the noise of the residuals.
-      const double of_residuals =
-          deviation * result.influence.col(static_cast<Eigen::Index>(i)).norm() / result.standard_error[i];
-      result.widening[i] = std::sqrt(1 + (result.widening[i] * result.widening[i] - 1) * of_residuals * of_residuals);
-    }
+  result.influence = fitted * (inner.vectors * inner.inverse_sigma.asDiagonal() * spread.transpose());
+  for (const std::size_t i : inner.parameter) {
+    result.widening[i] = widening_of(i, priors.rows() > 0, result);
     const bool wide = !(result.t * result.widening[i] * result.standard_error[i] <= 0.5 * std::abs(values[i]));
     if (wide && !std::isnan(result.standard_error[i])) result.identified[i] = false;
   }

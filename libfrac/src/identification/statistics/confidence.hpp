@@ -13,6 +13,12 @@ namespace frac::detail {
 /// residuals.
 inline constexpr double flat_condition = 1e6;
 
+/// A column of the Jacobian this much smaller than the largest is rounding: the residuals do not see the variable.
+inline constexpr double unseen_column = 1e-10;
+
+/// Whether a variable of the search stands at one of its limits.
+[[nodiscard]] bool is_at_bound(double value, double lower, double upper);
+
 /// What the curvature at a minimum says about each parameter of the user, in white noise; `widening` tells how much
 /// more the noise allows for that the residuals show.
 struct Confidence {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <random>
 #include <stdexcept>
 
@@ -13,6 +14,7 @@
 #include "frac/structure.hpp"
 #include "loop_description.hpp"
 #include "special/distributions.hpp"
+#include "specification.hpp"
 
 namespace frac {
 namespace {
@@ -42,7 +44,10 @@ std::vector<double> moved(const Structure& structure, std::vector<double> values
   for (std::size_t i = 0; i < values.size(); ++i) {
     const double by = step[static_cast<Eigen::Index>(i)];
     const bool is_coefficient = structure.parameter_roles()[i] == ParameterRole::coefficient;
-    if (is_coefficient && values[i] > 0)
+    // By logarithms a coefficient that is known to no better than its size would leave every range.
+    if (is_coefficient && by > values[i] && values[i] > 0)
+      values[i] = std::numbers::e * by;
+    else if (is_coefficient && values[i] > 0)
       values[i] *= std::exp(by / values[i]);
     else
       values[i] = is_coefficient ? values[i] + by : std::max(0.0, values[i] + by);
@@ -132,9 +137,16 @@ std::vector<FractionalTransferFunction> plants_of_region(const FitResult& fit, s
 }
 
 RobustTuningResult tune_for_region(const FitResult& fit, const LoopSpecification& specification,
-                                   const TuningOptions& options, std::size_t directions) {
+                                   const TuningOptions& options,
+                                   const std::vector<FractionalTransferFunction>& others) {
   const FractionalTransferFunction plant = fitted_plant(fit);
-  const std::vector<FractionalTransferFunction> plants = plants_of_region(fit, directions);
+  std::vector<FractionalTransferFunction> plants = plants_of_region(fit);
+  plants.insert(plants.end(), others.begin(), others.end());
+  TuningOptions searched = options;
+  for (const FractionalTransferFunction& each : plants) {
+    detail::require_valid(each, specification, options);
+    searched.mu.upper = std::min(searched.mu.upper, detail::highest_mu(each, options));
+  }
   RobustTuningResult result;
   LoopSpecification tightened = specification;
   // Each round takes the ratio by which the region still exceeds the bounds; it is nearly the same for any controller,
@@ -143,9 +155,9 @@ RobustTuningResult tune_for_region(const FitResult& fit, const LoopSpecification
   constexpr double enough = 1 + 1e-3;
   for (int round = 0; round < most_rounds; ++round) {
     RobustTuningResult next;
-    next.nominal = tune(plant, tightened, options);
+    next.nominal = tune(plant, tightened, searched);
     if (round > 0 && !next.nominal.usable()) break;
-    look_at_region(plants, specification, options, next);
+    look_at_region(plants, specification, searched, next);
     result = next;
     if (!result.nominal.usable() || result.not_stable > 0) break;
     const double ratio = excess(result, specification);
@@ -157,23 +169,24 @@ RobustTuningResult tune_for_region(const FitResult& fit, const LoopSpecification
     tightened.max_complementary_sensitivity = tightened.max_complementary_sensitivity / ratio;
   }
   const std::string count = std::to_string(result.plants);
+  const std::string region =
+      others.empty()
+          ? "on the border of the joint 95 % region of the fit"
+          : "on the border of the joint 95 % region of the fit and of other kinds that its data leave possible";
   if (result.status == TuningStatus::met) {
     const bool is_bounded =
         std::isfinite(specification.max_sensitivity) || std::isfinite(specification.max_complementary_sensitivity);
-    result.message = "All " + count +
-                     " plants tried on the border of the joint 95 % region of the fit have a stable loop" +
+    result.message = "All " + count + " plants tried " + region + " have a stable loop" +
                      (is_bounded ? " and keep the bounds." : ".");
   } else if (!result.nominal.usable()) {
     result.message = "The fitted plant itself: " + result.nominal.message;
   } else if (result.not_stable > 0) {
-    result.message = std::to_string(result.not_stable) + " of " + count +
-                     " plants on the border of the joint 95 % region of the fit have no stable loop; ask for less, or "
-                     "measure the plant more closely.";
+    result.message = std::to_string(result.not_stable) + " of " + count + " plants " + region +
+                     " have no stable loop; ask for less, or measure the plant more closely.";
   } else {
-    result.message =
-        "No controller was found with which all of " + count +
-        " plants on the border of the joint 95 % region keep the bounds; the nearest one reaches max |S| " +
-        detail::number_text(result.max_sensitivity) + ".";
+    result.message = "No controller was found with which all of " + count + " plants " + region +
+                     " keep the bounds; the nearest one reaches max |S| " +
+                     detail::number_text(result.max_sensitivity) + ".";
   }
   return result;
 }

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "scene_data.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "backlash/jump_frequency.hpp"
+#include "base/check.hpp"
+#include "base/median.hpp"
+
+namespace backlash::detail {
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+// gamma where the motion of the low-frequency side ends: between 0.463 and 0.533 for restitution 0.2 to 0.8.
+constexpr double jump_gamma = 0.5;
+constexpr std::size_t jumps_per_curve = 3;
+
+}  // namespace
+
+void check_curves(const std::vector<MeasuredDescribingFunction>& curves, const SceneIdentificationOptions& options) {
+  if (curves.empty()) throw std::invalid_argument("curves is empty; at least one describing function is needed");
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    const std::string curve = "curve " + std::to_string(i);
+    require_positive(curve + ": force_amplitude", "N", curves[i].force_amplitude);
+    if (options.weight == frac::Weight::given && curves[i].data.sigma().empty()) {
+      throw std::invalid_argument(curve + ": weight is given, but the data have no sigma");
+    }
+  }
+  using frac::Component;
+  using frac::Weight;
+  if (options.component != Component::both && options.component != Component::real &&
+      options.component != Component::imaginary) {
+    throw std::invalid_argument("component is " + std::string(frac::to_string(options.component)) +
+                                "; it must be both, real or imaginary");
+  }
+  if (options.weight != Weight::relative && options.weight != Weight::given && options.weight != Weight::absolute) {
+    throw std::invalid_argument("weight is " + std::string(frac::to_string(options.weight)) +
+                                "; it must be relative, given or absolute");
+  }
+}
+
+SceneData scene_data(const std::vector<MeasuredDescribingFunction>& curves, const SceneIdentificationOptions& options) {
+  SceneData data{{}, {}, options.output, options.component, options.weight, 0, 0};
+  std::vector<double> sizes;
+  for (std::size_t curve = 0; curve < curves.size(); ++curve) {
+    data.curve_begin.push_back(data.points.size());
+    const frac::FrequencyResponseData& response = curves[curve].data;
+    for (std::size_t i = 0; i < response.size(); ++i) {
+      const double sigma = response.sigma().empty() ? nan : response.sigma()[i];
+      data.points.push_back({curve, i, curves[curve].force_amplitude, response.omega()[i], response.value()[i], sigma});
+      const double size = std::abs(response.value()[i]);
+      if (size > 0) sizes.push_back(size);
+    }
+  }
+  data.curve_begin.push_back(data.points.size());
+  if (sizes.empty()) throw std::invalid_argument("all data are zero; nothing moves, so nothing can be identified");
+  data.typical = frac::detail::median(sizes);
+  std::vector<double> misfits;
+  for (const MeasuredPoint& point : data.points) {
+    const double deviation = data.deviation(point, point.value);
+    if (deviation > 0) misfits.push_back(std::abs(point.value) / deviation);
+  }
+  data.typical_misfit = frac::detail::median(misfits);
+  return data;
+}
+
+std::vector<double> products_from_jumps(const std::vector<MeasuredDescribingFunction>& curves) {
+  std::vector<double> products;
+  for (const MeasuredDescribingFunction& curve : curves) {
+    std::vector<double> omega = curve.data.omega();
+    omega.erase(std::unique(omega.begin(), omega.end()), omega.end());
+    if (omega.size() < 5) continue;
+    const std::vector<Discontinuity> jumps = find_discontinuities(curve.data);
+    for (std::size_t i = 0; i < std::min(jumps.size(), jumps_per_curve); ++i) {
+      products.push_back(curve.force_amplitude / (jump_gamma * jumps[i].omega * jumps[i].omega));
+    }
+  }
+  return products;
+}
+
+PointStatus status_of(const PointChoice& choice) {
+  if (choice.used) return PointStatus::used;
+  return choice.kind == PointChoice::Kind::none ? PointStatus::irregular : PointStatus::off_branch;
+}
+
+}  // namespace backlash::detail
