@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How often identify_scene is confidently wrong, over seeded random scenes: masses, clearance and restitution, one to
-// four forces, bands that reach into chaos or chatter or do not, sweeps up and down, either body, noise of 0 to 3 %.
-//   sound   the data are those of two masses
-//   misled  two to four forces, at one of which N is off by 5 to 20 %: no scene describes the data
-// An estimate is stated where it is called identified.  It is missed where its 95 % interval does not hold the truth,
-// and wrong where it lies more than twice as far off as the interval reaches and by more than 0.1 %.  A scene is wrong
-// where one of its estimates is.  Exact data leave rounding: an interval counts as 10^-6 of the value at least.
-// Prints kind,noise,scenes,unusable,inadequate,stated,missed,missed_percent,wrong_scenes,seconds.
-// Usage: scene_identification_rates [--smoke] [--each] [scenes] [seed]; --each prints a line for each scene as well.
+// Whether the 95 % intervals of identify_scene hold, and how often it is confidently wrong, over seeded random scenes:
+// masses, clearance and restitution, one to four forces, sweeps up and down, either body, noise of 0 to 3 %.
+//   symmetric  every point lies where the orbit of two equal impacts per period is stable
+//   chaos      the bands reach from there into chaos or chatter
+//   limit      the same with a restitution of 0, near 0 or near 1
+//   misled     two to four forces, at one of which N is off by 5 to 20 %: no scene describes the data
+// An estimate is stated where it is called identified, and held where its 95 % interval holds the truth.  Exact data
+// leave rounding: an interval counts as 10^-6 of the value at least.  A scene is confidently wrong where something is
+// stated, and each interval stated excludes the truth; far off where one of them misses it by more than twice its reach
+// and 0.1 %.
+// Prints two tables in Markdown: the coverage of each parameter over all kinds but misled, and the scenes.
+// Usage: scene_identification_rates [--smoke] [--each] [scenes of each kind] [seed]; --each prints a line for each
+// scene as well.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -22,6 +26,7 @@
 #include <vector>
 
 #include "backlash/identification/scene_identification.hpp"
+#include "steady_state/two_impact_orbit.hpp"
 #include "support/random.hpp"
 
 namespace {
@@ -30,8 +35,12 @@ using backlash::MeasuredDescribingFunction;
 using backlash::Output;
 using Complex = std::complex<double>;
 
-constexpr std::array<double, 4> noise_levels = {0, 0.003, 0.01, 0.03};
+constexpr std::array<double, 4> noise_levels = {0, 0.001, 0.01, 0.03};
+constexpr std::array<const char*, 4> parameter_names = {"mass1", "mass2", "clearance", "restitution"};
 constexpr double exact = 1e-6;
+
+enum class Kind { symmetric, chaos, limit, misled };
+constexpr std::array<const char*, 4> kind_names = {"symmetric", "chaos", "limit", "misled"};
 
 struct Case {
   backlash::TwoMassSystem system;
@@ -48,18 +57,36 @@ std::vector<double> log_grid(double lower, double upper, std::size_t count) {
   return grid;
 }
 
-Case random_case(support::Random& random, bool misled) {
-  Case made{
-      {random.log_uniform(0.2, 5), random.log_uniform(0.2, 5), random.log_uniform(0.01, 1), random.uniform(0.05, 0.95)},
-      noise_levels[random.below(noise_levels.size())],
-      {},
-      {}};
+double random_restitution(support::Random& random, Kind kind) {
+  if (kind != Kind::limit) return random.uniform(0.05, 0.95);
+  switch (random.below(3)) {
+    case 0:
+      return 0;
+    case 1:
+      return random.log_uniform(0.001, 0.03);
+    default:
+      return random.uniform(0.95, 0.99);
+  }
+}
+
+Case random_case(support::Random& random, Kind kind) {
+  const double mass1 = random.log_uniform(0.2, 5), mass2 = random.log_uniform(0.2, 5);
+  const double clearance = random.log_uniform(0.01, 1);
+  Case made{{mass1, mass2, clearance, random_restitution(random, kind)},
+            noise_levels[random.below(noise_levels.size())],
+            {},
+            {}};
   made.options.threads = 1;
-  const std::size_t forces = misled ? 2 + random.below(3) : 1 + random.below(4);
-  const double lower = random.log_uniform(0.3, 1.7);
-  const double upper = std::max(1.5 * lower, random.log_uniform(1.8, 3.5));
+  const std::size_t forces = kind == Kind::misled ? 2 + random.below(3) : 1 + random.below(4);
+  // In units of sqrt(F/(mass2 clearance)).
+  const double symmetric = 1 / std::sqrt(backlash::detail::symmetry_breaking_gamma(made.system.restitution()));
+  const bool all_symmetric = kind == Kind::symmetric;
+  const double lower = all_symmetric ? symmetric * random.log_uniform(1.02, 1.5) : random.log_uniform(0.3, 1.7);
+  const double upper =
+      all_symmetric ? lower * random.log_uniform(1.5, 4) : std::max(1.5 * lower, random.log_uniform(1.8, 3.5));
   const std::size_t points = 12 + random.below(29);
-  const bool one_band = random.unit() < 0.5;  // in rad/s, not relative to sqrt(F/(mass2 clearance))
+  // In rad/s, not relative to the unit: the greater forces then see less of the symmetric orbit.
+  const bool one_band = random.unit() < 0.5 && !all_symmetric;
   const auto setting = random.below(4);
   made.options.output = setting < 2 ? Output::x1 : Output::x2;
   if (setting == 3) made.options.component = frac::Component::imaginary;
@@ -69,20 +96,26 @@ Case random_case(support::Random& random, bool misled) {
   sweep.output = made.options.output;
   constexpr std::array<backlash::Protocol, 3> protocols = {backlash::Protocol::sweep_up, backlash::Protocol::sweep_down,
                                                            backlash::Protocol::mid_gap_at_rest};
-  sweep.protocol = protocols[random.below(protocols.size())];
+  const backlash::Protocol drawn = protocols[random.below(protocols.size())];
+  sweep.protocol = all_symmetric ? backlash::Protocol::sweep_up : drawn;
   sweep.threads = 1;
   // Chaotic means are of no use to the identification, and long to compute.
   sweep.mean_tolerance = 0.01;
   const double first = random.log_uniform(1, 100);
   std::vector<double> amplitude = {first};
   while (amplitude.size() < forces) amplitude.push_back(first * random.log_uniform(0.4, 2.5));
-  const std::size_t off = misled ? random.below(forces) : forces;
+  const std::size_t off = kind == Kind::misled ? random.below(forces) : forces;
   const double factor = 1 + (random.unit() < 0.5 ? -1 : 1) * random.uniform(0.05, 0.2);
   for (std::size_t i = 0; i < forces; ++i) {
     const double unit = std::sqrt((one_band ? first : amplitude[i]) / (made.system.mass2() * made.system.clearance()));
     const auto omega = log_grid(lower * unit, upper * unit, points);
+    // Where the orbit is symmetric a mass at rest may be left there, so that it is led in from below.
+    std::vector<double> led_in = all_symmetric ? log_grid(0.7 * unit, 0.99 * lower * unit, 8) : std::vector<double>{};
+    const auto lead = static_cast<std::ptrdiff_t>(led_in.size());
+    led_in.insert(led_in.end(), omega.begin(), omega.end());
     std::vector<Complex> value =
-        backlash::describing_function_sweep(made.system, amplitude[i], omega, sweep).data().value();
+        backlash::describing_function_sweep(made.system, amplitude[i], led_in, sweep).data().value();
+    value.erase(value.begin(), value.begin() + lead);
     for (Complex& z : value) {
       const double real = random.normal();
       z += made.noise * std::abs(z) * Complex(real, random.normal());
@@ -94,8 +127,25 @@ Case random_case(support::Random& random, bool misled) {
 }
 
 struct Tally {
-  int scenes = 0, unusable = 0, inadequate = 0, stated = 0, missed = 0, wrong = 0;
+  int scenes = 0, unusable = 0, flagged = 0, answered = 0, wrong = 0, far_off = 0;
+  std::array<int, 4> free{}, stated{}, held{};
   double seconds = 0;
+
+  Tally& operator+=(const Tally& other) {
+    scenes += other.scenes;
+    unusable += other.unusable;
+    flagged += other.flagged;
+    answered += other.answered;
+    wrong += other.wrong;
+    far_off += other.far_off;
+    for (std::size_t k = 0; k < 4; ++k) {
+      free[k] += other.free[k];
+      stated[k] += other.stated[k];
+      held[k] += other.held[k];
+    }
+    seconds += other.seconds;
+    return *this;
+  }
 };
 
 void judge(const Case& scene, bool each, Tally& tally) {
@@ -105,29 +155,41 @@ void judge(const Case& scene, bool each, Tally& tally) {
   ++tally.scenes;
   tally.seconds += seconds;
   if (result.termination == frac::FitTermination::no_usable_start) ++tally.unusable;
-  if (!result.misfits.empty()) ++tally.inadequate;
+  if (!result.misfits.empty()) ++tally.flagged;
   const std::array<double, 4> truth = {scene.system.mass1(), scene.system.mass2(), scene.system.clearance(),
                                        scene.system.restitution()};
-  bool wrong = false;
+  int stated = 0, held = 0;
+  bool far_off = false;
   std::string text;
   for (std::size_t k = 0; k < truth.size(); ++k) {
     const backlash::SceneEstimate& estimate = result.parameters[k];
     if (estimate.fixed) continue;
+    ++tally.free[k];
     char shown[160];
     std::snprintf(shown, sizeof shown, " %s %.5g %s%.5g (%.5g..%.5g)", estimate.name.c_str(), truth[k],
                   estimate.identified ? "" : "? ", estimate.value, estimate.ci95_lower, estimate.ci95_upper);
     text += shown;
     if (!estimate.identified) continue;
-    ++tally.stated;
     const double rounding = exact * truth[k];
-    const double error = std::abs(estimate.value - truth[k]);
-    const double half_width = std::max(rounding, estimate.ci95_upper - estimate.value);
-    if (!(error <= half_width)) ++tally.missed;
-    if (!(error <= std::max(2 * half_width, 1e-3 * truth[k]))) wrong = true;
+    const double lower = std::min(estimate.ci95_lower, estimate.value - rounding);
+    const double upper = std::max(estimate.ci95_upper, estimate.value + rounding);
+    const bool holds = lower <= truth[k] && truth[k] <= upper;
+    const double reach = truth[k] > estimate.value ? upper - estimate.value : estimate.value - lower;
+    if (std::abs(estimate.value - truth[k]) > std::max(2 * reach, 1e-3 * truth[k])) far_off = true;
+    ++tally.stated[k];
+    ++stated;
+    tally.held[k] += holds ? 1 : 0;
+    held += holds ? 1 : 0;
   }
-  if (wrong) ++tally.wrong;
+  const bool wrong = stated > 0 && held == 0;
+  tally.answered += stated > 0 ? 1 : 0;
+  tally.wrong += wrong ? 1 : 0;
+  tally.far_off += far_off ? 1 : 0;
   if (each) {
-    std::printf("# %s x%d %s%zu forces noise %g: %zu of %zu points, %.2f s:%s | %s\n", wrong ? "WRONG" : "ok",
+    std::printf("# %s x%d %s%zu forces noise %g: %zu of %zu points, %.2f s:%s | %s\n",
+                wrong     ? "WRONG"
+                : far_off ? "FAR"
+                          : "ok",
                 scene.options.output == Output::x1 ? 1 : 2,
                 scene.options.component == frac::Component::imaginary ? "imaginary " : "", scene.curves.size(),
                 scene.noise, result.points_used, result.points.size(), seconds, text.c_str(), result.message.c_str());
@@ -135,9 +197,44 @@ void judge(const Case& scene, bool each, Tally& tally) {
   }
 }
 
-void row(const char* kind, double noise, const Tally& tally) {
-  std::printf("%s,%g,%d,%d,%d,%d,%d,%.1f,%d,%.3g\n", kind, noise, tally.scenes, tally.unusable, tally.inadequate,
-              tally.stated, tally.missed, 100.0 * tally.missed / std::max(1, tally.stated), tally.wrong, tally.seconds);
+void print_coverage(const std::map<double, Tally>& tallies) {
+  std::printf("| noise | scenes |");
+  for (const char* name : parameter_names) std::printf(" %s |", name);
+  std::printf(" all | coverage |\n|---|---|---|---|---|---|---|---|\n");
+  Tally all;
+  const auto row = [](const std::string& name, const Tally& tally) {
+    int stated = 0, held = 0;
+    std::printf("| %s | %d |", name.c_str(), tally.scenes);
+    for (std::size_t k = 0; k < 4; ++k) {
+      std::printf(" %d of %d |", tally.held[k], tally.stated[k]);
+      stated += tally.stated[k];
+      held += tally.held[k];
+    }
+    std::printf(" %d of %d | %.1f %% |\n", held, stated, 100.0 * held / std::max(1, stated));
+  };
+  for (const auto& [noise, tally] : tallies) {
+    char text[16];
+    std::snprintf(text, sizeof text, "%g %%", 100 * noise);
+    row(text, tally);
+    all += tally;
+  }
+  row("all", all);
+}
+
+void print_scenes(const std::map<Kind, Tally>& tallies) {
+  std::printf(
+      "| kind | scenes | nothing found | said not to fit | something identified | confidently wrong | one far off | "
+      "parameters identified | s a scene |\n|---|---|---|---|---|---|---|---|---|\n");
+  for (const auto& [kind, tally] : tallies) {
+    int free = 0, stated = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+      free += tally.free[k];
+      stated += tally.stated[k];
+    }
+    std::printf("| %s | %d | %d | %d | %d | %d | %d | %d of %d | %.2g |\n", kind_names[static_cast<std::size_t>(kind)],
+                tally.scenes, tally.unusable, tally.flagged, tally.answered, tally.wrong, tally.far_off, stated, free,
+                tally.seconds / tally.scenes);
+  }
 }
 
 }  // namespace
@@ -154,16 +251,21 @@ int main(int argc, char** argv) {
       numbers.push_back(std::strtoull(argv[i], nullptr, 10));
     }
   }
-  const std::uint64_t scenes = smoke ? 2 : !numbers.empty() ? numbers[0] : 200;
+  const std::uint64_t scenes = smoke ? 2 : !numbers.empty() ? numbers[0] : 100;
   const std::uint64_t seed = numbers.size() > 1 ? numbers[1] : 1;
-  std::printf("kind,noise,scenes,unusable,inadequate,stated,missed,missed_percent,wrong_scenes,seconds\n");
-  for (const bool misled : {false, true}) {
-    support::Random random(seed + (misled ? 1'000'000 : 0));
-    std::map<double, Tally> tallies;
+  std::map<double, Tally> by_noise;
+  std::map<Kind, Tally> by_kind;
+  for (const Kind kind : {Kind::symmetric, Kind::chaos, Kind::limit, Kind::misled}) {
+    support::Random random(seed + 1'000'000 * static_cast<std::uint64_t>(kind));
     for (std::uint64_t i = 0; i < scenes; ++i) {
-      const Case scene = random_case(random, misled);
-      judge(scene, each, tallies[scene.noise]);
+      const Case scene = random_case(random, kind);
+      Tally tally;
+      judge(scene, each, tally);
+      by_kind[kind] += tally;
+      if (kind != Kind::misled) by_noise[scene.noise] += tally;
     }
-    for (const auto& [noise, tally] : tallies) row(misled ? "misled" : "sound", noise, tally);
   }
+  print_coverage(by_noise);
+  std::printf("\n");
+  print_scenes(by_kind);
 }

@@ -365,4 +365,16 @@ TEST(ModelLibrary, TakesAFormulaForAName) {
   EXPECT_THROW((void)frac::find_model("K/(T s"), frac::FormulaError);
 }
 
+// Noise of these seeds is followed by a ratio of order 8 so closely that AICc prefers it.
+TEST(Identify, TheChosenDoesNotContradictTheVerdict) {
+  const std::vector<frac::NamedModel> models{frac::find_model("fractional-lag-delay"), frac::find_model("lag-delay"),
+                                             frac::find_model("rational:1..12")};
+  for (const unsigned seed : {66u, 106u}) {
+    const auto data = support::noisy_response("1.5 exp(-0.08 s)/(1 + 0.6 s^0.8)", {}, 0.01, seed, 80);
+    const auto result = frac::identify(data, models, {}, support::both_parts());
+    ASSERT_EQ(result.verdict, frac::Verdict::fractional_supported) << result.verdict_sentence;
+    EXPECT_EQ(result.ranking.at(result.chosen).name, "fractional-lag-delay");
+  }
+}
+
 }  // namespace

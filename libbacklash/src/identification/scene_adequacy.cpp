@@ -125,15 +125,23 @@ void count_off_branch(const SceneData& data, const std::vector<PointChoice>& cho
                       std::vector<std::string>& misfits) {
   std::size_t all_off = 0, all_definite = 0;
   for (std::size_t curve = 0; curve + 1 < data.curve_begin.size(); ++curve) {
-    std::size_t off = 0, definite = 0;
+    std::size_t off = 0, definite = 0, free_off = 0, used = 0;
     for (std::size_t i = data.curve_begin[curve]; i < data.curve_begin[curve + 1]; ++i) {
-      // Where the mass may move freely it may as well be hit now and then.
+      used += choices[i].used ? 1 : 0;
+      // Where the mass may move freely it may as well be hit now and then, though not at each point of a curve.
+      free_off += choices[i].kind == PointChoice::Kind::free && !choices[i].used ? 1 : 0;
       if (choices[i].kind == PointChoice::Kind::none || choices[i].kind == PointChoice::Kind::free) continue;
       ++definite;
       off += choices[i].used ? 0 : 1;
     }
     all_off += off;
     all_definite += definite;
+    if (used == 0 && off + free_off >= least_off_branch) {
+      misfits.push_back("At " + short_text(force_of(data, curve)) + " N none of " +
+                        std::to_string(data.curve_begin[curve + 1] - data.curve_begin[curve]) +
+                        " points lies on a motion that the scene has there.");
+      continue;
+    }
     if (off >= least_off_branch &&
         static_cast<double>(off) > most_off_branch_of_curve * static_cast<double>(definite)) {
       misfits.push_back("At " + short_text(force_of(data, curve)) + " N " + std::to_string(off) + " of " +

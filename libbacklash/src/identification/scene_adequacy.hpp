@@ -21,7 +21,7 @@ struct SceneAdequacy {
 ///  - neighbouring residuals do not go together so much that the scene misses the shape of the data,
 ///  - the means of the residuals of the curves do not differ by more than noise makes of them, where noise is told by
 ///    the differences of neighbours,
-///  - no curve has most of its points off the motions that the scene has there, nor have all curves together more than
+///  - no curve has most or all of its points off the motions that the scene has there, nor have all together more than
 ///    a quarter of them.
 [[nodiscard]] SceneAdequacy scene_adequacy(const SceneData& data, const std::vector<PointChoice>& choices,
                                            std::size_t parameters);

@@ -43,7 +43,9 @@ double price_of_size(const SceneData& data, std::size_t i) {
 
 double price_left_out(const SceneData& data, const PointChoice& choice, std::size_t i) {
   if (choice.kind == PointChoice::Kind::none) {
-    return choice.has_mean ? price_about(data, choice, i, mean_accuracy) : price_of_size(data, i);
+    // Any of the means is as likely.
+    return choice.means > 0 ? price_about(data, choice, i, mean_accuracy) + 2 * std::log(choice.means)
+                            : price_of_size(data, i);
   }
   const double price = std::min(price_about(data, choice, i, other_motion), price_of_size(data, i));
   // Where the mass may move freely it may as well be hit now and then, as long as it remembers having been.

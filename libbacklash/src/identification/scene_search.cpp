@@ -2,6 +2,7 @@
 #include "scene_search.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "frac/parallel_for.hpp"
@@ -12,18 +13,25 @@ namespace {
 
 // Before the table of irregular motion is made, to see whether all the data can be explained without.
 constexpr std::size_t starts_of_first_look = 4;
-constexpr std::size_t starts_of_full_look = 16;
+constexpr std::size_t starts_of_full_look = 32;
 // Starts from which the orbits of two impacts alone are fitted, and of those how many are pursued.
 constexpr std::size_t two_impact_starts = 48;
 constexpr std::size_t two_impact_pursued = 4;
 // Places that are followed with the table, and of their estimates those that are followed with exact motions.  Those
 // of much worse evidence than the best are not: a few steps take a glance only so far, and the table is good to 1 %.
-constexpr std::size_t roughly_settled = 12;
+constexpr std::size_t roughly_settled = 20;
 constexpr double worth_a_rough_look = 400;
-constexpr std::size_t settled_at_most = 4;
+constexpr std::size_t settled_at_most = 8;
 constexpr double worth_settling = 100;
+// At small restitution chatter ends after few impacts, whose number changes with restitution: estimates lie between the
+// changes, one beside the other, and of each interval a start is followed.
+constexpr double small_restitution = 0.1;
+constexpr std::array<double, 7> restitution_ladder = {0, 0.003, 0.007, 0.015, 0.03, 0.05, 0.075};
 // -2 ln of odds of 150 to 1.
 constexpr double rival_deviance = 10;
+// At small restitution, where the table of irregular motion, which is interpolated, may prefer the wrong one of two
+// estimates by a few units for each of ten or twenty points.
+constexpr double rival_deviance_at_small_restitution = 40;
 // Estimates that agree to this are one.
 constexpr double same_estimate = 1e-4;
 // Places that agree to this lead to the same estimate.
@@ -73,6 +81,33 @@ class SceneSearcher {
     std::stable_sort(glances_.begin(), glances_.end(), better);
     const auto rough = solve(places_of(glances_, roughly_settled, worth_a_rough_look), Effort::rough, Motions::all);
     return solve(places_of(rough, settled_at_most, worth_settling), Effort::settle, Motions::all);
+  }
+
+  // Estimates from more starts, best first; those beside an estimate that is there already lead back to it.
+  void settle_too(const std::vector<SceneVector>& starts, std::vector<LocalScene>& settled) {
+    std::vector<SceneVector> further;
+    for (const SceneVector& start : starts) {
+      LocalScene place;
+      place.theta = start;
+      const bool is_known = std::any_of(settled.begin(), settled.end(),
+                                        [&](const LocalScene& local) { return agree(local, place, same_estimate); });
+      if (!is_known) further.push_back(start);
+    }
+    tried_ += further.size();
+    for (LocalScene& local : solve(further, Effort::settle, Motions::all)) settled.push_back(std::move(local));
+    std::stable_sort(settled.begin(), settled.end(), better);
+  }
+
+  // The best estimate at other small restitutions.
+  [[nodiscard]] std::vector<SceneVector> small_restitutions(const LocalScene& best) const {
+    std::vector<SceneVector> starts;
+    if (!known_.bounds.is_free(3) || !(best.theta[3] < small_restitution)) return starts;
+    for (const double restitution : restitution_ladder) {
+      if (restitution < known_.bounds.lower[3] || restitution > known_.bounds.upper[3]) continue;
+      starts.push_back(best.theta);
+      starts.back()[3] = restitution;
+    }
+    return starts;
   }
 
  private:
@@ -131,15 +166,20 @@ SceneSearch search_scene(const SceneData& data, const KnownScene& known, const s
     searcher.glance(parts);
     searcher.glance(starts_of(true, starts_of_full_look));
     settled = searcher.settle();
+    // The table is no better than 1 %: a glance at it leads away from what few points on orbits of two impacts show.
+    searcher.settle_too(parts, settled);
   }
+  if (!settled.empty()) searcher.settle_too(searcher.small_restitutions(settled.front()), settled);
   SceneSearch result;
   result.starts = searcher.starts();
   if (settled.empty()) return result;
   result.best = settled.front();
+  const double allowed =
+      result.best.theta[3] < small_restitution ? rival_deviance_at_small_restitution : rival_deviance;
   for (const LocalScene& local : settled) {
     if (agree(local, result.best, same_estimate)) {
       ++result.starts_at_best;
-    } else if (local.deviance < result.best.deviance + rival_deviance &&
+    } else if (local.deviance < result.best.deviance + allowed &&
                std::none_of(result.rivals.begin(), result.rivals.end(),
                             [&](const LocalScene& other) { return agree(local, other, same_estimate); })) {
       result.rivals.push_back(local);

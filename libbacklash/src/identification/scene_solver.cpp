@@ -31,6 +31,7 @@ constexpr double settled_step = 1e-4;
 // the loss beside that of the data; not to the end, since a period that has just doubled lies near to it.
 constexpr double beyond_loss = 1.1;
 constexpr int rounds_beyond_loss = 3;
+constexpr double about_the_orbit = 1.25;
 double two_impact_end(double restitution) {
   // At restitution 0 the orbit of two impacts, each followed by a rest, goes on; without rests it ends at 1/pi.
   return restitution > 0 ? two_impact_loss(restitution).gamma : std::numbers::inv_pi;
@@ -104,7 +105,9 @@ class Solver {
     choice.misfit = misfit;
   }
 
-  void offer_motions(std::size_t i, const OutputCoefficients& coefficients, double limit, double onset) {
+  // limit: gamma up to which the orbit of two impacts, which is stable up to orbit_end, counts.
+  void offer_motions(std::size_t i, const OutputCoefficients& coefficients, double limit, double orbit_end,
+                     double onset) {
     const MeasuredPoint& point = data_.points[i];
     const double gamma = gamma_at(theta_, point);
     const double restitution = theta_[3];
@@ -114,9 +117,8 @@ class Solver {
         offer(i, coefficients, PointChoice::Kind::two_impact, response->h);
       }
     }
-    // Without impacts x1 stands still, and the imaginary part of x2 is 0.
-    if (motions_ == Motions::all && data_.output == Output::x2 && data_.component != frac::Component::imaginary &&
-        gamma <= limit) {
+    // Without impacts x1 stands still, which explains no N but 0.
+    if (motions_ == Motions::all && data_.output == Output::x2 && gamma <= limit) {
       offer(i, coefficients, PointChoice::Kind::free, 0.0);
     }
     if (gamma >= onset) {
@@ -124,19 +126,30 @@ class Solver {
         offer(i, coefficients, PointChoice::Kind::sticking, *h);
     }
     if (choices_[i].kind != PointChoice::Kind::none) return;
-    // What N is about where the scene is irregular.
-    if (const auto h = mean_h(gamma, restitution)) {
-      choices_[i].model = point_value(coefficients, point, *h);
-      choices_[i].has_mean = true;
+    // What N is about where the scene is irregular: its mean from contact at rest, or the orbit of two impacts, which
+    // motions of doubled period and the chaos after them stay about for a while.
+    if (const auto h = mean_h(gamma, restitution)) offer_mean(i, coefficients, *h);
+    if (gamma <= about_the_orbit * orbit_end) {
+      if (const auto response = two_impact_response(gamma, restitution)) offer_mean(i, coefficients, response->h);
     }
+  }
+
+  void offer_mean(std::size_t i, const OutputCoefficients& coefficients, Complex h) {
+    const MeasuredPoint& point = data_.points[i];
+    const Complex model = point_value(coefficients, point, h);
+    PointChoice& choice = choices_[i];
+    const bool is_nearer =
+        choice.means == 0 || data_.size(model - point.value) < data_.size(choice.model - point.value);
+    if (is_nearer) choice.model = model;
+    ++choice.means;
   }
 
   void choose(int round) {
     const OutputCoefficients coefficients = output_coefficients(theta_, data_.output);
-    const double limit =
-        two_impact_end(theta_[3]) * (effort_ == Effort::glance && round < rounds_beyond_loss ? beyond_loss : 1);
+    const double orbit_end = two_impact_end(theta_[3]);
+    const double limit = orbit_end * (effort_ == Effort::glance && round < rounds_beyond_loss ? beyond_loss : 1);
     const double onset = motions_ == Motions::all ? chatter_onset(theta_[3]) : std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < choices_.size(); ++i) offer_motions(i, coefficients, limit, onset);
+    for (std::size_t i = 0; i < choices_.size(); ++i) offer_motions(i, coefficients, limit, orbit_end, onset);
     use_by_evidence(data_, choices_, bounds_.free_count(), effort_);
   }
 

@@ -25,7 +25,7 @@ struct PointChoice {
   Kind kind = Kind::none;
   bool used = false;           // forms residuals, see scene_evidence
   std::complex<double> model;  // at the estimate; of kind none: about where an irregular motion has its mean
-  bool has_mean = false;       // of kind none: model is known
+  int means = 0;               // of kind none: places its mean may have, of which model is the nearest; 0: not known
   double misfit = 0;           // |model - data| of the fitted parts over its deviation; 0 of kind none
 };
 

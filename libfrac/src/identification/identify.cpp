@@ -13,12 +13,12 @@
 #include "identification/data/fit_data.hpp"
 #include "identification/data/noise_floor.hpp"
 #include "identification/data/residual_rule.hpp"
-#include "identification/verdict/equivalent_candidates.hpp"
 #include "identification/rational/family_members.hpp"
 #include "identification/statistics/curvature_fit.hpp"
 #include "identification/statistics/information.hpp"
 #include "identification/statistics/residual_tests.hpp"
 #include "identification/time_growth.hpp"
+#include "identification/verdict/equivalent_candidates.hpp"
 #include "identification/verdict/verdict.hpp"
 
 namespace frac {
@@ -91,6 +91,19 @@ std::size_t chosen_of(const std::vector<RankedFit>& ranking) {
     if (simplicity(i) < simplicity(chosen)) chosen = i;
   }
   return chosen;
+}
+
+/// AICc rewards members of families that follow the noise, which the verdict has seen to predict worse: where it speaks
+/// for the other class, its winner is the one to take.
+void keep_to_verdict(IdentificationResult& result) {
+  const std::optional<Finalist> winner = result.verdict == Verdict::fractional_supported       ? result.fractional
+                                         : result.verdict == Verdict::fractional_not_supported ? result.integer
+                                                                                               : std::nullopt;
+  if (!winner) return;
+  const auto is_fractional = [&](std::size_t index) {
+    return result.ranking.at(index).model_class == ModelClass::fractional;
+  };
+  if (is_fractional(result.chosen) != is_fractional(winner->index)) result.chosen = winner->index;
 }
 
 template <class Data, class Options>
@@ -232,6 +245,7 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
   }
   result.chosen = chosen_of(result.ranking);
   detail::judge(result, data, options, competitors, skipped_rivals);
+  keep_to_verdict(result);
   return result;
 }
 

@@ -183,8 +183,11 @@ class IdentifyScene : public Command {
 
   template <typename Identification>
   [[nodiscard]] int outcome(const Identification& result) const {
-    const bool found = result.usable() && std::any_of(result.parameters.begin(), result.parameters.end(),
-                                                      [](const auto& parameter) { return parameter.identified; });
+    const auto is_fixed = [](const auto& parameter) { return parameter.fixed; };
+    const auto is_determined = [](const auto& parameter) { return parameter.identified && !parameter.fixed; };
+    const auto& parameters = result.parameters;
+    const bool found = result.usable() && (std::any_of(parameters.begin(), parameters.end(), is_determined) ||
+                                           std::all_of(parameters.begin(), parameters.end(), is_fixed));
     if (!found) say("no usable result: " + result.message);
     return found ? usable_result : no_usable_result;
   }
