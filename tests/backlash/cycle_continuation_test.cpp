@@ -5,6 +5,7 @@
 
 #include <Eigen/Dense>
 #include <boost/math/special_functions/zeta.hpp>
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -151,6 +152,15 @@ TEST(CycleContinuation, CyclesEndWhereTheyReachAWallBetweenImpacts) {
   EXPECT_EQ(found.without_cycles[0].from, ends[0].parameter);
 }
 
+// The size of that cycle has the sign of 24 - kp: at 25 impacts would have to pull, but what ends the motion is the
+// wall, long before.
+TEST(CycleContinuation, TheReasonIsThatRightBeyondTheEnd) {
+  const CycleContinuation found = continue_cycles([](double kp) { return loop_of({{1, 1}, {kp, 0}}, .6); }, {19, 25});
+  const std::vector<CycleEvent> ends = of_kind(found, CycleEventKind::admissibility);
+  ASSERT_EQ(ends.size(), 1U);
+  EXPECT_NE(ends[0].reason.find("beyond the walls"), std::string::npos) << ends[0].reason;
+}
+
 // Viscous friction of both bodies slows the cycle down until it leaves the range: the least that leaves none, against a
 // plain search beside it.
 TEST(CycleContinuation, FindsTheLeastFrictionThatLeavesNoCycle) {
@@ -220,4 +230,35 @@ TEST(CycleContinuation, RefusesValuesWithoutOrder) {
 }
 
 }  // namespace
-}  // namespace backlash
+// Beyond kp = 12 the symmetric cycle of "kp + s" is unstable, and so is the asymmetric one, which lies below; a motion
+// simulated from another start than those of the search settles all the same.
+TEST(CycleContinuation, StableCyclesOfMoreImpactsCount) {
+  const auto loop_at = [](double kp) { return loop_of({{1, 1}, {kp, 0}}, .6); };
+  const std::vector<double> values{13, 17, 21};
+  const auto holds = [](const std::vector<backlash::ParameterInterval>& intervals, double value) {
+    return std::any_of(intervals.begin(), intervals.end(),
+                       [&](const auto& each) { return each.from <= value && value <= each.to; });
+  };
+  const CycleContinuation without = continue_cycles(loop_at, values);
+  EXPECT_TRUE(without.simulated.empty());
+  for (const double kp : values) EXPECT_TRUE(holds(without.without_stable_cycles, kp)) << kp;
+  const CycleContinuation found = continue_cycles(loop_at, values, {}, 2);
+  EXPECT_FALSE(found.simulated.empty());
+  int settled = 0;
+  for (const double kp : values) {
+    backlash::LoopSimulationOptions options;
+    options.duration = 1e5;
+    options.most_impacts = 3000;
+    const auto history = simulate_loop(loop_at(kp), {0, .1, 0, 2}, {}, options);
+    const auto pattern = repeated_pattern(loop_at(kp), history.impacts, 12, 1e-6);
+    if (!pattern) continue;
+    ++settled;
+    EXPECT_FALSE(holds(found.without_stable_cycles, kp)) << kp;
+    EXPECT_TRUE(std::any_of(found.branches.begin(), found.branches.end(), [&](const CycleBranch& branch) {
+      return holds(branch.stable, kp) && branch.samples.front().cycle.impacts.size() == pattern->impacts.size();
+    })) << kp;
+  }
+  EXPECT_GT(settled, 0);
+}
+
+}  // namespace

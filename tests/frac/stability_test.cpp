@@ -61,6 +61,21 @@ TEST(Stability, NormsAndPolesOfTheFurnace) {
   EXPECT_DOUBLE_EQ(analysis.commensurate_order.value(), 0.1);
 }
 
+// An oscillator at 1e300 rad/s, damping 1/2: the ratio of its coefficients, 1e600, is no double.
+TEST(Stability, CoefficientsMayLieFartherApartThanADoubleReaches) {
+  const FractionalTransferFunction oscillator({{1, 0}}, {{1e-300, 2}, {1, 1}, {1e300, 0}});
+  const frac::StabilityAnalysis analysis = frac::analyse_stability(oscillator);
+  EXPECT_EQ(analysis.stability, frac::Stability::stable);
+  ASSERT_EQ(analysis.poles.size(), 1U);
+  // Rounding of ln omega = 691 makes 1e-13 of omega.
+  EXPECT_NEAR(analysis.poles[0].value.real() / -5e299, 1, 1e-12);
+  EXPECT_NEAR(analysis.poles[0].value.imag() / (std::sqrt(0.75) * 1e300), 1, 1e-12);
+  const frac::PeakGain peak = frac::h_infinity_norm(oscillator);
+  EXPECT_NEAR(peak.gain / (1e-300 / std::sqrt(0.75)), 1, 1e-12);
+  EXPECT_NEAR(frac::h2_norm(oscillator) / (std::sqrt(0.5) * 1e-150), 1, 1e-12);
+  EXPECT_EQ(frac::analyse_closed_loop(oscillator).stability, frac::Stability::stable);
+}
+
 // 1/(s^2 + 2 z s + 1): 1/(2 z sqrt(1 - z^2)) at sqrt(1 - 2 z^2), and 1/sqrt(4 z).
 TEST(Stability, NormsOfTheOscillator) {
   for (const double z : {1e-6, 1e-3, 0.1, 0.5, 0.9}) {

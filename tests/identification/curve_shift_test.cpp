@@ -158,6 +158,56 @@ TEST(CurveShift, FactorsMayFollowALaw) {
   EXPECT_NEAR(shared("T"), 0.01, 1e-6);
 }
 
+// The law is 1 at the third curve, which is not the reference: the structure is that of the third curve all the same.
+// Five standard errors of four parameters in four cases leave a chance of 1e-5, and so does the F test at 1e-5.
+TEST(CurveShift, ALawSaysWhichCurveIsTheMasterCurve) {
+  for (const std::size_t reference : {0u, 4u}) {
+    for (const std::uint64_t seed : {41u, 42u}) {
+      JointFitOptions options = shifting(false);
+      options.shift->reference = reference;
+      options.laws = {"aT = exp(-C kelvin/(D + kelvin))"};
+      const JointFitResult result = joint_fit(temperatures(0.01, seed, false), Structure(solid), options);
+      ASSERT_TRUE(result.usable()) << result.message;
+      for (std::size_t k = 0; k < 4; ++k)
+        EXPECT_LT(std::abs(result.shared[k].value - truth[k]), 5 * result.shared[k].standard_error) << k;
+      EXPECT_LT(result.shared[2].standard_error, 0.1 * truth[2]);
+      EXPECT_GT(result.sharing_p_value, 1e-5);
+    }
+  }
+}
+
+// ln aT bends by more than 1 away from every straight line, which moves the modulus by far more than its noise.
+TEST(CurveShift, ALawThatTheFactorsDoNotFollowIsNamed) {
+  JointFitOptions options = shifting(false);
+  options.laws = {"aT = exp(-C kelvin)"};
+  const JointFitResult result = joint_fit(temperatures(0.01, 43, false), Structure(solid), options);
+  EXPECT_LT(result.sharing_p_value, 1e-10);
+  EXPECT_NE(result.message.find("do not follow their law"), std::string::npos) << result.message;
+}
+
+// Factors settle to 1e-6, a thousandth of a standard error or less.
+TEST(CurveShift, OrderOfTheCurvesTellsNothing) {
+  for (const std::uint64_t seed : {51u, 52u, 53u}) {
+    const auto curves = temperatures(0.01, seed, false);
+    std::vector<double> first;
+    for (const std::vector<std::size_t>& order :
+         std::vector<std::vector<std::size_t>>{{0, 1, 2, 3, 4}, {4, 3, 2, 1, 0}, {4, 0, 2, 3, 1}, {1, 0, 2, 4, 3}}) {
+      std::vector<JointCurve> ordered;
+      for (const std::size_t c : order) ordered.push_back(curves[c]);
+      JointFitOptions options = shifting(false);
+      options.fit.weight = Weight::learned;
+      const JointFitResult result = joint_fit(ordered, Structure(solid), options);
+      ASSERT_TRUE(result.usable()) << result.message;
+      for (std::size_t k = 0; k < 4; ++k) {
+        if (first.size() < 4)
+          first.push_back(result.shared[k].value);
+        else
+          EXPECT_NEAR(result.shared[k].value, first[k], 2e-3 * result.shared[k].standard_error) << seed;
+      }
+    }
+  }
+}
+
 // Curves in any order of the reference, and of noise that hides neighbours' slopes.
 TEST(CurveShift, FindsThePlaceOfNoisyCurves) {
   for (std::uint64_t seed = 10; seed < 30; ++seed) {

@@ -17,6 +17,13 @@ def run(*arguments):
     return done.stdout
 
 
+def notes_of(*arguments):
+    """What the program tells beside its result."""
+    done = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stderr
+
+
 def json_of(*arguments):
     return json.loads(run(*arguments, "--format", "json"))
 

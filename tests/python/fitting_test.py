@@ -46,6 +46,66 @@ def test_bits_of_the_command_line(cell):
     same_as_command_line(found, held)
 
 
+@pytest.fixture(scope="module")
+def torn(tmp_path_factory):
+    """A lag with noise of 1 % and two points far off the others: as a file, as data, and without the two."""
+    chance = np.random.default_rng(20)
+    omega = np.logspace(-1, 3, 41)
+    response = Model("3/(0.4 s^0.8 + 1)")(1j * omega)
+    response *= 1 + 0.01 * (chance.standard_normal(41) + 1j * chance.standard_normal(41))
+    response[[12, 30]] *= 1.4, 0.7
+    path = tmp_path_factory.mktemp("torn") / "torn.csv"
+    rows = [f"{w!r},{z.real!r},{z.imag!r}" for w, z in zip(omega.tolist(), response.tolist())]
+    path.write_text("\n".join(["omega_rad_s,re,im", *rows]))
+    others = np.delete(np.arange(41), [12, 30])
+    return path, fracfit.read(path), FrequencyResponse(omega[others], response[others])
+
+
+def test_points_that_contradict_their_neighbours_are_left_out_as_on_the_command_line(torn):
+    path, data, others = torn
+    arguments = ("fit", path, "--model", "fractional-lag", "--component", "both")
+    with pytest.warns(UserWarning, match="contradict their neighbours") as told:
+        result = fracfit.fit(data, "fractional-lag")
+    same_as_command_line(command_line.json_of(*arguments), result)
+    assert result.left_out == [12, 30] and "left out: omega = " in repr(result)
+    sentence = str(told[0].message)
+    assert sentence.partition(", and taken in")[0] in command_line.notes_of(*arguments)
+    assert sentence.endswith('outliers="keep"')
+    # The others alone give the same; what is computed from the data afterwards goes by them too.
+    alone = fracfit.fit(others, "fractional-lag")
+    assert alone.left_out == [] and alone.parameters == result.parameters
+    assert alone.profile("K") == result.profile("K") and alone.lack_of_fit()["noise"] == result.lack_of_fit()["noise"]
+    assert result.predict().shape == data.response.shape
+    assert pickle.loads(pickle.dumps(result)).left_out == [12, 30]
+    together = fracfit.batch([data, others], "fractional-lag")
+    assert [each.left_out for each in together] == [[12, 30], []]
+    assert together[0].parameters == result.parameters
+
+
+def test_points_that_contradict_their_neighbours_are_kept_where_asked(torn, recwarn):
+    path, data, _ = torn
+    kept = fracfit.fit(data, "fractional-lag", outliers="keep")
+    found = command_line.json_of("fit", path, "--model", "fractional-lag", "--component", "both", "--outliers", "keep")
+    same_as_command_line(found, kept)
+    assert kept.left_out == [] and set(kept.outliers) >= {12, 30}
+    assert fracfit.fit(data, "fractional-lag", loss="cauchy").left_out == []
+    assert not recwarn.list
+    with pytest.raises(ValueError, match="expected one of leave-out, keep"):
+        fracfit.fit(data, "fractional-lag", outliers="drop")
+
+
+def test_identify_leaves_out_the_same_points(torn):
+    path, data, others = torn
+    with pytest.warns(UserWarning, match="2 of 41 points"):
+        found = fracfit.identify(data, ["fractional-lag", "lag"], curves={"itself": data.response})
+    alone = fracfit.identify(others, ["fractional-lag", "lag"], curves={"itself": others.response})
+    assert found.left_out == [12, 30] and alone.left_out == []
+    assert found.evidence == alone.evidence and found.best.parameters == alone.best.parameters
+    assert found.best.left_out == [12, 30]
+    with pytest.raises(ValueError, match="40 values; expected one for each of the 41"):
+        fracfit.identify(data, ["lag"], curves={"short": data.response[1:]})
+
+
 def test_a_preset_with_limits_of_its_own_can_be_fixed():
     result = fracfit.fit(fracfit.read(CELL), "cole-cole", fixed={"K": 0.11})
     assert result["K"] == 0.11 and result.standard_errors["K"] == 0

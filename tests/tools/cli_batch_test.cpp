@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 #include <filesystem>
+#include <iomanip>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
@@ -52,6 +53,27 @@ class Batch : public testing::Test {
 
   TemporaryFolder folder;
 };
+
+// The K of each row are known: 2 F^0.5.  A file that is no response has its message below the rows.
+TEST_F(Batch, TableForPeopleHasALinePerFileThatATerminalHolds) {
+  folder.write("data/force_8.csv", "x,y\n1,2\n");
+  const auto result = run_fracfit(command({"--format", "table"}));
+  EXPECT_EQ(result.code, 0) << result.error;
+  const auto lines = lines_of(result.output);
+  ASSERT_GT(lines.size(), 8U);
+  for (const auto& line : lines) EXPECT_LE(line.size(), 160U) << line;
+  for (const char* column : {"file", "status", "rms", "K", "a"})
+    EXPECT_NE((" " + lines[0] + " ").find(" " + std::string(column) + " "), std::string::npos) << lines[0];
+  for (std::size_t i = 1; i <= 7; ++i) {
+    EXPECT_NE(lines[i].find("force_" + std::to_string(i) + ".csv"), std::string::npos) << lines[i];
+    std::ostringstream value;
+    value << std::setprecision(5) << 2 * std::sqrt(static_cast<double>(i));
+    EXPECT_NE(lines[i].find(" " + value.str() + " +- "), std::string::npos) << lines[i];
+  }
+  EXPECT_NE(lines[8].find("invalid-data"), std::string::npos) << lines[8];
+  EXPECT_NE(result.output.find("no frequency column"), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find("power_law: K:force_n points=7"), std::string::npos) << result.output;
+}
 
 TEST_F(Batch, OneRowPerFileInOrderAndThePowerLawOfTheData) {
   const auto lines = lines_of(whole("all.csv"));

@@ -334,6 +334,22 @@ TEST(Identify, RanksAndGivesAVerdict) {
   EXPECT_EQ(json["verdict"], "supported");
 }
 
+TEST(Identify, APointIsLeftOutWhereAGivenCurveIsTheBest) {
+  // Without clearance the two masses move as one: N = -1/((M1 + M2) omega^2).
+  std::string rows = "omega_rad_s,re,im\n";
+  for (int i = 0; i < 30; ++i) {
+    const double omega = std::pow(10, i / 20.0);
+    const std::complex<double> ripple(1 + 0.01 * std::sin(37.0 * i * i), 0.01 * std::cos(53.0 * i * i));
+    const auto value = -1 / (2 * omega * omega) * ripple * (i == 14 ? 1.5 : 1.0);
+    rows += std::to_string(omega) + "," + std::to_string(value.real()) + "," + std::to_string(value.imag()) + "\n";
+  }
+  const TemporaryFolder folder;
+  const auto json = successful_json({"identify", folder.write("rigid.csv", rows), "--component", "both", "--models",
+                                     "lag", "--mass1", "1", "--mass2", "1", "--force", "1", "--clearance", "1e-12"});
+  EXPECT_EQ(json["chosen"], "static-backlash");
+  EXPECT_EQ(json["data"]["left_out"].size(), 1U) << json["data"];
+}
+
 TEST(Identify, SimulatedFilesBringTheStaticCurveAlong) {
   const TemporaryFolder folder;
   const auto data = folder.path("curve.csv");

@@ -119,6 +119,7 @@ TEST(LimitCyclesCommand, TellsWhatHappensBetweenTheValues) {
   auto as = [&](const char* format) {
     std::vector<std::string> all = options;
     all.emplace_back(format);
+    all.insert(all.end(), {"--starts", "0"});
     const auto result = run_fracfit(limit_cycles("kp + s", all));
     EXPECT_EQ(result.code, 0) << result.error;
     return result.output;
@@ -133,7 +134,18 @@ TEST(LimitCyclesCommand, TellsWhatHappensBetweenTheValues) {
   EXPECT_EQ(json["without_stable_cycles"][0][0], json["events"][0]["value"]);
   const std::string table = as("table");
   EXPECT_NE(table.find("symmetry-breaking"), std::string::npos) << table;
-  EXPECT_NE(table.find("No symmetric cycle for kp from"), std::string::npos) << table;
+  EXPECT_NE(table.find("No cycle for kp from"), std::string::npos) << table;
+}
+
+// Where the symmetric cycle of "kp + s" is unstable, motions settle on cycles of more impacts.
+TEST(LimitCyclesCommand, SimulatesWhereNoCycleIsKnownToBeStable) {
+  const auto result = run_fracfit(limit_cycles("kp + s", {"--over", "kp=13,17", "--starts", "2", "--format", "json"}));
+  ASSERT_EQ(result.code, 0) << result.error;
+  const auto json = nlohmann::json::parse(result.output);
+  EXPECT_EQ(json["simulated_at"][0], 13);
+  ASSERT_FALSE(json["branches"].empty());
+  EXPECT_TRUE(json["branches"][0]["born_at"].is_null());
+  EXPECT_FALSE(json["branches"][0]["stable"].empty());
 }
 
 TEST(LimitCyclesCommand, SaysWhatIsWrong) {

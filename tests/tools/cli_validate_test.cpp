@@ -27,6 +27,30 @@ std::string spectrum(double drift) {
   return text;
 }
 
+TEST(ValidateCommand, AFileThatCannotBeReadDoesNotKeepTheOthersFromBeingJudged) {
+  const TemporaryFolder folder;
+  const auto good = folder.write("good.csv", spectrum(0)), later = folder.write("later.csv", spectrum(0.1)),
+             broken = folder.write("broken.csv", "frequency_hz,re_ohm,im_ohm\n1,2,oops\n");
+  const auto result = run_fracfit({"validate", good, broken, later, "--format", "json"});
+  EXPECT_EQ(result.code, 0) << result.error;
+  EXPECT_NE(result.error.find("broken.csv:2:"), std::string::npos) << result.error;
+  const auto rows = nlohmann::json::parse(result.output).at("rows");
+  ASSERT_EQ(rows.size(), 3U);
+  EXPECT_EQ(rows[0].at("validity"), "valid");
+  EXPECT_EQ(rows[1].at("validity"), "unreadable");
+  EXPECT_EQ(rows[1].at("points"), 0);
+  EXPECT_TRUE(rows[1].at("noise").is_null());
+  EXPECT_NE(rows[1].at("summary").get<std::string>().find("oops"), std::string::npos);
+  EXPECT_EQ(rows[2].at("validity"), "invalid");
+  // What the others get is what they get alone.
+  EXPECT_EQ(rows[0], nlohmann::json::parse(run_fracfit({"validate", good, "--format", "json"}).output).at("rows")[0]);
+
+  EXPECT_NE(run_fracfit({"validate", broken, good, "--format", "table"}).output.find("broken.csv: unreadable"),
+            std::string::npos);
+  EXPECT_EQ(run_fracfit({"validate", broken}).code, 3);
+  EXPECT_EQ(run_fracfit({"validate", broken, folder.path() + "/missing.csv"}).code, 3);
+}
+
 TEST(ValidateCommand, JudgesEveryCurveAndKeepsItsColumns) {
   const TemporaryFolder folder;
   const auto good = folder.write("good.csv", spectrum(0)), drifting = folder.write("drift.csv", spectrum(0.1));

@@ -152,6 +152,19 @@ TEST_F(FrequencyResponseFileTest, MagnitudeAndPhase) {
               1e-15);
 }
 
+TEST_F(FrequencyResponseFileTest, DecibelsAreNoUnitOfTheValuesTheyBecome) {
+  for (const char* name : {"magnitude_db", "gain[dB]", "mag (dB)"})
+    EXPECT_EQ(read("f_Hz," + std::string(name) + ",phase_deg\n1,0,0\n").value_unit, "") << name;
+  // 40 dB re 1 m/N are 100 m/N.
+  for (const char* name : {"gain (dB re 1 m/N)", "magnitude [dB re m/N]", "mag [dB rel 1m/N]"}) {
+    const auto file = read("f_Hz," + std::string(name) + ",phase_deg\n1,40,0\n");
+    EXPECT_EQ(file.value_unit, "m/N") << name;
+    EXPECT_NEAR(std::abs(file.data.value().front() - 100.0), 0, 1e-12) << name;
+  }
+  EXPECT_EQ(read("f_Hz,gain (dB re 1),phase_deg\n1,40,0\n").value_unit, "");
+  expect_error("f_Hz,gain (dB re 20 uPa),phase_deg\n1,40,0\n", 1, 6, "relative to '20 uPa'");
+}
+
 TEST_F(FrequencyResponseFileTest, RealAndImaginaryPartsGoBeforeMagnitudeAndPhase) {
   const auto file = read("f_Hz,magnitude_db,phase_deg,re,im,remark\n1,0,0,2,3,good\n");
   EXPECT_EQ(file.data.value().front(), (std::complex<double>{2, 3}));

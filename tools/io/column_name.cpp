@@ -194,6 +194,26 @@ void read_phase_unit(ColumnMeaning& meaning) {
   }
 }
 
+// Of "dB" and "dB re 1 m/N" the values have the unit of what they are relative to.
+void read_magnitude_unit(ColumnMeaning& meaning) {
+  const std::string unit = lowered(meaning.unit);
+  if (unit != "db" && !unit.starts_with("db re ") && !unit.starts_with("db rel ")) return;
+  meaning.quantity = Quantity::magnitude_db;
+  std::string_view reference = meaning.unit;
+  const auto drop_word = [&reference] {
+    reference.remove_prefix(std::min(reference.find(' '), reference.size()));
+    reference = without_gaps(reference);
+  };
+  drop_word();
+  if (!reference.empty()) drop_word();
+  const std::string_view number = reference.substr(0, reference.find_first_not_of("0123456789.,"));
+  if (!number.empty() && number != "1")
+    meaning.problem =
+        "the decibels are relative to " + quoted(reference) + "; expected 1 of a unit, such as dB re 1 m/N";
+  reference.remove_prefix(number.size());
+  meaning.unit = std::string(without_gaps(reference));
+}
+
 }  // namespace
 
 ColumnMeaning column_meaning(std::string_view name) {
@@ -220,8 +240,7 @@ ColumnMeaning column_meaning(std::string_view name) {
   }
   if (meaning.quantity == Quantity::frequency) read_frequency_unit(angular, meaning);
   if (meaning.quantity == Quantity::phase) read_phase_unit(meaning);
-  if (meaning.quantity == Quantity::magnitude && lowered(meaning.unit) == "db")
-    meaning.quantity = Quantity::magnitude_db;
+  if (meaning.quantity == Quantity::magnitude) read_magnitude_unit(meaning);
   return meaning;
 }
 

@@ -24,7 +24,7 @@ enum class Quantity {
 struct ColumnMeaning {
   Quantity quantity;
   double factor;        // to rad/s for a frequency, to rad for a phase; 1 otherwise
-  std::string unit;     // as written; empty when the name gives none
+  std::string unit;     // of the values, as written; empty when the name gives none, as with a plain "dB"
   std::string problem;  // of the unit, one sentence; empty when it is understood
   // What the name speaks of: z impedance, y admittance, g shear modulus, e tensile modulus, eps permittivity, w an
   // angular frequency; empty when it does not tell.

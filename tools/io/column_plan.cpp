@@ -14,15 +14,16 @@ bool holds_values(Quantity quantity) {
 }
 
 std::pair<std::string, ColumnMeaning> labelled(const ColumnMeaning& meaning) {
-  const bool in_db = meaning.quantity == Quantity::magnitude || meaning.quantity == Quantity::magnitude_db;
-  if (!in_db && meaning.quantity != Quantity::phase) return {meaning.unit, {meaning.quantity, meaning.factor, {}, {}}};
+  const bool can_be_db = meaning.quantity == Quantity::magnitude;
+  if (!can_be_db && meaning.quantity != Quantity::phase)
+    return {meaning.unit, {meaning.quantity, meaning.factor, {}, {}}};
   const auto split = meaning.unit.find('_');
   const std::string head = meaning.unit.substr(0, split);
   const std::string tail = split == std::string::npos ? "" : meaning.unit.substr(split + 1);
-  const ColumnMeaning plain = column_meaning((in_db ? "magnitude_" : "phase_") + head);
-  const bool head_is_unit = in_db ? plain.quantity == Quantity::magnitude_db : plain.problem.empty();
+  const ColumnMeaning plain = column_meaning((can_be_db ? "magnitude_" : "phase_") + head);
+  const bool head_is_unit = can_be_db ? plain.quantity == Quantity::magnitude_db : plain.problem.empty();
   if (head_is_unit) return {tail, plain};
-  return {meaning.unit, column_meaning(in_db ? "magnitude" : "phase")};
+  return {meaning.unit, column_meaning(can_be_db ? "magnitude" : "phase")};
 }
 
 std::string key_label(std::string_view text) {
@@ -184,6 +185,7 @@ void Planner::find_value_columns(ColumnPlan& plan, const FrequencyResponseReadOp
   }
   auto magnitude = single(Quantity::magnitude);
   if (!magnitude) magnitude = single(Quantity::magnitude_db);
+  if (magnitude && !meanings_[*magnitude].problem.empty()) fail_at(*magnitude, meanings_[*magnitude].problem);
   const auto phase = single(Quantity::phase);
   if (magnitude && phase) {
     if (!meanings_[*phase].problem.empty()) fail_at(*phase, meanings_[*phase].problem);

@@ -7,7 +7,6 @@
 #include "io/decoded_text.hpp"
 #include "io/fields.hpp"
 #include "io/input_text.hpp"
-#include "io/number.hpp"
 
 namespace io {
 namespace {

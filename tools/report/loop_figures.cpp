@@ -2,8 +2,10 @@
 #include "report/loop_figures.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
+#include <cstdio>
 #include <numbers>
 #include <utility>
 
@@ -52,34 +54,40 @@ std::string rounded(double value) {
   return text;
 }
 
+// Of the only mark of a kind, for the key, which has no room for more.
+std::string frequency_of(const std::vector<double>& omega) {
+  if (omega.size() != 1) return {};
+  std::array<char, 32> number{};
+  std::snprintf(number.data(), number.size(), ", %.3g rad/s", omega.front());
+  return number.data();
+}
+
 }  // namespace
 
 Figure nyquist_figure(const LoopPicture& picture, std::string name, std::string caption) {
   const double restitution = picture.loop.system().restitution();
   Points exact, other, predicted;
-  std::vector<double> marked;
+  std::vector<double> exact_at, predicted_at;
   for (const SymmetricCycle& cycle : picture.exact.cycles) {
     const Complex at = rigid_loop(picture.loop, cycle.omega);
     (cycle.admissible ? exact : other).add(at.real(), at.imag());
-    if (cycle.admissible) marked.push_back(cycle.omega);
+    if (cycle.admissible) exact_at.push_back(cycle.omega);
   }
   for (const backlash::PredictedCycle& cycle : picture.predicted) {
+    // Asymmetric orbits have lines of their own.
+    if (!cycle.symmetric || cycle.impacts != 2) continue;
     const Complex at = rigid_loop(picture.loop, cycle.omega);
     predicted.add(at.real(), at.imag());
-    marked.push_back(cycle.omega);
+    predicted_at.push_back(cycle.omega);
   }
+  std::vector<double> marked = exact_at;
+  marked.insert(marked.end(), predicted_at.begin(), predicted_at.end());
   const auto [lowest, highest] = std::minmax_element(marked.begin(), marked.end());
   const double from = marked.empty() ? picture.exact.searched.from : *lowest / 3;
   const double to = marked.empty() ? picture.exact.searched.to : *highest * 6;
-  // -1/nu ends at pi^2/8, where the impacts are infinitely fast.  The axes hold the marks and that end.
-  constexpr double end = pi * pi / 8;
-  double left = -0.5, right = 1.2 * end, top = 0;
+  double top = 0;
   for (const Points* points : {&exact, &predicted}) {
-    for (std::size_t i = 0; i < points->x.size(); ++i) {
-      left = std::min(left, points->x[i] - 0.3);
-      right = std::max(right, 1.3 * points->x[i]);
-      top = std::max(top, 2 * std::abs(points->y[i]));
-    }
+    for (const double y : points->y) top = std::max(top, 2 * std::abs(y));
   }
   top = std::max(0.58, top);  // where the line of ε = 0.2 shows
   top = std::max(top, 1.6 * pi * (1 - restitution) / (4 * (1 + restitution)));
@@ -88,11 +96,26 @@ Figure nyquist_figure(const LoopPicture& picture, std::string name, std::string 
     const Complex at = rigid_loop(picture.loop, omega);
     loop.add(at.real(), at.imag());
   }
-  Panel panel{"", {"Re", false, left, right}, {"Im", false, -0.15 * top, top}};
+  // The axes hold the marks, and the loop as far as it is not above them.
+  double left = 0, right = 0;
+  const auto hold = [&](const Points& points) {
+    for (std::size_t i = 0; i < points.x.size(); ++i) {
+      if (std::abs(points.y[i]) > top) continue;
+      left = std::min(left, points.x[i]);
+      right = std::max(right, points.x[i]);
+    }
+  };
+  for (const Points* points : {&exact, &predicted, &loop}) hold(*points);
+  const double margin = std::max(0.05, 0.15 * (right - left));
+  left -= margin;
+  right += margin;
+  // -1/nu ends there: the impacts are infinitely fast.
+  constexpr double end = pi * pi / 8;
+  Panel panel{"", {"real part (no unit)", false, left, right}, {"imaginary part (no unit)", false, -0.15 * top, top}};
   panel.key = true;
   const auto line = [&](double eps, const char* colour, Mark mark, const std::string& label) {
     const double height = pi * (1 - eps) / (4 * (1 + eps));
-    panel.curves.push_back(make_curve(label, colour, mark, {left, end}, {height, height}));
+    panel.curves.push_back(make_curve(label, colour, mark, {left, std::clamp(end, left, right)}, {height, height}));
   };
   std::string others;
   for (const double eps : other_restitutions(restitution)) others += (others.empty() ? "ε = " : ", ") + rounded(eps);
@@ -103,9 +126,11 @@ Figure nyquist_figure(const LoopPicture& picture, std::string name, std::string 
   line(restitution, "#000000", Mark::line, "-1/{/Symbol n}, ε = " + rounded(restitution));
   panel.curves.push_back(curve_of("C(jω)/((M_1 + M_2) ω^2)", "#009e73", Mark::line, loop));
   if (!predicted.x.empty()) {
-    panel.curves.push_back(curve_of("predicted", predicted_colour, Mark::open_points, predicted));
+    panel.curves.push_back(
+        curve_of("predicted" + frequency_of(predicted_at), predicted_colour, Mark::open_points, predicted));
   }
-  if (!exact.x.empty()) panel.curves.push_back(curve_of("exact cycle", exact_colour, Mark::points, exact));
+  if (!exact.x.empty())
+    panel.curves.push_back(curve_of("exact" + frequency_of(exact_at), exact_colour, Mark::points, exact));
   if (!other.x.empty()) panel.curves.push_back(curve_of("root, no motion", "#888888", Mark::faint_points, other));
   return {std::move(name), std::move(caption), {std::move(panel)}, 1, 360};
 }

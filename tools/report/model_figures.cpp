@@ -6,7 +6,6 @@
 #include <complex>
 #include <limits>
 #include <numbers>
-#include <optional>
 #include <utility>
 
 #include "frac/stability.hpp"

@@ -5,7 +5,6 @@
 #include <functional>
 #include <limits>
 #include <random>
-#include <stdexcept>
 #include <utility>
 
 #include "frac/identification/time_fit.hpp"

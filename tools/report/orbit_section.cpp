@@ -11,7 +11,6 @@
 
 #include "backlash/jump_frequency.hpp"
 #include "backlash/orbit_continuation.hpp"
-#include "io/number.hpp"
 #include "report/grid.hpp"
 #include "report/html.hpp"
 #include "report/jump_constants.hpp"

@@ -2,7 +2,6 @@
 #include "backlash/fmu.hpp"
 
 #include <limits>
-#include <string_view>
 
 #include "fmu/fmu_text.hpp"
 #include "fmu/two_mass_text.hpp"

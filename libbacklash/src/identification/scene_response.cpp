@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene_response.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 

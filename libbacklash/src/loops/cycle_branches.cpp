@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -44,10 +45,23 @@ void CycleBranches::add_from(const CycleEvent& breaking) {
       first = born_at(from, breaking.omega);
     }
     if (!first || !first->admissible) continue;
-    CycleBranch branch{breaking.parameter, {}, {}};
-    follow(branch, *first, from);
+    const CycleBranch::Sample sample{from, *first};
+    CycleBranch branch{breaking.parameter, {sample}, {}, {}, {}};
+    add_interval(branch.admissible, breaking.parameter, from);
+    if (first->stability.stable) add_interval(branch.stable, breaking.parameter, from);
+    follow(branch, sample, side > 0);
     found.push_back(std::move(branch));
   }
+}
+
+void CycleBranches::add_found(const ImpactCycle& cycle, double parameter) {
+  const CycleBranch::Sample sample{parameter, cycle};
+  CycleBranch branch{std::numeric_limits<double>::quiet_NaN(), {sample}, {}, {}, {}};
+  follow(branch, sample, false);
+  std::reverse(branch.samples.begin(), branch.samples.end());
+  std::reverse(branch.events.begin(), branch.events.end());
+  follow(branch, sample, true);
+  found.push_back(std::move(branch));
 }
 
 // An asymmetric cycle beside the symmetric one.
@@ -73,19 +87,17 @@ std::optional<ImpactCycle> CycleBranches::born_at(double parameter, double omega
 
 std::optional<ImpactCycle> CycleBranches::near(const ImpactCycle& cycle, double parameter) const {
   auto next = close_cycle(loop_at_(parameter), {cycle.period, cycle.impacts}, 1);
-  if (!next || next->symmetric || change_between(cycle, *next) > largest_change) return std::nullopt;
+  if (!next || next->symmetric != cycle.symmetric || change_between(cycle, *next) > largest_change) return std::nullopt;
   return next;
 }
 
-void CycleBranches::follow(CycleBranch& branch, const ImpactCycle& first, double parameter) {
-  branch.samples.push_back({parameter, first});
-  const bool rises = parameter > branch.born_at;
+void CycleBranches::follow(CycleBranch& branch, const CycleBranch::Sample& first, bool rises) const {
   std::vector<double> ahead;
   for (const double each : parameters_) {
-    if (rises ? each > parameter : each < parameter) ahead.push_back(each);
+    if (rises ? each > first.parameter : each < first.parameter) ahead.push_back(each);
   }
   if (!rises) std::reverse(ahead.begin(), ahead.end());
-  CycleBranch::Sample last = branch.samples.front();
+  CycleBranch::Sample last = first;
   for (const double goal : ahead) {
     double step = goal - last.parameter;
     while (last.parameter != goal) {
@@ -123,20 +135,63 @@ void CycleBranches::look_between(CycleBranch& branch, const CycleBranch::Sample&
   const auto add = [&](CycleEventKind kind, const CycleBranch::Sample& at, const std::string& reason) {
     branch.events.push_back({kind, at.parameter, 2 * std::numbers::pi / at.cycle.period, a.cycle.admissible, reason});
   };
-  if (a.cycle.stability.stable != b.cycle.stability.stable) {
-    if (const auto at =
-            refined([&](const ImpactCycle& cycle) { return cycle.stability.stable == a.cycle.stability.stable; })) {
-      // A multiplier of +1 is where the branch begins or turns back, and hardly told from one that is beyond it there.
-      const StabilityLoss loss = a.cycle.stability.stable ? at->cycle.stability.loss : a.cycle.stability.loss;
-      if (loss == StabilityLoss::period_doubling) add(CycleEventKind::period_doubling, *at, {});
-      if (loss == StabilityLoss::torus) add(CycleEventKind::torus, *at, {});
+  double motion_ends = b.parameter;
+  if (!b.cycle.admissible) {
+    const auto at = refined([](const ImpactCycle& cycle) { return cycle.admissible; });
+    if (at) add(CycleEventKind::admissibility, *at, at->cycle.reason);
+    motion_ends = at ? at->parameter : a.parameter;
+  }
+  add_interval(branch.admissible, a.parameter, motion_ends);
+  const bool was_stable = a.cycle.stability.stable;
+  if (was_stable == b.cycle.stability.stable) {
+    if (was_stable) add_interval(branch.stable, a.parameter, motion_ends);
+    return;
+  }
+  const auto at = refined([&](const ImpactCycle& cycle) { return cycle.stability.stable == was_stable; });
+  if (!at) return;
+  // A multiplier of +1 is where the branch begins or turns back, and hardly told from one that is beyond it there.
+  const StabilityLoss loss = was_stable ? at->cycle.stability.loss : a.cycle.stability.loss;
+  if (loss == StabilityLoss::period_doubling) add(CycleEventKind::period_doubling, *at, {});
+  if (loss == StabilityLoss::torus) add(CycleEventKind::torus, *at, {});
+  const bool is_before_the_end = std::abs(at->parameter - a.parameter) < std::abs(motion_ends - a.parameter);
+  if (was_stable) {
+    add_interval(branch.stable, a.parameter, is_before_the_end ? at->parameter : motion_ends);
+  } else if (is_before_the_end) {
+    add_interval(branch.stable, at->parameter, motion_ends);
+  }
+}
+
+void add_interval(std::vector<ParameterInterval>& intervals, double from, double to) {
+  ParameterInterval added{std::min(from, to), std::max(from, to)};
+  std::vector<ParameterInterval> merged;
+  for (const ParameterInterval& each : intervals) {
+    if (each.to < added.from || each.from > added.to) {
+      merged.push_back(each);
+    } else {
+      added = {std::min(added.from, each.from), std::max(added.to, each.to)};
     }
   }
-  if (a.cycle.admissible && !b.cycle.admissible) {
-    if (const auto at = refined([](const ImpactCycle& cycle) { return cycle.admissible; })) {
-      add(CycleEventKind::admissibility, *at, at->cycle.reason);
+  merged.push_back(added);
+  std::sort(merged.begin(), merged.end(), [](const auto& one, const auto& other) { return one.from < other.from; });
+  intervals = std::move(merged);
+}
+
+std::vector<ParameterInterval> without(const std::vector<ParameterInterval>& intervals,
+                                       const std::vector<ParameterInterval>& others) {
+  std::vector<ParameterInterval> left = intervals;
+  for (const ParameterInterval& other : others) {
+    std::vector<ParameterInterval> rest;
+    for (const ParameterInterval& each : left) {
+      if (other.to <= each.from || other.from >= each.to) {
+        rest.push_back(each);
+        continue;
+      }
+      if (each.from < other.from) rest.push_back({each.from, other.from});
+      if (other.to < each.to) rest.push_back({other.to, each.to});
     }
+    left = std::move(rest);
   }
+  return left;
 }
 
 }  // namespace backlash::detail

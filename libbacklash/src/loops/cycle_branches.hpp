@@ -9,7 +9,7 @@
 
 namespace backlash::detail {
 
-/// The asymmetric cycles that begin where symmetric ones break their symmetry, followed over the values on their side.
+/// Cycles that are no symmetric ones of two impacts, followed over the values.
 class CycleBranches {
  public:
   /// @param parameters  two or more, rising or falling
@@ -17,18 +17,27 @@ class CycleBranches {
 
   /// @param breaking  a symmetry breaking of a symmetric cycle that is a motion
   void add_from(const CycleEvent& breaking);
+  /// A cycle that is a stable motion, to both sides of where it was found.
+  void add_found(const ImpactCycle& cycle, double parameter);
 
   std::vector<CycleBranch> found;
 
  private:
   [[nodiscard]] std::optional<ImpactCycle> born_at(double parameter, double omega) const;
-  void follow(CycleBranch& branch, const ImpactCycle& first, double parameter);
+  void follow(CycleBranch& branch, const CycleBranch::Sample& first, bool rises) const;
   [[nodiscard]] std::optional<ImpactCycle> near(const ImpactCycle& cycle, double parameter) const;
+  // Finds events, and where the cycle is a motion and stable.
   void look_between(CycleBranch& branch, const CycleBranch::Sample& a, const CycleBranch::Sample& b) const;
 
   const std::function<ControlLoop(double)>& loop_at_;
   std::vector<double> parameters_;  // rising
   double step_;                     // between them, the least
 };
+
+/// Adds an interval, its ends in any order, to rising ones; those that touch become one.
+void add_interval(std::vector<ParameterInterval>& intervals, double from, double to);
+/// What rising intervals have outside of others.
+[[nodiscard]] std::vector<ParameterInterval> without(const std::vector<ParameterInterval>& intervals,
+                                                     const std::vector<ParameterInterval>& others);
 
 }  // namespace backlash::detail

@@ -180,8 +180,9 @@ class Continuation {
       const double where = bisected(piece, [&](const At& at, double omega) {
         return at.search.inadmissibility(omega).empty() == at_a.admissible;
       });
-      events.push_back({CycleEventKind::admissibility, where, piece.guess(where), true,
-                        at_a.admissible ? at_b.reason : at_a.reason});
+      const double lost_at = at_a.admissible ? b.parameter : a.parameter;
+      events.push_back(
+          {CycleEventKind::admissibility, where, piece.guess(where), true, reason_beyond(piece, where, lost_at)});
       refine_omega(piece, events.back());
     }
     if (at_a.stability.stable == at_b.stability.stable) return;
@@ -208,6 +209,17 @@ class Continuation {
                         {}});
     }
     refine_omega(piece, events.back());
+  }
+
+  // Why there is no motion right beyond a limit, towards a value where there is none.
+  [[nodiscard]] std::string reason_beyond(const Piece& piece, double limit, double towards) const {
+    std::string reason;
+    for (double share = 1e-4; share <= 1 && reason.empty(); share *= 10) {
+      const double beyond = limit + share * (towards - limit);
+      const At at(loop_at_, beyond, options_);
+      reason = at.search.inadmissibility(omega_near(at, piece.guess(beyond)));
+    }
+    return reason;
   }
 
   // The frequency next to a guess; the guess where there is none.
@@ -266,7 +278,7 @@ std::string_view to_string(CycleEventKind kind) {
 }
 
 CycleContinuation continue_cycles(const std::function<ControlLoop(double)>& loop_at,
-                                  const std::vector<double>& parameters, const LimitCycleOptions& options) {
+                                  const std::vector<double>& parameters, const LimitCycleOptions& options, int starts) {
   const auto is_out_of_order = [&](double a, double b) {
     return !(parameters.front() < parameters.back() ? a < b : a > b);
   };
@@ -294,23 +306,41 @@ CycleContinuation continue_cycles(const std::function<ControlLoop(double)>& loop
     if (event.parameter != ends.back()) ends.push_back(event.parameter);
   }
   if (parameters.back() != ends.back()) ends.push_back(parameters.back());
-  const auto add = [](std::vector<ParameterInterval>& intervals, double from, double to) {
-    if (!intervals.empty() && intervals.back().to == from) {
-      intervals.back().to = to;
-    } else {
-      intervals.push_back({from, to});
-    }
-  };
   for (std::size_t i = 0; i + 1 < ends.size(); ++i) {
     const std::vector<SymmetricCycle> cycles = continuation.sample(0.5 * (ends[i] + ends[i + 1])).cycles;
     const auto is_motion = [](const SymmetricCycle& cycle) { return cycle.admissible; };
     const auto is_stable = [](const SymmetricCycle& cycle) { return cycle.admissible && cycle.stability.stable; };
-    if (std::none_of(cycles.begin(), cycles.end(), is_motion)) add(result.without_cycles, ends[i], ends[i + 1]);
-    if (std::none_of(cycles.begin(), cycles.end(), is_stable)) add(result.without_stable_cycles, ends[i], ends[i + 1]);
+    if (std::none_of(cycles.begin(), cycles.end(), is_motion))
+      detail::add_interval(result.without_cycles, ends[i], ends[i + 1]);
+    if (std::none_of(cycles.begin(), cycles.end(), is_stable))
+      detail::add_interval(result.without_stable_cycles, ends[i], ends[i + 1]);
   }
   detail::CycleBranches branches(loop_at, parameters);
   for (const CycleEvent& event : result.events) {
     if (event.kind == CycleEventKind::symmetry_breaking && event.is_admissible) branches.add_from(event);
+  }
+  const auto take_out = [&](const CycleBranch& branch) {
+    result.without_cycles = detail::without(result.without_cycles, branch.admissible);
+    result.without_stable_cycles = detail::without(result.without_stable_cycles, branch.stable);
+  };
+  for (const CycleBranch& branch : branches.found) take_out(branch);
+  for (const double parameter : parameters) {
+    const bool is_open =
+        std::any_of(result.without_stable_cycles.begin(), result.without_stable_cycles.end(),
+                    [&](const ParameterInterval& each) { return each.from <= parameter && parameter <= each.to; });
+    if (starts == 0 || !is_open) continue;
+    const ControlLoop loop = loop_at(parameter);
+    // Such loops are not simulated.
+    if (loop.measured() == Output::x2 && loop.controller().delay() > 0) continue;
+    result.simulated.push_back(parameter);
+    ImpactCycleOptions seeded;
+    seeded.starts = starts;
+    seeded.harmonics = 1;
+    for (const ImpactCycle& cycle : impact_cycles(loop, seeded).cycles) {
+      if (cycle.symmetric && cycle.impacts.size() == 2) continue;
+      branches.add_found(cycle, parameter);
+      take_out(branches.found.back());
+    }
   }
   result.branches = std::move(branches.found);
   return result;

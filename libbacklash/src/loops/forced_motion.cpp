@@ -2,7 +2,6 @@
 #include "forced_motion.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <complex>
 #include <cstddef>

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <utility>
 
 #include "formula/power_sum.hpp"
 #include "image_train.hpp"

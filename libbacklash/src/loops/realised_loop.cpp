@@ -287,8 +287,8 @@ void RealisedLoop::set_point_starts(Eigen::VectorXd& state) const {
   if (reference_ >= 0) {
     state[reference_] += step;
     kick(state, *controller_, 1, step);
-    // A derivative that meets a step kicks mass 2.
-    if (step != 0 && controller_->of.on_velocity != 0) {
+    // A derivative that meets a step kicks mass 2; an actuator of limited force has no time for that.
+    if (step != 0 && controller_->of.on_velocity != 0 && std::isinf(force_limit_)) {
       jump(state, 0, controller_->of.on_velocity * step / system_.mass2());
     }
     set_point_bends(state, set_point_.ramp);

@@ -2,7 +2,6 @@
 #include "frac/approximation/approximate.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <stdexcept>
 #include <string>
 
 #include "base/identifier.hpp"

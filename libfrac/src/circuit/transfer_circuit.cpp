@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <utility>
 
 #include "base/short_text.hpp"
 #include "circuit/circuit_error.hpp"

@@ -2,7 +2,6 @@
 #include "frac/digital/discretise.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>

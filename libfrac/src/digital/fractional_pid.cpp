@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 #include "section_kernel.hpp"
 #include "tap_line.hpp"

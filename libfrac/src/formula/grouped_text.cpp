@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "grouped_text.hpp"
 
-#include <cmath>
 #include <vector>
 
 #include "base/number_text.hpp"

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstdio>
 #include <limits>
+#include <string>
 
 #include "base/median.hpp"
 #include "frac/identification/lack_of_fit.hpp"
@@ -88,6 +90,17 @@ double excess(const Distances& distance, const std::vector<std::size_t>& usable,
   return least * of_all * usual / allowed;
 }
 
+// "1, 3.162"
+std::string frequencies_of(const FrequencyResponseData& data, const std::vector<std::size_t>& points) {
+  std::string omega;
+  for (const std::size_t point : points) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4g", data.omega()[point]);
+    omega += (omega.empty() ? "" : ", ") + std::string(text);
+  }
+  return omega;
+}
+
 }  // namespace
 
 std::vector<std::size_t> isolated_outliers(const FrequencyResponseData& data, Component component) {
@@ -129,6 +142,22 @@ std::vector<std::size_t> isolated_outliers(const FrequencyResponseData& data, Co
   }
   std::sort(outliers.begin(), outliers.end());
   return outliers;
+}
+
+std::vector<std::size_t> left_out_of_fit(const FrequencyResponseData& data, const FitOptions& options) {
+  if (options.loss != Loss::none) return {};
+  return isolated_outliers(data, options.component);
+}
+
+std::string left_out_sentence(const FrequencyResponseData& data, const std::vector<std::size_t>& points) {
+  return std::to_string(points.size()) + " of " + std::to_string(data.size()) +
+         (points.size() == 1 ? " points contradicts its" : " points contradict their") +
+         " neighbours on both sides (omega = " + frequencies_of(data, points) + " rad/s); they are left out";
+}
+
+std::string taken_back_sentence(const FrequencyResponseData& data, const std::vector<std::size_t>& points) {
+  return "the model meets what was left out at omega = " + frequencies_of(data, points) +
+         " rad/s to within the noise, so that it is taken in again";
 }
 
 std::vector<std::size_t> points_met(const FrequencyResponseData& data, const std::vector<std::size_t>& points,

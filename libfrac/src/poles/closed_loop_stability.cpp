@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/log_ratio.hpp"
 #include "base/number_text.hpp"
 #include "formula/power_sum.hpp"
 #include "frac/stability.hpp"
@@ -118,7 +119,7 @@ class Characteristic {
     for (const PowerTerm& a : all_) {
       for (const PowerTerm& b : all_) {
         if (a.order - b.order < 1e-13) continue;
-        const double corner = std::log(std::abs(b.coefficient / a.coefficient)) / (a.order - b.order);
+        const double corner = detail::log_ratio(b.coefficient, a.coefficient) / (a.order - b.order);
         found.lowest = std::min(found.lowest, corner);
         found.highest = std::max(found.highest, corner);
       }
@@ -130,7 +131,7 @@ class Characteristic {
       for (const PowerTerm& term : top_) others.push_back({delay_ * term.coefficient, term.order + 1});
       for (const PowerTerm& term : others) {
         if (pole_at_origin_ || term.order < 1e-13) continue;
-        const double corner = std::log(std::abs(low_frequency_sum_.back().coefficient / term.coefficient)) / term.order;
+        const double corner = detail::log_ratio(low_frequency_sum_.back().coefficient, term.coefficient) / term.order;
         found.lowest = std::min(found.lowest, corner);
       }
     }

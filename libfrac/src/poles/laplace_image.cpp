@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "base/log_ratio.hpp"
 #include "formula/power_sum.hpp"
 
 namespace frac::detail {
@@ -48,7 +49,7 @@ void for_each_corner(const PowerProduct& product, const Visit& visit) {
     for (const PowerTerm& a : terms) {
       for (const PowerTerm& b : terms) {
         if (a.order <= b.order) continue;
-        visit(std::log(std::abs(b.coefficient / a.coefficient)) / (a.order - b.order));
+        visit(log_ratio(b.coefficient, a.coefficient) / (a.order - b.order));
       }
     }
   });

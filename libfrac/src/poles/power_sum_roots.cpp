@@ -8,6 +8,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/log_ratio.hpp"
 #include "scaled_sum.hpp"
 #include "winding_number.hpp"
 
@@ -169,8 +170,8 @@ class Search {
     std::vector<Complex> roots;
     for (const auto& [high, low] : balances()) {
       const double gap = high->order - low->order;
-      const double log_modulus = std::log(std::abs(low->coefficient / high->coefficient)) / gap;
-      const double turn = low->coefficient * high->coefficient > 0 ? std::numbers::pi : 0;
+      const double log_modulus = log_ratio(low->coefficient, high->coefficient) / gap;
+      const double turn = (low->coefficient > 0) == (high->coefficient > 0) ? std::numbers::pi : 0;
       const double first = std::ceil((box.bottom * gap - turn) / (2 * std::numbers::pi));
       for (double k = first; roots.size() < static_cast<std::size_t>(expected); ++k) {
         const double argument = (turn + 2 * std::numbers::pi * k) / gap;
@@ -292,8 +293,8 @@ double dominance(const std::vector<PowerTerm>& sum, const PowerTerm& term, doubl
   for (const PowerTerm& other : sum) {
     if (other.order == term.order) continue;
     const double turn = std::abs(other.order - term.order) * largest_argument;
-    if (other.coefficient * term.coefficient > 0 && turn < std::numbers::pi / 2) continue;
-    const double at = std::log(others * std::abs(other.coefficient / term.coefficient)) / (term.order - other.order);
+    if ((other.coefficient > 0) == (term.coefficient > 0) && turn < std::numbers::pi / 2) continue;
+    const double at = (std::log(others) + log_ratio(other.coefficient, term.coefficient)) / (term.order - other.order);
     bound = sign > 0 ? std::max(bound, at) : std::min(bound, at);
   }
   return bound;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frac/mittag_leffler.hpp"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>

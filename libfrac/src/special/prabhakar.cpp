@@ -6,7 +6,6 @@
 #include <limits>
 #include <numbers>
 #include <stdexcept>
-#include <string>
 
 #include "base/number_text.hpp"
 #include "frac/mittag_leffler.hpp"

@@ -2,7 +2,6 @@
 #include "frac/time_response/response_methods.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>

@@ -2,7 +2,6 @@
 #include "batch/batch_fit.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <set>
 #include <stdexcept>
 

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "batch/batch_table.hpp"
 
-#include <cmath>
 #include <set>
-#include <stdexcept>
 
 #include "io/csv_line.hpp"
 #include "io/data_error.hpp"

@@ -7,7 +7,6 @@
 
 #include "batch/basin_stream.hpp"
 #include "commands/subcommand.hpp"
-#include "io/number.hpp"
 #include "io/progress_bar.hpp"
 #include "io/shard_file.hpp"
 #include "options/scene_options.hpp"

@@ -8,16 +8,18 @@
 
 #include "batch/batch_fit.hpp"
 #include "batch/batch_power_law.hpp"
+#include "batch/batch_summary.hpp"
 #include "commands/subcommand.hpp"
 #include "frac/parallel_for.hpp"
 #include "frac/structure.hpp"
 #include "io/data_error.hpp"
 #include "io/input_files.hpp"
+#include "io/input_text.hpp"
 #include "io/progress_bar.hpp"
 #include "io/result_stream.hpp"
 #include "io/version.hpp"
 #include "options/model_choice.hpp"
-#include "output/document.hpp"
+#include "output/aligned_table.hpp"
 
 namespace fracfit {
 namespace {
@@ -91,6 +93,13 @@ void complain_of_data(BatchFormat format, const BatchManifest& manifest, const s
 
 std::string status_of(BatchFormat format, const BatchManifest& manifest, const std::string& line) {
   return read_row(format, manifest.columns, line).value().at("status");
+}
+
+// The remarks below the rows of a CSV, for people to read.
+std::string laws_text(const std::string& remarks) {
+  std::string text;
+  for (const auto& line : io::whole_lines(remarks)) text += "\n" + paragraph(line.substr(2), 2);
+  return text;
 }
 
 class Batch : public Command {
@@ -222,7 +231,7 @@ class Batch : public Command {
     if (stream)
       stream->finish(text + end);
     else
-      write(format() == "table" ? text_of(document_of(text), "table", command_line()) : text + end);
+      write(format() == "table" ? summary_of_rows(manifest, lines) + laws_text(laws.text) : text + end);
     std::size_t converged = 0, unreadable = 0;
     for (const auto& line : lines) {
       const auto status = status_of(rows_format, manifest, line);

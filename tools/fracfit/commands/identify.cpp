@@ -172,7 +172,9 @@ class Identify : public Command {
     const auto& chosen = result.ranking.at(result.chosen);
     auto of_chosen = fit;
     of_chosen.constraints = chosen.model.constraints;
-    if (take_back_met(left_out, file.data, of_chosen, chosen.fit, note)) {
+    // A given curve is no formula that could be fitted to a point more.
+    const bool is_fitted = chosen.model_class != frac::ModelClass::fixed_curve;
+    if (is_fitted && take_back_met(left_out, file.data, of_chosen, chosen.fit, note)) {
       data = frac::without_points(file.data, left_out);
       result = ranked(data);
     }

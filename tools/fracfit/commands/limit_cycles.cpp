@@ -48,7 +48,9 @@ class LimitCyclesCommand : public Command {
              "One loop for each value of mass1, mass2, clearance, restitution or a name in a formula",
              "NAME=FROM:TO:N");
     o.count("--starts", starts_, 0, most_starts,
-            "Motions simulated from seeded starts, which find cycles with any number of impacts; 0 with --over", "N");
+            "Motions simulated from seeded starts, which find cycles with any number of impacts; with --over at the "
+            "values without a stable cycle",
+            "N");
     o.flag("--branches", branches_,
            "Predict on the orbits of more impacts under a sine force too; of free masses, some seconds");
     o.text(
@@ -162,8 +164,8 @@ class LimitCyclesCommand : public Command {
         std::adjacent_find(over_.values.begin(), over_.values.end(), std::greater_equal<>()) == over_.values.end()) {
       backlash::LimitCycleOptions request;
       request.range = range_;
-      followed =
-          backlash::continue_cycles([&](double value) { return loop_.loop(over_.name, value); }, over_.values, request);
+      followed = backlash::continue_cycles([&](double value) { return loop_.loop(over_.name, value); }, over_.values,
+                                           request, starts_);
     }
     const backlash::CycleContinuation* events = followed ? &*followed : nullptr;
     write(format() == "json"  ? limit_cycles_json(loops, events, command_line())

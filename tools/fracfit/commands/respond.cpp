@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cmath>
 #include <filesystem>
-#include <stdexcept>
 
 #include "commands/subcommand.hpp"
 #include "frac/time_response/response_methods.hpp"

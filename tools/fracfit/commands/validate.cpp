@@ -2,13 +2,19 @@
 #include "frac/identification/validate.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <variant>
 #include <vector>
 
 #include "commands/subcommand.hpp"
+#include "io/data_error.hpp"
+#include "io/number.hpp"
 #include "options/data_options.hpp"
 #include "options/measured_curves.hpp"
 #include "output/aligned_table.hpp"
@@ -23,6 +29,13 @@ struct Judged {
   frac::FrequencyResponseData data;
   frac::ValidationResult result;
 };
+
+// A file among others that cannot be read.
+struct Unreadable {
+  std::string file, problem;
+};
+
+using Outcome = std::variant<Judged, Unreadable>;
 
 std::string frequencies(const Judged& judged, const std::vector<std::size_t>& points) {
   std::string text;
@@ -110,15 +123,42 @@ class Validate : public Command {
   }
 
   int run() override {
-    std::vector<Judged> all;
+    const std::vector<Outcome> all = outcomes();
+    write(format() == "table" ? sentences(all) : text_of(document_of(all), format(), command_line()));
+    std::vector<const Judged*> judged;
+    for (const auto& each : all)
+      if (const auto* one = std::get_if<Judged>(&each)) judged.push_back(one);
+    if (drawing_) draw(judged);
+    const bool usable =
+        std::any_of(judged.begin(), judged.end(), [](const auto* each) { return each->result.usable(); });
+    if (!usable) say("nothing can be judged");
+    return usable ? usable_result : no_usable_result;
+  }
+
+  // A file that cannot be read does not keep the others from being judged; where none can be read, that is the error.
+  [[nodiscard]] std::vector<Outcome> outcomes() const {
+    std::vector<Outcome> all;
+    std::vector<io::DataError> problems;
     for (const auto& file : files_) {
-      auto curves = read_curves(file, how_);
-      for (const auto& note : notes_of(curves)) say(file + ": " + note);
-      for (auto& curve : curves) {
-        auto result = frac::validate(curve.file.data, {level_, accuracy_});
-        all.push_back({file, curve.name, std::move(curve.file.data), std::move(result)});
+      try {
+        auto curves = read_curves(file, how_);
+        for (const auto& note : notes_of(curves)) say(file + ": " + note);
+        for (auto& curve : curves) {
+          auto result = frac::validate(curve.file.data, {level_, accuracy_});
+          all.emplace_back(Judged{file, curve.name, std::move(curve.file.data), std::move(result)});
+        }
+      } catch (const io::DataError& problem) {
+        problems.push_back(problem);
+        all.emplace_back(Unreadable{file, problem.what()});
       }
     }
+    const bool any_read = problems.size() < files_.size();
+    for (std::size_t i = any_read ? 0 : 1; i < problems.size(); ++i) say(problems[i].what());
+    if (!any_read) throw io::DataError(problems.front());
+    return all;
+  }
+
+  [[nodiscard]] Document document_of(const std::vector<Outcome>& all) const {
     Document document;
     document.head.emplace_back("level", io::format_number(level_));
     document.head.emplace_back("accuracy", io::format_number(accuracy_));
@@ -145,53 +185,72 @@ class Validate : public Command {
                "step_below_rad_s",
                "step_above_rad_s",
                "largest_residual"};
-    for (const auto& finding : all.front().result.findings) {
+    const auto first =
+        std::find_if(all.begin(), all.end(), [](const Outcome& each) { return std::holds_alternative<Judged>(each); });
+    for (const auto& finding : std::get<Judged>(*first).result.findings) {
       std::string name(to_string(finding.test));
       std::replace(name.begin(), name.end(), '-', '_');
       columns.push_back("p_" + name);
     }
     columns.emplace_back("summary");
     document.rows.count = all.size();
-    document.rows.fill = [&](std::size_t row, std::vector<Cell>& cells) {
-      const Judged& judged = all[row];
-      const auto& result = judged.result;
-      const auto& omega = judged.data.omega();
-      cells.insert(cells.end(), {judged.file,
-                                 judged.curve,
-                                 std::string(to_string(result.validity)),
-                                 static_cast<std::int64_t>(omega.size()),
-                                 std::log10(omega.back() / omega.front()),
-                                 result.noise,
-                                 result.noise_floor,
-                                 result.noise_slope,
-                                 result.correlation,
-                                 result.drift,
-                                 std::string(to_string(result.drift_law)),
-                                 result.drift_deviation,
-                                 result.detectable_drift,
-                                 frequencies(judged, result.outliers),
-                                 frequencies(judged, result.mains),
-                                 static_cast<std::int64_t>(result.real_poles),
-                                 static_cast<std::int64_t>(result.pole_pairs),
-                                 result.step,
-                                 result.step_deviation,
-                                 result.step_below,
-                                 result.step_above,
-                                 result.largest_residual});
-      for (const auto& finding : result.findings) cells.emplace_back(finding.p_value);
-      cells.emplace_back(result.summary());
+    document.rows.fill = [&all, names = columns](std::size_t row, std::vector<Cell>& cells) {
+      if (const auto* judged = std::get_if<Judged>(&all[row]))
+        fill(*judged, cells);
+      else
+        fill(std::get<Unreadable>(all[row]), names, cells);
     };
-    write(format() == "table" ? sentences(all) : text_of(document, format(), command_line()));
-    if (drawing_) draw(all);
-    const bool usable = std::any_of(all.begin(), all.end(), [](const Judged& each) { return each.result.usable(); });
-    if (!usable) say("nothing can be judged");
-    return usable ? usable_result : no_usable_result;
+    return document;
+  }
+
+  static void fill(const Unreadable& unread, const std::vector<std::string>& columns, std::vector<Cell>& cells) {
+    constexpr std::array<std::string_view, 3> texts{"drift_law", "outliers_rad_s", "mains_rad_s"};
+    cells.insert(cells.end(), {unread.file, std::string(), std::string("unreadable"), std::int64_t{0}});
+    while (cells.size() + 1 < columns.size()) {
+      const bool is_text = std::find(texts.begin(), texts.end(), columns[cells.size()]) != texts.end();
+      cells.push_back(is_text ? Cell(std::string()) : Cell(std::numeric_limits<double>::quiet_NaN()));
+    }
+    cells.emplace_back(unread.problem);
+  }
+
+  static void fill(const Judged& judged, std::vector<Cell>& cells) {
+    const auto& result = judged.result;
+    const auto& omega = judged.data.omega();
+    cells.insert(cells.end(), {judged.file,
+                               judged.curve,
+                               std::string(to_string(result.validity)),
+                               static_cast<std::int64_t>(omega.size()),
+                               std::log10(omega.back() / omega.front()),
+                               result.noise,
+                               result.noise_floor,
+                               result.noise_slope,
+                               result.correlation,
+                               result.drift,
+                               std::string(to_string(result.drift_law)),
+                               result.drift_deviation,
+                               result.detectable_drift,
+                               frequencies(judged, result.outliers),
+                               frequencies(judged, result.mains),
+                               static_cast<std::int64_t>(result.real_poles),
+                               static_cast<std::int64_t>(result.pole_pairs),
+                               result.step,
+                               result.step_deviation,
+                               result.step_below,
+                               result.step_above,
+                               result.largest_residual});
+    for (const auto& finding : result.findings) cells.emplace_back(finding.p_value);
+    cells.emplace_back(result.summary());
   }
 
   // For people: the verdicts, and what they rest on.
-  [[nodiscard]] static std::string sentences(const std::vector<Judged>& all) {
+  [[nodiscard]] static std::string sentences(const std::vector<Outcome>& all) {
     std::string text;
-    for (const auto& each : all) {
+    for (const auto& outcome : all) {
+      if (const auto* unread = std::get_if<Unreadable>(&outcome)) {
+        text += unread->file + ": unreadable, see the message\n";
+        continue;
+      }
+      const auto& each = std::get<Judged>(outcome);
       text += each.file + (each.curve.empty() ? "" : ", " + each.curve) + ": " + each.result.summary() + "\n";
       for (const auto& [points, name] : {std::pair{&each.result.outliers, "outliers"}, {&each.result.mains, "mains"}})
         if (!points->empty())
@@ -200,11 +259,11 @@ class Validate : public Command {
     return text;
   }
 
-  void draw(const std::vector<Judged>& all) const {
+  void draw(const std::vector<const Judged*>& all) const {
     report::Figure figure;
     constexpr std::size_t most_panels = 12;
     for (std::size_t i = 0; i < std::min(all.size(), most_panels); ++i)
-      if (!all[i].result.model.empty()) figure.panels.push_back(panel_of(all[i]));
+      if (!all[i]->result.model.empty()) figure.panels.push_back(panel_of(*all[i]));
     if (all.size() > most_panels) say("the picture shows the first 12 curves of " + std::to_string(all.size()));
     if (figure.panels.empty()) {
       say("no picture: no curve has points enough");

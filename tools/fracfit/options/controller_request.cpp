@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "options/controller_request.hpp"
 
-#include <algorithm>
 #include <limits>
 #include <stdexcept>
 #include <vector>
 
-#include "io/version.hpp"
 #include "output/controller_output.hpp"
 
 namespace fracfit {

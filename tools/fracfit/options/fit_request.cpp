@@ -2,14 +2,12 @@
 #include "options/fit_request.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <limits>
 #include <stdexcept>
 
 #include "frac/identification/outliers.hpp"
 #include "io/data_error.hpp"
 #include "options/model_options.hpp"
-#include "output/aligned_table.hpp"
 
 namespace fracfit {
 namespace {
@@ -27,19 +25,6 @@ frac::Realisation realisation_of(const FitRequest& request) {
   const int poles = static_cast<int>(*request.poles);
   if (request.realisation == "ladder") return frac::LadderRealisation(*request.band, poles);
   return frac::OustaloupRealisation{*request.band, poles};
-}
-
-// "2 of 60 points contradict their neighbours on both sides (omega = 1, 3 rad/s)"
-std::string contradicted_points(const frac::FrequencyResponseData& data, const std::vector<std::size_t>& points) {
-  std::string omega;
-  for (const std::size_t point : points) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.4g", data.omega()[point]);
-    omega += (omega.empty() ? "" : ", ") + std::string(text);
-  }
-  return std::to_string(points.size()) + " of " + std::to_string(data.size()) +
-         (points.size() == 1 ? " points contradicts its" : " points contradict their") +
-         " neighbours on both sides (omega = " + omega + " rad/s)";
 }
 
 }  // namespace
@@ -145,10 +130,9 @@ std::string where_text(const FitRequest& request) {
 
 std::vector<std::size_t> outliers_left_out(const FitRequest& request, const frac::FrequencyResponseData& data,
                                            const std::function<void(const std::string&)>& note) {
-  if (request.outliers == "keep" || request.loss != frac::Loss::none) return {};
-  auto points = frac::isolated_outliers(data, request.component);
-  if (!points.empty())
-    note(contradicted_points(data, points) + "; they are left out, and taken in with --outliers keep");
+  if (request.outliers == "keep") return {};
+  auto points = frac::left_out_of_fit(data, fit_options(request));
+  if (!points.empty()) note(frac::left_out_sentence(data, points) + ", and taken in with --outliers keep");
   return points;
 }
 
@@ -158,9 +142,7 @@ bool take_back_met(std::vector<std::size_t>& left_out, const frac::FrequencyResp
   const auto met = frac::points_met(data, left_out, options, fit);
   if (met.empty()) return false;
   std::erase_if(left_out, [&](std::size_t point) { return std::binary_search(met.begin(), met.end(), point); });
-  std::string at;
-  for (const std::size_t point : met) at += " " + short_number(data.omega()[point]);
-  note("the model meets what was left out at omega =" + at + " to within the noise, so that it is taken in again");
+  note(frac::taken_back_sentence(data, met));
   return true;
 }
 

@@ -213,6 +213,11 @@ Json events_json(const std::vector<backlash::CycleEvent>& events) {
 Json events_json(const backlash::CycleContinuation& followed) {
   Json json = Json::object();
   json["events"] = events_json(followed.events);
+  const auto intervals = [](const std::vector<backlash::ParameterInterval>& all) {
+    Json list = Json::array();
+    for (const backlash::ParameterInterval& each : all) list.push_back({each.from, each.to});
+    return list;
+  };
   Json& branches = json["branches"] = Json::array();
   for (const backlash::CycleBranch& branch : followed.branches) {
     Json samples = Json::array();
@@ -225,16 +230,15 @@ Json events_json(const backlash::CycleContinuation& followed) {
                          {"impact_speed", sample.cycle.impacts.front().speed},
                          {"middle", sample.cycle.middle}});
     }
-    branches.push_back(
-        {{"born_at", branch.born_at}, {"samples", std::move(samples)}, {"events", events_json(branch.events)}});
+    branches.push_back({{"born_at", branch.born_at},
+                        {"samples", std::move(samples)},
+                        {"events", events_json(branch.events)},
+                        {"admissible", intervals(branch.admissible)},
+                        {"stable", intervals(branch.stable)}});
   }
-  const auto intervals = [](const std::vector<backlash::ParameterInterval>& all) {
-    Json list = Json::array();
-    for (const backlash::ParameterInterval& each : all) list.push_back({each.from, each.to});
-    return list;
-  };
   json["without_cycles"] = intervals(followed.without_cycles);
   json["without_stable_cycles"] = intervals(followed.without_stable_cycles);
+  json["simulated_at"] = followed.simulated;
   return json;
 }
 
@@ -249,11 +253,21 @@ std::string events_text(const std::string& name, const backlash::CycleContinuati
     text += paragraph(line + ".", 2);
   }
   for (const backlash::CycleBranch& branch : followed.branches) {
-    const auto is_stable = [](const auto& sample) { return sample.cycle.stability.stable; };
-    const bool all = std::all_of(branch.samples.begin(), branch.samples.end(), is_stable);
-    const bool any = std::any_of(branch.samples.begin(), branch.samples.end(), is_stable);
-    const std::string manner = all ? "a stable" : any ? "a partly stable" : "an unstable";
-    std::string line = "From " + name + " = " + precise(branch.born_at) + " " + manner + " asymmetric cycle";
+    std::string manner;
+    for (const backlash::ParameterInterval& each : branch.stable) {
+      manner += (manner.empty() ? ", stable from " : " and from ") + precise(each.from) + " to " + precise(each.to);
+    }
+    if (manner.empty()) manner = ", nowhere stable";
+    if (std::isnan(branch.born_at)) {
+      const backlash::ImpactCycle& cycle = branch.samples.front().cycle;
+      const auto& [from, to] = branch.admissible.front();
+      text += paragraph("Found by simulation: " + std::string(cycle.symmetric ? "a symmetric" : "an asymmetric") +
+                            " cycle of " + std::to_string(cycle.impacts.size()) + " impacts, a motion from " + name +
+                            " = " + precise(from) + " to " + precise(to) + " at least" + manner + ".",
+                        2);
+      continue;
+    }
+    std::string line = "From " + name + " = " + precise(branch.born_at) + " an asymmetric cycle";
     bool has_end = false;
     for (const backlash::CycleEvent& event : branch.events) {
       const std::string kind(backlash::to_string(event.kind));
@@ -262,7 +276,7 @@ std::string events_text(const std::string& name, const backlash::CycleContinuati
                       : ", " + kind + " at " + precise(event.parameter) + ",";
     }
     if (!has_end) line += " goes on to " + precise(branch.samples.back().parameter) + " at least";
-    text += paragraph(line + ".", 2);
+    text += paragraph(line + manner + ".", 2);
   }
   const auto intervals = [&](const std::vector<backlash::ParameterInterval>& all, const std::string& what) {
     if (all.empty()) return;
@@ -271,8 +285,19 @@ std::string events_text(const std::string& name, const backlash::CycleContinuati
       list += (list.empty() ? "" : ", ") + precise(each.from) + " to " + precise(each.to);
     text += paragraph("No " + what + " for " + name + " from " + list + ".");
   };
-  intervals(followed.without_cycles, "symmetric cycle");
-  intervals(followed.without_stable_cycles, "stable symmetric cycle");
+  intervals(followed.without_cycles, "cycle");
+  intervals(followed.without_stable_cycles, "stable cycle");
+  if (!followed.without_stable_cycles.empty()) {
+    std::string searched =
+        "Looked for were all symmetric cycles of two impacts per period and the asymmetric ones that begin where those "
+        "break their symmetry";
+    if (!followed.simulated.empty()) {
+      searched +=
+          "; where none of them is stable, cycles of up to twelve impacts that simulated motions settle on, at " +
+          std::to_string(followed.simulated.size()) + (followed.simulated.size() == 1 ? " value" : " values");
+    }
+    text += paragraph(searched + ".");
+  }
   return text;
 }
 

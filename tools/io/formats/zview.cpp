@@ -3,7 +3,6 @@
 // repeats all of it.
 #include "io/fields.hpp"
 #include "io/formats/format.hpp"
-#include "io/number.hpp"
 
 namespace io {
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 import difflib
 import math
 import re
+import warnings
 from functools import cached_property
 from typing import Any, Iterator, Mapping, Sequence
 
@@ -38,6 +39,8 @@ class FitResult:
     confidence_of_optimum, condition, noise_floor, noise_correlation, gain_factor : float
     outliers : list of int
         Points whose residual exceeds five robust standard deviations.
+    left_out : list of int
+        Points that contradict their neighbours on both sides and were not fitted, see the option ``outliers`` of `fit`.
 
     Examples
     --------
@@ -77,7 +80,7 @@ class FitResult:
 
     @property
     def data(self) -> Any:
-        """What was fitted."""
+        """What was given, with the points that were left out."""
         return self._data
 
     @property
@@ -162,7 +165,11 @@ class FitResult:
     def _data_arrays(self) -> dict[str, Any]:
         if self._data is None:
             raise ValueError("this result has no data with it; those of identify() and batch() have them")
-        return self._data._arrays()
+        arrays = self._data._arrays()
+        left_out = self._values.get("left_out", [])
+        if not left_out:
+            return arrays
+        return {key: np.delete(each, left_out) if each.size else each for key, each in arrays.items()}
 
     def _request(self) -> dict[str, Any]:
         return {**self._options, "constraints": self._values["constraints"], "global_start": self._values["global_start"]}
@@ -202,7 +209,9 @@ class FitResult:
         ]
 
     def __repr__(self) -> str:
-        return self.summary()
+        left_out = self._values.get("left_out", [])
+        at = ", ".join(f"{omega:.6g}" for omega in self._data.omega[left_out]) if left_out else ""
+        return self.summary() + (f"\nleft out: omega = {at} rad/s" if at else "")
 
     def _repr_html_(self) -> str:
         head = ["parameter", "value", "standard error", "from", "to (95 %)", ""]
@@ -216,6 +225,7 @@ def fit(
     component: str = "both",
     weight: str = "learned",
     loss: str = "none",
+    outliers: str = "leave-out",
     fixed: Mapping[str, float] | None = None,
     bounds: Mapping[str, tuple[float | None, float | None]] | None = None,
     start: Mapping[str, float] | None = None,
@@ -240,6 +250,9 @@ def fit(
     weight : {"learned", "relative", "absolute", "given", "smoothed-relative", "log-complex", "repeats"}
         What residuals are divided by.  Over time the sigma of the record counts where it has one.
     loss : {"none", "huber", "cauchy"}
+    outliers : {"leave-out", "keep"}
+        What becomes of points of a response that contradict their neighbours on both sides; a warning names them.  A
+        robust loss keeps them.
     fixed, bounds, start : mapping, optional
         What is known of parameters beforehand; ``bounds={"K": (None, None)}`` lifts the limits of K.
     realisation : mapping, optional
@@ -272,6 +285,7 @@ def fit(
         "component": component,
         "weight": weight,
         "loss": loss,
+        "outliers": outliers,
         "realisation": dict(realisation or EXACT),
         "noise_floor": noise_floor,
         "loss_scale": loss_scale,
@@ -288,7 +302,9 @@ def fit(
         return FitResult(_fitting.fit_record(data._arrays(), name, options), data, options)
     if not isinstance(data, FrequencyResponse):
         raise ValueError(f"data are of the type {type(data).__name__}; expected FrequencyResponse or TimeSeries")
-    return FitResult(_fitting.fit_spectrum(data._arrays(), name, options), data, options)
+    found = _fitting.fit_spectrum(data._arrays(), name, options)
+    _warn(found.notes())
+    return FitResult(found, data, options)
 
 
 class BatchResult(Sequence[Any]):
@@ -352,6 +368,8 @@ def batch(
 ) -> BatchResult:
     """Fits one structure to each of many frequency responses, in parallel.
 
+    The ``left_out`` of each result says what of its points was not fitted, without a warning.
+
     Parameters
     ----------
     data : sequence of FrequencyResponse
@@ -375,7 +393,7 @@ def batch(
         if not isinstance(curve, FrequencyResponse):
             raise ValueError(f"data[{i}] is of the type {type(curve).__name__}; expected FrequencyResponse")
     name, starts = _structure(model)
-    known = ("component", "weight", "loss", "realisation", "noise_floor", "loss_scale", "seed", "global_start")
+    known = ("component", "weight", "loss", "outliers", "realisation", "noise_floor", "loss_scale", "seed", "global_start")
     request: dict[str, Any] = {"component": "both", "weight": "learned", "realisation": dict(EXACT)}
     for key, value in options.items():
         if key not in (*known, "fixed", "bounds", "start"):
@@ -406,6 +424,8 @@ class Identification(_Record):
     chosen : int
         Index of the simplest that is as good as the best.
     skipped : list of str
+    left_out : list of int
+        Points that contradict their neighbours on both sides and were left out.
     usable : bool
     """
 
@@ -434,6 +454,7 @@ def identify(
     component: str = "both",
     weight: str = "relative",
     loss: str = "none",
+    outliers: str = "leave-out",
     realisation: Mapping[str, Any] | None = None,
     seed: int = 1,
     offset: float | None = None,
@@ -449,6 +470,8 @@ def identify(
         Formulas, presets and families such as ``"rational:1..8"``; all presets and families if empty.
     curves : mapping of str to array_like, optional
         Further candidates given by their values at the frequencies of the data.
+    component, weight, loss, outliers, ...
+        As of `fit`.  (The command line weights by "learned" unless told otherwise.)
 
     Examples
     --------
@@ -464,6 +487,7 @@ def identify(
         "component": component,
         "weight": weight,
         "loss": loss,
+        "outliers": outliers,
         "realisation": dict(realisation or EXACT),
         "seed": seed,
         "offset": offset,
@@ -472,7 +496,9 @@ def identify(
     }
     given = {name: complex_array(value, name) for name, value in (curves or {}).items()}
     found = _fitting.identify(data._arrays(), names, given, options, threads)
+    _warn(found.pop("notes"))
     for each in found["ranking"]:
+        each["fit"]["left_out"] = found["left_out"]
         each["fit"]["constraints"] = each.pop("constraints")
         each["fit"]["global_start"] = not each["from_family"]
         each["fit"] = FitResult(each["fit"], data, options)
@@ -747,6 +773,11 @@ def presets() -> dict[str, str]:
     'K s^a'
     """
     return {name: formula for name, formula, _ in _fitting.presets()}
+
+
+def _warn(notes: Sequence[str]) -> None:
+    for note in notes:
+        warnings.warn(note, stacklevel=3)
 
 
 def _structure(model: Model | str) -> tuple[str, dict[str, float]]:

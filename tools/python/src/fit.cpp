@@ -12,15 +12,18 @@
 #include "parts.hpp"
 #include "realisation_choice.hpp"
 #include "run.hpp"
+#include "screening.hpp"
 
 namespace python {
 namespace {
 
-// A fit with the constraints and the kind of start it was made with, kept as it is until Python asks for its values.
+// A fit with the constraints and the kind of start it was made with, and the points it left out, kept as it is until
+// Python asks for its values.
 struct Fitted {
   frac::FitResult result;
   std::vector<frac::ParameterConstraint> constraints;
   bool global_start = true;
+  Screening screening = {};
 };
 
 // The model as given, or the member of a family that suits the data.
@@ -34,6 +37,22 @@ Fitted fitted(const Data& data, const frac::NamedModel& model,
   options.constraints = member.constraints;
   options.global_start = false;
   return {frac::fit(data, frac::Structure(member.formula), options), member.constraints, false};
+}
+
+// The same to what outliers leave.
+Fitted fitted_to_others(const frac::FrequencyResponseData& data, const frac::NamedModel& model,
+                        const std::vector<frac::ParameterConstraint>& constraints, const frac::FitOptions& options,
+                        bool keep) {
+  Screening screening(data, options, keep);
+  Fitted fit = fitted(screening.others(data), model, constraints, options);
+  auto made_with = options;
+  made_with.constraints = fit.constraints;
+  made_with.global_start = fit.global_start;
+  if (screening.take_back_met(data, made_with, fit.result))
+    fit = fitted(screening.others(data), model, constraints, options);
+  screening.restore_indices(fit.result.outliers);
+  fit.screening = std::move(screening);
+  return fit;
 }
 
 // A family has its names and ranges with the data only.
@@ -50,6 +69,7 @@ py::dict dict_of_fitted(const Fitted& fit) {
   py::dict result = dict_of(fit.result);
   result["constraints"] = list_of(fit.constraints);
   result["global_start"] = fit.global_start;
+  result["left_out"] = fit.screening.left_out;
   return result;
 }
 
@@ -67,7 +87,8 @@ Fitted fit_spectrum(const py::dict& data, const std::string& name, const py::dic
   const auto constraints = asked_constraints(model, given);
   const frac::FitOptions options = fit_options(given);
   const frac::FrequencyResponseData points = spectrum_of(data);
-  const auto work = [&] { return fitted(points, model, constraints, options); };
+  const bool keep = keeps_outliers(given);
+  const auto work = [&] { return fitted_to_others(points, model, constraints, options, keep); };
   if (is_short(points, model, options)) return run_here(work);
   return result_of([&](frac::Progress&) { return work(); });
 }
@@ -86,6 +107,7 @@ py::list fit_many(const py::list& data, const std::string& name, const py::dict&
   const frac::NamedModel model = frac::find_model(name);
   const auto constraints = asked_constraints(model, given);
   const frac::FitOptions options = fit_options(given);
+  const bool keep = keeps_outliers(given);
   std::vector<frac::FrequencyResponseData> curves;
   for (const auto& each : data) curves.push_back(spectrum_of(each.cast<py::dict>()));
   using Outcome = std::variant<std::string, Fitted>;
@@ -95,7 +117,7 @@ py::list fit_many(const py::list& data, const std::string& name, const py::dict&
         progress.total = curves.size();
         frac::parallel_for(curves.size(), threads, [&](std::size_t i) {
           try {
-            all[i] = fitted(curves[i], model, constraints, options);
+            all[i] = fitted_to_others(curves[i], model, constraints, options, keep);
           } catch (const std::invalid_argument& reason) {
             all[i] = std::string(reason.what());
           }
@@ -178,7 +200,9 @@ py::array response_deviation(const py::dict& fit, const py::dict& realisation, c
 }  // namespace
 
 void add_fit(py::module_& module) {
-  py::class_<Fitted>(module, "Fitted").def("as_dict", &dict_of_fitted);
+  py::class_<Fitted>(module, "Fitted").def("as_dict", &dict_of_fitted).def("notes", [](const Fitted& fit) {
+    return fit.screening.notes;
+  });
   module.def("fit_spectrum", &fit_spectrum);
   module.def("fit_record", &fit_record);
   module.def("fit_many", &fit_many);

@@ -2,6 +2,7 @@
 #include "fit_request.hpp"
 
 #include <limits>
+#include <stdexcept>
 #include <string>
 #include <tuple>
 
@@ -107,6 +108,14 @@ frac::TimeFitOptions time_fit_options(const py::dict& given) {
   take(options.global_start, given, "global_start");
   if (given.contains("constraints")) options.constraints = constraints_from(given["constraints"].cast<py::list>());
   return options;
+}
+
+bool keeps_outliers(const py::dict& given) {
+  const auto text = text_of(given, "outliers");
+  if (text == "keep") return true;
+  if (!text.empty() && text != "leave-out")
+    throw std::invalid_argument("outliers \"" + text + "\": expected one of leave-out, keep");
+  return false;
 }
 
 frac::FrequencyResponseData spectrum_of(const py::dict& data) {

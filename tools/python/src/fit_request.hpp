@@ -15,6 +15,9 @@ namespace python {
 [[nodiscard]] frac::FitOptions fit_options(const pybind11::dict& given);
 [[nodiscard]] frac::TimeFitOptions time_fit_options(const pybind11::dict& given);
 
+/// Whether "outliers" says keep rather than leave-out, which it says unless given.
+[[nodiscard]] bool keeps_outliers(const pybind11::dict& given);
+
 /// Data from a dict of arrays: omega, response, sigma; time, input, output, sigma, hold, input_at_rest, kept.
 [[nodiscard]] frac::FrequencyResponseData spectrum_of(const pybind11::dict& data);
 [[nodiscard]] frac::TimeResponseData record_of(const pybind11::dict& data);

@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frac/identification/identify.hpp"
 
+#include <complex>
+#include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "arrays.hpp"
 #include "fit_request.hpp"
 #include "parts.hpp"
 #include "run.hpp"
+#include "screening.hpp"
 
 namespace python {
 namespace {
@@ -52,21 +57,72 @@ std::vector<frac::NamedModel> models_of(const std::vector<std::string>& names) {
   return models;
 }
 
-py::dict identify(const py::dict& data, const std::vector<std::string>& names, const py::dict& curves,
-                  const py::dict& given, int threads) {
-  if (data.contains("omega")) {
-    const auto models = names.empty() ? frac::default_candidates() : models_of(names);
-    const frac::FitOptions options = fit_options(given);
-    const frac::FrequencyResponseData points = spectrum_of(data);
-    std::vector<frac::FixedCurve> fixed;
-    for (const auto& [name, value] : curves)
-      fixed.push_back({name.cast<std::string>(), vector_of(value.cast<Complexes>())});
-    return dict_of(result_of([&](frac::Progress&) { return frac::identify(points, models, fixed, options, threads); }));
+// Curves at the points that are not left out.
+std::vector<frac::FixedCurve> at_others(std::vector<frac::FixedCurve> curves, const Screening& screening) {
+  for (auto& curve : curves) {
+    std::vector<std::complex<double>> others;
+    for (std::size_t i = 0; i < curve.value.size(); ++i)
+      if (!screening.leaves_out(i)) others.push_back(curve.value[i]);
+    curve.value = std::move(others);
   }
+  return curves;
+}
+
+std::vector<frac::FixedCurve> fixed_curves(const py::dict& given, std::size_t points) {
+  std::vector<frac::FixedCurve> curves;
+  for (const auto& [name, value] : given) {
+    curves.push_back({name.cast<std::string>(), vector_of(value.cast<Complexes>())});
+    if (curves.back().value.size() != points)
+      throw std::invalid_argument("curve " + curves.back().name + " has " + std::to_string(curves.back().value.size()) +
+                                  " values; expected one for each of the " + std::to_string(points) + " frequencies");
+  }
+  return curves;
+}
+
+py::dict identify_spectrum(const py::dict& data, const std::vector<std::string>& names, const py::dict& curves,
+                           const py::dict& given, int threads) {
+  const auto models = names.empty() ? frac::default_candidates() : models_of(names);
+  const frac::FitOptions options = fit_options(given);
+  const bool keep = keeps_outliers(given);
+  const frac::FrequencyResponseData points = spectrum_of(data);
+  const auto fixed = fixed_curves(curves, points.size());
+  Screening screening;
+  const auto result = result_of([&](frac::Progress&) {
+    screening = Screening(points, options, keep);
+    const auto ranked = [&] {
+      return frac::identify(screening.others(points), models, at_others(fixed, screening), options, threads);
+    };
+    auto ranking = ranked();
+    const frac::RankedFit& best = ranking.ranking.at(ranking.chosen);
+    auto made_with = options;
+    made_with.constraints = best.model.constraints;
+    // A given curve is no formula that could be fitted to a point more.
+    const bool is_fitted = best.model_class != frac::ModelClass::fixed_curve;
+    if (is_fitted && screening.take_back_met(points, made_with, best.fit)) ranking = ranked();
+    for (auto& each : ranking.ranking) screening.restore_indices(each.fit.outliers);
+    return ranking;
+  });
+  py::dict dict = dict_of(result);
+  dict["left_out"] = screening.left_out;
+  dict["notes"] = screening.notes;
+  return dict;
+}
+
+py::dict identify_record(const py::dict& data, const std::vector<std::string>& names, const py::dict& given,
+                         int threads) {
   const auto models = names.empty() ? frac::default_candidates_over_time() : models_of(names);
   const frac::TimeFitOptions options = time_fit_options(given);
   const frac::TimeResponseData record = record_of(data);
-  return dict_of(result_of([&](frac::Progress&) { return frac::identify(record, models, options, threads); }));
+  py::dict dict = dict_of(result_of([&](frac::Progress&) { return frac::identify(record, models, options, threads); }));
+  dict["left_out"] = py::list();
+  dict["notes"] = py::list();
+  return dict;
+}
+
+py::dict identify(const py::dict& data, const std::vector<std::string>& names, const py::dict& curves,
+                  const py::dict& given, int threads) {
+  return data.contains("omega") ? identify_spectrum(data, names, curves, given, threads)
+                                : identify_record(data, names, given, threads);
 }
 
 }  // namespace

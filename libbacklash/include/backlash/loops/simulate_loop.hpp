@@ -85,7 +85,9 @@ struct LoopSimulationOptions {
   /// Sums over all earlier impacts instead, exact but for rounding; for two free masses with the load measured, a
   /// controller that is a sum of powers with a dead time, restitution above 0, and without limit of the force.
   bool whole_memory = false;
-  double force_limit = std::numeric_limits<double>::infinity();  // N, > 0: of the actuator
+  /// N, > 0: of the actuator.  Without one a derivative of order 1 that meets a step of the set-point throws mass 2 at
+  /// once, by its gain times the step over the mass; with one nothing of that impulse arrives.
+  double force_limit = std::numeric_limits<double>::infinity();
   bool rows_at_impacts = true;                                   // else samples alone
 };
 

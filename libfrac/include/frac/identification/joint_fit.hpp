@@ -46,7 +46,8 @@ struct JointFitOptions {
   /// is used.
   std::vector<std::string> laws;
   /// Adds aT, and bT where wanted, to the parameters of each curve; they may follow laws.  Neighbours in the list
-  /// should overlap: starts come from laying each on the one before it.
+  /// should overlap: starts come from laying each on the one before it.  Where aT follows a law, the law says which
+  /// curve is the master curve itself, whatever the reference.
   std::optional<CurveShift> shift = {};
   int threads = 0;  // 0: one per core; without influence on the result
 };
@@ -80,7 +81,8 @@ struct JointFitResult {
   std::size_t starts, starts_at_best;      // joint searches, and how many of them ended at the least cost
   /// Chance that curves which do share these parameters ask for separate ones as strongly as these do (F test of the
   /// joint fit against the fits alone, white noise taken for granted): small where the curves do not share them.  NaN
-  /// where a curve has no fit of its own, or where nothing is left to compare.
+  /// where a curve has no fit of its own, or where nothing is left to compare.  Where shift factors follow laws, the
+  /// same of these laws against a factor of each curve, without loss and priors.
   double sharing_p_value;
   double condition;   // of the scaled Fisher matrix of the shared parameters, the others fitted along
   double half_width;  // of a 95 % interval in standard errors (Student's t)
@@ -99,7 +101,8 @@ struct JointFitResult {
 /// has a scale of its own in each curve, that of its fit alone.  Fits alone know no priors.  Intervals come from the
 /// full covariance and allow for correlated neighbours as those of fit(); those of parameters fitted by their logarithm
 /// are even in the logarithm. With a shift no curve is fitted alone: each is laid on its neighbour, the structure
-/// fitted to all of them as one curve, and the noise told by what each leaves.
+/// fitted to all of them as one curve, and the noise told by what each leaves; a weight that is learned is learned with
+/// the curves where the joint fit lays them, so that their order tells nothing.
 /// @throws std::invalid_argument  as fit(); no curve; a shared name that is unknown, repeated or fixed, or none beside
 ///     neither law nor shift; an order of parameters of which the greater one is shared and the lesser one is not, or
 ///     one is of a law; a prior of a parameter that follows a law; with a shift weight `repeats`, a reference that is

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "frac/identification/fit.hpp"
@@ -21,6 +22,16 @@ namespace frac {
 /// None is named below 12 points, among repeats, for magnitude or phase alone, and where they would be more than 15 %
 /// of the data: then the noise itself has long tails.
 [[nodiscard]] std::vector<std::size_t> isolated_outliers(const FrequencyResponseData& data, Component component);
+
+/// Points that a fit with these options leaves out unless asked to keep them: isolated_outliers(), but none under a
+/// robust loss, which limits what they do.
+[[nodiscard]] std::vector<std::size_t> left_out_of_fit(const FrequencyResponseData& data, const FitOptions& options);
+
+/// What is told of points that are left out and of those that points_met() takes back, without a stop at the end.
+/// @param points  indices of the data, at least one
+[[nodiscard]] std::string left_out_sentence(const FrequencyResponseData& data, const std::vector<std::size_t>& points);
+[[nodiscard]] std::string taken_back_sentence(const FrequencyResponseData& data,
+                                              const std::vector<std::size_t>& points);
 
 /// Those of some points that go with the others after all: a fit to these and the point, from the estimates of `fit`,
 /// meets it to within three times the rms that `fit` has, and its own rms is no more than a twentieth larger.  None

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <optional>
 #include <stdexcept>
@@ -14,10 +15,12 @@
 #include "identification/data/fit_data.hpp"
 #include "identification/data/formula_checks.hpp"
 #include "identification/search/robust.hpp"
+#include "identification/statistics/definition.hpp"
 #include "joint_confidence.hpp"
 #include "joint_result.hpp"
 #include "noise_levels.hpp"
 #include "shift.hpp"
+#include "special/distributions.hpp"
 
 namespace frac {
 namespace {
@@ -278,17 +281,23 @@ std::vector<double> noise_left(std::vector<detail::CurveResiduals>& curves, cons
   return moderated(told);
 }
 
-Preparation from_superposition(const std::vector<JointCurve>& curves, const Structure& master,
-                               const Structure& structure, const JointFitOptions& options) {
+/// What the options say of parameters of the structure itself, without shift factors and laws.
+FitOptions options_of_master(const Structure& master, const JointFitOptions& options) {
   FitOptions of_master = options.fit;
-  std::erase_if(of_master.constraints, [](const ParameterConstraint& each) {
-    return each.name == horizontal_shift || each.name == vertical_shift;
+  const auto& names = master.parameter_names();
+  std::erase_if(of_master.constraints, [&](const ParameterConstraint& each) {
+    return std::find(names.begin(), names.end(), each.name) == names.end();
   });
-  const detail::Superposition found = detail::superposed(curves, master, *options.shift, of_master);
+  return of_master;
+}
+
+Preparation from_superposition(const std::vector<JointCurve>& curves, const Structure& master,
+                               const Structure& structure, const CurveShift& shift, const FitOptions& of_master) {
+  const detail::Superposition found = detail::superposed(curves, master, shift, of_master);
   if (!found.master.usable())
     throw std::invalid_argument("no fit of " + master.formula() + " to all curves as one: " + found.master.message);
   Preparation result{Alone(curves.size()), {}, {}, std::vector<double>(curves.size(), found.master.rms)};
-  if (!(found.master.rms > 0) || options.fit.weight == Weight::given) result.noise.assign(curves.size(), 1.0);
+  if (!(found.master.rms > 0) || of_master.weight == Weight::given) result.noise.assign(curves.size(), 1.0);
   for (std::size_t c = 0; c < curves.size(); ++c) {
     std::vector<double>& values = result.values.parameters.emplace_back();
     for (const std::string& name : structure.parameter_names()) {
@@ -299,7 +308,7 @@ Preparation from_superposition(const std::vector<JointCurve>& curves, const Stru
                                                 : of->value);
     }
     result.values.from_curve.push_back(false);
-    result.rules.push_back(detail::residual_rule(curves[c].data, detail::settled(options.fit, found.master)));
+    result.rules.push_back(detail::residual_rule(curves[c].data, detail::settled(of_master, found.master)));
   }
   return result;
 }
@@ -376,43 +385,201 @@ OmegaRange range_of(const std::vector<JointCurve>& curves) {
   return range;
 }
 
+/// A search of all variables from what is known before: of the problem, its laws, and where it ended.
+class Search {
+ public:
+  Search(const std::vector<JointCurve>& curves, const Structure& structure, JointFitOptions options,
+         const Preparation& known, const detail::Laws& laws) {
+    const std::vector<ParameterConstraint> of_laws = taken_out(options.fit.constraints, laws);
+    free_driven(options.fit.constraints, structure, laws);
+    std::vector<double> law_starts;
+    const std::vector<detail::JointVariable> variables = variables_of(laws, of_laws, known.values, law_starts);
+    const OmegaRange range = range_of(curves);
+    layout_.emplace(structure, options, laws, variables, of_laws, range.lower, range.upper);
+    problem_ = problem_of(curves, structure, options.fit, *layout_, known);
+    shared_ = shared_starts(*layout_, known.values, known.alone, law_starts);
+    own_ = own_starts(*layout_, known.values);
+  }
+  Search(const Search&) = delete;
+  Search& operator=(const Search&) = delete;
+
+  /// @throws std::invalid_argument  there are more free parameters than residuals
+  void run(const JointFitOptions& options, const Preparation& known, JointFitResult& result) {
+    count(problem_, *layout_, result);
+    point = search(problem_, *layout_, shared_, own_, result);
+    if (!std::isfinite(point.cost)) return;
+    squares_at_known_noise = detail::cost_of_data(problem_, point).squares;
+    if (!options.shift || options.fit.weight == Weight::given) return;
+    noise = noise_left(problem_, *layout_, point, options.fit.loss);
+    for (std::size_t c = 0; c < problem_.size(); ++c) problem_[c].set_noise(noise[c]);
+    set_losses(problem_, known.alone, options.fit);
+    point = search(problem_, *layout_, shared_, own_, result);
+  }
+
+  [[nodiscard]] std::vector<double> parameters(std::size_t curve) const {
+    return layout_->parameters(point.shared, point.own[curve], curve);
+  }
+  [[nodiscard]] const detail::JointLayout& layout() const { return *layout_; }
+  [[nodiscard]] std::vector<detail::CurveResiduals>& problem() { return problem_; }
+
+  detail::JointPoint point;
+  std::vector<double> noise;          // that the search left, where it is not given
+  double squares_at_known_noise = 0;  // cost with the noise it began with
+
+ private:
+  std::optional<detail::JointLayout> layout_;
+  std::vector<detail::CurveResiduals> problem_;
+  std::vector<std::vector<double>> shared_, own_;
+};
+
+/// Shift factors of each curve in a list of values by the structure.
+struct ShiftFactors {
+  std::vector<double> horizontal, vertical;
+};
+ShiftFactors factors_in(const std::vector<std::vector<double>>& values, const Structure& structure) {
+  ShiftFactors result;
+  const std::size_t along = structure.parameter_index(horizontal_shift);
+  const auto& names = structure.parameter_names();
+  const auto up = std::find(names.begin(), names.end(), vertical_shift);
+  for (const std::vector<double>& each : values) {
+    result.horizontal.push_back(each[along]);
+    result.vertical.push_back(up == names.end() ? 1 : each[static_cast<std::size_t>(up - names.begin())]);
+  }
+  return result;
+}
+
+/// A fit to all curves as one, taken as the start of each.
+void start_at(const FitResult& master, const Structure& structure, Preparation& known) {
+  for (const ParameterEstimate& each : master.parameters) {
+    const std::size_t place = structure.parameter_index(each.name);
+    for (std::vector<double>& values : known.values.parameters) values[place] = each.value;
+  }
+}
+
+/// The options without the laws of shift factors, and without what is said of parameters of these laws alone.
+JointFitOptions with_free_shifts(const JointFitOptions& options, const Structure& structure,
+                                 const std::vector<JointCurve>& curves, const detail::Laws& laws) {
+  JointFitOptions free = options;
+  std::erase_if(free.laws, [&](const std::string& law) {
+    const auto [driven, right] = detail::split_definition(law);
+    return driven == horizontal_shift || driven == vertical_shift;
+  });
+  const detail::Laws left(structure, free, curves);
+  std::erase_if(free.fit.constraints,
+                [&](const ParameterConstraint& each) { return laws.has(each.name) && !left.has(each.name); });
+  return free;
+}
+
+/// What a fit with a shift factor of each curve leaves.
+struct FreeShifts {
+  double squares;  // each residual by the noise of its curve
+  std::size_t residuals, free_parameters;
+};
+
+/// Fits the curves with free shift factors, which then stand in what is known, with the noise they leave.  Where the
+/// weight is learned it is learned anew with the curves where that fit lays them, until they stay: where neighbours
+/// lay them first depends on the order of the curves.
+/// @return  none where free factors are more than the residuals tell, or nothing was found
+std::optional<FreeShifts> fit_free_shifts(const std::vector<JointCurve>& curves, const Structure& master,
+                                          const Structure& structure, const JointFitOptions& options,
+                                          const FitOptions& of_master, Preparation& known) {
+  const detail::Laws laws(structure, options, curves);
+  const bool learns = options.fit.weight == Weight::learned && !options.fit.noise_floor;
+  constexpr int most_rounds = 8;
+  constexpr double stays = 1e-6;  // change of a factor, far below its interval
+  for (int round = 0; round < most_rounds; ++round) {
+    Search search(curves, structure, options, known, laws);
+    JointFitResult counts{};
+    search.run(options, known, counts);
+    if (!std::isfinite(search.point.cost)) return std::nullopt;
+    const ShiftFactors before = factors_in(known.values.parameters, structure);
+    for (std::size_t c = 0; c < curves.size(); ++c) known.values.parameters[c] = search.parameters(c);
+    if (!search.noise.empty()) known.noise = search.noise;
+    const ShiftFactors now = factors_in(known.values.parameters, structure);
+    double moved = 0;
+    for (std::size_t c = 0; c < curves.size(); ++c)
+      moved = std::max({moved, std::abs(std::log(now.horizontal[c] / before.horizontal[c])),
+                        std::abs(std::log(now.vertical[c] / before.vertical[c]))});
+    if (!learns || (round > 0 && moved < stays) || round + 1 == most_rounds)
+      return FreeShifts{detail::cost_of_data(search.problem(), search.point).squares, counts.residuals,
+                        counts.free_parameters};
+    const FitResult all = detail::fit_laid(curves, now.horizontal, now.vertical, master, of_master);
+    if (!all.usable()) return std::nullopt;
+    for (std::size_t c = 0; c < curves.size(); ++c)
+      known.rules[c] = detail::residual_rule(curves[c].data, detail::settled(options.fit, all));
+  }
+  return std::nullopt;
+}
+
+/// Laws of shift factors say where the master curve itself stands, which need not be the reference: the structure is
+/// fitted to all curves where the laws lay them.
+void lay_by_laws(const std::vector<JointCurve>& curves, const Structure& master, const Structure& structure,
+                 JointFitOptions options, const FitOptions& of_master, const detail::Laws& laws, Preparation& known) {
+  const std::vector<ParameterConstraint> of_laws = taken_out(options.fit.constraints, laws);
+  std::vector<double> values;
+  static_cast<void>(variables_of(laws, of_laws, known.values, values));
+  std::vector<double> gradient(values.size());
+  for (std::size_t l = 0; l < laws.count(); ++l)
+    for (std::size_t c = 0; c < curves.size(); ++c)
+      known.values.parameters[c][laws.parameter(l)] = laws.at(l, c, values, gradient);
+  const ShiftFactors laid = factors_in(known.values.parameters, structure);
+  const FitResult all = detail::fit_laid(curves, laid.horizontal, laid.vertical, master, of_master);
+  if (all.usable()) start_at(all, structure, known);
+}
+
+/// Laws of shift factors against factors of each curve (F test): see JointFitResult::sharing_p_value.
+/// @param squares  of the fit with the laws, by the noise of the free factors
+void compare_with_free(const FreeShifts& free, double squares, JointFitResult& result) {
+  const double saved = static_cast<double>(free.free_parameters) - static_cast<double>(result.free_parameters);
+  const double degrees = static_cast<double>(free.residuals) - static_cast<double>(free.free_parameters);
+  if (!(saved > 0) || !(degrees > 0) || !(free.squares > 0)) return;
+  const double ratio = std::max(0.0, squares - free.squares) / saved / (free.squares / degrees);
+  result.sharing_p_value = detail::fisher_f_above(ratio, saved, degrees);
+  constexpr double doubtful = 0.01;
+  if (!(result.sharing_p_value < doubtful) || !result.usable()) return;
+  char text[240];
+  std::snprintf(text, sizeof text,
+                " The shift factors do not follow their law: by it residuals are %.3g times those with free factors, "
+                "which chance explains with probability %.1e.",
+                std::sqrt(squares / free.squares), result.sharing_p_value);
+  result.message += text;
+}
+
 JointFitResult fitted(const std::vector<JointCurve>& curves, const Structure& master, const JointFitOptions& given) {
   JointFitOptions options = given;
   if (given.shift) keep_shifts_positive(options.fit.constraints, *given.shift);
   const Structure structure = given.shift ? shifted(master, *given.shift) : master;
   const detail::Laws laws(structure, given, curves);
-  const std::vector<ParameterConstraint> of_laws = taken_out(options.fit.constraints, laws);
-  free_driven(options.fit.constraints, structure, laws);
 
-  const Preparation known = given.shift ? from_superposition(curves, master, structure, options)
-                                        : from_fits_alone(curves, structure, options);
-  std::vector<double> law_starts;
-  const std::vector<detail::JointVariable> law_variables = variables_of(laws, of_laws, known.values, law_starts);
-  const OmegaRange range = range_of(curves);
-  const detail::JointLayout layout(structure, options, laws, law_variables, of_laws, range.lower, range.upper);
-  std::vector<detail::CurveResiduals> problem = problem_of(curves, structure, options.fit, layout, known);
+  JointFitOptions without_laws = options;
+  static_cast<void>(taken_out(without_laws.fit.constraints, laws));
+  free_driven(without_laws.fit.constraints, structure, laws);
+
+  Preparation known;
+  std::optional<FreeShifts> free;
+  if (given.shift) {
+    const FitOptions of_master = options_of_master(master, without_laws);
+    known = from_superposition(curves, master, structure, *given.shift, of_master);
+    free = fit_free_shifts(curves, master, structure, with_free_shifts(options, structure, curves, laws), of_master,
+                           known);
+    if (laws.drive_shifts()) lay_by_laws(curves, master, structure, options, of_master, laws, known);
+  } else {
+    known = from_fits_alone(curves, structure, without_laws);
+  }
+  Search search(curves, structure, options, known, laws);
   JointFitResult result{};
   result.model = structure.formula();
-  count(problem, layout, result);
-
-  const auto searched = [&] {
-    return search(problem, layout, shared_starts(layout, known.values, known.alone, law_starts),
-                  own_starts(layout, known.values), result);
-  };
-  detail::JointPoint point = searched();
-  if (given.shift && given.fit.weight != Weight::given && std::isfinite(point.cost)) {
-    const std::vector<double> noise = noise_left(problem, layout, point, options.fit.loss);
-    for (std::size_t c = 0; c < problem.size(); ++c) problem[c].set_noise(noise[c]);
-    set_losses(problem, known.alone, options.fit);
-    point = searched();
-  }
-  if (!std::isfinite(point.cost)) {
-    detail::describe_failure(point.cost, result);
+  search.run(options, known, result);
+  if (!std::isfinite(search.point.cost)) {
+    detail::describe_failure(search.point.cost, result);
     return result;
   }
-  const detail::JointConfidence found = weighed_confidence(problem, layout, point);
+  const detail::JointConfidence found = weighed_confidence(search.problem(), search.layout(), search.point);
   for (const JointCurve& curve : curves) result.curves.emplace_back().name = curve.name;
-  detail::describe({structure, layout, laws, point, found, known.alone}, problem, result);
+  detail::describe({structure, search.layout(), laws, search.point, found, known.alone}, search.problem(), result);
+  const bool has_priors = !search.layout().shared_priors.empty() || !search.layout().own_priors.empty();
+  if (free && laws.drive_shifts() && given.fit.loss == Loss::none && !has_priors)
+    compare_with_free(*free, search.squares_at_known_noise, result);
   return result;
 }
 

@@ -39,7 +39,8 @@ Laws::Laws(const Structure& structure, const JointFitOptions& options, const std
   const auto& parameters = structure.parameter_names();
   for (const std::string& text : options.laws) {
     const auto [driven, right] = split_definition(text);
-    Law law{0, Structure(with_pi(right)), {}, std::vector<std::vector<double>>(curves.size())};
+    const bool is_shift = options.shift && (driven == horizontal_shift || driven == vertical_shift);
+    Law law{0, is_shift, Structure(with_pi(right)), {}, std::vector<std::vector<double>>(curves.size())};
     if (law.formula.depends_on_s()) refuse(text, "it depends on s");
     const std::vector<std::string>& names = law.formula.parameter_names();
     law.parameter = index_in(parameters, driven);
@@ -74,6 +75,10 @@ Laws::Laws(const Structure& structure, const JointFitOptions& options, const std
 
 bool Laws::drives(std::size_t parameter) const {
   return std::any_of(laws_.begin(), laws_.end(), [&](const Law& each) { return each.parameter == parameter; });
+}
+
+bool Laws::drive_shifts() const {
+  return std::any_of(laws_.begin(), laws_.end(), [](const Law& each) { return each.is_shift; });
 }
 
 bool Laws::has(const std::string& name) const {
@@ -160,15 +165,15 @@ std::vector<double> Laws::starts(const std::vector<std::vector<double>>& paramet
   if (curves.empty())
     for (std::size_t c = 0; c < parameters.size(); ++c) curves.push_back(c);
   const auto width = static_cast<Eigen::Index>(names_.size());
-  const auto rows = static_cast<Eigen::Index>(laws_.size() * curves.size());
+  const auto rows = static_cast<Eigen::Index>(laws_.size() * (curves.size() + 1));
   // Parameters above 0 are compared by their logarithms: laws of powers and exponents are straight lines there.
   std::vector<bool> positive;
   for (const Law& law : laws_)
     positive.push_back(
         std::all_of(curves.begin(), curves.end(), [&](std::size_t c) { return parameters[c][law.parameter] > 0; }));
   const auto residuals = [&](const Eigen::VectorXd& place, Eigen::VectorXd& residual, Eigen::MatrixXd& jacobian) {
-    residual.resize(rows);
-    jacobian.resize(rows, width);
+    residual.setZero(rows);
+    jacobian.setZero(rows, width);
     std::vector<double> gradient(names_.size());
     Eigen::Index row = 0;
     for (std::size_t l = 0; l < laws_.size(); ++l) {
@@ -182,6 +187,20 @@ std::vector<double> Laws::starts(const std::vector<std::vector<double>>& paramet
         for (Eigen::Index k = 0; k < width; ++k) jacobian(row, k) = gradient[static_cast<std::size_t>(k)] / unit;
         ++row;
       }
+      if (laws_[l].is_shift && positive[l]) {
+        // The common factor is searched for along with the rest, which leaves the distance from the mean.  It is drawn
+        // to 1 so weakly that only a law with a factor of its own feels it.
+        constexpr double pull = 1e-6;
+        const auto count = static_cast<Eigen::Index>(curves.size());
+        const double share = 1 / (static_cast<double>(count) + pull);
+        const double common = residual.segment(row - count, count).sum() * share;
+        const Eigen::RowVectorXd slope = jacobian.middleRows(row - count, count).colwise().sum() * share;
+        residual.segment(row - count, count).array() -= common;
+        jacobian.middleRows(row - count, count).rowwise() -= slope;
+        residual(row) = std::sqrt(pull) * common;
+        jacobian.row(row) = std::sqrt(pull) * slope;
+      }
+      ++row;
     }
   };
   std::mt19937_64 engine(1);

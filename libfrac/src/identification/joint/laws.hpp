@@ -32,7 +32,11 @@ class Laws {
   /// Whether each law that holds the name is in proportion to it, so that a positive law makes it positive.
   [[nodiscard]] bool scales(std::size_t name, std::span<const double> values) const;
 
-  /// Values with which the laws follow parameters of single curves.
+  /// Whether a shift factor follows one of them.
+  [[nodiscard]] bool drive_shifts() const;
+
+  /// Values with which the laws follow parameters of single curves; shift factors but for a factor that all curves
+  /// have in common, since a law need not be 1 where the curves were laid.
   /// @param parameters  of each curve, by the structure
   /// @param known       curves that count
   /// @param given       starts of the user, NaN where there is none
@@ -42,6 +46,7 @@ class Laws {
  private:
   struct Law {
     std::size_t parameter;
+    bool is_shift;                                // of a factor of CurveShift
     Structure formula;                            // free of s
     std::vector<std::size_t> place;               // of each in names(); `covariate` where a curve knows it
     std::vector<std::vector<double>> covariates;  // values of its names, per curve; NaN for parameters

@@ -209,6 +209,13 @@ Superposition superposed(const std::vector<JointCurve>& curves, const Structure&
   return result;
 }
 
+FitResult fit_laid(const std::vector<JointCurve>& curves, const std::vector<double>& horizontal,
+                   const std::vector<double>& vertical, const Structure& master, const FitOptions& options) {
+  std::vector<Laid> laid;
+  for (std::size_t c = 0; c < curves.size(); ++c) laid.push_back({std::log(horizontal[c]), std::log(vertical[c])});
+  return fit(together(curves, laid), master, options);
+}
+
 }  // namespace detail
 
 Structure shifted(const Structure& master, const CurveShift& shift) {

@@ -18,4 +18,9 @@ struct Superposition {
 [[nodiscard]] Superposition superposed(const std::vector<JointCurve>& curves, const Structure& master,
                                        const CurveShift& shift, const FitOptions& options);
 
+/// The structure fitted to all curves as one, each laid where its factors say.
+[[nodiscard]] FitResult fit_laid(const std::vector<JointCurve>& curves, const std::vector<double>& horizontal,
+                                 const std::vector<double>& vertical, const Structure& master,
+                                 const FitOptions& options);
+
 }  // namespace frac::detail

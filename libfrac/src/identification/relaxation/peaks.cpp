@@ -2,7 +2,6 @@
 #include "peaks.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace frac::detail {
 

@@ -5,7 +5,6 @@
 #include <cctype>
 #include <cmath>
 #include <complex>
-#include <limits>
 #include <optional>
 #include <string>
 #include <tuple>

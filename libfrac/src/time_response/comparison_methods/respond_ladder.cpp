@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Core>
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <unsupported/Eigen/MatrixFunctions>
