@@ -494,12 +494,13 @@ double criterion_of_all(const FrequencyResponseData& data, const Judgement& judg
          4 * logarithms;
 }
 
-/// Nothing but outliers, none next to another.
-bool has_lone_outliers(const Judgement& judgement) {
-  if (judgement.outliers.empty()) return false;
-  for (std::size_t i = 1; i < judgement.outliers.size(); ++i)
-    if (judgement.outliers[i] == judgement.outliers[i - 1] + 1) return false;
-  return true;
+/// Whether points stand out, none next to another.
+bool has_lone_points(const Judgement& judgement) {
+  std::vector<std::size_t> points = judgement.outliers;
+  points.insert(points.end(), judgement.mains.begin(), judgement.mains.end());
+  std::sort(points.begin(), points.end());
+  const auto next = [](std::size_t a, std::size_t b) { return b == a + 1; };
+  return !points.empty() && std::adjacent_find(points.begin(), points.end(), next) == points.end();
 }
 
 Judgement judge(const FrequencyResponseData& data, const ValidationOptions& options) {
@@ -518,7 +519,7 @@ Judgement judge(const FrequencyResponseData& data, const ValidationOptions& opti
     const double criterion = criterion_of_all(data, other);
     // A pair of poles for a point that stands out alone follows this point and little else: it must explain much more.
     constexpr double alike = 2, alone = 8;
-    if (has_lone_outliers(best) && other.outliers.empty() && !(criterion < least - alone)) return;
+    if (has_lone_points(best) && other.of_points.empty() && !(criterion < least - alone)) return;
     if (!(criterion < least + (steady(other) && !steady(best) ? alike : 0))) return;
     least = criterion;
     best = std::move(other);
@@ -530,7 +531,7 @@ Judgement judge(const FrequencyResponseData& data, const ValidationOptions& opti
     const std::vector<std::size_t> kept = best.fitted.kept;
     std::vector<std::size_t> all(data.size());
     std::iota(all.begin(), all.end(), std::size_t{0});
-    const bool lone = has_lone_outliers(best);
+    const bool lone = has_lone_points(best);
     if (lone) compare(kept, few);
     compare(all, few);
     if (!lone && kept != all && !steady(best)) compare(kept, few);
