@@ -76,6 +76,69 @@ TEST(DrtCommand, DataAndAFitShowTheSameArc) {
   EXPECT_EQ(run_fracfit({"drt", data, "--format", "table"}).code, 0);
 }
 
+template <class Response>
+std::string table_of(const Response& response) {
+  std::string text = "omega_rad_s,re,im\n";
+  for (int i = 0; i <= 60; ++i) {
+    const double omega = 0.1 * std::pow(10, i / 10.0);
+    const std::complex<double> value = response(std::complex<double>(0, omega));
+    char line[96];
+    std::snprintf(line, sizeof line, "%.9g,%.6g,%.6g\n", omega, value.real(), value.imag());
+    text += line;
+  }
+  return text;
+}
+
+// The modulus of a solid of 1 and 50 with an arc of 5 ms: the rising part has the area 50, but for 1e-3 beyond the
+// band.
+TEST(DrtCommand, TheKernelIsThatWhichFollowsTheData) {
+  const TemporaryFolder folder;
+  const auto data = folder.write("modulus.csv", table_of([](std::complex<double> s) {
+                                   const auto arc = std::pow(0.005 * s, 0.75);
+                                   return 1.0 + 50.0 * arc / (1.0 + arc);
+                                 }));
+  const auto result = run_fracfit({"drt", data, "--format", "json"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const auto found = json::parse(result.output);
+  EXPECT_EQ(found.at("kernel"), "rising");
+  EXPECT_LT(std::stod(found.at("misfit").dump()), 0.01);
+  const auto peaks = only(found.at("rows"), "data", "peak");
+  ASSERT_FALSE(peaks.empty());
+  EXPECT_NEAR(std::log10(peaks[0].at("tau_s").get<double>()), std::log10(0.005), 0.05);
+  EXPECT_NEAR(peaks[0].at("value").get<double>(), 50, 1);
+  const auto wrong = run_fracfit({"drt", data, "--kernel", "falling", "--format", "json"});
+  EXPECT_EQ(wrong.code, 1);
+  EXPECT_NE(wrong.error.find("try the other --kernel"), std::string::npos) << wrong.error;
+
+  const auto fit = folder.path("fit.json");
+  ASSERT_EQ(run_fracfit({"fit", data, "--model", "E0 + E1 (T s)^a/(1 + (T s)^a)", "--component", "both", "--format",
+                         "json", "--out", fit})
+                .code,
+            0);
+  const auto exact = run_fracfit({"drt", "--fit", fit, "--tau", "1e-4:1:41log", "--format", "json"});
+  EXPECT_EQ(exact.code, 0) << exact.error;
+  EXPECT_EQ(json::parse(exact.output).at("kernel"), "rising");
+  const auto negative =
+      run_fracfit({"drt", "--fit", fit, "--tau", "1e-4:1:41log", "--kernel", "falling", "--format", "json"});
+  EXPECT_EQ(negative.code, 1);
+  EXPECT_NE(negative.error.find("negative"), std::string::npos) << negative.error;
+}
+
+// Complex poles, and an arc of the wrong sign: sums of relaxations of a positive area do neither.
+TEST(DrtCommand, DataThatNoDistributionFollowsAreNamed) {
+  const TemporaryFolder folder;
+  const auto resonance = folder.write(
+      "resonance.csv", table_of([](std::complex<double> s) { return 1.0 / (s * s / 900.0 + 0.3 * s / 30.0 + 1.0); }));
+  const auto reversed = folder.write(
+      "reversed.csv", table_of([](std::complex<double> s) { return 10.0 + 80.0 / (1.0 + std::pow(-0.02 * s, 0.85)); }));
+  for (const auto& data : {resonance, reversed}) {
+    const auto result = run_fracfit({"drt", data, "--format", "json"});
+    EXPECT_EQ(result.code, 1) << data;
+    EXPECT_NE(result.error.find("no distribution of relaxation times"), std::string::npos) << result.error;
+    EXPECT_GT(std::stod(json::parse(result.output).at("misfit").dump()), 0.01);
+  }
+}
+
 TEST(DrtCommand, WrongUsageAndUselessDataAreNamed) {
   const TemporaryFolder folder;
   const auto data = folder.write("data.csv", spectrum());

@@ -12,6 +12,7 @@
 #include "io/frequency_response_file.hpp"
 #include "options/data_options.hpp"
 #include "options/fit_record.hpp"
+#include "output/aligned_table.hpp"
 #include "output/document.hpp"
 #include "report/picture.hpp"
 
@@ -34,7 +35,8 @@ class Drt : public Command {
         .names_input();
     o.numbers("--tau", tau_, "Times at which a fit is shown, s; FROM:TO:COUNTlog", "TAU").only_with({"--fit"});
     o.choice("--kernel", kernel_, kernels, "falling: impedance, compliance, permittivity; rising: modulus, admittance",
-             "KERNEL");
+             "KERNEL")
+        .default_is("falling, or rising where only that follows the data or makes the density of a fit positive");
     o.text("--picture", picture_, "A picture beside the result, SVG or PNG by its ending; here the distributions",
            "FILE");
     add_common({"csv", "json", "table"});
@@ -48,6 +50,9 @@ class Drt : public Command {
         "range of 95 % of such g: it holds smooth densities, but may miss the maximum of an arc that is nearly a "
         "line.\n"
         "The area of a peak of data is that within the band.  Kinds of rows: density, line, peak.\n"
+        "The misfit is the rms of what the distribution leaves of the data, relative to their magnitude and in units "
+        "of\n"
+        "their noise; data that no distribution follows (a resonance, a reversed sign) are named, with exit code 1.\n"
         "Examples:\n"
         "  fracfit drt cell.csv --out times.csv --picture times.svg\n"
         "  fracfit drt --fit fit.json --tau 1e-6:100:161log\n"
@@ -104,29 +109,84 @@ class Drt : public Command {
                                                 report::Mark::open_points, tau, area));
   }
 
+  /// By the kernel that was asked for, or else the falling one unless the rising one alone follows the data.
+  [[nodiscard]] frac::TimesDistribution of_data(const frac::FrequencyResponseData& data) const {
+    auto falling = frac::relaxation_times(data, kernel_.value_or(frac::TimesKernel::falling));
+    if (kernel_ || falling.follows_data()) return falling;
+    auto rising = frac::relaxation_times(data, frac::TimesKernel::rising);
+    return rising.follows_data() ? rising : falling;
+  }
+
+  static double area(const frac::TimesDistribution& of) {
+    double sum = 0;
+    for (std::size_t i = 1; i < of.tau.size(); ++i)
+      sum += 0.5 * (of.density[i] + of.density[i - 1]) * std::log(of.tau[i] / of.tau[i - 1]);
+    for (const auto& line : of.lines) sum += line.area;
+    return sum;
+  }
+
+  /// By the kernel that was asked for or that the data told, or else by that which makes the area positive: the two
+  /// densities differ by their sign.
+  [[nodiscard]] frac::TimesDistribution of_fit(const frac::FitResult& fit,
+                                               const std::optional<frac::TimesKernel>& told) const {
+    auto falling = frac::relaxation_times(fit, tau_, told.value_or(frac::TimesKernel::falling));
+    if (told || area(falling) >= 0) return falling;
+    return frac::relaxation_times(fit, tau_, frac::TimesKernel::rising);
+  }
+
+  /// Says why a distribution is none of relaxation times.
+  bool data_are_followed(const frac::TimesDistribution& times) const {
+    if (times.follows_data()) return true;
+    say(data_ + ": no distribution of relaxation times" +
+        (kernel_ ? " with the kernel " + std::string(to_string(*kernel_)) : " with either kernel") +
+        " follows the data: it misses them by " + short_number(100 * times.misfit) + " % (rms), " +
+        short_number(times.misfit_in_noise) + " times their noise" +
+        (kernel_ ? "; try the other --kernel" : "; a resonance, or a reversed sign of the imaginary part, does that"));
+    return false;
+  }
+  bool density_is_positive(const frac::TimesDistribution& times) const {
+    const auto [least, most] = std::minmax_element(times.density.begin(), times.density.end());
+    constexpr double rounding = 1e-6;
+    if (*least >= -rounding * std::abs(*most) && area(times) >= 0) return true;
+    say(fit_ + ": the density is negative at some times, down to " + short_number(*least) + " beside " +
+        short_number(*most) + " at most, with the kernel " + std::string(to_string(times.kernel)) +
+        (area(times) < 0 ? "; the other --kernel makes its area positive" : ""));
+    return area(times) >= 0;
+  }
+
   int run() override {
     Document document;
+    bool usable = true;
+    std::optional<frac::TimesKernel> told = kernel_;
     std::vector<Row> rows;
     report::Panel panel{"", {"{/Symbol t} (s)", true}, {"density per e-fold"}};
     panel.key = true;
     if (!data_.empty()) {
       const auto file = io::read_frequency_response(data_, read_);
       for (const auto& note : file.notes) say(data_ + ": " + note);
-      const auto times = frac::relaxation_times(file.data, kernel_);
+      const auto times = of_data(file.data);
+      told = times.kernel;
+      usable = data_are_followed(times);
       add_rows("data", times, rows);
       add_curves("data", 0, times, panel);
       document.head.emplace_back("constant", io::format_number(times.constant));
       document.head.emplace_back("inductance", io::format_number(times.inductance));
       document.head.emplace_back("elastance", io::format_number(times.elastance));
       document.head.emplace_back("smoothness", io::format_number(times.smoothness));
+      document.head.emplace_back("misfit", io::format_number(times.misfit));
+      document.head.emplace_back("misfit_in_noise", io::format_number(times.misfit_in_noise));
     }
     if (!fit_.empty()) {
       const auto fit = read_fit(fit_);
-      const auto times = frac::relaxation_times(fit, tau_, kernel_);
+      const auto times = of_fit(fit, told);
+      told = times.kernel;
+      usable = density_is_positive(times) && usable;
       document.head.emplace_back("model", fit.model);
       add_rows("fit", times, rows);
       add_curves("fit", 1, times, panel);
     }
+    document.head.emplace_back("kernel", std::string(to_string(*told)));
+    options()["--kernel"].say(std::string(to_string(*told)));
     document.rows.columns = {"source", "kind", "tau_s", "tau_lower", "tau_upper", "value", "lower", "upper"};
     document.rows.count = rows.size();
     document.rows.fill = [&](std::size_t i, std::vector<Cell>& cells) {
@@ -136,14 +196,14 @@ class Drt : public Command {
     };
     write(text_of(document, format(), command_line()));
     if (drawing_) drawing_->write({"times", "", {std::move(panel)}});
-    return usable_result;
+    return usable ? usable_result : no_usable_result;
   }
 
   std::string data_, fit_, picture_;
   std::vector<std::string> where_;
   io::FrequencyResponseReadOptions read_;
   std::vector<double> tau_;
-  frac::TimesKernel kernel_ = frac::TimesKernel::falling;
+  std::optional<frac::TimesKernel> kernel_;
   std::optional<report::PictureFile> drawing_;
 };
 

@@ -44,7 +44,12 @@ struct TimesDistribution {
   std::vector<TimesLine> lines;
   std::vector<TimesPeak> peaks;
   double constant, inductance, elastance;  // of data only, NaN of a formula
-  double smoothness;  // of data only: weight of the roughness, that is of the squared second differences
+  double smoothness;       // of data only: weight of the roughness, that is of the squared second differences
+  double misfit;           // of data only: rms of what the distribution leaves, relative to |Z| at each frequency
+  double misfit_in_noise;  // of data only: rms of what it leaves of each part, in standard deviations of the noise
+  /// Whether it follows the data: to within 1 %, which times on a grid leave of exact data, or to within twice their
+  /// noise where that leaves a response to speak of.  False of a formula.
+  [[nodiscard]] bool follows_data() const;
 };
 
 /// Exactly, from the two sides of the cut of a formula along the negative real axis: g = -(1/pi) Im Z(e^{j pi}/tau),

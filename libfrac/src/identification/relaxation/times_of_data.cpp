@@ -31,6 +31,7 @@ struct Equations {
   Eigen::MatrixXd columns;            // of size 1 at the ends, so that no unit matters
   Eigen::VectorXd end_scale;
   Eigen::VectorXd target;
+  Eigen::VectorXd relative;   // what turns a weighted residual into one relative to the response
   Eigen::MatrixXd roughness;  // second differences, the density being 0 beyond the times
 };
 
@@ -58,6 +59,7 @@ Equations equations(const FrequencyResponseData& data, TimesKernel kernel) {
   const auto rows = 2 * static_cast<Eigen::Index>(kept.size());
   made.columns.resize(rows, ends + times);
   made.target.resize(rows);
+  made.relative.resize(rows);
   for (std::size_t i = 0; i < kept.size(); ++i) {
     const double omega = data.omega()[kept[i]];
     // Exact data have no noise of their own: what the model follows them to.
@@ -67,6 +69,9 @@ Equations equations(const FrequencyResponseData& data, TimesKernel kernel) {
       made.columns(2 * static_cast<Eigen::Index>(i), column) = weight * value.real();
       made.columns(2 * static_cast<Eigen::Index>(i) + 1, column) = weight * value.imag();
     };
+    // A response of 0 is compared with the largest.
+    const double size = std::abs(data.value()[kept[i]]);
+    made.relative.segment(2 * static_cast<Eigen::Index>(i), 2).setConstant(1 / (weight * (size > 0 ? size : largest)));
     put(0, 1);
     put(1, Complex(0, omega));
     put(2, Complex(0, -1 / omega));
@@ -157,6 +162,11 @@ double quantile(std::vector<double> values, double share) {
 
 }  // namespace
 
+bool TimesDistribution::follows_data() const {
+  constexpr double of_grid = 0.01, of_noise = 2, no_response_left = 0.3;
+  return misfit <= of_grid || (misfit_in_noise <= of_noise && misfit <= no_response_left);
+}
+
 TimesDistribution relaxation_times(const FrequencyResponseData& data, TimesKernel kernel, std::uint64_t seed) {
   const Equations of = equations(data, kernel);
   const Eigen::MatrixXd normal = of.columns.transpose() * of.columns;
@@ -170,6 +180,11 @@ TimesDistribution relaxation_times(const FrequencyResponseData& data, TimesKerne
   TimesDistribution result{};
   result.kernel = kernel;
   result.smoothness = of_data.smoothness;
+  const Eigen::VectorXd left = of.columns * best - of.target;
+  const auto rows = static_cast<double>(left.size());
+  result.misfit_in_noise = std::sqrt(left.squaredNorm() / rows);
+  // Both parts of a point make one departure.
+  result.misfit = std::sqrt(left.cwiseProduct(of.relative).squaredNorm() / (rows / 2));
   result.constant = best(0) * of.end_scale(0);
   result.inductance = best(1) * of.end_scale(1);
   result.elastance = best(2) * of.end_scale(2);

@@ -79,6 +79,7 @@ TimesDistribution exact_times(const Structure& structure, std::span<const double
   TimesDistribution result{};
   result.kernel = kernel;
   result.constant = result.inductance = result.elastance = result.smoothness = nan;
+  result.misfit = result.misfit_in_noise = nan;
   double largest = 0;
   for (const double each : log_tau) {
     const std::complex<double> here = value(std::exp(-each));
