@@ -139,7 +139,8 @@ TEST(LimitCyclesCommand, TellsWhatHappensBetweenTheValues) {
 
 // Where the symmetric cycle of "kp + s" is unstable, motions settle on cycles of more impacts.
 TEST(LimitCyclesCommand, SimulatesWhereNoCycleIsKnownToBeStable) {
-  const auto result = run_fracfit(limit_cycles("kp + s", {"--over", "kp=13,17", "--starts", "2", "--format", "json"}));
+  const auto result = run_fracfit(
+      limit_cycles("kp + s", {"--restitution", "0.6", "--over", "kp=13,17", "--starts", "2", "--format", "json"}));
   ASSERT_EQ(result.code, 0) << result.error;
   const auto json = nlohmann::json::parse(result.output);
   EXPECT_EQ(json["simulated_at"][0], 13);

@@ -49,8 +49,9 @@ class LimitCyclesCommand : public Command {
              "NAME=FROM:TO:N");
     o.count("--starts", starts_, 0, most_starts,
             "Motions simulated from seeded starts, which find cycles with any number of impacts; with --over at the "
-            "values without a stable cycle",
-            "N");
+            "values without a stable cycle, where following what they find may take minutes",
+            "N")
+        .default_is("3, with --over 0");
     o.flag("--branches", branches_,
            "Predict on the orbits of more impacts under a sine force too; of free masses, some seconds");
     o.text(
@@ -110,9 +111,10 @@ class LimitCyclesCommand : public Command {
           range_);
       result.predicted.insert(result.predicted.end(), further.begin(), further.end());
     }
-    if (!varied && starts_ > 0 && can_start(loop)) {
+    const int starts = starts_.value_or(3);
+    if (!varied && starts > 0 && can_start(loop)) {
       backlash::ImpactCycleOptions seeded;
-      seeded.starts = starts_;
+      seeded.starts = starts;
       result.settled = backlash::impact_cycles(loop, seeded);
     }
     if (varied) result.varied = {{over_.name, io::format_number(*varied)}};
@@ -165,7 +167,7 @@ class LimitCyclesCommand : public Command {
       backlash::LimitCycleOptions request;
       request.range = range_;
       followed = backlash::continue_cycles([&](double value) { return loop_.loop(over_.name, value); }, over_.values,
-                                           request, starts_);
+                                           request, starts_.value_or(0));
     }
     const backlash::CycleContinuation* events = followed ? &*followed : nullptr;
     write(format() == "json"  ? limit_cycles_json(loops, events, command_line())
@@ -178,7 +180,7 @@ class LimitCyclesCommand : public Command {
   LoopOptions loop_;
   std::optional<backlash::FrequencyRange> range_;
   Variation over_;
-  int starts_ = 3;
+  std::optional<int> starts_;
   bool branches_ = false;
   std::string pictures_;
 };
