@@ -123,17 +123,28 @@ Eigen::MatrixXcd pole_columns(const Problem& problem, const Poles& poles) {
   return columns;
 }
 
-/// Into the left half plane, and no pair narrower than the points resolve.
+/// Distance of the points about a frequency, on its logarithm.
+double spacing_at(const Problem& problem, double size) {
+  const double* first = problem.log_omega.data();
+  const double* last = first + problem.size();
+  const double* above = std::clamp(std::upper_bound(first, last, std::log(size)), first + 1, last - 1);
+  return *above - *(above - 1);
+}
+
+/// Into the left half plane, and no pair so narrow that the points cannot tell its width.
 Complex admitted(const Problem& problem, Complex pole) {
   const double size = std::abs(pole);
   if (!(size > 0) || !std::isfinite(size)) return {-1, 0};
   if (pole.imag() == 0) return {-std::abs(pole.real()), 0};
-  const double* first = problem.log_omega.data();
-  const double* last = first + problem.size();
-  const double* above = std::clamp(std::upper_bound(first, last, std::log(size)), first + 1, last - 1);
-  const double spacing = *above - *(above - 1);
-  const double narrowest = std::min(0.05 * spacing, 0.7) * size;
+  const double narrowest = std::min(0.05 * spacing_at(problem, size), 0.7) * size;
   return {-std::max(std::abs(pole.real()), narrowest), std::abs(pole.imag())};
+}
+
+std::size_t narrow_pairs_of(const Problem& problem, const Poles& poles) {
+  return static_cast<std::size_t>(std::count_if(poles.begin(), poles.end(), [&](const Complex& pole) {
+    const double size = std::abs(pole);
+    return pole.imag() != 0 && -pole.real() < 0.25 * spacing_at(problem, size) * size;
+  }));
 }
 
 Eigen::VectorXd solve(const Eigen::MatrixXd& columns, const Eigen::VectorXd& target) {
@@ -274,8 +285,9 @@ FreeFit fit_free(const Problem& problem, const Eigen::MatrixXcd& fixed, Eigen::I
   return best;
 }
 
-Eigen::Index parameters_of(const Eigen::MatrixXcd& fixed, const FreeFit& fit) {
-  return fixed.cols() + 2 * width_of(fit.poles);
+Eigen::Index parameters_of(const Problem& problem, const Eigen::MatrixXcd& fixed, const FreeFit& fit) {
+  const auto narrow = static_cast<Eigen::Index>(price_of_narrow_pair * narrow_pairs_of(problem, fit.poles));
+  return fixed.cols() + 2 * width_of(fit.poles) + narrow;
 }
 
 ConsistentModel settled(const Problem& problem, Eigen::Index grid, FreeFit fit) {
@@ -283,8 +295,9 @@ ConsistentModel settled(const Problem& problem, Eigen::Index grid, FreeFit fit) 
   descend(problem, fixed, fit, 10);
   ConsistentModel model = made(problem.rows(tangent_of(problem, fixed, fit)));
   take_residual(problem, fit.residual, model);
-  model.criterion = aicc(problem, fit.cost, parameters_of(fixed, fit));
+  model.criterion = aicc(problem, fit.cost, parameters_of(problem, fixed, fit));
   model.grid_poles = static_cast<std::size_t>(grid);
+  model.narrow_pairs = narrow_pairs_of(problem, fit.poles);
   model.free_poles = std::move(fit.poles);
   return model;
 }
@@ -349,7 +362,7 @@ ConsistentModel best_with_free_poles(const WeightedPoints& points, std::span<con
       const auto pairs = static_cast<Eigen::Index>(count);
       if (2 * (fixed.cols() + 4 * pairs) > rows) break;
       FreeFit fit = fit_free(problem, fixed, pairs);
-      const double criterion = aicc(problem, fit.cost, parameters_of(fixed, fit));
+      const double criterion = aicc(problem, fit.cost, parameters_of(problem, fixed, fit));
       if (!(criterion < best)) continue;
       best = criterion;
       chosen = std::move(fit);

@@ -25,8 +25,13 @@ struct ConsistentModel {
   std::size_t grid_poles = 0;
   double reach = 0;  // of the grid beyond the band on either side, as ratio of frequencies on the logarithm
   std::vector<std::complex<double>> free_poles;  // real, or the upper one of a pair; in units of the middle of the band
+  std::size_t narrow_pairs = 0;                  // of free_poles, narrower than half the distance of the points there
   double criterion = 0;                          // AICc, of the same points and weights
 };
+
+/// Parameters that a narrow pair counts for beside its own four: it may follow one point, the largest of all residuals,
+/// whose choice is worth that much.
+inline constexpr std::size_t price_of_narrow_pair = 3;
 
 /// c_0 + c_1 s + c_2/s + sum r_k/(1 + s tau_k), the tau_k evenly on the logarithm; the best of many counts and reaches.
 [[nodiscard]] ConsistentModel best_on_grid(const WeightedPoints& points);
@@ -35,8 +40,8 @@ struct ConsistentModel {
 [[nodiscard]] ConsistentModel on_grid(const WeightedPoints& points, std::size_t poles, double reach);
 
 /// The same with poles at free places in the left half plane, real or in pairs, found by vector fitting (Gustavsen,
-/// Semlyen 1999) and brought to least squares by Gauss-Newton steps.  A pair is at least half as wide as the
-/// points are apart there: a narrower one would follow single points.
+/// Semlyen 1999) and brought to least squares by Gauss-Newton steps.  A pair is at least a tenth as wide
+/// as the points are apart there, since these cannot tell narrower ones apart.
 /// @param pair_counts  rising; those that half the values afford are tried, the best is returned
 [[nodiscard]] ConsistentModel best_with_free_poles(const WeightedPoints& points,
                                                    std::span<const std::size_t> pair_counts);

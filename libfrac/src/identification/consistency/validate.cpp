@@ -485,7 +485,8 @@ double criterion_of_all(const FrequencyResponseData& data, const Judgement& judg
     logarithms += std::log(deviation(static_cast<Eigen::Index>(i)));
   }
   const double rounding = 1e-24 * fitted.points.value.cwiseQuotient(deviation.cast<Complex>()).squaredNorm();
-  const auto parameters = static_cast<std::size_t>(fitted.model.rest.orthonormal.cols()) + 3 * aside;
+  const auto parameters = static_cast<std::size_t>(fitted.model.rest.orthonormal.cols()) +
+                          detail::price_of_narrow_pair * fitted.model.narrow_pairs + 3 * aside;
   const auto aicc = [&](double square, std::size_t further) {
     return information_criteria(square * share, 2 * data.size(), parameters + further, rounding).aicc;
   };
@@ -494,13 +495,11 @@ double criterion_of_all(const FrequencyResponseData& data, const Judgement& judg
          4 * logarithms;
 }
 
-/// Whether points stand out, none next to another.
+/// Whether points stand out, at the mains or one by one.
 bool has_lone_points(const Judgement& judgement) {
-  std::vector<std::size_t> points = judgement.outliers;
-  points.insert(points.end(), judgement.mains.begin(), judgement.mains.end());
-  std::sort(points.begin(), points.end());
+  const std::vector<std::size_t>& points = judgement.outliers;
   const auto next = [](std::size_t a, std::size_t b) { return b == a + 1; };
-  return !points.empty() && std::adjacent_find(points.begin(), points.end(), next) == points.end();
+  return !judgement.of_points.empty() && std::adjacent_find(points.begin(), points.end(), next) == points.end();
 }
 
 Judgement judge(const FrequencyResponseData& data, const ValidationOptions& options) {
@@ -518,8 +517,11 @@ Judgement judge(const FrequencyResponseData& data, const ValidationOptions& opti
         judge(data, options, many, [&](auto points) { return refitted_points(data, std::move(points), free.model); });
     const double criterion = criterion_of_all(data, other);
     // A pair of poles for a point that stands out alone follows this point and little else: it must explain much more.
-    constexpr double alike = 2, alone = 8;
-    if (has_lone_points(best) && other.of_points.empty() && !(criterion < least - alone)) return;
+    // Where the mains are is known beforehand, so that their points are set aside at no price.
+    constexpr double alike = 2, alone = 8, price_of_point = 6;
+    const double needed = alone + price_of_point * static_cast<double>(best.mains.size());
+    if (has_lone_points(best) && other.of_points.empty() && !(criterion < criterion_of_all(data, best) - needed))
+      return;
     if (!(criterion < least + (steady(other) && !steady(best) ? alike : 0))) return;
     least = criterion;
     best = std::move(other);
