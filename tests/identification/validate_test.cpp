@@ -139,6 +139,30 @@ TEST(Validate, AWeakModeIsNoOutlier) {
   EXPECT_LE(alarms, 0.05 * all + 3 * std::sqrt(0.05 * 0.95 * all));
 }
 
+// Points 5 % apart see of a mode that is 0.8 % wide the flanks only, which no single point explains.
+TEST(Validate, AResonanceSharperThanThePointsIsNoOutlier) {
+  constexpr int count = 100, trials = 60;
+  int alarms = 0;
+  for (std::uint64_t seed = 900; seed < 900 + trials; ++seed) {
+    Random random(seed);
+    const double sharp = random.log_uniform(3, 10), broad = random.log_uniform(20, 40);
+    std::vector<double> omega;
+    std::vector<std::complex<double>> value;
+    for (int k = 0; k < count; ++k) {
+      const double w = std::pow(10.0, 2.0 * k / (count - 1));
+      const std::complex<double> s(0, w);
+      const auto mode = [&](double at, double damping) { return at * at / (s * s + 2 * damping * at * s + at * at); };
+      const std::complex<double> noise(random.normal(), random.normal());
+      omega.push_back(w);
+      value.push_back((mode(sharp, 0.004) + 0.3 * mode(broad, 0.02)) * (1.0 + 0.005 * noise));
+    }
+    const auto result = frac::validate({omega, value});
+    alarms += result.validity == Validity::suspect || result.validity == Validity::invalid;
+  }
+  // 5 % of the trials and three standard deviations.
+  EXPECT_LE(alarms, 0.05 * trials + 3 * std::sqrt(0.05 * 0.95 * trials));
+}
+
 // Evenly spaced points over half an octave and an echo that turns by two thirds of a cycle from one to the next, as if
 // it came a third of a cycle early: only with the points in between it could be told from no response.
 TEST(Validate, EchoesTooFastForThePointsAreLeftOpen) {
