@@ -12,8 +12,6 @@
 namespace frac::detail {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 /// Chance of residuals like these by noise alone.
 double chance_of(const LackOfFit& lack) {
   const double of_size = std::isnan(lack.p_value) ? 1 : lack.p_value;
@@ -36,7 +34,7 @@ bool follows(const Competitor& competitor, double least) {
 template <class TakesPart>
 std::optional<std::size_t> best_of(const std::vector<Competitor>& competitors, bool fractional, TakesPart takes_part) {
   std::optional<std::size_t> best;
-  double least = infinity;
+  double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < competitors.size(); ++i) {
     const Competitor& each = competitors[i];
     if (each.is_fractional() != fractional || !is_comparable(each) || !takes_part(each)) continue;
@@ -72,10 +70,11 @@ double criterion(const Competitor& competitor) {
 }
 
 Finalists finalists_of(const std::vector<Competitor>& competitors) {
-  double least_of_adequate = infinity;
+  double least_of_adequate = std::numeric_limits<double>::infinity();
   for (const Competitor& each : competitors) {
-    const double value = each.ranked.lack_of_fit.adequate ? criterion(each) : infinity;
-    if (std::isfinite(value)) least_of_adequate = std::min(least_of_adequate, value);
+    const double value = criterion(each);
+    if (each.ranked.lack_of_fit.adequate && std::isfinite(value))
+      least_of_adequate = std::min(least_of_adequate, value);
   }
   const auto follows_data = [&](const Competitor& each) { return follows(each, least_of_adequate); };
   const auto any = [](const Competitor&) { return true; };
