@@ -472,8 +472,11 @@ Judgement judge(const FrequencyResponseData& data, const ValidationOptions& opti
   return judgement;
 }
 
-/// AICc of all points with the part of the likelihood that depends on the weights.  A point set aside costs three
-/// parameters: its two parts, and which point it is; a drift two, its size and its law; a step two, its size and place.
+/// Parameters that a point set aside counts for: its two parts, and which point it is.
+constexpr std::size_t price_of_point = 3;
+
+/// AICc of all points with the part of the likelihood that depends on the weights.  A point set aside costs
+/// price_of_point; a drift two parameters, its size and its law; a step two, its size and place.
 double criterion_of_all(const FrequencyResponseData& data, const Judgement& judgement) {
   const Fitted& fitted = judgement.fitted;
   const Eigen::VectorXd& deviation = fitted.points.deviation;
@@ -486,7 +489,7 @@ double criterion_of_all(const FrequencyResponseData& data, const Judgement& judg
   }
   const double rounding = 1e-24 * fitted.points.value.cwiseQuotient(deviation.cast<Complex>()).squaredNorm();
   const auto parameters = static_cast<std::size_t>(fitted.model.rest.orthonormal.cols()) +
-                          detail::price_of_narrow_pair * fitted.model.narrow_pairs + 3 * aside;
+                          detail::price_of_narrow_pair * fitted.model.narrow_pairs + price_of_point * aside;
   const auto aicc = [&](double square, std::size_t further) {
     return information_criteria(square * share, 2 * data.size(), parameters + further, rounding).aicc;
   };
@@ -517,9 +520,9 @@ Judgement judge(const FrequencyResponseData& data, const ValidationOptions& opti
         judge(data, options, many, [&](auto points) { return refitted_points(data, std::move(points), free.model); });
     const double criterion = criterion_of_all(data, other);
     // A pair of poles for a point that stands out alone follows this point and little else: it must explain much more.
-    // Where the mains are is known beforehand, so that their points are set aside at no price.
-    constexpr double alike = 2, alone = 8, price_of_point = 6;
-    const double needed = alone + price_of_point * static_cast<double>(best.mains.size());
+    // The frequency of the mains is known beforehand: their points are set aside at no price.
+    constexpr double alike = 2, alone = 8;
+    const double needed = alone + static_cast<double>(2 * price_of_point * best.mains.size());
     if (has_lone_points(best) && other.of_points.empty() && !(criterion < criterion_of_all(data, best) - needed))
       return;
     if (!(criterion < least + (steady(other) && !steady(best) ? alike : 0))) return;
