@@ -329,6 +329,37 @@ TEST_F(MeasurementTest, NamesInOtherLanguages) {
          "table, 1 point, G prime/G double prime in Pa", {{10 / turn, 2.5 + 1i}});
 }
 
+TEST_F(MeasurementTest, NamesInOtherLetters) {
+  const std::vector<Point> points{{10, 1.5 - 2.5i}, {20, 3.0 + 4i}};
+  // Russian: frequency (Hz), Re Z (ohm), Im Z (ohm); in capitals, and with the unit behind a comma.
+  expect(reinterpret_cast<const char*>(u8"Частота (Гц),Re Z (Ом),Im Z (Ом)\n10,1.5,-2.5\n20,3,4\n"),
+         "table, 2 points, Re Z/Im Z in ohm", points);
+  expect(reinterpret_cast<const char*>(u8"ЧАСТОТА, кГц;Действительная часть;Мнимая часть\n0.01;1.5;-2.5\n0.02;3;4\n"),
+         "", points);
+  // Chinese, with brackets of either width; Japanese; Korean.
+  expect(reinterpret_cast<const char*>(u8"频率（Hz）,实部（Ω）,虚部（Ω）\n10,1.5,-2.5\n20,3,4\n"), "", points);
+  expect(reinterpret_cast<const char*>(u8"角频率(rad/s),储能模量(Pa),损耗模量(Pa)\n10,2.5,1\n"),
+         reinterpret_cast<const char*>(u8"table, 1 point, 储能模量(Pa)/损耗模量(Pa) in Pa"), {{10 / turn, 2.5 + 1i}});
+  expect(reinterpret_cast<const char*>(u8"周波数 (Hz),実部,虚部\n10,1.5,-2.5\n20,3,4\n"), "", points);
+  expect(reinterpret_cast<const char*>(u8"주파수 (Hz),실수부,허수부\n10,1.5,-2.5\n20,3,4\n"), "", points);
+}
+
+// Storage modulus or size with tan delta = loss/storage; the loss of a permittivity is counted positive.
+TEST_F(MeasurementTest, LossTangentsBesideModuliAndPermittivities) {
+  expect("omega (rad/s),G' (Pa),tan delta\n10,2,0.75\n", "table, 1 point, G'/tan delta in Pa",
+         {{10 / turn, 2.0 + 1.5i}});
+  expect("f_Hz,|E*| (MPa),tan(delta)\n10,5,0.75\n", "table, 1 point, |E*|/tan(delta) in MPa", {{10, 4.0 + 3i}});
+  expect("f_Hz,eps',tan_delta\n10,2,0.75\n", "table, 1 point, eps'/tan_delta", {{10, 2.0 - 1.5i}});
+  expect("f_Hz,|G*| (Pa),delta (deg)\n10,2,90\n", "table, 1 point, |G*|/delta in Pa",
+         {{10, {2 * std::cos(std::numbers::pi / 2), 2.0}}});
+  // Of an impedance the tangent may be counted from either axis.
+  refuses("f_Hz,|Z| (ohm),tan delta\n10,5,0.75\n", "no phase");
+}
+
+TEST_F(MeasurementTest, AnImaginaryPartAloneIsRefusedWithTheWay) {
+  refuses("f_Hz,im\n10,1\n", "of zeros, where --component imaginary");
+}
+
 TEST_F(MeasurementTest, ResistanceAndReactanceOfABridge) {
   const std::vector<Point> points{{10, 1.5 - 2.5i}, {20, 3.0 + 4i}};
   expect("f (Hz),R (Ohm),X (Ohm)\n10,1.5,-2.5\n20,3,4\n", "table, 2 points, R/X in ohm", points);

@@ -217,11 +217,12 @@ void read_magnitude_unit(ColumnMeaning& meaning) {
 }  // namespace
 
 ColumnMeaning column_meaning(std::string_view name) {
-  // "Frequenz in Hz", where what stands before the word has a meaning.
-  if (const auto at = name.find(" in "); at != std::string_view::npos && name.find_first_of("[(") == name.npos) {
-    constexpr std::size_t word = 4;
+  // "Frequenz in Hz", "Frequenz, Hz", where what stands before the word has a meaning.
+  for (const std::string_view word : {" in ", ", "}) {
+    const auto at = name.find(word);
+    if (at == std::string_view::npos || name.find_first_of("[(") != std::string_view::npos) continue;
     ColumnMeaning meaning =
-        column_meaning(std::string(name.substr(0, at)) + " [" + std::string(name.substr(at + word)) + "]");
+        column_meaning(std::string(name.substr(0, at)) + " [" + std::string(name.substr(at + word.size())) + "]");
     if (meaning.quantity != Quantity::other) return meaning;
   }
   ColumnMeaning meaning{Quantity::other, 1, {}, {}};

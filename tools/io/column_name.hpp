@@ -15,6 +15,7 @@ enum class Quantity {
   magnitude,
   magnitude_db,
   phase,
+  loss_tangent,  // tan delta: of a modulus imaginary over real part, of a permittivity its negative
   sigma,
   weight,
   other

@@ -98,7 +98,7 @@ std::string Planner::other_sign(const ColumnPlan& plan) const {
 
 std::string_view Planner::bare_name(std::size_t column) const {
   const std::string_view name = table_.header()[column].text;
-  const auto end = std::min({name.find('/'), name.find(" ("), name.find("(a)"), name.find("(b)")});
+  const auto end = std::min({name.find('/'), name.find(" ("), name.find(" ["), name.find("(a)"), name.find("(b)")});
   return trimmed(name.substr(0, end));
 }
 
@@ -203,6 +203,20 @@ void Planner::find_value_columns(ColumnPlan& plan, const FrequencyResponseReadOp
     plan.second = *phase;
     return;
   }
+  // A tangent alone says nothing of its sign: the symbol does.
+  const auto tangent = single(Quantity::loss_tangent);
+  const auto has_known_sign = [&](std::optional<std::size_t> column) {
+    return column && !meanings_[*column].symbol.empty() && meanings_[*column].symbol != "z" &&
+           meanings_[*column].symbol != "y";
+  };
+  for (const auto& [first, form] :
+       {std::pair{real, ValueForm::real_tangent}, {magnitude, ValueForm::magnitude_tangent}})
+    if (tangent && has_known_sign(first)) {
+      plan.form = form;
+      plan.first = *first;
+      plan.second = *tangent;
+      return;
+    }
   if (magnitude && options.phase_may_miss) {
     plan.form = ValueForm::magnitude_alone;
     plan.first = plan.second = *magnitude;
@@ -215,7 +229,10 @@ void Planner::find_value_columns(ColumnPlan& plan, const FrequencyResponseReadOp
     return;
   }
   if (real) fail_missing("imaginary part", "a column im or im_<unit> beside the real part");
-  if (imaginary) fail_missing("real part", "a column re or re_<unit> beside the imaginary part");
+  if (imaginary)
+    fail_missing("real part",
+                 "a column re or re_<unit> beside the imaginary part; of zeros, where --component imaginary alone is "
+                 "to be fitted");
   if (magnitude)
     fail_missing("phase", "a column phase_deg or phase_rad beside the magnitude, or --component magnitude");
   if (phase) fail_missing("magnitude", "a column magnitude or magnitude_db beside the phase, or --component phase");

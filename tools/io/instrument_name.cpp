@@ -10,12 +10,13 @@ namespace {
 
 // Lower case without blanks, underscores, dots and stars; primes of all kinds as apostrophes.
 std::string plain(std::string_view name) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 7> written{{{"\xE2\x80\xB2", "'"},
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 8> written{{{"\xE2\x80\xB2", "'"},
                                                                                   {"\xE2\x80\xB3", "''"},
                                                                                   {"\xE2\x80\x99", "'"},
                                                                                   {"\xE2\x80\x9D", "''"},
                                                                                   {"\xCE\xB5", "eps"},
                                                                                   {"\xCF\x89", "omega"},
+                                                                                  {"\xCE\xB4", "delta"},
                                                                                   {"\"", "''"}}};
   std::string text;
   for (std::size_t i = 0; i < name.size();) {
@@ -28,6 +29,14 @@ std::string plain(std::string_view name) {
     }
     const char c = name[i++];
     if (std::string_view(" \t_.*").find(c) != std::string_view::npos) continue;
+    // Capital Cyrillic letters: D0 90 to D0 AF, the small ones 32 higher, whose second half begins with D1.
+    const auto next = i < name.size() ? static_cast<unsigned char>(name[i]) : 0U;
+    if (c == '\xD0' && next >= 0x90 && next < 0xB0) {
+      text += next < 0xA0 ? '\xD0' : '\xD1';
+      text += static_cast<char>(next < 0xA0 ? next + 0x20 : next - 0x20);
+      ++i;
+      continue;
+    }
     text += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   }
   return text;
@@ -35,7 +44,7 @@ std::string plain(std::string_view name) {
 
 // "re(z)" -> "rez": brackets around a quantity belong to the name, those around a unit do not.
 void open_brackets(std::string& name) {
-  for (const std::string_view symbol : {"(z)", "(y)", "(g)", "(e)", "(eps)"}) {
+  for (const std::string_view symbol : {"(z)", "(y)", "(g)", "(e)", "(eps)", "(delta)"}) {
     const auto at = name.find(symbol);
     if (at == std::string::npos || at == 0) continue;
     name.replace(at, symbol.size(), symbol.substr(1, symbol.size() - 2));
@@ -97,12 +106,97 @@ constexpr std::array known{
           "elle",
           Quantity::real},
     Known{"partieimaginaire", Quantity::imaginary}, Known{"moduledeconservation", Quantity::real, "g"},
-    Known{"moduledeperte", Quantity::imaginary, "g"}};
+    Known{"moduledeperte", Quantity::imaginary, "g"},
+    // Russian, Chinese, Japanese, Korean.
+    Known{"\xD1\x87\xD0\xB0\xD1\x81\xD1\x82\xD0\xBE\xD1\x82\xD0\xB0", Quantity::frequency},
+    Known{"\xD0\xBA\xD1\x80\xD1\x83\xD0\xB3\xD0\xBE\xD0\xB2\xD0\xB0\xD1\x8F\xD1\x87\xD0\xB0\xD1\x81\xD1\x82\xD0\xBE\xD1"
+          "\x82\xD0\xB0",
+          Quantity::frequency, "w"},
+    Known{"\xD1\x83\xD0\xB3\xD0\xBB\xD0\xBE\xD0\xB2\xD0\xB0\xD1\x8F\xD1\x87\xD0\xB0\xD1\x81\xD1\x82\xD0\xBE\xD1\x82\xD0"
+          "\xB0",
+          Quantity::frequency, "w"},
+    Known{"\xD1\x86\xD0\xB8\xD0\xBA\xD0\xBB\xD0\xB8\xD1\x87\xD0\xB5\xD1\x81\xD0\xBA\xD0\xB0\xD1\x8F\xD1\x87\xD0\xB0\xD1"
+          "\x81\xD1\x82\xD0\xBE\xD1\x82\xD0\xB0",
+          Quantity::frequency, "w"},
+    Known{"\xD0\xB4\xD0\xB5\xD0\xB9\xD1\x81\xD1\x82\xD0\xB2\xD0\xB8\xD1\x82\xD0\xB5\xD0\xBB\xD1\x8C\xD0\xBD\xD0\xB0\xD1"
+          "\x8F\xD1\x87\xD0\xB0\xD1\x81\xD1\x82\xD1\x8C",
+          Quantity::real},
+    Known{"\xD0\xB2\xD0\xB5\xD1\x89\xD0\xB5\xD1\x81\xD1\x82\xD0\xB2\xD0\xB5\xD0\xBD\xD0\xBD\xD0\xB0\xD1\x8F\xD1\x87\xD0"
+          "\xB0\xD1\x81\xD1\x82\xD1\x8C",
+          Quantity::real},
+    Known{"\xD0\xBC\xD0\xBD\xD0\xB8\xD0\xBC\xD0\xB0\xD1\x8F\xD1\x87\xD0\xB0\xD1\x81\xD1\x82\xD1\x8C",
+          Quantity::imaginary},
+    Known{"\xD0\xBC\xD0\xBE\xD0\xB4\xD1\x83\xD0\xBB\xD1\x8C", Quantity::magnitude},
+    Known{"\xD0\xB0\xD0\xBC\xD0\xBF\xD0\xBB\xD0\xB8\xD1\x82\xD1\x83\xD0\xB4\xD0\xB0", Quantity::magnitude},
+    Known{"\xD1\x84\xD0\xB0\xD0\xB7\xD0\xB0", Quantity::phase},
+    Known{"\xD0\xBC\xD0\xBE\xD0\xB4\xD1\x83\xD0\xBB\xD1\x8C\xD0\xBD\xD0\xB0\xD0\xBA\xD0\xBE\xD0\xBF\xD0\xBB\xD0\xB5\xD0"
+          "\xBD\xD0\xB8\xD1\x8F",
+          Quantity::real, "g"},
+    Known{"\xD0\xBC\xD0\xBE\xD0\xB4\xD1\x83\xD0\xBB\xD1\x8C\xD0\xBF\xD0\xBE\xD1\x82\xD0\xB5\xD1\x80\xD1\x8C",
+          Quantity::imaginary, "g"},
+    Known{"\xE9\xA2\x91\xE7\x8E\x87", Quantity::frequency},
+    Known{"\xE8\xA7\x92\xE9\xA2\x91\xE7\x8E\x87", Quantity::frequency, "w"},
+    Known{"\xE5\xAE\x9E\xE9\x83\xA8", Quantity::real}, Known{"\xE8\x99\x9A\xE9\x83\xA8", Quantity::imaginary},
+    Known{"\xE9\x98\xBB\xE6\x8A\x97\xE5\xAE\x9E\xE9\x83\xA8", Quantity::real, "z"},
+    Known{"\xE9\x98\xBB\xE6\x8A\x97\xE8\x99\x9A\xE9\x83\xA8", Quantity::imaginary, "z"},
+    Known{"z\xE5\xAE\x9E\xE9\x83\xA8", Quantity::real, "z"},
+    Known{"z\xE8\x99\x9A\xE9\x83\xA8", Quantity::imaginary, "z"},
+    Known{"\xE9\x98\xBB\xE6\x8A\x97", Quantity::magnitude, "z"},
+    Known{"\xE9\x98\xBB\xE6\x8A\x97\xE6\xA8\xA1", Quantity::magnitude, "z"},
+    Known{"\xE9\x98\xBB\xE6\x8A\x97\xE6\xA8\xA1\xE5\x80\xBC", Quantity::magnitude, "z"},
+    Known{"\xE6\xA8\xA1\xE5\x80\xBC", Quantity::magnitude}, Known{"\xE5\xB9\x85\xE5\x80\xBC", Quantity::magnitude},
+    Known{"\xE7\x9B\xB8\xE4\xBD\x8D", Quantity::phase}, Known{"\xE7\x9B\xB8\xE4\xBD\x8D\xE8\xA7\x92", Quantity::phase},
+    Known{"\xE5\x82\xA8\xE8\x83\xBD\xE6\xA8\xA1\xE9\x87\x8F", Quantity::real, "g"},
+    Known{"\xE6\x8D\x9F\xE8\x80\x97\xE6\xA8\xA1\xE9\x87\x8F", Quantity::imaginary, "g"},
+    Known{"\xE5\x91\xA8\xE6\xB3\xA2\xE6\x95\xB0", Quantity::frequency},
+    Known{"\xE8\xA7\x92\xE5\x91\xA8\xE6\xB3\xA2\xE6\x95\xB0", Quantity::frequency, "w"},
+    Known{"\xE5\xAE\x9F\xE9\x83\xA8", Quantity::real},
+    Known{"\xE8\x99\x9A\xE6\x95\xB0\xE9\x83\xA8", Quantity::imaginary},
+    Known{"\xE5\xAE\x9F\xE6\x95\xB0\xE9\x83\xA8", Quantity::real}, Known{"\xE4\xBD\x8D\xE7\x9B\xB8", Quantity::phase},
+    Known{"\xEC\xA3\xBC\xED\x8C\x8C\xEC\x88\x98", Quantity::frequency},
+    Known{"\xEA\xB0\x81\xEC\xA3\xBC\xED\x8C\x8C\xEC\x88\x98", Quantity::frequency, "w"},
+    Known{"\xEC\x8B\xA4\xEC\x88\x98\xEB\xB6\x80", Quantity::real},
+    Known{"\xED\x97\x88\xEC\x88\x98\xEB\xB6\x80", Quantity::imaginary},
+    Known{"\xEC\x9C\x84\xEC\x83\x81", Quantity::phase},
+    // Of moduli and permittivities.
+    Known{"|g|", Quantity::magnitude, "g"}, Known{"complexmodulus", Quantity::magnitude, "g"},
+    Known{"complexshearmodulus", Quantity::magnitude, "g"}, Known{"|e|", Quantity::magnitude, "e"},
+    Known{"|eps|", Quantity::magnitude, "eps"}, Known{"delta", Quantity::phase, "", "deg"},
+    Known{"delta", Quantity::phase, "", "rad"}, Known{"delta", Quantity::phase, "", "\xC2\xB0"},
+    Known{"tandelta", Quantity::loss_tangent}, Known{"tand", Quantity::loss_tangent},
+    Known{"losstangent", Quantity::loss_tangent}, Known{"lossfactor", Quantity::loss_tangent},
+    Known{"verlustfaktor", Quantity::loss_tangent}};
 
 // Letters that ZView sets behind a name, no units.
 bool is_letter_of_a_column(std::string_view unit) {
   return unit == "a" || unit == "b";
 }
+
+// Units in other letters.
+constexpr std::array words_of_units = std::to_array<std::pair<std::string_view, std::string_view>>(
+    {{"\xD0\x9E\xD0\xBC", "ohm"},
+     {"\xE6\xAC\xA7\xE5\xA7\x86", "ohm"},
+     {"\xE6\xAC\xA7", "ohm"},
+     {"\xE3\x82\xAA\xE3\x83\xBC\xE3\x83\xA0", "ohm"},
+     {"\xEC\x98\xB4", "ohm"},
+     {"\xD0\x93\xD1\x86", "Hz"},
+     {"\xD0\xBA\xD0\x93\xD1\x86", "kHz"},
+     {"\xD0\x9C\xD0\x93\xD1\x86", "MHz"},
+     {"\xD0\xBC\xD0\x93\xD1\x86", "mHz"},
+     {"\xD0\x93\xD0\x93\xD1\x86", "GHz"},
+     {"\xE8\xB5\xAB\xE5\x85\xB9", "Hz"},
+     {"\xE8\xB5\xAB", "Hz"},
+     {"\xD1\x80\xD0\xB0\xD0\xB4/\xD1\x81", "rad/s"},
+     {"\xE5\xBC\xA7\xE5\xBA\xA6/\xE7\xA7\x92", "rad/s"},
+     {"\xD0\xB3\xD1\x80\xD0\xB0\xD0\xB4", "deg"},
+     {"\xD0\xB3\xD1\x80\xD0\xB0\xD0\xB4\xD1\x83\xD1\x81\xD1\x8B", "deg"},
+     {"\xE5\xBA\xA6", "deg"},
+     {"\xD1\x80\xD0\xB0\xD0\xB4", "rad"},
+     {"\xE5\xBC\xA7\xE5\xBA\xA6", "rad"},
+     {"\xD0\x9F\xD0\xB0", "Pa"},
+     {"\xD0\xBA\xD0\x9F\xD0\xB0", "kPa"},
+     {"\xD0\x9C\xD0\x9F\xD0\xB0", "MPa"},
+     {"\xE5\xB8\x95", "Pa"}});
 
 std::string unit_as_written(std::string_view name) {
   const auto open = name.find_last_of("([");
@@ -120,12 +214,27 @@ std::string unit_as_written(std::string_view name) {
   while (unit.ends_with(' ')) unit.remove_suffix(1);
   const std::string lower = plain(unit);
   if (lower == "ohm" || lower == "ohms" || lower == "\xCE\xA9" || lower == "\xE2\x84\xA6") return "ohm";
-  return std::string(unit);
+  const auto* const word =
+      std::find_if(words_of_units.begin(), words_of_units.end(), [&](const auto& each) { return each.first == unit; });
+  return std::string(word != words_of_units.end() ? word->second : unit);
+}
+
+// Brackets of the width of a Chinese character are brackets too.
+std::string with_narrow_brackets(std::string_view name) {
+  std::string text(name);
+  for (const auto& [wide, narrow] : {std::pair{"\xEF\xBC\x88", "("}, {"\xEF\xBC\x89", ")"}}) {
+    const std::string_view bracket = wide;
+    for (auto at = text.find(bracket); at != std::string::npos; at = text.find(bracket, at))
+      text.replace(at, bracket.size(), narrow);
+  }
+  return text;
 }
 
 }  // namespace
 
-std::optional<ColumnMeaning> instrument_column(std::string_view name) {
+std::optional<ColumnMeaning> instrument_column(std::string_view written) {
+  const std::string narrow = with_narrow_brackets(written);
+  const std::string_view name = narrow;
   std::string text = plain(name);
   open_brackets(text);
   const std::string_view view = text;

@@ -16,7 +16,8 @@ bool RowReader::read(const TextTable::Row& row, Points& points) const {
   const double omega = frequency * to_radians_per_second_;
   if (!(frequency > 0) || !(omega > 0) || !std::isfinite(omega))
     fail(row, plan_.frequency, "a frequency must be > 0 and finite in rad/s");
-  const std::complex<double> value = plan_.form == ValueForm::real_imaginary ? cartesian(row) : polar(row);
+  const std::complex<double> value =
+      plan_.form == ValueForm::real_imaginary || plan_.form == ValueForm::real_tangent ? cartesian(row) : polar(row);
   points.omega.push_back(omega);
   points.value.push_back(value);
   if (!plan_.spread) return true;
@@ -53,7 +54,13 @@ double RowReader::number(const TextTable::Row& row, std::size_t field) const {
 }
 
 std::complex<double> RowReader::cartesian(const TextTable::Row& row) const {
+  if (plan_.form == ValueForm::real_tangent) return number(row, plan_.first) * by_tangent(row);
   return {number(row, plan_.first), imaginary_sign_ * number(row, plan_.second)};
+}
+
+std::complex<double> RowReader::by_tangent(const TextTable::Row& row) const {
+  const double tangent = number(row, plan_.second);
+  return {1, is_permittivity_ ? -tangent : tangent};
 }
 
 std::complex<double> RowReader::polar(const TextTable::Row& row) const {
@@ -63,6 +70,10 @@ std::complex<double> RowReader::polar(const TextTable::Row& row) const {
   if (magnitude < 0) fail(row, plan_.first, "a magnitude must be >= 0");
   if (!std::isfinite(magnitude)) fail(row, plan_.first, "the magnitude is beyond the range of a double");
   if (plan_.form == ValueForm::magnitude_alone) return magnitude;
+  if (plan_.form == ValueForm::magnitude_tangent) {
+    const auto direction = by_tangent(row);
+    return magnitude / std::abs(direction) * direction;
+  }
   return std::polar(magnitude, number(row, plan_.second) * to_radians_);
 }
 

@@ -24,6 +24,7 @@ class RowReader {
         to_radians_per_second_(planner.meaning(plan.frequency).factor),
         to_radians_(planner.meaning(plan.second).factor),
         imaginary_sign_(planner.meaning(plan.second).quantity == Quantity::negative_imaginary ? -1 : 1),
+        is_permittivity_(planner.meaning(plan.first).symbol == "eps"),
         decibel_(planner.meaning(plan.first).quantity == Quantity::magnitude_db) {}
 
   // False for a row at frequency 0.
@@ -34,12 +35,15 @@ class RowReader {
   [[nodiscard]] double number(const TextTable::Row& row, std::size_t field) const;
   [[nodiscard]] std::complex<double> cartesian(const TextTable::Row& row) const;
   [[nodiscard]] std::complex<double> polar(const TextTable::Row& row) const;
+  // 1 + j tan delta of a modulus, 1 - j tan delta of a permittivity.
+  [[nodiscard]] std::complex<double> by_tangent(const TextTable::Row& row) const;
 
   const TextTable& table_;
   const ColumnPlan& plan_;
   double to_radians_per_second_;
   double to_radians_;
   double imaginary_sign_;
+  bool is_permittivity_;
   bool decibel_;
 };
 
