@@ -56,15 +56,32 @@ void count(const support::ValidityModel& model, const support::Sweep& sweep, con
   std::vector<double> fine;
   for (int i = 0; i <= 1000; ++i)
     fine.push_back(std::pow(sweep.omega.front() / sweep.omega.back(), -i / 1000.0) / sweep.omega.back());
-  const auto peaks = exact_on(fine).peaks;
+  const auto exact = exact_on(fine);
+  auto peaks = exact.peaks;
+  std::erase_if(peaks, [&](const auto& peak) { return peak.tau <= fine.front() || peak.tau >= fine.back(); });
+  for (std::size_t k = 0, from = 0; k < peaks.size(); ++k) {
+    const auto index = [&](double tau) {
+      return static_cast<std::size_t>(std::lower_bound(fine.begin(), fine.end(), tau) - fine.begin());
+    };
+    const auto place = [&](std::size_t i) { return exact.density.begin() + static_cast<std::ptrdiff_t>(i); };
+    const std::size_t to =
+        k + 1 < peaks.size()
+            ? static_cast<std::size_t>(std::min_element(place(index(peaks[k].tau)), place(index(peaks[k + 1].tau))) -
+                                       exact.density.begin())
+            : fine.size() - 1;
+    peaks[k].area = 0;
+    for (std::size_t i = from; i < to; ++i)
+      peaks[k].area += std::log(fine[i + 1] / fine[i]) * (exact.density[i] + exact.density[i + 1]) / 2;
+    from = to;
+  }
   counts.false_peaks += found.peaks.size() > peaks.size();
   if (found.peaks.size() != peaks.size()) return;
   ++counts.same_peaks;
   for (std::size_t k = 0; k < peaks.size(); ++k) {
-    const auto &peak = found.peaks[k], &exact = peaks[k];
+    const auto &peak = found.peaks[k], &truth_of_peak = peaks[k];
     ++counts.peaks;
-    counts.held_times += peak.tau_lower <= exact.tau && exact.tau <= peak.tau_upper;
-    counts.held_areas += peak.area_lower <= exact.area && exact.area <= peak.area_upper;
+    counts.held_times += peak.tau_lower <= truth_of_peak.tau && truth_of_peak.tau <= peak.tau_upper;
+    counts.held_areas += peak.area_lower <= truth_of_peak.area && truth_of_peak.area <= peak.area_upper;
   }
 }
 

@@ -29,7 +29,7 @@ struct TimesLine {
 /// A maximum of the density between its minima.
 struct TimesPeak {
   double tau;   // s, of the maximum
-  double area;  // between the minima, within the times asked for or, of data, within the band
+  double area;  // between the minima; of a formula to six decades beyond the times asked for, of data within the band
   double tau_lower, tau_upper, area_lower, area_upper;  // see relaxation_times(), NaN where unknown
 };
 
@@ -54,7 +54,8 @@ struct TimesDistribution {
 
 /// Exactly, from the two sides of the cut of a formula along the negative real axis: g = -(1/pi) Im Z(e^{j pi}/tau),
 /// and from its poles there.  Poles elsewhere (resonances) are no relaxation times and are not part of the result.
-/// @param tau  s, positive and rising, at least three, close enough to show the density: some 20 per decade
+/// Lines and peaks are all those between the first and the last time, whichever are asked for between.
+/// @param tau  s, positive and rising, at least three
 /// @throws std::invalid_argument  wrong number of parameters, or tau
 [[nodiscard]] TimesDistribution relaxation_times(const Structure& structure, std::span<const double> parameters,
                                                  std::span<const double> tau, TimesKernel kernel);

@@ -22,7 +22,8 @@ using Complex = std::complex<double>;
 
 constexpr Eigen::Index ends = 3;
 constexpr double per_decade = 12;
-constexpr double reach = 1.5;  // decades beyond the band
+constexpr double reach = 1.5;         // decades beyond the band
+constexpr double least_noise = 1e-3;  // share of the response
 
 /// Weighted rows of a response that is linear in its ends and in the density at each time.
 struct Equations {
@@ -63,9 +64,9 @@ Equations equations(const FrequencyResponseData& data, TimesKernel kernel) {
   made.relative.resize(rows);
   for (std::size_t i = 0; i < kept.size(); ++i) {
     const double omega = data.omega()[kept[i]];
-    // Exact data have no noise of their own: what the model follows them to.
+    // Times on a grid follow exact data to no better than that.
     const double weight =
-        1 / std::max(noise.deviation[kept[i]], 1e-5 * std::abs(data.value()[kept[i]]) + 1e-12 * largest);
+        1 / std::max(noise.deviation[kept[i]], least_noise * std::abs(data.value()[kept[i]]) + 1e-12 * largest);
     const auto put = [&](Eigen::Index column, Complex value) {
       made.columns(2 * static_cast<Eigen::Index>(i), column) = weight * value.real();
       made.columns(2 * static_cast<Eigen::Index>(i) + 1, column) = weight * value.imag();
@@ -275,7 +276,7 @@ TimesDistribution relaxation_times(const FrequencyResponseData& data, TimesKerne
       area.push_back(detail::peak_area(of.log_tau, each, seen(range)));
     }
     const double found = detail::peak_area(of.log_tau, result.density, seen(ranges[i]));
-    double lower = quantile(area, low), upper = quantile(area, high);
+    double lower = std::min(quantile(area, low), found), upper = std::max(quantile(area, high), found);
     widened(lower, upper, found - detail::peak_area(of.log_tau, again, seen(ranges[i])));
     for (const auto& other : at_other_weights)
       widened(lower, upper, detail::peak_area(of.log_tau, other, seen(ranges[i])) - found);

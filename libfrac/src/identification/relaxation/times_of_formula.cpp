@@ -37,20 +37,46 @@ class Lines {
  public:
   Lines(detail::CutValue& value, double sign) : value_(value), sign_(sign) {}
 
-  /// All between neighbouring times.
+  /// All of a range.
   [[nodiscard]] std::vector<TimesLine> between(std::span<const double> log_tau) {
     std::vector<TimesLine> lines;
     std::complex<double> before = inverse(log_tau[0]);
     for (std::size_t i = 1; i < log_tau.size(); ++i) {
       const std::complex<double> here = inverse(log_tau[i]);
-      if ((before.real() < 0) != (here.real() < 0)) add(log_tau[i - 1], log_tau[i], before.real() < 0, lines);
+      search({log_tau[i - 1], before}, {log_tau[i], here}, 0, lines);
       before = here;
     }
     return lines;
   }
 
  private:
-  [[nodiscard]] std::complex<double> inverse(double log_tau) { return 1.0 / value_(std::exp(-log_tau)); }
+  struct Place {
+    double log_tau;
+    std::complex<double> inverse;
+  };
+
+  /// Without a continuous part 1/Z rises with tau all along but for its own poles, as lines and these alternate
+  /// (Foster): where it has fallen without a change of sign one of each lies between.
+  void search(const Place& low, const Place& high, int depth, std::vector<TimesLine>& lines) {
+    constexpr int deepest = 6;
+    if ((low.inverse.real() < 0) != (high.inverse.real() < 0)) {
+      add(low.log_tau, high.log_tau, low.inverse.real() < 0, lines);
+      return;
+    }
+    const auto is_real = [](const Place& at) { return std::abs(at.inverse.imag()) < 1e-9 * std::abs(at.inverse); };
+    if (depth == deepest || !is_real(low) || !is_real(high)) return;
+    if (!(sign_ * (high.inverse.real() - low.inverse.real()) < 0)) return;
+    const double middle = (low.log_tau + high.log_tau) / 2;
+    const Place between{middle, inverse(middle)};
+    search(low, between, depth + 1, lines);
+    search(between, high, depth + 1, lines);
+  }
+
+  [[nodiscard]] std::complex<double> inverse(double log_tau) {
+    const std::complex<double> value = value_(std::exp(-log_tau));
+    // At a pole itself a formula is no number.
+    return std::isfinite(value.real()) && std::isfinite(value.imag()) ? 1.0 / value : 0.0;
+  }
 
   void add(double low, double high, bool low_is_negative, std::vector<TimesLine>& lines) {
     const double width = high - low;
@@ -73,6 +99,16 @@ class Lines {
   double sign_;
 };
 
+/// Close enough that a sum over them is the integral of an arc of exponent 0.98 and more, and that lines stand apart.
+std::vector<double> fine_times(double first, double last) {
+  constexpr double per_e_fold = 40;
+  const auto steps = std::max<std::size_t>(2, static_cast<std::size_t>(std::ceil((last - first) * per_e_fold)));
+  std::vector<double> log_tau;
+  for (std::size_t i = 0; i <= steps; ++i)
+    log_tau.push_back(first + (last - first) * static_cast<double>(i) / static_cast<double>(steps));
+  return log_tau;
+}
+
 TimesDistribution exact_times(const Structure& structure, std::span<const double> parameters,
                               std::span<const double> log_tau, TimesKernel kernel) {
   detail::CutValue value(structure.expression(), parameters);
@@ -80,20 +116,27 @@ TimesDistribution exact_times(const Structure& structure, std::span<const double
   result.kernel = kernel;
   result.constant = result.inductance = result.elastance = result.smoothness = nan;
   result.misfit = result.misfit_in_noise = nan;
-  double largest = 0;
-  for (const double each : log_tau) {
+  const auto density_at = [&](double each) {
     const std::complex<double> here = value(std::exp(-each));
+    // What rounding leaves where the values on both sides agree is no density.
+    const bool is_real = std::abs(here.imag()) < 1e-13 * std::abs(here);
+    return is_real ? 0 : -sign_of(kernel) / std::numbers::pi * here.imag();
+  };
+  for (const double each : log_tau) {
     result.tau.push_back(std::exp(each));
-    result.density.push_back(-sign_of(kernel) / std::numbers::pi * here.imag());
-    largest = std::max(largest, std::abs(here));
+    result.density.push_back(density_at(each));
   }
-  // What rounding leaves where the values on both sides agree is no density.
-  for (double& each : result.density)
-    if (std::abs(each) < 1e-13 * largest) each = 0;
-  result.lines = Lines(value, sign_of(kernel)).between(log_tau);
-  for (const auto& range : detail::large_peaks(detail::peak_ranges(result.density), log_tau, result.density))
-    result.peaks.push_back({std::exp(detail::peak_place(log_tau, result.density, range)),
-                            detail::peak_area(log_tau, result.density, range), nan, nan, nan, nan});
+  // Lines and peaks are those of the range; which times are shown in it, and where it cuts a flank, changes nothing.
+  result.lines = Lines(value, sign_of(kernel)).between(fine_times(log_tau.front(), log_tau.back()));
+  const double flank = 6 * std::log(10.0);
+  const std::vector<double> fine = fine_times(log_tau.front() - flank, log_tau.back() + flank);
+  std::vector<double> density;
+  for (const double each : fine) density.push_back(density_at(each));
+  for (const auto& range : detail::large_peaks(detail::peak_ranges(density), fine, density)) {
+    const double place = detail::peak_place(fine, density, range);
+    if (place < log_tau.front() || place > log_tau.back()) continue;
+    result.peaks.push_back({std::exp(place), detail::peak_area(fine, density, range), nan, nan, nan, nan});
+  }
   return result;
 }
 
