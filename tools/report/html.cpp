@@ -119,7 +119,7 @@ std::string figure_html(const Figure& figure, const std::filesystem::path& folde
   const std::string svg = read_text(folder / "figures" / (figure.name + ".svg"));
   const std::string stem = "figures/" + figure.name;
   std::string html = "<figure id=\"figure-" + figure.name + "\">\n";
-  if (!figure.verdict.empty()) html += "<p class=\"verdict\">" + figure.verdict + "</p>\n";
+  if (!figure.verdict.empty()) html += "<div class=\"verdict\">" + figure.verdict + "</div>\n";
   if (svg.empty()) {
     html += "<div class=\"notice\">" + prose("page", "no-picture", {{"name", figure.name}}) + "</div>\n";
   } else {

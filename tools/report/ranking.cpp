@@ -64,11 +64,14 @@ std::string estimate_text(const frac::ParameterEstimate& parameter) {
 
 std::string verdict_html(const frac::IdentificationResult& result) {
   std::string verdict = prose("ranking", "verdict", {{"sentence", escape_html(result.verdict_sentence)}});
-  for (const std::string& skipped : result.skipped) {
-    verdict += " " + prose("ranking", "left-out", {{"structure", escape_html(skipped)}});
-    if (!skipped.ends_with('.')) verdict += '.';
-  }
-  return verdict;
+  if (result.skipped.empty()) return verdict;
+  const std::size_t count = result.skipped.size();
+  std::string reasons;
+  for (const std::string& skipped : result.skipped) reasons += "<li>" + escape_html(skipped) + "</li>";
+  return verdict + "<details><summary>" +
+         prose("ranking", "left-out",
+               {{"count", std::to_string(count) + (count == 1 ? " structure" : " structures")}}) +
+         "</summary><ul>" + reasons + "</ul></details>";
 }
 
 Table chosen_table(const std::string& name, const frac::IdentificationResult& result) {
