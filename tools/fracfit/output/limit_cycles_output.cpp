@@ -50,6 +50,24 @@ double force_of(const backlash::ImpactCycle& cycle) {
   return std::abs(cycle.harmonics.front().force);
 }
 
+// Impacts of a period; NaN where they follow each other without end before a rest.
+double impacts_of(const backlash::ImpactCycle& cycle) {
+  const bool is_without_end = std::any_of(cycle.rests.begin(), cycle.rests.end(), [&](const auto& rest) {
+    return std::none_of(cycle.impacts.begin(), cycle.impacts.end(),
+                        [&](const auto& impact) { return std::abs(impact.time - rest.time) < 1e-12 * cycle.period; });
+  });
+  return is_without_end ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(cycle.impacts.size());
+}
+
+std::string plural(std::size_t count, const std::string& what) {
+  return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+}
+
+// "4 impacts", or "2 rests".
+std::string pattern_of(const backlash::ImpactCycle& cycle) {
+  return cycle.rests.empty() ? plural(cycle.impacts.size(), "impact") : plural(cycle.rests.size(), "rest");
+}
+
 // Those that are not among the symmetric cycles of two impacts.
 std::vector<const backlash::ImpactCycle*> further_cycles(const LoopCycles& loop) {
   std::vector<const backlash::ImpactCycle*> further;
@@ -57,7 +75,7 @@ std::vector<const backlash::ImpactCycle*> further_cycles(const LoopCycles& loop)
     const bool is_listed = std::any_of(loop.exact.cycles.begin(), loop.exact.cycles.end(), [&](const auto& known) {
       return std::abs(known.omega / frequency_of(cycle) - 1) < 1e-6;
     });
-    if (!is_listed || !cycle.symmetric || cycle.impacts.size() != 2) further.push_back(&cycle);
+    if (!is_listed || !cycle.symmetric || cycle.impacts.size() != 2 || !cycle.rests.empty()) further.push_back(&cycle);
   }
   return further;
 }
@@ -125,10 +143,15 @@ Json cycle_json(const backlash::ImpactCycle& cycle, const LoopCycles& loop) {
   for (const backlash::CycleImpact& impact : cycle.impacts) {
     impacts.push_back({{"time", impact.time}, {"impulse", impact.impulse}, {"speed", impact.speed}});
   }
+  Json rests = Json::array();
+  for (const backlash::CycleRest& rest : cycle.rests) {
+    rests.push_back({{"time", rest.time}, {"duration", rest.duration}, {"impulse", rest.impulse}});
+  }
   const backlash::CycleHarmonic& first = cycle.harmonics.front();
   return {{"omega", frequency_of(cycle)},
           {"symmetric", cycle.symmetric},
-          {"impacts_per_period", cycle.impacts.size()},
+          {"impacts_per_period", std::isnan(impacts_of(cycle)) ? Json() : Json(cycle.impacts.size())},
+          {"rests_per_period", cycle.rests.size()},
           {"admissible", cycle.admissible},
           {"reason", cycle.admissible ? Json() : Json(cycle.reason)},
           {"stable", stability.stable},
@@ -147,7 +170,8 @@ Json cycle_json(const backlash::ImpactCycle& cycle, const LoopCycles& loop) {
           {"period", cycle.period},
           {"middle", cycle.middle},
           {"error", cycle.error},
-          {"impacts", std::move(impacts)}};
+          {"impacts", std::move(impacts)},
+          {"rests", std::move(rests)}};
 }
 
 Json motions_json(const LoopCycles& loop) {
@@ -222,13 +246,15 @@ Json events_json(const backlash::CycleContinuation& followed) {
   for (const backlash::CycleBranch& branch : followed.branches) {
     Json samples = Json::array();
     for (const backlash::CycleBranch::Sample& sample : branch.samples) {
-      samples.push_back({{"value", sample.parameter},
-                         {"omega", frequency_of(sample.cycle)},
-                         {"stable", sample.cycle.stability.stable},
-                         {"multiplier_modulus", std::abs(sample.cycle.stability.dominant)},
-                         {"second_impact", sample.cycle.impacts[1].time / sample.cycle.period},
-                         {"impact_speed", sample.cycle.impacts.front().speed},
-                         {"middle", sample.cycle.middle}});
+      samples.push_back(
+          {{"value", sample.parameter},
+           {"omega", frequency_of(sample.cycle)},
+           {"stable", sample.cycle.stability.stable},
+           {"multiplier_modulus", std::abs(sample.cycle.stability.dominant)},
+           {"second_impact",
+            sample.cycle.impacts.size() > 1 ? Json(sample.cycle.impacts[1].time / sample.cycle.period) : Json()},
+           {"impact_speed", sample.cycle.impacts.front().speed},
+           {"middle", sample.cycle.middle}});
     }
     branches.push_back({{"born_at", branch.born_at},
                         {"samples", std::move(samples)},
@@ -260,10 +286,12 @@ std::string events_text(const std::string& name, const backlash::CycleContinuati
     if (manner.empty()) manner = ", nowhere stable";
     if (std::isnan(branch.born_at)) {
       const backlash::ImpactCycle& cycle = branch.samples.front().cycle;
-      const auto& [from, to] = branch.admissible.front();
+      const std::string motion = branch.admissible.empty()
+                                     ? ", stable at " + name + " = " + precise(branch.samples.front().parameter)
+                                     : ", a motion from " + name + " = " + precise(branch.admissible.front().from) +
+                                           " to " + precise(branch.admissible.front().to) + " at least" + manner;
       text += paragraph("Found by simulation: " + std::string(cycle.symmetric ? "a symmetric" : "an asymmetric") +
-                            " cycle of " + std::to_string(cycle.impacts.size()) + " impacts, a motion from " + name +
-                            " = " + precise(from) + " to " + precise(to) + " at least" + manner + ".",
+                            " cycle of " + pattern_of(cycle) + motion + ".",
                         2);
       continue;
     }
@@ -293,10 +321,14 @@ std::string events_text(const std::string& name, const backlash::CycleContinuati
         "break their symmetry";
     if (!followed.simulated.empty()) {
       searched +=
-          "; where none of them is stable, cycles of up to twelve impacts that simulated motions settle on, at " +
+          "; where none of them is stable, cycles of up to twelve impacts or rests that simulated motions settle on, "
+          "at " +
           std::to_string(followed.simulated.size()) + (followed.simulated.size() == 1 ? " value" : " values");
     }
-    text += paragraph(searched + ".");
+    searched += followed.simulated.empty() ? ". Cycles of more impacts or with rests in contact are not among them; "
+                                             "--starts looks for them."
+                                           : ".";
+    text += paragraph(searched);
   }
   return text;
 }
@@ -316,9 +348,14 @@ std::string motions_text(const LoopCycles& loop) {
     return std::to_string(count) + " of " + std::to_string(loop.settled.motions.size()) + " starts: ";
   };
   std::string text;
-  if (quiet > 0) text += paragraph(starts(quiet) + "the impacts cease.", 2);
+  if (quiet > 0) {
+    const bool is_late = loop.loop.controller().delay() > 0;
+    text += paragraph(starts(quiet) + "the impacts cease" +
+                          (is_late ? ", or the masses rest in contact, which is not followed with dead time." : "."),
+                      2);
+  }
   if (irregular > 0) {
-    std::string sentence = starts(irregular) + "no cycle of up to twelve impacts";
+    std::string sentence = starts(irregular) + "no cycle of up to twelve impacts or rests in contact";
     if (std::isfinite(exponent)) {
       sentence += ", Lyapunov exponent " + short_number(exponent, 3) + " 1/s" + (exponent > 0 ? " (chaotic)" : "");
     }
@@ -422,7 +459,7 @@ std::string limit_cycles_csv(const std::vector<LoopCycles>& loops, const std::st
           if (further) {
             const backlash::CycleHarmonic& fundamental = further->harmonics.front();
             cells.emplace_back(further->symmetric);
-            cells.emplace_back(static_cast<std::int64_t>(further->impacts.size()));
+            cells.emplace_back(impacts_of(*further));
             cells.emplace_back(further->admissible);
             cells.emplace_back(further->stability.stable);
             for (const double value : {std::abs(further->stability.dominant), further->impacts.front().impulse,
@@ -495,15 +532,15 @@ std::string limit_cycles_table(const std::vector<LoopCycles>& loops, const backl
       std::vector<std::string> row;
       for (const auto& [name, value] : loop.varied) row.push_back(short_number(io::parse_number(value).value_or(NAN)));
       row.push_back(short_number(frequency_of(*cycle)));
-      row.push_back(std::to_string(cycle->impacts.size()) + " impacts");
+      row.push_back(pattern_of(*cycle));
       const backlash::CycleHarmonic& fundamental = cycle->harmonics.front();
       for (const double value : {std::abs(cycle->stability.dominant), cycle->impacts.front().speed,
                                  std::abs(fundamental.x1), std::abs(fundamental.x2), force_of(*cycle)})
         row.push_back(short_number(value));
       add_prediction(row, prediction_of(*cycle, loop), frequency_of(*cycle));
       table.add(row);
-      remarks += paragraph("omega " + short_number(frequency_of(*cycle)) + ": stable, " +
-                               std::to_string(cycle->impacts.size()) + " impacts per period, " +
+      remarks += paragraph("omega " + short_number(frequency_of(*cycle)) + ": stable, " + pattern_of(*cycle) +
+                               (cycle->rests.empty() ? "" : " in contact") + " per period, " +
                                (cycle->symmetric ? "symmetric" : "asymmetric, its mirror image is another one") +
                                "; |z| is that of the period, the speed that of the hardest impact.",
                            2);
@@ -520,6 +557,9 @@ std::string limit_cycles_table(const std::vector<LoopCycles>& loops, const backl
   for (const LoopCycles& loop : loops) listed += loop.exact.cycles.size() + further_cycles(loop).size();
   if (listed > 0) text += table.text();
   if (!remarks.empty()) text += "\n" + remarks;
+  if (loops.size() == 1 && loops.front().settled.motions.empty()) {
+    text += "\nNo motion was simulated: cycles of more impacts or with rests in contact are not\nlooked for.\n";
+  }
   if (loops.size() == 1 && !loops.front().exact.certain) {
     text += "\n" + paragraph("Searched on a grid from " + short_number(loops.front().exact.searched.from) + " to " +
                              short_number(loops.front().exact.searched.to) + " rad/s.");
