@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "linear_flight.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "base/eigenvalues.hpp"
 #include "base/linear_algebra.hpp"
 
 namespace backlash::detail {
@@ -49,18 +49,18 @@ LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& 
   for (double& each : scale_) each = std::exp2(std::round(std::log2(each)));
   const Eigen::VectorXd& scale = scale_;
   const Matrix scaled = scale.cwiseInverse().asDiagonal() * a * scale.asDiagonal();
-  const Eigen::EigenSolver<Matrix> right(scaled);
-  const Eigen::EigenSolver<Matrix> left(scaled.transpose());
+  const frac::detail::Eigensystem right = frac::detail::eigensystem(scaled);
+  const frac::detail::Eigensystem left = frac::detail::eigensystem(scaled.transpose());
   const auto by_modulus = [size](const Eigen::VectorXcd& values) {
     std::vector<Index> order(static_cast<std::size_t>(size));
     for (Index i = 0; i < size; ++i) order[static_cast<std::size_t>(i)] = i;
     std::sort(order.begin(), order.end(), [&](Index i, Index k) { return std::abs(values[i]) < std::abs(values[k]); });
     return order;
   };
-  const std::vector<Index> right_order = by_modulus(right.eigenvalues());
-  const std::vector<Index> left_order = by_modulus(left.eigenvalues());
+  const std::vector<Index> right_order = by_modulus(right.values);
+  const std::vector<Index> left_order = by_modulus(left.values);
   std::vector<double> moduli;
-  for (const Index i : right_order) moduli.push_back(std::abs(right.eigenvalues()[i]));
+  for (const Index i : right_order) moduli.push_back(std::abs(right.values[i]));
   Index slow = slow_count(moduli, pace);
   // A pair is not parted.
   const auto parts_pair = [&] {
@@ -71,9 +71,9 @@ LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& 
   while (parts_pair()) ++slow;
   // A pair is real and imaginary part of its upper vector, which stand at the places of both: eigenvalues that hardly
   // differ may come as a pair, of which rounding would leave one half that is not the mirror image of the other.
-  const auto real_vector = [](const Eigen::EigenSolver<Matrix>& of, Index i) -> Eigen::VectorXd {
-    if (of.eigenvalues()[i].imag() < 0) return of.eigenvectors().col(i - 1).imag();
-    return of.eigenvectors().col(i).real();
+  const auto real_vector = [](const frac::detail::Eigensystem& of, Index i) -> Eigen::VectorXd {
+    if (of.values[i].imag() < 0) return of.vectors.col(i - 1).imag();
+    return of.vectors.col(i).real();
   };
   Matrix columns, rows;
   for (;;) {
@@ -109,9 +109,7 @@ LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& 
   for (Index i = 0; i < fast; ++i) {
     place[static_cast<std::size_t>(right_order[static_cast<std::size_t>(slow + i)])] = i;
   }
-  const auto is_kept = [&](Index i) {
-    return place[static_cast<std::size_t>(i)] >= 0 && right.eigenvalues()[i].imag() >= 0;
-  };
+  const auto is_kept = [&](Index i) { return place[static_cast<std::size_t>(i)] >= 0 && right.values[i].imag() >= 0; };
   Index count = 0;
   for (Index i = 0; i < size; ++i) count += is_kept(i);
   rates_.resize(count);
@@ -119,7 +117,7 @@ LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& 
   to_fast_.resize(count, size);
   for (Index i = 0, k = 0; i < size; ++i) {
     if (!is_kept(i)) continue;
-    rates_[k] = right.eigenvalues()[i];
+    rates_[k] = right.values[i];
     const Index at = place[static_cast<std::size_t>(i)];
     to_fast_.row(k) = rows.row(at).cast<Complex>();
     fast_basis_.col(k) = columns.col(at).cast<Complex>();
