@@ -34,11 +34,13 @@ double frequency_of(const backlash::ImpactCycle& cycle) {
   return 2 * std::numbers::pi / cycle.period;
 }
 
-// Impacts follow each other without end before a rest.
+// Impacts follow each other without end before a rest: it begins with none, or with the last one that was followed.
 bool has_chatter(const backlash::ImpactCycle& cycle) {
   return std::any_of(cycle.rests.begin(), cycle.rests.end(), [&](const auto& rest) {
-    return std::none_of(cycle.impacts.begin(), cycle.impacts.end(),
-                        [&](const auto& impact) { return std::abs(impact.time - rest.time) < 1e-12 * cycle.period; });
+    return std::none_of(cycle.impacts.begin(), cycle.impacts.end(), [&](const auto& impact) {
+      return std::abs(impact.time - rest.time) < 1e-12 * cycle.period &&
+             impact.speed > 1e-6 * cycle.impacts.front().speed;
+    });
   });
 }
 
