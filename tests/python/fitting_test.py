@@ -340,6 +340,7 @@ def test_wrong_requests_are_our_sentences():
         ({"grow": "arcs"}, "either model"),
         ({"seed": "one"}, "whole number"),
         ({"component": 3}, "expected a text"),
+        ({"weight": np.ones(20)}, "expected a text"),
     ):
         with pytest.raises(ValueError, match=sentence):
             fracfit.fit(EXACT, "K/(T s^a + 1)", **wrong)

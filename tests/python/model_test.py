@@ -211,6 +211,8 @@ def test_controller_refuses_what_it_cannot_be():
     assert pid.bad_input
     with pytest.raises(ValueError, match="setpoint has the dtype"):
         pid.step("a", 0)
+    with pytest.raises(ValueError, match=r"setpoint has the shape \(3,\)"):
+        pid.step(np.ones(3), 0)
     with pytest.raises(ValueError, match="poles is 2.5; expected a whole number"):
         fracfit.FractionalPid(1, 1, lambda_=0.5, sample_time=1e-3, band=(1, 100), poles=2.5)
 
