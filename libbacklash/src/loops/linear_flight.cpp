@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "linear_flight.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "base/eigenvalues.hpp"
 #include "base/linear_algebra.hpp"
 
 namespace backlash::detail {
@@ -50,18 +50,18 @@ LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& 
   for (double& each : scale_) each = std::exp2(std::round(std::log2(each)));
   const Eigen::VectorXd& scale = scale_;
   const Matrix scaled = scale.cwiseInverse().asDiagonal() * a * scale.asDiagonal();
-  const Eigen::EigenSolver<Matrix> right(scaled);
-  const Eigen::EigenSolver<Matrix> left(scaled.transpose());
+  const frac::detail::Eigensystem right = frac::detail::eigensystem(scaled);
+  const frac::detail::Eigensystem left = frac::detail::eigensystem(scaled.transpose());
   const auto by_modulus = [size](const Eigen::VectorXcd& values) {
     std::vector<Index> order(static_cast<std::size_t>(size));
     for (Index i = 0; i < size; ++i) order[static_cast<std::size_t>(i)] = i;
     std::sort(order.begin(), order.end(), [&](Index i, Index k) { return std::abs(values[i]) < std::abs(values[k]); });
     return order;
   };
-  const std::vector<Index> right_order = by_modulus(right.eigenvalues());
-  const std::vector<Index> left_order = by_modulus(left.eigenvalues());
+  const std::vector<Index> right_order = by_modulus(right.values);
+  const std::vector<Index> left_order = by_modulus(left.values);
   std::vector<double> moduli;
-  for (const Index i : right_order) moduli.push_back(std::abs(right.eigenvalues()[i]));
+  for (const Index i : right_order) moduli.push_back(std::abs(right.values[i]));
   Index slow = slow_count(moduli, pace);
   // A pair is not parted.
   const auto parts_pair = [&] {
@@ -76,8 +76,8 @@ LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& 
     columns.resize(size, fast);
     rows.resize(fast, size);
     for (Index i = 0; i < fast; ++i) {
-      columns.col(i) = right.eigenvectors().col(right_order[static_cast<std::size_t>(slow + i)]);
-      rows.row(i) = left.eigenvectors().col(left_order[static_cast<std::size_t>(slow + i)]).transpose();
+      columns.col(i) = right.vectors.col(right_order[static_cast<std::size_t>(slow + i)]);
+      rows.row(i) = left.vectors.col(left_order[static_cast<std::size_t>(slow + i)]).transpose();
     }
     if (fast == 0) break;
     rows = (rows * columns).partialPivLu().solve(rows).eval();
@@ -102,7 +102,7 @@ LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& 
   }
   std::vector<Index> kept;
   for (Index i = 0; i < fast; ++i) {
-    if (right.eigenvalues()[right_order[static_cast<std::size_t>(slow + i)]].imag() >= 0) kept.push_back(i);
+    if (right.values[right_order[static_cast<std::size_t>(slow + i)]].imag() >= 0) kept.push_back(i);
   }
   const auto count = static_cast<Index>(kept.size());
   rates_.resize(count);
@@ -110,7 +110,7 @@ LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& 
   to_fast_.resize(count, size);
   for (Index i = 0; i < count; ++i) {
     const Index from = kept[static_cast<std::size_t>(i)];
-    rates_[i] = right.eigenvalues()[right_order[static_cast<std::size_t>(slow + from)]];
+    rates_[i] = right.values[right_order[static_cast<std::size_t>(slow + from)]];
     fast_basis_.col(i) = columns.col(from);
     to_fast_.row(i) = rows.row(from);
   }

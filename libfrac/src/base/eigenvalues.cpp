@@ -9,4 +9,9 @@ Eigen::VectorXcd eigenvalues(const Eigen::MatrixXd& matrix) {
   return Eigen::EigenSolver<Eigen::MatrixXd>(matrix, false).eigenvalues();
 }
 
+Eigensystem eigensystem(const Eigen::MatrixXd& matrix) {
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(matrix);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
 }  // namespace frac::detail

@@ -10,4 +10,11 @@ namespace frac::detail {
 /// Eigenvalues of a real matrix; a conjugate pair stands side by side, the upper one first.
 [[nodiscard]] Eigen::VectorXcd eigenvalues(const Eigen::MatrixXd& matrix);
 
+/// Eigenvalues in the same order, and the right eigenvectors of length 1 as columns.
+struct Eigensystem {
+  Eigen::VectorXcd values;
+  Eigen::MatrixXcd vectors;
+};
+[[nodiscard]] Eigensystem eigensystem(const Eigen::MatrixXd& matrix);
+
 }  // namespace frac::detail

@@ -7,8 +7,10 @@
 #include <cstdio>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "base/median.hpp"
+#include "frac/identification/identify.hpp"
 #include "frac/identification/lack_of_fit.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/local_curve.hpp"
@@ -144,22 +146,6 @@ std::vector<std::size_t> isolated_outliers(const FrequencyResponseData& data, Co
   return outliers;
 }
 
-std::vector<std::size_t> left_out_of_fit(const FrequencyResponseData& data, const FitOptions& options) {
-  if (options.loss != Loss::none) return {};
-  return isolated_outliers(data, options.component);
-}
-
-std::string left_out_sentence(const FrequencyResponseData& data, const std::vector<std::size_t>& points) {
-  return std::to_string(points.size()) + " of " + std::to_string(data.size()) +
-         (points.size() == 1 ? " points contradicts its" : " points contradict their") +
-         " neighbours on both sides (omega = " + frequencies_of(data, points) + " rad/s); they are left out";
-}
-
-std::string taken_back_sentence(const FrequencyResponseData& data, const std::vector<std::size_t>& points) {
-  return "the model meets what was left out at omega = " + frequencies_of(data, points) +
-         " rad/s to within the noise, so that it is taken in again";
-}
-
 std::vector<std::size_t> points_met(const FrequencyResponseData& data, const std::vector<std::size_t>& points,
                                     const FitOptions& options, const FitResult& fit) {
   if (points.empty() || !fit.usable() || !lack_of_fit(without_points(data, points), options, fit).adequate) return {};
@@ -193,6 +179,40 @@ FrequencyResponseData without_points(const FrequencyResponseData& data, const st
     if (!data.sigma().empty()) sigma.push_back(data.sigma()[i]);
   }
   return {std::move(omega), std::move(value), std::move(sigma)};
+}
+
+ScreenedData::ScreenedData(FrequencyResponseData all, const FitOptions& options, bool keep_all)
+    : all_(std::move(all)),
+      left_out_(keep_all || options.loss != Loss::none ? std::vector<std::size_t>{}
+                                                       : isolated_outliers(all_, options.component)),
+      kept_(without_points(all_, left_out_)) {}
+
+std::string ScreenedData::sentence() const {
+  if (left_out_.empty()) return {};
+  return std::to_string(left_out_.size()) + " of " + std::to_string(all_.size()) +
+         (left_out_.size() == 1 ? " points contradicts its" : " points contradict their") +
+         " neighbours on both sides (omega = " + frequencies_of(all_, left_out_) + " rad/s); they are left out";
+}
+
+std::string ScreenedData::take_back_met(const FitOptions& options, const FitResult& fit) {
+  const auto met = points_met(all_, left_out_, options, fit);
+  if (met.empty()) return {};
+  std::erase_if(left_out_, [&](std::size_t point) { return std::binary_search(met.begin(), met.end(), point); });
+  kept_ = without_points(all_, left_out_);
+  return "the model meets what was left out at omega = " + frequencies_of(all_, met) +
+         " rad/s to within the noise, so that it is taken in again";
+}
+
+std::string ScreenedData::take_back_met(FitOptions options, const RankedFit& chosen) {
+  if (chosen.model_class == ModelClass::fixed_curve) return {};
+  options.constraints = chosen.model.constraints;
+  return take_back_met(options, chosen.fit);
+}
+
+void ScreenedData::restore_indices(std::vector<std::size_t>& points) const {
+  for (std::size_t& point : points)
+    for (const std::size_t each : left_out_)
+      if (each <= point) ++point;
 }
 
 }  // namespace frac

@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include "frac/identification/fit_from.hpp"
-#include "frac/identification/outliers.hpp"
 #include "frac/structure.hpp"
 #include "io/data_error.hpp"
 #include "io/fingerprint.hpp"
@@ -82,8 +81,10 @@ void set_data(RowBuilder& row, const BatchTask& task, const io::FrequencyRespons
   row.set("omega_upper", file.data.omega().back());
 }
 
+void say_nothing(const std::string&) {}
+
 io::FrequencyResponseFile data_of(const BatchTask& task, const BatchCurve& curve) {
-  return read_curve(task.request, curve, [](const std::string&) {});
+  return read_curve(task.request, curve, say_nothing);
 }
 
 frac::FitOptions options_of(const BatchTask& task) {
@@ -92,54 +93,29 @@ frac::FitOptions options_of(const BatchTask& task) {
   return options;
 }
 
-// A file of the batch without the points that are left out.
-class Screened {
- public:
-  Screened(const BatchTask& task, const io::FrequencyResponseFile& file)
-      : all_(file.data),
-        left_out_(outliers_left_out(task.request, file.data, silent)),
-        data_(frac::without_points(file.data, left_out_)) {}
-
-  [[nodiscard]] const frac::FrequencyResponseData& data() const { return data_; }
-  [[nodiscard]] std::size_t left_out() const { return left_out_.size(); }
-  [[nodiscard]] bool takes_back(const frac::FitOptions& options, const frac::FitResult& fit) {
-    if (!take_back_met(left_out_, all_, options, fit, silent)) return false;
-    data_ = frac::without_points(all_, left_out_);
-    return true;
-  }
-
- private:
-  static void silent(const std::string&) {}
-
-  const frac::FrequencyResponseData& all_;
-  std::vector<std::size_t> left_out_;
-  frac::FrequencyResponseData data_;
-};
-
 void set_result(RowBuilder& row, const BatchTask& task, const io::FrequencyResponseFile& file, std::size_t index,
                 BlockStarts& starts) {
-  Screened screened(task, file);
+  auto points = screened(task.request, file.data, say_nothing);
   if (!task.ranked) {
     const frac::Structure structure(task.models.front().formula);
     const auto options = options_of(task);
     const frac::FitResult* const first = starts[index];
-    auto result = first == nullptr               ? frac::fit(screened.data(), structure, options)
+    auto result = first == nullptr               ? frac::fit(points.kept(), structure, options)
                   : BlockStarts::is_first(index) ? *first
-                                                 : frac::fit_from(*first, screened.data(), structure, options);
-    if (screened.takes_back(options, result)) result = frac::fit_from(result, screened.data(), structure, options);
-    set_fit(row, result, screened.left_out());
-    const auto statistics = fit_statistics(screened.data(), options, result, {}, 1);
+                                                 : frac::fit_from(*first, points.kept(), structure, options);
+    if (!points.take_back_met(options, result).empty())
+      result = frac::fit_from(result, points.kept(), structure, options);
+    set_fit(row, result, points.left_out().size());
+    const auto statistics = fit_statistics(points.kept(), options, result, {}, 1);
     row.set("lag_one_correlation", statistics.whiteness.lag_one_correlation);
     row.set("whiteness_p_value", statistics.whiteness.p_value);
     return;
   }
   // Files share the cores, so each works on one.
-  auto result = frac::identify(screened.data(), task.models, {}, task.options, 1);
-  auto of_chosen = task.options;
-  of_chosen.constraints = result.ranking.at(result.chosen).model.constraints;
-  if (screened.takes_back(of_chosen, result.ranking.at(result.chosen).fit))
-    result = frac::identify(screened.data(), task.models, {}, task.options, 1);
-  set_fit(row, result.ranking.at(result.chosen).fit, screened.left_out());
+  auto result = frac::identify(points.kept(), task.models, {}, task.options, 1);
+  if (!points.take_back_met(task.options, result.ranking.at(result.chosen)).empty())
+    result = frac::identify(points.kept(), task.models, {}, task.options, 1);
+  set_fit(row, result.ranking.at(result.chosen).fit, points.left_out().size());
   row.set("chosen", std::string_view(result.ranking.at(result.chosen).name));
   row.set("verdict", frac::to_string(result.verdict));
   row.set("evidence", result.evidence);
@@ -241,8 +217,8 @@ const frac::FitResult* BlockStarts::operator[](std::size_t index) {
   std::call_once(block.searched, [&] {
     try {
       const auto file = data_of(task_, curves_[index / block_size * block_size]);
-      block.answer =
-          frac::fit(Screened(task_, file).data(), frac::Structure(task_.models.front().formula), options_of(task_));
+      block.answer = frac::fit(screened(task_.request, file.data, say_nothing).kept(),
+                               frac::Structure(task_.models.front().formula), options_of(task_));
     } catch (const io::DataError&) {  // its row will say it
     } catch (const std::invalid_argument&) {
     }

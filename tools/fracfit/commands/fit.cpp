@@ -3,7 +3,6 @@
 #include <stdexcept>
 
 #include "commands/subcommand.hpp"
-#include "frac/identification/outliers.hpp"
 #include "frac/structure.hpp"
 #include "io/output_file.hpp"
 #include "io/time_series_file.hpp"
@@ -169,17 +168,18 @@ class Fit : public Command {
     auto wanted = fit_options(request_);
     wanted.constraints = chosen_.constraints;
     const auto file = read_data(request_, note);
-    auto left_out = outliers_left_out(request_, file.data, note);
+    auto points = screened(request_, file.data, note);
     auto fit = wanted;
-    auto made = fitted(frac::without_points(file.data, left_out), fit);
-    if (take_back_met(left_out, file.data, fit, made.result, note)) {
+    auto made = fitted(points.kept(), fit);
+    if (const auto sentence = points.take_back_met(fit, made.result); !sentence.empty()) {
+      say(sentence);
       fit = wanted;
-      made = fitted(frac::without_points(file.data, left_out), fit);
+      made = fitted(points.kept(), fit);
     }
-    auto about = fit_run(request_, options(), file, left_out, command_line());
+    auto about = fit_run(request_, options(), file, points.left_out(), command_line());
     if (!parameters_.prior.empty()) about.options.emplace_back("priors", joined(parameters_.prior));
     if (!parameters_.order.empty()) about.options.emplace_back("constraints", joined(parameters_.order));
-    return write_fit(frac::without_points(file.data, left_out), fit, made, about);
+    return write_fit(points.kept(), fit, made, about);
   }
 
   FitRequest request_;

@@ -9,7 +9,6 @@
 #include "backlash/static_backlash.hpp"
 #include "commands/subcommand.hpp"
 #include "frac/identification/model_choice.hpp"
-#include "frac/identification/outliers.hpp"
 #include "frac/parallel_for.hpp"
 #include "io/time_series_file.hpp"
 #include "options/fit_request.hpp"
@@ -155,31 +154,26 @@ class Identify : public Command {
     const auto note = [this](const std::string& text) { say(text); };
     const auto file = read_data(request_, note);
     check_folds(file.data.size());
-    auto left_out = outliers_left_out(request_, file.data, note);
+    auto points = screened(request_, file.data, note);
     const bool static_backlash = complete_scene(file.metadata);
     if (static_backlash && io::find_value(file.metadata, "output") == "x2")
       say(request_.data + ": the data are of x2, while the static-backlash curve describes x1");
-    const auto ranked = [&](const frac::FrequencyResponseData& data) {
+    const auto ranked = [&] {
       std::vector<frac::FixedCurve> curves;
       if (static_backlash) {
-        curves.push_back({"static-backlash",
-                          backlash::static_describing_function(*mass1_, *mass2_, *clearance_, *force_, data.omega())});
+        curves.push_back({"static-backlash", backlash::static_describing_function(*mass1_, *mass2_, *clearance_,
+                                                                                  *force_, points.kept().omega())});
       }
-      return frac::identify(data, models_, curves, fit, threads());
+      return frac::identify(points.kept(), models_, curves, fit, threads());
     };
-    auto data = frac::without_points(file.data, left_out);
-    auto result = ranked(data);
-    const auto& chosen = result.ranking.at(result.chosen);
-    auto of_chosen = fit;
-    of_chosen.constraints = chosen.model.constraints;
-    // A given curve is no formula that could be fitted to a point more.
-    const bool is_fitted = chosen.model_class != frac::ModelClass::fixed_curve;
-    if (is_fitted && take_back_met(left_out, file.data, of_chosen, chosen.fit, note)) {
-      data = frac::without_points(file.data, left_out);
-      result = ranked(data);
+    auto result = ranked();
+    if (const auto sentence = points.take_back_met(fit, result.ranking.at(result.chosen)); !sentence.empty()) {
+      say(sentence);
+      result = ranked();
     }
     if (request_.weight == frac::to_string(frac::Weight::learned)) fit.noise_floor = result.noise_floor;
-    return write_ranking(data, fit, result, fit_run(request_, options(), file, left_out, command_line()));
+    return write_ranking(points.kept(), fit, result,
+                         fit_run(request_, options(), file, points.left_out(), command_line()));
   }
 
   FitRequest request_;

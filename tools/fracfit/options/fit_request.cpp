@@ -128,22 +128,11 @@ std::string where_text(const FitRequest& request) {
   return text.empty() ? "all points" : text;
 }
 
-std::vector<std::size_t> outliers_left_out(const FitRequest& request, const frac::FrequencyResponseData& data,
-                                           const std::function<void(const std::string&)>& note) {
-  if (request.outliers == "keep") return {};
-  auto points = frac::left_out_of_fit(data, fit_options(request));
-  if (!points.empty()) note(frac::left_out_sentence(data, points) + ", and taken in with --outliers keep");
-  return points;
-}
-
-bool take_back_met(std::vector<std::size_t>& left_out, const frac::FrequencyResponseData& data,
-                   const frac::FitOptions& options, const frac::FitResult& fit,
-                   const std::function<void(const std::string&)>& note) {
-  const auto met = frac::points_met(data, left_out, options, fit);
-  if (met.empty()) return false;
-  std::erase_if(left_out, [&](std::size_t point) { return std::binary_search(met.begin(), met.end(), point); });
-  note(frac::taken_back_sentence(data, met));
-  return true;
+frac::ScreenedData screened(const FitRequest& request, const frac::FrequencyResponseData& data,
+                            const std::function<void(const std::string&)>& note) {
+  frac::ScreenedData result(data, fit_options(request), request.outliers == "keep");
+  if (!result.left_out().empty()) note(result.sentence() + ", and taken in with --outliers keep");
+  return result;
 }
 
 FitRun fit_run(const FitRequest& request, const Options& options, const io::FrequencyResponseFile& file,

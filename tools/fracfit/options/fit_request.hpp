@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "frac/identification/fit.hpp"
+#include "frac/identification/outliers.hpp"
 #include "io/frequency_response_file.hpp"
 #include "options/command.hpp"
 #include "options/data_options.hpp"
@@ -53,17 +54,9 @@ void add_outliers(Options& options, FitRequest& request);
 /// Tests of --where as one text, the entry that outputs show.
 [[nodiscard]] std::string where_text(const FitRequest& request);
 
-/// Points that --outliers leaves out: those that contradict their neighbours on both sides, unless they are to be kept
-/// or a robust loss limits what they do; `note` is told.  Indices of the data, increasing.
-[[nodiscard]] std::vector<std::size_t> outliers_left_out(const FitRequest& request,
-                                                         const frac::FrequencyResponseData& data,
-                                                         const std::function<void(const std::string&)>& note);
-
-/// Takes points back that a fit to the others meets after all, out of what was left out.
-/// @return whether there were such, so that the fit is to be made anew
-[[nodiscard]] bool take_back_met(std::vector<std::size_t>& left_out, const frac::FrequencyResponseData& data,
-                                 const frac::FitOptions& options, const frac::FitResult& fit,
-                                 const std::function<void(const std::string&)>& note);
+/// The data without the points that --outliers leaves out; `note` is told of them.
+[[nodiscard]] frac::ScreenedData screened(const FitRequest& request, const frac::FrequencyResponseData& data,
+                                          const std::function<void(const std::string&)>& note);
 
 /// What the outputs say of where a result came from.
 /// @param left_out  indices of the file's data

@@ -87,7 +87,9 @@ Document basins_document(const backlash::BasinMap& map, backlash::Output output)
         motion_name(map) + " " + std::to_string(i),
         "share " + io::format_number(share_of(map, map.attractors[i])) + ", regime " +
             std::string(backlash::to_string(point.regime)) + ", period " + std::to_string(point.period) +
-            ", impacts per period " + io::format_number(point.impacts_per_period) +
+            (std::isnan(point.impacts_per_period)
+                 ? ""
+                 : ", impacts per period " + io::format_number(point.impacts_per_period)) +
             (symmetric ? ", symmetric" : ", asymmetric") + ", N " + io::format_number(point.value.real()) +
             (std::signbit(point.value.imag()) ? " - " : " + ") + io::format_number(std::abs(point.value.imag())) +
             " j m/N, uncertainty " + io::format_number(point.uncertainty) +

@@ -30,36 +30,58 @@ const backlash::PredictedCycle* prediction_of(const LoopCycles& loop, double ome
   return nearest;
 }
 
-const backlash::PredictedCycle* prediction_of(const backlash::SymmetricCycle& cycle, const LoopCycles& loop) {
-  return prediction_of(loop, cycle.omega, true, 2);
-}
-
-double force_of(const backlash::SymmetricCycle& cycle) {
-  return std::abs(cycle.harmonics.front().force);
-}
-
 double frequency_of(const backlash::ImpactCycle& cycle) {
   return 2 * std::numbers::pi / cycle.period;
 }
 
-const backlash::PredictedCycle* prediction_of(const backlash::ImpactCycle& cycle, const LoopCycles& loop) {
-  return prediction_of(loop, frequency_of(cycle), cycle.symmetric, static_cast<int>(cycle.impacts.size()));
-}
+// What all outputs say of a cycle, however it was found.
+struct ListedCycle {
+  double omega;
+  bool symmetric;
+  std::size_t impacts;  // per period
+  bool admissible;
+  const std::string& reason;
+  const backlash::CycleStability& stability;
+  const char* multiplier_per;
+  double impulse, impact_speed;
+  const std::vector<backlash::CycleHarmonic>& harmonics;
+  const backlash::PredictedCycle* predicted;
+  const backlash::ImpactCycle* further;  // nullptr where it is symmetric with two impacts
 
-double force_of(const backlash::ImpactCycle& cycle) {
-  return std::abs(cycle.harmonics.front().force);
-}
+  [[nodiscard]] double amplitude_x1() const { return std::abs(harmonics.front().x1); }
+  [[nodiscard]] double amplitude_x2() const { return std::abs(harmonics.front().x2); }
+  [[nodiscard]] double amplitude_force() const { return std::abs(harmonics.front().force); }
+  [[nodiscard]] double multiplier_modulus() const { return std::abs(stability.dominant); }
+};
 
-// Those that are not among the symmetric cycles of two impacts.
-std::vector<const backlash::ImpactCycle*> further_cycles(const LoopCycles& loop) {
-  std::vector<const backlash::ImpactCycle*> further;
-  for (const backlash::ImpactCycle& cycle : loop.settled.cycles) {
-    const bool is_listed = std::any_of(loop.exact.cycles.begin(), loop.exact.cycles.end(), [&](const auto& known) {
-      return std::abs(known.omega / frequency_of(cycle) - 1) < 1e-6;
-    });
-    if (!is_listed || !cycle.symmetric || cycle.impacts.size() != 2) further.push_back(&cycle);
+// The symmetric cycles with two impacts, and then those that motions settle on and that are not among these.
+std::vector<ListedCycle> listed_cycles(const LoopCycles& loop) {
+  std::vector<ListedCycle> listed;
+  for (const backlash::SymmetricCycle& cycle : loop.exact.cycles) {
+    listed.push_back({cycle.omega, true, 2, cycle.admissible, cycle.reason, cycle.stability, "half-period",
+                      cycle.impulse, cycle.impact_speed, cycle.harmonics, prediction_of(loop, cycle.omega, true, 2),
+                      nullptr});
   }
-  return further;
+  for (const backlash::ImpactCycle& cycle : loop.settled.cycles) {
+    const double omega = frequency_of(cycle);
+    const std::size_t impacts = cycle.impacts.size();
+    const bool is_known = cycle.symmetric && impacts == 2 &&
+                          std::any_of(loop.exact.cycles.begin(), loop.exact.cycles.end(),
+                                      [&](const auto& known) { return std::abs(known.omega / omega - 1) < 1e-6; });
+    if (is_known) continue;
+    listed.push_back({omega, cycle.symmetric, impacts, cycle.admissible, cycle.reason, cycle.stability, "period",
+                      cycle.impacts.front().impulse, cycle.impacts.front().speed, cycle.harmonics,
+                      prediction_of(loop, omega, cycle.symmetric, static_cast<int>(impacts)), &cycle});
+  }
+  return listed;
+}
+
+std::vector<const ListedCycle*> by_frequency(const std::vector<ListedCycle>& listed) {
+  std::vector<const ListedCycle*> sorted;
+  for (const ListedCycle& cycle : listed) sorted.push_back(&cycle);
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const ListedCycle* a, const ListedCycle* b) { return a->omega < b->omega; });
+  return sorted;
 }
 
 Json harmonics_json(const std::vector<backlash::CycleHarmonic>& harmonics) {
@@ -86,68 +108,48 @@ Json prediction_json(const backlash::PredictedCycle& predicted) {
           {"admissible", predicted.admissible}};
 }
 
-// What the describing function says of a cycle of that frequency and force; null where it says nothing.
-Json comparison_json(const backlash::PredictedCycle* predicted, double omega, double force) {
-  if (predicted == nullptr) return {};
-  Json json{{"omega", predicted->omega},
-            {"force", predicted->force_amplitude},
-            {"relative_error_omega", predicted->omega / predicted->period / omega - 1},
-            {"relative_error_force", predicted->force_amplitude / force - 1}};
-  json.update(prediction_json(*predicted));
+// What the describing function says of the cycle; null where it says nothing.
+Json comparison_json(const ListedCycle& cycle) {
+  if (cycle.predicted == nullptr) return {};
+  const backlash::PredictedCycle& predicted = *cycle.predicted;
+  Json json{{"omega", predicted.omega},
+            {"force", predicted.force_amplitude},
+            {"relative_error_omega", predicted.omega / predicted.period / cycle.omega - 1},
+            {"relative_error_force", predicted.force_amplitude / cycle.amplitude_force() - 1}};
+  json.update(prediction_json(predicted));
   return json;
 }
 
-Json cycle_json(const backlash::SymmetricCycle& cycle, const LoopCycles& loop) {
+Json cycle_json(const ListedCycle& cycle) {
   const backlash::CycleStability& stability = cycle.stability;
-  return {{"omega", cycle.omega},
-          {"symmetric", true},
-          {"impacts_per_period", 2},
-          {"admissible", cycle.admissible},
-          {"reason", cycle.admissible ? Json() : Json(cycle.reason)},
-          {"stable", stability.stable},
-          {"multiplier_modulus", std::abs(stability.dominant)},
-          {"multiplier_per", "half-period"},
-          {"multiplier", Json{stability.dominant.real(), stability.dominant.imag()}},
-          {"unstable_multipliers", stability.unstable_multipliers},
-          {"loss", backlash::to_string(stability.loss)},
-          {"impulse", cycle.impulse},
-          {"impact_speed", cycle.impact_speed},
-          {"amplitude_x1", std::abs(cycle.harmonics.front().x1)},
-          {"amplitude_x2", std::abs(cycle.harmonics.front().x2)},
-          {"amplitude_force", force_of(cycle)},
-          {"harmonics", harmonics_json(cycle.harmonics)},
-          {"describing_function", comparison_json(prediction_of(cycle, loop), cycle.omega, force_of(cycle))}};
-}
-
-Json cycle_json(const backlash::ImpactCycle& cycle, const LoopCycles& loop) {
-  const backlash::CycleStability& stability = cycle.stability;
+  Json json{{"omega", cycle.omega},
+            {"symmetric", cycle.symmetric},
+            {"impacts_per_period", cycle.impacts},
+            {"admissible", cycle.admissible},
+            {"reason", cycle.admissible ? Json() : Json(cycle.reason)},
+            {"stable", stability.stable},
+            {"multiplier_modulus", cycle.multiplier_modulus()},
+            {"multiplier_per", cycle.multiplier_per},
+            {"multiplier", Json{stability.dominant.real(), stability.dominant.imag()}},
+            {"unstable_multipliers", stability.unstable_multipliers},
+            {"loss", backlash::to_string(stability.loss)},
+            {"impulse", cycle.impulse},
+            {"impact_speed", cycle.impact_speed},
+            {"amplitude_x1", cycle.amplitude_x1()},
+            {"amplitude_x2", cycle.amplitude_x2()},
+            {"amplitude_force", cycle.amplitude_force()},
+            {"harmonics", harmonics_json(cycle.harmonics)},
+            {"describing_function", comparison_json(cycle)}};
+  if (cycle.further == nullptr) return json;
   Json impacts = Json::array();
-  for (const backlash::CycleImpact& impact : cycle.impacts) {
+  for (const backlash::CycleImpact& impact : cycle.further->impacts) {
     impacts.push_back({{"time", impact.time}, {"impulse", impact.impulse}, {"speed", impact.speed}});
   }
-  const backlash::CycleHarmonic& first = cycle.harmonics.front();
-  return {{"omega", frequency_of(cycle)},
-          {"symmetric", cycle.symmetric},
-          {"impacts_per_period", cycle.impacts.size()},
-          {"admissible", cycle.admissible},
-          {"reason", cycle.admissible ? Json() : Json(cycle.reason)},
-          {"stable", stability.stable},
-          {"multiplier_modulus", std::abs(stability.dominant)},
-          {"multiplier_per", "period"},
-          {"multiplier", Json{stability.dominant.real(), stability.dominant.imag()}},
-          {"unstable_multipliers", stability.unstable_multipliers},
-          {"loss", backlash::to_string(stability.loss)},
-          {"impulse", cycle.impacts.front().impulse},
-          {"impact_speed", cycle.impacts.front().speed},
-          {"amplitude_x1", std::abs(first.x1)},
-          {"amplitude_x2", std::abs(first.x2)},
-          {"amplitude_force", force_of(cycle)},
-          {"harmonics", harmonics_json(cycle.harmonics)},
-          {"describing_function", comparison_json(prediction_of(cycle, loop), frequency_of(cycle), force_of(cycle))},
-          {"period", cycle.period},
-          {"middle", cycle.middle},
-          {"error", cycle.error},
-          {"impacts", std::move(impacts)}};
+  json.update({{"period", cycle.further->period},
+               {"middle", cycle.further->middle},
+               {"error", cycle.further->error},
+               {"impacts", std::move(impacts)}});
+  return json;
 }
 
 Json motions_json(const LoopCycles& loop) {
@@ -182,16 +184,9 @@ Json loop_json(const LoopCycles& loop) {
                       {"to", loop.exact.searched.to},
                       {"certain", loop.exact.certain},
                       {"any_frequency", loop.exact.any_frequency}};
+  const std::vector<ListedCycle> listed = listed_cycles(loop);
   Json& cycles = json["cycles"] = Json::array();
-  std::vector<std::pair<double, Json>> by_omega;
-  for (const backlash::SymmetricCycle& cycle : loop.exact.cycles) {
-    by_omega.emplace_back(cycle.omega, cycle_json(cycle, loop));
-  }
-  for (const backlash::ImpactCycle* cycle : further_cycles(loop)) {
-    by_omega.emplace_back(frequency_of(*cycle), cycle_json(*cycle, loop));
-  }
-  std::stable_sort(by_omega.begin(), by_omega.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  for (auto& [omega, cycle] : by_omega) cycles.push_back(std::move(cycle));
+  for (const ListedCycle* cycle : by_frequency(listed)) cycles.push_back(cycle_json(*cycle));
   if (!loop.settled.motions.empty()) json["motions"] = motions_json(loop);
   Json& predictions = json["predictions"] = Json::array();
   for (const backlash::PredictedCycle& predicted : loop.predicted) predictions.push_back(prediction_json(predicted));
@@ -329,13 +324,12 @@ std::string motions_text(const LoopCycles& loop) {
 }
 
 // Cycles that the describing function predicts and the table has not.
-std::string unmatched_text(const LoopCycles& loop) {
-  std::vector<const backlash::PredictedCycle*> matched;
-  for (const backlash::SymmetricCycle& cycle : loop.exact.cycles) matched.push_back(prediction_of(cycle, loop));
-  for (const backlash::ImpactCycle* cycle : further_cycles(loop)) matched.push_back(prediction_of(*cycle, loop));
+std::string unmatched_text(const LoopCycles& loop, const std::vector<ListedCycle>& listed) {
   std::string text;
   for (const backlash::PredictedCycle& predicted : loop.predicted) {
-    if (!predicted.admissible || std::find(matched.begin(), matched.end(), &predicted) != matched.end()) continue;
+    const bool is_matched = std::any_of(listed.begin(), listed.end(),
+                                        [&](const ListedCycle& cycle) { return cycle.predicted == &predicted; });
+    if (!predicted.admissible || is_matched) continue;
     text +=
         paragraph("The describing function also predicts omega " + short_number(predicted.omega / predicted.period) +
                       ", force " + short_number(predicted.force_amplitude) + ": " +
@@ -346,10 +340,43 @@ std::string unmatched_text(const LoopCycles& loop) {
   return text;
 }
 
-std::string state_of(const backlash::SymmetricCycle& cycle) {
+std::string motion_of(const ListedCycle& cycle) {
+  if (cycle.further != nullptr) return std::to_string(cycle.impacts) + " impacts";
   if (!cycle.admissible) return "no motion";
-  if (cycle.stability.stable) return "stable";
-  return "unstable";
+  return cycle.stability.stable ? "stable" : "unstable";
+}
+
+std::string percent(double value) {
+  return (value > 0 ? "+" : "") + io::format_number(std::round(1000 * value) / 10) + " %";
+}
+
+std::vector<std::string> row_of(const ListedCycle& cycle, const LoopCycles& loop) {
+  std::vector<std::string> row;
+  for (const auto& [name, value] : loop.varied) row.push_back(short_number(io::parse_number(value).value_or(NAN)));
+  row.push_back(short_number(cycle.omega));
+  row.push_back(motion_of(cycle));
+  for (const double value : {cycle.multiplier_modulus(), cycle.impact_speed, cycle.amplitude_x1(), cycle.amplitude_x2(),
+                             cycle.amplitude_force()})
+    row.push_back(short_number(value));
+  const backlash::PredictedCycle* predicted = cycle.predicted;
+  row.push_back(predicted ? short_number(predicted->omega) : "-");
+  row.push_back(predicted ? percent(predicted->omega / predicted->period / cycle.omega - 1) : "-");
+  return row;
+}
+
+/// @param alone  the table has no other loop, so that there is room for each of its cycles
+std::string remark_on(const ListedCycle& cycle, bool alone) {
+  const std::string at = "omega " + short_number(cycle.omega) + ": ";
+  if (cycle.further != nullptr) {
+    return paragraph(at + "stable, " + std::to_string(cycle.impacts) + " impacts per period, " +
+                         (cycle.symmetric ? "symmetric" : "asymmetric, its mirror image is another one") +
+                         "; |z| is that of the period, the speed that of the hardest impact.",
+                     2);
+  }
+  if (!alone) return {};
+  if (!cycle.admissible) return paragraph(at + cycle.reason + ".", 2);
+  if (cycle.stability.stable) return {};
+  return paragraph(at + "unstable by " + std::string(backlash::to_string(cycle.stability.loss)) + ".", 2);
 }
 
 }  // namespace
@@ -373,23 +400,11 @@ std::string limit_cycles_json(const std::vector<LoopCycles>& loops, const backla
 }
 
 std::string limit_cycles_csv(const std::vector<LoopCycles>& loops, const std::string& command) {
-  struct Row {
-    const LoopCycles* loop;
-    const backlash::SymmetricCycle* cycle;
-    const backlash::ImpactCycle* further;  // where it is none of those
-    double omega;
-  };
-  std::vector<Row> rows;
-  for (const LoopCycles& loop : loops) {
-    const auto first = static_cast<std::ptrdiff_t>(rows.size());
-    for (const backlash::SymmetricCycle& cycle : loop.exact.cycles) {
-      rows.push_back({&loop, &cycle, nullptr, cycle.omega});
-    }
-    for (const backlash::ImpactCycle* cycle : further_cycles(loop)) {
-      rows.push_back({&loop, nullptr, cycle, frequency_of(*cycle)});
-    }
-    std::stable_sort(rows.begin() + first, rows.end(), [](const Row& a, const Row& b) { return a.omega < b.omega; });
-  }
+  std::vector<std::vector<ListedCycle>> listed;
+  std::vector<std::pair<const LoopCycles*, const ListedCycle*>> rows;
+  for (const LoopCycles& loop : loops) listed.push_back(listed_cycles(loop));
+  for (std::size_t i = 0; i < loops.size(); ++i)
+    for (const ListedCycle* cycle : by_frequency(listed[i])) rows.emplace_back(&loops[i], cycle);
   std::vector<std::string> columns;
   for (const auto& [name, value] : loops.front().varied) columns.push_back(name);
   for (const char* column :
@@ -404,54 +419,27 @@ std::string limit_cycles_csv(const std::vector<LoopCycles>& loops, const std::st
     head.emplace_back("rigid_loop", std::string(frac::to_string(first.rigid.stability)));
     head.emplace_back("certain", first.exact.certain ? "true" : "false");
   }
-  return text_of(
-      {head,
-       {columns, rows.size(),
-        [&](std::size_t i, std::vector<Cell>& cells) {
-          const auto& [loop, cycle, further, omega] = rows[i];
-          for (const auto& [name, value] : loop->varied) {
-            const auto parsed = io::parse_number(value);
-            cells.emplace_back(parsed ? Cell(*parsed) : Cell(value));
-          }
-          constexpr double none = std::numeric_limits<double>::quiet_NaN();
-          const auto add_prediction = [&](const backlash::PredictedCycle* predicted) {
-            cells.emplace_back(predicted ? predicted->omega : none);
-            cells.emplace_back(predicted ? predicted->force_amplitude : none);
-          };
-          cells.emplace_back(omega);
-          if (further) {
-            const backlash::CycleHarmonic& fundamental = further->harmonics.front();
-            cells.emplace_back(further->symmetric);
-            cells.emplace_back(static_cast<std::int64_t>(further->impacts.size()));
-            cells.emplace_back(further->admissible);
-            cells.emplace_back(further->stability.stable);
-            for (const double value : {std::abs(further->stability.dominant), further->impacts.front().impulse,
-                                       further->impacts.front().speed, std::abs(fundamental.x1),
-                                       std::abs(fundamental.x2), force_of(*further)})
-              cells.emplace_back(value);
-            add_prediction(prediction_of(*further, *loop));
-            cells.emplace_back(further->reason);
-            return;
-          }
-          cells.emplace_back(true);
-          cells.emplace_back(std::int64_t{2});
-          cells.emplace_back(cycle->admissible);
-          cells.emplace_back(cycle->stability.stable);
-          for (const double value :
-               {std::abs(cycle->stability.dominant), cycle->impulse, cycle->impact_speed,
-                std::abs(cycle->harmonics.front().x1), std::abs(cycle->harmonics.front().x2), force_of(*cycle)})
-            cells.emplace_back(value);
-          add_prediction(prediction_of(*cycle, *loop));
-          cells.emplace_back(cycle->reason);
-        }}},
-      "csv", command);
+  return text_of({head,
+                  {columns, rows.size(),
+                   [&](std::size_t i, std::vector<Cell>& cells) {
+                     const auto& [loop, cycle] = rows[i];
+                     for (const auto& [name, value] : loop->varied) {
+                       const auto parsed = io::parse_number(value);
+                       cells.emplace_back(parsed ? Cell(*parsed) : Cell(value));
+                     }
+                     constexpr double none = std::numeric_limits<double>::quiet_NaN();
+                     const backlash::PredictedCycle* predicted = cycle->predicted;
+                     cells.insert(cells.end(),
+                                  {cycle->omega, cycle->symmetric, static_cast<std::int64_t>(cycle->impacts),
+                                   cycle->admissible, cycle->stability.stable, cycle->multiplier_modulus(),
+                                   cycle->impulse, cycle->impact_speed, cycle->amplitude_x1(), cycle->amplitude_x2(),
+                                   cycle->amplitude_force(), predicted ? predicted->omega : none,
+                                   predicted ? predicted->force_amplitude : none, cycle->reason});
+                   }}},
+                 "csv", command);
 }
 
 std::string limit_cycles_table(const std::vector<LoopCycles>& loops, const backlash::CycleContinuation* followed) {
-  const auto percent = [](double value) {
-    std::string text = io::format_number(std::round(1000 * value) / 10);
-    return (value > 0 ? "+" : "") + text + " %";
-  };
   std::string text;
   if (loops.size() == 1) {
     const LoopCycles& loop = loops.front();
@@ -465,67 +453,31 @@ std::string limit_cycles_table(const std::vector<LoopCycles>& loops, const backl
     heading.emplace_back(column);
   AlignedTable table(heading);
   std::string remarks;
-  const auto add_prediction = [&](std::vector<std::string>& row, const backlash::PredictedCycle* predicted,
-                                  double omega) {
-    row.push_back(predicted ? short_number(predicted->omega) : "-");
-    row.push_back(predicted ? percent(predicted->omega / predicted->period / omega - 1) : "-");
-  };
+  std::size_t rows = 0;
   for (const LoopCycles& loop : loops) {
-    for (const backlash::SymmetricCycle& cycle : loop.exact.cycles) {
-      std::vector<std::string> row;
-      for (const auto& [name, value] : loop.varied) row.push_back(short_number(io::parse_number(value).value_or(NAN)));
-      row.push_back(short_number(cycle.omega));
-      row.push_back(state_of(cycle));
-      for (const double value :
-           {std::abs(cycle.stability.dominant), cycle.impact_speed, std::abs(cycle.harmonics.front().x1),
-            std::abs(cycle.harmonics.front().x2), force_of(cycle)})
-        row.push_back(short_number(value));
-      add_prediction(row, prediction_of(cycle, loop), cycle.omega);
-      table.add(row);
-      if (loops.size() > 1) continue;
-      if (!cycle.admissible) {
-        remarks += paragraph("omega " + short_number(cycle.omega) + ": " + cycle.reason + ".", 2);
-      } else if (!cycle.stability.stable) {
-        remarks += paragraph("omega " + short_number(cycle.omega) + ": unstable by " +
-                                 std::string(backlash::to_string(cycle.stability.loss)) + ".",
-                             2);
-      }
+    const std::vector<ListedCycle> listed = listed_cycles(loop);
+    for (const ListedCycle& cycle : listed) {
+      table.add(row_of(cycle, loop));
+      remarks += remark_on(cycle, loops.size() == 1);
     }
-    for (const backlash::ImpactCycle* cycle : further_cycles(loop)) {
-      std::vector<std::string> row;
-      for (const auto& [name, value] : loop.varied) row.push_back(short_number(io::parse_number(value).value_or(NAN)));
-      row.push_back(short_number(frequency_of(*cycle)));
-      row.push_back(std::to_string(cycle->impacts.size()) + " impacts");
-      const backlash::CycleHarmonic& fundamental = cycle->harmonics.front();
-      for (const double value : {std::abs(cycle->stability.dominant), cycle->impacts.front().speed,
-                                 std::abs(fundamental.x1), std::abs(fundamental.x2), force_of(*cycle)})
-        row.push_back(short_number(value));
-      add_prediction(row, prediction_of(*cycle, loop), frequency_of(*cycle));
-      table.add(row);
-      remarks += paragraph("omega " + short_number(frequency_of(*cycle)) + ": stable, " +
-                               std::to_string(cycle->impacts.size()) + " impacts per period, " +
-                               (cycle->symmetric ? "symmetric" : "asymmetric, its mirror image is another one") +
-                               "; |z| is that of the period, the speed that of the hardest impact.",
-                           2);
-    }
+    rows += listed.size();
     remarks += motions_text(loop);
-    if (loops.size() == 1) remarks += unmatched_text(loop);
-    if (loops.size() == 1 && loop.exact.any_frequency) {
+    if (loops.size() > 1) continue;
+    remarks += unmatched_text(loop, listed);
+    if (loop.exact.any_frequency) {
       text += "Every frequency is one of a cycle: nothing is lost and nothing made up for.\n";
-    } else if (loops.size() == 1 && loop.exact.cycles.empty()) {
+    } else if (loop.exact.cycles.empty()) {
       text += "No symmetric limit cycle with two impacts per period.\n";
     }
   }
-  std::size_t listed = 0;
-  for (const LoopCycles& loop : loops) listed += loop.exact.cycles.size() + further_cycles(loop).size();
-  if (listed > 0) text += table.text();
+  if (rows > 0) text += table.text();
   if (!remarks.empty()) text += "\n" + remarks;
   if (loops.size() == 1 && !loops.front().exact.certain) {
     text += "\n" + paragraph("Searched on a grid from " + short_number(loops.front().exact.searched.from) + " to " +
                              short_number(loops.front().exact.searched.to) + " rad/s.");
   }
   if (followed) text += "\n" + events_text(loops.front().varied.front().first, *followed);
-  if (listed == 0) return text;
+  if (rows == 0) return text;
   text += "\n" +
           paragraph(
               "omega in rad/s, exact; |z|: largest multiplier per half period; speed: of the impacts, m/s; x1, x2 (m) "

@@ -8,22 +8,23 @@
 #include "fit_request.hpp"
 #include "frac/cancellation.hpp"
 #include "frac/identification/lack_of_fit.hpp"
+#include "frac/identification/outliers.hpp"
 #include "frac/identification/uncertainty.hpp"
 #include "parts.hpp"
 #include "realisation_choice.hpp"
 #include "run.hpp"
-#include "screening.hpp"
 
 namespace python {
 namespace {
 
-// A fit with the constraints and the kind of start it was made with, and the points it left out, kept as it is until
-// Python asks for its values.
+// A fit with the constraints and the kind of start it was made with, the points it left out and what is told of these,
+// kept as it is until Python asks for its values.
 struct Fitted {
   frac::FitResult result;
   std::vector<frac::ParameterConstraint> constraints;
   bool global_start = true;
-  Screening screening = {};
+  std::vector<std::size_t> left_out = {};
+  std::vector<std::string> notes = {};
 };
 
 // The model as given, or the member of a family that suits the data.
@@ -43,15 +44,19 @@ Fitted fitted(const Data& data, const frac::NamedModel& model,
 Fitted fitted_to_others(const frac::FrequencyResponseData& data, const frac::NamedModel& model,
                         const std::vector<frac::ParameterConstraint>& constraints, const frac::FitOptions& options,
                         bool keep) {
-  Screening screening(data, options, keep);
-  Fitted fit = fitted(screening.others(data), model, constraints, options);
+  frac::ScreenedData points(data, options, keep);
+  std::vector<std::string> notes = notes_of(points);
+  Fitted fit = fitted(points.kept(), model, constraints, options);
   auto made_with = options;
   made_with.constraints = fit.constraints;
   made_with.global_start = fit.global_start;
-  if (screening.take_back_met(data, made_with, fit.result))
-    fit = fitted(screening.others(data), model, constraints, options);
-  screening.restore_indices(fit.result.outliers);
-  fit.screening = std::move(screening);
+  if (const auto sentence = points.take_back_met(made_with, fit.result); !sentence.empty()) {
+    notes.push_back(sentence);
+    fit = fitted(points.kept(), model, constraints, options);
+  }
+  points.restore_indices(fit.result.outliers);
+  fit.left_out = points.left_out();
+  fit.notes = std::move(notes);
   return fit;
 }
 
@@ -69,7 +74,7 @@ py::dict dict_of_fitted(const Fitted& fit) {
   py::dict result = dict_of(fit.result);
   result["constraints"] = list_of(fit.constraints);
   result["global_start"] = fit.global_start;
-  result["left_out"] = fit.screening.left_out;
+  result["left_out"] = fit.left_out;
   return result;
 }
 
@@ -201,7 +206,7 @@ py::array response_deviation(const py::dict& fit, const py::dict& realisation, c
 
 void add_fit(py::module_& module) {
   py::class_<Fitted>(module, "Fitted").def("as_dict", &dict_of_fitted).def("notes", [](const Fitted& fit) {
-    return fit.screening.notes;
+    return fit.notes;
   });
   module.def("fit_spectrum", &fit_spectrum);
   module.def("fit_record", &fit_record);

@@ -118,6 +118,11 @@ bool keeps_outliers(const py::dict& given) {
   return false;
 }
 
+std::vector<std::string> notes_of(const frac::ScreenedData& points) {
+  if (points.left_out().empty()) return {};
+  return {points.sentence() + ", and taken in with outliers=\"keep\""};
+}
+
 frac::FrequencyResponseData spectrum_of(const py::dict& data) {
   return {vector_of(data["omega"].cast<Reals>()), vector_of(data["response"].cast<Complexes>()),
           vector_of(data["sigma"].cast<Reals>())};

@@ -7,6 +7,7 @@
 
 #include "frac/identification/fit.hpp"
 #include "frac/identification/model_library.hpp"
+#include "frac/identification/outliers.hpp"
 #include "frac/identification/time_fit.hpp"
 
 namespace python {
@@ -17,6 +18,9 @@ namespace python {
 
 /// Whether "outliers" says keep rather than leave-out, which it says unless given.
 [[nodiscard]] bool keeps_outliers(const pybind11::dict& given);
+
+/// What is told of the points that are left out, with the way to keep them; empty where there are none.
+[[nodiscard]] std::vector<std::string> notes_of(const frac::ScreenedData& points);
 
 /// Data from a dict of arrays: omega, response, sigma; time, input, output, sigma, hold, input_at_rest, kept.
 [[nodiscard]] frac::FrequencyResponseData spectrum_of(const pybind11::dict& data);

@@ -9,9 +9,9 @@
 
 #include "arrays.hpp"
 #include "fit_request.hpp"
+#include "frac/identification/outliers.hpp"
 #include "parts.hpp"
 #include "run.hpp"
-#include "screening.hpp"
 
 namespace python {
 namespace {
@@ -58,13 +58,10 @@ std::vector<frac::NamedModel> models_of(const std::vector<std::string>& names) {
 }
 
 // Curves at the points that are not left out.
-std::vector<frac::FixedCurve> at_others(std::vector<frac::FixedCurve> curves, const Screening& screening) {
-  for (auto& curve : curves) {
-    std::vector<std::complex<double>> others;
-    for (std::size_t i = 0; i < curve.value.size(); ++i)
-      if (!screening.leaves_out(i)) others.push_back(curve.value[i]);
-    curve.value = std::move(others);
-  }
+std::vector<frac::FixedCurve> at_kept(std::vector<frac::FixedCurve> curves, const std::vector<std::size_t>& left_out) {
+  for (auto& curve : curves)
+    for (auto point = left_out.rbegin(); point != left_out.rend(); ++point)
+      curve.value.erase(curve.value.begin() + static_cast<std::ptrdiff_t>(*point));
   return curves;
 }
 
@@ -84,27 +81,28 @@ py::dict identify_spectrum(const py::dict& data, const std::vector<std::string>&
   const auto models = names.empty() ? frac::default_candidates() : models_of(names);
   const frac::FitOptions options = fit_options(given);
   const bool keep = keeps_outliers(given);
-  const frac::FrequencyResponseData points = spectrum_of(data);
-  const auto fixed = fixed_curves(curves, points.size());
-  Screening screening;
+  const frac::FrequencyResponseData all = spectrum_of(data);
+  const auto fixed = fixed_curves(curves, all.size());
+  std::vector<std::size_t> left_out;
+  std::vector<std::string> notes;
   const auto result = result_of([&](frac::Progress&) {
-    screening = Screening(points, options, keep);
+    frac::ScreenedData points(all, options, keep);
+    notes = notes_of(points);
     const auto ranked = [&] {
-      return frac::identify(screening.others(points), models, at_others(fixed, screening), options, threads);
+      return frac::identify(points.kept(), models, at_kept(fixed, points.left_out()), options, threads);
     };
     auto ranking = ranked();
-    const frac::RankedFit& best = ranking.ranking.at(ranking.chosen);
-    auto made_with = options;
-    made_with.constraints = best.model.constraints;
-    // A given curve is no formula that could be fitted to a point more.
-    const bool is_fitted = best.model_class != frac::ModelClass::fixed_curve;
-    if (is_fitted && screening.take_back_met(points, made_with, best.fit)) ranking = ranked();
-    for (auto& each : ranking.ranking) screening.restore_indices(each.fit.outliers);
+    if (const auto sentence = points.take_back_met(options, ranking.ranking.at(ranking.chosen)); !sentence.empty()) {
+      notes.push_back(sentence);
+      ranking = ranked();
+    }
+    for (auto& each : ranking.ranking) points.restore_indices(each.fit.outliers);
+    left_out = points.left_out();
     return ranking;
   });
   py::dict dict = dict_of(result);
-  dict["left_out"] = screening.left_out;
-  dict["notes"] = screening.notes;
+  dict["left_out"] = left_out;
+  dict["notes"] = notes;
   return dict;
 }
 

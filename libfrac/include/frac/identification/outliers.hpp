@@ -10,6 +10,8 @@
 
 namespace frac {
 
+struct RankedFit;
+
 /// Points of a frequency response that both sides contradict: indices, increasing.
 ///
 /// A point, or two or three of six neighbours together, is one where it lies off the curve through the two points on
@@ -22,16 +24,6 @@ namespace frac {
 /// None is named below 12 points, among repeats, for magnitude or phase alone, and where they would be more than 15 %
 /// of the data: then the noise itself has long tails.
 [[nodiscard]] std::vector<std::size_t> isolated_outliers(const FrequencyResponseData& data, Component component);
-
-/// Points that a fit with these options leaves out unless asked to keep them: isolated_outliers(), but none under a
-/// robust loss, which limits what they do.
-[[nodiscard]] std::vector<std::size_t> left_out_of_fit(const FrequencyResponseData& data, const FitOptions& options);
-
-/// What is told of points that are left out and of those that points_met() takes back, without a stop at the end.
-/// @param points  indices of the data, at least one
-[[nodiscard]] std::string left_out_sentence(const FrequencyResponseData& data, const std::vector<std::size_t>& points);
-[[nodiscard]] std::string taken_back_sentence(const FrequencyResponseData& data,
-                                              const std::vector<std::size_t>& points);
 
 /// Those of some points that go with the others after all: a fit to these and the point, from the estimates of `fit`,
 /// meets it to within three times the rms that `fit` has, and its own rms is no more than a twentieth larger.  None
@@ -48,5 +40,35 @@ namespace frac {
 /// @param points  indices, increasing
 [[nodiscard]] FrequencyResponseData without_points(const FrequencyResponseData& data,
                                                    const std::vector<std::size_t>& points);
+
+/// A frequency response without its isolated_outliers(), of which a model may take some back.
+class ScreenedData {
+ public:
+  /// @param options   of the fit; a robust loss, which limits what outliers do, leaves none out
+  /// @param keep_all  none is left out
+  ScreenedData(FrequencyResponseData all, const FitOptions& options, bool keep_all);
+
+  [[nodiscard]] const FrequencyResponseData& kept() const { return kept_; }
+  /// Indices of all data, increasing.
+  [[nodiscard]] const std::vector<std::size_t>& left_out() const { return left_out_; }
+  /// What is told of those left out, without a stop at the end; empty where there are none.
+  [[nodiscard]] std::string sentence() const;
+
+  /// Takes the points_met() back; where there are such, the fit is to be made anew.
+  /// @param options  with the constraints of the model
+  /// @param fit      to kept() with these options
+  /// @return  what is told of them, without a stop at the end; empty where there are none
+  [[nodiscard]] std::string take_back_met(const FitOptions& options, const FitResult& fit);
+  /// The same by the model chosen in a ranking made with the options; a given curve meets nothing, as it is no fit.
+  [[nodiscard]] std::string take_back_met(FitOptions options, const RankedFit& chosen);
+
+  /// Makes indices of what is kept ones of all data.
+  void restore_indices(std::vector<std::size_t>& points) const;
+
+ private:
+  FrequencyResponseData all_;
+  std::vector<std::size_t> left_out_;
+  FrequencyResponseData kept_;
+};
 
 }  // namespace frac
