@@ -43,6 +43,7 @@ class Merge : public Command {
     options().flag("--status", status_,
                    "Say how far each shard of a sweep or a map is and which are missing; join nothing");
     add_common({"csv", "json", "table"});
+    options()["--out"].default_is("none for a joined table, where - is standard output");
     set_footer(
         "All must stem from the same command, on the same files.  The result is that of the command without --shard.\n"
         "Those of a map or a sweep are copied from file to file, so that memory does not grow with them.\n"
