@@ -374,6 +374,14 @@ TEST(WriteReport, TakesSamplesOverTime) {
   EXPECT_EQ(report.verdict(), "not-supported");
   EXPECT_NE(report.script().find("Residuals"), std::string::npos);
   EXPECT_NEAR(report.parameter("K/(T s + 1)", "offset"), 1, 1e-5);
+  // A dozen structures are not simulated; the verdict is not buried under their reasons.
+  const std::string page = report.page();
+  const auto verdict = page.find("class=\"verdict\"");
+  const auto fold = page.find("<details><summary>Left out: ", verdict), end = page.find("</div>", verdict);
+  ASSERT_LT(verdict, fold);
+  EXPECT_LT(fold, end);
+  EXPECT_LT(page.find("<li>havriliak-negami: ", fold), end);
+  EXPECT_EQ(page.substr(verdict, fold - verdict).find("no ratio"), std::string::npos);
 }
 
 }  // namespace
