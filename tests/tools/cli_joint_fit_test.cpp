@@ -192,7 +192,7 @@ TEST(CliJointFit, ShiftsCurvesOntoAMasterCurve) {
   for (int c = 0; c < 4; ++c) {
     std::ostringstream text;
     text.precision(17);
-    text << "omega_rad_s,re,im\n";
+    text << "# step: " << c << "\nomega_rad_s,re,im\n";
     for (int i = 0; i <= 15; ++i) {
       const double omega = std::pow(10.0, i / 10.0);
       const std::complex<double> s(0, 0.01 * std::pow(4.0, c) * omega);
@@ -233,6 +233,14 @@ TEST(CliJointFit, ShiftsCurvesOntoAMasterCurve) {
     ++count;
   }
   EXPECT_EQ(count, 64);
+  EXPECT_EQ(json["options"]["reference"], reference);
+  // A law says by itself which curve is not moved.
+  auto by_law = std::vector<std::string>(arguments.begin(), arguments.begin() + 5);
+  by_law.insert(by_law.end(), {"--model", "K/(1 + (T s)^a)", "--component", "both", "--shift", "horizontal", "--law",
+                               "aT = exp(k (step - 1))", "--format", "json"});
+  const auto lawful = run_fracfit(by_law);
+  ASSERT_EQ(lawful.code, 0) << lawful.error;
+  EXPECT_FALSE(Json::parse(lawful.output)["options"].contains("reference")) << lawful.output;
 }
 
 // A law of known quantities alone leaves nothing of it to be fitted.

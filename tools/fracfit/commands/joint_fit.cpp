@@ -109,13 +109,6 @@ class JointFit : public Command {
       return std::any_of(fit_.fit.constraints.begin(), fit_.fit.constraints.end(),
                          [&](const auto& each) { return each.name == name && each.fixed; });
     };
-    const auto has_law = [&](const std::string& name) {
-      return std::any_of(fit_.laws.begin(), fit_.laws.end(), [&](const std::string& law) {
-        std::string left = law.substr(0, law.find('='));
-        std::erase(left, ' ');
-        return left == name;
-      });
-    };
     fit_.shared = names_own ? std::vector<std::string>{} : named;
     for (const auto& name : structure.parameter_names())
       if (names_own && !has(named, name) && !is_fixed(name) && !has_law(name)) fit_.shared.push_back(name);
@@ -130,6 +123,14 @@ class JointFit : public Command {
       throw std::invalid_argument(std::string("--picture: ") + error.what());
     }
     if (!master_.empty()) master_file_.emplace(master_, options().input_files());
+  }
+
+  [[nodiscard]] bool has_law(const std::string& name) const {
+    return std::any_of(fit_.laws.begin(), fit_.laws.end(), [&](const std::string& law) {
+      std::string left = law.substr(0, law.find('='));
+      std::erase(left, ' ');
+      return left == name;
+    });
   }
 
   /// Index of the curve that --reference names, by its name or the file's.
@@ -166,7 +167,9 @@ class JointFit : public Command {
     if (!parameters_.order.empty()) run.options.emplace_back("constraints", joined(parameters_.order));
     if (fit_.shift) {
       fit_.shift->reference = reference_of(curves);
-      run.options.emplace_back("reference", curves.at(fit_.shift->reference).name);
+      // Laws say by themselves which curve is not moved.
+      if (!has_law(frac::horizontal_shift) || (fit_.shift->vertical && !has_law(frac::vertical_shift)))
+        run.options.emplace_back("reference", curves.at(fit_.shift->reference).name);
     }
     const auto result = frac::joint_fit(curves, frac::Structure(chosen_.formula), fit_);
     write(format() == "json"  ? joint_fit_json(run, result)
