@@ -50,6 +50,13 @@ bool has_band(const frac::FractionalPidDesign& design) {
   return !design.integral().sections.rates.empty() || !design.derivative().sections.rates.empty();
 }
 
+// A line on the error of the controller as it runs; empty where it has no band.
+std::string accuracy_of(const frac::FractionalPidDesign& design) {
+  if (!std::isfinite(design.error())) return {};
+  return "whole controller within " + short_number(design.error()) + " relative, worst at " +
+         short_number(design.omega_at_error()) + " rad/s\n";
+}
+
 }  // namespace
 
 std::string controller_json(const frac::FractionalPidDesign& design, const std::string& command) {
@@ -121,10 +128,7 @@ std::string controller_table(const frac::FractionalPidDesign& design) {
     text += "band " + short_number(config.band.lower) + " .. " + short_number(config.band.upper) + " rad/s, " +
             std::string(frac::to_string(config.discretisation)) + "\n";
   }
-  if (std::isfinite(design.error())) {
-    text += "whole controller within " + short_number(design.error()) + " relative, worst at " +
-            short_number(design.omega_at_error()) + " rad/s\n";
-  }
+  text += accuracy_of(design);
   text += "anti-windup " + std::string(frac::to_string(config.anti_windup));
   if (design.tracking_time() > 0) text += ", tracking time " + short_number(design.tracking_time()) + " s";
   text += "\n";
@@ -155,7 +159,9 @@ std::string controller_comment(const frac::FractionalPidDesign& design, const st
   std::string text = "Fractional PID, " + formula(design.config().gains) + ", every " +
                      short_number(design.config().sample_time) + " s, written by fracfit " +
                      std::string(io::version()) + ":\n  " + command;
-  return design.note().empty() ? text : text + "\n" + design.note();
+  std::string accuracy = accuracy_of(design);
+  if (!accuracy.empty()) accuracy.pop_back();
+  return text + (accuracy.empty() ? "" : "\n") + accuracy + (design.note().empty() ? "" : "\n") + design.note();
 }
 
 std::string filter_comment(const frac::DigitalFilterDesign& design, const std::string& model,

@@ -47,15 +47,16 @@ Equations equations(const FrequencyResponseData& data, TimesKernel kernel) {
   for (const Complex& each : data.value()) largest = std::max(largest, std::abs(each));
 
   Equations made;
-  const double first = -std::log(data.omega().back()) - reach * std::log(10.0);
-  const double last = -std::log(data.omega().front()) + reach * std::log(10.0);
-  const auto times = static_cast<Eigen::Index>(std::ceil((last - first) / std::log(10.0) * per_decade)) + 1;
-  const double spacing = (last - first) / static_cast<double>(times - 1);
-  for (Eigen::Index j = 0; j < times; ++j) made.log_tau.push_back(first + spacing * static_cast<double>(j));
-
-  const double reached = reach * std::log(10.0) / spacing;
-  made.first_seen = static_cast<std::size_t>(std::lround(reached));
-  made.last_seen = made.log_tau.size() - 1 - made.first_seen;
+  // The ends of the band are times of the grid, so that areas within it end there.
+  const double band = std::log(data.omega().back() / data.omega().front());
+  const auto steps = static_cast<std::size_t>(std::ceil(band / std::log(10.0) * per_decade));
+  const double spacing = band / static_cast<double>(steps);
+  made.first_seen = static_cast<std::size_t>(std::ceil(reach * std::log(10.0) / spacing));
+  made.last_seen = made.first_seen + steps;
+  const auto times = static_cast<Eigen::Index>(made.last_seen + made.first_seen + 1);
+  for (Eigen::Index j = 0; j < times; ++j)
+    made.log_tau.push_back(-std::log(data.omega().back()) +
+                           spacing * static_cast<double>(j - static_cast<Eigen::Index>(made.first_seen)));
 
   const auto rows = 2 * static_cast<Eigen::Index>(kept.size());
   made.columns.resize(rows, ends + times);
@@ -94,14 +95,20 @@ Equations equations(const FrequencyResponseData& data, TimesKernel kernel) {
   return made;
 }
 
+/// Weights of the roughness: the best, and those that the evidence hardly tells from it.
+struct Smoothness {
+  double least, best, most;
+};
+
 /// The weight of the roughness of the largest evidence: a normal prior on the second differences, noise as given, ends
 /// anywhere.  -2 ln p = misfit + smoothness roughness + ln |A'A + smoothness D'D| - times ln smoothness.
-double best_smoothness(const Equations& of, const Eigen::MatrixXd& normal, const Eigen::MatrixXd& rough) {
+Smoothness best_smoothness(const Equations& of, const Eigen::MatrixXd& normal, const Eigen::MatrixXd& rough) {
   const Eigen::VectorXd right = of.columns.transpose() * of.target;
   const double times = static_cast<double>(of.log_tau.size());
   const double scale =
       normal.diagonal().tail(normal.cols() - ends).mean() / rough.diagonal().tail(rough.cols() - ends).mean();
-  double least = std::numeric_limits<double>::infinity(), best = scale;
+  std::vector<std::pair<double, double>> tried;  // smoothness, -2 ln p
+  std::pair<double, double> best{scale, std::numeric_limits<double>::infinity()};
   for (double exponent = -10; exponent <= 4; exponent += 0.5) {
     const double smoothness = scale * std::pow(10, exponent);
     const detail::CholeskyFactor factor(normal + smoothness * rough);
@@ -109,30 +116,41 @@ double best_smoothness(const Equations& of, const Eigen::MatrixXd& normal, const
     const double explained = right.dot(factor.solve(right));
     const double log_determinant = 2 * factor.diagonal().array().log().sum();
     const double value = of.target.squaredNorm() - explained + log_determinant - times * std::log(smoothness);
-    if (value < least) {
-      least = value;
-      best = smoothness;
-    }
+    tried.emplace_back(smoothness, value);
+    if (value < best.second) best = tried.back();
   }
-  return best;
+  // Two standard deviations of one parameter.
+  constexpr double hardly_told = 4;
+  Smoothness found{best.first, best.first, best.first};
+  for (const auto& [smoothness, value] : tried) {
+    if (!(value < best.second + hardly_told)) continue;
+    found.least = std::min(found.least, smoothness);
+    found.most = std::max(found.most, smoothness);
+  }
+  return found;
 }
 
 /// The smoothest density that follows the data.
 struct Solution {
   Eigen::MatrixXd roughness;  // of the prior
-  double smoothness;
+  Smoothness smoothness;
   Eigen::MatrixXd hessian;
   Eigen::VectorXd x;
   std::vector<bool> free;
 };
 
+Eigen::MatrixXd hessian_of(const Eigen::MatrixXd& normal, const Eigen::MatrixXd& rough, double smoothness) {
+  Eigen::MatrixXd hessian = normal + smoothness * rough;
+  // Ends that no point sees stay at 0.
+  hessian.diagonal().array() += 1e-13 * hessian.diagonal().maxCoeff();
+  return hessian;
+}
+
 Solution solution(const Equations& of, const Eigen::MatrixXd& normal, Eigen::MatrixXd roughness) {
-  Solution made{std::move(roughness), 0, {}, {}, {}};
+  Solution made{std::move(roughness), {}, {}, {}, {}};
   const Eigen::MatrixXd rough = made.roughness.transpose() * made.roughness;
   made.smoothness = best_smoothness(of, normal, rough);
-  made.hessian = normal + made.smoothness * rough;
-  // Ends that no point sees stay at 0.
-  made.hessian.diagonal().array() += 1e-13 * made.hessian.diagonal().maxCoeff();
+  made.hessian = hessian_of(normal, rough, made.smoothness.best);
   made.free.assign(static_cast<std::size_t>(made.hessian.cols()), true);
   made.x = detail::nonnegative_minimum(made.hessian, of.columns.transpose() * of.target, made.free);
   return made;
@@ -175,7 +193,7 @@ std::vector<std::vector<double>> drawn_densities(const Equations& of, const Solu
   for (std::size_t k = 0; k < samples; ++k) {
     Eigen::VectorXd moved = of.target, prior(of_data.roughness.rows());
     for (double& each : moved) each += normal_draw(engine);
-    for (double& each : prior) each = std::sqrt(of_data.smoothness) * normal_draw(engine);
+    for (double& each : prior) each = std::sqrt(of_data.smoothness.best) * normal_draw(engine);
     std::vector<bool> guess = of_data.free;
     drawn.push_back(density_of(
         of, detail::nonnegative_minimum(
@@ -184,18 +202,33 @@ std::vector<std::vector<double>> drawn_densities(const Equations& of, const Solu
   return drawn;
 }
 
+/// Densities of the weights of roughness that the evidence hardly tells from the best.
+std::vector<std::vector<double>> densities_of_other_weights(const Equations& of, const Eigen::MatrixXd& normal,
+                                                            const Solution& of_data) {
+  const Eigen::MatrixXd rough = of_data.roughness.transpose() * of_data.roughness;
+  std::vector<std::vector<double>> result;
+  for (const double smoothness : {of_data.smoothness.least, of_data.smoothness.most}) {
+    std::vector<bool> guess = of_data.free;
+    result.push_back(density_of(of, detail::nonnegative_minimum(hessian_of(normal, rough, smoothness),
+                                                                of.columns.transpose() * of.target, guess)));
+  }
+  return result;
+}
+
 /// 95 % of some values, with the side to which smoothing has lost something reaching as much further.
-std::pair<double, double> widened_range(const std::vector<double>& values, double lost) {
+std::pair<double, double> widened_range(const std::vector<double>& values, const std::vector<double>& losses) {
   std::pair<double, double> range(quantile(values, low), quantile(values, high));
-  (lost > 0 ? range.second : range.first) += lost;
+  for (const double lost : losses) (lost > 0 ? range.second : range.first) += lost;
   range.first = std::max(range.first, 0.0);
   return range;
 }
 
 /// The peaks of a density with the ranges in which those of the drawn ones lie.
 /// @param again  the density as smoothing makes it from its own response
+/// @param others  densities of other weights of roughness; areas reach as far as theirs
 std::vector<TimesPeak> peaks_of(const Equations& of, const TimesDistribution& found,
-                                const std::vector<std::vector<double>>& drawn, const std::vector<double>& again) {
+                                const std::vector<std::vector<double>>& drawn, const std::vector<double>& again,
+                                const std::vector<std::vector<double>>& others) {
   auto ranges = detail::large_peaks(
       detail::joined_peaks(detail::peak_ranges(found.density), found.density, found.lower, found.upper), of.log_tau,
       found.density);
@@ -222,7 +255,9 @@ std::vector<TimesPeak> peaks_of(const Equations& of, const TimesDistribution& fo
       area.push_back(area_of(each, range));
     }
     const double found_area = area_of(found.density, ranges[i]);
-    const auto [lower, upper] = widened_range(area, found_area - area_of(again, ranges[i]));
+    std::vector<double> losses{found_area - area_of(again, ranges[i])};
+    for (const auto& other : others) losses.push_back(area_of(other, ranges[i]) - found_area);
+    const auto [lower, upper] = widened_range(area, losses);
     peaks.push_back({std::exp(detail::peak_place(of.log_tau, found.density, ranges[i])), found_area,
                      std::exp(quantile(place, low)), std::exp(quantile(place, high)), lower, upper});
   }
@@ -248,7 +283,7 @@ TimesDistribution relaxation_times(const FrequencyResponseData& data, TimesKerne
 
   TimesDistribution result{};
   result.kernel = kernel;
-  result.smoothness = of_data.smoothness;
+  result.smoothness = of_data.smoothness.best;
   const Eigen::VectorXd left = of.columns * best - of.target;
   const auto rows = static_cast<double>(left.size());
   result.misfit_in_noise = std::sqrt(left.squaredNorm() / rows);
@@ -267,11 +302,11 @@ TimesDistribution relaxation_times(const FrequencyResponseData& data, TimesKerne
   for (std::size_t j = 0; j < result.density.size(); ++j) {
     std::vector<double> values;
     for (const auto& each : drawn) values.push_back(each[j]);
-    const auto [lower, upper] = widened_range(values, result.density[j] - again[j]);
+    const auto [lower, upper] = widened_range(values, {result.density[j] - again[j]});
     result.lower.push_back(lower);
     result.upper.push_back(upper);
   }
-  result.peaks = peaks_of(of, result, drawn, again);
+  result.peaks = peaks_of(of, result, drawn, again, densities_of_other_weights(of, normal, of_data));
   return result;
 }
 
