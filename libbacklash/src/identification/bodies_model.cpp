@@ -2,9 +2,7 @@
 #include "bodies_model.hpp"
 
 #include <cmath>
-#include <limits>
 #include <stdexcept>
-#include <string>
 
 #include "frac/parallel_for.hpp"
 #include "loops/forced_orbits.hpp"

@@ -5,10 +5,10 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <stdexcept>
 
 #include "base/check.hpp"
+#include "base/counted.hpp"
 #include "base/median.hpp"
 #include "base/short_text.hpp"
 #include "scene_adequacy.hpp"
@@ -153,14 +153,6 @@ void stretch_over(const detail::SceneUncertainty& rival, detail::SceneUncertaint
   }
 }
 
-std::string list_text(const std::vector<std::string>& words) {
-  std::string text;
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    text += (i == 0 ? "" : i + 1 < words.size() ? ", " : " and ") + words[i];
-  }
-  return text;
-}
-
 std::string message_of(const SceneIdentification& result) {
   std::vector<std::string> determined, open, at_bound;
   for (const SceneEstimate& parameter : result.parameters) {
@@ -170,9 +162,10 @@ std::string message_of(const SceneIdentification& result) {
   std::string text = std::to_string(result.points_used) + " of " + std::to_string(result.points.size()) +
                      " points, rms " + frac::detail::short_text(result.rms) + ", ";
   if (determined.empty() && open.empty() && at_bound.empty()) return text + "compared with the given scene.";
-  text += determined.empty() ? "determine none of the free parameters" : "determine " + list_text(determined);
-  if (!at_bound.empty()) text += "; " + list_text(at_bound) + " at a limit: fix what is known to lie there";
-  if (!open.empty()) text += "; " + list_text(open) + " not identified";
+  text +=
+      determined.empty() ? "determine none of the free parameters" : "determine " + frac::detail::listed(determined);
+  if (!at_bound.empty()) text += "; " + frac::detail::listed(at_bound) + " at a limit: fix what is known to lie there";
+  if (!open.empty()) text += "; " + frac::detail::listed(open) + " not identified";
   if (result.termination != frac::FitTermination::converged) text += "; the search had not settled when it was ended";
   if (result.residual_correlation > 0 && result.misfits.empty()) {
     text += "; neighbouring residuals go together (correlation " +

@@ -2,7 +2,6 @@
 #include "symmetric_orbits.hpp"
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "closed_orbit.hpp"

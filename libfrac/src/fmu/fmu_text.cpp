@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <limits>
 
 #include "base/number_text.hpp"
 #include "digital/c_export/c_text.hpp"

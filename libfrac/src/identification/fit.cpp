@@ -11,7 +11,6 @@
 
 #include "base/counted.hpp"
 #include "frac/identification/fit_from.hpp"
-#include "frac/identification/statistics.hpp"
 #include "identification/contained_optimum.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/formula_checks.hpp"

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frac/identification/identify.hpp"
 
-#include <algorithm>
 #include <limits>
 #include <optional>
 #include <stdexcept>

@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <limits>
-#include <vector>
 
 #include "io/data_error.hpp"
 #include "io/input_text.hpp"

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "output/aligned_table.hpp"
-#include "output/json.hpp"
+#include "output/parameter_output.hpp"
 
 namespace fracfit {
 namespace {
@@ -20,12 +20,6 @@ Json estimate_json(const backlash::SceneEstimate& estimate) {
           {"fixed", estimate.fixed}};
 }
 
-std::string state_of(const backlash::SceneEstimate& estimate) {
-  if (estimate.fixed) return "fixed";
-  if (estimate.at_bound) return "at its bound";
-  return estimate.identified ? "" : "not identified";
-}
-
 template <typename Estimates>
 std::string estimate_table(const std::string& heading, const Estimates& estimates) {
   AlignedTable table({heading, "unit", "value", "standard error", "95 % interval", ""}, AlignedTable::Last::remark);
@@ -33,8 +27,7 @@ std::string estimate_table(const std::string& heading, const Estimates& estimate
     const bool has_interval = std::isfinite(estimate.standard_error) && !estimate.fixed;
     table.add({estimate.name, estimate.unit, short_number(estimate.value),
                has_interval ? short_number(estimate.standard_error) : "-",
-               has_interval ? short_number(estimate.ci95_lower) + " .. " + short_number(estimate.ci95_upper) : "-",
-               state_of(estimate)});
+               has_interval ? interval(estimate.ci95_lower, estimate.ci95_upper) : "-", parameter_state(estimate)});
   }
   return table.text();
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "output/orbits_output.hpp"
 
-#include <cmath>
 #include <utility>
 
 #include "io/number.hpp"

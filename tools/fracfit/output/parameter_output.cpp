@@ -9,13 +9,6 @@ std::string interval(double lower, double upper) {
   return short_number(lower) + " .. " + short_number(upper);
 }
 
-std::string parameter_state(const frac::ParameterEstimate& parameter) {
-  if (parameter.fixed) return "fixed";
-  if (parameter.at_bound) return "at its bound";
-  if (!parameter.identified) return "not identified";
-  return "";
-}
-
 Json parameter_json(const frac::ParameterEstimate& parameter) {
   return {{"name", parameter.name},
           {"value", parameter.value},

@@ -14,8 +14,13 @@ namespace fracfit {
 
 /// "lower .. upper".
 [[nodiscard]] std::string interval(double lower, double upper);
-/// Why it has no interval worth the name; empty where it has one.
-[[nodiscard]] std::string parameter_state(const frac::ParameterEstimate& parameter);
+/// Why an estimate has no interval worth the name; empty where it has one.
+template <class Estimate>
+[[nodiscard]] std::string parameter_state(const Estimate& estimate) {
+  if (estimate.fixed) return "fixed";
+  if (estimate.at_bound) return "at its bound";
+  return estimate.identified ? "" : "not identified";
+}
 [[nodiscard]] Json parameter_json(const frac::ParameterEstimate& parameter);
 
 /// @param curve  that the priors are of; empty where they are of no single one

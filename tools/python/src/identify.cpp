@@ -4,7 +4,6 @@
 #include <complex>
 #include <stdexcept>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "arrays.hpp"

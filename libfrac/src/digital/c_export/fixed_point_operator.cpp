@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <numbers>
 #include <stdexcept>
-#include <string>
 #include <utility>
 
 #include "base/short_text.hpp"

@@ -2,7 +2,6 @@
 #include "preparation.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 
 #include "curves_alone.hpp"

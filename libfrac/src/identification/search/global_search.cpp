@@ -7,7 +7,6 @@
 #include <random>
 
 #include "flat_directions.hpp"
-#include "frac/cancellation.hpp"
 #include "search_starts.hpp"
 
 namespace frac::detail {

@@ -3,10 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <random>
 #include <utility>
 
+#include "base/draws.hpp"
 #include "base/median.hpp"
 
 namespace frac::detail {
@@ -71,7 +71,8 @@ LocalOptions robust_refinement(Residuals& residuals, Loss loss, std::optional<do
 
 namespace {
 
-/// Places about a solution: `reach` factors e in coefficients, thirds in orders, twentieths of the range of dead times.
+/// Random places about a solution, `reach` e-folds away in coefficients, a third of `reach` in orders, and a twentieth
+/// of `reach` times their range in dead times.
 class Surroundings {
  public:
   Surroundings(const ParameterMap& map, std::uint64_t seed) : map_(map), generator_(seed) {}
@@ -79,7 +80,7 @@ class Surroundings {
   [[nodiscard]] std::vector<double> draw(std::vector<double> theta, double reach) {
     for (std::size_t k = 0; k < theta.size(); ++k) {
       const ParameterMap::Free& free = map_.free()[k];
-      const double step = reach * normal();
+      const double step = reach * normal_draw(generator_);
       if (free.role == ParameterRole::order) {
         theta[k] += step / 3;
       } else if (free.role == ParameterRole::delay) {
@@ -93,11 +94,6 @@ class Surroundings {
   }
 
  private:
-  [[nodiscard]] double uniform() { return static_cast<double>(generator_() >> 11) * 0x1p-53; }
-  [[nodiscard]] double normal() {
-    return std::sqrt(-2 * std::log(1 - uniform())) * std::cos(2 * std::numbers::pi * uniform());
-  }
-
   const ParameterMap& map_;
   std::mt19937_64 generator_;
 };

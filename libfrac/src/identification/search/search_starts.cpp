@@ -10,6 +10,7 @@
 #include <memory>
 #include <utility>
 
+#include "base/draws.hpp"
 #include "frac/cancellation.hpp"
 
 namespace frac::detail {
@@ -18,14 +19,8 @@ namespace {
 constexpr int starts_per_round = 5;
 constexpr int draws_per_start = 12;
 
-/// Uniform in [0, 1) from the generator's top 53 bits: the same on every platform, unlike
-/// std::uniform_real_distribution.
-double uniform(std::mt19937_64& generator) {
-  return static_cast<double>(generator() >> 11) * 0x1p-53;
-}
-
 double between(std::mt19937_64& generator, double lower, double upper) {
-  return lower + (upper - lower) * uniform(generator);
+  return lower + (upper - lower) * uniform_draw(generator);
 }
 
 std::vector<double> draw(const ParameterMap& map, const std::vector<double>& suggested_orders,
@@ -40,14 +35,14 @@ std::vector<double> draw(const ParameterMap& map, const std::vector<double>& sug
   for (std::size_t k = 0; k < free.size(); ++k) {
     if (free[k].role != ParameterRole::order) continue;
     if (free[k].above) {
-      theta[k] = uniform(generator);
+      theta[k] = uniform_draw(generator);
       continue;
     }
     // Orders beyond 2.5 are rare; the solver may still go there.
     const double lower = std::max(free[k].lower, -2.5), upper = std::min(free[k].upper, 2.5);
-    const bool suggest = !suggested_orders.empty() && uniform(generator) < 0.5;
+    const bool suggest = !suggested_orders.empty() && uniform_draw(generator) < 0.5;
     const double suggestion = suggest ? suggested_orders[static_cast<std::size_t>(
-                                            uniform(generator) * static_cast<double>(suggested_orders.size()))]
+                                            uniform_draw(generator) * static_cast<double>(suggested_orders.size()))]
                                       : 0;
     theta[k] =
         suggest && suggestion >= free[k].lower && suggestion <= free[k].upper
@@ -72,7 +67,7 @@ std::vector<double> draw(const ParameterMap& map, const std::vector<double>& sug
       theta[k] = magnitude;
     } else {
       theta[k] = std::exp(magnitude);
-      if (free[k].either_sign && uniform(generator) < 0.5) theta[k] = -theta[k];
+      if (free[k].either_sign && uniform_draw(generator) < 0.5) theta[k] = -theta[k];
     }
     if (theta[k] < free[k].lower || theta[k] > free[k].upper) {
       theta[k] = free[k].bounded_by_user ? between(generator, free[k].lower, free[k].upper)
@@ -163,7 +158,7 @@ std::vector<std::vector<double>> whole_order_starts(const Residuals& residuals,
     for (std::size_t k = 0; k < theta.size(); ++k) {
       const ParameterMap::Free& entry = map.free()[k];
       if (entry.role != ParameterRole::order) continue;
-      // One that is above another is whole where it equals it.
+      // The variable of an order that is to lie above another one is its distance from that.
       const double nearest = entry.above ? 0 : entry.lower <= 1 && entry.upper >= 1 ? 1 : -1;
       theta[k] = std::clamp(nearest, entry.lower, entry.upper);
     }

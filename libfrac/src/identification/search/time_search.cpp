@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <random>
 
+#include "base/draws.hpp"
 #include "identification/residuals/laplace_residuals.hpp"
 #include "interchange.hpp"
 
@@ -97,8 +97,8 @@ class TimeSearch {
                          SearchAim::start);
   }
 
-  // What weighs the end of the record more sees slow modes better and is cut off more: their minima differ, and those
-  // that agree in time agree for a reason.
+  // A transform that decays slowly sees slow modes better, but is cut off more at the end of the record.  So the minima
+  // of the three differ, and starts from several of them that come to one minimum in time confirm it.
   void search_transforms() {
     for (const double decay : {8.0, 4.0, 2.0}) {
       const LaplaceResiduals transformed(problem_.data, problem_.structure, problem_.map, problem_.options.offset,
@@ -112,13 +112,8 @@ class TimeSearch {
     }
   }
 
-  [[nodiscard]] double uniform() { return static_cast<double>(generator_() >> 11) * 0x1p-53; }
-  [[nodiscard]] double normal() {
-    return std::sqrt(-2 * std::log(1 - uniform())) * std::cos(2 * std::numbers::pi * uniform());
-  }
-
-  // About the best one: `reach` factors e in coefficients, thirds in orders.  Dead times have minima between any two
-  // samples, so they move by some samples or by a tenth of the record.
+  // About the best one: `reach` e-folds in coefficients, a third of `reach` in orders.  Dead times have minima between
+  // any two samples, so they move by some samples or by a tenth of the record.
   [[nodiscard]] std::vector<double> drawn_about_best(double reach) {
     const std::vector<double>& time = problem_.data.time();
     const double length = time.back() - time.front();
@@ -126,7 +121,7 @@ class TimeSearch {
     std::vector<double> theta = result_.best.theta;
     const auto& free = problem_.map.free();
     for (std::size_t k = 0; k < theta.size(); ++k) {
-      const double step = reach * normal();
+      const double step = reach * normal_draw(generator_);
       switch (free[k].role) {
         case ParameterRole::coefficient:
           theta[k] = free[k].logarithmic ? theta[k] + step : theta[k] * (1 + step);
@@ -135,7 +130,8 @@ class TimeSearch {
           theta[k] += step / 3;
           break;
         case ParameterRole::delay:
-          theta[k] += step * (uniform() < 0.5 ? 2 * sampling : 0.1 * length) * problem_.map.scale().omega;
+          theta[k] +=
+              step * (uniform_draw(generator_) < 0.5 ? 2 * sampling : 0.1 * length) * problem_.map.scale().omega;
           break;
       }
       theta[k] = std::clamp(theta[k], free[k].lower, free[k].upper);

@@ -9,8 +9,8 @@
 
 #include "base/linear_algebra.hpp"
 #include "frac/identification/statistics.hpp"
+#include "identification/residuals/loss.hpp"
 #include "identification/search/reduced_jacobian.hpp"
-#include "identification/search/robust.hpp"
 
 namespace frac::detail {
 

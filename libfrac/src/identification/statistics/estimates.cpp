@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "base/counted.hpp"
 #include "identification/search/interchange.hpp"
 #include "identification/search/robust.hpp"
 #include "information.hpp"
@@ -15,8 +16,8 @@ namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-/// Two like parts of which one is not identified, and whose share in their sum is all that is unknown, are neither:
-/// what one has the other lacks.
+/// Of two like parts the data may tell the sum alone: what one has the other lacks, as their correlation shows.  Then
+/// neither is identified, also where the interval of one is narrow.
 void refuse_inseparable_parts(FitResult& result, const Structure& structure) {
   constexpr double inseparable = 0.98;  // correlation
   for (const Interchange& parts : interchanges(structure)) {
@@ -27,14 +28,6 @@ void refuse_inseparable_parts(FitResult& result, const Structure& structure) {
       if (std::abs(correlation) > inseparable) first.identified = second.identified = false;
     }
   }
-}
-
-std::string listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
-  }
-  return text;
 }
 
 /// Orders of parameters that are in force.

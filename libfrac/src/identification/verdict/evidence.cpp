@@ -71,7 +71,7 @@ Orders orders_of(const FitResult& fit, double share) {
       orders.decided = &estimate;
     }
   }
-  // A structure whose fractional order is written into it departs by what it is.
+  // Where orders are written into the formula as numbers, nothing has to change for one of them to depart.
   if (!orders.any_free) orders.departure = 0;
   orders.all_nearly_whole = orders.all_nearly_whole && orders.any_free;
   return orders;

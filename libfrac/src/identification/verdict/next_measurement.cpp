@@ -86,7 +86,8 @@ std::optional<NextMeasurement> next_measurement(const FrequencyResponseData& dat
     const Prediction first = predicted(a, options.component, omega, scale);
     const Prediction second = predicted(b, options.component, omega, scale);
     const Eigen::VectorXd difference = first.value - second.value;
-    // Either of the two may be the wrong one and adapts itself: the one that can do so more counts.
+    // The one of the two that is wrong will adapt itself to the new points.  As either may be wrong, the one that can
+    // adapt itself more says what evidence is to be expected.
     double least = std::numeric_limits<double>::infinity();
     for (const Eigen::MatrixXd* own : {&first.covariance, &second.covariance}) {
       Eigen::MatrixXd variance = *own;

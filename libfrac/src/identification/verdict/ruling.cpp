@@ -12,21 +12,24 @@ namespace frac::detail {
 namespace {
 
 constexpr double supported_evidence = 10;  // posterior odds of 150 to 1
-// Where the ratio fits no worse, and over time: Schwarz's price leaves out what a prior says of each parameter, which a
-// record over few decades of time does not outweigh.
+// Over time, where the integer-order finalist fits no worse, so that the evidence is the price of its parameters alone.
+// That price (Schwarz's) leaves out what a prior says of each parameter, and a record spans too few decades of time to
+// outweigh it.
 constexpr double supported_by_price = 20;
 constexpr double refuted_evidence = -8;  // posterior odds of 1 to 55
-// Real poles and dead time that a ratio may have before they count as an approximation of what no candidate is, and the
-// evidence asked for each further one: odds of 3000 to 1.
+// A row of real poles and dead times approximates many systems, also those that no candidate describes.  A ratio may
+// have so many without being taken for such an approximation, and for each further one more evidence is asked: odds of
+// 3000 to 1.
 constexpr double few_relaxations = 2, price_of_relaxation = 16;
 // Probability that neither finalist is near what made the data, so that evidence for one of them says nothing of its
 // class: where all rules of a verdict agree, and where some speak against the evidence.  Chosen on judged files.
 constexpr double neither_agreed = 0.05, neither_contradicted = 0.5;
 constexpr double worse = 1.05, clearly_worse = 1.5;  // rms of predictions
-// Of extrapolations, for a fractional model: a short ladder follows one power over the band and bends beyond it.
+// rms of extrapolations, for a fractional model: data of a short ladder of poles follow one power over the band and
+// bend beyond it, where a power does not.
 constexpr double worse_beyond = 1.25;
-// Times its residuals: a ratio that misses the last half decade by more, when it has not seen it, follows the rest
-// without knowing the system.
+// A ratio that was fitted without the last half decade and misses it by more than so many times its residuals follows
+// the rest without knowing the system.
 constexpr double most_of_extrapolation = 100;
 
 /// Also where either is NaN, which stands for predictions that were not made.
