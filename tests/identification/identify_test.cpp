@@ -136,6 +136,23 @@ TEST(Verdict, ThreePolesAndAnRcLadderAreOfWholeOrder) {
   EXPECT_EQ(verdict_on(ladder, 0.001), Verdict::fractional_not_supported);
 }
 
+// Computed data: what meets them to rounding leaves nothing for further poles, or for an order, to explain.  On a
+// narrow band a ratio comes near a power, but not to rounding.
+TEST(Verdict, ExactDataAreDecided) {
+  const std::vector<frac::NamedModel> all = frac::default_candidates();
+  const auto verdict_on = [&](const char* formula, const std::vector<double>& omega) {
+    const frac::Structure structure(formula);
+    std::vector<std::complex<double>> value;
+    for (const double each : omega) value.push_back(structure.response({}, each));
+    return frac::identify(frac::FrequencyResponseData(omega, value), all, {}, both_parts()).verdict;
+  };
+  EXPECT_EQ(verdict_on("(s + 3)/(s^3 + 2 s^2 + 4 s + 3)", grid()), Verdict::fractional_not_supported);
+  EXPECT_EQ(verdict_on("10 + 5/(0.1 s + 1) + 3/(2 s + 1) + 2/(20 s + 1)", grid()), Verdict::fractional_not_supported);
+  std::vector<double> narrow;
+  for (int i = 0; i < 100; ++i) narrow.push_back(0.7 * std::pow(2.0, i / 99.0));
+  EXPECT_EQ(verdict_on("1/(s^0.9 + 1)", narrow), Verdict::fractional_supported);
+}
+
 TEST(Verdict, TwoZarcsAreFractional) {
   const auto data = support::noisy_response("0.2 + 1/(0.3 s^0.8 + 1) + 2/(10 s^0.7 + 1)", {}, 0.01, 8u);
   const auto result = frac::identify(data, frac::default_candidates(), {}, both_parts());

@@ -54,6 +54,15 @@ class FitStatistics : public testing::Test {
   std::string data = folder.write("data.csv", noisy_power_law());
 };
 
+// One point above the real axis, which no lag reaches: two values, two parameters, neither determined.
+TEST_F(FitStatistics, AsFewValuesAsParametersDetermineNothingUnlessTheyAreMet) {
+  const auto code = [&](const std::string& name, const std::string& row) {
+    return run_fracfit({"fit", folder.write(name, "omega_rad_s,re,im\n" + row), "lag", "--component", "both"}).code;
+  };
+  EXPECT_EQ(code("above.csv", "1,2,3\n"), 1);
+  EXPECT_EQ(code("below.csv", "1,0.5,-0.5\n"), 0);
+}
+
 TEST_F(FitStatistics, CorrelationIsAMatrixAndCentreDecorrelates) {
   const auto json = successful(fit({"--model", "power-law"}));
   const auto& matrix = json["correlation"];

@@ -83,6 +83,14 @@ TEST_F(IdentifyScene, TakesColumnsAndASweepByChoice) {
 }
 
 // Friction of the load, where the driven body has none; the mass of a body without a formula keeps its name.
+TEST_F(IdentifyScene, ColumnThatTellsTheForcesIsUsed) {
+  const auto result =
+      run_fracfit({"identify-scene", simulated(folder, "10,50", "22.8:42.5:12log"), "--fix", "mass1=2"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  EXPECT_NE(result.error.find("columns not used"), std::string::npos) << result.error;
+  EXPECT_EQ(result.error.find("force_n"), std::string::npos) << result.error;
+}
+
 TEST_F(IdentifyScene, FindsFrictionOfAReceptance) {
   const std::vector<std::string> friction{"--load-receptance", "1/(2 s^2 + 0.7 s)"};
   const auto file = folder.path("friction.csv");
@@ -139,6 +147,10 @@ TEST_F(IdentifyScene, RefusesWrongInput) {
   expect_failure({weak, "--component", "phase"}, 2, "phase");
   expect_failure({weak, "--weight", "given"}, 3, "sigma");
   expect_failure({folder.write("plain.csv", "omega_rad_s,re,im\n1,1,1\n2,1,1\n3,1,1\n")}, 2, "--force");
+  for (const std::string unit : {"ohm", "mm/N"}) {
+    const std::string rows = "omega (rad/s),re (" + unit + "),im (" + unit + ")\n1,1,1\n2,1,1\n3,1,1\n";
+    expect_failure({folder.write("unit.csv", rows), "--force", "10"}, 3, "'" + unit + "'");
+  }
   expect_failure({folder.write("bad.csv", "# force_n: strong\nomega_rad_s,re,im\n1,1,1\n2,1,1\n")}, 3, "force_n");
 }
 

@@ -157,6 +157,27 @@ TEST(TimeFit, WhatCannotBeIdentifiedIsSaid) {
   EXPECT_NE(late.error.find("is 60 s"), std::string::npos) << late.error;
 }
 
+// A step response of 1/(s + 1) with one sample of 200 far off, which stays in the fit.
+TEST(TimeFit, OutlierIsNamedWithWhatHelps) {
+  const TemporaryFolder folder;
+  support::Random random(5);
+  std::string text = "time_s,input,output\n";
+  for (int i = 0; i < 200; ++i) {
+    const double t = 0.05 * i, output = 1 - std::exp(-t) + 0.01 * random.normal() + (i == 100 ? 3 : 0);
+    text += std::to_string(t) + ",1," + std::to_string(output) + "\n";
+  }
+  const std::string file = folder.write("off.csv", text);
+  const auto plain = run_fracfit({"fit", file, "lag", "--format", "table"});
+  EXPECT_NE(plain.output.find("1 outlier at t = 5 s"), std::string::npos) << plain.output;
+  EXPECT_NE(plain.output.find("--loss huber"), std::string::npos) << plain.output;
+  const auto robust = run_fracfit({"fit", file, "lag", "--loss", "huber"});
+  // Four standard errors: 0.01 of noise on 200 samples leaves T to 0.003.
+  EXPECT_NEAR(value_of(Json::parse(robust.output), "T"), 1, 0.012) << robust.output;
+  EXPECT_EQ(
+      run_fracfit({"fit", file, "lag", "--loss", "huber", "--format", "table"}).output.find("--loss huber bounds"),
+      std::string::npos);
+}
+
 TEST(TimeFit, WhatFitsOverFrequencyOfferIsThereOverTime) {
   const TemporaryFolder folder;
   support::Random random(7);

@@ -70,6 +70,8 @@ ColumnPlan Planner::plan(const FrequencyResponseReadOptions& options) {
         std::find(notes_.begin(), notes_.end(), meanings_[column].assumption) == notes_.end())
       notes_.push_back(meanings_[column].assumption);
   if (plan.spread) used_.push_back(*plan.spread);
+  for (const auto& [column, value] : options.rows)
+    if (const auto told_by = position_of(table_, column)) used_.push_back(*told_by);
   note_ignored();
   return plan;
 }

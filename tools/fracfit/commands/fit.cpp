@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <stdexcept>
@@ -139,7 +140,16 @@ class Fit : public Command {
     write(format() == "json"  ? fit_json(run, result, statistics)
           : format() == "csv" ? fit_csv(run, result, statistics)
                               : fit_table(run, result, statistics));
-    if (result.termination == frac::FitTermination::converged) return usable_result;
+    const auto& parameters = result.parameters;
+    const bool some_identified =
+        result.free_parameters == 0 || std::any_of(parameters.begin(), parameters.end(),
+                                                   [](const auto& each) { return each.identified && !each.fixed; });
+    // As few values as parameters determine none of them unless they are met.
+    if (result.termination == frac::FitTermination::converged &&
+        (some_identified || result.residuals > result.free_parameters)) {
+      if (!some_identified) say("none of the parameters is identified");
+      return usable_result;
+    }
     say("no usable result: " + result.message);
     return no_usable_result;
   }

@@ -135,6 +135,11 @@ class IdentifyScene : public Command {
       for (const auto& note : file.notes) say(name + ": " + note);
       if (scene_.weight == frac::Weight::given && file.data.sigma().empty())
         throw io::DataError(name, 0, 0, "has no column sigma or weight; expected one with --weight given");
+      // Masses come out in kg only of metres per newton.
+      const auto& unit = file.value_unit;
+      if (!unit.empty() && unit != "m/N" && unit != "m_per_n" && unit != "m_per_N" && unit != "dB")
+        throw io::DataError(name, 0, 0,
+                            "has values in " + io::quoted(unit) + "; expected a motion over a force in m/N");
       const std::string measured{io::find_value(file.metadata, "output").value_or(std::string_view{})};
       if (!measured.empty() && body.empty()) body = measured;
       if (!measured.empty() && measured != body)

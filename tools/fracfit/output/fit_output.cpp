@@ -100,9 +100,12 @@ std::string remarks_on_residuals(const FitRun& run, const frac::FitResult& resul
   std::string text = "residuals: correlation of neighbours " + short_number(statistics.whiteness.lag_one_correlation) +
                      ", chance of that from noise alone " + short_number(statistics.whiteness.p_value) + "\n";
   if (statistics.outlier_at.empty()) return text;
-  text += std::to_string(statistics.outlier_at.size()) + " outliers at " + (run.over_time ? "t =" : "omega =");
+  const std::size_t count = statistics.outlier_at.size();
+  text += std::to_string(count) + (count == 1 ? " outlier at " : " outliers at ") + (run.over_time ? "t =" : "omega =");
   for (const double at : statistics.outlier_at) text += " " + short_number(at);
-  return text + (run.over_time ? " s\n" : " rad/s\n");
+  text += run.over_time ? " s" : " rad/s";
+  const bool bears_them = run.over_time && io::find_value(run.options, "loss") == "none";
+  return text + (bears_them ? ", which weigh like every sample; --loss huber bounds what they do to the fit\n" : "\n");
 }
 
 std::string growth_table(const frac::Growth& growth) {

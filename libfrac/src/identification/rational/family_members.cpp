@@ -42,6 +42,7 @@ FamilyMembers rational_members(const RationalProblem& problem, const RationalFam
   members.chosen = ladder.chosen;
   if (ladder.fits.empty()) return members;
   const RationalFit& best = ladder.fits[ladder.chosen];
+  members.exact = ladder.fits.back().cost <= problem.negligible_cost();
   if (!family.free_order) members.relaxations = best.shape.relaxations();
   for (const RationalFit& fit : ladder.fits) {
     if (!fit.shape.searches_order() || !departs(fit.shape.order)) continue;
@@ -88,7 +89,8 @@ FamilyMembers best_member(const FrequencyResponseData& data, const NamedModel& m
   FamilyMembers members = family_members(data, model, options);
   NamedModel& best = members.models.at(members.chosen);
   const bool open_range = model.rational && model.rational->most_poles == RationalFamily{}.most_poles;
-  best.ends_its_family = open_range && members.chosen > 0 && members.chosen + 1 == members.models.size();
+  best.ends_its_family =
+      open_range && !members.exact && members.chosen > 0 && members.chosen + 1 == members.models.size();
   members.models = {std::move(best)};
   members.chosen = 0;
   return members;

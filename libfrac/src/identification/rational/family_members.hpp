@@ -18,6 +18,7 @@ struct FamilyMembers {
   /// By how much the best member with an order that departs from whole numbers lies above the chosen one, in the
   /// measure of schwarz(); infinite without such a member.
   double departed = std::numeric_limits<double>::infinity();
+  bool exact = false;           // the largest member meets the data to rounding, so that none was tried beyond it
   std::size_t relaxations = 0;  // RationalShape::relaxations() of the chosen one, for ratios in s
 };
 
