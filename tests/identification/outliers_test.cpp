@@ -95,6 +95,18 @@ TEST(Outliers, ThoseThatTheModelMeetsAreTakenBack) {
   }
 }
 
+// Residuals of an exact fit are rounding, of which neither a correlation nor a multiple tells anything.
+TEST(Outliers, OfExactDataAreTakenBack) {
+  const frac::Structure truth("1/(0.8 s^2.2 + 0.5 s^0.9 + 1)");
+  std::vector<std::complex<double>> value;
+  for (const double omega : support::four_decades(60)) value.push_back(truth.response({}, omega));
+  const frac::FrequencyResponseData data(support::four_decades(60), value);
+  const std::vector<std::size_t> left_out{3, 10};
+  const auto fit = frac::fit(frac::without_points(data, left_out), frac::Structure("1/(b2 s^a2 + b1 s^a1 + b0)"),
+                             support::both_parts());
+  EXPECT_EQ(frac::points_met(data, left_out, support::both_parts(), fit), left_out);
+}
+
 // With 3 % of the points displaced by 8 to 48 standard deviations the intervals of what is left cover, and are several
 // times narrower than those with all points, whose spread the displaced ones set.  A share of 95 % of 240 intervals has
 // a standard deviation of 1.4 %; those displaced along the curve's own direction or next to each other stay in and cost

@@ -119,6 +119,17 @@ def test_where_and_units():
         data.where([1, 2, 3])
 
 
+def test_points_are_chosen_as_those_of_an_array():
+    data = FrequencyResponse([1, 2, 4, 8], [1 - 1j, 2, 3, 4j], sigma=[0.1, 0.2, 0.3, 0.4], unit="ohm")
+    for points in (slice(1, 3), slice(None, None, -1), [0, 3], np.array([True, False, False, True])):
+        kept = np.sort(np.arange(4)[points])
+        assert data[points] == FrequencyResponse(data.omega[kept], data.response[kept], data.sigma[kept])
+        assert data[points].unit == "ohm"
+    assert data[-1].omega.tolist() == [8]
+    with pytest.raises(IndexError):
+        data[4]
+
+
 def test_data_pickle_and_compare():
     data = FrequencyResponse(OMEGA, EXPECTED, np.ones(30), unit="ohm", metadata={"cell": "A"})
     again = pickle.loads(pickle.dumps(data))

@@ -94,6 +94,28 @@ def test_orbits_and_cycles_of_the_command_line():
     assert cycles.cycles[0]["stable"] and cycles.certain
 
 
+def test_cycles_of_bodies_and_of_more_impacts():
+    # Motions that end in cycles with four impacts, which the equations of two impacts do not know.
+    found = command_line.json_of("limit-cycles", "--controller", "20 + s", "--restitution", 0.6)
+    ours = fracfit.limit_cycles("20 + s", restitution=0.6)
+    kept = lambda cycles: sorted((each["omega"], each["impacts_per_period"], each["stable"]) for each in cycles)
+    assert kept(ours.cycles) == kept(found["cycles"])
+    assert max(each["impacts_per_period"] for each in ours.cycles) > 2
+    assert ours.motions == [each["regime"] for each in found["motions"]]
+    assert "4 impacts" in repr(ours)
+    assert all(each["impacts_per_period"] == 2 for each in fracfit.limit_cycles("20 + s", restitution=0.6, starts=0).cycles)
+
+    found = command_line.json_of(
+        "limit-cycles", "--controller", "2 + s", "--load-receptance", "1/(s^2 + 0.2 s)", "--restitution", 0.6, "--starts", 0
+    )
+    damped = fracfit.limit_cycles("2 + s", load_receptance="1/(s^2 + 0.2 s)", restitution=0.6, starts=0)
+    assert kept(damped.cycles) == kept(found["cycles"])
+    with pytest.raises(ValueError, match="mass1 does not go with load_receptance"):
+        fracfit.limit_cycles("2 + s", load_receptance="1/s^2", mass1=2, restitution=0.6)
+    with pytest.raises(ValueError, match="starts is 1.5"):
+        fracfit.limit_cycles("2 + s", restitution=0.6, starts=1.5)
+
+
 def test_jump_from_contact_at_rest():
     # w_L = sqrt(2 F/(clearance M2)), eq. (6) of Duarte, Tenreiro Machado (2009).
     jump = fracfit.jump_frequency(restitution=0.3, force=40, clearance=0.3, mass2=2, criterion="contact-at-rest")

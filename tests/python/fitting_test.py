@@ -131,6 +131,44 @@ def test_bits_of_a_family():
         fracfit.fit(EXACT, "rational:3", fixed={"p1": 1})
 
 
+def test_priors_orders_and_derived_quantities_of_the_command_line(cell):
+    both = ("--component", "both")
+    found = command_line.json_of(
+        "fit", CELL, "--model", "zarc", *both, "--prior", "R0=0.02+-5%", "--prior", "n1=0.8+-0.05", "--derive", "f1 = (R1 Q1)^(-1/n1)/(2 pi)"
+    )
+    ours = fracfit.fit(fracfit.read(CELL), "zarc", prior={"R0": "0.02 +- 5%", "n1": (0.8, 0.05)})
+    same_as_command_line(found, ours)
+    for theirs, mine in zip(found["priors"], ours.priors, strict=True):
+        assert {key: theirs[key] for key in ("value", "deviation", "distance", "share")} == {
+            key: mine[key] for key in ("value", "deviation", "distance", "share")
+        }
+    derived = ours.derive("f1 = (R1 Q1)^(-1/n1)/(2 pi)")
+    assert [found["derived"][0][key] for key in ("name", "value", "standard_error")] == [
+        derived[key] for key in ("name", "value", "standard_error")
+    ]
+    again = pickle.loads(pickle.dumps(ours))
+    assert again == ours and again.profile("n1") == ours.profile("n1")
+    with pytest.raises(ValueError, match="no residual can resample"):
+        ours.bootstrap(20)
+
+    found = command_line.json_of("fit", CELL, "--model", "two-zarc", *both, "--constraint", "Q1<Q2")
+    held = fracfit.fit(fracfit.read(CELL), "two-zarc", constraint="Q1<Q2")
+    same_as_command_line(found, held)
+    assert held["Q1"] <= held["Q2"]
+    assert cell.priors == [] and cell.growth is None
+
+
+def test_growth_of_the_command_line():
+    found = command_line.json_of("fit", CELL, "--grow", "arcs", "--component", "both")
+    grown = fracfit.fit(fracfit.read(CELL), grow="arcs")
+    same_as_command_line(found, grown)
+    assert grown.formula == found["model"]
+    assert grown.growth["chosen"] == found["growth"]["chosen"]
+    assert grown.growth["reason"] == found["growth"]["reason"]
+    assert [fit["formula"] for fit in grown.growth["fits"]] == [fit["model"] for fit in found["growth"]["fits"]]
+    assert grown.lack_of_fit()["misfit"] == found["lack_of_fit"]["misfit"]
+
+
 def test_fit_is_that_of_scipy():
     result = fracfit.fit(EXACT, "K/(T s^a + 1)", weight="relative")
 
@@ -293,9 +331,25 @@ def test_wrong_requests_are_our_sentences():
         ({"bounds": {"K": 3}}, "expected"),
         ({"bounds": {"K": (2, 1)}}, "K"),
         ({"fixed": {"K": "two"}}, "real numbers"),
+        ({"prior": {"K": 2}}, "expected .value, deviation"),
+        ({"prior": {"K": "2+-x"}}, "expected .value, deviation"),
+        ({"prior": {"K": (2, 0)}}, "must be positive"),
+        ({"fixed": {"K": 2}, "prior": {"K": (2, 1)}}, "fixed"),
+        ({"constraint": "K"}, "names with <"),
+        ({"constraint": ["K<T", "a<T"]}, "one chain"),
+        ({"grow": "arcs"}, "either model"),
+        ({"seed": "one"}, "whole number"),
+        ({"component": 3}, "expected a text"),
+        ({"weight": np.ones(20)}, "expected a text"),
     ):
         with pytest.raises(ValueError, match=sentence):
             fracfit.fit(EXACT, "K/(T s^a + 1)", **wrong)
+    with pytest.raises(ValueError, match="expected one of powers"):
+        fracfit.fit(EXACT, grow="trees")
+    with pytest.raises(ValueError, match="the data choose"):
+        fracfit.fit(EXACT, grow="arcs", constraint="Q1<Q2")
+    with pytest.raises(ValueError, match="follow from the data"):
+        fracfit.fit(EXACT, grow="rational", fixed={"K": 1})
     with pytest.raises(ValueError, match="expected FrequencyResponse"):
         fracfit.fit(([1], [2]), "K/s")
     with pytest.raises(ValueError):

@@ -3,9 +3,11 @@
 
 import os
 import pathlib
+import re
 import subprocess
 import sys
 
+import command_line
 import pytest
 
 import fracfit
@@ -58,6 +60,19 @@ def test_stubs_name_what_the_extensions_have():
             if isinstance(node, ast.ClassDef):
                 members = {each.name for each in node.body if isinstance(each, ast.FunctionDef)}
                 assert members - {"__init__"} == {each for each in vars(getattr(module, node.name)) if not each.startswith("_")}
+
+
+def test_the_wheel_is_described_as_the_project_is():
+    tomllib = pytest.importorskip("tomllib")
+    folder = pathlib.Path(command_line.DATA).parent / "tools/python"
+    told = tomllib.loads((folder / "pyproject.toml").read_text())
+    version = told["tool"]["scikit-build"]["metadata"]["version"]
+    assert re.search(version["regex"], (folder / version["input"]).read_text())["value"] == fracfit.__version__
+    build = told["tool"]["scikit-build"]
+    lists = (folder / build["cmake"]["source-dir"] / "CMakeLists.txt").read_text()
+    for option in build["cmake"]["define"]:
+        assert f"option({option} " in lists
+    assert (folder / told["project"]["readme"]).exists()
 
 
 def test_without_the_solvers_the_rest_works_and_fits_say_why_not(installed, tmp_path):

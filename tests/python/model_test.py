@@ -209,6 +209,26 @@ def test_controller_refuses_what_it_cannot_be():
     pid = fracfit.FractionalPid(1, sample_time=1.0)
     pid.step(float("nan"), 0)
     assert pid.bad_input
+    with pytest.raises(ValueError, match="setpoint has the dtype"):
+        pid.step("a", 0)
+    with pytest.raises(ValueError, match=r"setpoint has the shape \(3,\)"):
+        pid.step(np.ones(3), 0)
+    with pytest.raises(ValueError, match="poles is 2.5; expected a whole number"):
+        fracfit.FractionalPid(1, 1, lambda_=0.5, sample_time=1e-3, band=(1, 100), poles=2.5)
+
+
+def test_a_controller_pickles_in_the_middle_of_its_motion():
+    pid = fracfit.FractionalPid(2, 3, 0.1, lambda_=0.8, mu=0.6, sample_time=1e-3, band=(0.1, 300), maximum=1.5)
+    measured = np.random.default_rng(5).normal(size=200)
+    pid.run(1.0, measured[:100])
+    again = pickle.loads(pickle.dumps(pid))
+    assert again.output == pid.output
+    assert again.run(1.0, measured[100:]).tolist() == pid.run(1.0, measured[100:]).tolist()
+    state = pid.__getstate__()
+    with pytest.raises(ValueError, match="the pickle is of"):
+        again.__setstate__({**state, "version": "0"})
+    with pytest.raises(ValueError, match="the pickle is of"):
+        again.__setstate__({**state, "state": b""})
 
 
 def test_errors_are_our_sentences():

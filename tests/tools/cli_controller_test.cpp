@@ -176,6 +176,17 @@ TEST(Controller, TableIsForPeopleAndNotesAreSaid) {
   EXPECT_NE(cut.error.find("cut from 1e+04 to 15.7 rad/s"), std::string::npos) << cut.error;
 }
 
+// The backward rule of a lag errs by omega T/2 = 0.15 of its phase at 300 rad/s, far above the tolerance that the
+// filters keep; without one the whole controller keeps it.
+TEST(Controller, SaysWhereARuleMissesTheTolerance) {
+  const auto missed = run_fracfit(with(pid, {"--derivative-filter", "0.01", "--format", "c"}));
+  EXPECT_EQ(missed.code, 0);
+  EXPECT_NE(missed.error.find("whole controller is off by 0.0267 at 300 rad/s"), std::string::npos) << missed.error;
+  EXPECT_NE(missed.output.find("whole controller within 0.0267"), std::string::npos);
+  const auto kept = run_fracfit(with(pid, {"--format", "c"}));
+  EXPECT_EQ(kept.error.find("whole controller is off"), std::string::npos) << kept.error;
+}
+
 TEST(Controller, WrongUsageIsNamed) {
   const auto expect_refusal = [](const std::vector<std::string>& arguments, const std::string& part) {
     const auto result = run_fracfit(arguments);

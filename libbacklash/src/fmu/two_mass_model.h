@@ -22,8 +22,7 @@ enum {
   at_start_position1,
   at_start_velocity1,
   at_start_position2,
-  at_start_velocity2,
-  at_states
+  at_start_velocity2
 };
 
 /* Continuous states. */
@@ -33,7 +32,7 @@ typedef struct {
   double real[MODEL_REALS];
   int boolean[MODEL_BOOLEANS]; /* whether the masses rest in contact */
   double mass1, mass2, clearance, restitution;
-  double total_mass, reduced_mass;
+  double total_mass, reduced_mass, share1, share2;
   double centre, centre_rate;
   /* The gap from the wall last touched, so that short hops keep relative precision at either wall. */
   int at_far;
@@ -48,7 +47,7 @@ typedef struct {
 } first_contact;
 
 /* First t > 0 at which distance + rate t + acceleration t^2/2 falls to 0, and the speed there. */
-static first_contact fall(double distance, double rate, double acceleration)
+static inline first_contact fall(double distance, double rate, double acceleration)
 {
   first_contact result = {HUGE_VAL, 0};
   const double square = rate * rate - 2 * acceleration * distance;
@@ -74,7 +73,7 @@ static void keep_states(model *m)
   m->x[of_gap_rate] = m->at_far ? -m->rate : m->rate;
 }
 
-static void hit(model *m, double speed)
+static inline void hit(model *m, double speed)
 {
   m->distance = 0;
   m->rate = m->restitution * speed;
@@ -84,7 +83,7 @@ static void hit(model *m, double speed)
 
 static const char *model_start(model *m, double time)
 {
-  double share2, gap;
+  double gap;
   (void)time;
   m->mass1 = m->real[at_mass1];
   m->mass2 = m->real[at_mass2];
@@ -97,13 +96,14 @@ static const char *model_start(model *m, double time)
   m->reduced_mass = m->mass1 / m->total_mass * m->mass2;
   gap = m->real[at_start_position2] - m->real[at_start_position1];
   if (!(gap >= 0 && gap <= m->clearance)) return "start_position2 - start_position1 must be in [0, clearance]";
-  share2 = m->mass2 / m->total_mass;
+  m->share1 = m->mass1 / m->total_mass;
+  m->share2 = m->mass2 / m->total_mass;
   m->energy_loss = 0;
   m->impacts = 0;
   m->boolean[0] = 0;
-  m->centre = m->real[at_start_position1] + share2 * gap;
+  m->centre = m->real[at_start_position1] + m->share2 * gap;
   m->centre_rate =
-      m->real[at_start_velocity1] + share2 * (m->real[at_start_velocity2] - m->real[at_start_velocity1]);
+      m->real[at_start_velocity1] + m->share2 * (m->real[at_start_velocity2] - m->real[at_start_velocity1]);
   m->at_far = gap > m->clearance / 2;
   m->distance = m->at_far ? m->clearance - gap : gap;
   m->rate = (m->at_far ? -1 : 1) * (m->real[at_start_velocity2] - m->real[at_start_velocity1]);
@@ -283,18 +283,13 @@ static int model_event(model *m)
 
 static void model_results(model *m)
 {
-  const double share1 = m->mass1 / m->total_mass;
-  const double share2 = m->mass2 / m->total_mass;
   const double centre = m->x[of_centre], centre_rate = m->x[of_centre_rate];
   const double y = m->x[of_gap], y_rate = m->x[of_gap_rate];
-  int i;
-  m->real[at_position1] = centre - share2 * y;
-  m->real[at_velocity1] = centre_rate - share2 * y_rate;
-  m->real[at_position2] = centre + share1 * y;
-  m->real[at_velocity2] = centre_rate + share1 * y_rate;
+  m->real[at_position1] = centre - m->share2 * y;
+  m->real[at_velocity1] = centre_rate - m->share2 * y_rate;
+  m->real[at_position2] = centre + m->share1 * y;
+  m->real[at_velocity2] = centre_rate + m->share1 * y_rate;
   m->real[at_gap] = y;
   m->real[at_energy_loss] = m->energy_loss;
   m->real[at_impacts] = m->impacts;
-  for (i = 0; i < MODEL_STATES; ++i) m->real[at_states + i] = m->x[i];
-  model_rates(m, m->real + at_states + MODEL_STATES);
 }

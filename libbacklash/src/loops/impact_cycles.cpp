@@ -135,4 +135,17 @@ std::optional<CycleGuess> repeated_pattern(const ControlLoop& loop, const std::v
   return std::nullopt;
 }
 
+std::vector<const ImpactCycle*> further_cycles(const std::vector<ImpactCycle>& found,
+                                               const std::vector<SymmetricCycle>& listed) {
+  std::vector<const ImpactCycle*> further;
+  for (const ImpactCycle& cycle : found) {
+    const double omega = 2 * std::numbers::pi / cycle.period;
+    const bool is_listed = std::any_of(listed.begin(), listed.end(), [&](const SymmetricCycle& known) {
+      return std::abs(known.omega / omega - 1) < 1e-6;
+    });
+    if (!is_listed || !cycle.symmetric || cycle.impacts.size() != 2 || !cycle.rests.empty()) further.push_back(&cycle);
+  }
+  return further;
+}
+
 }  // namespace backlash

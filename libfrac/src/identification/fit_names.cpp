@@ -84,6 +84,9 @@ FitTermination fit_termination_from_string(std::string_view text) {
 IntervalKind interval_kind_from_string(std::string_view text) {
   return detail::from_spelling(interval_names, "kind of interval", text);
 }
+GrowthFamily growth_family_from_string(std::string_view text) {
+  return detail::from_spelling(family_names, "family", text);
+}
 std::span<const Component> components() {
   static constexpr auto all = detail::enumerators(component_names);
   return all;

@@ -279,6 +279,15 @@ NamedModel grown_model(GrowthFamily family, std::size_t terms) {
 }
 
 Growth grow(const FrequencyResponseData& data, GrowthFamily family, const FitOptions& options, std::size_t most_terms) {
+  if (options.weight == Weight::learned && !options.noise_floor) {
+    FitOptions weighted = options;
+    weighted.noise_floor = 0;
+    Growth growth = grow(data, family, weighted, most_terms);
+    FitOptions telling = options;
+    telling.constraints = growth.models[growth.chosen].constraints;
+    weighted.noise_floor = fit(data, Structure(growth.fits[growth.chosen].model), telling).noise_floor;
+    return *weighted.noise_floor > 0 ? grow(data, family, weighted, most_terms) : growth;
+  }
   if (const auto projected = projected_family(family)) return grown_by_projection(data, *projected, options);
   return grown(data, family, options, most_terms);
 }

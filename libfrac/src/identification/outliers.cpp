@@ -2,10 +2,12 @@
 #include "frac/identification/outliers.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <cstdio>
 #include <limits>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -31,29 +33,36 @@ constexpr double of_all = 5.5, of_neighbours = 4, of_neighbours_of_pair = 10;
 /// were alike.
 class Distances {
  public:
-  Distances(const FrequencyResponseData& data, Component component) : value_(data.value()), component_(component) {
-    for (const double omega : data.omega()) log_omega_.push_back(std::log(omega));
+  Distances(const FrequencyResponseData& data, Component component) : component_(component) {
     const double floor = detail::noise_floor(data, component);
-    for (const std::complex<double>& value : value_) size_.push_back(std::hypot(std::abs(value), floor));
+    double largest = 0;
+    for (const std::complex<double>& value : data.value()) largest = std::max(largest, std::abs(value));
+    for (std::size_t i = 0; i < data.size(); ++i) {
+      log_omega_.push_back(std::log(data.omega()[i]));
+      value_.push_back(data.value()[i] / largest);
+      size_.push_back(std::sqrt(std::norm(value_[i]) + std::pow(floor / largest, 2)));
+    }
   }
 
-  [[nodiscard]] double operator()(const std::vector<std::size_t>& usable, std::size_t point) const {
+  [[nodiscard]] double operator()(std::span<const std::size_t> usable, std::size_t point) const {
     const detail::LocalCurve curve = detail::local_curve(log_omega_, usable, point);
     std::complex<double> distance = value_[point];
-    std::vector<double> sizes;
+    std::array<double, detail::LocalCurve::most_neighbours> sizes{};
     for (std::size_t i = 0; i < curve.count; ++i) {
       distance -= curve.weight[i] * value_[curve.neighbour[i]];
-      sizes.push_back(size_[curve.neighbour[i]]);
+      sizes[i] = size_[curve.neighbour[i]];
     }
+    const auto middle = sizes.begin() + curve.count / 2;
+    std::nth_element(sizes.begin(), middle, sizes.begin() + curve.count);
     const double off = component_ == Component::imaginary ? std::abs(distance.imag())
                        : component_ == Component::real    ? std::abs(distance.real())
-                                                          : std::abs(distance);
-    return off / (curve.noise * detail::median(sizes));
+                                                          : std::sqrt(std::norm(distance));
+    return off / (curve.noise * *middle);
   }
 
  private:
-  const std::vector<std::complex<double>>& value_;
   Component component_;
+  std::vector<std::complex<double>> value_;  // in units of the largest
   std::vector<double> log_omega_, size_;
 };
 
@@ -68,28 +77,40 @@ const std::vector<Pattern>& patterns() {
 }
 
 /// By how much the points of a pattern stand out, over what is allowed: above 1 for outliers.
-double excess(const Distances& distance, const std::vector<std::size_t>& usable, std::size_t first,
-              const Pattern& pattern, double usual) {
-  std::vector<std::size_t> rest;
-  for (std::size_t i = 0, next = 0; i < usable.size(); ++i) {
+/// @param all  distances of the usable points
+double excess(const Distances& distance, const std::vector<std::size_t>& usable, const std::vector<double>& all,
+              std::size_t first, const Pattern& pattern, double usual) {
+  // Curves reach three points to a side at most.
+  constexpr std::size_t reach = 2, curve_reach = 3, most_rest = 32;
+  const std::size_t begin = first - std::min(first, reach + curve_reach + 1);
+  const std::size_t end = std::min(usable.size(), first + pattern.back() + reach + curve_reach + 2);
+  std::array<std::size_t, most_rest> window{};
+  std::size_t count = 0;
+  for (std::size_t i = begin, next = 0; i < end; ++i) {
     if (next < pattern.size() && i == first + pattern[next]) {
       ++next;
     } else {
-      rest.push_back(usable[i]);
+      window[count++] = usable[i];
     }
   }
+  const std::span<const std::size_t> rest(window.data(), count);
   double least = std::numeric_limits<double>::infinity();
-  for (const std::size_t each : pattern) {
-    least = std::min(least, distance(rest, usable[first + each]) / (of_all * usual));
+  for (std::size_t i = 0; i < pattern.size(); ++i) {
+    const bool is_alone = (i == 0 || pattern[i] - pattern[i - 1] > curve_reach) &&
+                          (i + 1 == pattern.size() || pattern[i + 1] - pattern[i] > curve_reach);
+    const std::size_t point = first + pattern[i];
+    least = std::min(least, (is_alone ? all[point] : distance(rest, usable[point])) / (of_all * usual));
     if (least <= 1) return least;
   }
+  const double most = least * of_all * usual;
   double allowed = of_all * usual;
   const double times = pattern.size() > 1 ? of_neighbours_of_pair : of_neighbours;
-  const std::size_t reach = 2, after = first + pattern.back() + 1 - pattern.size() + reach;
-  for (std::size_t i = first > reach ? first - reach : 0; i < std::min(after, rest.size()); ++i) {
+  const std::size_t after = first - begin + pattern.back() + 1 - pattern.size() + reach;
+  for (std::size_t i = first - begin - std::min(first - begin, reach); i < std::min(after, count) && allowed < most;
+       ++i) {
     allowed = std::max(allowed, times * distance(rest, rest[i]));
   }
-  return least * of_all * usual / allowed;
+  return most / allowed;
 }
 
 // "1, 3.162"
@@ -130,7 +151,7 @@ std::vector<std::size_t> isolated_outliers(const FrequencyResponseData& data, Co
       if (!(all[first] > usual)) continue;
       for (const Pattern& pattern : patterns()) {
         if (first + pattern.back() >= usable.size()) continue;
-        const double by = excess(distance, usable, first, pattern, usual);
+        const double by = excess(distance, usable, all, first, pattern, usual);
         if (!(by > most_excess)) continue;
         most_excess = by;
         worst.clear();
@@ -148,8 +169,10 @@ std::vector<std::size_t> isolated_outliers(const FrequencyResponseData& data, Co
 
 std::vector<std::size_t> points_met(const FrequencyResponseData& data, const std::vector<std::size_t>& points,
                                     const FitOptions& options, const FitResult& fit) {
-  if (points.empty() || !fit.usable() || !lack_of_fit(without_points(data, points), options, fit).adequate) return {};
-  constexpr double within_noise = 3, much_larger = 1.05;
+  if (points.empty() || !fit.usable()) return {};
+  constexpr double within_noise = 3, much_larger = 1.05, rounding = 1e-9;
+  if (fit.rms > rounding && !lack_of_fit(without_points(data, points), options, fit).adequate) return {};
+  const double noise = std::max(fit.rms, rounding);
   const Structure structure(fit.model);
   const FitOptions started = detail::started_at(detail::settled(options, fit), fit);
   std::vector<std::size_t> met;
@@ -158,12 +181,12 @@ std::vector<std::size_t> points_met(const FrequencyResponseData& data, const std
     std::erase(others, point);
     const FrequencyResponseData with = without_points(data, others);
     const FitResult refit = detail::curvature_fit(with, structure, started);
-    if (!refit.usable() || refit.rms > much_larger * fit.rms) continue;
+    if (!refit.usable() || refit.rms > much_larger * noise) continue;
     const std::vector<double> residual = detail::weighted_residuals(data, options, refit);
     const std::size_t parts = residual.size() / data.size();
     const auto first = residual.begin() + static_cast<std::ptrdiff_t>(point * parts);
     const bool is_met = std::all_of(first, first + static_cast<std::ptrdiff_t>(parts),
-                                    [&](double each) { return std::abs(each) <= within_noise * fit.rms; });
+                                    [&](double each) { return std::abs(each) <= within_noise * noise; });
     if (is_met) met.push_back(point);
   }
   return met;

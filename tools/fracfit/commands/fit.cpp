@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
 #include <optional>
 #include <stdexcept>
 
@@ -100,21 +101,6 @@ class Fit : public Command {
     return quantities_of(derive_, names);
   }
 
-  // Structures are compared under one weight: that which the residuals of the structure grown first have told.
-  frac::Growth grown(const frac::FrequencyResponseData& data, frac::FitOptions& fit) const {
-    if (fit.weight != frac::Weight::learned) return frac::grow(data, *grow_, fit);
-    fit.noise_floor = 0;
-    auto growth = frac::grow(data, *grow_, fit);
-    auto told = fit;
-    told.noise_floor.reset();
-    told.constraints = growth.models.at(growth.chosen).constraints;
-    fit.noise_floor = frac::fit(data, frac::Structure(growth.fits.at(growth.chosen).model), told).noise_floor;
-    return *fit.noise_floor > 0 ? frac::grow(data, *grow_, fit) : growth;
-  }
-  frac::Growth grown(const frac::TimeResponseData& data, const frac::TimeFitOptions& fit) const {
-    return frac::grow(data, *grow_, fit);
-  }
-
   // Leaves in `options` the constraints the fit was made with.
   template <class Data, class FitOptions>
   Fitted fitted(const Data& data, FitOptions& fit) const {
@@ -125,7 +111,7 @@ class Fit : public Command {
       return {frac::fit(data, frac::Structure(model.formula), fit), std::nullopt};
     }
     if (!grow_) return {frac::fit(data, frac::Structure(chosen_.formula), fit), std::nullopt};
-    auto growth = grown(data, fit);
+    auto growth = frac::grow(data, *grow_, fit);
     fit.constraints = growth.models.at(growth.chosen).constraints;
     auto result = growth.fits.at(growth.chosen);
     return {std::move(result), std::move(growth)};
@@ -148,6 +134,8 @@ class Fit : public Command {
     std::vector<std::string> names;
     for (const auto& parameter : result.parameters) names.push_back(parameter.name);
     statistics.derived = frac::derived_estimates(result, quantities(names));
+    for (const auto& derived : statistics.derived)
+      if (!std::isfinite(derived.value)) say("--derive: " + derived.formula + " is no finite number at the estimates");
     write(format() == "json"  ? fit_json(run, result, statistics)
           : format() == "csv" ? fit_csv(run, result, statistics)
                               : fit_table(run, result, statistics));

@@ -3,8 +3,11 @@
 
 #include <limits>
 #include <stdexcept>
+#include <string>
+#include <variant>
 #include <vector>
 
+#include "output/aligned_table.hpp"
 #include "output/controller_output.hpp"
 
 namespace fracfit {
@@ -20,6 +23,19 @@ std::vector<frac::Discretisation> section_discretisations() {
   std::vector<frac::Discretisation> some(all.begin(), all.end());
   std::erase(some, frac::Discretisation::grunwald_letnikov);
   return some;
+}
+
+// The filters keep the tolerance, but the rules beside them need not.
+std::string note_on_rules(const frac::FractionalPidDesign& design) {
+  const frac::FractionalPidConfig& config = design.config();
+  const auto* asked = std::get_if<frac::Tolerance>(&config.goal);
+  constexpr double clearly = 2;
+  const bool has_rules = config.gains.kd != 0 && (config.gains.mu >= 1 || config.derivative_filter_time > 0);
+  const bool has_filters = design.integral_error() > 0 || design.derivative_error() > 0;
+  if (asked == nullptr || !has_rules || !has_filters || !(design.error() > clearly * asked->value)) return {};
+  return "The whole controller is off by " + short_number(design.error(), 3) + " at " +
+         short_number(design.omega_at_error(), 3) +
+         " rad/s: a lag or a whole differentiation errs by half of frequency times sample time.";
 }
 
 }  // namespace
@@ -39,7 +55,10 @@ void ControllerRequest::declare(Options& o, SampleTime sample_time) {
   Option& time = o.number("--sample-time", config_.sample_time);
   if (sample_time == SampleTime::required) time.required();
   o.parsed("--band", band_, band_of, "the orders hold there; cut at a quarter of the sampling frequency");
-  add_goal(o, goal_, "on the band; of a --model without band: of its step response", "instead of a tolerance");
+  add_goal(
+      o, goal_,
+      "on the band; of a --model without band: of the largest value of its step response within --sample-count samples",
+      "instead of a tolerance");
   o["--tolerance"].default_is("1e-3, without a band 1e-9");
   o.at_most_one({"--tolerance", "--poles"});
   o.choice("--discretisation", discretisation_, section_discretisations(), "for a PID or power").default_is("direct");
@@ -63,7 +82,9 @@ void ControllerRequest::declare(Options& o, SampleTime sample_time) {
            "SHARE")
       .not_with(model, why);
   o.number("--sample-count", samples_,
-           "Of a --model for all frequencies: samples it is good for; fewer states for fewer", "N")
+           "Of a --model for all frequencies: samples it is good for; fewer take fewer states, and of a model that "
+           "integrates they make the first ones more accurate",
+           "N")
       .otherwise("1e9")
       .only_with(model)
       .was("--horizon");
@@ -119,7 +140,10 @@ ControllerRequest::Design ControllerRequest::design(Options& options) {
 }
 
 std::string note_of(const ControllerRequest::Design& design) {
-  if (const auto* pid = std::get_if<frac::FractionalPidDesign>(&design)) return pid->note();
+  if (const auto* pid = std::get_if<frac::FractionalPidDesign>(&design)) {
+    const std::string rules = note_on_rules(*pid);
+    return pid->note() + (pid->note().empty() || rules.empty() ? "" : " ") + rules;
+  }
   return std::get<frac::FilterChoice>(design).note;
 }
 

@@ -78,7 +78,7 @@ void LoopOptions::add(Options& options) {
   options.number("--mass2", mass2_).default_is("1");
   add_receptances(options, load_, drive_);
   options.number("--clearance", clearance_);
-  options.number("--restitution", restitution_);
+  options.number("--restitution", restitution_).default_is("none: needed unless --over varies it");
 }
 
 void LoopOptions::add_body(Options& options) {

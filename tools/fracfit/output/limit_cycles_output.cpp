@@ -81,16 +81,12 @@ std::vector<ListedCycle> listed_cycles(const LoopCycles& loop) {
                       cycle.impulse, cycle.impact_speed, cycle.harmonics, prediction_of(loop, cycle.omega, true, 2),
                       nullptr});
   }
-  for (const backlash::ImpactCycle& cycle : loop.settled.cycles) {
-    const double omega = frequency_of(cycle);
-    const std::size_t impacts = cycle.impacts.size();
-    const bool is_known = cycle.symmetric && impacts == 2 && cycle.rests.empty() &&
-                          std::any_of(loop.exact.cycles.begin(), loop.exact.cycles.end(),
-                                      [&](const auto& known) { return std::abs(known.omega / omega - 1) < 1e-6; });
-    if (is_known) continue;
-    listed.push_back({omega, cycle.symmetric, impacts, cycle.admissible, cycle.reason, cycle.stability, "period",
-                      cycle.impacts.front().impulse, cycle.impacts.front().speed, cycle.harmonics,
-                      prediction_of(loop, omega, cycle.symmetric, static_cast<int>(impacts)), &cycle});
+  for (const backlash::ImpactCycle* cycle : backlash::further_cycles(loop.settled.cycles, loop.exact.cycles)) {
+    const double omega = frequency_of(*cycle);
+    listed.push_back({omega, cycle->symmetric, cycle->impacts.size(), cycle->admissible, cycle->reason,
+                      cycle->stability, "period", cycle->impacts.front().impulse, cycle->impacts.front().speed,
+                      cycle->harmonics,
+                      prediction_of(loop, omega, cycle->symmetric, static_cast<int>(cycle->impacts.size())), cycle});
   }
   return listed;
 }

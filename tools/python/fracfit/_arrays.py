@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import operator
 from typing import Any
 
 import numpy as np
@@ -47,6 +48,17 @@ def _shaped(array: np.ndarray, given: np.ndarray, name: str, shape: tuple[int, .
     if shape is not None and array.shape != shape:
         raise ValueError(f"{name} has {array.size} entries; expected {shape[0]}")
     return array.reshape(-1)
+
+
+def count(value: Any, name: str) -> int:
+    """A whole number, 0 or more."""
+    try:
+        whole = operator.index(value)
+    except TypeError:
+        whole = -1
+    if whole < 0:
+        raise ValueError(f"{name} is {value!r}; expected a whole number, 0 or more")
+    return whole
 
 
 def number(value: Any, name: str) -> float:

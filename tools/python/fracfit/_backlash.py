@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from . import _core
-from ._arrays import number, real_array
+from ._arrays import count, number, real_array
 from ._data import FrequencyResponse
 from ._model import Model, _Record
 from ._text import html_table, reporter
@@ -248,9 +248,9 @@ def orbits(
         number(start, "start"),
         number(stop, "stop"),
         body,
-        longest_period,
-        most_impacts,
-        threads,
+        count(longest_period, "longest_period"),
+        count(most_impacts, "most_impacts"),
+        count(threads, "threads"),
         reporter(progress, "orbits"),
     )
     return [OrbitBranch(each) for each in found]
@@ -262,14 +262,17 @@ class LimitCycles(_Record):
     Attributes
     ----------
     cycles : list of dict
-        Exact, by rising frequency: omega (rad/s), admissible with the reason, stable, impact_speed (m/s),
-        dominant_multiplier, and harmonics as tuples of order and the phasors of x1, x2 (m) and the force (N).
+        Exact: symmetric ones of two impacts by rising frequency, then others that motions have settled on.  Each with
+        omega (rad/s), symmetric, impacts_per_period, admissible with the reason, stable, impact_speed (m/s),
+        dominant_multiplier (per half period of the former, per period of the latter), and harmonics as tuples of order and the phasors of x1, x2 (m) and the force (N).
     predicted : list of dict
         What the describing function predicts on the orbits with two impacts, symmetric or not.
+    motions : list of str
+        What became of each motion from a seeded start: cycle, quiet, irregular or diverged.
     searched : (float, float)
-        rad/s.
+        rad/s, where symmetric cycles of two impacts were looked for.
     certain : bool
-        None in that range can be missing.
+        None of them in that range can be missing.
     any_frequency : bool
     """
 
@@ -278,6 +281,8 @@ class LimitCycles(_Record):
         lines = [f"LimitCycles({found} found, {len(self.predicted)} predicted)"]  # type: ignore[attr-defined]
         for cycle in self.cycles:  # type: ignore[attr-defined]
             kind = "stable" if cycle["stable"] else "unstable"
+            if cycle["impacts_per_period"] != 2 or not cycle["symmetric"]:
+                kind += f", {cycle['impacts_per_period']} impacts"
             lines.append(f"  {cycle['omega']:.6g} rad/s, " + (kind if cycle["admissible"] else f"no motion: {cycle['reason']}"))
         return "\n".join(lines)
 
@@ -287,24 +292,33 @@ def limit_cycles(
     *,
     restitution: float,
     clearance: float = 1.0,
-    mass1: float = 1.0,
-    mass2: float = 1.0,
+    mass1: float | None = None,
+    mass2: float | None = None,
+    load_receptance: Model | str | None = None,
+    drive_receptance: Model | str | None = None,
     body: str = "x1",
     band: tuple[float, float] | None = None,
     harmonics: int = 5,
+    starts: int = 3,
 ) -> LimitCycles:
-    """Symmetric limit cycles of two masses with backlash under the force ``-C(s) x`` on mass 2.
+    """Limit cycles of two bodies with backlash under the force ``-C(s) x`` on body 2.
 
-    These have two impacts in a period; the command ``fracfit limit-cycles`` also finds others by simulation.
+    All symmetric ones with two impacts in a period, and others that motions from seeded starts settle on.
 
     Parameters
     ----------
     controller : Model or str
         C, N per m.
+    mass1, mass2 : float, optional
+        1 kg unless a receptance stands for it.
+    load_receptance, drive_receptance : Model or str, optional
+        Displacement per force of body 1 and 2, m/N, instead of free masses.
     body : {"x1", "x2"}
-        Mass that is measured.
+        Body whose position is measured.
     band : (float, float), optional
-        Where to look, rad/s.
+        Where to look for symmetric cycles, rad/s.
+    starts : int
+        Motions simulated, 0 or more; none where the driven body is measured with dead time.
 
     Examples
     --------
@@ -313,16 +327,18 @@ def limit_cycles(
     LimitCycles(1 found, 2 predicted)
       1.58132 rad/s, stable
     """
-    model = controller if isinstance(controller, Model) else Model(controller)
     found = _core.limit_cycles(
-        model._tf,
-        number(mass1, "mass1"),
-        number(mass2, "mass2"),
+        _model(controller)._tf,
+        None if mass1 is None else number(mass1, "mass1"),
+        None if mass2 is None else number(mass2, "mass2"),
+        None if load_receptance is None else _model(load_receptance)._tf,
+        None if drive_receptance is None else _model(drive_receptance)._tf,
         number(clearance, "clearance"),
         number(restitution, "restitution"),
         body,
         None if band is None else tuple(number(each, "band") for each in band),
-        harmonics,
+        count(harmonics, "harmonics"),
+        count(starts, "starts"),
     )
     return LimitCycles(found)
 
@@ -354,11 +370,15 @@ def jump_frequency(
     return _core.jump_frequency(*(number(each, "scene") for each in scene), criterion)
 
 
+def _model(given: Model | str) -> Model:
+    return given if isinstance(given, Model) else Model(given)
+
+
 def _options(protocol: str, body: str, tolerance: float, mean_tolerance: float, threads: int) -> dict[str, Any]:
     return {
         "protocol": protocol,
         "body": body,
         "tolerance": number(tolerance, "tolerance"),
         "mean_tolerance": number(mean_tolerance, "mean_tolerance"),
-        "threads": threads,
+        "threads": count(threads, "threads"),
     }

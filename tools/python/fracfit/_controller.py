@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from . import _core
-from ._arrays import number, real_array
+from ._arrays import count, number, real_array
 from ._data import FrequencyResponse
 from ._text import html_table
 
@@ -85,7 +85,7 @@ class FractionalPid:
             "sample_time": number(sample_time, "sample_time"),
             "band": None if band is None else tuple(number(each, "band") for each in band),
             "tolerance": number(tolerance, "tolerance"),
-            "poles": poles,
+            "poles": None if poles is None else count(poles, "poles"),
             "minimum": number(minimum, "minimum"),
             "maximum": number(maximum, "maximum"),
             "anti_windup": anti_windup,
@@ -100,7 +100,7 @@ class FractionalPid:
 
     def step(self, setpoint: float, measured: float) -> float:
         """Output for the next sample; the last one where an input is not finite, see `bad_input`."""
-        return self._controller.step(setpoint, measured)
+        return self._controller.step(number(setpoint, "setpoint"), number(measured, "measured"))
 
     def run(self, setpoint: Any, measured: Any) -> np.ndarray:
         """Outputs for many samples, from where the last call ended.
@@ -172,6 +172,16 @@ class FractionalPid:
 
     def __deepcopy__(self, memo: dict[int, Any]) -> FractionalPid:
         return self.__copy__()
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"config": self._config, "state": self._controller.state(), "version": _core.version}
+
+    def __setstate__(self, kept: dict[str, Any]) -> None:
+        if kept["version"] != _core.version:
+            raise ValueError(f"the pickle is of fracfit {kept['version']}; this is {_core.version}")
+        self._config = kept["config"]
+        self._controller = _core.Controller(self._config)
+        self._controller.set_state(kept["state"])
 
     def __repr__(self) -> str:
         shown = ("kp", "ki", "kd", "lambda_", "mu", "sample_time", "band")

@@ -141,8 +141,7 @@ class FrequencyResponse:
             if mask.dtype != bool or mask.shape != kept.shape:
                 raise ValueError(f"a condition has the shape {mask.shape} and the dtype {mask.dtype}; expected {kept.shape} and bool")
             kept &= mask
-        sigma = None if self._sigma is None else self._sigma[kept]
-        return FrequencyResponse(self._omega[kept], self._response[kept], sigma, unit=self.unit, metadata=self.metadata)
+        return self[kept]
 
     def plot(self, *, kind: str = "bode", **options: Any) -> Any:
         """A picture with matplotlib, ``kind`` "bode" or "nyquist"; see `plot_bode` and `plot_nyquist`."""
@@ -154,7 +153,14 @@ class FrequencyResponse:
         return draw(self, **options)
 
     def __iter__(self) -> Iterator[np.ndarray]:
+        # So that omega, response = data.
         return iter((self._omega, self._response))
+
+    def __getitem__(self, points: Any) -> FrequencyResponse:
+        """Some of the points: a slice, an index or several, or a mask."""
+        kept = np.atleast_1d(np.arange(len(self))[points])
+        sigma = None if self._sigma is None else self._sigma[kept]
+        return FrequencyResponse(self._omega[kept], self._response[kept], sigma, unit=self.unit, metadata=self.metadata)
 
     def __len__(self) -> int:
         return len(self._omega)

@@ -12,7 +12,7 @@ from typing import Any, Iterator, Mapping, Sequence
 
 import numpy as np
 
-from ._arrays import complex_array, number, real_array
+from ._arrays import complex_array, count, number, real_array
 from ._controller import FractionalPid
 from ._data import FrequencyResponse, TimeSeries
 from ._model import EXACT, Model, _equal, _Record
@@ -41,6 +41,10 @@ class FitResult:
         Points whose residual exceeds five robust standard deviations.
     left_out : list of int
         Points that contradict their neighbours on both sides and were not fitted, see the option ``outliers`` of `fit`.
+    priors : list of dict
+        What became of each prior: name, value, deviation, relative, distance, conflict and share.
+    growth : dict or None
+        After ``grow``: the structures tried (fits), which was chosen, and the reason why it went no further.
 
     Examples
     --------
@@ -58,7 +62,7 @@ class FitResult:
     ) -> None:
         self._given = values
         self._data = data
-        self._options = dict(options or {})
+        self._options = options or {}
 
     @cached_property
     def _values(self) -> dict[str, Any]:
@@ -146,8 +150,20 @@ class FitResult:
 
     def bootstrap(self, samples: int = 200, *, threads: int = 0) -> dict[str, tuple[float, float]]:
         """Intervals of 95 % of all parameters from refits to resampled residuals."""
-        found = _fitting.bootstrap(self._data_arrays(), self._request(), self._values, samples, threads)
+        if self._values["priors"]:
+            raise ValueError("bootstrap does not go with a prior, which no residual can resample")
+        found = _fitting.bootstrap(self._data_arrays(), self._request(), self._values, count(samples, "samples"), count(threads, "threads"))
         return {p["name"]: (lower, upper) for p, (lower, upper, _) in zip(self._values["parameters"], found)}
+
+    def derive(self, definition: str) -> dict[str, Any]:
+        """A quantity computed from the parameters: name, formula, value, standard_error, ci95_lower and ci95_upper.
+
+        Parameters
+        ----------
+        definition : str
+            Such as ``"f1 = (R1 Q1)^(-1/n1)/(2 pi)"``.
+        """
+        return _fitting.derive(self._values, definition)
 
     def lack_of_fit(self) -> dict[str, Any]:
         """Whether the fit follows the data to within their noise: adequate, misfit, p_value, noise, correlation."""
@@ -220,8 +236,9 @@ class FitResult:
 
 def fit(
     data: FrequencyResponse | TimeSeries,
-    model: Model | str,
+    model: Model | str | None = None,
     *,
+    grow: str | None = None,
     component: str = "both",
     weight: str = "learned",
     loss: str = "none",
@@ -229,6 +246,8 @@ def fit(
     fixed: Mapping[str, float] | None = None,
     bounds: Mapping[str, tuple[float | None, float | None]] | None = None,
     start: Mapping[str, float] | None = None,
+    prior: Mapping[str, str | tuple[float, float]] | None = None,
+    constraint: str | Sequence[str] = (),
     realisation: Mapping[str, Any] | None = None,
     noise_floor: float | None = None,
     loss_scale: float | None = None,
@@ -245,6 +264,8 @@ def fit(
     data : FrequencyResponse or TimeSeries
     model : Model or str
         A model, a formula, the name of a preset (see `presets`) or of a family such as ``"rational:1..4"``.
+    grow : {"powers", "denominator", "arcs", "rational", "commensurate", "terms"}, optional
+        Instead of a model a family, grown by a term at a time while the data pay for it.
     component : {"both", "imaginary", "real", "magnitude", "phase"}
         Part of a response that is fitted.  (The command line takes "imaginary" unless told otherwise.)
     weight : {"learned", "relative", "absolute", "given", "smoothed-relative", "log-complex", "repeats"}
@@ -255,6 +276,11 @@ def fit(
         robust loss keeps them.
     fixed, bounds, start : mapping, optional
         What is known of parameters beforehand; ``bounds={"K": (None, None)}`` lifts the limits of K.
+    prior : mapping, optional
+        What is known beside a frequency response, as normal distributions: ``{"n1": (0.9, 0.05), "R0": "0.1+-5%"}``,
+        value and standard deviation, or a text with a share of the value for a deviation of the logarithm.
+    constraint : str or sequence of str
+        Parameters of one kind in rising order, ``"Q1<Q2"``.
     realisation : mapping, optional
         What stands for the powers of s, see `Model.frequency_response`.
     seed : int
@@ -280,8 +306,13 @@ def fit(
     >>> fracfit.fit(data, "K/(T s^a + 1)", fixed={"K": 2}).standard_errors["K"]
     0.0
     """
-    name, starts = _structure(model)
+    if (model is None) == (grow is None):
+        raise ValueError("give either model, the structure, or grow, the family to grow it in")
+    if grow is not None and (prior or constraint):
+        raise ValueError("prior and constraint do not go with grow, whose parameters the data choose")
+    name, starts = ("", {}) if model is None else _structure(model)
     options = {
+        "grow": grow,
         "component": component,
         "weight": weight,
         "loss": loss,
@@ -289,14 +320,12 @@ def fit(
         "realisation": dict(realisation or EXACT),
         "noise_floor": noise_floor,
         "loss_scale": loss_scale,
-        "seed": seed,
+        "seed": count(seed, "seed"),
         "global_start": global_start,
         "offset": offset,
         "trend": trend,
         "earlier_input": earlier_input,
-        "fixed": _numbers(fixed, "fixed"),
-        "bounds": _ranges(bounds),
-        "start": _starts(starts, start, fixed),
+        **_known(starts, fixed, bounds, start, prior, constraint),
     }
     if isinstance(data, TimeSeries):
         return FitResult(_fitting.fit_record(data._arrays(), name, options), data, options)
@@ -394,15 +423,14 @@ def batch(
             raise ValueError(f"data[{i}] is of the type {type(curve).__name__}; expected FrequencyResponse")
     name, starts = _structure(model)
     known = ("component", "weight", "loss", "outliers", "realisation", "noise_floor", "loss_scale", "seed", "global_start")
+    beforehand = ("fixed", "bounds", "start", "prior", "constraint")
     request: dict[str, Any] = {"component": "both", "weight": "learned", "realisation": dict(EXACT)}
     for key, value in options.items():
-        if key not in (*known, "fixed", "bounds", "start"):
-            raise ValueError(f"batch has no option {key}; expected {', '.join(known)}, fixed, bounds or start")
+        if key not in (*known, *beforehand):
+            raise ValueError(f"batch has no option {key}; expected {', '.join(known)}, {', '.join(beforehand[:-1])} or {beforehand[-1]}")
         request[key] = value
-    request["fixed"] = _numbers(options.get("fixed"), "fixed")
-    request["bounds"] = _ranges(options.get("bounds"))
-    request["start"] = _starts(starts, options.get("start"), options.get("fixed"))
-    found = _fitting.fit_many([curve._arrays() for curve in curves], name, request, threads, reporter(progress, "batch"))
+    request.update(_known(starts, *(options.get(key) for key in beforehand)))
+    found = _fitting.fit_many([curve._arrays() for curve in curves], name, request, count(threads, "threads"), reporter(progress, "batch"))
     errors = {i: each for i, each in enumerate(found) if isinstance(each, str)}
     results = [None if isinstance(each, str) else FitResult(each, curve, request) for each, curve in zip(found, curves)]
     return BatchResult(results, errors)
@@ -489,16 +517,17 @@ def identify(
         "loss": loss,
         "outliers": outliers,
         "realisation": dict(realisation or EXACT),
-        "seed": seed,
+        "seed": count(seed, "seed"),
         "offset": offset,
         "trend": trend,
         "earlier_input": earlier_input,
     }
     given = {name: complex_array(value, name) for name, value in (curves or {}).items()}
-    found = _fitting.identify(data._arrays(), names, given, options, threads)
+    found = _fitting.identify(data._arrays(), names, given, options, count(threads, "threads"))
     _warn(found.pop("notes"))
     for each in found["ranking"]:
         each["fit"]["left_out"] = found["left_out"]
+        each["fit"]["growth"] = None
         each["fit"]["constraints"] = each.pop("constraints")
         each["fit"]["global_start"] = not each["from_family"]
         each["fit"] = FitResult(each["fit"], data, options)
@@ -597,7 +626,7 @@ def tune(
         "minimise": minimise,
         "load_step": load_step,
         "horizon": number(horizon, "horizon"),
-        "seed": seed,
+        "seed": count(seed, "seed"),
     }
     return Tuning(_fitting.tune(model._tf, specification, options))
 
@@ -675,13 +704,11 @@ def identify_scene(
     if forces.size != len(curves):
         raise ValueError(f"force has {forces.size} entries for {len(curves)} curves")
     request = {
-        "fixed": _numbers(fixed, "fixed"),
-        "bounds": _ranges(bounds),
-        "start": {},
+        **_known({}, fixed, bounds, None, None, ()),
         "body": body,
         "component": component,
         "weight": weight,
-        "threads": threads,
+        "threads": count(threads, "threads"),
     }
     return SceneIdentification(_fitting.identify_scene([curve._arrays() for curve in curves], forces.tolist(), request))
 
@@ -780,13 +807,18 @@ def _warn(notes: Sequence[str]) -> None:
         warnings.warn(note, stacklevel=3)
 
 
+# Formulas of one parameter, which nobody means.
+_WORD = re.compile("[a-z][a-z_-]{3,}")
+
+
 def _structure(model: Model | str) -> tuple[str, dict[str, float]]:
     if isinstance(model, Model):
         return model.formula, model.parameters
     if not isinstance(model, str):
         raise ValueError(f"model is of the type {type(model).__name__}; expected a Model, a formula or the name of a preset")
-    # Such words are formulas of one parameter, which nobody means.
-    known = [*presets(), "rational", "commensurate", "terms"] if re.fullmatch("[a-z][a-z_-]{3,}", model) else [model]
+    if not _WORD.fullmatch(model):
+        return model, {}
+    known = [*presets(), "rational", "commensurate", "terms"]
     if model not in known:
         near = difflib.get_close_matches(model.replace("_", "-"), known, 1)
         raise ValueError(
@@ -797,11 +829,36 @@ def _structure(model: Model | str) -> tuple[str, dict[str, float]]:
     return model, {}
 
 
-def _starts(starts: Mapping[str, float], start: Any, fixed: Any) -> dict[str, float]:
+def _known(starts: Mapping[str, float], fixed: Any, bounds: Any, start: Any, prior: Any, constraint: Any) -> dict[str, Any]:
     both = set(start or {}) & set(fixed or {})
     if both:
         raise ValueError(f"parameter {sorted(both)[0]} is fixed, so it takes no start")
-    return {**starts, **_numbers(start, "start")}
+    return {
+        "fixed": _numbers(fixed, "fixed"),
+        "bounds": _ranges(bounds),
+        "start": {**starts, **_numbers(start, "start")},
+        "prior": {name: _prior(name, told) for name, told in (prior or {}).items()},
+        "constraint": [_chain(text) for text in ([constraint] if isinstance(constraint, str) else constraint or ())],
+    }
+
+
+def _prior(name: str, told: Any) -> tuple[float, float, bool]:
+    try:
+        value, deviation = re.split(r"\+-|\xb1", told) if isinstance(told, str) else told
+        if isinstance(deviation, str) and deviation.endswith("%"):
+            return float(value), float(deviation[:-1]) / 100, True
+        return float(value), float(deviation), False
+    except (TypeError, ValueError):
+        raise ValueError(
+            f"prior of {name} is {told!r}; expected (value, deviation), or a text value+-deviation or value+-share%"
+        ) from None
+
+
+def _chain(text: str) -> list[str]:
+    names = [name.strip() for name in text.split("<")]
+    if len(names) < 2 or not all(names) or any(name.startswith("=") for name in names):
+        raise ValueError(f"constraint {text!r}: expected names with < between them")
+    return names
 
 
 def _numbers(given: Mapping[str, float] | None, what: str) -> dict[str, float]:

@@ -9,7 +9,7 @@ from typing import Any, Iterator, Mapping
 import numpy as np
 
 from . import _core
-from ._arrays import complex_array, number, real_array
+from ._arrays import complex_array, count, number, real_array
 from ._data import FrequencyResponse, TimeSeries
 from ._text import escaped, html_table, short
 
@@ -556,6 +556,8 @@ def approximate(
     True
     """
     lower, upper = (number(each, "band") for each in band)
+    tolerance = None if tolerance is None else number(tolerance, "tolerance")
+    poles = None if poles is None else count(poles, "poles")
     return Approximation(_core.approximate(number(order, "order"), lower, upper, tolerance, poles, method))
 
 

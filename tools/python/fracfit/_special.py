@@ -72,4 +72,4 @@ def derivative(samples: Any, order: float, sample_time: float, *, tolerance: flo
     >>> fracfit.derivative([1, 1, 1, 1], 0.5, 1.0)
     array([1.    , 0.5   , 0.375 , 0.3125])
     """
-    return _core.derivative(real_array(samples, "samples"), number(order, "order"), number(sample_time, "sample_time"), tolerance)
+    return _core.derivative(real_array(samples, "samples"), number(order, "order"), number(sample_time, "sample_time"), number(tolerance, "tolerance"))

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cstring>
 #include <limits>
 #include <optional>
+#include <stdexcept>
 #include <string>
+#include <type_traits>
 
 #include "arrays.hpp"
 #include "frac/digital/c_header.hpp"
@@ -59,6 +62,17 @@ py::array_t<double> run_samples(Controller& controller, const Reals& setpoint, c
   return array_of(std::move(output));
 }
 
+// What changes from sample to sample, as bytes for a pickle that the same build reads.
+using Pid = frac::FractionalPid<double>;
+static_assert(std::is_trivially_copyable_v<Pid>);
+py::bytes state_of(const Controller& controller) {
+  return {reinterpret_cast<const char*>(&controller.pid), sizeof(Pid)};
+}
+void set_state(Controller& controller, const std::string& bytes) {
+  if (bytes.size() != sizeof(Pid)) throw std::invalid_argument("the pickle is of another version of fracfit");
+  std::memcpy(&controller.pid, bytes.data(), sizeof(Pid));
+}
+
 Complexes response(const Controller& controller, const Reals& omega) {
   Complexes result(omega.size());
   const auto at = span_of(omega);
@@ -85,6 +99,8 @@ void add_controller(py::module_& module) {
       .def("reset_at", [](Controller& c, double setpoint, double measured) { c.pid.reset(setpoint, measured); })
       .def("response", &response)
       .def("c_header", &c_header)
+      .def("state", &state_of)
+      .def("set_state", &set_state)
       .def("copy", [](const Controller& c) { return c; })
       .def_property_readonly("output", [](const Controller& c) { return c.pid.output(); })
       .def_property_readonly("saturated", [](const Controller& c) { return c.pid.saturated(); })

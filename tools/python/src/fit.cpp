@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "frac/identification/fit.hpp"
 
+#include <optional>
 #include <string>
 #include <variant>
 
 #include "arrays.hpp"
 #include "fit_request.hpp"
 #include "frac/cancellation.hpp"
+#include "frac/identification/derived.hpp"
 #include "frac/identification/lack_of_fit.hpp"
+#include "frac/identification/model_choice.hpp"
 #include "frac/identification/outliers.hpp"
 #include "frac/identification/uncertainty.hpp"
 #include "parts.hpp"
@@ -17,56 +20,76 @@
 namespace python {
 namespace {
 
+// A model, or a family that it grows in, and what is known of its parameters.
+struct Request {
+  frac::NamedModel model;
+  std::optional<frac::GrowthFamily> grow;
+  std::vector<frac::ParameterConstraint> constraints;
+};
+
+// Some names and ranges are known with the data only.
+Request request_of(const std::string& name, const py::dict& given) {
+  Request request{};
+  std::string unnamed;
+  if (given.contains("grow") && !given["grow"].is_none()) {
+    request.grow = frac::growth_family_from_string(given["grow"].cast<std::string>());
+    if (!frac::names_persist(*request.grow)) unnamed = frac::to_string(*request.grow);
+  } else {
+    request.model = frac::find_model(name);
+    if (request.model.is_family()) unnamed = name;
+  }
+  request.constraints = constraints_of(request.model, given);
+  if (!unnamed.empty() && !request.constraints.empty())
+    throw std::invalid_argument("what is known of parameters has no meaning with the family " + unnamed +
+                                ", whose parameters follow from the data");
+  return request;
+}
+
 // A fit with the constraints and the kind of start it was made with, the points it left out and what is told of these,
 // kept as it is until Python asks for its values.
 struct Fitted {
   frac::FitResult result;
   std::vector<frac::ParameterConstraint> constraints;
   bool global_start = true;
+  std::optional<frac::Growth> growth = {};
   std::vector<std::size_t> left_out = {};
   std::vector<std::string> notes = {};
 };
 
 // The model as given, or the member of a family that suits the data.
 template <typename Data, typename Options>
-Fitted fitted(const Data& data, const frac::NamedModel& model,
-              const std::vector<frac::ParameterConstraint>& constraints, Options options) {
-  options.constraints = constraints;
-  if (!model.is_family())
-    return {frac::fit(data, frac::Structure(model.formula), options), constraints, options.global_start};
-  const frac::NamedModel member = frac::resolved_model(data, model, options);
+Fitted fitted(const Data& data, const Request& request, Options options) {
+  options.constraints = request.constraints;
+  if (request.grow) {
+    auto growth = frac::grow(data, *request.grow, options);
+    return {growth.fits[growth.chosen], growth.models[growth.chosen].constraints, options.global_start, growth};
+  }
+  if (!request.model.is_family())
+    return {frac::fit(data, frac::Structure(request.model.formula), options), options.constraints,
+            options.global_start};
+  const frac::NamedModel member = frac::resolved_model(data, request.model, options);
   options.constraints = member.constraints;
   options.global_start = false;
   return {frac::fit(data, frac::Structure(member.formula), options), member.constraints, false};
 }
 
 // The same to what outliers leave.
-Fitted fitted_to_others(const frac::FrequencyResponseData& data, const frac::NamedModel& model,
-                        const std::vector<frac::ParameterConstraint>& constraints, const frac::FitOptions& options,
-                        bool keep) {
+Fitted fitted_to_others(const frac::FrequencyResponseData& data, const Request& request,
+                        const frac::FitOptions& options, bool keep) {
   frac::ScreenedData points(data, options, keep);
   std::vector<std::string> notes = notes_of(points);
-  Fitted fit = fitted(points.kept(), model, constraints, options);
+  Fitted fit = fitted(points.kept(), request, options);
   auto made_with = options;
   made_with.constraints = fit.constraints;
   made_with.global_start = fit.global_start;
   if (const auto sentence = points.take_back_met(made_with, fit.result); !sentence.empty()) {
     notes.push_back(sentence);
-    fit = fitted(points.kept(), model, constraints, options);
+    fit = fitted(points.kept(), request, options);
   }
   points.restore_indices(fit.result.outliers);
   fit.left_out = points.left_out();
   fit.notes = std::move(notes);
   return fit;
-}
-
-// A family has its names and ranges with the data only.
-std::vector<frac::ParameterConstraint> asked_constraints(const frac::NamedModel& model, const py::dict& given) {
-  auto constraints = constraints_of(model, given);
-  if (model.is_family() && !constraints.empty())
-    throw std::invalid_argument("fixed, bounds and start have no meaning with the family " + model.name +
-                                ", whose parameters follow from the data");
-  return constraints;
 }
 
 // Plain values, as Python keeps them.
@@ -75,42 +98,45 @@ py::dict dict_of_fitted(const Fitted& fit) {
   result["constraints"] = list_of(fit.constraints);
   result["global_start"] = fit.global_start;
   result["left_out"] = fit.left_out;
+  result["growth"] = py::none();
+  if (fit.growth) {
+    py::list fits;
+    for (const auto& each : fit.growth->fits) fits.append(dict_of(each));
+    result["growth"] = py::dict(py::arg("chosen") = fit.growth->chosen, py::arg("reason") = fit.growth->reason,
+                                py::arg("fits") = fits);
+  }
   return result;
 }
 
 // Whether a fit takes some hundredths of a second at most: a local solve evaluates each point up to some hundred times,
 // in about a microsecond.
-bool is_short(const frac::FrequencyResponseData& points, const frac::NamedModel& model,
-              const frac::FitOptions& options) {
+bool is_short(const frac::FrequencyResponseData& points, const Request& request, const frac::FitOptions& options) {
   constexpr std::size_t few = 400;
-  return !options.global_start && !model.is_family() && points.size() <= few &&
+  return !options.global_start && !request.grow && !request.model.is_family() && points.size() <= few &&
          std::holds_alternative<frac::ExactRealisation>(options.realisation);
 }
 
 Fitted fit_spectrum(const py::dict& data, const std::string& name, const py::dict& given) {
-  const frac::NamedModel model = frac::find_model(name);
-  const auto constraints = asked_constraints(model, given);
+  const Request request = request_of(name, given);
   const frac::FitOptions options = fit_options(given);
   const frac::FrequencyResponseData points = spectrum_of(data);
   const bool keep = keeps_outliers(given);
-  const auto work = [&] { return fitted_to_others(points, model, constraints, options, keep); };
-  if (is_short(points, model, options)) return run_here(work);
+  const auto work = [&] { return fitted_to_others(points, request, options, keep); };
+  if (is_short(points, request, options)) return run_here(work);
   return result_of([&](frac::Progress&) { return work(); });
 }
 
 Fitted fit_record(const py::dict& data, const std::string& name, const py::dict& given) {
-  const frac::NamedModel model = frac::find_model(name);
-  const auto constraints = asked_constraints(model, given);
+  const Request request = request_of(name, given);
   const frac::TimeFitOptions options = time_fit_options(given);
   const frac::TimeResponseData record = record_of(data);
-  return result_of([&](frac::Progress&) { return fitted(record, model, constraints, options); });
+  return result_of([&](frac::Progress&) { return fitted(record, request, options); });
 }
 
 // One fit or one sentence for each set of data.
 py::list fit_many(const py::list& data, const std::string& name, const py::dict& given, int threads,
                   const py::object& report) {
-  const frac::NamedModel model = frac::find_model(name);
-  const auto constraints = asked_constraints(model, given);
+  const Request request = request_of(name, given);
   const frac::FitOptions options = fit_options(given);
   const bool keep = keeps_outliers(given);
   std::vector<frac::FrequencyResponseData> curves;
@@ -122,7 +148,7 @@ py::list fit_many(const py::list& data, const std::string& name, const py::dict&
         progress.total = curves.size();
         frac::parallel_for(curves.size(), threads, [&](std::size_t i) {
           try {
-            all[i] = fitted_to_others(curves[i], model, constraints, options, keep);
+            all[i] = fitted_to_others(curves[i], request, options, keep);
           } catch (const std::invalid_argument& reason) {
             all[i] = std::string(reason.what());
           }
@@ -185,6 +211,22 @@ py::dict lack_of_fit(const py::dict& data, const py::dict& given, const py::dict
   return dict;
 }
 
+py::dict derive(const py::dict& fit, const std::string& definition) {
+  const frac::FitResult result = fit_result_from(fit);
+  std::vector<std::string> names;
+  for (const auto& each : result.parameters) names.push_back(each.name);
+  const std::vector<frac::DerivedQuantity> quantity{{definition, names}};
+  const frac::DerivedEstimate found = frac::derived_estimates(result, quantity).front();
+  py::dict dict;
+  dict["name"] = found.name;
+  dict["formula"] = found.formula;
+  dict["value"] = found.value;
+  dict["standard_error"] = found.standard_error;
+  dict["ci95_lower"] = found.ci95_lower;
+  dict["ci95_upper"] = found.ci95_upper;
+  return dict;
+}
+
 Complexes fitted_response(const py::dict& fit, const py::dict& realisation, const Reals& omega) {
   return array_of(frac::fitted_response(fit_result_from(fit), realisation_of(realisation), vector_of(omega)));
 }
@@ -215,6 +257,7 @@ void add_fit(py::module_& module) {
   module.def("bootstrap", &bootstrap);
   module.def("summary", [](const py::dict& fit) { return fit_result_from(fit).summary(); });
   module.def("lack_of_fit", &lack_of_fit);
+  module.def("derive", &derive);
   module.def("fitted_response", &fitted_response);
   module.def("fitted_output", &fitted_output);
   module.def("response_deviation", &response_deviation);

@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 #include <tuple>
+#include <type_traits>
 
 #include "arrays.hpp"
 #include "frac/identification/constraints.hpp"
@@ -13,12 +14,20 @@
 namespace python {
 namespace {
 
-using Constraint =
-    std::tuple<std::string, std::optional<double>, std::optional<double>, std::optional<double>, std::optional<double>>;
+using Prior = std::tuple<double, double, bool>;
+using Constraint = std::tuple<std::string, std::optional<double>, std::optional<double>, std::optional<double>,
+                              std::optional<double>, std::optional<Prior>, std::string>;
 
 template <typename T>
 void take(T& value, const py::dict& given, const char* key) {
-  if (given.contains(key) && !given[key].is_none()) value = given[key].cast<T>();
+  const py::handle found = PyDict_GetItemString(given.ptr(), key);
+  if (!found || found.is_none()) return;
+  try {
+    value = found.cast<T>();
+  } catch (const py::cast_error&) {
+    throw std::invalid_argument(std::string(key) + " is " + py::repr(found).cast<std::string>() +
+                                (std::is_same_v<T, std::string> ? "; expected a text" : "; expected a number"));
+  }
 }
 
 std::string text_of(const py::dict& given, const char* key) {
@@ -71,6 +80,18 @@ void visit_result(Result& r, const Visit& visit) {
   visit("earlier_input", r.earlier_input);
   visit("noise_floor", r.noise_floor);
   visit("noise_correlation", r.noise_correlation);
+  visit("effective_parameters", r.effective_parameters);
+}
+
+template <typename Estimate, typename Visit>
+void visit_prior(Estimate& p, const Visit& visit) {
+  visit("name", p.name);
+  visit("value", p.prior.value);
+  visit("deviation", p.prior.deviation);
+  visit("relative", p.prior.relative);
+  visit("distance", p.distance);
+  visit("conflict", p.conflict);
+  visit("share", p.share);
 }
 
 auto writer(py::dict& dict) {
@@ -156,21 +177,38 @@ std::vector<frac::ParameterConstraint> constraints_of(const frac::NamedModel& mo
     auto& constraint = frac::constraint_of(constraints, name.cast<std::string>());
     if (!constraint.fixed) constraint.start = value.cast<double>();
   }
+  for (const auto& [name, told] : given["prior"].cast<py::dict>()) {
+    const auto [value, deviation, relative] = told.cast<Prior>();
+    frac::constraint_of(constraints, name.cast<std::string>()).prior = {value, deviation, relative};
+  }
+  for (const auto& chain : given["constraint"].cast<std::vector<std::vector<std::string>>>()) {
+    for (std::size_t i = 1; i < chain.size(); ++i) {
+      auto& constraint = frac::constraint_of(constraints, chain[i]);
+      if (!constraint.above.empty())
+        throw std::invalid_argument("constraint: " + chain[i] + " is above " + constraint.above +
+                                    " already; write one chain, A<B<C");
+      constraint.above = chain[i - 1];
+    }
+  }
   return constraints;
 }
 
 py::list list_of(const std::vector<frac::ParameterConstraint>& constraints) {
   py::list list;
-  for (const auto& each : constraints)
-    list.append(py::cast(Constraint(each.name, each.fixed, each.lower, each.upper, each.start)));
+  for (const auto& each : constraints) {
+    std::optional<Prior> prior;
+    if (each.prior) prior = {each.prior->value, each.prior->deviation, each.prior->relative};
+    list.append(py::cast(Constraint(each.name, each.fixed, each.lower, each.upper, each.start, prior, each.above)));
+  }
   return list;
 }
 
 std::vector<frac::ParameterConstraint> constraints_from(const py::list& list) {
   std::vector<frac::ParameterConstraint> constraints;
   for (const auto& each : list) {
-    const auto [name, fixed, lower, upper, start] = each.cast<Constraint>();
-    constraints.push_back({name, fixed, lower, upper, start});
+    const auto [name, fixed, lower, upper, start, prior, above] = each.cast<Constraint>();
+    constraints.push_back({name, fixed, lower, upper, start, {}, above});
+    if (prior) constraints.back().prior = {std::get<0>(*prior), std::get<1>(*prior), std::get<2>(*prior)};
   }
   return constraints;
 }
@@ -187,6 +225,13 @@ py::dict dict_of(const frac::FitResult& result) {
     parameters.append(entry);
   }
   dict["parameters"] = parameters;
+  py::list priors;
+  for (const auto& each : result.priors) {
+    py::dict entry;
+    visit_prior(each, writer(entry));
+    priors.append(entry);
+  }
+  dict["priors"] = priors;
   return dict;
 }
 
@@ -200,6 +245,11 @@ frac::FitResult fit_result_from(const py::dict& dict) {
     visit_estimate(estimate, reader(entry));
     estimate.interval = frac::interval_kind_from_string(entry["interval"].cast<std::string>());
     result.parameters.push_back(std::move(estimate));
+  }
+  for (const auto& each : dict["priors"].cast<py::list>()) {
+    frac::PriorEstimate estimate{};
+    visit_prior(estimate, reader(each.cast<py::dict>()));
+    result.priors.push_back(std::move(estimate));
   }
   return result;
 }

@@ -110,4 +110,8 @@ struct ImpactCycleOptions {
 /// @throws std::invalid_argument  fewer than 0 starts, 0 impacts; as close_cycle().
 [[nodiscard]] ImpactCycles impact_cycles(const ControlLoop& loop, const ImpactCycleOptions& options = {});
 
+/// Those of the cycles found that are not among the symmetric ones of two impacts.
+[[nodiscard]] std::vector<const ImpactCycle*> further_cycles(const std::vector<ImpactCycle>& found,
+                                                             const std::vector<SymmetricCycle>& listed);
+
 }  // namespace backlash

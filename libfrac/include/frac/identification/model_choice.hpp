@@ -58,6 +58,8 @@ enum class GrowthFamily {
 };
 /// "powers", "denominator", ...
 [[nodiscard]] std::string_view to_string(GrowthFamily family);
+/// @throws std::invalid_argument  unknown name; the text lists the known ones.
+[[nodiscard]] GrowthFamily growth_family_from_string(std::string_view text);
 [[nodiscard]] std::span<const GrowthFamily> growth_families();
 
 /// Whether each member has the parameters of the one before under the same names, so that FitOptions::constraints may
@@ -79,7 +81,8 @@ struct Growth {
 /// Starts from one term and adds another only while the data pay for it: AICc must fall by more than 2 in the measure
 /// of identify(), the F test must reject the smaller one at 1 %, and every parameter of the larger one must be
 /// identified or at its bound unless AICc falls by more than 10.  Families whose form follows from data grow until BIC,
-/// with the search for places paid for, has risen twice, and `most_terms` does not count there.
+/// with the search for places paid for, has risen twice, and `most_terms` does not count there.  Structures are compared
+/// under one weight: where Weight::learned has no floor, that which the structure grown with none tells.
 /// @param options  its constraints hold for each member that has the parameter
 /// @throws std::invalid_argument  as fit(), and for constraints of a family whose names do not persist
 [[nodiscard]] Growth grow(const FrequencyResponseData& data, GrowthFamily family, const FitOptions& options,

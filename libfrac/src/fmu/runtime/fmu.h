@@ -8,7 +8,8 @@
  *   model, a struct without pointers with the members real and boolean;
  *   const char *model_start(model *, double time)  to the state at rest: 0, or what prevents it;
  *   const char *model_step(model *, double time, double duration)  under constant inputs;
- *   void model_results(model *)  results of the present state and inputs;
+ *   void model_results(model *)  results of the present state and inputs, except for the last 2 MODEL_STATES, which are
+ *     the states and their rates;
  *   MODEL_TUNED(model *)  takes tunable parameters that were set; only where there are some;
  *   double *model_state(model *), void model_rates(model *, double *)  where MODEL_STATES > 0;
  *   void model_indicators(model *, double *), int model_event(model *)  where MODEL_EVENTS > 0: what changes its sign at
@@ -158,16 +159,34 @@ FMI2_EXPORT fmi2Status FMI2_NAME(fmi2Reset)(fmi2Component component)
   return fmi2OK;
 }
 
+#if MODEL_STATES > 0
+static void give_states(model *m)
+{
+  memcpy(m->real + MODEL_REALS - 2 * MODEL_STATES, model_state(m), MODEL_STATES * sizeof(double));
+  model_rates(m, m->real + MODEL_REALS - MODEL_STATES);
+}
+#endif
+
 FMI2_EXPORT fmi2Status FMI2_NAME(fmi2GetReal)(fmi2Component component, const fmi2ValueReference which[], size_t count,
                                               fmi2Real value[])
 {
   instance *c = (instance *)component;
   size_t i;
+#if MODEL_STATES > 0
+  int has_states = 0;
+#endif
   if (c->state.phase == is_initialising && model_start(&c->state.inner, c->state.time) != 0)
     return refuse(c, "the parameters do not go together");
   model_results(&c->state.inner);
   for (i = 0; i < count; ++i) {
     if (which[i] >= MODEL_REALS) return refuse(c, "fmi2GetReal: no such value reference");
+#if MODEL_STATES > 0
+    /* Nobody asks for them in most steps, and they cost more than the rest. */
+    if (which[i] >= MODEL_REALS - 2 * MODEL_STATES && !has_states) {
+      give_states(&c->state.inner);
+      has_states = 1;
+    }
+#endif
     value[i] = c->state.inner.real[which[i]];
   }
   return fmi2OK;

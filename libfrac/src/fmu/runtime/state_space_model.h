@@ -4,7 +4,7 @@
  */
 #include <math.h>
 
-enum { at_input, at_output, at_states };
+enum { at_input, at_output };
 
 #define SIZE (MODEL_STATES + 1)
 
@@ -43,8 +43,6 @@ static void model_results(model *m)
   int i;
   for (i = 0; i < MODEL_STATES; ++i) y += to_output[i] * m->x[i];
   m->real[at_output] = y;
-  for (i = 0; i < MODEL_STATES; ++i) m->real[at_states + i] = m->x[i];
-  model_rates(m, m->real + at_states + MODEL_STATES);
 }
 
 /* product = [A B; 0 0] duration times a SIZE x SIZE matrix, by the entries of A. */

@@ -20,12 +20,13 @@ LocalCurve local_curve(std::span<const double> log_omega, std::span<const std::s
   for (std::size_t i = above; i < above + right; ++i) curve.neighbour[curve.count++] = usable[i];
   double square = 1;
   for (std::size_t i = 0; i < curve.count; ++i) {
-    curve.weight[i] = 1;
+    double over = 1, under = 1;
     for (std::size_t k = 0; k < curve.count; ++k) {
       if (k == i) continue;
-      curve.weight[i] *= (log_omega[point] - log_omega[curve.neighbour[k]]) /
-                         (log_omega[curve.neighbour[i]] - log_omega[curve.neighbour[k]]);
+      over *= log_omega[point] - log_omega[curve.neighbour[k]];
+      under *= log_omega[curve.neighbour[i]] - log_omega[curve.neighbour[k]];
     }
+    curve.weight[i] = over / under;
     square += curve.weight[i] * curve.weight[i];
   }
   curve.noise = std::sqrt(square);

@@ -4,14 +4,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <utility>
 #include <vector>
 
 #include "base/median.hpp"
+#include "base/wide_vectors.hpp"
 #include "identification/data/local_curve.hpp"
 
 namespace frac::detail {
 namespace {
+
+constexpr double degrees = 4;  // of Student's t
 
 /// A weighted sum of values at neighbouring points, which is small for a smooth curve.
 struct Change {
@@ -67,36 +71,75 @@ std::vector<Change> changes(const FrequencyResponseData& data, Component compone
   return result;
 }
 
-/// Logarithm of the likelihood of the changes at its best r.
-double likelihood(const std::vector<Change>& all, const std::vector<double>& square, double floor) {
-  constexpr double degrees = 4;
-  std::vector<double> ratio;  // squared size over its variance for r = 1
-  double logarithm = 0;
-  for (const Change& each : all) {
-    double variance = 0;
-    for (std::size_t k = 0; k < each.count; ++k) {
-      variance += each.shares[k].second * (square[each.shares[k].first] + floor * floor);
+/// Squares of changes, and their variances for noise of the size of the values and for noise of size 1.
+struct Squares {
+  std::vector<double> size, relative, absolute;
+};
+
+/// Sum of logarithms of numbers from 1e-30 to 1e30, eight of which take one logarithm.
+class LogSum {
+ public:
+  void add(double number) {
+    product_ *= number;
+    if (++count_ % 8 == 0) {
+      sum_ += std::log(product_);
+      product_ = 1;
     }
-    ratio.push_back(each.size * each.size / variance);
-    logarithm -= 0.5 * std::log(variance);
   }
-  // The scale that fits best, each time nearer (expectation and maximisation).
-  double scale = 0;
-  for (const double each : ratio) scale += each / static_cast<double>(ratio.size());
-  for (int pass = 0; pass < 12; ++pass) {
-    double sum = 0;
-    for (const double each : ratio) sum += (degrees + 1) / (degrees + each / scale) * each;
-    scale = sum / static_cast<double>(ratio.size());
+  [[nodiscard]] double value() const { return sum_ + std::log(product_); }
+
+ private:
+  double product_ = 1, sum_ = 0;
+  int count_ = 0;
+};
+
+/// The scale of Student's t that fits squares best.  The likelihood is concave in its logarithm, so that Newton's steps
+/// from the median, some three of them, end there.
+double scale_of(std::span<const double> ratio) {
+  constexpr double median_of_t = 0.55, largest_step = 2, smallest_step = 1e-3;
+  constexpr int most_steps = 50;
+  constexpr std::size_t lanes = 8;
+  double scale = median({ratio.begin(), ratio.end()}) / median_of_t;
+  for (int count = 0; count < most_steps; ++count) {
+    std::array<double, lanes> slopes{}, bends{};
+    with_wide_vectors([&]() FRACFIT_INLINE {
+      const auto add = [&](std::size_t i, std::size_t lane) FRACFIT_INLINE {
+        const double share = ratio[i] / (degrees * scale + ratio[i]);
+        slopes[lane] += share;
+        bends[lane] += share * (1 - share);
+      };
+      std::size_t i = 0;
+      for (; i + lanes <= ratio.size(); i += lanes)
+        for (std::size_t lane = 0; lane < lanes; ++lane) add(i + lane, lane);
+      for (; i < ratio.size(); ++i) add(i, 0);
+    });
+    const double slope = std::accumulate(slopes.begin(), slopes.end(), 0.0),
+                 bend = std::accumulate(bends.begin(), bends.end(), 0.0);
+    const double step = (slope - static_cast<double>(ratio.size()) / (degrees + 1)) / bend;
+    scale *= std::exp(std::clamp(step, -largest_step, largest_step));
+    if (std::abs(step) < smallest_step) break;
   }
-  for (const double each : ratio) {
-    logarithm -= 0.5 * std::log(scale) + 0.5 * (degrees + 1) * std::log1p(each / scale / degrees);
+  return scale;
+}
+
+/// Logarithm of the likelihood of changes at its best r.
+double likelihood(const Squares& all, double floor) {
+  std::vector<double> ratio(all.size.size());  // squared size over its variance for r = 1
+  LogSum variances, tails;
+  for (std::size_t i = 0; i < ratio.size(); ++i) {
+    const double variance = all.relative[i] + floor * floor * all.absolute[i];
+    ratio[i] = all.size[i] / variance;
+    variances.add(variance);
   }
-  return logarithm;
+  const double scale = scale_of(ratio);
+  for (const double each : ratio) tails.add(1 + each / (degrees * scale));
+  return -0.5 *
+         (variances.value() + static_cast<double>(ratio.size()) * std::log(scale) + (degrees + 1) * tails.value());
 }
 
 /// @param size  of the values, whose noise is sought
 double floor_of(const FrequencyResponseData& data, std::span<const std::complex<double>> size,
-                std::vector<Change> all) {
+                const std::vector<Change>& changes) {
   // In units of the largest value, so that no square overflows.
   double largest = 0;
   for (const std::complex<double> each : data.value()) largest = std::max(largest, std::abs(each));
@@ -108,19 +151,27 @@ double floor_of(const FrequencyResponseData& data, std::span<const std::complex<
     square.push_back(std::pow(of_model / largest, 2));
   }
   std::vector<double> changed;
-  for (Change& each : all) {
-    each.size /= largest;
-    changed.push_back(each.size * each.size / square[each.shares[0].first]);
-  }
+  for (const Change& each : changes) changed.push_back(std::pow(each.size / largest, 2) / square[each.shares[0].first]);
   // Values that follow a curve to within rounding show no noise.
   constexpr double rounding = 1e-10;
   if (changed.empty() || !(median(changed) > rounding * rounding)) return 0;
 
-  const double none = likelihood(all, square, 0);
+  Squares all;
+  for (const Change& each : changes) {
+    double relative = 0, absolute = 0;
+    for (std::size_t k = 0; k < each.count; ++k) {
+      relative += each.shares[k].second * square[each.shares[k].first];
+      absolute += each.shares[k].second;
+    }
+    all.size.push_back(std::pow(each.size / largest, 2));
+    all.relative.push_back(relative);
+    all.absolute.push_back(absolute);
+  }
+  const double none = likelihood(all, 0);
   double best = 0, highest = none;
   const double first = std::log(smallest / largest / 10), last = std::log(30.0);
   const auto try_floor = [&](double log_floor) {
-    const double floor = std::exp(log_floor), here = likelihood(all, square, floor);
+    const double floor = std::exp(log_floor), here = likelihood(all, floor);
     if (here <= highest) return;
     highest = here;
     best = floor;

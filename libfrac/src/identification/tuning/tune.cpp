@@ -139,7 +139,7 @@ TuningResult tuned(const FractionalTransferFunction& plant, const LoopSpecificat
     result.message += ".";
   }
   if (result.mu_at_limit) {
-    result.message += " mu stands at its limit, " + detail::number_text(result.mu_limit) +
+    result.message += " mu stands at its limit, " + rounded_text(result.mu_limit) +
                       ": above it the loop would fall more slowly than s^-0.2 at high frequency.";
   }
   return result;
