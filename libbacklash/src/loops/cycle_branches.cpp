@@ -119,7 +119,7 @@ std::optional<ImpactCycle> CycleBranches::near(const ImpactCycle& cycle, double 
   return judges ? closed_cycle(loop, {next->period, next->impacts}, 1, true) : next;
 }
 
-void CycleBranches::follow(CycleBranch& branch, const CycleBranch::Sample& first, bool rises) {
+void CycleBranches::follow(CycleBranch& branch, const CycleBranch::Sample& first, bool rises, double longest) {
   std::vector<double> ahead;
   for (const double each : parameters_) {
     if (rises ? each > first.parameter : each < first.parameter) ahead.push_back(each);
@@ -128,12 +128,12 @@ void CycleBranches::follow(CycleBranch& branch, const CycleBranch::Sample& first
   CycleBranch::Sample last = first;
   std::vector<CycleBranch::Sample> passed{first};
   for (const double goal : ahead) {
-    double step = goal - last.parameter;
+    double step = std::copysign(std::min(std::abs(goal - last.parameter), longest), goal - last.parameter);
     while (last.parameter != goal) {
       frac::throw_if_cancelled();
       const double to = std::abs(goal - last.parameter) <= std::abs(step) ? goal : last.parameter + step;
       // Towards an end the steps become small; stability is looked at again where they have grown, and at a value.
-      const bool judges = to == goal || std::abs(step) > 1e-2 * step_;
+      const bool judges = to == goal || std::abs(step) > 1e-3 * step_;
       auto next = near(last.cycle, to, judges);
       if (!next) {
         step /= 2;
@@ -149,6 +149,7 @@ void CycleBranches::follow(CycleBranch& branch, const CycleBranch::Sample& first
       last = sample;
       if (!last.cycle.admissible) return;
       passed.push_back(last);
+      longest *= 2;
       step *= 2;
     }
     branch.samples.push_back(last);
@@ -203,7 +204,7 @@ void CycleBranches::turn_back(CycleBranch& branch, const std::vector<CycleBranch
   add_interval(turned.admissible, last, fold);
   if (beyond->stability.stable) add_interval(turned.stable, last, fold);
   const CycleBranch::Sample first = turned.samples.front();
-  follow(turned, first, !rises);
+  follow(turned, first, !rises, left);
   turned_.push_back(std::move(turned));
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -29,7 +30,9 @@ class CycleBranches {
  private:
   void add(CycleBranch branch);
   [[nodiscard]] std::optional<ImpactCycle> born_at(double parameter, double omega) const;
-  void follow(CycleBranch& branch, const CycleBranch::Sample& first, bool rises);
+  // @param longest  first step, from which steps may double: right beyond a fold the other side of it is near
+  void follow(CycleBranch& branch, const CycleBranch::Sample& first, bool rises,
+              double longest = std::numeric_limits<double>::infinity());
   [[nodiscard]] std::optional<ImpactCycle> near(const ImpactCycle& cycle, double parameter, bool judges) const;
   // Where a branch that was followed to the last of three samples, and no further, turns back: the fold, and a cycle
   // beyond it.
