@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
-#include <boost/math/special_functions/zeta.hpp>
 #include <algorithm>
+#include <boost/math/special_functions/zeta.hpp>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -259,6 +259,31 @@ TEST(CycleContinuation, StableCyclesOfMoreImpactsCount) {
     })) << kp;
   }
   EXPECT_GT(settled, 0);
+  // The cycle of four impacts turns back below 13.7.  Both sides of the fold part as the root of the distance from it:
+  // their difference over distances of 1 and 4 tells where it is to a few per cent of these.
+  const auto turned = std::find_if(found.branches.begin(), found.branches.end(),
+                                   [](const CycleBranch& branch) { return std::isfinite(branch.born_at); });
+  ASSERT_NE(turned, found.branches.end());
+  const CycleBranch& before = *(turned - 1);
+  ASSERT_EQ(before.events.front().kind, CycleEventKind::fold);
+  const double fold = before.events.front().parameter;
+  EXPECT_EQ(turned->born_at, fold);
+  EXPECT_EQ(turned->samples.front().cycle.impacts.size(), 4U);
+  EXPECT_TRUE(holds(turned->admissible, 17));
+  double width[2];
+  for (const int i : {0, 1}) {
+    const double kp = fold + 1e-6 * (i == 0 ? 1 : 4);
+    const auto at = [&](const backlash::ImpactCycle& near) {
+      return backlash::close_cycle(loop_at(kp), {near.period, near.impacts}, 1).value();
+    };
+    const double from = before.samples.front().parameter;
+    backlash::ImpactCycle side = before.samples.front().cycle;
+    for (double distance = 1; distance > 0.5e-6; distance /= 2) {
+      side = backlash::close_cycle(loop_at(kp + (from - kp) * distance), {side.period, side.impacts}, 1).value();
+    }
+    width[i] = at(side).impacts[1].time - at(turned->samples.front().cycle).impacts[1].time;
+  }
+  EXPECT_NEAR(std::pow(width[1] / width[0], 2), 4, 0.1);
 }
 
-}  // namespace
+}  // namespace backlash

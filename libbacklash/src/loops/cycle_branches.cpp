@@ -6,7 +6,9 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <utility>
 
+#include "cycle_equations.hpp"
 #include "frac/cancellation.hpp"
 
 namespace backlash::detail {
@@ -15,6 +17,8 @@ namespace {
 // A cycle that is followed changes by no more from one value to the next; steps are halved until it does.
 constexpr double largest_change = 0.05;
 constexpr double least_step = 1e-7;
+// Of one branch that turns back and forth.
+constexpr std::size_t most_turns = 8;
 
 // Of period, instants and impulses. An impact may become the hardest in place of another one: then it is large.
 double change_between(const ImpactCycle& a, const ImpactCycle& b) {
@@ -50,7 +54,7 @@ void CycleBranches::add_from(const CycleEvent& breaking) {
     add_interval(branch.admissible, breaking.parameter, from);
     if (first->stability.stable) add_interval(branch.stable, breaking.parameter, from);
     follow(branch, sample, side > 0);
-    found.push_back(std::move(branch));
+    add(std::move(branch));
   }
 }
 
@@ -61,7 +65,15 @@ void CycleBranches::add_found(const ImpactCycle& cycle, double parameter) {
   std::reverse(branch.samples.begin(), branch.samples.end());
   std::reverse(branch.events.begin(), branch.events.end());
   follow(branch, sample, true);
+  add(std::move(branch));
+}
+
+// With what turned back from it.
+void CycleBranches::add(CycleBranch branch) {
   found.push_back(std::move(branch));
+  found.insert(found.end(), turned_.begin(), turned_.end());
+  turned_.clear();
+  turns_ = 0;
 }
 
 void CycleBranches::add_resting(const ImpactCycle& cycle, double parameter, double before) {
@@ -100,50 +112,130 @@ std::optional<ImpactCycle> CycleBranches::born_at(double parameter, double omega
   return std::nullopt;
 }
 
-std::optional<ImpactCycle> CycleBranches::near(const ImpactCycle& cycle, double parameter) const {
-  auto next = close_cycle(loop_at_(parameter), {cycle.period, cycle.impacts}, 1);
+std::optional<ImpactCycle> CycleBranches::near(const ImpactCycle& cycle, double parameter, bool judges) const {
+  const ControlLoop loop = loop_at_(parameter);
+  auto next = closed_cycle(loop, {cycle.period, cycle.impacts}, 1, false);
   if (!next || next->symmetric != cycle.symmetric || change_between(cycle, *next) > largest_change) return std::nullopt;
-  return next;
+  return judges ? closed_cycle(loop, {next->period, next->impacts}, 1, true) : next;
 }
 
-void CycleBranches::follow(CycleBranch& branch, const CycleBranch::Sample& first, bool rises) const {
+void CycleBranches::follow(CycleBranch& branch, const CycleBranch::Sample& first, bool rises, double longest) {
   std::vector<double> ahead;
   for (const double each : parameters_) {
     if (rises ? each > first.parameter : each < first.parameter) ahead.push_back(each);
   }
   if (!rises) std::reverse(ahead.begin(), ahead.end());
   CycleBranch::Sample last = first;
+  std::vector<CycleBranch::Sample> passed{first};
   for (const double goal : ahead) {
-    double step = goal - last.parameter;
+    double step = std::copysign(std::min(std::abs(goal - last.parameter), longest), goal - last.parameter);
     while (last.parameter != goal) {
       frac::throw_if_cancelled();
       const double to = std::abs(goal - last.parameter) <= std::abs(step) ? goal : last.parameter + step;
-      const auto next = near(last.cycle, to);
+      // Towards an end the steps become small; stability is looked at again where they have grown, and at a value.
+      const bool judges = to == goal || std::abs(step) > 1e-3 * step_;
+      auto next = near(last.cycle, to, judges);
       if (!next) {
         step /= 2;
-        if (std::abs(step) < least_step * step_) return;
+        if (std::abs(step) < least_step * step_) {
+          turn_back(branch, passed, rises);
+          return;
+        }
         continue;
       }
+      if (!judges) next->stability = last.cycle.stability;
       const CycleBranch::Sample sample{to, *next};
       look_between(branch, last, sample);
       last = sample;
       if (!last.cycle.admissible) return;
+      passed.push_back(last);
+      longest *= 2;
       step *= 2;
     }
     branch.samples.push_back(last);
   }
 }
 
+// Near a fold the parameter is a parabola in any coordinate of the cycle, of which three samples tell the vertex, and
+// what lies as far beyond it as the last sample lies before it.
+void CycleBranches::turn_back(CycleBranch& branch, const std::vector<CycleBranch::Sample>& passed, bool rises) {
+  if (passed.size() < 3) return;
+  const auto coordinates = [](const ImpactCycle& cycle) {
+    std::vector<double> all{std::log(cycle.period)};
+    for (const CycleImpact& impact : cycle.impacts) {
+      all.push_back(impact.time / cycle.period);
+      all.push_back(impact.impulse);
+    }
+    return all;
+  };
+  const std::size_t end = passed.size();
+  const std::vector<double> a = coordinates(passed[end - 3].cycle), b = coordinates(passed[end - 2].cycle),
+                            c = coordinates(passed[end - 1].cycle);
+  std::size_t fastest = 0;
+  for (std::size_t i = 1; i < c.size(); ++i) {
+    if (std::abs(c[i] - a[i]) > std::abs(c[fastest] - a[fastest])) fastest = i;
+  }
+  const double at_a = a[fastest], at_b = b[fastest], at_c = c[fastest];
+  const double last = passed[end - 1].parameter;
+  const double slope = (last - passed[end - 2].parameter) / (at_c - at_b);
+  const double before = (passed[end - 2].parameter - passed[end - 3].parameter) / (at_b - at_a);
+  const double curvature = (slope - before) / (at_c - at_a);
+  const double slope_at_c = slope + curvature * (at_c - at_b);
+  const double ahead = -0.5 * slope_at_c / curvature;  // of the coordinate, to the vertex
+  const double fold = last + 0.5 * slope_at_c * ahead;
+  // Followed to least_step, the fold is no farther than a few of these.
+  const double left = rises ? fold - last : last - fold;
+  if (!(left > 0 && left < 10 * least_step * step_) || !(ahead * (at_c - at_b) > 0)) return;
+  branch.events.push_back({CycleEventKind::fold, fold, 2 * std::numbers::pi / passed[end - 1].cycle.period, true, {}});
+  add_interval(branch.admissible, last, fold);
+  if (passed[end - 1].cycle.stability.stable) add_interval(branch.stable, last, fold);
+
+  if (++turns_ > most_turns) return;
+  CycleGuess guess{passed[end - 1].cycle.period, passed[end - 1].cycle.impacts};
+  const auto mirrored = [&](std::size_t i) { return c[i] + 2 * ahead * (c[i] - b[i]) / (at_c - at_b); };
+  guess.period = std::exp(mirrored(0));
+  for (std::size_t i = 0; i < guess.impacts.size(); ++i) {
+    guess.impacts[i].time = i == 0 ? 0 : guess.period * mirrored(1 + 2 * i);
+    guess.impacts[i].impulse = mirrored(2 + 2 * i);
+  }
+  const auto beyond = closed_cycle(loop_at_(last), guess, 1, true);
+  if (!beyond || !beyond->admissible || !((coordinates(*beyond)[fastest] - at_c) / ahead > 1)) return;
+  CycleBranch turned{fold, {{last, *beyond}}, {}, {}, {}};
+  add_interval(turned.admissible, last, fold);
+  if (beyond->stability.stable) add_interval(turned.stable, last, fold);
+  const CycleBranch::Sample first = turned.samples.front();
+  follow(turned, first, !rises, left);
+  turned_.push_back(std::move(turned));
+}
+
 void CycleBranches::look_between(CycleBranch& branch, const CycleBranch::Sample& a,
                                  const CycleBranch::Sample& b) const {
-  // Where a property of the cycle at a is lost, by halving; empty where the cycle is not followed between.
-  const auto refined = [&](const std::function<bool(const ImpactCycle&)>& holds) -> std::optional<CycleBranch::Sample> {
+  // Where a property of the cycle at a is lost, its margin no longer above 0; empty where the cycle is not followed
+  // between.  By secants (Illinois), and by halves where the margin tells no distance.
+  const auto refined =
+      [&](bool judges, const std::function<double(const ImpactCycle&)>& margin) -> std::optional<CycleBranch::Sample> {
     CycleBranch::Sample low = a, high = b;
+    double at_low = margin(a.cycle), at_high = margin(b.cycle);
+    int kept = 0;  // so often in a row the low end (> 0) or the high one has stayed
     while (std::abs(high.parameter - low.parameter) > 1e-11 * std::max(std::abs(high.parameter), step_)) {
-      const double middle = 0.5 * (low.parameter + high.parameter);
-      const auto cycle = near(low.cycle, middle);
+      double share = at_low / (at_low - at_high);
+      if (!(share > 0 && share < 1)) share = 0.5;
+      const double middle = low.parameter + share * (high.parameter - low.parameter);
+      if (middle == low.parameter || middle == high.parameter) break;
+      const auto cycle = near(low.cycle, middle, judges);
       if (!cycle) return std::nullopt;
-      (holds(*cycle) ? low : high) = {middle, *cycle};
+      const double at_middle = margin(*cycle);
+      if (at_middle > 0) {
+        low = {middle, *cycle};
+        at_low = at_middle;
+        kept = std::min(kept, 0) - 1;
+        if (kept < -1) at_high /= 2;
+      } else {
+        high = {middle, *cycle};
+        at_high = at_middle;
+        kept = std::max(kept, 0) + 1;
+        if (kept > 1) at_low /= 2;
+      }
     }
     return high;
   };
@@ -152,7 +244,7 @@ void CycleBranches::look_between(CycleBranch& branch, const CycleBranch::Sample&
   };
   double motion_ends = b.parameter;
   if (!b.cycle.admissible) {
-    const auto at = refined([](const ImpactCycle& cycle) { return cycle.admissible; });
+    const auto at = refined(false, [](const ImpactCycle& cycle) { return cycle.admissible ? 1.0 : -1.0; });
     if (at) add(CycleEventKind::admissibility, *at, at->cycle.reason);
     motion_ends = at ? at->parameter : a.parameter;
   }
@@ -162,7 +254,11 @@ void CycleBranches::look_between(CycleBranch& branch, const CycleBranch::Sample&
     if (was_stable) add_interval(branch.stable, a.parameter, motion_ends);
     return;
   }
-  const auto at = refined([&](const ImpactCycle& cycle) { return cycle.stability.stable == was_stable; });
+  const auto at = refined(true, [&](const ImpactCycle& cycle) {
+    const double distance = std::abs(std::log(std::abs(cycle.stability.dominant)));
+    const double size = std::isfinite(distance) ? distance + 1e-12 : 1;
+    return cycle.stability.stable == was_stable ? size : -size;
+  });
   if (!at) return;
   // A multiplier of +1 is where the branch begins or turns back, and hardly told from one that is beyond it there.
   const StabilityLoss loss = was_stable ? at->cycle.stability.loss : a.cycle.stability.loss;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -27,15 +28,23 @@ class CycleBranches {
   std::vector<CycleBranch> found;
 
  private:
+  void add(CycleBranch branch);
   [[nodiscard]] std::optional<ImpactCycle> born_at(double parameter, double omega) const;
-  void follow(CycleBranch& branch, const CycleBranch::Sample& first, bool rises) const;
-  [[nodiscard]] std::optional<ImpactCycle> near(const ImpactCycle& cycle, double parameter) const;
+  // @param longest  first step, from which steps may double: right beyond a fold the other side of it is near
+  void follow(CycleBranch& branch, const CycleBranch::Sample& first, bool rises,
+              double longest = std::numeric_limits<double>::infinity());
+  [[nodiscard]] std::optional<ImpactCycle> near(const ImpactCycle& cycle, double parameter, bool judges) const;
+  // Where a branch that was followed to the last of three samples, and no further, turns back: the fold, and a cycle
+  // beyond it.
+  void turn_back(CycleBranch& branch, const std::vector<CycleBranch::Sample>& last, bool rises);
   // Finds events, and where the cycle is a motion and stable.
   void look_between(CycleBranch& branch, const CycleBranch::Sample& a, const CycleBranch::Sample& b) const;
 
   const std::function<ControlLoop(double)>& loop_at_;
-  std::vector<double> parameters_;  // rising
-  double step_;                     // between them, the least
+  std::vector<double> parameters_;   // rising
+  double step_;                      // between them, the least
+  std::vector<CycleBranch> turned_;  // back at a fold of the branch that is being followed
+  std::size_t turns_ = 0;
 };
 
 /// Adds an interval, its ends in any order, to rising ones; those that touch become one.

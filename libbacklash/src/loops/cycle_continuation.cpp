@@ -343,7 +343,7 @@ CycleContinuation continue_cycles(const std::function<ControlLoop(double)>& loop
       if (cycle.symmetric && cycle.impacts.size() == 2 && cycle.rests.empty()) continue;
       if (cycle.rests.empty()) {
         branches.add_found(cycle, parameter);
-        take_out(branches.found.back());
+        for (const CycleBranch& branch : branches.found) take_out(branch);
       } else {
         branches.add_resting(cycle, parameter, last);
       }

@@ -15,6 +15,11 @@
 
 namespace backlash::detail {
 
+/// close_cycle() of a guess that is valid.
+/// @param judges  else the stability is left out, which is most of the work
+[[nodiscard]] std::optional<ImpactCycle> closed_cycle(const ControlLoop& loop, const CycleGuess& guess, int harmonics,
+                                                      bool judges);
+
 /// A periodic motion by the instants and impulses of its impacts.
 struct ClosedMotion {
   double period;

@@ -22,6 +22,13 @@ constexpr double deepest = -3;
 // Distance, in s tau, from the two points z = 1 and z = -1 at which the path begins and ends.
 constexpr double near_point = 1e-3;
 
+// a/b; the library's division also bears what leaves the range of numbers on the way, at ten times the cost.
+Complex quotient(Complex a, Complex b) {
+  const double size = std::norm(b);
+  const bool is_plain = size > 1e-200 && size < 1e200 && std::norm(a) < 1e200;
+  return is_plain ? a * std::conj(b) / size : a / b;
+}
+
 // D as a function of ln z less the singular point z_0 of its sums: the shift in time, a root of every free motion, is
 // divided out.
 class Characteristic {
@@ -49,6 +56,8 @@ class Characteristic {
                        [&](double rate) { return std::abs(rate - log_z) < 1e-9 * std::abs(log_z); });
   }
   [[nodiscard]] bool has_whole_powers() const { return train_.has_whole_powers(); }
+  /// Its sums have no singular point but that at z_0.
+  [[nodiscard]] bool is_smooth() const { return train_.is_sum_of_powers(); }
 
  protected:
   const ImpulseTrain& train_;
@@ -73,8 +82,8 @@ class HalfPeriod final : public Characteristic {
   Complex operator()(Complex log_z) const override {
     const std::array<Complex, 3> g = train_.sums(log_z / train_.half_period());
     const Complex rate = exchange_ + g[1];
-    const Complex inverse_z = -std::exp(-log_z);
-    return (rate * rate - g[0] * (g[2] - acceleration_)) / (has_shift_ ? 1.0 - inverse_z : 1.0);
+    const Complex value = rate * rate - g[0] * (g[2] - acceleration_);
+    return has_shift_ ? quotient(value, 1.0 + std::exp(-log_z)) : value;
   }
 
  private:
@@ -166,20 +175,24 @@ class WholePeriod final : public Characteristic {
   std::vector<ImpulseTrain> trains_;
 };
 
-// Change of the argument along a straight line; NaN where it runs into a root.
-double turn(const Characteristic& d, Complex from, Complex to, Complex at_from, Complex at_to, int depth) {
-  const Complex middle = 0.5 * (from + to);
-  const Complex at_middle = d(middle);
-  const double whole = std::arg(at_to / at_from);
-  const double first = std::arg(at_middle / at_from);
-  const double second = std::arg(at_to / at_middle);
+// A point of a path, and D there.
+struct Station {
+  Complex log_z;
+  Complex value;
+};
+
+// Change of the argument along straight lines by way of `middle`; NaN where it runs into a root.
+double turn(const Characteristic& d, const Station& from, const Station& middle, const Station& to, int depth) {
+  const double first = std::arg(quotient(middle.value, from.value));
+  const double second = std::arg(quotient(to.value, middle.value));
   // A smooth function turns evenly, and its middle is not far from the mean of its ends.
-  if (std::abs(first) < 1 && std::abs(second) < 1 && std::abs(first + second - whole) < 1e-6 &&
-      std::abs(first - second) < 0.7) {
-    return whole;
-  }
+  if (std::abs(first) < 1 && std::abs(second) < 1 && std::abs(first - second) < 0.7) return first + second;
   if (depth == 0 || !std::isfinite(first + second)) return std::numeric_limits<double>::quiet_NaN();
-  return turn(d, from, middle, at_from, at_middle, depth - 1) + turn(d, middle, to, at_middle, at_to, depth - 1);
+  const auto between = [&](const Station& a, const Station& b) {
+    const Complex log_z = 0.5 * (a.log_z + b.log_z);
+    return turn(d, a, {log_z, d(log_z)}, b, depth - 1);
+  };
+  return between(from, middle) + between(middle, to);
 }
 
 // Roots with Re ln(-z) > edge.  D is real on both lines Im ln(-z) = 0 and pi to the right of the singular point, and
@@ -197,11 +210,18 @@ int roots_beyond(const Characteristic& d, double edge) {
   } else {
     path.emplace_back(edge, 0);
   }
+  // Of a smooth function every second one is the middle of its neighbours.
+  if (!d.is_smooth()) {
+    for (std::size_t i = 1; i < path.size(); i += 2)
+      path.insert(path.begin() + static_cast<std::ptrdiff_t>(i), 0.5 * (path[i - 1] + path[i]));
+  } else if (path.size() % 2 == 0) {
+    path.insert(path.begin() + 1, 0.5 * (path[0] + path[1]));
+  }
   double total = 0;
-  Complex before = d(path.front());
-  for (std::size_t i = 1; i < path.size(); ++i) {
-    const Complex after = d(path[i]);
-    total += turn(d, path[i - 1], path[i], before, after, 16);
+  Station before{path.front(), d(path.front())};
+  for (std::size_t i = 2; i < path.size(); i += 2) {
+    const Station middle{path[i - 1], d(path[i - 1])}, after{path[i], d(path[i])};
+    total += turn(d, before, middle, after, 16);
     before = after;
   }
   if (!std::isfinite(total)) return -1;
@@ -215,14 +235,14 @@ Complex root_near(const Characteristic& d, Complex start) {
   std::array<Complex, 3> f{d(x[0]), d(x[1]), d(x[2])};
   const Complex none(std::numeric_limits<double>::quiet_NaN(), 0);
   for (int i = 0; i < 25; ++i) {
-    const Complex slope = (f[2] - f[1]) / (x[2] - x[1]);
-    const Complex before = (f[1] - f[0]) / (x[1] - x[0]);
-    const Complex curvature = (slope - before) / (x[2] - x[0]);
+    const Complex slope = quotient(f[2] - f[1], x[2] - x[1]);
+    const Complex before = quotient(f[1] - f[0], x[1] - x[0]);
+    const Complex curvature = quotient(slope - before, x[2] - x[0]);
     const Complex b = slope + curvature * (x[2] - x[1]);
     const Complex root = std::sqrt(b * b - 4.0 * f[2] * curvature);
-    const Complex divisor = std::abs(b + root) > std::abs(b - root) ? b + root : b - root;
-    Complex change = -2.0 * f[2] / divisor;
-    if (std::abs(change) > 1) change /= std::abs(change);
+    const Complex divisor = std::norm(b + root) > std::norm(b - root) ? b + root : b - root;
+    Complex change = quotient(-2.0 * f[2], divisor);
+    if (std::norm(change) > 1) change /= std::abs(change);
     const Complex next = x[2] + change;
     // D takes conjugate values at conjugate points, and repeats after 2 pi; left of the singular point it has a cut.
     const bool crosses_cut = next.real() < 0 && next.imag() < 0;
@@ -230,7 +250,7 @@ Complex root_near(const Characteristic& d, Complex start) {
       return none;
     }
     const Complex value = d(next);
-    if (std::abs(change) < 1e-10 && std::abs(value) < 1e-6 * d.scale()) {
+    if (std::norm(change) < 1e-20 && std::abs(value) < 1e-6 * d.scale()) {
       const double height = next.imag() > pi ? 2 * pi - next.imag() : std::abs(next.imag());
       return next.real() < 0 && height < 1e-6 ? none : Complex(next.real(), height);
     }

@@ -62,7 +62,10 @@ class AlternatingSums {
     return static_cast<double>(sum + boole_rest(power_, direct_terms + v_, value_[direct_terms]));
   }
   void lower_power() {
-    for (int n = 0; n <= direct_terms; ++n) value_[static_cast<std::size_t>(n)] /= static_cast<Real>(n) + v_;
+    if (inverse_[0] == 0) {
+      for (int n = 0; n <= direct_terms; ++n) inverse_[static_cast<std::size_t>(n)] = 1 / (static_cast<Real>(n) + v_);
+    }
+    for (std::size_t n = 0; n < value_.size(); ++n) value_[n] *= inverse_[n];
     power_ -= 1;
   }
 
@@ -70,6 +73,7 @@ class AlternatingSums {
   double power_;
   Real v_;
   std::array<Real, direct_terms + 1> value_;
+  std::array<Real, direct_terms + 1> inverse_{};  // of the instants
 };
 
 // Coefficients of the older pulses; the series of a whole power ends with that power.
@@ -254,10 +258,11 @@ ImpulseTrain::ImpulseTrain(const ImpulseAnswer& response, double half_period) : 
 
 std::array<Complex, 3> ImpulseTrain::sums(Complex s) const {
   std::array<Complex, 3> total{};
-  const Complex u = -s * tau_;
+  const TrainPoint point(-s * tau_);
   for (const Part& part : parts_) {
-    const std::array<Complex, 3> train = part.train(u);
-    const Complex scale = part.coefficient * std::exp(u * static_cast<double>(part.first));
+    const std::array<Complex, 3> train = part.train(point);
+    const Complex begin = part.first == 1 ? point.turned : std::exp(point.u * static_cast<double>(part.first));
+    const Complex scale = part.coefficient * begin;
     const double by_time = part.exponent / tau_;
     total[0] += scale * train[0];
     total[1] += scale * by_time * train[1];
@@ -346,7 +351,9 @@ TrainWave ImpulseTrain::wave(double t) const {
       slope = slope * (age - 0.5) + value;
       value = value * (age - 0.5) + part.older[i];
     }
-    const double young = std::pow(age, part.exponent);
+    const bool is_whole = part.older.size() <= 4;
+    double young = is_whole ? 1 : std::pow(age, part.exponent);
+    for (std::size_t i = 1; is_whole && i < part.older.size(); ++i) young *= age;
     const double sign = latest % 2 == 0 ? part.coefficient : -part.coefficient;
     wave.value += sign * (value + young);
     wave.slope += sign / tau_ * (slope + (age > 0 ? part.exponent * young / age : 0));

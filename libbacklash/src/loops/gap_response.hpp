@@ -60,6 +60,7 @@ class ImpulseTrain {
   [[nodiscard]] double half_period() const noexcept { return tau_; }
   /// Real parts of the poles of g's image, times tau, each as often as it counts, conjugates too.
   [[nodiscard]] const std::vector<double>& growth_rates() const noexcept { return growth_rates_; }
+  [[nodiscard]] bool is_sum_of_powers() const noexcept { return images_.empty(); }
   /// g has no fractional power: the sums have poles where else they have a cut.
   [[nodiscard]] bool has_whole_powers() const noexcept { return has_whole_powers_; }
 

@@ -64,6 +64,11 @@ void require_valid(const CycleGuess& guess) {
 std::optional<ImpactCycle> close_cycle(const ControlLoop& loop, const CycleGuess& guess, int harmonics) {
   require_valid(guess);
   if (harmonics < 1) throw std::invalid_argument("harmonics is less than 1");
+  return detail::closed_cycle(loop, guess, harmonics, true);
+}
+
+std::optional<ImpactCycle> detail::closed_cycle(const ControlLoop& loop, const CycleGuess& guess, int harmonics,
+                                                bool judges) {
   const detail::CycleEquations equations(loop, guess);
   const std::optional<detail::CycleEquations::Solution> solution = equations.solve(guess);
   if (!solution) return std::nullopt;
@@ -87,10 +92,12 @@ std::optional<ImpactCycle> close_cycle(const ControlLoop& loop, const CycleGuess
   cycle.symmetric = is_symmetric(motion, equations.half_clearance());
   cycle.reason = equations.reason_against(found);
   cycle.admissible = cycle.reason.empty();
-  std::vector<double> bend = equations.gap(motion, 2);
-  for (std::size_t a = 0; a < count; ++a) bend[a] /= -motion.impulses[a];
-  const detail::ImpulseTrain train(equations.response(), motion.period);
-  cycle.stability = detail::cycle_stability(equations.response(), train, times, bend, equations.exchange());
+  if (judges) {
+    std::vector<double> bend = equations.gap(motion, 2);
+    for (std::size_t a = 0; a < count; ++a) bend[a] /= -motion.impulses[a];
+    const detail::ImpulseTrain train(equations.response(), motion.period);
+    cycle.stability = detail::cycle_stability(equations.response(), train, times, bend, equations.exchange());
+  }
   cycle.error = solution->error;
   const double omega = 2 * std::numbers::pi / motion.period;
   for (int k = 1; k <= harmonics; ++k) {

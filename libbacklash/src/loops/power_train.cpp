@@ -155,6 +155,10 @@ void PowerTrain::prepare_zeta() const {
     }
     scale *= 2 * pi / (m + 1);
   }
+  for (std::size_t m = 0; m < zeta_terms; ++m) {
+    const double n = static_cast<double>(m);
+    series_[m] = {zeta_[m + 2] * ((n + 1) * (n + 2) / (4 * pi * pi)), zeta_[m + 1] * ((n + 1) / (2 * pi)), zeta_[m]};
+  }
 }
 
 std::array<double, 3> PowerTrain::at_origin() const {
@@ -163,28 +167,42 @@ std::array<double, 3> PowerTrain::at_origin() const {
   return {zeta_[2] * 2 / (turn * turn), zeta_[1] / turn, zeta_[0]};
 }
 
-std::array<Complex, 3> PowerTrain::operator()(Complex u) const {
-  if (has_closed_form_) return in_closed_form(u);
-  if (std::abs(u) > near_origin && u.real() < 0) return by_terms(u);
-  return about_origin(u);
+Complex TrainPoint::log_distance() const {
+  if (!has_log_) {
+    log_distance_ = {0.5 * std::log(std::norm(u)), std::atan2(-u.imag(), -u.real())};
+    has_log_ = true;
+  }
+  return log_distance_;
+}
+
+TrainPoint::TrainPoint(Complex at) : u(at) {
+  const double half_sine = std::sin(0.5 * u.imag());
+  const double growth = std::expm1(u.real());
+  const double size = 1 + growth;
+  turned = {size * (1 - 2 * half_sine * half_sine), size * std::sin(u.imag())};
+  const Complex rest(2 * size * half_sine * half_sine - growth, -turned.imag());
+  inverse_rest = std::conj(rest) / std::norm(rest);
+}
+
+std::array<Complex, 3> PowerTrain::operator()(const TrainPoint& point) const {
+  if (has_closed_form_) return in_closed_form(point);
+  if (std::norm(point.u) > near_origin * near_origin && point.u.real() < 0) return by_terms(point);
+  return about_origin(point);
 }
 
 // sum (n + 1)^b x^n, x = e^u, is 1/w, 1/w^2, (1 + x)/w^3 and (1 + 4 x + x^2)/w^4 for b = 0 to 3, w = 1 - x.
-std::array<Complex, 3> PowerTrain::in_closed_form(Complex u) const {
-  const double half_sine = std::sin(0.5 * u.imag());
-  const double size = std::exp(u.real());
-  const Complex x = std::polar(size, u.imag());
-  const Complex w(2 * size * half_sine * half_sine - std::expm1(u.real()), -x.imag());
-  const Complex one = 1.0 / w;
+std::array<Complex, 3> PowerTrain::in_closed_form(const TrainPoint& point) const {
+  const Complex one = point.inverse_rest;
   const Complex two = one * one;
   if (a_ == 1) return {two, one, 0};
+  const Complex x = point.turned;
   const Complex three = (1.0 + x) * two * one;
   if (a_ == 2) return {three, two, one};
   return {(1.0 + x * (4.0 + x)) * two * two, three, two};
 }
 
-std::array<Complex, 3> PowerTrain::by_terms(Complex u) const {
-  const Complex x = std::exp(u);
+std::array<Complex, 3> PowerTrain::by_terms(const TrainPoint& point) const {
+  const Complex u = point.u, x = point.turned;
   const int terms = std::min(most_terms, static_cast<int>(std::ceil(60 / std::abs(u))));
   std::array<Complex, 3> sum{};
   Complex power_of_x = 1;
@@ -202,7 +220,7 @@ std::array<Complex, 3> PowerTrain::by_terms(Complex u) const {
   std::array<double, rest_order> inverse_factorial;
   inverse_factorial[0] = 1;
   for (std::size_t i = 1; i < rest_order; ++i) inverse_factorial[i] = inverse_factorial[i - 1] / static_cast<double>(i);
-  e[0] = 1.0 / (1.0 - x);
+  e[0] = point.inverse_rest;
   const Complex ratio = x * e[0];
   double factorial = 1;
   const double from = terms + v_;
@@ -223,29 +241,31 @@ std::array<Complex, 3> PowerTrain::by_terms(Complex u) const {
   return sum;
 }
 
-// sum_n zeta(j - a - n, v) u^n/n!
+// sum_n zeta(j - a - n, v) u^n/n!, by real and imaginary parts: the products of complex numbers look for infinities.
 std::array<Complex, 3> PowerTrain::zeta_series(Complex u) const {
   require_zeta();
   constexpr double turn = 2 * pi;
-  const Complex share = u / turn;
-  std::array<Complex, 3> sum{};
-  Complex power = 1;
-  for (int n = 0; n < zeta_terms; ++n) {
-    const auto m = static_cast<std::size_t>(n);
-    sum[2] += zeta_[m] * power;
-    sum[1] += zeta_[m + 1] * (n + 1) / turn * power;
-    sum[0] += zeta_[m + 2] * ((n + 1.0) * (n + 2.0) / (turn * turn)) * power;
-    power *= share;
-    if (std::norm(power) < 1e-34) break;
+  const double re = u.real() / turn, im = u.imag() / turn;
+  std::array<double, 3> sum_re{}, sum_im{};
+  double power_re = 1, power_im = 0;
+  for (std::size_t m = 0; m < zeta_terms; ++m) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      sum_re[j] += series_[m][j] * power_re;
+      sum_im[j] += series_[m][j] * power_im;
+    }
+    const double next = power_re * re - power_im * im;
+    power_im = power_re * im + power_im * re;
+    power_re = next;
+    if (power_re * power_re + power_im * power_im < 1e-34) break;
   }
-  return sum;
+  return {Complex(sum_re[0], sum_im[0]), Complex(sum_re[1], sum_im[1]), Complex(sum_re[2], sum_im[2])};
 }
 
-std::array<Complex, 3> PowerTrain::about_origin(Complex u) const {
+std::array<Complex, 3> PowerTrain::about_origin(const TrainPoint& point) const {
+  const Complex u = point.u;
   std::array<Complex, 3> sum = zeta_series(u);
-  const Complex log_distance = std::log(-u);
-  const Complex singular = std::exp(-(1 + a_) * log_distance);
-  const Complex shift = std::exp(-u * v_);
+  const Complex singular = std::exp(-(1 + a_) * point.log_distance());
+  const Complex shift = v_ == 1 ? std::conj(point.turned) / std::norm(point.turned) : std::exp(-u * v_);
   sum[0] = shift * (sum[0] + gamma_[0] * singular);
   sum[1] = shift * (sum[1] - gamma_[1] * singular * u);
   sum[2] = a_ > 1 ? shift * (sum[2] + gamma_[2] * singular * u * u) : 0;

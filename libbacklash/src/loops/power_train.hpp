@@ -6,6 +6,20 @@
 
 namespace backlash::detail {
 
+/// A point u of the sums with what all powers need there.
+struct TrainPoint {
+  explicit TrainPoint(std::complex<double> at);
+  std::complex<double> u;
+  std::complex<double> turned;        // e^u
+  std::complex<double> inverse_rest;  // 1/(1 - e^u)
+  // ln(-u); what has a closed form does without it.
+  [[nodiscard]] std::complex<double> log_distance() const;
+
+ private:
+  mutable std::complex<double> log_distance_ = 0;
+  mutable bool has_log_ = false;
+};
+
 /// Sums over a train of pulses of a response that is a power of time:
 ///   P_j(u) = sum_(n >= 0) e^{n u} (n + v)^(a - j),   j = 0, 1, 2,
 /// continued analytically to all u with |Im u| <= pi but the half line u >= 0 (Lerch's transcendent).
@@ -17,7 +31,10 @@ class PowerTrain {
   /// @param a  > 1, or 1, for which P_2 is not wanted and left at 0
   /// @param v  in (0, 1]
   PowerTrain(double a, double v);
-  [[nodiscard]] std::array<std::complex<double>, 3> operator()(std::complex<double> u) const;
+  [[nodiscard]] std::array<std::complex<double>, 3> operator()(const TrainPoint& point) const;
+  [[nodiscard]] std::array<std::complex<double>, 3> operator()(std::complex<double> u) const {
+    return (*this)(TrainPoint(u));
+  }
   /// What is left at u = 0 without the singular part: zeta(j - a, v).
   [[nodiscard]] std::array<double, 3> at_origin() const;
 
@@ -34,9 +51,9 @@ class PowerTrain {
   static constexpr int rest_order = 18;
   static constexpr int zeta_terms = 64;
 
-  [[nodiscard]] std::array<std::complex<double>, 3> in_closed_form(std::complex<double> u) const;
-  [[nodiscard]] std::array<std::complex<double>, 3> by_terms(std::complex<double> u) const;
-  [[nodiscard]] std::array<std::complex<double>, 3> about_origin(std::complex<double> u) const;
+  [[nodiscard]] std::array<std::complex<double>, 3> in_closed_form(const TrainPoint& point) const;
+  [[nodiscard]] std::array<std::complex<double>, 3> by_terms(const TrainPoint& point) const;
+  [[nodiscard]] std::array<std::complex<double>, 3> about_origin(const TrainPoint& point) const;
   [[nodiscard]] std::array<std::complex<double>, 3> zeta_series(std::complex<double> u) const;
   // Makes the coefficients of the series about the origin, which powers with a closed form seldom need.
   void prepare_zeta() const;
@@ -52,6 +69,8 @@ class PowerTrain {
   bool has_closed_form_;                                           // a = 1, 2 or 3, v = 1
   mutable bool has_zeta_ = false;
   mutable std::array<double, zeta_terms + 2> zeta_{};  // zeta(2 - a - n, v)/n! (2 pi)^n
+  // zeta(j - a - n, v)/n! (2 pi)^n
+  mutable std::array<std::array<double, 3>, zeta_terms> series_{};
 };
 
 /// zeta(j - a, v), j = 0, 1, 2, as PowerTrain::at_origin() has them, for one v at the cost of six powers.

@@ -22,7 +22,7 @@ class SymmetricForcedOrbit {
   /// The force is large enough for it, impacts push, and between them it stays off the walls.
   [[nodiscard]] bool exists() const;
   [[nodiscard]] CycleStability stability() const;
-  /// Whether it is stable, without saying how much: a tenth of the work.
+  /// Whether it is stable, by the count of multipliers outside the unit circle alone.
   [[nodiscard]] bool is_stable() const;
   [[nodiscard]] DescribingFunctionPoint point(Output output, const CycleStability& stability) const;
   /// Roughly where the bodies are at a peak of the force.

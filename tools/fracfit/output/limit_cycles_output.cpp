@@ -276,26 +276,34 @@ std::string events_text(const std::string& name, const backlash::CycleContinuati
       manner += (manner.empty() ? ", stable from " : " and from ") + precise(each.from) + " to " + precise(each.to);
     }
     if (manner.empty()) manner = ", nowhere stable";
+    const backlash::ImpactCycle& first = branch.samples.front().cycle;
+    const std::string which = first.symmetric ? "a symmetric cycle" : "an asymmetric cycle";
     if (std::isnan(branch.born_at)) {
-      const backlash::ImpactCycle& cycle = branch.samples.front().cycle;
       const std::string motion = branch.admissible.empty()
                                      ? ", stable at " + name + " = " + precise(branch.samples.front().parameter)
                                      : ", a motion from " + name + " = " + precise(branch.admissible.front().from) +
                                            " to " + precise(branch.admissible.front().to) + " at least" + manner;
-      text += paragraph("Found by simulation: " + std::string(cycle.symmetric ? "a symmetric" : "an asymmetric") +
-                            " cycle of " + pattern_of(cycle) + motion + ".",
-                        2);
+      std::string line = "Found by simulation: " + which + " of " + pattern_of(first) + motion;
+      for (const backlash::CycleEvent& event : branch.events) {
+        if (event.kind == backlash::CycleEventKind::fold) line += "; it turns back at " + precise(event.parameter);
+      }
+      text += paragraph(line + ".", 2);
       continue;
     }
-    std::string line = "From " + name + " = " + precise(branch.born_at) + " an asymmetric cycle";
+    std::string line = "From " + name + " = " + precise(branch.born_at) + " " + which;
+    if (!first.rests.empty() || first.impacts.size() != 2) line += " of " + pattern_of(first);
     bool has_end = false;
     for (const backlash::CycleEvent& event : branch.events) {
       const std::string kind(backlash::to_string(event.kind));
-      has_end = event.kind == backlash::CycleEventKind::admissibility;
+      has_end = event.kind == backlash::CycleEventKind::admissibility || event.kind == backlash::CycleEventKind::fold;
       line += has_end ? " goes on to " + precise(event.parameter) + " (" + kind + ")"
                       : ", " + kind + " at " + precise(event.parameter) + ",";
     }
-    if (!has_end) line += " goes on to " + precise(branch.samples.back().parameter) + " at least";
+    if (!has_end) {
+      const double low = branch.admissible.front().from, high = branch.admissible.back().to;
+      const double farther = high - branch.born_at > branch.born_at - low ? high : low;
+      line += " goes on to " + precise(farther) + " at least";
+    }
     text += paragraph(line + manner + ".", 2);
   }
   const auto intervals = [&](const std::vector<backlash::ParameterInterval>& all, const std::string& what) {

@@ -41,7 +41,7 @@ struct ParameterInterval {
 /// asymmetric one is another one and not listed beside it.  One that rests in contact is known at the values asked for
 /// alone, and taken to be there between two neighbours that both have one of the same pattern.
 struct CycleBranch {
-  double born_at;  // NaN of one that was found by simulation
+  double born_at;  // a symmetry breaking, or the fold at which another one turned back; NaN: found by simulation
   struct Sample {
     double parameter;
     ImpactCycle cycle;
@@ -49,7 +49,9 @@ struct CycleBranch {
   /// Right after it begins, or where it was found, and at the values asked for, as far as it is a motion; of one that
   /// rests in contact in the order of these.
   std::vector<Sample> samples;
-  std::vector<CycleEvent> events;  // in the order in which it meets them, refined as those of symmetric cycles
+  /// In the order in which it meets them, refined as those of symmetric cycles; folds to 1e-8 of the distance of the
+  /// values.
+  std::vector<CycleEvent> events;
   std::vector<ParameterInterval> admissible;  // where it is a motion, as far as it was followed; rising
   std::vector<ParameterInterval> stable;      // where it is a stable one
 };
@@ -62,7 +64,7 @@ struct CycleContinuation {
   };
   std::vector<Sample> samples;     // at the values asked for
   std::vector<CycleEvent> events;  // in their order, each parameter to 1e-10 of its size or of the step
-  /// Newton's method goes from value to value: a branch that turns back in the parameter ends there.
+  /// A branch that turns back in the parameter ends at that fold, and another one begins there.
   std::vector<CycleBranch> branches;
   /// Where no symmetric cycle with two impacts per period is a motion and none of `branches`; the ends are events or
   /// those of the values.

@@ -27,7 +27,6 @@ class LinearBodies {
   [[nodiscard]] const frac::FractionalTransferFunction& load() const noexcept { return load_; }
   [[nodiscard]] const frac::FractionalTransferFunction& drive() const noexcept { return drive_; }
   [[nodiscard]] bool has_free_load() const noexcept { return has_free_load_; }
-  [[nodiscard]] bool has_free_drive() const noexcept { return has_free_drive_; }
   /// Both are free masses.
   [[nodiscard]] bool are_free() const noexcept { return has_free_load_ && has_free_drive_; }
 
