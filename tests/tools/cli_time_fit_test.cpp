@@ -178,6 +178,22 @@ TEST(TimeFit, OutlierIsNamedWithWhatHelps) {
       std::string::npos);
 }
 
+// A dead time that noise hides: two standard errors below it there is none.
+TEST(TimeFit, DeadTimeHasNoIntervalBelowZero) {
+  const TemporaryFolder folder;
+  support::Random random(5);
+  std::string text = "time_s,input,output\n";
+  for (int i = 0; i < 100; ++i) {
+    const double t = 0.1 * i, output = t < 0.15 ? 0 : 1 - std::exp(0.15 - t);
+    text += std::to_string(t) + ",1," + std::to_string(output + 0.3 * random.normal()) + "\n";
+  }
+  const auto fit = run_fracfit({"fit", folder.write("noisy.csv", text), "lag-delay"});
+  const Json delay = Json::parse(fit.output)["parameters"][1];
+  ASSERT_EQ(delay["name"], "L") << fit.output;
+  ASSERT_LT(delay["value"].get<double>(), 1.9 * delay["standard_error"].get<double>()) << fit.output;
+  EXPECT_EQ(delay["ci95"][0], 0) << fit.output;
+}
+
 TEST(TimeFit, WhatFitsOverFrequencyOfferIsThereOverTime) {
   const TemporaryFolder folder;
   support::Random random(7);

@@ -455,6 +455,11 @@ FitResult fit_record(const TimeResponseData& data, const Structure& structure, c
     result.message += background_remark(residuals, best.theta, found);
   }
   refuse_unseen_response(result, residuals, local, found.rank, unit);
+  for (std::size_t i = 0; i < structure.parameter_names().size(); ++i) {
+    // What answers before its input is no model over time.
+    double& lower = result.parameters[i].ci95_lower;
+    if (structure.parameter_roles()[i] == ParameterRole::delay && lower < 0) lower = 0;
+  }
   result.termination = best.converged ? FitTermination::converged : FitTermination::not_converged;
   result.seconds = seconds();
   return result;
