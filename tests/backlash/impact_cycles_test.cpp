@@ -9,6 +9,7 @@
 #include <complex>
 #include <numbers>
 #include <string>
+#include <utility>
 
 #include "backlash/loops/limit_cycles.hpp"
 #include "support/expect_invalid_argument.hpp"
@@ -324,6 +325,116 @@ TEST(ImpactCycles, LyapunovExponentIsThatOfTheTangent) {
   const double expected = logarithm / history.end_time;
   EXPECT_GT(expected, .3);
   EXPECT_NEAR(mean / expected, 1, .2);
+}
+
+// Of C = kp + kd s, equal masses M = 1 and restitution 0 the motion with one impact and one rest per half period is
+// known but for one root: joined masses keep 2 x'' = -(kp x + kd x') until the right-hand side is 0 at speed -v; load 1
+// then flies with that speed, mass 2 falls back as kp v t^3/6 and meets the far wall when that is the clearance, at the
+// relative speed kp v t^2/2.  All lengths are v times a function of the time t of flight.
+TEST(ImpactCycles, RestInContactAsTheJoinedMassesDo) {
+  const struct { double kp, kd; } cases[] = {{1, 1}, {3, 1}, {20, 1}};
+  for (const auto& [kp, kd] : cases) {
+    // Joined motion begins at x = t - kd/kp and x' = 1 - kp t^2/4, v = 1; its time until kp x + kd x' = 0, and x'
+    // there.
+    const auto joined = [&](double t) {
+      const Complex root = std::sqrt(Complex(kd * kd / 16 - kp / 2, 0));
+      const double x = t - kd / kp, rate = 1 - kp * t * t / 4;
+      const auto motion = [&](double s) {
+        const double decay = std::exp(-kd * s / 4);
+        const double even = std::cosh(root * s).real(), odd = (std::sinh(root * s) / root).real();
+        const double at = decay * (x * even + (rate + kd / 4 * x) * odd);
+        const double speed = -kd / 4 * at + decay * (x * (root * root).real() * odd + (rate + kd / 4 * x) * even);
+        return std::pair(at, speed);
+      };
+      double low = 0, high = 0;
+      const auto force = [&](double s) { return kp * motion(s).first + kd * motion(s).second; };
+      while (force(high) > 0) low = std::exchange(high, high + 1e-3);
+      for (int i = 0; i < 60; ++i) (force(0.5 * (low + high)) > 0 ? low : high) = 0.5 * (low + high);
+      return std::pair(high, motion(high).second);
+    };
+    double low = 0.2 / std::sqrt(kp), high = 6 / std::sqrt(kp);
+    while (kp * (low - kd / kp) + kd * (1 - kp * low * low / 4) < 0) low *= 1.01;
+    const auto defect = [&](double t) { return joined(t).second + 1; };
+    const bool rises = defect(high) > 0;
+    ASSERT_NE(defect(low) > 0, rises);
+    for (int i = 0; i < 60; ++i) ((defect(0.5 * (low + high)) > 0) == rises ? high : low) = 0.5 * (low + high);
+    const double flight = high, rest = joined(flight).first, v = 6 / (kp * std::pow(flight, 3));
+    for (const double restitution : {0.0, 0.02}) {
+      const ImpactCycles found =
+          impact_cycles(free_loop(std::to_string(kp) + " + " + std::to_string(kd) + " s", restitution));
+      ASSERT_EQ(found.cycles.size(), 1U) << kp;
+      const ImpactCycle& cycle = found.cycles[0];
+      EXPECT_TRUE(cycle.symmetric);
+      EXPECT_TRUE(cycle.stability.stable);
+      ASSERT_EQ(cycle.rests.size(), 2U);
+      if (restitution > 0) {
+        // Bounces take some of the rest, and change the motion by the square of their loss of time.
+        EXPECT_GT(cycle.impacts.size(), 8U);
+        EXPECT_LT(cycle.rests[0].duration, rest);
+        EXPECT_NEAR(cycle.period, 2 * (flight + rest), 0.01 * cycle.period);
+        continue;
+      }
+      ASSERT_EQ(cycle.impacts.size(), 2U);
+      EXPECT_NEAR(cycle.period, 2 * (flight + rest), 1e-11 * cycle.period);
+      EXPECT_NEAR(cycle.rests[0].duration, rest, 1e-11 * cycle.period);
+      EXPECT_NEAR(cycle.impacts[0].speed, kp * v * flight * flight / 2, 1e-10 * cycle.impacts[0].speed);
+      // Over a half period the walls turn mass 1 around, which flies at v on both sides.
+      EXPECT_NEAR(cycle.impacts[0].impulse + cycle.rests[0].impulse, 2 * v, 1e-10 * v);
+      EXPECT_LT(cycle.error, 1e-12);
+    }
+  }
+}
+
+// What the impulses and the force of the walls make of the bodies through their receptances and the controller, with
+// its whole memory, is the motion that rests: the gap stays closed at a rest, the rest of the time it is open, and the
+// controller supplies what impacts and friction take.  Of 400 harmonics the series of the gap leaves out
+// 1e-5 of the impacts over the share of the period since the last one, that of the power 1e-3.
+TEST(ImpactCycles, WithRestsMeetTheirWholeMemory) {
+  const struct {
+    ControlLoop loop;
+    bool has_friction;
+  } cases[] = {
+      {free_loop("1 + s^0.5", 0), false},
+      {free_loop("1 + s^0.5", .1), false},
+      {free_loop("1 + s^0.5 + 0.3/s^0.6", .05), false},
+      {{LinearBodies(formula("1/(s^2 + 0.1 s^0.5)"), formula("1/(2 s^2 + 0.1 s)"), .3, .02), formula("3 + s")}, true}};
+  for (const auto& [loop, has_friction] : cases) {
+    const std::string name = loop.controller().formula();
+    const ImpactCycles found = impact_cycles(loop, {.starts = 1, .harmonics = 400});
+    ASSERT_EQ(found.cycles.size(), 1U) << name;
+    const ImpactCycle& cycle = found.cycles[0];
+    ASSERT_EQ(cycle.rests.size(), 2U) << name;
+    EXPECT_LT(cycle.error, 2e-9);
+    const double omega = 2 * pi / cycle.period, half = 0.5 * loop.system().clearance();
+    const auto gap = [&](double time) {
+      double sum = cycle.middle;
+      for (const CycleHarmonic& harmonic : cycle.harmonics) {
+        sum += ((harmonic.x2 - harmonic.x1) * std::polar(1.0, harmonic.order * omega * time)).real();
+      }
+      return sum;
+    };
+    for (const CycleRest& rest : cycle.rests) {
+      const double side = rest.impulse > 0 ? half : -half;
+      for (const double share : {.1, .5, .9}) {
+        EXPECT_NEAR(gap(rest.time + share * rest.duration), side, 5e-4 * half) << name;
+      }
+      EXPECT_LT(std::abs(gap(rest.time + rest.duration + 0.3 * (0.5 * cycle.period - rest.duration))), 0.999 * half);
+    }
+    double work = 0;
+    for (const CycleHarmonic& harmonic : cycle.harmonics) {
+      const Complex velocity = Complex(0, harmonic.order * omega) * harmonic.x2;
+      work += 0.5 * (harmonic.force * std::conj(velocity)).real() * cycle.period;
+    }
+    const TwoMassSystem& system = loop.system();
+    const double mass = 1 / (1 / system.mass1() + 1 / system.mass2()), e = system.restitution();
+    double loss = 0;
+    for (const CycleImpact& impact : cycle.impacts) loss += 0.5 * mass * (1 - e * e) * impact.speed * impact.speed;
+    if (has_friction) {
+      EXPECT_GT(work / loss, 1.01) << name;
+    } else {
+      EXPECT_NEAR(work / loss, 1, 2e-3) << name;
+    }
+  }
 }
 
 TEST(ImpactCycles, RefuseAGuessThatIsNone) {

@@ -443,6 +443,30 @@ TEST(SimulateLoop, DoesNotDriftOverManyImpacts) {
   EXPECT_LT(worst, 1e-12);
 }
 
+// Two fractional powers of one controller share the rates of their exponentials, which then come as eigenvalues that
+// hardly differ.  Rows do not change the motion, however many flights they make of one.
+TEST(SimulateLoop, IsTheSameInManyShortFlights) {
+  for (const char* controller : {"1 + s^0.5 + 0.3/s^0.6", "1 + s^0.5 + s^0.3", "1 + s^1.5 + 0.2 s^0.5"}) {
+    for (const double tolerance : {1e-8, 1e-9, 1e-10}) {
+      LoopSimulationOptions options;
+      options.duration = 2;
+      options.tolerance = tolerance;
+      const ControlLoop loop = loop_of(controller, .05);
+      const LoopHistory once = simulate_loop(loop, {0, 0, 0, 1}, {}, options);
+      options.sample_time = 1e-3;
+      const LoopHistory often = simulate_loop(loop, {0, 0, 0, 1}, {}, options);
+      ASSERT_FALSE(once.impacts.empty());
+      ASSERT_GE(often.impacts.size(), 1U);
+      EXPECT_EQ(often.end, LoopEnd::duration) << controller << ' ' << tolerance;
+      // The first two impacts; what follows a chatter may have bounces more or fewer.
+      for (std::size_t i = 0; i < std::min<std::size_t>(2, once.impacts.size()); ++i) {
+        EXPECT_NEAR(often.impacts[i].time, once.impacts[i].time, 1e-7) << controller << ' ' << tolerance;
+        EXPECT_NEAR(often.impacts[i].speed, once.impacts[i].speed, 1e-7) << controller << ' ' << tolerance;
+      }
+    }
+  }
+}
+
 TEST(SimulateLoop, FollowsALineOfPoints) {
   const ControlLoop loop = loop_of("2 + s^0.5 + 0.1/s", .5);
   LoopSimulationOptions options;

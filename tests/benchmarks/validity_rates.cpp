@@ -24,10 +24,11 @@ using support::Random;
 using support::Sweep;
 
 struct Counts {
-  int all = 0, valid = 0, suspect = 0, invalid = 0, undecided = 0;
+  int all = 0, valid = 0, suspect = 0, invalid = 0, undecided = 0, reversed = 0;
   double seconds = 0;
   void add(const frac::ValidationResult& result) {
     ++all;
+    reversed += result.reversed_sign;
     ++(result.validity == Validity::valid     ? valid
        : result.validity == Validity::suspect ? suspect
        : result.validity == Validity::invalid ? invalid
@@ -183,9 +184,9 @@ void detections(int seeds, int first) {
   };
   const auto& models = support::impedance_models();
   std::printf(
-      "| violation | noise | measurements | valid | suspect | invalid | undecided | found | best, poles | best, "
+      "| violation | noise | measurements | valid | suspect | invalid | undecided | sign | found | best, poles | best, "
       "formula "
-      "|\n|---|---|---|---|---|---|---|---|---|---|\n");
+      "|\n|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const auto& [name, violate] : violations) {
     for (const double noise : {0.001, 0.003, 0.01}) {
       Counts counts;
@@ -206,9 +207,9 @@ void detections(int seeds, int first) {
         support::add_noise(sweep, random);
         judge(sweep, counts);
       }
-      std::printf("| %s | %.1f %% | %d | %d | %d | %d | %d | %.0f %% | %.0f %% | %.0f %% |\n", name.c_str(),
+      std::printf("| %s | %.1f %% | %d | %d | %d | %d | %d | %d | %.0f %% | %.0f %% | %.0f %% |\n", name.c_str(),
                   100 * noise, counts.all, counts.valid, counts.suspect, counts.invalid, counts.undecided,
-                  counts.percent(counts.suspect + counts.invalid), 100 * by_poles / counts.all,
+                  counts.reversed, counts.percent(counts.suspect + counts.invalid), 100 * by_poles / counts.all,
                   100 * by_formula / counts.all);
       std::fflush(stdout);
     }

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "poles/power_sum_roots.hpp"
-#include "poles/scaled_sum.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +7,7 @@
 #include <numbers>
 
 #include "formula/power_sum.hpp"
+#include "poles/scaled_sum.hpp"
 #include "support/random.hpp"
 #include "support/step_systems.hpp"
 
@@ -97,6 +97,28 @@ TEST(PowerSumRoots, MultipleRootsAreClusters) {
   expect_one_cluster({{1, 1}, {-2, 0.5}, {1, 0}}, 0, 2, true);
   expect_one_cluster({{1, 4}, {2, 2}, {1, 0}}, {0, pi / 2}, 2, false);
   expect_one_cluster({{1, 1}, {-2, 0.5}, {1 + 1e-9, 0}}, 0, 2, true);
+}
+
+// Two poles 0.3 to 4 % apart beside a pair: Newton's method from where two terms balance finds one of the two only.
+TEST(PowerSumRoots, NeighboursAreFoundEach) {
+  support::Random random(8);
+  for (int trial = 0; trial < 40; ++trial) {
+    const double near = random.log_uniform(0.3, 3), far = near * (1 + random.uniform(0.003, 0.04));
+    const double omega = random.log_uniform(0.1, 10), damping = random.uniform(0.02, 0.8);
+    const double b = near + far, c = near * far, d = 2 * damping * omega, e = omega * omega;
+    const std::vector<PowerTerm> sum = {{1, 4}, {b + d, 3}, {c + b * d + e, 2}, {c * d + b * e, 1}, {c * e, 0}};
+    const auto roots = frac::detail::power_sum_roots(sum, pi);
+    EXPECT_TRUE(roots.complete);
+    ASSERT_EQ(roots.clusters.size(), 3U);
+    for (const Complex pole : {Complex(-near), Complex(-far), omega * std::polar(1.0, std::acos(-damping))}) {
+      double nearest = 1;
+      for (const RootCluster& root : roots.clusters) {
+        nearest = std::min(nearest, std::abs(std::exp(root.log_s) / pole - 1.0));
+      }
+      // The rounding of the coefficients over the distance of the neighbour, with the pair at a small distance beside.
+      EXPECT_LE(nearest, 1e-9) << trial;
+    }
+  }
 }
 
 TEST(PowerSumRoots, RealAndWidelySpreadRoots) {

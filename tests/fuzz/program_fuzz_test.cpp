@@ -220,7 +220,6 @@ TEST_F(BatchFuzz, NoDamagedShardIsAccepted) {
     ASSERT_EQ(run_fracfit(batch({"--shard", "2/2", "--out", two})).code, 0);
     const std::vector<std::string> merge{"merge", one, two, "--out", out};
     ASSERT_EQ(run_fracfit(merge).code, 0) << "undamaged";
-    const auto whole = content_of(out);
     const auto good = content_of(two);
     std::size_t damaged = 0, accepted = 0;
     for (std::size_t i = 0; i < fuzz::cases(60); ++i) {
@@ -231,9 +230,7 @@ TEST_F(BatchFuzz, NoDamagedShardIsAccepted) {
       std::filesystem::remove(out);
       const auto result = run_fracfit(merge);
       EXPECT_GE(result.code, 0);
-      // What is lost may be no more than the checksum at the end: then all rows are there.
-      if (result.code != 0) continue;
-      accepted += content_of(out) == whole ? 0 : 1;
+      accepted += result.code == 0 ? 1 : 0;
     }
     EXPECT_EQ(accepted, 0U) << "of " << damaged << " " << extension;
   }

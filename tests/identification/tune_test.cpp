@@ -51,6 +51,18 @@ TEST(Tune, PlantsMayHaveUndampedPoles) {
   }
 }
 
+// The grid is denser within some widths of a resonance to both sides; at a damping of 0.275 these go down to a third of
+// its frequency.
+TEST(Tune, PlantsMayHaveBroadResonances) {
+  const FractionalTransferFunction plant = parsed("1/(2 s^2 + 1.1 s + 2)");
+  frac::TuningOptions options;
+  options.structure = ControllerStructure::pd;
+  const TuningResult result = frac::tune(plant, {.crossover = 3, .phase_margin = 50 * degree}, options);
+  ASSERT_EQ(result.status, TuningStatus::met) << result.message;
+  EXPECT_NEAR(std::abs(std::arg(-loop(plant, result.gains, 3))), 50 * degree, 1e-9);
+  EXPECT_NEAR(std::abs(loop(plant, result.gains, 3)), 1, 1e-9);
+}
+
 // kp + ki/s only turns back, so that the margin of exp(-s)/(s + 1) is at most pi - w - atan w: 61 degrees at 1.2 rad/s,
 // and 80 degrees are within reach up to where w + atan w = 100 degrees.  The crossover is found by halving 0.2 e-folds
 // six times.

@@ -152,6 +152,14 @@ inline const std::vector<ValidityModel>& further_models() {
        [](Random& r) {
          return std::vector{2., r.uniform(0.2, 1), r.log_uniform(1, 10), r.log_uniform(0.1, 1)};
        }},
+      {"fractional lag, dead time beyond the points", "K exp(-L s)/(1 + (T s)^a)", 0.02, 50,
+       [](Random& r) {
+         return std::vector{2., r.log_uniform(0.03, 0.2), r.log_uniform(0.3, 3), r.uniform(0.6, 1)};
+       }},
+      {"oscillator, dead time beyond the points", "K exp(-L s)/(s^2/W^2 + 2 d s/W + 1)", 0.02, 50,
+       [](Random& r) {
+         return std::vector{1.5, r.log_uniform(0.03, 0.2), r.log_uniform(1, 20), r.log_uniform(0.1, 0.7)};
+       }},
       {"reflection with an echo", "(1 - T s)/(1 + T s) + B exp(-L s)", 0.75, 1.1,
        [](Random& r) {
          return std::vector{r.uniform(0.1, 0.5), r.log_uniform(0.01, 0.1), r.uniform(5, 30)};

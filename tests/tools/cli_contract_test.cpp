@@ -446,6 +446,11 @@ TEST(Contract, EveryExportIsASubcommandOfItsOwn) {
     EXPECT_NE(help.find("\n  export " + target + " "), std::string::npos) << target;
     EXPECT_NE(successful({"export", target, "--help"}).find("\n  fracfit export " + target + " "), std::string::npos);
   }
+  for (const std::vector<std::string>& asked : {std::vector<std::string>{"export", "--help"}, {"help", "export"}}) {
+    const std::string list = successful(asked);
+    for (const std::string target : {"arduino", "c99", "fmu", "spice"})
+      EXPECT_NE(list.find("\n  export " + target + " "), std::string::npos) << target;
+  }
   // The old way to C stays.
   EXPECT_NE(successful({"controller", "--kp", "1", "--sample-time", "1", "--format", "c"}).find("controller_step("),
             std::string::npos);

@@ -48,6 +48,9 @@ TEST(DrtCommand, DataAndAFitShowTheSameArc) {
   const auto found = json::parse(result.output);
   EXPECT_NEAR(found.at("constant").get<double>(), 10, 0.5);
   for (const char* key : {"inductance", "elastance", "smoothness", "model"}) EXPECT_TRUE(found.contains(key)) << key;
+  // Four digits: at most half of the last, 5e-4 of either part, and less on average.
+  EXPECT_LT(found.at("fit_misfit").get<double>(), 5e-4);
+  EXPECT_GT(found.at("fit_misfit").get<double>(), 1e-5);
   const auto exact = only(found.at("rows"), "fit", "density");
   ASSERT_EQ(exact.size(), 121U);
   for (const auto& row : exact) {

@@ -121,6 +121,9 @@ TEST(CliJointFit, DerivesQuantitiesOfEachCurve) {
   const auto fit = Json::parse(single.output);
   ASSERT_EQ(fit["derived"].size(), 1U);
   EXPECT_NEAR(fit["derived"][0]["value"].get<double>(), 4, 1e-6);
+  const auto named = run_fracfit({"fit", data.files[0], "--model", "K s^a", "--derive", "K = 2 K"});
+  EXPECT_EQ(named.code, 2);
+  EXPECT_NE(named.error.find("--derive 'K' is a parameter"), std::string::npos) << named.error;
   const auto wrong = run_fracfit({"fit", data.files[0], "--model", "K s^a", "--derive", "g=M"});
   EXPECT_EQ(wrong.code, 2);
   EXPECT_NE(wrong.error.find("--derive"), std::string::npos) << wrong.error;

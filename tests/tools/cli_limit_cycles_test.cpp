@@ -164,7 +164,7 @@ TEST(LimitCyclesCommand, SaysWhatIsWrong) {
   expect_refused(limit_cycles("1 + s", {"--restitution", "0.6", "--over", "m=1:2:3"}), "m");
   expect_refused(limit_cycles("1 + s", {"--restitution", "0.6", "--load-receptance", "1/(s + 1)"}), "1/(M s^2)");
   expect_refused(limit_cycles("1 + s", {"--restitution", "0.6", "--load-receptance", "1/s^2", "--mass1", "2"}),
-                 "--mass1");
+                 "--mass1 has no meaning with --load-receptance");
 }
 
 TEST(LimitCyclesCommand, SaysThatTheLoopIsUnstableWithoutClearance) {
@@ -194,6 +194,36 @@ TEST(LimitCyclesCommand, ListsCyclesThatMotionsComeTo) {
   const auto none = run_fracfit(limit_cycles("20 + s", {"--restitution", "0.6", "--format", "json", "--starts", "0"}));
   EXPECT_EQ(nlohmann::json::parse(none.output)["cycles"].size(), 1U);
   EXPECT_FALSE(nlohmann::json::parse(none.output).contains("motions"));
+}
+
+// At restitution 0 the motion rests twice per period, after one impact each; at 0.02 after bounces without end.  Over a
+// parameter it joins its likes where starts are simulated, and else the answer says that none was looked for.
+TEST(LimitCyclesCommand, ListsCyclesThatRestInContact) {
+  const auto run = [](const char* restitution, const std::vector<std::string>& more) {
+    std::vector<std::string> options{"--restitution", restitution};
+    options.insert(options.end(), more.begin(), more.end());
+    const auto result = run_fracfit(limit_cycles("k + s", options));
+    EXPECT_EQ(result.code, 0) << result.error;
+    return result.output;
+  };
+  const auto cycle_of = [](const char* restitution) {
+    const auto result = run_fracfit(limit_cycles("1 + s", {"--restitution", restitution, "--format", "json"}));
+    return nlohmann::json::parse(result.output)["cycles"].back();
+  };
+  const auto plain = cycle_of("0"), bouncing = cycle_of("0.02");
+  EXPECT_EQ(plain["rests_per_period"], 2);
+  EXPECT_EQ(plain["rests"].size(), 2U);
+  EXPECT_EQ(plain["impacts_per_period"], 2);
+  EXPECT_TRUE(plain["stable"]);
+  EXPECT_EQ(bouncing["rests_per_period"], 2);
+  EXPECT_TRUE(bouncing["impacts_per_period"].is_null());
+  const auto followed = nlohmann::json::parse(run("0", {"--over", "k=1:3:3", "--starts", "1", "--format", "json"}));
+  ASSERT_EQ(followed["branches"].size(), 1U);
+  EXPECT_EQ(followed["branches"][0]["samples"].size(), 3U);
+  EXPECT_EQ(followed["branches"][0]["stable"][0][1], 3);
+  EXPECT_TRUE(followed["without_stable_cycles"].empty());
+  EXPECT_NE(run("0", {"--over", "k=1:3:3", "--format", "table"}).find("rests in contact are not among them"),
+            std::string::npos);
 }
 
 // A step of the set-point by 1 meets C = e^{-0.1 s} (2 + s): from 0.1 s on mass 2 has speed 1 from the derivative and

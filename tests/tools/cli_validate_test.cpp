@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "run_program.hpp"
 
@@ -92,6 +93,8 @@ TEST(ValidateCommand, JudgesEveryCurveAndKeepsItsColumns) {
                           "step_below_rad_s",
                           "step_above_rad_s",
                           "largest_residual",
+                          "dead_time_s",
+                          "reversed_sign",
                           "summary"})
     EXPECT_TRUE(rows[0].contains(key)) << key;
   const auto table = run_fracfit({"validate", good, "--format", "table"});
@@ -117,6 +120,34 @@ TEST(ValidateCommand, FitAndIdentifySayTheSame) {
   // One part alone has no partner to be consistent with.
   const auto part = run_fracfit({"fit", data, "--model", "zarc", "--component", "imaginary"});
   EXPECT_FALSE(nlohmann::json::parse(part.output).contains("validity"));
+}
+
+// The sentence says what to write, and written so the file is valid.
+TEST(ValidateCommand, SaysHowToReadAReversedSign) {
+  const TemporaryFolder folder;
+  for (const bool is_negative : {false, true}) {
+    // The imaginary part stands in the third column with the other sign than its name says.
+    std::string text = is_negative ? "frequency_hz,re_ohm,-im_ohm\n" : "frequency_hz,re_ohm,im_ohm\n";
+    const std::string given = spectrum(0);
+    for (std::size_t begin = given.find('\n') + 1; begin < given.size();) {
+      const auto end = given.find('\n', begin);
+      std::string line = given.substr(begin, end - begin + 1);
+      if (!is_negative) line.erase(line.find(",-") + 1, 1);
+      text += line;
+      begin = end + 1;
+    }
+    const auto file = folder.write("reversed.csv", text);
+    const std::string way = is_negative ? "f=1,re=2,im=3" : "f=1,re=2,-im=3";
+    for (const auto& arguments : std::vector<std::vector<std::string>>{
+             {"validate", file}, {"fit", file, "--model", "R0 + R1/(1 + (T s)^a)", "--component", "both"}}) {
+      auto asked = arguments;
+      asked.insert(asked.end(), {"--format", "table"});
+      const auto told = run_fracfit(asked);
+      EXPECT_NE(told.output.find("--columns " + way + " reads the other sign"), std::string::npos) << told.output;
+    }
+    const auto read = run_fracfit({"validate", file, "--columns", way, "--format", "table"});
+    EXPECT_NE(read.output.find(": valid:"), std::string::npos) << read.output;
+  }
 }
 
 TEST(ValidateCommand, DrawsTheResiduals) {

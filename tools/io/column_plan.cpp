@@ -87,6 +87,15 @@ std::string Planner::values_of_instrument(const ColumnPlan& plan) const {
   return text;
 }
 
+std::string Planner::other_sign(const ColumnPlan& plan) const {
+  if (plan.form != ValueForm::real_imaginary) return "";
+  const auto place = [](std::size_t column) { return std::to_string(column + 1); };
+  const bool is_negative = meanings_[plan.second].quantity == Quantity::negative_imaginary;
+  return std::string("--columns ") + (meanings_[plan.frequency].unit.empty() ? "omega=" : "f=") +
+         place(plan.frequency) + ",re=" + place(plan.first) + (is_negative ? ",im=" : ",-im=") + place(plan.second) +
+         " reads the other sign";
+}
+
 std::string_view Planner::bare_name(std::size_t column) const {
   const std::string_view name = table_.header()[column].text;
   const auto end = std::min({name.find('/'), name.find(" ("), name.find("(a)"), name.find("(b)")});

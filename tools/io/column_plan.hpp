@@ -47,6 +47,8 @@ class Planner {
   [[nodiscard]] std::optional<std::size_t> frequency() const;
   /// Names as an instrument gives them, e.g. "Zreal/Zimag"; empty where all names are of the common kind.
   [[nodiscard]] std::string values_of_instrument(const ColumnPlan& plan) const;
+  /// See FrequencyResponseFile.
+  [[nodiscard]] std::string other_sign(const ColumnPlan& plan) const;
 
  private:
   [[nodiscard]] std::string_view bare_name(std::size_t column) const;

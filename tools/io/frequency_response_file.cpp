@@ -117,6 +117,7 @@ FrequencyResponseFile read_table(const Measurement& measurement, const TextTable
           unit,
           std::move(notes),
           measurement.fingerprint,
+          planner.other_sign(plan),
           planner.meaning(plan.first).symbol};
 }
 

@@ -39,7 +39,9 @@ struct FrequencyResponseFile {
   std::string value_unit;          // as written in the header, e.g. "m_per_n"; empty when the header gives none
   std::vector<std::string> notes;  // what was assumed, ignored, converted or sorted, one sentence each
   std::string fingerprint;         // of the whole file, see input_text.hpp
-  std::string symbol = {};         // what the names of the columns speak of, see ColumnMeaning; empty: they do not tell
+  /// How the imaginary part is read with the other sign, as a clause for people; empty: it stands in no column.
+  std::string other_sign = {};
+  std::string symbol = {};  // what the names of the columns speak of, see ColumnMeaning; empty: they do not tell
 };
 
 /// Reads a measured or simulated frequency response.

@@ -76,7 +76,7 @@ Section data_section(const Work& work, const std::string& name, const io::Freque
   }
   const frac::ValidationResult validity = frac::validate(data, {.most_points = frac::points_in_passing});
   if (!validity.model.empty()) {
-    section.add(Html{"<p>" + prose("data", "validity", {{"sentence", escape_html(validity.summary())}}) + "</p>"});
+    section.add(Html{"<p>" + prose("data", "validity", {{"sentence", escape_html(validity_sentence(validity, read))}}) + "</p>"});
     section.fact("validity_" + section.id, std::string(to_string(validity.validity)));
   }
   const frac::IdentificationResult result = frac::identify(data, models, {}, options, work.threads);

@@ -76,6 +76,11 @@ Section open_measured(std::string_view chapter, const std::string& file, std::si
   return section;
 }
 
+std::string validity_sentence(const frac::ValidationResult& result, const io::FrequencyResponseFile& file) {
+  const bool has_advice = result.reversed_sign && !file.other_sign.empty();
+  return result.summary() + (has_advice ? "; " + file.other_sign : "");
+}
+
 void add_no_verdict(Section& section, const std::string& why, const std::string& verdict) {
   section.add(Html{"<p>" + why + "</p>"});
   section.fact("verdict_" + section.id, verdict);

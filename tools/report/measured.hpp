@@ -8,6 +8,8 @@
 
 #include "frac/identification/identify.hpp"
 #include "frac/identification/model_library.hpp"
+#include "frac/identification/validate.hpp"
+#include "io/frequency_response_file.hpp"
 #include "report/figure.hpp"
 #include "report/section.hpp"
 
@@ -36,6 +38,10 @@ struct DrawnFit {
 
 /// The chapter of a measured file with the title and the reading.
 [[nodiscard]] Section open_measured(std::string_view chapter, const std::string& file, std::size_t number);
+
+/// The judgement for people, with what to write where the sign of the imaginary part looks reversed.
+[[nodiscard]] std::string validity_sentence(const frac::ValidationResult& result,
+                                            const io::FrequencyResponseFile& file);
 
 /// Adds what there is to say where nothing could be fitted.
 /// @param why      HTML

@@ -72,6 +72,32 @@ double single(const std::filesystem::path& file, const std::string& name, const 
   return list.front();
 }
 
+Json parsed(const std::filesystem::path& file) {
+  const auto text = io::input_text(file.string());
+  try {
+    return Json::parse(*text);
+  } catch (const Json::parse_error& error) {
+    const std::string_view before = std::string_view(*text).substr(0, error.byte > 0 ? error.byte - 1 : 0);
+    const auto line = static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n')) + 1;
+    const auto line_begin = before.rfind('\n');
+    const std::size_t column = before.size() - (line_begin == std::string_view::npos ? 0 : line_begin + 1) + 1;
+    throw io::DataError(file.string(), line, column,
+                        before.size() == text->size()
+                            ? "is not JSON: it ends too early"
+                            : "is not JSON: cannot go on with " + io::quoted(text->substr(before.size(), 1)));
+  }
+}
+
+void check_rising(const std::filesystem::path& file, const std::vector<double>& omega) {
+  if (omega.size() < 5) fail(file, "\"omega\" has " + std::to_string(omega.size()) + " entries; expected at least 5");
+  for (std::size_t i = 1; i < omega.size(); ++i) {
+    if (omega[i] <= omega[i - 1]) {
+      fail(file, "\"omega\" holds " + io::format_number(omega[i]) + " after " + io::format_number(omega[i - 1]) +
+                     "; expected rising values");
+    }
+  }
+}
+
 }  // namespace
 
 std::string base_scene_text(const Scene& scene, bool force, bool clearance, bool restitution) {
@@ -109,20 +135,7 @@ Scene paper_scene() {
 }
 
 Scene read_scene(const std::filesystem::path& file) {
-  const auto text = io::input_text(file.string());
-  Json json;
-  try {
-    json = Json::parse(*text);
-  } catch (const Json::parse_error& error) {
-    const std::string_view before = std::string_view(*text).substr(0, error.byte > 0 ? error.byte - 1 : 0);
-    const auto line = static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n')) + 1;
-    const auto line_begin = before.rfind('\n');
-    const std::size_t column = before.size() - (line_begin == std::string_view::npos ? 0 : line_begin + 1) + 1;
-    throw io::DataError(file.string(), line, column,
-                        before.size() == text->size()
-                            ? "is not JSON: it ends too early"
-                            : "is not JSON: cannot go on with " + io::quoted(text->substr(before.size(), 1)));
-  }
+  const Json json = parsed(file);
   const std::string expected =
       "expected an object with clearance, restitution, force, omega and, if not 1 kg, mass1 and mass2";
   if (!json.is_object()) fail(file, expected);
@@ -161,13 +174,7 @@ Scene read_scene(const std::filesystem::path& file) {
   check_distinct(file, "force", scene.forces);
   check_distinct(file, "clearance", scene.clearances);
   check_distinct(file, "restitution", scene.restitutions);
-  if (omega.size() < 5) fail(file, "\"omega\" has " + std::to_string(omega.size()) + " entries; expected at least 5");
-  for (std::size_t i = 1; i < omega.size(); ++i) {
-    if (omega[i] <= omega[i - 1]) {
-      fail(file, "\"omega\" holds " + io::format_number(omega[i]) + " after " + io::format_number(omega[i - 1]) +
-                     "; expected rising values");
-    }
-  }
+  check_rising(file, omega);
   scene.force = scene.forces.front();
   const auto gap =
       std::find_if(scene.clearances.begin(), scene.clearances.end(), [](double value) { return value > 0; });

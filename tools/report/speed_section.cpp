@@ -61,6 +61,15 @@ double visible(double error) {
   return std::max(error, std::numeric_limits<double>::epsilon());
 }
 
+// Times and errors of a method at several settings, as they are drawn.
+struct Timed {
+  std::vector<double> seconds, error;
+  void add(double time, double relative_error) {
+    seconds.push_back(time);
+    error.push_back(visible(relative_error));
+  }
+};
+
 struct Point {
   std::string name;
   double omega;
@@ -81,6 +90,22 @@ std::vector<Point> points_of(const Work& work) {
     if (*lower < upper) points.push_back({"symmetric orbit", std::sqrt(*lower * upper)});
   }
   return points;
+}
+
+// Fixed steps of several lengths, each with a row in the table.
+Timed timed_steps(const FixedStepScene& scene, const Point& point, std::complex<double> reference, Table& table) {
+  Timed timed;
+  double before = std::nan("");
+  for (std::size_t steps = 256; steps <= 16384; steps *= 4) {
+    const auto run = [&] { return fixed_step_describing_function(scene, point.omega, steps, 60, 20); };
+    const double error = std::abs(run() - reference) / std::abs(reference);
+    const double seconds = median_seconds([&] { sink = sink + run().real(); });
+    table.rows.push_back({point.name, point.omega, std::string("fixed step"),
+                          std::to_string(steps) + " steps per period", error, seconds, std::log2(before / error) / 2});
+    before = error;
+    timed.add(seconds, error);
+  }
+  return timed;
 }
 
 void add_describing_function(Section& section, const Work& work) {
@@ -112,7 +137,7 @@ void add_describing_function(Section& section, const Work& work) {
     const auto reference = value_at(1e-13);
     if (reference.regime == backlash::Regime::averaged || reference.value == 0.0) continue;
     const std::string regime(backlash::to_string(reference.regime));
-    std::vector<double> event_time, event_error, step_time, step_error;
+    Timed by_events;
     static const std::pair<double, std::string> tolerances[] = {
         {1e-4, "tolerance 1e-4"}, {1e-7, "tolerance 1e-7"}, {1e-10, "tolerance 1e-10"}, {1e-13, "tolerance 1e-13"}};
     for (const auto& [tolerance, setting] : tolerances) {
@@ -120,31 +145,20 @@ void add_describing_function(Section& section, const Work& work) {
       const double seconds = median_seconds([&, at = tolerance] { sink = sink + value_at(at).value.real(); });
       table.rows.push_back(
           {point.name, point.omega, "event-driven (" + regime + ")", setting, error, seconds, std::nan("")});
-      event_time.push_back(seconds);
-      event_error.push_back(visible(error));
+      by_events.add(seconds, error);
     }
-    double before = std::nan("");
-    for (std::size_t steps = 256; steps <= 16384; steps *= 4) {
-      const auto run = [&] { return fixed_step_describing_function(fixed, point.omega, steps, 60, 20); };
-      const double error = std::abs(run() - reference.value) / std::abs(reference.value);
-      const double seconds = median_seconds([&] { sink = sink + run().real(); });
-      table.rows.push_back({point.name, point.omega, std::string("fixed step"),
-                            std::to_string(steps) + " steps per period", error, seconds,
-                            std::log2(before / error) / 2});
-      before = error;
-      step_time.push_back(seconds);
-      step_error.push_back(visible(error));
-    }
+    const Timed by_steps = timed_steps(fixed, point, reference.value, table);
     const std::string shade = category_colour(colour++);
-    panel.curves.push_back(make_curve("fixed step, " + point.name, shade, Mark::line_points, step_time, step_error));
-    panel.curves.push_back(make_curve("event-driven", shade, Mark::open_points, event_time, event_error));
+    panel.curves.push_back(
+        make_curve("fixed step, " + point.name, shade, Mark::line_points, by_steps.seconds, by_steps.error));
+    panel.curves.push_back(make_curve("event-driven", shade, Mark::open_points, by_events.seconds, by_events.error));
     if (point.name == "symmetric orbit" || !compared) {
       compared = prose("speed", "comparison",
                        {{"motion", point.name},
                         {"omega", html_number(point.omega, 3)},
-                        {"exact", html_seconds(event_time.back())},
-                        {"fixed", html_seconds(step_time.back())},
-                        {"error", html_number(100 * step_error.back(), 2)}});
+                        {"exact", html_seconds(by_events.seconds.back())},
+                        {"fixed", html_seconds(by_steps.seconds.back())},
+                        {"error", html_number(100 * by_steps.error.back(), 2)}});
     }
   }
   if (compared) section.finding(prose("speed", "finding", {{"comparison", *compared}}));
@@ -180,30 +194,20 @@ Measured measured(const std::vector<double>& grid, const std::function<std::comp
 }
 
 struct Band {
-  std::string name;
+  std::string name, column;
   double wider;  // factor beyond either end
 };
 
-void add_power(Section& section) {
-  constexpr double lower = 1e-2;
-  constexpr double upper = 1e2;
-  const std::vector<double> grid = logarithmic_grid(lower, upper, 400);
+constexpr double band_lower = 1e-2, band_upper = 1e2;
+
+// Ladders of several sizes on three bands: their errors over the size and over the time.
+Table oustaloup_ladders(const std::vector<double>& grid, Panel& by_size, Panel& by_time) {
   Table ladders{"speed-oustaloup", prose("speed", "oustaloup"), {{"poles", "poles"}}, {}};
-  const Band bands[] = {{"own band", 1}, {"± 1 decade", 10}, {"± 3 decades", 1000}};
-  static constexpr std::string_view column_names[] = {"error_own_band", "error_wider_1_decade",
-                                                      "error_wider_3_decades"};
-  for (std::size_t b = 0; b < std::size(bands); ++b) {
-    ladders.columns.push_back({std::string(column_names[b]), "error, " + bands[b].name, 3});
-  }
+  const Band bands[] = {{"own band", "error_own_band", 1},
+                        {"± 1 decade", "error_wider_1_decade", 10},
+                        {"± 3 decades", "error_wider_3_decades", 1000}};
+  for (const Band& band : bands) ladders.columns.push_back({band.column, "error, " + band.name, 3});
   ladders.columns.push_back({"nanoseconds", "ns per value", 3});
-  Panel by_size, by_time;
-  by_size.title = "Error against number of poles";
-  by_size.x = {"poles", true, 1.0, 100.0};
-  by_size.y = {"largest relative error", true};
-  by_time.title = "Error against time";
-  by_time.x = {"nanoseconds per value", true};
-  by_time.y = {"", true};
-  by_time.key = true;
   std::vector<std::vector<double>> errors(std::size(bands)), times(std::size(bands));
   std::vector<double> sizes;
   for (const int poles : {2, 4, 8, 12, 16, 24, 32, 48, 64}) {
@@ -211,7 +215,7 @@ void add_power(Section& section) {
     std::vector<Cell> row = {static_cast<double>(poles)};
     for (std::size_t b = 0; b < std::size(bands); ++b) {
       const frac::ZeroPoleGain ladder =
-          frac::oustaloup(power_order, {lower / bands[b].wider, upper * bands[b].wider}, poles);
+          frac::oustaloup(power_order, {band_lower / bands[b].wider, band_upper * bands[b].wider}, poles);
       const Measured value = measured(grid, [&ladder](double omega) { return ladder.response(omega); });
       errors[b].push_back(value.error);
       times[b].push_back(value.nanoseconds);
@@ -225,8 +229,12 @@ void add_power(Section& section) {
     by_time.curves.push_back(
         make_curve("Oustaloup, " + bands[b].name, category_colour(b), Mark::line_points, times[b], errors[b]));
   }
+  return ladders;
+}
 
-  const double sample_time = 2 * std::numbers::pi / (40 * upper);
+// Sums of several lengths, and the exact power.
+Table grunwald_letnikov_sums(const std::vector<double>& grid, Panel& by_time) {
+  const double sample_time = 2 * std::numbers::pi / (40 * band_upper);
   Table sums{
       "speed-grunwald-letnikov",
       prose("speed", "grunwald-letnikov"),
@@ -235,7 +243,7 @@ void add_power(Section& section) {
   for (const std::size_t memory : {10U, 100U, 1000U, 10000U}) {
     // The response of a long memory is a long sum.  Few frequencies are enough to show its error, which is largest at
     // the lowest one.
-    const std::vector<double> coarse = logarithmic_grid(lower, upper, memory > 1000 ? 20 : 100);
+    const std::vector<double> coarse = logarithmic_grid(band_lower, band_upper, memory > 1000 ? 20 : 100);
     const Measured value = measured(coarse, [&](double omega) {
       return frac::grunwald_letnikov_response(power_order, sample_time, memory, omega);
     });
@@ -251,6 +259,21 @@ void add_power(Section& section) {
   const Measured exact = measured(
       grid, [](double omega) { return frac::power_response(frac::ExactRealisation{}, power_order, omega).value; });
   sums.rows.push_back({std::string("exact power"), exact.error, exact.nanoseconds});
+  return sums;
+}
+
+void add_power(Section& section) {
+  const std::vector<double> grid = logarithmic_grid(band_lower, band_upper, 400);
+  Panel by_size, by_time;
+  by_size.title = "Error against number of poles";
+  by_size.x = {"poles", true, 1.0, 100.0};
+  by_size.y = {"largest relative error", true};
+  by_time.title = "Error against time";
+  by_time.x = {"nanoseconds per value", true};
+  by_time.y = {"", true};
+  by_time.key = true;
+  Table ladders = oustaloup_ladders(grid, by_size, by_time);
+  Table sums = grunwald_letnikov_sums(grid, by_time);
   Figure figure;
   figure.name = "speed-power";
   figure.caption = prose("speed", "power-figure");

@@ -176,6 +176,50 @@ double pull(const NormalEquations& equations, const std::array<bool, 4>& inner, 
   return left > 1e-12 * own ? std::abs(equations.gradient[at_limit]) / std::sqrt(left * variance) : 0;
 }
 
+// A quantity that is held is known; at a limit nothing tells how far it might go.
+void close_interval(SceneEstimate& estimate) {
+  if (estimate.fixed) {
+    estimate.standard_error = 0;
+    estimate.ci95_lower = estimate.ci95_upper = estimate.value;
+  } else if (estimate.at_bound) {
+    estimate.standard_error = estimate.ci95_lower = estimate.ci95_upper = nan;
+  }
+  estimate.identified = estimate.fixed || is_narrow(estimate);
+}
+
+auto covariances(const std::array<SceneEstimate, 4>& parameters, const FisherMatrix& fisher,
+                 const std::array<Vector4, 4>& gradient, double variance) {
+  std::array<std::array<double, 4>, 4> covariance{};
+  for (std::size_t k = 0; k < 4; ++k) {
+    for (std::size_t l = 0; l < 4; ++l) {
+      const bool either_fixed = parameters[k].fixed || parameters[l].fixed;
+      const bool either_open = std::isnan(parameters[k].standard_error) || std::isnan(parameters[l].standard_error);
+      covariance[k][l] = either_fixed  ? 0
+                         : either_open ? nan
+                                       : variance * covariance_of(fisher, gradient[k], gradient[l]);
+    }
+  }
+  return covariance;
+}
+
+/// Sum of the masses, product of mass 2 and clearance, ratio of the masses.
+/// @param estimated  called with the gradient in theta and the value of each
+template <typename Estimated>
+std::array<SceneEstimate, 3> combinations_of(const std::array<double, 4>& value, const Estimated& estimated) {
+  const double product = value[1] * value[2];
+  const double ratio = value[0] / value[1];
+  std::array<SceneEstimate, 3> combinations = {estimated(Vector4(value[0], value[1], 0, 0), value[0] + value[1]),
+                                               estimated(Vector4(0, product, product, 0), product),
+                                               estimated(Vector4(ratio, -ratio, 0, 0), ratio)};
+  constexpr std::array<const char*, 3> combined_names = {"mass1 + mass2", "mass2 clearance", "mass1/mass2"};
+  constexpr std::array<const char*, 3> combined_units = {"kg", "kg m", "1"};
+  for (std::size_t c = 0; c < 3; ++c) {
+    combinations[c].name = combined_names[c];
+    combinations[c].unit = combined_units[c];
+  }
+  return combinations;
+}
+
 }  // namespace
 
 bool is_narrow(const SceneEstimate& estimate) {
@@ -242,51 +286,20 @@ SceneUncertainty scene_uncertainty(const NormalEquations& equations, const Scene
     parameter.unit = units[k];
     parameter.fixed = !bounds.is_free(k);
     parameter.at_bound = at_bound[k];
-    if (parameter.fixed) {
-      parameter.standard_error = 0;
-      parameter.ci95_lower = parameter.ci95_upper = value[k];
-    } else if (parameter.at_bound) {
-      parameter.standard_error = parameter.ci95_lower = parameter.ci95_upper = nan;
-    }
-    parameter.identified = parameter.fixed || is_narrow(parameter);
+    close_interval(parameter);
   }
-  for (std::size_t k = 0; k < 4; ++k) {
-    for (std::size_t l = 0; l < 4; ++l) {
-      const bool either_fixed = result.parameters[k].fixed || result.parameters[l].fixed;
-      const bool either_open =
-          std::isnan(result.parameters[k].standard_error) || std::isnan(result.parameters[l].standard_error);
-      result.covariance[k][l] = either_fixed  ? 0
-                                : either_open ? nan
-                                              : variance * covariance_of(fisher, gradient[k], gradient[l]);
-    }
-  }
-
-  const double product = value[1] * value[2];
-  const double ratio = value[0] / value[1];
-  const std::array<Vector4, 3> combined = {Vector4(value[0], value[1], 0, 0), Vector4(0, product, product, 0),
-                                           Vector4(ratio, -ratio, 0, 0)};
-  const std::array<double, 3> combined_value = {value[0] + value[1], product, ratio};
-  constexpr std::array<const char*, 3> combined_names = {"mass1 + mass2", "mass2 clearance", "mass1/mass2"};
-  constexpr std::array<const char*, 3> combined_units = {"kg", "kg m", "1"};
-  for (std::size_t c = 0; c < 3; ++c) {
-    SceneEstimate& combination = result.combinations[c];
-    combination = estimate(fisher, combined[c], combined_value[c], variance, t);
-    combination.name = combined_names[c];
-    combination.unit = combined_units[c];
+  result.covariance = covariances(result.parameters, fisher, gradient, variance);
+  result.combinations = combinations_of(value, [&](const Vector4& of, double combined) {
+    SceneEstimate combination = estimate(fisher, of, combined, variance, t);
     combination.fixed = true;
     for (std::size_t k = 0; k < 4; ++k) {
-      if (combined[c][static_cast<Eigen::Index>(k)] == 0) continue;
+      if (of[static_cast<Eigen::Index>(k)] == 0) continue;
       combination.fixed = combination.fixed && !bounds.is_free(k);
       combination.at_bound = combination.at_bound || at_bound[k];
     }
-    if (combination.fixed) {
-      combination.standard_error = 0;
-      combination.ci95_lower = combination.ci95_upper = combination.value;
-    } else if (combination.at_bound) {
-      combination.standard_error = combination.ci95_lower = combination.ci95_upper = nan;
-    }
-    combination.identified = combination.fixed || is_narrow(combination);
-  }
+    close_interval(combination);
+    return combination;
+  });
   for (Eigen::Index direction = 0; direction < 4; ++direction) {
     if (fisher.is_free[static_cast<std::size_t>(direction)]) {
       result.free_directions.push_back(direction_text(fisher, direction));

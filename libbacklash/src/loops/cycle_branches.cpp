@@ -64,6 +64,21 @@ void CycleBranches::add_found(const ImpactCycle& cycle, double parameter) {
   found.push_back(std::move(branch));
 }
 
+void CycleBranches::add_resting(const ImpactCycle& cycle, double parameter, double before) {
+  for (CycleBranch& branch : found) {
+    const CycleBranch::Sample& last = branch.samples.back();
+    const bool is_like = last.parameter == before && last.cycle.symmetric == cycle.symmetric &&
+                         last.cycle.rests.size() == cycle.rests.size() &&
+                         std::abs(std::log(last.cycle.period / cycle.period)) < 0.5;
+    if (!is_like) continue;
+    add_interval(branch.admissible, before, parameter);
+    add_interval(branch.stable, before, parameter);
+    branch.samples.push_back({parameter, cycle});
+    return;
+  }
+  found.push_back({std::numeric_limits<double>::quiet_NaN(), {{parameter, cycle}}, {}, {}, {}});
+}
+
 // An asymmetric cycle beside the symmetric one.
 std::optional<ImpactCycle> CycleBranches::born_at(double parameter, double omega) const {
   const ControlLoop loop = loop_at_(parameter);

@@ -19,6 +19,10 @@ class CycleBranches {
   void add_from(const CycleEvent& breaking);
   /// A cycle that is a stable motion, to both sides of where it was found.
   void add_found(const ImpactCycle& cycle, double parameter);
+  /// One with rests, of which Newton's method knows no next one: beside its like at the value that was looked at
+  /// before, it is one with that.
+  /// @param before  NaN at the first value
+  void add_resting(const ImpactCycle& cycle, double parameter, double before);
 
   std::vector<CycleBranch> found;
 

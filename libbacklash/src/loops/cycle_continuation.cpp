@@ -7,6 +7,7 @@
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -324,7 +325,9 @@ CycleContinuation continue_cycles(const std::function<ControlLoop(double)>& loop
     result.without_stable_cycles = detail::without(result.without_stable_cycles, branch.stable);
   };
   for (const CycleBranch& branch : branches.found) take_out(branch);
+  double before = std::numeric_limits<double>::quiet_NaN();
   for (const double parameter : parameters) {
+    const double last = std::exchange(before, parameter);
     const bool is_open =
         std::any_of(result.without_stable_cycles.begin(), result.without_stable_cycles.end(),
                     [&](const ParameterInterval& each) { return each.from <= parameter && parameter <= each.to; });
@@ -337,11 +340,16 @@ CycleContinuation continue_cycles(const std::function<ControlLoop(double)>& loop
     seeded.starts = starts;
     seeded.harmonics = 1;
     for (const ImpactCycle& cycle : impact_cycles(loop, seeded).cycles) {
-      if (cycle.symmetric && cycle.impacts.size() == 2) continue;
-      branches.add_found(cycle, parameter);
-      take_out(branches.found.back());
+      if (cycle.symmetric && cycle.impacts.size() == 2 && cycle.rests.empty()) continue;
+      if (cycle.rests.empty()) {
+        branches.add_found(cycle, parameter);
+        take_out(branches.found.back());
+      } else {
+        branches.add_resting(cycle, parameter, last);
+      }
     }
   }
+  for (const CycleBranch& branch : branches.found) take_out(branch);
   result.branches = std::move(branches.found);
   return result;
 }

@@ -111,16 +111,20 @@ std::vector<double> positive_roots(std::vector<frac::PowerTerm> sum) {
 }
 
 std::vector<double> roots_on_grid(const std::function<double(double)>& scanned,
-                                  const std::function<double(double)>& function, const std::vector<double>& grid) {
+                                  const std::function<double(double)>& function, const std::vector<double>& grid,
+                                  double rounding) {
   std::vector<double> roots;
   double before = scanned(grid.front());
   for (std::size_t i = 1; i < grid.size(); ++i) {
     frac::throw_if_cancelled();
     const double after = scanned(grid[i]);
     if (after == 0) {
-      roots.push_back(grid[i]);
-    } else if (before != 0 && (before > 0) != (after > 0)) {
-      roots.push_back(refined(function, grid[i - 1], grid[i], function(grid[i - 1]), function(grid[i])));
+      if (std::abs(before) >= rounding) roots.push_back(grid[i]);
+    } else if (before != 0 && std::isfinite(before) && std::isfinite(after) && (before > 0) != (after > 0) &&
+               std::max(std::abs(before), std::abs(after)) > rounding) {
+      const double at_from = function(grid[i - 1]), at_to = function(grid[i]);
+      if (std::isfinite(at_from) && std::isfinite(at_to) && (at_from > 0) != (at_to > 0))
+        roots.push_back(refined(function, grid[i - 1], grid[i], at_from, at_to));
     }
     before = after;
   }

@@ -136,7 +136,7 @@ std::vector<const ImpactCycle*> further_cycles(const std::vector<ImpactCycle>& f
     const bool is_listed = std::any_of(listed.begin(), listed.end(), [&](const SymmetricCycle& known) {
       return std::abs(known.omega / omega - 1) < 1e-6;
     });
-    if (!is_listed || !cycle.symmetric || cycle.impacts.size() != 2) further.push_back(&cycle);
+    if (!is_listed || !cycle.symmetric || cycle.impacts.size() != 2 || !cycle.rests.empty()) further.push_back(&cycle);
   }
   return further;
 }

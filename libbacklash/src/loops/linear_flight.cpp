@@ -14,7 +14,6 @@ namespace {
 using Complex = std::complex<double>;
 using Index = Eigen::Index;
 using Matrix = Eigen::MatrixXd;
-using ComplexMatrix = Eigen::MatrixXcd;
 
 constexpr Index degree = 18;
 // Size of what the polynomial leaves out.  It does so in every flight alike, so the size is far below a rounding.
@@ -70,14 +69,20 @@ LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& 
                1e-9 * moduli[static_cast<std::size_t>(slow)];
   };
   while (parts_pair()) ++slow;
-  ComplexMatrix columns, rows;
+  // A pair is real and imaginary part of its upper vector, which stand at the places of both: eigenvalues that hardly
+  // differ may come as a pair, of which rounding would leave one half that is not the mirror image of the other.
+  const auto real_vector = [](const frac::detail::Eigensystem& of, Index i) -> Eigen::VectorXd {
+    if (of.values[i].imag() < 0) return of.vectors.col(i - 1).imag();
+    return of.vectors.col(i).real();
+  };
+  Matrix columns, rows;
   for (;;) {
     const Index fast = size - slow;
     columns.resize(size, fast);
     rows.resize(fast, size);
     for (Index i = 0; i < fast; ++i) {
-      columns.col(i) = right.vectors.col(right_order[static_cast<std::size_t>(slow + i)]);
-      rows.row(i) = left.vectors.col(left_order[static_cast<std::size_t>(slow + i)]).transpose();
+      columns.col(i) = real_vector(right, right_order[static_cast<std::size_t>(slow + i)]);
+      rows.row(i) = real_vector(left, left_order[static_cast<std::size_t>(slow + i)]).transpose();
     }
     if (fast == 0) break;
     rows = (rows * columns).partialPivLu().solve(rows).eval();
@@ -95,24 +100,33 @@ LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& 
     slow_basis_ = to_slow_ = Matrix::Identity(size, size);
     slow_ = scaled;
   } else {
-    const Matrix projection = Matrix::Identity(size, size) - (columns * rows).real();
+    const Matrix projection = Matrix::Identity(size, size) - columns * rows;
     slow_basis_ = frac::detail::PivotedQr(projection, 1e-9).basis().leftCols(slow);
     to_slow_ = slow_basis_.transpose() * projection;
     slow_ = slow_basis_.transpose() * scaled * slow_basis_;
   }
-  std::vector<Index> kept;
+  std::vector<Index> place(static_cast<std::size_t>(size), -1);
   for (Index i = 0; i < fast; ++i) {
-    if (right.values[right_order[static_cast<std::size_t>(slow + i)]].imag() >= 0) kept.push_back(i);
+    place[static_cast<std::size_t>(right_order[static_cast<std::size_t>(slow + i)])] = i;
   }
-  const auto count = static_cast<Index>(kept.size());
+  const auto is_kept = [&](Index i) { return place[static_cast<std::size_t>(i)] >= 0 && right.values[i].imag() >= 0; };
+  Index count = 0;
+  for (Index i = 0; i < size; ++i) count += is_kept(i);
   rates_.resize(count);
   fast_basis_.resize(size, count);
   to_fast_.resize(count, size);
-  for (Index i = 0; i < count; ++i) {
-    const Index from = kept[static_cast<std::size_t>(i)];
-    rates_[i] = right.values[right_order[static_cast<std::size_t>(slow + from)]];
-    fast_basis_.col(i) = columns.col(from);
-    to_fast_.row(i) = rows.row(from);
+  for (Index i = 0, k = 0; i < size; ++i) {
+    if (!is_kept(i)) continue;
+    rates_[k] = right.values[i];
+    const Index at = place[static_cast<std::size_t>(i)];
+    to_fast_.row(k) = rows.row(at).cast<Complex>();
+    fast_basis_.col(k) = columns.col(at).cast<Complex>();
+    if (rates_[k].imag() != 0) {
+      const Index beside = place[static_cast<std::size_t>(i + 1)];
+      to_fast_.row(k) = 0.5 * (to_fast_.row(k) - Complex(0, 1) * rows.row(beside).cast<Complex>()).eval();
+      fast_basis_.col(k) += Complex(0, 1) * columns.col(beside).cast<Complex>();
+    }
+    ++k;
   }
   to_slow_ *= scale.cwiseInverse().asDiagonal();
   to_fast_ *= scale.cwiseInverse().cast<Complex>().asDiagonal();

@@ -10,6 +10,7 @@
 #include "backlash/loops/impact_cycles.hpp"
 #include "base/spelling.hpp"
 #include "loop_run.hpp"
+#include "rest_cycles.hpp"
 
 namespace backlash {
 namespace {
@@ -20,6 +21,8 @@ constexpr std::array<std::pair<LoopRegime, std::string_view>, 4> regime_names{{{
                                                                                {LoopRegime::diverged, "diverged"}}};
 // Newton's method finds the cycle itself.
 constexpr double tolerance = 1e-4;
+// Of cycles with rests, which have no sums over earlier periods.
+constexpr double rest_tolerance = 1e-9;
 // In units of the inverse pace: without an impact for so long there is none to come.
 constexpr double patience = 200;
 
@@ -70,11 +73,84 @@ double growth_beside(detail::LoopRun run, const detail::RealisedLoop& loop) {
   return counted > rounds / 4 ? logarithm / (counted * 2 / loop.pace()) : std::numeric_limits<double>::quiet_NaN();
 }
 
+// What a motion does until it repeats or has had its number of impacts.
+struct Followed {
+  std::vector<LoopImpact> impacts;
+  std::vector<detail::LoopRun> releases;        // right after each, the last ones
+  std::optional<detail::RestPattern> repeated;  // from release to release
+  bool rests = false;                           // and has not ceased to
+  bool is_quiet = false;
+};
+Followed follow(detail::LoopRun& run, const detail::RealisedLoop& realised, std::size_t most_impacts) {
+  // Of releases that are kept, twice as many as a pattern has and one.
+  constexpr std::size_t most_kept = 25;
+  Followed result;
+  double last = 0;
+  std::size_t landings = 0;
+  // Bounces that become faster and faster count as one impact.
+  while (landings < most_impacts && result.impacts.size() < 100 * most_impacts && !run.is_stuck() &&
+         !run.has_diverged()) {
+    const detail::LoopRun::Event event = run.advance(last + patience / realised.pace() + realised.delay());
+    if (event == detail::LoopRun::Event::none) {
+      result.is_quiet = true;
+      break;
+    }
+    if (event == detail::LoopRun::Event::impact) {
+      result.impacts.push_back(run.last_impact());
+      landings += run.time() - last > 1e-2 / realised.pace();
+      last = run.time();
+    } else if (event == detail::LoopRun::Event::release) {
+      if (result.releases.size() == most_kept) result.releases.erase(result.releases.begin());
+      result.releases.push_back(run);
+      result.repeated = detail::repeated_rests(realised, result.releases, 1e-3);
+      if (result.repeated) break;
+    }
+  }
+  result.rests = !result.releases.empty() && run.time() - result.releases.back().time() < patience / realised.pace();
+  if (!result.repeated && !result.is_quiet && result.rests) {
+    result.repeated = detail::repeated_rests(realised, result.releases, 0.02);
+  }
+  result.is_quiet = result.is_quiet || run.is_stuck();
+  return result;
+}
+
+// A stable cycle with rests near a pattern.  Where the mean of the motion decays slowly, what becomes symmetric repeats
+// itself long before it repeats its mirror image.
+std::optional<ImpactCycle> rest_cycle(const ControlLoop& loop, const detail::RealisedLoop& realised,
+                                      const detail::RestPattern& pattern, int harmonics) {
+  std::optional<ImpactCycle> cycle;
+  if (!pattern.is_mirror && pattern.releases % 2 == 0) {
+    cycle = detail::close_rests(loop, realised, {pattern.release, pattern.releases / 2, true}, harmonics);
+  }
+  if (!cycle || !cycle->stability.stable) cycle = detail::close_rests(loop, realised, pattern, harmonics);
+  if (cycle && !cycle->stability.stable) cycle.reset();
+  return cycle;
+}
+
+// The same of a loop that is realised roughly.
+std::optional<ImpactCycle> rest_cycle(const ControlLoop& loop, const detail::RealisedLoop& rough,
+                                      const detail::RestPattern& pattern, const ImpactCycleOptions& options) {
+  if (rough.error() == 0) return rest_cycle(loop, rough, pattern, options.harmonics);
+  const detail::RealisedLoop realised(loop, {}, std::numeric_limits<double>::infinity(), rest_tolerance);
+  const LoopRow row = pattern.release.row(LoopEvent::sample);
+  detail::LoopRun run(realised, {row.x1, row.v1, row.x2, row.v2}, {});
+  const Followed followed = follow(run, realised, options.impacts);
+  if (!followed.repeated) return std::nullopt;
+  return rest_cycle(loop, realised, *followed.repeated, options.harmonics);
+}
+
+// The pattern is that of the cycle, of its mirror image, or of half of it.
+bool is_near(double length, const ImpactCycle& cycle) {
+  const auto is_period = [&](double period) { return std::abs(period / cycle.period - 1) < 3e-3; };
+  return !cycle.rests.empty() && (is_period(length) || is_period(2 * length));
+}
+
 // The motion has come near the cycle, or near its mirror image.
 bool is_near(const CycleGuess& guess, const ImpactCycle& cycle) {
   double hardest = 0;
   for (const CycleImpact& impact : guess.impacts) hardest = std::max(hardest, std::abs(impact.impulse));
-  return guess.impacts.size() == cycle.impacts.size() && std::abs(guess.period / cycle.period - 1) < 3e-3 &&
+  return cycle.rests.empty() && guess.impacts.size() == cycle.impacts.size() &&
+         std::abs(guess.period / cycle.period - 1) < 3e-3 &&
          std::abs(hardest / cycle.impacts.front().impulse - 1) < 1e-2;
 }
 
@@ -98,35 +174,39 @@ ImpactCycles impact_cycles(const ControlLoop& loop, const ImpactCycleOptions& op
     start.v2 = speed * 0.2 * std::pow(25, unit());
     LoopMotion motion{start, LoopRegime::irregular, {}, std::numeric_limits<double>::quiet_NaN()};
     detail::LoopRun run(realised, start, {});
-    std::vector<LoopImpact> impacts;
-    double last = 0;
-    while (impacts.size() < options.impacts && !run.is_stuck() && !run.has_diverged()) {
-      const detail::LoopRun::Event event = run.advance(last + patience / realised.pace() + loop.controller().delay());
-      if (event == detail::LoopRun::Event::none) break;
-      if (event != detail::LoopRun::Event::impact) continue;
-      impacts.push_back(run.last_impact());
-      last = run.time();
-    }
+    const Followed followed = follow(run, realised, options.impacts);
+    // The cycle that is known already, or a new one that could be closed.
+    const auto settle = [&](const auto& is_it, const auto& close) {
+      const auto known = std::find_if(result.cycles.begin(), result.cycles.end(), is_it);
+      const auto index = static_cast<std::size_t>(known - result.cycles.begin());
+      if (known == result.cycles.end()) {
+        std::optional<ImpactCycle> cycle = close();
+        if (!cycle) return;
+        result.cycles.push_back(*std::move(cycle));
+      }
+      motion.cycle = index;
+      motion.regime = LoopRegime::cycle;
+    };
     if (run.has_diverged()) {
       motion.regime = LoopRegime::diverged;
-    } else if (impacts.size() < options.impacts) {
+    } else if (followed.is_quiet) {
       motion.regime = LoopRegime::quiet;
-    } else if (const auto guess = repeated_pattern(loop, impacts)) {
-      const auto known = std::find_if(result.cycles.begin(), result.cycles.end(),
-                                      [&](const ImpactCycle& cycle) { return is_near(*guess, cycle); });
-      motion.cycle = static_cast<std::size_t>(known - result.cycles.begin());
-      if (known == result.cycles.end()) {
-        const auto cycle = close_cycle(loop, *guess, options.harmonics);
-        if (cycle && cycle->admissible && cycle->stability.stable &&
-            std::abs(cycle->period / guess->period - 1) < 0.05) {
-          result.cycles.push_back(*cycle);
-        } else {
-          motion.cycle.reset();
-        }
-      }
-      if (motion.cycle) motion.regime = LoopRegime::cycle;
+    } else if (followed.repeated) {
+      const auto of_pattern = static_cast<std::ptrdiff_t>(followed.repeated->releases);
+      const double length = followed.releases.back().time() - (followed.releases.end() - 1 - of_pattern)->time();
+      settle([&](const ImpactCycle& cycle) { return is_near(length, cycle); },
+             [&] { return rest_cycle(loop, realised, *followed.repeated, options); });
+    } else if (const auto guess = repeated_pattern(loop, followed.impacts)) {
+      settle([&](const ImpactCycle& cycle) { return is_near(*guess, cycle); },
+             [&] {
+               auto cycle = close_cycle(loop, *guess, options.harmonics);
+               const bool is_it = cycle && cycle->admissible && cycle->stability.stable &&
+                                  std::abs(cycle->period / guess->period - 1) < 0.05;
+               if (!is_it) cycle.reset();
+               return cycle;
+             });
     }
-    if (motion.regime == LoopRegime::irregular && !realised.has_twin()) {
+    if (motion.regime == LoopRegime::irregular && !realised.has_twin() && !followed.rests) {
       motion.lyapunov_exponent = growth_beside(run, realised);
     }
     result.motions.push_back(motion);

@@ -80,6 +80,12 @@ bool LoopRun::has_diverged() const {
   return is_lost_ || !(std::max(std::abs(state_[v1]), std::abs(state_[v2])) < fastest_);
 }
 
+// What would part the masses is what presses them together.
+double LoopRun::contact_force() const {
+  const double mass1 = system_.mass1(), mass2 = system_.mass2();
+  return mass1 * mass2 / (mass1 + mass2) * loop_->regime(mode_).gap_acceleration.dot(state_);
+}
+
 // Chooses the limit that the force asked for now is held at, if any.
 void LoopRun::choose_limit() {
   if (!std::isfinite(force_limit_)) return;

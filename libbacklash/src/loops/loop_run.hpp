@@ -38,6 +38,13 @@ class LoopRun {
   [[nodiscard]] bool is_spent() const noexcept { return flights_ >= most_flights; }
   [[nodiscard]] bool has_diverged() const;
   [[nodiscard]] bool is_in_contact() const noexcept { return mode_.contact; }
+  /// 1 at +clearance/2, -1 at the other: of the contact, or of the last release.
+  [[nodiscard]] double wall() const noexcept { return wall_; }
+  /// N, on mass 1, in contact.
+  [[nodiscard]] double contact_force() const;
+  [[nodiscard]] const Eigen::VectorXd& state() const noexcept { return state_; }
+  /// Right after a release: one of the same kind.
+  void set_state(const Eigen::VectorXd& state) { state_ = state; }
 
   /// Takes the state of a motion at the same time with its relative velocity changed by a share of the pace.
   void displace(const LoopRun& from, double share);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <complex>
 #include <cstdint>
+#include <functional>
 #include <numbers>
 #include <stdexcept>
 #include <utility>
@@ -137,6 +138,15 @@ std::vector<double> grid_of(const ControlLoop& loop, const std::optional<Frequen
   return detail::search_grid(detail::search_range(loop, range), loop.controller().delay());
 }
 
+// Sign changes of a defect of the rigid loop, which is 0 where it is below the loop's own rounding.
+std::vector<double> roots_of(const ControlLoop& loop, const std::function<double(double)>& defect,
+                             const std::vector<double>& grid) {
+  const auto relative = [&](double omega) {
+    return defect(omega) / (std::abs(rigid_loop(loop, omega)) + kept_loss(loop));
+  };
+  return detail::roots_on_grid(relative, relative, grid, 1e-14);
+}
+
 // Frequencies of the symmetric orbits.
 std::vector<double> symmetric_frequencies(const ControlLoop& loop, const std::optional<FrequencyRange>& range) {
   std::vector<double> frequencies;
@@ -157,7 +167,7 @@ std::vector<double> symmetric_frequencies(const ControlLoop& loop, const std::op
     frequencies = detail::positive_roots(detail::frequency_equation(loop, detail::Harmonics::first));
     if (range) std::erase_if(frequencies, [&](double omega) { return omega < range->from || omega > range->to; });
   } else {
-    frequencies = detail::roots_on_grid(off_line, off_line, grid_of(loop, range));
+    frequencies = roots_of(loop, off_line, grid_of(loop, range));
   }
   std::erase_if(frequencies, [&](double omega) { return !(std::abs(off_line(omega)) < 1e-6); });
   return frequencies;
@@ -179,7 +189,7 @@ std::vector<PredictedCycle> asymmetric_of_masses(const ControlLoop& loop, const 
   };
   const Predictions predictions(loop);
   std::vector<PredictedCycle> cycles;
-  for (const double omega : detail::roots_on_grid(defect, defect, grid)) {
+  for (const double omega : roots_of(loop, defect, grid)) {
     const Complex at = rigid_loop(loop, omega);
     if (!(at.real() > 0.5 + 1e-9) || !(std::abs(defect(omega)) < 1e-6 * (1 + std::abs(at)))) continue;
     const double share = 0.5 - angle_of(at.real()) / (2 * pi);

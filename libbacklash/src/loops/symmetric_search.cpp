@@ -87,9 +87,11 @@ std::vector<double> SymmetricSearch::frequencies() const {
       const double rough = 1 + rough_rate_before_impact(response_, pi / omega) / exchange_;
       return std::abs(rough) > 1e-6 ? rough : rate_defect(omega);
     };
+    // Sums by an inverse transform are rounded by less, against the speeds of which the defect is made.
+    constexpr double rounding = 1e-12;
     return roots_on_grid(
         rough_defect, [&](double omega) { return rate_defect(omega); },
-        search_grid(range_, loop_->controller().delay()));
+        search_grid(range_, loop_->controller().delay()), rounding);
   }
   std::vector<double> found = positive_roots(frequency_equation(*loop_, Harmonics::all));
   std::erase_if(found, [&](double omega) { return omega < range_.from || omega > range_.to; });

@@ -189,7 +189,7 @@ DescribingFunctionPoint point_of(const TwoMassSystem& system, double omega, doub
   const double ratio = fundamental > 0 ? share / fundamental : nan;
   DescribingFunctionPoint point{};
   point.omega = omega;
-  point.value = numerator * unit;
+  point.value = numerator * unit + std::complex<double>(0, 0);  // a part that is 0 has no sign
   point.regime = steady.regime;
   point.period = steady.period;
   point.impacts_per_period = steady.impacts_per_period;

@@ -47,6 +47,68 @@ class Conditions {
   std::vector<Eigen::RowVector2d> right_;
 };
 
+Dimension power_of(const Dimension& base, double exponent) {
+  return {exponent * base.factors, exponent * base.frequency};
+}
+
+Dimension product(const Dimension& one, const Dimension& other) {
+  return {one.factors + other.factors, one.frequency + other.frequency};
+}
+
+// A sum has the dimension that its terms have on the mean: where they cannot be equal, each counts alike.
+Dimension sum(const Dimension& one, const Dimension& other) {
+  const double terms = one.terms + other.terms;
+  return {(one.terms * one.factors + other.terms * other.factors) / terms,
+          (one.terms * one.frequency + other.terms * other.frequency) / terms, terms};
+}
+
+// The dimension of a node from those of the nodes before it, and what it demands of these.
+Dimension dimension_of(const Node& node, const Structure& structure, const std::vector<double>& real_values,
+                       const std::vector<Dimension>& before, Conditions& conditions) {
+  const auto of = [&](int index) -> const Dimension& { return before[static_cast<std::size_t>(index)]; };
+  const auto exponent = [&] { return real_values[static_cast<std::size_t>(node.right)]; };
+  const auto& roles = structure.parameter_roles();
+  Dimension plain{Eigen::VectorXd::Zero(static_cast<Eigen::Index>(roles.size()))};
+  switch (node.operation) {
+    case Operation::number:
+      break;
+    case Operation::parameter:
+      if (roles[static_cast<std::size_t>(node.parameter)] != ParameterRole::order) plain.factors[node.parameter] = 1;
+      break;
+    case Operation::laplace:
+    case Operation::exact_laplace:
+      plain.frequency = 1;
+      break;
+    case Operation::add:
+    case Operation::subtract:
+      conditions.require_equal(of(node.left), of(node.right));
+      return sum(of(node.left), of(node.right));
+    case Operation::multiply:
+      return product(of(node.left), of(node.right));
+    case Operation::divide:
+      return product(of(node.left), power_of(of(node.right), -1));
+    case Operation::negate:
+      return of(node.left);
+    case Operation::power:
+      return power_of(of(node.left), exponent());
+    case Operation::power_of_s:
+      plain.frequency = 1;
+      return power_of(product(of(node.left), plain), exponent());
+    case Operation::sqrt:
+      return power_of(of(node.left), 0.5);
+    case Operation::exp:
+    case Operation::tanh:
+    case Operation::coth:
+    case Operation::sinh:
+    case Operation::cosh:
+    case Operation::sech:
+    case Operation::log:
+      conditions.require_dimensionless(of(node.left));
+      break;
+  }
+  return plain;
+}
+
 }  // namespace
 
 std::vector<ParameterDimension> parameter_dimensions(const Structure& structure, std::span<const double> parameters) {
@@ -58,67 +120,8 @@ std::vector<ParameterDimension> parameter_dimensions(const Structure& structure,
 
   Conditions conditions;
   std::vector<Dimension> dimensions;
-  for (const Node& node : expression.nodes) {
-    const auto of = [&](int index) -> const Dimension& { return dimensions[static_cast<std::size_t>(index)]; };
-    const auto exponent = [&] { return real_values[static_cast<std::size_t>(node.right)]; };
-    Dimension result{Eigen::VectorXd::Zero(unknowns)};
-    switch (node.operation) {
-      case Operation::number:
-        break;
-      case Operation::parameter:
-        if (structure.parameter_roles()[static_cast<std::size_t>(node.parameter)] != ParameterRole::order) {
-          result.factors[node.parameter] = 1;
-        }
-        break;
-      case Operation::laplace:
-      case Operation::exact_laplace:
-        result.frequency = 1;
-        break;
-      case Operation::add:
-      case Operation::subtract: {
-        const Dimension& left = of(node.left);
-        const Dimension& right = of(node.right);
-        conditions.require_equal(left, right);
-        result.terms = left.terms + right.terms;
-        result.factors = (left.terms * left.factors + right.terms * right.factors) / result.terms;
-        result.frequency = (left.terms * left.frequency + right.terms * right.frequency) / result.terms;
-        break;
-      }
-      case Operation::multiply:
-        result.factors = of(node.left).factors + of(node.right).factors;
-        result.frequency = of(node.left).frequency + of(node.right).frequency;
-        break;
-      case Operation::divide:
-        result.factors = of(node.left).factors - of(node.right).factors;
-        result.frequency = of(node.left).frequency - of(node.right).frequency;
-        break;
-      case Operation::negate:
-        result = of(node.left);
-        break;
-      case Operation::power:
-        result.factors = exponent() * of(node.left).factors;
-        result.frequency = exponent() * of(node.left).frequency;
-        break;
-      case Operation::power_of_s:
-        result.factors = exponent() * of(node.left).factors;
-        result.frequency = exponent() * (of(node.left).frequency + 1);
-        break;
-      case Operation::sqrt:
-        result.factors = of(node.left).factors / 2;
-        result.frequency = of(node.left).frequency / 2;
-        break;
-      case Operation::exp:
-      case Operation::tanh:
-      case Operation::coth:
-      case Operation::sinh:
-      case Operation::cosh:
-      case Operation::sech:
-      case Operation::log:
-        conditions.require_dimensionless(of(node.left));
-        break;
-    }
-    dimensions.push_back(std::move(result));
-  }
+  for (const Node& node : expression.nodes)
+    dimensions.push_back(dimension_of(node, structure, real_values, dimensions, conditions));
   conditions.require_value(dimensions.back());
 
   const Eigen::MatrixXd solution = conditions.solve(unknowns);

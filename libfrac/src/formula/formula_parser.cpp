@@ -7,6 +7,7 @@
 
 #include "expression_builder.hpp"
 #include "frac/structure.hpp"
+#include "function_names.hpp"
 #include "spelling_hints.hpp"
 
 namespace frac::detail {
@@ -26,14 +27,8 @@ bool is_blank(char c) {
 }
 
 std::optional<Operation> function_named(std::string_view name) {
-  if (name == "exp") return Operation::exp;
-  if (name == "sqrt") return Operation::sqrt;
-  if (name == "tanh") return Operation::tanh;
-  if (name == "coth") return Operation::coth;
-  if (name == "sinh") return Operation::sinh;
-  if (name == "cosh") return Operation::cosh;
-  if (name == "sech") return Operation::sech;
-  if (name == "log" || name == "ln") return Operation::log;
+  for (const auto& [known, operation] : function_names)
+    if (known == name) return operation;
   return std::nullopt;
 }
 

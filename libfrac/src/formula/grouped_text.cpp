@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "grouped_text.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <vector>
 
 #include "base/number_text.hpp"
+#include "function_names.hpp"
 
 namespace frac::detail {
 namespace {
@@ -29,82 +32,64 @@ Text raised(const Text& base, const Text& exponent) {
   return {at_least(Hold::whole, base) + "^" + at_least(Hold::whole, exponent), Hold::power};
 }
 
-Text called(const char* function, const Text& argument) {
-  return {std::string(function) + "(" + argument.text + ")", Hold::whole};
+Text called(Operation function, const Text& argument) {
+  const auto name = std::find_if(std::begin(function_names), std::end(function_names),
+                                 [&](const auto& known) { return known.second == function; });
+  return {std::string(name->first) + "(" + argument.text + ")", Hold::whole};
+}
+
+Text product(const Text& left, const Text& right) {
+  // A number behind a blank is refused, since "2 3" may be a slip.
+  const std::string second = at_least(Hold::product, right);
+  const bool is_number = !second.empty() && (second[0] == '.' || (second[0] >= '0' && second[0] <= '9'));
+  return {leading(left) + (is_number ? " * " : " ") + second, Hold::product};
+}
+
+/// @param before  the texts of the nodes before it
+Text text_of(const Node& node, const Expression& expression, const std::vector<Text>& before) {
+  const auto left = [&]() -> const Text& { return before[static_cast<std::size_t>(node.left)]; };
+  const auto right = [&]() -> const Text& { return before[static_cast<std::size_t>(node.right)]; };
+  switch (node.operation) {
+    case Operation::number:
+      return {number_text(node.number), node.number < 0 ? Hold::sign : Hold::whole};
+    case Operation::parameter:
+      return {expression.parameter_names[static_cast<std::size_t>(node.parameter)], Hold::whole};
+    case Operation::laplace:
+    case Operation::exact_laplace:
+      return {"s", Hold::whole};
+    case Operation::add:
+      return {left().text + " + " + at_least(Hold::quotient, right()), Hold::sum};
+    case Operation::subtract:
+      return {left().text + " - " + at_least(Hold::quotient, right()), Hold::sum};
+    case Operation::multiply:
+      return product(left(), right());
+    case Operation::divide:
+      return {leading(left()) + "/" + at_least(Hold::power, right()), Hold::quotient};
+    case Operation::negate:
+      return {"-" + at_least(Hold::product, left()), Hold::sign};
+    case Operation::power:
+      return raised(left(), right());
+    case Operation::power_of_s:
+      return left().text == "1" ? raised({"s", Hold::whole}, right())
+                                : raised({at_least(Hold::product, left()) + " s", Hold::product}, right());
+    case Operation::exp:
+    case Operation::sqrt:
+    case Operation::tanh:
+    case Operation::coth:
+    case Operation::sinh:
+    case Operation::cosh:
+    case Operation::sech:
+    case Operation::log:
+      break;
+  }
+  return called(node.operation, left());
 }
 
 }  // namespace
 
 std::string grouped_text(const Expression& expression) {
   std::vector<Text> texts;
-  for (const Node& node : expression.nodes) {
-    const auto left = [&]() -> const Text& { return texts[static_cast<std::size_t>(node.left)]; };
-    const auto right = [&]() -> const Text& { return texts[static_cast<std::size_t>(node.right)]; };
-    Text made;
-    switch (node.operation) {
-      case Operation::number:
-        made = {number_text(node.number), node.number < 0 ? Hold::sign : Hold::whole};
-        break;
-      case Operation::parameter:
-        made = {expression.parameter_names[static_cast<std::size_t>(node.parameter)], Hold::whole};
-        break;
-      case Operation::laplace:
-      case Operation::exact_laplace:
-        made = {"s", Hold::whole};
-        break;
-      case Operation::add:
-        made = {left().text + " + " + at_least(Hold::quotient, right()), Hold::sum};
-        break;
-      case Operation::subtract:
-        made = {left().text + " - " + at_least(Hold::quotient, right()), Hold::sum};
-        break;
-      case Operation::multiply: {
-        // A number behind a blank is refused, since "2 3" may be a slip.
-        const std::string second = at_least(Hold::product, right());
-        const bool is_number = !second.empty() && (second[0] == '.' || (second[0] >= '0' && second[0] <= '9'));
-        made = {leading(left()) + (is_number ? " * " : " ") + second, Hold::product};
-        break;
-      }
-      case Operation::divide:
-        made = {leading(left()) + "/" + at_least(Hold::power, right()), Hold::quotient};
-        break;
-      case Operation::negate:
-        made = {"-" + at_least(Hold::product, left()), Hold::sign};
-        break;
-      case Operation::power:
-        made = raised(left(), right());
-        break;
-      case Operation::power_of_s:
-        made = left().text == "1" ? raised({"s", Hold::whole}, right())
-                                  : raised({at_least(Hold::product, left()) + " s", Hold::product}, right());
-        break;
-      case Operation::exp:
-        made = called("exp", left());
-        break;
-      case Operation::sqrt:
-        made = called("sqrt", left());
-        break;
-      case Operation::tanh:
-        made = called("tanh", left());
-        break;
-      case Operation::coth:
-        made = called("coth", left());
-        break;
-      case Operation::sinh:
-        made = called("sinh", left());
-        break;
-      case Operation::cosh:
-        made = called("cosh", left());
-        break;
-      case Operation::sech:
-        made = called("sech", left());
-        break;
-      case Operation::log:
-        made = called("log", left());
-        break;
-    }
-    texts.push_back(std::move(made));
-  }
+  for (const Node& node : expression.nodes) texts.push_back(text_of(node, expression, texts));
   return texts.back().text;
 }
 

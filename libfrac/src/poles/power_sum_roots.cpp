@@ -111,7 +111,10 @@ std::vector<Complex> polynomial_roots(const std::vector<Complex>& coefficient) {
 
 class Search {
  public:
-  explicit Search(const std::vector<PowerTerm>& sum) : sum_(sum) {}
+  explicit Search(const std::vector<PowerTerm>& sum)
+      : sum_(sum), is_polynomial_(std::all_of(sum.begin(), sum.end(), [](const PowerTerm& term) {
+          return term.order == std::floor(term.order);
+        })) {}
 
   // NaN where an edge meets a root.
   [[nodiscard]] double count(const Box& box) const {
@@ -163,28 +166,30 @@ class Search {
     complete_ = complete_ && box.size() < 1e-3;
   }
 
-  // Newton's method from where two terms balance that outweigh all others somewhere.  True, and the roots are kept, if
-  // as many are found as the box holds: they are all then.
+  // Newton's method from where two terms balance that outweigh all others somewhere, first on the sum, then on the sum
+  // over its roots known so far, which leads to others.  True, and the roots are kept, if as many are found as the box
+  // holds: they are all then.
   bool find_from_balances(const Box& box, int expected) {
-    constexpr double apart = 0.05;  // nearer ones may be one root, found twice
-    std::vector<Complex> roots;
-    for (const auto& [high, low] : balances()) {
-      const double gap = high->order - low->order;
-      const double log_modulus = log_ratio(low->coefficient, high->coefficient) / gap;
-      const double turn = (low->coefficient > 0) == (high->coefficient > 0) ? std::numbers::pi : 0;
-      const double first = std::ceil((box.bottom * gap - turn) / (2 * std::numbers::pi));
-      for (double k = first; roots.size() < static_cast<std::size_t>(expected); ++k) {
-        const double argument = (turn + 2 * std::numbers::pi * k) / gap;
-        if (argument > box.top) break;
-        const std::optional<Complex> root = polished(sum_, {log_modulus, argument});
-        if (!root || !box.contains(*root)) continue;
-        const bool is_new =
-            std::none_of(roots.begin(), roots.end(), [&](Complex other) { return std::abs(other - *root) < apart; });
-        if (is_new) roots.push_back(*root);
+    const auto wanted = static_cast<std::size_t>(expected);
+    const std::vector<Complex> starts = balanced_points(box, wanted);
+    std::vector<Complex> known, inside;
+    const auto take = [&](std::optional<Complex> root) {
+      if (!root || !is_new(*root, known)) return false;
+      known.push_back(*root);
+      for (const Complex image : images(*root)) {
+        if (box.contains(image) && is_new(image, inside)) inside.push_back(image);
+      }
+      return true;
+    };
+    for (const Complex start : starts) take(polished(sum_, start));
+    for (const Complex start : starts) {
+      // Off the axes, on which the steps from a point on them would stay.
+      const Complex beside = start + Complex(0.07, 0.11);
+      while (inside.size() < wanted && take(polished_beside(known, beside))) {
       }
     }
-    if (roots.size() != static_cast<std::size_t>(expected)) return false;
-    for (const Complex root : roots) found_.push_back({root, 1, 0});
+    if (inside.size() != wanted) return false;
+    for (const Complex root : inside) found_.push_back({root, 1, 0});
     return true;
   }
 
@@ -235,6 +240,63 @@ class Search {
     return pairs;
   }
 
+  // Where two terms that outweigh all others cancel, in the box and no more than `most`.
+  [[nodiscard]] std::vector<Complex> balanced_points(const Box& box, std::size_t most) const {
+    std::vector<Complex> points;
+    for (const auto& [high, low] : balances()) {
+      const double gap = high->order - low->order;
+      const double log_modulus = log_ratio(low->coefficient, high->coefficient) / gap;
+      const double turn = (low->coefficient > 0) == (high->coefficient > 0) ? std::numbers::pi : 0;
+      const double first = std::ceil((box.bottom * gap - turn) / (2 * std::numbers::pi));
+      for (double k = first; points.size() < most; ++k) {
+        const double argument = (turn + 2 * std::numbers::pi * k) / gap;
+        if (argument > box.top) break;
+        points.emplace_back(log_modulus, argument);
+      }
+    }
+    return points;
+  }
+
+  // Newton's method ends within far less of a root, so that two ends this far apart are two roots.
+  [[nodiscard]] static bool is_new(Complex root, const std::vector<Complex>& known) {
+    return std::none_of(known.begin(), known.end(),
+                        [&](Complex other) { return std::abs(other - root) < 2 * one_cluster; });
+  }
+
+  // The root, its conjugate and, of a polynomial, both on the next sheet.
+  [[nodiscard]] std::vector<Complex> images(Complex root) const {
+    std::vector<Complex> result{root, std::conj(root)};
+    if (is_polynomial_) {
+      const double argument = std::remainder(root.imag(), 2 * std::numbers::pi);
+      for (const double turns : {0.0, 1.0}) {
+        result.emplace_back(root.real(), argument + 2 * std::numbers::pi * turns);
+        result.emplace_back(root.real(), -argument + 2 * std::numbers::pi * turns);
+      }
+    }
+    return result;
+  }
+
+  // A root from there that none of the known ones and their conjugates attracts.
+  [[nodiscard]] std::optional<Complex> polished_beside(const std::vector<Complex>& known, Complex zeta) const {
+    const auto divided_by = [&](Complex root) {
+      return is_polynomial_ ? 1.0 / (1.0 - std::exp(root - zeta)) : 1.0 / (zeta - root);
+    };
+    for (int i = 0; i < 60; ++i) {
+      const ScaledSum f = scaled_sum(sum_, zeta);
+      Complex slope = f.slope / f.value;
+      for (const Complex root : known) {
+        slope -= divided_by(root);
+        if (is_new(std::conj(root), {root})) slope -= divided_by(std::conj(root));
+      }
+      Complex step = 1.0 / slope;
+      if (!std::isfinite(step.real()) || !std::isfinite(step.imag())) return std::nullopt;
+      if (std::abs(step) > 0.5) step *= 0.5 / std::abs(step);
+      zeta -= step;
+      if (std::abs(step) < 1e-6) return polished(sum_, zeta);
+    }
+    return std::nullopt;
+  }
+
   // Empty where Newton's method has not converged.
   [[nodiscard]] static std::optional<Complex> polished(const std::vector<PowerTerm>& sum, Complex zeta) {
     for (int i = 0; i < 60; ++i) {
@@ -280,6 +342,7 @@ class Search {
   static constexpr std::size_t most_work = 40'000'000;
 
   const std::vector<PowerTerm>& sum_;
+  bool is_polynomial_;
   std::vector<Found> found_;
   bool complete_ = true;
   mutable std::size_t work_ = 0;

@@ -167,15 +167,61 @@ std::vector<Complex> roots(const RationalRatio& ratio, const ModelOnBand& model,
   return root;
 }
 
+// Residue at pole i of a ladder of the numerator, of which every term with it has a share.
+Extended ladder_residue(const RationalRatio& ratio, std::size_t index, std::size_t i) {
+  const Ladder& ladder = ratio.ladders[index];
+  const Complex pole = ladder.poles[i];
+  Complex residue = ladder.gain * (pole - ladder.zeros[i]);
+  for (std::size_t j = 0; j < ladder.poles.size(); ++j) {
+    if (j != i) residue *= (pole - ladder.zeros[j]) / (pole - ladder.poles[j]);
+  }
+  Complex factor = 0;
+  for (const Term& term : ratio.numerator) {
+    if (term.ladder == static_cast<int>(index)) factor += term.coefficient * std::pow(pole, term.whole);
+  }
+  return (factor * residue / ratio.sum(ratio.denominator, pole, 0).value).real();
+}
+
+// Laurent coefficients at 0, a pole of some order, from a circle that holds no other pole.
+Mode mode_at_origin(const RationalRatio& ratio, int order, Extended radius, Extended centre) {
+  constexpr int points = 64;
+  Mode mode{0, std::vector<std::complex<double>>(static_cast<std::size_t>(order))};
+  for (int k = 0; k < order; ++k) {
+    Complex sum = 0;
+    for (int i = 0; i < points; ++i) {
+      const Complex s =
+          std::polar(radius, 2 * std::numbers::pi_v<Extended> * (static_cast<Extended>(i) + Extended(0.5)) / points);
+      sum += ratio.sum(ratio.numerator, s, 0).value / ratio.sum(ratio.denominator, s, order).value * std::pow(s, -k);
+    }
+    mode.residues[static_cast<std::size_t>(order - 1 - k)] =
+        static_cast<double>(sum.real() / points * std::pow(centre, static_cast<Extended>(order - k)));
+  }
+  return mode;
+}
+
+// What the ratio tends to at infinity.
+double direct_gain(const RationalRatio& ratio) {
+  const int high = highest(ratio.denominator);
+  if (highest(ratio.numerator) != high) return 0;
+  const auto at_infinity = [&](const std::vector<Term>& terms) {
+    Extended sum = 0;
+    for (const Term& term : terms) {
+      if (term.whole == high)
+        sum += term.coefficient * (term.ladder < 0 ? 1 : ratio.ladders[static_cast<std::size_t>(term.ladder)].gain);
+    }
+    return sum;
+  };
+  return static_cast<double>(at_infinity(ratio.numerator) / at_infinity(ratio.denominator));
+}
+
 }  // namespace
 
 ModalDesign term_by_term_design(const ModelOnBand& model, double ladder_tolerance) {
   const RationalRatio ratio = with_ladders(model, ladder_tolerance);
-  const auto least = [](const std::vector<Term>& terms) {
-    return std::min_element(terms.begin(), terms.end(), [](const Term& a, const Term& b) { return a.whole < b.whole; })
-        ->whole;
-  };
-  const int at_origin = least(ratio.denominator);
+  const int at_origin =
+      std::min_element(ratio.denominator.begin(), ratio.denominator.end(), [](const Term& a, const Term& b) {
+        return a.whole < b.whole;
+      })->whole;
   const Extended centre = model.centre();
   ModalDesign design;
   design.density = 3;
@@ -195,54 +241,16 @@ ModalDesign term_by_term_design(const ModelOnBand& model, double ladder_toleranc
     const Complex residue = ratio.sum(ratio.numerator, pole, 0).value / d.slope;
     add(pole, real ? Complex(residue.real()) : residue);
   }
-  for (const Ladder& ladder : ratio.ladders) {
+  for (std::size_t index = 0; index < ratio.ladders.size(); ++index) {
+    const Ladder& ladder = ratio.ladders[index];
     if (ladder.in_denominator) continue;
-    const int index = static_cast<int>(&ladder - ratio.ladders.data());
     for (std::size_t i = 0; i < ladder.poles.size(); ++i) {
-      const Complex pole = ladder.poles[i];
-      nearest = std::min(nearest, std::abs(pole));
-      // Residue of the ladder, of which every numerator term with it has a share.
-      Complex residue = ladder.gain * (pole - ladder.zeros[i]);
-      for (std::size_t j = 0; j < ladder.poles.size(); ++j) {
-        if (j != i) residue *= (pole - ladder.zeros[j]) / (pole - ladder.poles[j]);
-      }
-      Complex factor = 0;
-      for (const Term& term : ratio.numerator) {
-        if (term.ladder == index) factor += term.coefficient * std::pow(pole, term.whole);
-      }
-      add(pole.real(), (factor * residue / ratio.sum(ratio.denominator, pole, 0).value).real());
+      nearest = std::min(nearest, std::abs(ladder.poles[i]));
+      add(ladder.poles[i], ladder_residue(ratio, index, i));
     }
   }
-  if (at_origin > 0) {
-    // Laurent coefficients at 0 from a circle that holds no other pole.
-    constexpr int points = 64;
-    const Extended radius = nearest / 4;
-    Mode mode{0, std::vector<std::complex<double>>(static_cast<std::size_t>(at_origin))};
-    for (int k = 0; k < at_origin; ++k) {
-      Complex sum = 0;
-      for (int i = 0; i < points; ++i) {
-        const Complex s =
-            std::polar(radius, 2 * std::numbers::pi_v<Extended> * (static_cast<Extended>(i) + Extended(0.5)) / points);
-        sum +=
-            ratio.sum(ratio.numerator, s, 0).value / ratio.sum(ratio.denominator, s, at_origin).value * std::pow(s, -k);
-      }
-      mode.residues[static_cast<std::size_t>(at_origin - 1 - k)] =
-          static_cast<double>(sum.real() / points * std::pow(centre, static_cast<Extended>(at_origin - k)));
-    }
-    design.modes.push_back(std::move(mode));
-  }
-  const int high = highest(ratio.denominator);
-  if (highest(ratio.numerator) == high) {
-    const auto at_infinity = [&](const std::vector<Term>& terms) {
-      Extended sum = 0;
-      for (const Term& term : terms) {
-        if (term.whole == high)
-          sum += term.coefficient * (term.ladder < 0 ? 1 : ratio.ladders[static_cast<std::size_t>(term.ladder)].gain);
-      }
-      return sum;
-    };
-    design.direct = static_cast<double>(at_infinity(ratio.numerator) / at_infinity(ratio.denominator));
-  }
+  if (at_origin > 0) design.modes.push_back(mode_at_origin(ratio, at_origin, nearest / 4, centre));
+  design.direct = direct_gain(ratio);
   return design;
 }
 

@@ -111,32 +111,64 @@ InverseLaplace::Estimate InverseLaplace::by_cut(double t) const {
   return {sum, 3 * eps * rounding};
 }
 
-// s = w^2/t on Re w = c, as for the Mittag-Leffler function.  The three errors of the rule are bounded with the terms
-// of Y that dominate at each |s| and held e^-40 below the integrand at its saddle.
-InverseLaplace::Estimate InverseLaplace::by_parabola(double t) const {
-  const double log_t = std::log(t);
-  const auto log_size = [&](double w) { return y.log_magnitude(2 * std::log(w) - log_t) + std::log(w); };
-  const double p = -(2 * y.slope(-log_t) + 1);
-  const double saddle = std::sqrt(std::max(p, 1.0) / 2);
-  const double line = std::max(1.6, saddle + (p > 2 ? 1 : 0));
-  const double scale = log_size(saddle) + (p > 2 ? saddle * saddle : 0);
-  double step = 2 * pi * line / accuracy;
+// s = w^2/t on the line Re w = c, as for the Mittag-Leffler function.
+struct InverseLaplace::Parabola {
+  double log_t;
+  double line;       // c
+  double step = 0;   // of the rule along the line
+  double scale = 0;  // ln of the integrand at its saddle
   double inner = 0;  // radius where the shifted line stops short of the origin
-  for (int attempt = 0; attempt < 400; ++attempt, step *= 0.97) {
-    const double rate = 2 * pi / step;
-    double left = infinity;
-    for (double w = line * 1e-3; w < line; w *= 1.2) {
-      const double bound = log_size(w) - rate * (line - w);
-      if (bound < left) {
-        left = bound;
-        inner = w;
+
+  // The three errors of the rule are bounded with the terms of Y that dominate at each |s| and held e^-40 below the
+  // integrand at its saddle.
+  Parabola(const LaplaceImage& image, double t) : log_t(std::log(t)) {
+    const double p = -(2 * image.slope(-log_t) + 1);
+    const double saddle = std::sqrt(std::max(p, 1.0) / 2);
+    line = std::max(1.6, saddle + (p > 2 ? 1 : 0));
+    scale = log_size(image, saddle) + (p > 2 ? saddle * saddle : 0);
+    step = 2 * pi * line / accuracy;
+    for (int attempt = 0; attempt < 400; ++attempt, step *= 0.97) {
+      const double rate = 2 * pi / step;
+      double left = infinity;
+      for (double w = line * 1e-3; w < line; w *= 1.2) {
+        const double bound = log_size(image, w) - rate * (line - w);
+        if (bound < left) {
+          left = bound;
+          inner = w;
+        }
       }
+      const double right_end = std::max(pi / step, line);
+      const double right = right_end * right_end + log_size(image, right_end) - rate * (right_end - line);
+      if (std::max(left, right) < scale - accuracy + 2) break;
     }
-    const double right_end = std::max(pi / step, line);
-    const double right = right_end * right_end + log_size(right_end) - rate * (right_end - line);
-    if (std::max(left, right) < scale - accuracy + 2) break;
   }
 
+  [[nodiscard]] double log_size(const LaplaceImage& image, double w) const {
+    return image.log_magnitude(2 * std::log(w) - log_t) + std::log(w);
+  }
+};
+
+InverseLaplace::Estimate InverseLaplace::along(const Parabola& parabola, double offset) const {
+  const auto& [log_t, line, step, scale, inner] = parabola;
+  Estimate result{0, 0};
+  for (int k = 0; k < 2000; ++k) {
+    const Complex w(line, (k + offset) * step);
+    const Complex log_w = std::log(w);
+    const double tail = (w * w).real() + parabola.log_size(y, std::abs(w));
+    if (w.imag() > line && tail < scale - accuracy) break;
+    const double weight = (k == 0 && offset == 0 ? 0.5 : 1) * 2 * step / pi;
+    const Complex part = weight * y.value(2.0 * log_w - log_t, w * w + log_w - log_t);
+    result.value += part.real();
+    // The image comes from its logarithm, whose rounding grows with its size.
+    const double log_image = y.log_magnitude(2 * log_w.real() - log_t);
+    result.rounding += std::abs(part) * (4 + 2 * std::abs(w) + 0.5 * std::abs(log_image));
+  }
+  return result;
+}
+
+InverseLaplace::Estimate InverseLaplace::by_parabola(double t) const {
+  const Parabola parabola(y, t);
+  const double log_t = parabola.log_t, line = parabola.line, step = parabola.step;
   struct Pole {
     std::size_t index;
     Complex w;
@@ -146,7 +178,7 @@ InverseLaplace::Estimate InverseLaplace::by_parabola(double t) const {
     const RootCluster& pole = y.poles().clusters[k];
     if (pole.log_s.imag() - pole.spread >= pi) continue;
     const Complex w = std::exp((pole.log_s + log_t) / 2.0);
-    if (std::abs(w) > inner) poles.push_back({k, w});
+    if (std::abs(w) > parabola.inner) poles.push_back({k, w});
   }
   const auto nearest = [&](double offset) {
     double distance = infinity;
@@ -158,20 +190,7 @@ InverseLaplace::Estimate InverseLaplace::by_parabola(double t) const {
   };
   const double offset = nearest(0.5) > 0.25 || nearest(0.5) >= nearest(0) ? 0.5 : 0;
 
-  double sum = 0;
-  double rounding = 0;
-  for (int k = 0; k < 2000; ++k) {
-    const Complex w(line, (k + offset) * step);
-    const Complex log_w = std::log(w);
-    const double tail = (w * w).real() + log_size(std::abs(w));
-    if (w.imag() > line && tail < scale - accuracy) break;
-    const double weight = (k == 0 && offset == 0 ? 0.5 : 1) * 2 * step / pi;
-    const Complex part = weight * y.value(2.0 * log_w - log_t, w * w + log_w - log_t);
-    sum += part.real();
-    // The image comes from its logarithm, whose rounding grows with its size.
-    const double log_image = y.log_magnitude(2 * log_w.real() - log_t);
-    rounding += std::abs(part) * (4 + 2 * std::abs(w) + 0.5 * std::abs(log_image));
-  }
+  auto [sum, rounding] = along(parabola, offset);
   const double rate = 2 * pi / step;
   for (const Pole& pole : poles) {
     const double growth = std::norm(pole.w);

@@ -32,7 +32,10 @@ class InverseLaplace {
     double rounding;
   };
   [[nodiscard]] Estimate by_cut(double t) const;
+  struct Parabola;
   [[nodiscard]] Estimate by_parabola(double t) const;
+  // The trapezoidal rule, without poles; `offset` of the nodes from the real axis, in steps.
+  [[nodiscard]] Estimate along(const Parabola& parabola, double offset) const;
 
   // What is left of the image beside its terms at the origin, over e^scale, at one node of the rule along the cut.
   struct Node {

@@ -68,9 +68,7 @@ Origin origin_of(const frac::FractionalTransferFunction& model) {
 }
 
 Json crossovers(const std::vector<frac::Crossover>& list, const char* margin) {
-  Json array = Json::array();
-  for (const auto& crossover : list) array.push_back({{"omega", crossover.omega}, {margin, crossover.margin}});
-  return array;
+  return Json::list(list, [&](const auto& each) { return Json{{"omega", each.omega}, {margin, each.margin}}; });
 }
 
 std::string json_text(const Analysis& result, const std::string& command) {

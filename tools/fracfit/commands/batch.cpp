@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
-#include <memory>
+#include <optional>
 #include <set>
 #include <stdexcept>
 
@@ -36,11 +36,12 @@ void check_names(const frac::NamedModel& model) {
   }
 }
 
-// Rows that an interrupted run of the same command has left in the output and that still hold: fits of files that have
-// not changed since.
+/// Rows that an interrupted run of the same command has left in the output and that still hold: fits of files that have
+/// not changed since.
+/// @param part  indices of the curves that the output is of
 std::map<std::string, std::string> finished_rows(const std::string& out, BatchFormat format,
-                                                 const BatchManifest& manifest, const std::vector<std::string>& files,
-                                                 const std::map<std::string, BatchCurve>& curves) {
+                                                 const BatchManifest& manifest, const std::vector<BatchCurve>& curves,
+                                                 const std::vector<std::size_t>& part) {
   std::map<std::string, std::string> rows;
   std::error_code ignored;
   if (!fs::is_regular_file(out, ignored) || fs::file_size(out, ignored) == 0) return rows;
@@ -51,14 +52,16 @@ std::map<std::string, std::string> finished_rows(const std::string& out, BatchFo
     throw std::invalid_argument("--out " + out + " holds the results of another command: " + table.manifest.command +
                                 (table.manifest.shard.empty() ? "" : " --shard " + table.manifest.shard) +
                                 " (fracfit " + table.manifest.version + "); remove it or choose another file");
-  const std::set<std::string> known(files.begin(), files.end());
+  std::map<std::string, std::string> fingerprints;
+  for (const std::size_t i : part) fingerprints.emplace(curves[i].name, curves[i].fingerprint);
   for (const auto& [file, line] : table.rows) {
-    if (!known.contains(file))
+    const auto known = fingerprints.find(file);
+    if (known == fingerprints.end())
       throw std::invalid_argument("--out " + out + " holds a result for " + file +
                                   ", which is not among the data; remove it or choose another file");
     const auto row = read_row(format, manifest.columns, line).value();
     const auto made_from = row.find(std::string(fingerprint_column));
-    if (row.at("status") == "converged" && made_from != row.end() && made_from->second == curves.at(file).fingerprint)
+    if (row.at("status") == "converged" && made_from != row.end() && made_from->second == known->second)
       rows.emplace(file, line + "\n");
   }
   return rows;
@@ -177,76 +180,87 @@ class Batch : public Command {
     }
   }
 
-  int run() override {
-    const auto rows_format = row_format();
-    const bool to_file = !out().empty() && out() != "-";
-    std::vector<std::string> inputs;
-    std::map<std::string, BatchCurve> curves;
-    for (auto& curve : curves_of(io::input_files(data_, to_file ? out() : ""), request_)) {
-      inputs.push_back(curve.name);
-      if (!curves.emplace(curve.name, curve).second)
+  // The curves of all files, of which no two have one name.
+  [[nodiscard]] std::vector<BatchCurve> curves_in_order(bool to_file) const {
+    std::vector<BatchCurve> curves = curves_of(io::input_files(data_, to_file ? out() : ""), request_);
+    std::set<std::string> names;
+    for (const auto& curve : curves)
+      if (!names.insert(curve.name).second)
         throw std::invalid_argument("two curves have the name " + io::quoted(curve.name) +
                                     "; rename a file or a column");
+    return curves;
+  }
+
+  // A line for each of some curves, taken from the stream where that has it.
+  [[nodiscard]] std::vector<std::string> lines_of(const std::vector<BatchCurve>& curves,
+                                                  const std::vector<std::size_t>& part, io::ResultStream* stream) {
+    std::vector<std::string> lines(part.size());
+    BlockStarts starts(task_, curves);
+    frac::Progress progress;
+    progress.total = part.size();
+    const io::ProgressBar bar("batch", progress, progress_style());
+    frac::parallel_for(part.size(), threads(), [&](std::size_t i) {
+      const std::string& name = curves[part[i]].name;
+      if (stream != nullptr && stream->contains(name)) {
+        lines[i] = stream->text(name);
+        lines[i].pop_back();
+      } else {
+        lines[i] = row_line(row_format(), batch_row(task_, curves, part[i], starts));
+        if (stream != nullptr) stream->append(name, lines[i] + "\n");
+      }
+      ++progress.done;
+    });
+    return lines;
+  }
+
+  [[nodiscard]] int outcome(const BatchManifest& manifest, const std::vector<std::string>& lines,
+                            const std::vector<std::string>& notes) const {
+    std::size_t converged = 0, unreadable = 0;
+    for (const auto& line : lines) {
+      const auto status = status_of(row_format(), manifest, line);
+      converged += status == "converged" ? 1U : 0U;
+      unreadable += status == "invalid-data" ? 1U : 0U;
     }
-    const auto files = io::part_of(inputs, shard());
-    std::vector<BatchCurve> in_order;
-    in_order.reserve(inputs.size());
-    std::map<std::string, std::size_t> place;
-    for (const auto& name : inputs) {
-      place.emplace(name, in_order.size());
-      in_order.push_back(curves.at(name));
+    if (!lines.empty() && unreadable == lines.size()) {
+      complain_of_data(row_format(), manifest, lines);
+      return invalid_data;
     }
-    if (const auto fault = fault_of_command(task_, in_order); !fault.empty()) throw std::invalid_argument(fault);
-    check_variables(laws_, task_, in_order);
+    for (const auto& note : notes) say(note);
+    if (converged < lines.size())
+      say(std::to_string(lines.size() - converged) + " of " + std::to_string(lines.size()) +
+          " curves gave no result; see column status");
+    return converged > 0 || lines.empty() ? usable_result : no_usable_result;
+  }
+
+  int run() override {
+    const bool to_file = !out().empty() && out() != "-";
+    const std::vector<BatchCurve> curves = curves_in_order(to_file);
+    std::vector<std::string> inputs;
+    std::vector<std::size_t> places;
+    for (const auto& curve : curves) {
+      places.push_back(inputs.size());
+      inputs.push_back(curve.name);
+    }
+    if (const auto fault = fault_of_command(task_, curves); !fault.empty()) throw std::invalid_argument(fault);
+    check_variables(laws_, task_, curves);
     const std::string shard_text = options()["--shard"].is_given() ? io::text_of(shard()) : "";
     const BatchManifest manifest{std::string(io::version()), command_line(), shard_text, laws_, inputs,
                                  batch_columns(task_)};
-    const auto header = header_text(rows_format, manifest);
+    const auto header = header_text(row_format(), manifest);
+    const std::vector<std::size_t> part = io::part_of(places, shard());
+    std::optional<io::ResultStream> stream;
+    if (to_file) stream.emplace(out(), header, finished_rows(out(), row_format(), manifest, curves, part));
+    const std::vector<std::string> lines = lines_of(curves, part, stream ? &*stream : nullptr);
 
-    std::unique_ptr<io::ResultStream> stream;
-    if (to_file)
-      stream =
-          std::make_unique<io::ResultStream>(out(), header, finished_rows(out(), rows_format, manifest, files, curves));
-    std::vector<std::string> lines(files.size());
-    BlockStarts starts(task_, in_order);
-    frac::Progress progress;
-    progress.total = files.size();
-    {
-      const io::ProgressBar bar("batch", progress, progress_style());
-      frac::parallel_for(files.size(), threads(), [&](std::size_t i) {
-        if (stream && stream->contains(files[i])) {
-          lines[i] = stream->text(files[i]);
-          lines[i].pop_back();
-        } else {
-          lines[i] = row_line(rows_format, batch_row(task_, in_order, place.at(files[i]), starts));
-          if (stream) stream->append(files[i], lines[i] + "\n");
-        }
-        ++progress.done;
-      });
-    }
     std::string text = header;
     for (const auto& line : lines) text += line + "\n";
-    const auto laws = shard_text.empty() ? power_law_remarks(rows_format, manifest, lines) : PowerLawRemarks{};
-    const std::string end = shard_text.empty() ? laws.text : shard_end(rows_format, text);
+    const auto laws = shard_text.empty() ? power_law_remarks(row_format(), manifest, lines) : PowerLawRemarks{};
+    const std::string end = shard_text.empty() ? laws.text : shard_end(row_format(), text);
     if (stream)
       stream->finish(text + end);
     else
       write(format() == "table" ? summary_of_rows(manifest, lines) + laws_text(laws.text) : text + end);
-    std::size_t converged = 0, unreadable = 0;
-    for (const auto& line : lines) {
-      const auto status = status_of(rows_format, manifest, line);
-      converged += status == "converged" ? 1U : 0U;
-      unreadable += status == "invalid-data" ? 1U : 0U;
-    }
-    if (!files.empty() && unreadable == files.size()) {
-      complain_of_data(rows_format, manifest, lines);
-      return invalid_data;
-    }
-    for (const auto& note : laws.notes) say(note);
-    if (converged < files.size())
-      say(std::to_string(files.size() - converged) + " of " + std::to_string(files.size()) +
-          " curves gave no result; see column status");
-    return converged > 0 || files.empty() ? usable_result : no_usable_result;
+    return outcome(manifest, lines, laws.notes);
   }
 
   FitRequest request_;

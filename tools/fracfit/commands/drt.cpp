@@ -50,9 +50,9 @@ class Drt : public Command {
         "range of 95 % of such g: it holds smooth densities, but may miss the maximum of an arc that is nearly a "
         "line.\n"
         "The area of a peak of data is that within the band.  Kinds of rows: density, line, peak.\n"
-        "The misfit is the rms of what the distribution leaves of the data, relative to their magnitude and in units "
-        "of\n"
-        "their noise; data that no distribution follows (a resonance, a reversed sign) are named, with exit code 1.\n"
+        "The misfit is the rms of what the distribution leaves of the data, relative to their magnitude and in units\n"
+        "of their noise, fit_misfit that of the formula of a fit beside data; data that no distribution follows (a\n"
+        "resonance, a reversed sign) are named, with exit code 1.\n"
         "Examples:\n"
         "  fracfit drt cell.csv --out times.csv --picture times.svg\n"
         "  fracfit drt --fit fit.json --tau 1e-6:100:161log\n"
@@ -154,11 +154,26 @@ class Drt : public Command {
     return area(times) >= 0;
   }
 
+  /// Of the formula, as that of a distribution of data: rms of what it leaves, relative to their magnitude.
+  static double misfit_of(const frac::FitResult& fit, const frac::FrequencyResponseData& data) {
+    const frac::Structure structure(fit.model);
+    std::vector<double> values;
+    for (const auto& parameter : fit.parameters) values.push_back(parameter.value);
+    double largest = 0, sum = 0;
+    for (const auto& value : data.value()) largest = std::max(largest, std::abs(value));
+    for (std::size_t i = 0; i < data.size(); ++i) {
+      const double size = std::abs(data.value()[i]);
+      sum += std::norm((structure.response(values, data.omega()[i]) - data.value()[i]) / (size > 0 ? size : largest));
+    }
+    return std::sqrt(sum / static_cast<double>(data.size()));
+  }
+
   int run() override {
     Document document;
     bool usable = true;
     std::optional<frac::TimesKernel> told = kernel_;
     std::vector<Row> rows;
+    std::optional<frac::FrequencyResponseData> data;
     report::Panel panel{"", {"{/Symbol t} (s)", true}, {"density per e-fold"}};
     panel.key = true;
     if (!data_.empty()) {
@@ -169,12 +184,14 @@ class Drt : public Command {
       usable = data_are_followed(times);
       add_rows("data", times, rows);
       add_curves("data", 0, times, panel);
+      if (!file.value_unit.empty()) panel.y.label += " (" + report::enhanced_escape(file.value_unit) + ")";
       document.head.emplace_back("constant", io::format_number(times.constant));
       document.head.emplace_back("inductance", io::format_number(times.inductance));
       document.head.emplace_back("elastance", io::format_number(times.elastance));
       document.head.emplace_back("smoothness", io::format_number(times.smoothness));
       document.head.emplace_back("misfit", io::format_number(times.misfit));
       document.head.emplace_back("misfit_in_noise", io::format_number(times.misfit_in_noise));
+      data = file.data;
     }
     if (!fit_.empty()) {
       const auto fit = read_fit(fit_);
@@ -182,6 +199,7 @@ class Drt : public Command {
       told = times.kernel;
       usable = density_is_positive(times) && usable;
       document.head.emplace_back("model", fit.model);
+      if (data) document.head.emplace_back("fit_misfit", io::format_number(misfit_of(fit, *data)));
       add_rows("fit", times, rows);
       add_curves("fit", 1, times, panel);
     }

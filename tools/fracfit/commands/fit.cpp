@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
+#include <cmath>
 #include <optional>
 #include <stdexcept>
 
@@ -133,6 +134,8 @@ class Fit : public Command {
     std::vector<std::string> names;
     for (const auto& parameter : result.parameters) names.push_back(parameter.name);
     statistics.derived = frac::derived_estimates(result, quantities(names));
+    for (const auto& derived : statistics.derived)
+      if (!std::isfinite(derived.value)) say("--derive: " + derived.formula + " is no finite number at the estimates");
     write(format() == "json"  ? fit_json(run, result, statistics)
           : format() == "csv" ? fit_csv(run, result, statistics)
                               : fit_table(run, result, statistics));

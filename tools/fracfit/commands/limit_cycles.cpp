@@ -48,7 +48,8 @@ class LimitCyclesCommand : public Command {
              "One loop for each value of mass1, mass2, clearance, restitution or a name in a formula",
              "NAME=FROM:TO:N");
     o.count("--starts", starts_, 0, most_starts,
-            "Motions simulated from seeded starts, which find cycles with any number of impacts; with --over at the "
+            "Motions simulated from seeded starts, which find cycles with any number of impacts or rests in contact; "
+            "with --over at the "
             "values without a stable cycle, where following what they find may take minutes",
             "N")
         .default_is("3, with --over 0");

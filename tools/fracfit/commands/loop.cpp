@@ -25,6 +25,7 @@ class LoopCommand : public Command {
     Options& o = options();
     loop_.add(o);
     loop_.add_body(o);
+    o["--restitution"].required();
     o.number("--setpoint-step", set_point_.step, "Step of the set-point of the measured position at t = 0, m", "R");
     o.number("--setpoint-ramp", set_point_.ramp, "Its rate from t = 0 on, m/s", "RATE");
     o.parsed("--setpoint-sine", sine_, sine_of, "A sine in it, m and rad/s", "AMPLITUDE:OMEGA").default_is("none");

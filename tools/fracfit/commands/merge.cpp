@@ -43,6 +43,7 @@ class Merge : public Command {
     options().flag("--status", status_,
                    "Say how far each shard of a sweep or a map is and which are missing; join nothing");
     add_common({"csv", "json", "table"});
+    options()["--out"].default_is("none for a joined table, where - is standard output");
     set_footer(
         "All must stem from the same command, on the same files.  The result is that of the command without --shard.\n"
         "Those of a map or a sweep are copied from file to file, so that memory does not grow with them.\n"
@@ -122,7 +123,13 @@ class Merge : public Command {
         merged = table;
       else
         check_agreement(merged, in_.front(), table, name);
-      if (!table.manifest.shard.empty() && !table.has_end) unfinished.push_back(name);
+      if (!table.manifest.shard.empty() && !table.has_end) {
+        if (is_whole(table))
+          throw io::DataError(name, 0, 0,
+                              "holds all rows of its shard, but not their checksum as the last line: its end was cut "
+                              "off or changed; the same command, run again, restores it");
+        unfinished.push_back(name);
+      }
       for (const auto& [file, line] : table.rows) {
         const auto [found, is_new] = rows.try_emplace(file, line, name);
         if (!is_new)
@@ -154,6 +161,11 @@ class Merge : public Command {
         (unfinished.empty() ? "" : "; cut off or unfinished: " + io::shortened_list(unfinished)) +
         "; the batch without --shard and with this --out does the rest");
     return no_usable_result;
+  }
+
+  static bool is_whole(const BatchTable& table) {
+    const auto& manifest = table.manifest;
+    return table.rows.size() == io::part_of(manifest.inputs, *io::shard_from(manifest.shard)).size();
   }
 
   std::vector<std::string> in_;

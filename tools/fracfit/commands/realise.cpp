@@ -10,28 +10,15 @@
 namespace fracfit {
 namespace {
 
-Json complex_json(std::complex<double> value) {
-  return {value.real(), value.imag()};
-}
-
 Json matrix(const std::vector<double>& values, std::size_t columns) {
-  Json rows = Json::array();
-  for (std::size_t at = 0; at < values.size(); at += columns) {
-    Json row = Json::array();
-    for (std::size_t i = 0; i < columns; ++i) row.push_back(values[at + i]);
-    rows.push_back(row);
-  }
-  return rows;
+  if (columns == 0) return Json::array();
+  return Json::list_of(values.size() / columns, [&](std::size_t row) {
+    return Json::list_of(columns, [&](std::size_t i) { return values[row * columns + i]; });
+  });
 }
 
 Json modes_json(const std::vector<frac::Mode>& modes) {
-  Json list = Json::array();
-  for (const frac::Mode& mode : modes) {
-    Json residues = Json::array();
-    for (const auto& residue : mode.residues) residues.push_back(complex_json(residue));
-    list.push_back({{"pole", complex_json(mode.pole)}, {"residues", residues}});
-  }
-  return list;
+  return Json::list(modes, [](const auto& mode) { return Json{{"pole", mode.pole}, {"residues", mode.residues}}; });
 }
 
 std::string realised_json(const frac::RationalModel& result, const std::string& form, const std::string& command) {
@@ -47,10 +34,9 @@ std::string realised_json(const frac::RationalModel& result, const std::string& 
   json["delay"] = result.delay;
   json["direct"] = result.direct;
   json["modes"] = modes_json(result.modes);
-  Json& series = json["series"] = Json::array();
-  for (const frac::RationalStage& stage : result.series) {
-    series.push_back({{"direct", stage.direct}, {"modes", modes_json(stage.modes)}});
-  }
+  json["series"] = Json::list(result.series, [](const auto& stage) {
+    return Json{{"direct", stage.direct}, {"modes", modes_json(stage.modes)}};
+  });
   json["max_relative_error"] = result.max_relative_error;
   json["omega_at_max_relative_error"] = result.omega_at_maximum;
   json["max_error_decibels"] = result.max_decibels;

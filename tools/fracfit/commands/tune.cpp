@@ -64,10 +64,9 @@ Json tuning_json(const frac::TuningResult& result, const std::string& plant, con
   json["status"] = frac::to_string(result.status);
   json["message"] = result.message;
   json["controller"] = controller_json(result);
-  Json& specification = json["specification"] = Json::array();
-  for (const auto& line : result.specification) {
-    specification.push_back({{"name", line.name}, {"asked", line.asked}, {"reached", line.reached}, {"met", line.met}});
-  }
+  json["specification"] = Json::list(result.specification, [](const auto& line) {
+    return Json{{"name", line.name}, {"asked", line.asked}, {"reached", line.reached}, {"met", line.met}};
+  });
   const auto found = [](const std::optional<double>& value, double unit) {
     return value ? Json(*value / unit) : Json();
   };
@@ -134,11 +133,9 @@ void append_backlash(Json& json, const backlash::BacklashTuning& result, const b
   json["regardless"] = {{"controller", controller_json(result.regardless)},
                         {"max_sensitivity", result.regardless.max_sensitivity}};
   json["regardless"].update(motion_json(result.of_regardless));
-  json["constraints"] = Json::array();
-  for (const auto& line : result.constraints) {
-    json["constraints"].push_back(
-        {{"name", line.name}, {"asked", line.asked}, {"reached", line.reached}, {"active", line.active}});
-  }
+  json["constraints"] = Json::list(result.constraints, [](const auto& line) {
+    return Json{{"name", line.name}, {"asked", line.asked}, {"reached", line.reached}, {"active", line.active}};
+  });
 }
 
 /// In degrees per e-fold; what rounding leaves of a slope of 0 is shown as 0.

@@ -19,6 +19,7 @@
 #include "options/measured_curves.hpp"
 #include "output/aligned_table.hpp"
 #include "output/document.hpp"
+#include "report/measured.hpp"
 #include "report/picture.hpp"
 
 namespace fracfit {
@@ -28,6 +29,7 @@ struct Judged {
   std::string file, curve;
   frac::FrequencyResponseData data;
   frac::ValidationResult result;
+  std::string sentence;
 };
 
 // A file among others that cannot be read.
@@ -145,7 +147,9 @@ class Validate : public Command {
         for (const auto& note : notes_of(curves)) say(file + ": " + note);
         for (auto& curve : curves) {
           auto result = frac::validate(curve.file.data, {level_, accuracy_});
-          all.emplace_back(Judged{file, curve.name, std::move(curve.file.data), std::move(result)});
+          std::string sentence = report::validity_sentence(result, curve.file);
+          all.emplace_back(
+              Judged{file, curve.name, std::move(curve.file.data), std::move(result), std::move(sentence)});
         }
       } catch (const io::DataError& problem) {
         problems.push_back(problem);
@@ -184,7 +188,9 @@ class Validate : public Command {
                "step_deviation",
                "step_below_rad_s",
                "step_above_rad_s",
-               "largest_residual"};
+               "largest_residual",
+               "dead_time_s",
+               "reversed_sign"};
     const auto first =
         std::find_if(all.begin(), all.end(), [](const Outcome& each) { return std::holds_alternative<Judged>(each); });
     for (const auto& finding : std::get<Judged>(*first).result.findings) {
@@ -237,9 +243,11 @@ class Validate : public Command {
                                result.step_deviation,
                                result.step_below,
                                result.step_above,
-                               result.largest_residual});
+                               result.largest_residual,
+                               result.dead_time,
+                               static_cast<std::int64_t>(result.reversed_sign)});
     for (const auto& finding : result.findings) cells.emplace_back(finding.p_value);
-    cells.emplace_back(result.summary());
+    cells.emplace_back(judged.sentence);
   }
 
   // For people: the verdicts, and what they rest on.
@@ -251,7 +259,7 @@ class Validate : public Command {
         continue;
       }
       const auto& each = std::get<Judged>(outcome);
-      text += each.file + (each.curve.empty() ? "" : ", " + each.curve) + ": " + each.result.summary() + "\n";
+      text += each.file + (each.curve.empty() ? "" : ", " + each.curve) + ": " + each.sentence + "\n";
       for (const auto& [points, name] : {std::pair{&each.result.outliers, "outliers"}, {&each.result.mains, "mains"}})
         if (!points->empty())
           text += std::string("  ") + name + " at rad/s: " + short_frequencies(each, *points) + "\n";

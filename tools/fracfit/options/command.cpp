@@ -31,7 +31,7 @@ void Command::add_common(const std::vector<std::string>& formats) {
   constexpr std::size_t most_threads = 1024;
   if (!formats.empty()) {
     file_format_ = formats.front();
-    options_.text("--out", out_).also("-o").unsaid();
+    options_.text("--out", out_).also("-o").default_is("standard output").unsaid();
     options_.text("--format", format_)
         .one_of(formats)
         .default_is(std::find(formats.begin(), formats.end(), "table") == formats.end()

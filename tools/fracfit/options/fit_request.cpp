@@ -8,6 +8,7 @@
 #include "frac/identification/outliers.hpp"
 #include "io/data_error.hpp"
 #include "options/model_options.hpp"
+#include "report/measured.hpp"
 
 namespace fracfit {
 namespace {
@@ -145,7 +146,10 @@ FitRun fit_run(const FitRequest& request, const Options& options, const io::Freq
   // Real and imaginary part are judged together, and repeats at one frequency are not points of a sweep.
   if (request.component == frac::Component::both && request.weight != frac::to_string(frac::Weight::repeats)) {
     auto result = frac::validate(file.data, {.most_points = frac::points_in_passing});
-    if (!result.model.empty()) run.validity = std::move(result);
+    if (!result.model.empty()) {
+      run.validity_sentence = report::validity_sentence(result, file);
+      run.validity = std::move(result);
+    }
   }
   for (const std::size_t index : left_out) run.left_out.push_back({index, file.data.omega()[index]});
   return run;

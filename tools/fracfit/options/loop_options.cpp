@@ -41,10 +41,11 @@ constexpr const char* load_meaning = "Displacement per force of body 1, m/N, ins
 const std::string load_help = std::string(load_meaning) + "; e.g. '1/(2 s^2 + 0.1 s + 3)'";
 constexpr const char* drive_help = "That of body 2, on which the force acts";
 
-void exclude_masses(Option& load, Option& drive) {
-  const char* const why = "the mass is that in the receptance";
-  load.not_with({"--mass1"}, why);
-  drive.not_with({"--mass2"}, why);
+// Of an option that says more, the masses beside it are those that mean nothing.
+void exclude_masses(Options& options) {
+  const char* const why = "which has the mass in it";
+  options["--mass1"].not_with({"--load-receptance"}, why);
+  options["--mass2"].not_with({"--drive-receptance"}, why);
 }
 
 }  // namespace
@@ -52,14 +53,14 @@ void exclude_masses(Option& load, Option& drive) {
 void add_receptances(Options& options, std::string& load, std::string& drive) {
   options.text("--load-receptance", load, load_help, "FORMULA");
   options.text("--drive-receptance", drive, drive_help, "FORMULA");
-  exclude_masses(options["--load-receptance"], options["--drive-receptance"]);
+  exclude_masses(options);
 }
 
 void add_receptances(Options& options, std::optional<frac::FractionalTransferFunction>& load,
                      std::optional<frac::FractionalTransferFunction>& drive) {
   options.parsed("--load-receptance", load, formula_of, load_help, "FORMULA");
   options.parsed("--drive-receptance", drive, formula_of, drive_help, "FORMULA");
-  exclude_masses(options["--load-receptance"], options["--drive-receptance"]);
+  exclude_masses(options);
 }
 
 void add_open_receptances(Options& options, std::string& load, std::string& drive) {
@@ -77,7 +78,7 @@ void LoopOptions::add(Options& options) {
   options.number("--mass2", mass2_).default_is("1");
   add_receptances(options, load_, drive_);
   options.number("--clearance", clearance_);
-  options.number("--restitution", restitution_);
+  options.number("--restitution", restitution_).default_is("none: needed unless --over varies it");
 }
 
 void LoopOptions::add_body(Options& options) {

@@ -10,7 +10,7 @@
 
 namespace fracfit {
 
-/// --load-receptance and --drive-receptance, in place of masses.
+/// --load-receptance and --drive-receptance, in place of masses, which are declared before.
 void add_receptances(Options& options, std::string& load, std::string& drive);
 /// Without names in them.
 void add_receptances(Options& options, std::optional<frac::FractionalTransferFunction>& load,

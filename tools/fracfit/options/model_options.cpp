@@ -26,8 +26,10 @@ frac::FractionalTransferFunction formula_of(std::string_view, const std::string&
   try {
     return frac::FractionalTransferFunction::parse(text);
   } catch (const std::invalid_argument& reason) {
-    if (!is_function(text)) throw;
-    throw std::invalid_argument(std::string(reason.what()) +
+    // Other refusals, of a zero or of a negative dead time, say all there is to say.
+    const std::string sentence = reason.what();
+    if (sentence.find("is no ratio") == std::string::npos || !is_function(text)) throw;
+    throw std::invalid_argument(sentence +
                                 "; poles, stability and responses over time are computed for such ratios only; fit one "
                                 "to the response on a band (fracfit evaluate, fracfit fit)");
   }

@@ -121,6 +121,7 @@ Option::Option(Kind kind, std::string name, const std::string& help, const std::
 Option& Option::required() {
   required_ = true;
   default_.clear();
+  default_in_words_.clear();
   return *this;
 }
 

@@ -78,6 +78,16 @@ std::string program_help(const std::vector<CommandGroup>& groups) {
   return text + "\n" + program_footer + "\n";
 }
 
+std::string first_word_help(const std::vector<CommandGroup>& groups, const std::string& word) {
+  std::string entries;
+  for (const auto& group : groups)
+    for (const auto& command : group.commands)
+      if (command->name().starts_with(word + " ")) entries += entry(command->name(), command->about());
+  if (entries.empty()) return {};
+  return "Usage: fracfit " + word + " WHAT [OPTIONS]\n\n" + entries +
+         "\nEach tells its options by --help after both words.\n";
+}
+
 std::string command_help(const Command& command) {
   std::string arguments, options, usage = "Usage: fracfit " + command.name() + " [OPTIONS]";
   for (const Option& option : command.options().all()) {

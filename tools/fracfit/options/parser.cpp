@@ -110,8 +110,12 @@ Request parse(const std::vector<CommandGroup>& groups, const std::vector<std::st
   if (first == "--version" || first == "-V") return {nullptr, "fracfit " + std::string(io::version()) + "\n"};
   if (first == "--help" || first == "-h" || first == "help") {
     if (arguments.size() == 1) return {nullptr, program_help(groups)};
+    if (std::string page = arguments.size() == 2 ? first_word_help(groups, arguments[1]) : ""; !page.empty())
+      return {nullptr, std::move(page)};
     return {nullptr, command_help(command_named(groups, name_in(groups, &arguments[1], arguments.size() - 1)))};
   }
+  if (arguments.size() == 2 && (arguments[1] == "--help" || arguments[1] == "-h"))
+    if (std::string page = first_word_help(groups, first); !page.empty()) return {nullptr, std::move(page)};
   const std::string name = name_in(groups, arguments.data(), arguments.size());
   Command& command = command_named(groups, name);
   CLI::App app;

@@ -19,7 +19,7 @@ const Meaning& meaning_of(std::string_view name) {
       {"--body", "BODY", "Mass whose position is read", "--output"},
       {"--protocol", "P", "Where the motion starts"},
       {"--orbit-tolerance", "T", "Closure of an orbit, relative to the clearance", "--tolerance"},
-      {"--position", "Y", "x2 - x1 where the force is at its peak, m"},
+      {"--position", "Y", "x2 - x1 where the force is at its peak, m: 0 at one wall, the clearance at the other"},
       {"--velocity", "V", "x2' - x1' there, m/s"},
       {"--criterion", "C", "What counts as the jump"},
       // Models and approximations.
@@ -57,7 +57,7 @@ const Meaning& meaning_of(std::string_view name) {
        "Work on every n-th piece only, from the i-th; auto or auto/n: as a batch system or MPI launcher says; {shard} "
        "in "
        "--out stands for it; join with fracfit merge"},
-      {"--out", "FILE", "Output file; standard output if not given"},
+      {"--out", "FILE", "Output file"},
       {"--format", "FORMAT", "Output format"},
       {"--progress", "FORM", "Progress on standard error: a bar on a terminal, or a line of JSON each second"},
       {"--threads", "N", "Threads, 0 for one per core; results do not depend on it"},

@@ -16,32 +16,21 @@ struct Outcome {
   std::string status, message;
 };
 
-Json array_of(const std::vector<std::complex<double>>& values) {
-  Json array = Json::array();
-  for (const auto& value : values) array.push_back({value.real(), value.imag()});
-  return array;
-}
-
 std::string band_text(const frac::FrequencyBand& band) {
   return short_number(band.lower) + " .. " + short_number(band.upper) + " rad/s";
 }
 
 Json parallel_json(const frac::ParallelSections& parallel) {
-  Json sections = Json::array();
-  for (std::size_t i = 0; i < parallel.rates.size(); ++i) {
-    sections.push_back({{"rate", parallel.rates[i]}, {"weight", parallel.weights[i]}});
-  }
   return {{"output", parallel.output == frac::SectionOutput::state ? "state" : "change"},
           {"direct", parallel.direct},
-          {"sections", sections}};
+          {"sections", rates_and_weights(parallel.rates, parallel.weights)}};
 }
 
 void add_digital(Json& json, const frac::DigitalPower& digital) {
   json["sample_time"] = digital.sample_time;
-  json["sections"] = Json::array();
-  for (const frac::DeltaSection& section : digital.cascade.sections) {
-    json["sections"].push_back({{"rate", section.rate}, {"feed", section.feed}});
-  }
+  json["sections"] = Json::list(digital.cascade.sections, [](const auto& section) {
+    return Json{{"rate", section.rate}, {"feed", section.feed}};
+  });
   Json& more = json["digital"];
   more["discretisation"] = frac::to_string(digital.method);
   more["recursion"] =
@@ -93,12 +82,12 @@ std::string approximation_json(const frac::Approximation& result, const frac::Di
   json["gain"] = result.system.gain;
   json["zeros"] = result.system.zeros;
   json["poles"] = result.system.poles;
-  json["zero_pairs"] = array_of(result.system.zero_pairs);
-  json["pole_pairs"] = array_of(result.system.pole_pairs);
+  json["zero_pairs"] = Json(result.system.zero_pairs);
+  json["pole_pairs"] = Json(result.system.pole_pairs);
   json["parallel"] = {
       {"direct", result.parallel.direct},
       {"residues", result.parallel.residues},
-      {"pair_residues", array_of(result.parallel.pair_residues)},
+      {"pair_residues", Json(result.parallel.pair_residues)},
       {"static_gain", result.parallel.static_gain},
       {"direct_max_relative_error", result.parallel.direct_error},
       {"static_max_relative_error", result.parallel.static_error},

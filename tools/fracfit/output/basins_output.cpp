@@ -116,21 +116,21 @@ std::string basins_json(const backlash::BasinMap& map, backlash::Output output, 
     result["scene"][key] = parsed ? Json(*parsed) : Json(value);
   }
   if (!map.attracts()) result["note"] = no_attractor;
-  Json& motions = result[motion_name(map) + "s"] = Json::array();
-  for (const auto& attractor : map.attractors)
-    motions.push_back({{"share", share_of(map, attractor)},
-                       {"starts", attractor.starts},
-                       {"regime", backlash::to_string(attractor.point.regime)},
-                       {"period", attractor.point.period},
-                       {"impacts_per_period", attractor.point.impacts_per_period},
-                       {"symmetric", attractor.symmetric},
-                       {"re_m_per_n", attractor.point.value.real()},
-                       {"im_m_per_n", attractor.point.value.imag()},
-                       {"uncertainty_m_per_n", attractor.point.uncertainty},
-                       {"lyapunov_exponent", attractor.point.lyapunov_exponent},
-                       {"periods_followed", attractor.point.periods_followed},
-                       {"transient_possible", attractor.point.transient_possible},
-                       {"force_sensitivity", attractor.point.force_sensitivity}});
+  result[motion_name(map) + "s"] = Json::list(map.attractors, [&](const auto& attractor) {
+    return Json{{"share", share_of(map, attractor)},
+                {"starts", attractor.starts},
+                {"regime", backlash::to_string(attractor.point.regime)},
+                {"period", attractor.point.period},
+                {"impacts_per_period", attractor.point.impacts_per_period},
+                {"symmetric", attractor.symmetric},
+                {"re_m_per_n", attractor.point.value.real()},
+                {"im_m_per_n", attractor.point.value.imag()},
+                {"uncertainty_m_per_n", attractor.point.uncertainty},
+                {"lyapunov_exponent", attractor.point.lyapunov_exponent},
+                {"periods_followed", attractor.point.periods_followed},
+                {"transient_possible", attractor.point.transient_possible},
+                {"force_sensitivity", attractor.point.force_sensitivity}};
+  });
   result["position_m"] = map.position;
   result["velocity_m_s"] = map.velocity;
   result[motion_name(map)] = map.attractor;

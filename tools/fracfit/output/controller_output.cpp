@@ -19,14 +19,6 @@ constexpr const char* recursion =
     "+ sum weight (x - rate v) "
     "(output: change), v from before the update";
 
-Json sections_json(const frac::ParallelSections& design) {
-  Json sections = Json::array();
-  for (std::size_t i = 0; i < design.rates.size(); ++i) {
-    sections.push_back({{"rate", design.rates[i]}, {"weight", design.weights[i]}});
-  }
-  return sections;
-}
-
 Json part_json(const frac::PidFilter& filter, double order, double error) {
   return {{"filter_order", order},
           {"taps", filter.taps.empty() ? Json{1} : Json(filter.taps)},
@@ -85,8 +77,9 @@ std::string controller_json(const frac::FractionalPidDesign& design, const std::
   json["derivative"] = part_json(design.derivative(), derivative_filter_order(gains), design.derivative_error());
   json["derivative"]["after"] = before;
   json["derivative"]["filter_time"] = config.derivative_filter_time;
-  json["sections"] = {{"integral", sections_json(design.integral().sections)},
-                      {"derivative", sections_json(design.derivative().sections)}};
+  const frac::ParallelSections &integral = design.integral().sections, &derivative = design.derivative().sections;
+  json["sections"] = {{"integral", rates_and_weights(integral.rates, integral.weights)},
+                      {"derivative", rates_and_weights(derivative.rates, derivative.weights)}};
   json["setpoint_weight"] = config.setpoint_weight;
   json["derivative_setpoint_weight"] = config.derivative_setpoint_weight;
   json["minimum"] = config.minimum;
@@ -111,12 +104,8 @@ std::string filter_json(const frac::DigitalFilterDesign& design, const std::stri
   json["taps"] = design.taps;
   json["output"] = output_name(design.sections.output);
   json["direct"] = design.sections.direct;
-  json["sections"] = sections_json(design.sections);
-  Json& pairs = json["pairs"] = Json::array();
-  for (std::size_t i = 0; i < design.pair_rates.size(); ++i) {
-    pairs.push_back({{"rate", {design.pair_rates[i].real(), design.pair_rates[i].imag()}},
-                     {"weight", {design.pair_weights[i].real(), design.pair_weights[i].imag()}}});
-  }
+  json["sections"] = rates_and_weights(design.sections.rates, design.sections.weights);
+  json["pairs"] = rates_and_weights(design.pair_rates, design.pair_weights);
   json["integrators"] = design.integrators;
   json["integrator_rule"] = design.rule == frac::IntegratorRule::held ? "held" : "trapezoidal";
   json["max_relative_error"] = error;

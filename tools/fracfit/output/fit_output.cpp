@@ -38,7 +38,7 @@ std::string heading(const FitRun& run) {
   text += "\nresiduals  " + option_of(run, "component") + ", " + option_of(run, "weight") + " weight";
   if (option_of(run, "loss") != "none") text += ", " + option_of(run, "loss") + " loss";
   if (option_of(run, "realisation") != "exact") text += ", powers of s through " + option_of(run, "realisation");
-  if (run.validity) text += "\nvalidity   " + run.validity->summary();
+  if (run.validity) text += "\nvalidity   " + run.validity_sentence;
   return text + "\n";
 }
 
@@ -127,7 +127,7 @@ std::string closing(const frac::FitResult& result) {
 io::Metadata head_of(const FitRun& run) {
   io::Metadata head{{"data", run.file}};
   head.insert(head.end(), run.options.begin(), run.options.end());
-  if (run.validity) head.emplace_back("validity", run.validity->summary());
+  if (run.validity) head.emplace_back("validity", run.validity_sentence);
   return head;
 }
 
@@ -292,7 +292,7 @@ Json origin_of_fit(const FitRun& run) {
                         {"noise", run.validity->noise},
                         {"drift", run.validity->drift},
                         {"drift_deviation", run.validity->drift_deviation},
-                        {"sentence", run.validity->summary()}};
+                        {"sentence", run.validity_sentence}};
   return json;
 }
 

@@ -30,6 +30,7 @@ struct FitRun {
   io::Metadata options;
   bool over_time = false;
   std::optional<frac::ValidationResult> validity = {};  // of a frequency response of which both parts are fitted
+  std::string validity_sentence = {};
   std::vector<LeftOutPoint> left_out = {};  // index rising
 };
 

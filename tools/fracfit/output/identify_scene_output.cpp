@@ -43,13 +43,12 @@ std::string estimate_table(const std::string& heading, const Estimates& estimate
 template <typename Identification>
 Json common_json(const SceneRun& run, const Identification& result) {
   Json json = origin(run.command);
-  json["data"] = Json::array();
-  for (std::size_t i = 0; i < run.files.size(); ++i)
-    json["data"].push_back({{"file", run.files[i]}, {"force_n", run.forces[i]}});
+  json["data"] = Json::list_of(run.files.size(), [&](std::size_t i) {
+    return Json{{"file", run.files[i]}, {"force_n", run.forces[i]}};
+  });
   json["options"] = Json::object();
   for (const auto& [key, value] : run.options) json["options"][key] = value;
-  json["parameters"] = Json::array();
-  for (const auto& parameter : result.parameters) json["parameters"].push_back(estimate_json(parameter));
+  json["parameters"] = Json::list(result.parameters, estimate_json);
   return json;
 }
 
@@ -67,16 +66,16 @@ void add_common_json(Json& json, const Identification& result) {
   json["starts_at_best"] = result.starts_at_best;
   json["seconds"] = result.seconds;
   json["points_used"] = result.points_used;
-  json["points"] = Json::array();
-  for (const auto& point : result.points)
-    json["points"].push_back({{"curve", point.curve},
-                              {"omega_rad_s", point.omega},
-                              {"status", backlash::to_string(point.status)},
-                              {"regime", backlash::to_string(point.regime)},
-                              {"model_re_m_per_n", point.model.real()},
-                              {"model_im_m_per_n", point.model.imag()},
-                              {"residual_re", point.residual.real()},
-                              {"residual_im", point.residual.imag()}});
+  json["points"] = Json::list(result.points, [](const auto& point) {
+    return Json{{"curve", point.curve},
+                {"omega_rad_s", point.omega},
+                {"status", backlash::to_string(point.status)},
+                {"regime", backlash::to_string(point.regime)},
+                {"model_re_m_per_n", point.model.real()},
+                {"model_im_m_per_n", point.model.imag()},
+                {"residual_re", point.residual.real()},
+                {"residual_im", point.residual.imag()}};
+  });
 }
 
 template <typename Identification>
@@ -107,31 +106,29 @@ std::string verdict_text(const Identification& result) {
 std::string scene_json(const SceneRun& run, const backlash::SceneIdentification& result,
                        const std::optional<backlash::SceneComparison>& comparison) {
   Json json = common_json(run, result);
-  json["combinations"] = Json::array();
-  for (const auto& combination : result.combinations) json["combinations"].push_back(estimate_json(combination));
+  json["combinations"] = Json::list(result.combinations, estimate_json);
   json["free_directions"] = result.free_directions;
   json["misfits"] = result.misfits;
   json["residual_correlation"] = result.residual_correlation;
-  json["rivals"] = Json::array();
-  for (const auto& rival : result.rivals) {
+  json["rivals"] = Json::list(result.rivals, [](const auto& rival) {
     const auto& [mass1, mass2, clearance, restitution] = rival.parameters;
-    json["rivals"].push_back({{"mass1", mass1},
-                              {"mass2", mass2},
-                              {"clearance", clearance},
-                              {"restitution", restitution},
-                              {"odds_against", rival.odds}});
-  }
+    return Json{{"mass1", mass1},
+                {"mass2", mass2},
+                {"clearance", clearance},
+                {"restitution", restitution},
+                {"odds_against", rival.odds}};
+  });
   add_common_json(json, result);
   if (comparison) {
-    Json ranking = Json::array();
-    for (const auto& fit : comparison->ranking)
-      ranking.push_back({{"explanation", backlash::to_string(fit.explanation)},
-                         {"name", fit.name},
-                         {"cost", fit.cost},
-                         {"rms", fit.rms},
-                         {"free_parameters", fit.free_parameters},
-                         {"aicc", fit.aicc},
-                         {"delta_aicc", fit.delta_aicc}});
+    Json ranking = Json::list(comparison->ranking, [](const auto& fit) {
+      return Json{{"explanation", backlash::to_string(fit.explanation)},
+                  {"name", fit.name},
+                  {"cost", fit.cost},
+                  {"rms", fit.rms},
+                  {"free_parameters", fit.free_parameters},
+                  {"aicc", fit.aicc},
+                  {"delta_aicc", fit.delta_aicc}};
+    });
     json["comparison"] = {{"ranking", std::move(ranking)},
                           {"points", comparison->points},
                           {"residuals", comparison->residuals},

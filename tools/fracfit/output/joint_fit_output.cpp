@@ -256,22 +256,20 @@ std::string joint_fit_json(const JointRun& run, const frac::JointFitResult& resu
   json["options"] = object_of(run.options);
   json["model"] = result.model;
   json["value_unit"] = run.value_unit.empty() ? Json(nullptr) : Json(run.value_unit);
-  json["shared"] = Json::array();
-  for (const auto& parameter : result.shared) json["shared"].push_back(parameter_json(parameter));
+  json["shared"] = Json::list(result.shared, parameter_json);
   json["curves"] = Json::array();
   for (std::size_t c = 0; c < result.curves.size(); ++c) {
     const auto& curve = result.curves[c];
     Json& entry = json["curves"].push_back({{"name", curve.name},
                                             {"points", run.curves[c].points},
                                             {"header", object_of(run.curves[c].header)},
-                                            {"parameters", Json::array()},
+                                            {"parameters", Json::list(curve.parameters, parameter_json)},
                                             {"covariance", curve.covariance},
                                             {"residuals", curve.residuals},
                                             {"rms", curve.rms},
                                             {"rms_alone", curve.rms_alone},
                                             {"max_residual", curve.max_residual},
                                             {"noise", curve.noise}});
-    for (const auto& parameter : curve.parameters) entry["parameters"].push_back(parameter_json(parameter));
     if (!run.derived.empty()) entry["derived"] = derived_json(derived_of(run, result, curve));
   }
   json["cost"] = result.cost;

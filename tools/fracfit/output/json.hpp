@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <complex>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -32,6 +33,8 @@ class Json {
   Json(const char* text) : value_(std::string(text)) {}
   Json(std::string_view text) : value_(std::string(text)) {}
   Json(std::string text) : value_(std::move(text)) {}
+  /// [re, im].
+  Json(std::complex<double> value) : value_(Array{value.real(), value.imag()}) {}
   template <class Entry>
   Json(const std::optional<Entry>& entry) : Json(entry ? Json(*entry) : Json()) {}
   template <class Entry>
@@ -41,6 +44,20 @@ class Json {
 
   [[nodiscard]] static Json array() { return Json(Array{}); }
   [[nodiscard]] static Json object() { return Json(Object{}); }
+  /// An array of what is made of each entry.
+  template <class Entries, class Make>
+  [[nodiscard]] static Json list(const Entries& entries, const Make& make) {
+    Array list;
+    for (const auto& entry : entries) list.push_back(make(entry));
+    return Json(std::move(list));
+  }
+  /// The same of the numbers below a count.
+  template <class Make>
+  [[nodiscard]] static Json list_of(std::size_t count, const Make& make) {
+    Array list;
+    for (std::size_t i = 0; i < count; ++i) list.push_back(make(i));
+    return Json(std::move(list));
+  }
   /// Empty where the text is no JSON.
   [[nodiscard]] static std::optional<Json> parse(const std::string& text);
 
@@ -71,6 +88,12 @@ class Json {
 
   std::variant<std::nullptr_t, bool, std::int64_t, std::uint64_t, double, std::string, Array, Object> value_;
 };
+
+/// One object with rate and weight for each.
+template <class Number>
+[[nodiscard]] Json rates_and_weights(const std::vector<Number>& rates, const std::vector<Number>& weights) {
+  return Json::list_of(rates.size(), [&](std::size_t i) { return Json{{"rate", rates[i]}, {"weight", weights[i]}}; });
+}
 
 /// Version and command, with which every JSON output begins.
 [[nodiscard]] Json origin(const std::string& command);

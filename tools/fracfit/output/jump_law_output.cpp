@@ -59,14 +59,12 @@ Json laws_json(double a_coefficient, double a_exponent, double b_coefficient, do
 }
 
 Json constants_json(const backlash::JumpGrid& grid) {
-  Json constants = Json::array();
-  for (const auto& constant : grid.constants)
-    constants.push_back(
-        {{"restitution", constant.restitution},
-         {"similarity_constant", constant.similarity_constant ? *constant.similarity_constant : Json(nullptr)},
-         {"averaged", constant.similarity_constant.has_value()},
-         {"meaning", constant.message}});
-  return constants;
+  return Json::list(grid.constants, [](const auto& constant) {
+    return Json{{"restitution", constant.restitution},
+                {"similarity_constant", constant.similarity_constant},
+                {"averaged", constant.similarity_constant.has_value()},
+                {"meaning", constant.message}};
+  });
 }
 
 }  // namespace
@@ -176,28 +174,29 @@ std::string jump_law_json(const JumpLawRun& run, const backlash::JumpLaw& law) {
   json["criterion"] = backlash::to_string(law.criterion);
   json["mean_similarity_constant"] = law.mean_similarity_constant;
   // Names with units, as in every other output, beside those without, which older readers know.
-  json["points"] = Json::array();
-  for (const auto& point : law.points)
-    json["points"].push_back({{"force", point.force},
-                              {"clearance", point.clearance},
-                              {"restitution", point.restitution},
-                              {"omega_jump", point.omega_jump},
-                              {"force_n", point.force},
-                              {"clearance_m", point.clearance},
-                              {"omega_jump_rad_s", point.omega_jump}});
+  json["points"] = Json::list(law.points, [](const auto& point) {
+    return Json{{"force", point.force},
+                {"clearance", point.clearance},
+                {"restitution", point.restitution},
+                {"omega_jump", point.omega_jump},
+                {"force_n", point.force},
+                {"clearance_m", point.clearance},
+                {"omega_jump_rad_s", point.omega_jump}};
+  });
   json["constants"] = constants_json(law);
   json["averaged"] = averaged_count(law);
   json["left_out"] = law.constants.size() - averaged_count(law);
   if (!law.message.empty()) json["message"] = law.message;
-  json["laws"] = Json::array();
-  for (const auto& [clearance, force_law] : law.laws)
-    json["laws"].push_back({{"clearance", clearance},
-                            {"clearance_m", clearance},
-                            {"a", force_law.coefficient},
-                            {"b", force_law.exponent},
-                            {"a_ci95", {force_law.coefficient_ci95_lower, force_law.coefficient_ci95_upper}},
-                            {"b_ci95", {force_law.exponent_ci95_lower, force_law.exponent_ci95_upper}},
-                            {"r_squared", force_law.r_squared}});
+  json["laws"] = Json::list(law.laws, [](const auto& entry) {
+    const auto& [clearance, force_law] = entry;
+    return Json{{"clearance", clearance},
+                {"clearance_m", clearance},
+                {"a", force_law.coefficient},
+                {"b", force_law.exponent},
+                {"a_ci95", {force_law.coefficient_ci95_lower, force_law.coefficient_ci95_upper}},
+                {"b_ci95", {force_law.exponent_ci95_lower, force_law.exponent_ci95_upper}},
+                {"r_squared", force_law.r_squared}};
+  });
   json["a_of_clearance"] = power_law_json(law.a_of_clearance);
   json["b_of_clearance"] = power_law_json(law.b_of_clearance);
 

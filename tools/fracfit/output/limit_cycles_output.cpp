@@ -34,6 +34,24 @@ double frequency_of(const backlash::ImpactCycle& cycle) {
   return 2 * std::numbers::pi / cycle.period;
 }
 
+// Impacts follow each other without end before a rest: it begins with none, or with the last one that was followed.
+bool has_chatter(const backlash::ImpactCycle& cycle) {
+  return std::any_of(cycle.rests.begin(), cycle.rests.end(), [&](const auto& rest) {
+    return std::none_of(cycle.impacts.begin(), cycle.impacts.end(), [&](const auto& impact) {
+      return std::abs(impact.time - rest.time) < 1e-12 * cycle.period &&
+             impact.speed > 1e-6 * cycle.impacts.front().speed;
+    });
+  });
+}
+
+// "4 impacts", or "2 rests".
+std::string pattern_of(const backlash::ImpactCycle& cycle) {
+  const auto plural = [](std::size_t count, const char* what) {
+    return std::to_string(count) + " " + what + (count == 1 ? "" : "s");
+  };
+  return cycle.rests.empty() ? plural(cycle.impacts.size(), "impact") : plural(cycle.rests.size(), "rest");
+}
+
 // What all outputs say of a cycle, however it was found.
 struct ListedCycle {
   double omega;
@@ -51,6 +69,7 @@ struct ListedCycle {
   [[nodiscard]] double amplitude_x1() const { return std::abs(harmonics.front().x1); }
   [[nodiscard]] double amplitude_x2() const { return std::abs(harmonics.front().x2); }
   [[nodiscard]] double amplitude_force() const { return std::abs(harmonics.front().force); }
+  [[nodiscard]] bool has_count() const { return further == nullptr || !has_chatter(*further); }
   [[nodiscard]] double multiplier_modulus() const { return std::abs(stability.dominant); }
 };
 
@@ -120,7 +139,7 @@ Json cycle_json(const ListedCycle& cycle) {
   const backlash::CycleStability& stability = cycle.stability;
   Json json{{"omega", cycle.omega},
             {"symmetric", cycle.symmetric},
-            {"impacts_per_period", cycle.impacts},
+            {"impacts_per_period", cycle.has_count() ? Json(cycle.impacts) : Json()},
             {"admissible", cycle.admissible},
             {"reason", cycle.admissible ? Json() : Json(cycle.reason)},
             {"stable", stability.stable},
@@ -141,10 +160,16 @@ Json cycle_json(const ListedCycle& cycle) {
   for (const backlash::CycleImpact& impact : cycle.further->impacts) {
     impacts.push_back({{"time", impact.time}, {"impulse", impact.impulse}, {"speed", impact.speed}});
   }
+  Json rests = Json::array();
+  for (const backlash::CycleRest& rest : cycle.further->rests) {
+    rests.push_back({{"time", rest.time}, {"duration", rest.duration}, {"impulse", rest.impulse}});
+  }
   json.update({{"period", cycle.further->period},
                {"middle", cycle.further->middle},
                {"error", cycle.further->error},
-               {"impacts", std::move(impacts)}});
+               {"impacts", std::move(impacts)},
+               {"rests_per_period", cycle.further->rests.size()},
+               {"rests", std::move(rests)}});
   return json;
 }
 
@@ -213,13 +238,15 @@ Json events_json(const backlash::CycleContinuation& followed) {
   for (const backlash::CycleBranch& branch : followed.branches) {
     Json samples = Json::array();
     for (const backlash::CycleBranch::Sample& sample : branch.samples) {
-      samples.push_back({{"value", sample.parameter},
-                         {"omega", frequency_of(sample.cycle)},
-                         {"stable", sample.cycle.stability.stable},
-                         {"multiplier_modulus", std::abs(sample.cycle.stability.dominant)},
-                         {"second_impact", sample.cycle.impacts[1].time / sample.cycle.period},
-                         {"impact_speed", sample.cycle.impacts.front().speed},
-                         {"middle", sample.cycle.middle}});
+      samples.push_back(
+          {{"value", sample.parameter},
+           {"omega", frequency_of(sample.cycle)},
+           {"stable", sample.cycle.stability.stable},
+           {"multiplier_modulus", std::abs(sample.cycle.stability.dominant)},
+           {"second_impact",
+            sample.cycle.impacts.size() > 1 ? Json(sample.cycle.impacts[1].time / sample.cycle.period) : Json()},
+           {"impact_speed", sample.cycle.impacts.front().speed},
+           {"middle", sample.cycle.middle}});
     }
     branches.push_back({{"born_at", branch.born_at},
                         {"samples", std::move(samples)},
@@ -251,10 +278,12 @@ std::string events_text(const std::string& name, const backlash::CycleContinuati
     if (manner.empty()) manner = ", nowhere stable";
     if (std::isnan(branch.born_at)) {
       const backlash::ImpactCycle& cycle = branch.samples.front().cycle;
-      const auto& [from, to] = branch.admissible.front();
+      const std::string motion = branch.admissible.empty()
+                                     ? ", stable at " + name + " = " + precise(branch.samples.front().parameter)
+                                     : ", a motion from " + name + " = " + precise(branch.admissible.front().from) +
+                                           " to " + precise(branch.admissible.front().to) + " at least" + manner;
       text += paragraph("Found by simulation: " + std::string(cycle.symmetric ? "a symmetric" : "an asymmetric") +
-                            " cycle of " + std::to_string(cycle.impacts.size()) + " impacts, a motion from " + name +
-                            " = " + precise(from) + " to " + precise(to) + " at least" + manner + ".",
+                            " cycle of " + pattern_of(cycle) + motion + ".",
                         2);
       continue;
     }
@@ -284,10 +313,14 @@ std::string events_text(const std::string& name, const backlash::CycleContinuati
         "break their symmetry";
     if (!followed.simulated.empty()) {
       searched +=
-          "; where none of them is stable, cycles of up to twelve impacts that simulated motions settle on, at " +
+          "; where none of them is stable, cycles of up to twelve impacts or rests that simulated motions settle on, "
+          "at " +
           std::to_string(followed.simulated.size()) + (followed.simulated.size() == 1 ? " value" : " values");
     }
-    text += paragraph(searched + ".");
+    searched += followed.simulated.empty() ? ". Cycles of more impacts or with rests in contact are not among them; "
+                                             "--starts looks for them."
+                                           : ".";
+    text += paragraph(searched);
   }
   return text;
 }
@@ -307,9 +340,14 @@ std::string motions_text(const LoopCycles& loop) {
     return std::to_string(count) + " of " + std::to_string(loop.settled.motions.size()) + " starts: ";
   };
   std::string text;
-  if (quiet > 0) text += paragraph(starts(quiet) + "the impacts cease.", 2);
+  if (quiet > 0) {
+    const bool is_late = loop.loop.controller().delay() > 0;
+    text += paragraph(starts(quiet) + "the impacts cease" +
+                          (is_late ? ", or the masses rest in contact, which is not followed with dead time." : "."),
+                      2);
+  }
   if (irregular > 0) {
-    std::string sentence = starts(irregular) + "no cycle of up to twelve impacts";
+    std::string sentence = starts(irregular) + "no cycle of up to twelve impacts or rests in contact";
     if (std::isfinite(exponent)) {
       sentence += ", Lyapunov exponent " + short_number(exponent, 3) + " 1/s" + (exponent > 0 ? " (chaotic)" : "");
     }
@@ -337,7 +375,7 @@ std::string unmatched_text(const LoopCycles& loop, const std::vector<ListedCycle
 }
 
 std::string motion_of(const ListedCycle& cycle) {
-  if (cycle.further != nullptr) return std::to_string(cycle.impacts) + " impacts";
+  if (cycle.further != nullptr) return pattern_of(*cycle.further);
   if (!cycle.admissible) return "no motion";
   return cycle.stability.stable ? "stable" : "unstable";
 }
@@ -364,7 +402,8 @@ std::vector<std::string> row_of(const ListedCycle& cycle, const LoopCycles& loop
 std::string remark_on(const ListedCycle& cycle, bool alone) {
   const std::string at = "omega " + short_number(cycle.omega) + ": ";
   if (cycle.further != nullptr) {
-    return paragraph(at + "stable, " + std::to_string(cycle.impacts) + " impacts per period, " +
+    return paragraph(at + "stable, " + pattern_of(*cycle.further) +
+                         (cycle.further->rests.empty() ? "" : " in contact") + " per period, " +
                          (cycle.symmetric ? "symmetric" : "asymmetric, its mirror image is another one") +
                          "; |z| is that of the period, the speed that of the hardest impact.",
                      2);
@@ -426,7 +465,8 @@ std::string limit_cycles_csv(const std::vector<LoopCycles>& loops, const std::st
                      constexpr double none = std::numeric_limits<double>::quiet_NaN();
                      const backlash::PredictedCycle* predicted = cycle->predicted;
                      cells.insert(cells.end(),
-                                  {cycle->omega, cycle->symmetric, static_cast<std::int64_t>(cycle->impacts),
+                                  {cycle->omega, cycle->symmetric,
+                                   cycle->has_count() ? Cell(static_cast<std::int64_t>(cycle->impacts)) : Cell(none),
                                    cycle->admissible, cycle->stability.stable, cycle->multiplier_modulus(),
                                    cycle->impulse, cycle->impact_speed, cycle->amplitude_x1(), cycle->amplitude_x2(),
                                    cycle->amplitude_force(), predicted ? predicted->omega : none,
@@ -468,6 +508,9 @@ std::string limit_cycles_table(const std::vector<LoopCycles>& loops, const backl
   }
   if (rows > 0) text += table.text();
   if (!remarks.empty()) text += "\n" + remarks;
+  if (loops.size() == 1 && loops.front().settled.motions.empty()) {
+    text += "\nNo motion was simulated: cycles of more impacts or with rests in contact are not\nlooked for.\n";
+  }
   if (loops.size() == 1 && !loops.front().exact.certain) {
     text += "\n" + paragraph("Searched on a grid from " + short_number(loops.front().exact.searched.from) + " to " +
                              short_number(loops.front().exact.searched.to) + " rad/s.");

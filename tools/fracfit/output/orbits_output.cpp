@@ -63,19 +63,17 @@ void append_cells(std::vector<Cell>& cells, std::size_t index, const backlash::O
 }
 
 Json orbit_json(const backlash::PeriodicOrbit& orbit, backlash::OrbitParameter parameter) {
-  Json json{{parameter_column(parameter), orbit.parameter},
-            {"re_m_per_n", orbit.value.real()},
-            {"im_m_per_n", orbit.value.imag()},
-            {"stable", orbit.stable}};
-  json["multipliers"] = Json::array();
-  for (const auto& multiplier : orbit.multipliers)
-    json["multipliers"].push_back({multiplier.real(), multiplier.imag()});
-  json["impacts"] = Json::array();
-  for (const auto& impact : orbit.impacts)
-    json["impacts"].push_back({{"phase_rad", impact.phase},
-                               {"wall", impact.wall == backlash::Wall::near ? "near" : "far"},
-                               {"speed_m_per_s", impact.speed}});
-  return json;
+  const auto impact_json = [](const auto& impact) {
+    return Json{{"phase_rad", impact.phase},
+                {"wall", impact.wall == backlash::Wall::near ? "near" : "far"},
+                {"speed_m_per_s", impact.speed}};
+  };
+  return {{parameter_column(parameter), orbit.parameter},
+          {"re_m_per_n", orbit.value.real()},
+          {"im_m_per_n", orbit.value.imag()},
+          {"stable", orbit.stable},
+          {"multipliers", Json{orbit.multipliers[0], orbit.multipliers[1]}},
+          {"impacts", Json::list(orbit.impacts, impact_json)}};
 }
 
 }  // namespace
@@ -115,23 +113,21 @@ std::string orbits_json(const backlash::OrbitDiagram& diagram, const std::string
     const auto parsed = io::parse_number(value);
     json["scene"][key] = parsed ? Json(*parsed) : Json(value);
   }
-  Json& branches = json["branches"] = Json::array();
-  for (const auto& branch : diagram.branches) {
-    Json entry{{"period", branch.period},
-               {"impacts_per_period", impacts_per_period(branch)},
-               {"symmetric", branch.symmetric},
-               {"begin", backlash::to_string(branch.begin)},
-               {"end", backlash::to_string(branch.end)}};
-    entry["orbits"] = Json::array();
-    for (const auto& orbit : branch.orbits) entry["orbits"].push_back(orbit_json(orbit, diagram.parameter));
-    entry["bifurcations"] = Json::array();
-    for (const auto& point : branch.bifurcations) {
-      Json bifurcation{{"kind", backlash::to_string(point.kind)}, {"after", point.after}};
-      bifurcation.update(orbit_json(point.orbit, diagram.parameter));
-      entry["bifurcations"].push_back(std::move(bifurcation));
-    }
-    branches.push_back(std::move(entry));
-  }
+  const auto orbit = [&](const backlash::PeriodicOrbit& each) { return orbit_json(each, diagram.parameter); };
+  const auto bifurcation = [&](const auto& point) {
+    Json made{{"kind", backlash::to_string(point.kind)}, {"after", point.after}};
+    made.update(orbit(point.orbit));
+    return made;
+  };
+  json["branches"] = Json::list(diagram.branches, [&](const auto& branch) {
+    return Json{{"period", branch.period},
+                {"impacts_per_period", impacts_per_period(branch)},
+                {"symmetric", branch.symmetric},
+                {"begin", backlash::to_string(branch.begin)},
+                {"end", backlash::to_string(branch.end)},
+                {"orbits", Json::list(branch.orbits, orbit)},
+                {"bifurcations", Json::list(branch.bifurcations, bifurcation)}};
+  });
   return json.dump(1) + "\n";
 }
 

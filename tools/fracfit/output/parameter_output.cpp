@@ -60,14 +60,13 @@ std::string prior_table(const std::vector<frac::PriorEstimate>& priors) {
 }
 
 Json derived_json(const std::vector<frac::DerivedEstimate>& derived) {
-  Json list = Json::array();
-  for (const auto& each : derived)
-    list.push_back({{"name", each.name},
-                    {"formula", each.formula},
-                    {"value", each.value},
-                    {"standard_error", each.standard_error},
-                    {"ci95", {each.ci95_lower, each.ci95_upper}}});
-  return list;
+  return Json::list(derived, [](const auto& each) {
+    return Json{{"name", each.name},
+                {"formula", each.formula},
+                {"value", each.value},
+                {"standard_error", each.standard_error},
+                {"ci95", {each.ci95_lower, each.ci95_upper}}};
+  });
 }
 
 std::string derived_table(const std::vector<frac::DerivedEstimate>& derived) {

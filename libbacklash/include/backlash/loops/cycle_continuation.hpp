@@ -38,14 +38,16 @@ struct ParameterInterval {
 
 /// A cycle that is not a symmetric one of two impacts, over the values: one that begins where a symmetric cycle breaks
 /// its symmetry, on its side of that, or one that a simulated motion came to, to both sides.  The mirror image of an
-/// asymmetric one is another one and not listed beside it.
+/// asymmetric one is another one and not listed beside it.  One that rests in contact is known at the values asked for
+/// alone, and taken to be there between two neighbours that both have one of the same pattern.
 struct CycleBranch {
   double born_at;  // NaN of one that was found by simulation
   struct Sample {
     double parameter;
     ImpactCycle cycle;
   };
-  /// Right after it begins, or where it was found, and at the values asked for, as far as it is a motion.
+  /// Right after it begins, or where it was found, and at the values asked for, as far as it is a motion; of one that
+  /// rests in contact in the order of these.
   std::vector<Sample> samples;
   std::vector<CycleEvent> events;  // in the order in which it meets them, refined as those of symmetric cycles
   std::vector<ParameterInterval> admissible;  // where it is a motion, as far as it was followed; rising

@@ -21,19 +21,30 @@ struct CycleImpact {
   double speed;    // m/s, of the masses towards each other
 };
 
-/// A periodic motion of the loop with any number of impacts per period, symmetric or not.  The mirror image x -> -x of
-/// an asymmetric motion is another one, which is not listed beside it.
+/// A part of a periodic motion over which the masses stay at a wall together.
+struct CycleRest {
+  double time;      // s, from the first impact of the period
+  double duration;  // s
+  double impulse;   // N s, of the wall on mass 1 meanwhile: positive at x2 - x1 = +clearance/2
+};
+
+/// A periodic motion of the loop with any number of impacts per period, symmetric or not, and rests in contact.  The
+/// mirror image x -> -x of an asymmetric motion is another one, which is not listed beside it.
 struct ImpactCycle {
   double period;                     // s
   std::vector<CycleImpact> impacts;  // of one period; the first is the hardest, at +clearance/2
-  double middle;                     // m, mean of x2 - x1
-  bool symmetric;                    // the second half of the period is the mirror image of the first
-  bool admissible;                   // the motion exists: impacts push, and between them it stays off the walls
-  std::string reason;                // one sentence where it is not admissible, else empty
+  /// Of one period.  Impacts that follow each other without end before a rest are listed as far as they are faster than
+  /// 1e-10 of the motion.
+  std::vector<CycleRest> rests;
+  double middle;       // m, mean of x2 - x1
+  bool symmetric;      // the second half of the period is the mirror image of the first
+  bool admissible;     // the motion exists: impacts push, and between them it stays off the walls
+  std::string reason;  // one sentence where it is not admissible, else empty
   /// Multipliers per period.  With fractional powers those of modulus below 1 on the positive
-  /// axis lie on a cut and are not seen.
+  /// axis lie on a cut and are not seen.  Of a cycle with rests they are known to 1e-6.
   CycleStability stability;
-  /// Largest relative change of instants and impulses in the last step of Newton's method.
+  /// Largest relative change of instants and impulses in the last step of Newton's method.  Of a cycle with rests that
+  /// of the state, or the relative error of fractional powers as sums of exponentials where that is larger.
   double error;
   std::vector<CycleHarmonic> harmonics;  // of orders 1, 2, 3, ..., the first impact at t = 0
 };
@@ -66,7 +77,7 @@ struct CycleGuess {
 enum class LoopRegime {
   cycle,      // a stable cycle
   quiet,      // impacts cease: it rests in contact or moves within the clearance
-  irregular,  // it repeats no pattern of up to twelve impacts, or too slowly to tell
+  irregular,  // it repeats no pattern of up to twelve impacts or rests, or too slowly to tell
   diverged,   // it grows without bound
 };
 /// "cycle", "quiet", ...
@@ -77,12 +88,13 @@ struct LoopMotion {
   LoopRegime regime;
   std::optional<std::size_t> cycle;  // index in ImpactCycles::cycles
   /// 1/s, mean rate at which neighbouring motions part: above 0 where the motion is chaotic.  Of irregular motions of
-  /// loops without dead time; else NaN.
+  /// loops without dead time that do not rest in contact; else NaN.
   double lyapunov_exponent;
 };
 
 struct ImpactCycles {
-  std::vector<ImpactCycle> cycles;  // stable, by rising frequency; symmetric ones of two impacts too
+  /// Stable, by rising frequency; symmetric ones of two impacts too, and without dead time those that rest in contact.
+  std::vector<ImpactCycle> cycles;
   std::vector<LoopMotion> motions;  // one per start
 };
 

@@ -28,7 +28,7 @@ enum class ValidityTest {
   drift_periods,   // the same, each point taking as many periods as the others
   step,            // the response scaled up or down from one point on
   outliers,        // the largest residual
-  mains_50,        // residuals within 2 % of 50 Hz and its first ten harmonics
+  mains_50,        // residuals within 2 % of 50 Hz, of its odd harmonics besides, or of its first ten
   mains_60,
 };
 [[nodiscard]] std::string_view to_string(ValidityTest test);
@@ -56,8 +56,9 @@ inline constexpr std::size_t points_in_passing = 120;
 ///     c_0 + c_1 s + c_2/s + sum r_k/(1 + s tau_k),   tau_k on a logarithmic grid, r_k of either sign
 ///
 /// as closely as wanted, and real poles and pairs at free places take over where these do not follow the data
-/// (resonances).  The number of poles is that of the best AICc.  What is left is noise if the data are consistent.  How
-/// much white noise such residuals show by themselves follows from the projection that made them, in closed form.
+/// (resonances), times a dead time where the points ask for one.  The number of poles is that of the best AICc.  What
+/// is left is noise if the data are consistent.  How much white noise such residuals show by themselves follows from
+/// the projection that made them, in closed form.
 ///
 /// An amplitude-dependent but stationary response can be consistent: linearity is tested only as far as it shows here.
 struct ValidationResult {
@@ -68,6 +69,7 @@ struct ValidationResult {
 
   std::size_t every = 1;                    // one point in so many was judged
   std::size_t real_poles, pole_pairs;       // of the consistent model
+  double dead_time;                         // of it, s; 0: none is needed
   std::vector<std::complex<double>> model;  // NaN at points not judged or set aside
   std::vector<double> deviation;  // of the noise of real and imaginary part each, per point, in the unit of the data
 
@@ -85,6 +87,7 @@ struct ValidationResult {
   double step_below, step_above;      // omega of the points on either side of it
   bool step_explains;                 // without the step no residuals follow each other
   double drift_share, step_share;     // of the squares of the residuals that go with drift or step
+  bool reversed_sign;                 // invalid as they are, the points are consistent with imaginary parts reversed
   double freedom;                     // residuals less parameters
   std::vector<std::size_t> outliers;  // points, by index
   std::vector<std::size_t> mains;     // points at a mains frequency that has an alarm

@@ -17,6 +17,7 @@
 #include "base/short_text.hpp"
 #include "base/spelling.hpp"
 #include "consistent_model.hpp"
+#include "dead_time.hpp"
 #include "frac/identification/statistics.hpp"
 #include "identification/data/noise_floor.hpp"
 #include "projected_residual.hpp"
@@ -189,15 +190,44 @@ std::size_t first_beyond(Eigen::Index step_column) {
   return static_cast<std::size_t>(step_column) + 2;
 }
 
-/// Positions among the kept points.
-std::vector<Eigen::Index> at_mains(const Fitted& fitted, double mains, int harmonics = 10) {
+constexpr std::array mains_frequencies{50.0, 60.0};
+
+std::size_t mains_index(ValidityTest test) {
+  return test == ValidityTest::mains_50 ? 0 : 1;
+}
+
+/// Positions among the kept points of every `step`-th harmonic from the first on.
+std::vector<Eigen::Index> at_mains(const Fitted& fitted, double mains, int highest, int step) {
   constexpr double width = 0.02;
   std::vector<Eigen::Index> found;
   for (std::size_t i = 0; i < fitted.points.omega.size(); ++i) {
     const double multiple = fitted.points.omega[i] / (2 * std::numbers::pi * mains);
     const double nearest = std::round(multiple);
-    if (nearest >= 1 && nearest <= harmonics && std::abs(multiple - nearest) <= width * nearest)
-      found.push_back(static_cast<Eigen::Index>(i));
+    const bool is_meant = nearest >= 1 && nearest <= highest && (static_cast<int>(nearest) - 1) % step == 0;
+    if (is_meant && std::abs(multiple - nearest) <= width * nearest) found.push_back(static_cast<Eigen::Index>(i));
+  }
+  return found;
+}
+
+/// Points at the mains that stand out together.
+struct MainsFound {
+  double p_value = nan;
+  std::vector<Eigen::Index> points;
+};
+
+/// The mains couple in by their frequency itself most, then by its odd harmonics; points that they leave alone would
+/// hide them.  So these are asked in three sets, each within the next.
+MainsFound found_at_mains(const Fitted& fitted, double mains) {
+  std::vector<std::vector<Eigen::Index>> sets;
+  for (const auto& [highest, step] : {std::pair{1, 1}, {9, 2}, {10, 1}}) {
+    auto points = at_mains(fitted, mains, highest, step);
+    if (!points.empty() && (sets.empty() || points.size() > sets.back().size())) sets.push_back(std::move(points));
+  }
+  MainsFound found;
+  for (auto& points : sets) {
+    const double chance =
+        std::min(1.0, static_cast<double>(sets.size()) * detail::excess_chance(fitted.model.rest, points));
+    if (std::isnan(found.p_value) || chance < found.p_value) found = {chance, std::move(points)};
   }
   return found;
 }
@@ -225,8 +255,9 @@ struct Tested {
   detail::LargestColumn step;
   double chance_beside_drift = nan;  // the least of both neighbour tests, the drift taken out
   double chance_beside_step = nan;
-  double square_beside_drift, square_beside_step;  // what is left then
-  std::vector<double> point_chance;                // of each residual
+  double square_beside_drift, square_beside_step;                            // what is left then
+  std::vector<double> point_chance;                                          // of each residual
+  std::array<std::vector<Eigen::Index>, mains_frequencies.size()> at_mains;  // that stand out most together
 
   [[nodiscard]] bool alarm(ValidityTest test, double level) const {
     const std::size_t i = index_of(test);
@@ -298,11 +329,12 @@ Tested tested(const FrequencyResponseData& data, const Fitted& fitted, double ac
   }
   const double least = *std::min_element(result.point_chance.begin(), result.point_chance.end());
   put(ValidityTest::outliers, std::min(1.0, static_cast<double>(points) * least), true);
-  for (const auto& [test, mains] : {std::pair{ValidityTest::mains_50, 50.0}, std::pair{ValidityTest::mains_60, 60.0}}) {
-    const auto hit = at_mains(fitted, mains);
-    const bool counts =
-        std::any_of(hit.begin(), hit.end(), [&](auto i) { return relative_residual(fitted, i) > accuracy; });
-    put(test, detail::excess_chance(rest, hit), counts);
+  for (const ValidityTest test : {ValidityTest::mains_50, ValidityTest::mains_60}) {
+    MainsFound found = found_at_mains(fitted, mains_frequencies[mains_index(test)]);
+    const bool counts = std::any_of(found.points.begin(), found.points.end(),
+                                    [&](auto i) { return relative_residual(fitted, i) > accuracy; });
+    put(test, found.p_value, counts);
+    result.at_mains[mains_index(test)] = std::move(found.points);
   }
   return result;
 }
@@ -420,6 +452,7 @@ struct Judgement {
     return std::any_of(all_tests.begin(), all_tests.end(),
                        [&](ValidityTest test) { return !is_of_points(test) && last.alarm(test, level); });
   }
+  [[nodiscard]] bool steady(double level) const { return !pattern(level) && of_points.empty(); }
 };
 
 /// The alarm of single points to act on.  Of several the least likely: a point that stands out alone may happen to lie
@@ -431,7 +464,7 @@ std::optional<ValidityTest> least_likely_of_points(const Judgement& judgement, d
   for (const ValidityTest test : all_tests) {
     if (!is_of_points(test) || !last.alarm(test, level)) continue;
     if (test != ValidityTest::outliers) {
-      const auto first = at_mains(judgement.fitted, test == ValidityTest::mains_50 ? 50.0 : 60.0, 1);
+      const auto first = at_mains(judgement.fitted, mains_frequencies[mains_index(test)], 1, 1);
       if (std::find(first.begin(), first.end(), largest) != first.end()) return test;
     }
     if (!found || last.p_value[index_of(test)] < last.p_value[index_of(*found)]) found = test;
@@ -456,9 +489,8 @@ Judgement judge(const FrequencyResponseData& data, const ValidationOptions& opti
     const std::optional<ValidityTest> alarmed = least_likely_of_points(judgement, level);
     if (!alarmed) break;
     const bool outlier = *alarmed == ValidityTest::outliers;
-    const std::vector<Eigen::Index> removed = outlier
-                                                  ? judgement.last.standing_out(level)
-                                                  : at_mains(fitted, *alarmed == ValidityTest::mains_50 ? 50.0 : 60.0);
+    const std::vector<Eigen::Index> removed =
+        outlier ? judgement.last.standing_out(level) : judgement.last.at_mains[mains_index(*alarmed)];
     judgement.of_points.push_back(*alarmed);
     auto& list = outlier ? judgement.outliers : judgement.mains;
     for (const Eigen::Index i : removed) list.push_back(fitted.kept[static_cast<std::size_t>(i)]);
@@ -508,7 +540,6 @@ bool has_lone_points(const Judgement& judgement) {
 Judgement judge(const FrequencyResponseData& data, const ValidationOptions& options) {
   const double level = options.level;
   const std::size_t some = std::max<std::size_t>(1, data.size() / 20), many = data.size() / 5;
-  const auto steady = [&](const Judgement& each) { return !each.pattern(level) && each.of_points.empty(); };
   Judgement best = judge(data, options, some, [&](auto kept) { return fit_on_grid(data, std::move(kept)); });
   double least = best.outliers.size() + best.mains.size() > some ? std::numeric_limits<double>::infinity()
                                                                  : criterion_of_all(data, best);
@@ -525,34 +556,90 @@ Judgement judge(const FrequencyResponseData& data, const ValidationOptions& opti
     const double needed = alone + static_cast<double>(2 * price_of_point * best.mains.size());
     if (has_lone_points(best) && other.of_points.empty() && !(criterion < criterion_of_all(data, best) - needed))
       return;
-    if (!(criterion < least + (steady(other) && !steady(best) ? alike : 0))) return;
+    if (!(criterion < least + (other.steady(level) && !best.steady(level) ? alike : 0))) return;
     least = criterion;
     best = std::move(other);
   };
   constexpr std::array<std::size_t, 4> few{1, 2, 3, 4};
   // Echoes take a pair for each of their ripples over the band, so that fewer pairs follow nothing of them.
   constexpr std::array<std::size_t, 5> more{6, 8, 11, 14, 18};
-  if (!steady(best)) {
+  // Real poles follow a well damped resonance only in great number, and what they leave then looks like noise.
+  constexpr double many_per_decade = 4;
+  const bool is_laboured = static_cast<double>(best.fitted.model.grid_poles) >
+                           many_per_decade * std::log10(data.omega().back() / data.omega().front());
+  if (!best.steady(level) || is_laboured) {
     const std::vector<std::size_t> kept = best.fitted.kept;
     std::vector<std::size_t> all(data.size());
     std::iota(all.begin(), all.end(), std::size_t{0});
     const bool lone = has_lone_points(best);
     if (lone) compare(kept, few);
     compare(all, few);
-    if (!lone && kept != all && !steady(best)) compare(kept, few);
+    if (!lone && kept != all && !best.steady(level)) compare(kept, few);
     if (best.pattern(level)) compare(best.fitted.kept, more);
   }
   return best;
 }
 
+/// The points with the dead time that they ask for taken out.
+struct Timely {
+  FrequencyResponseData data;
+  Judgement judgement;
+  double dead_time = 0;
+};
+
+Timely judge_without(double dead_time, const FrequencyResponseData& data, const ValidationOptions& options) {
+  FrequencyResponseData ahead = detail::without_dead_time(data, dead_time);
+  Judgement judgement = judge(ahead, options);
+  return {std::move(ahead), std::move(judgement), dead_time};
+}
+
+/// Dead time that the points still have beside the model and all that it may move by.
+detail::AddedColumn further_dead_time(const Fitted& fitted) {
+  Eigen::VectorXd column(2 * fitted.points.value.size());
+  for (Eigen::Index i = 0; i < fitted.points.value.size(); ++i) {
+    const Complex later = Complex(0, -fitted.points.omega[static_cast<std::size_t>(i)]) * fitted.model.value(i) /
+                          fitted.points.deviation(i);
+    column(2 * i) = later.real();
+    column(2 * i + 1) = later.imag();
+  }
+  return detail::added_column(fitted.model.rest, column);
+}
+
+Timely judge_timely(const FrequencyResponseData& data, const ValidationOptions& options) {
+  Timely plain{data, judge(data, options)};
+  const double left = rms_of_residuals(plain.judgement.fitted);
+  const double seconds = left > options.accuracy ? detail::dead_time_of(data, left) : 0;
+  if (!(seconds > 0)) return plain;
+  Timely best = judge_without(seconds, data, options);
+  double criterion = criterion_of_all(best.data, best.judgement);
+  constexpr int most_steps = 4;
+  for (int i = 0; i < most_steps; ++i) {
+    const detail::AddedColumn further = further_dead_time(best.judgement.fitted);
+    constexpr double radians_at_most = 1;
+    const double most = radians_at_most / data.omega().back();
+    Timely next = judge_without(best.dead_time + std::clamp(further.coefficient, -most, most), data, options);
+    const double least = criterion_of_all(next.data, next.judgement);
+    if (!(least < criterion)) break;
+    criterion = least;
+    best = std::move(next);
+  }
+  // Its size, and that it is the best of many.
+  constexpr double price = 8;
+  return criterion + price < criterion_of_all(data, plain.judgement) ? best : plain;
+}
+
+/// Whether the points with their imaginary parts reversed show no pattern.
+bool mirror_is_steady(const FrequencyResponseData& data, const ValidationOptions& options) {
+  auto mirrored = data.value();
+  for (Complex& each : mirrored) each = std::conj(each);
+  return !judge_timely({data.omega(), std::move(mirrored), data.sigma()}, options).judgement.pattern(options.level);
+}
+
 /// Whether a pattern tells nothing.  Over less than an octave the frequencies outside allow every smooth curve, and an
 /// echo that turns by more than half a cycle between points looks as if it came before its cause: only a response whose
 /// complex conjugate is explained, cause and effect being exchanged, is known to be none.
-bool is_left_open(const FrequencyResponseData& data, const ValidationOptions& options) {
-  if (!(data.omega().back() < 2 * data.omega().front())) return false;
-  auto mirrored = data.value();
-  for (Complex& each : mirrored) each = std::conj(each);
-  return judge({data.omega(), std::move(mirrored), data.sigma()}, options).pattern(options.level);
+bool is_left_open(const FrequencyResponseData& data, bool mirror_is_steady) {
+  return data.omega().back() < 2 * data.omega().front() && !mirror_is_steady;
 }
 
 }  // namespace
@@ -685,9 +772,9 @@ double detectable_drift(const FrequencyResponseData& data, const Judgement& judg
   return found * std::fmin(now.drift.deviation, other.deviation);
 }
 
-Validity validity_of(const FrequencyResponseData& data, const ValidationOptions& options, const Judgement& judgement,
-                     const ValidationResult& result) {
-  if (judgement.pattern(result.level)) return is_left_open(data, options) ? Validity::undecided : Validity::invalid;
+Validity validity_of(const FrequencyResponseData& data, const Judgement& judgement, const ValidationResult& result) {
+  if (judgement.pattern(result.level))
+    return is_left_open(data, result.reversed_sign) ? Validity::undecided : Validity::invalid;
   if (!(result.freedom >= fewest_degrees) || !(result.detectable_drift < 1)) return Validity::undecided;
   return judgement.of_points.empty() ? Validity::valid : Validity::suspect;
 }
@@ -709,12 +796,16 @@ ValidationResult validate(const FrequencyResponseData& data, const ValidationOpt
     for (const ValidityTest test : all_tests) result.findings.push_back({test, nan, false});
     return result;
   }
-  const Judgement judgement = judge(data, options);
+  const Timely timely = judge_timely(data, options);
+  const Judgement& judgement = timely.judgement;
   describe_tests(judgement, result);
   describe_model(judgement.fitted, data.size(), result);
+  result.dead_time = timely.dead_time;
+  for (std::size_t k = 0; k < data.size(); ++k) result.model[k] *= std::polar(1.0, -data.omega()[k] * result.dead_time);
   describe_unsteadiness(judgement, result);
-  result.detectable_drift = detectable_drift(data, judgement, result);
-  result.validity = validity_of(data, options, judgement, result);
+  result.detectable_drift = detectable_drift(timely.data, judgement, result);
+  result.reversed_sign = judgement.pattern(options.level) && mirror_is_steady(data, options);
+  result.validity = validity_of(data, judgement, result);
   return result;
 }
 
@@ -740,7 +831,9 @@ std::string ValidationResult::summary() const {
   std::string text(to_string(validity));
   if (every > 1) text += " by one point in " + std::to_string(every);
   std::vector<std::string> parts;
-  const bool drifts = alarmed(ValidityTest::drift_even) || alarmed(ValidityTest::drift_periods);
+  // What changes by more than its own size neither drifts nor jumps: another fault looks so from here.
+  const bool drifts =
+      (alarmed(ValidityTest::drift_even) || alarmed(ValidityTest::drift_periods)) && std::abs(drift) < 1;
   const bool follow = alarmed(ValidityTest::neighbours) || alarmed(ValidityTest::neighbourhoods);
   const auto chance = [&](ValidityTest test) {
     double least = 1;
@@ -749,7 +842,7 @@ std::string ValidationResult::summary() const {
     return least;
   };
   const bool rather_a_step =
-      alarmed(ValidityTest::step) &&
+      alarmed(ValidityTest::step) && std::abs(step) < 1 &&
       chance(ValidityTest::step) <= std::fmin(chance(ValidityTest::drift_even), chance(ValidityTest::drift_periods));
   const bool explained = rather_a_step ? step_explains : drifts && drift_explains;
   const std::string drift_text = percent(drift) + " +- " + percent(drift_deviation) + " during the sweep";
@@ -760,6 +853,8 @@ std::string ValidationResult::summary() const {
       parts.push_back("the response jumps by " + step_text);
     else if (drifts)
       parts.push_back("the response drifts by " + drift_text);
+    else if (validity == Validity::invalid)
+      parts.push_back("what the points leave looks like a drift or jump larger than the response itself");
   }
   if (follow && !explained)
     parts.push_back("residuals of neighbouring points follow each other (correlation " +
@@ -778,7 +873,9 @@ std::string ValidationResult::summary() const {
   };
   switch (validity) {
     case Validity::valid:
-      text += ": a linear, stable, steady system explains all points to within " + noise_text;
+      text += ": a linear, stable, steady system" +
+              (dead_time > 0 ? " with a dead time of about " + detail::short_text(dead_time) + " s" : "") +
+              " explains all points to within " + noise_text;
       if (std::any_of(findings.begin(), findings.end(),
                       [&](const auto& each) { return !each.alarm && each.p_value < level * share_of_level; }))
         return text + "; what it leaves is no noise, but within the accuracy of " + percent(accuracy);
@@ -786,6 +883,10 @@ std::string ValidationResult::summary() const {
     case Validity::suspect:
       return text + ": " + joined() + "; the other points are consistent to within " + noise_text;
     case Validity::invalid:
+      if (reversed_sign)
+        return text +
+               ": the sign of the imaginary part looks reversed: with the other sign a linear, stable, steady system "
+               "explains the points, and as they are none does";
       return text + ": " + joined() + "; no linear, stable, steady system explains the points to within " + noise_text +
              ", " + percent(largest_residual) + " at most";
     case Validity::undecided:

@@ -57,4 +57,10 @@ std::vector<double> moderated_variances(std::span<const CurveVariance> told) {
   return result;
 }
 
+std::vector<double> moderated_deviations(std::span<const CurveVariance> told) {
+  std::vector<double> deviation = moderated_variances(told);
+  for (double& each : deviation) each = std::sqrt(each);
+  return deviation;
+}
+
 }  // namespace frac::detail

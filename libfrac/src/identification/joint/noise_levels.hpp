@@ -16,5 +16,7 @@ struct CurveVariance {
 /// moderated variances): all alike where they differ no more than chance makes them, and as told where they differ by
 /// far more.  A curve whose variance is not told gets the common level; 1 where none is.
 [[nodiscard]] std::vector<double> moderated_variances(std::span<const CurveVariance> told);
+/// Their square roots.
+[[nodiscard]] std::vector<double> moderated_deviations(std::span<const CurveVariance> told);
 
 }  // namespace frac::detail

@@ -18,6 +18,9 @@ class CutValue {
   [[nodiscard]] std::complex<double> operator()(double rate);
 
  private:
+  // The value of a node that depends on s, those before it being known.
+  [[nodiscard]] std::complex<double> of(const Node& node, double rate) const;
+
   const Expression& expression_;
   std::vector<double> real_;
   std::vector<std::complex<double>> value_;

@@ -23,6 +23,7 @@ using Complex = std::complex<double>;
 constexpr Eigen::Index ends = 3;
 constexpr double per_decade = 12;
 constexpr double reach = 1.5;  // decades beyond the band
+constexpr double low = 0.025, high = 0.975;
 
 /// Weighted rows of a response that is linear in its ends and in the density at each time.
 struct Equations {
@@ -46,15 +47,16 @@ Equations equations(const FrequencyResponseData& data, TimesKernel kernel) {
   for (const Complex& each : data.value()) largest = std::max(largest, std::abs(each));
 
   Equations made;
-  const double first = -std::log(data.omega().back()) - reach * std::log(10.0);
-  const double last = -std::log(data.omega().front()) + reach * std::log(10.0);
-  const auto times = static_cast<Eigen::Index>(std::ceil((last - first) / std::log(10.0) * per_decade)) + 1;
-  const double spacing = (last - first) / static_cast<double>(times - 1);
-  for (Eigen::Index j = 0; j < times; ++j) made.log_tau.push_back(first + spacing * static_cast<double>(j));
-
-  const double reached = reach * std::log(10.0) / spacing;
-  made.first_seen = static_cast<std::size_t>(std::lround(reached));
-  made.last_seen = made.log_tau.size() - 1 - made.first_seen;
+  // The ends of the band are times of the grid, so that areas within it end there.
+  const double band = std::log(data.omega().back() / data.omega().front());
+  const auto steps = static_cast<std::size_t>(std::ceil(band / std::log(10.0) * per_decade));
+  const double spacing = band / static_cast<double>(steps);
+  made.first_seen = static_cast<std::size_t>(std::ceil(reach * std::log(10.0) / spacing));
+  made.last_seen = made.first_seen + steps;
+  const auto times = static_cast<Eigen::Index>(made.last_seen + made.first_seen + 1);
+  for (Eigen::Index j = 0; j < times; ++j)
+    made.log_tau.push_back(-std::log(data.omega().back()) +
+                           spacing * static_cast<double>(j - static_cast<Eigen::Index>(made.first_seen)));
 
   const auto rows = 2 * static_cast<Eigen::Index>(kept.size());
   made.columns.resize(rows, ends + times);
@@ -93,14 +95,20 @@ Equations equations(const FrequencyResponseData& data, TimesKernel kernel) {
   return made;
 }
 
+/// Weights of the roughness: the best, and those that the evidence hardly tells from it.
+struct Smoothness {
+  double least, best, most;
+};
+
 /// The weight of the roughness of the largest evidence: a normal prior on the second differences, noise as given, ends
 /// anywhere.  -2 ln p = misfit + smoothness roughness + ln |A'A + smoothness D'D| - times ln smoothness.
-double best_smoothness(const Equations& of, const Eigen::MatrixXd& normal, const Eigen::MatrixXd& rough) {
+Smoothness best_smoothness(const Equations& of, const Eigen::MatrixXd& normal, const Eigen::MatrixXd& rough) {
   const Eigen::VectorXd right = of.columns.transpose() * of.target;
   const double times = static_cast<double>(of.log_tau.size());
   const double scale =
       normal.diagonal().tail(normal.cols() - ends).mean() / rough.diagonal().tail(rough.cols() - ends).mean();
-  double least = std::numeric_limits<double>::infinity(), best = scale;
+  std::vector<std::pair<double, double>> tried;  // smoothness, -2 ln p
+  std::pair<double, double> best{scale, std::numeric_limits<double>::infinity()};
   for (double exponent = -10; exponent <= 4; exponent += 0.5) {
     const double smoothness = scale * std::pow(10, exponent);
     const detail::CholeskyFactor factor(normal + smoothness * rough);
@@ -108,30 +116,41 @@ double best_smoothness(const Equations& of, const Eigen::MatrixXd& normal, const
     const double explained = right.dot(factor.solve(right));
     const double log_determinant = 2 * factor.diagonal().array().log().sum();
     const double value = of.target.squaredNorm() - explained + log_determinant - times * std::log(smoothness);
-    if (value < least) {
-      least = value;
-      best = smoothness;
-    }
+    tried.emplace_back(smoothness, value);
+    if (value < best.second) best = tried.back();
   }
-  return best;
+  // Two standard deviations of one parameter.
+  constexpr double hardly_told = 4;
+  Smoothness found{best.first, best.first, best.first};
+  for (const auto& [smoothness, value] : tried) {
+    if (!(value < best.second + hardly_told)) continue;
+    found.least = std::min(found.least, smoothness);
+    found.most = std::max(found.most, smoothness);
+  }
+  return found;
 }
 
 /// The smoothest density that follows the data.
 struct Solution {
   Eigen::MatrixXd roughness;  // of the prior
-  double smoothness;
+  Smoothness smoothness;
   Eigen::MatrixXd hessian;
   Eigen::VectorXd x;
   std::vector<bool> free;
 };
 
+Eigen::MatrixXd hessian_of(const Eigen::MatrixXd& normal, const Eigen::MatrixXd& rough, double smoothness) {
+  Eigen::MatrixXd hessian = normal + smoothness * rough;
+  // Ends that no point sees stay at 0.
+  hessian.diagonal().array() += 1e-13 * hessian.diagonal().maxCoeff();
+  return hessian;
+}
+
 Solution solution(const Equations& of, const Eigen::MatrixXd& normal, Eigen::MatrixXd roughness) {
-  Solution made{std::move(roughness), 0, {}, {}, {}};
+  Solution made{std::move(roughness), {}, {}, {}, {}};
   const Eigen::MatrixXd rough = made.roughness.transpose() * made.roughness;
   made.smoothness = best_smoothness(of, normal, rough);
-  made.hessian = normal + made.smoothness * rough;
-  // Ends that no point sees stay at 0.
-  made.hessian.diagonal().array() += 1e-13 * made.hessian.diagonal().maxCoeff();
+  made.hessian = hessian_of(normal, rough, made.smoothness.best);
   made.free.assign(static_cast<std::size_t>(made.hessian.cols()), true);
   made.x = detail::nonnegative_minimum(made.hessian, of.columns.transpose() * of.target, made.free);
   return made;
@@ -160,6 +179,91 @@ double quantile(std::vector<double> values, double share) {
   return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
 }
 
+std::vector<double> density_of(const Equations& of, const Eigen::VectorXd& x) {
+  const auto density = x.tail(static_cast<Eigen::Index>(of.log_tau.size()));
+  return {density.begin(), density.end()};
+}
+
+/// Densities that the data, with other noise, and the prior allow as well.
+std::vector<std::vector<double>> drawn_densities(const Equations& of, const Solution& of_data, std::uint64_t seed) {
+  constexpr std::size_t samples = 100;
+  std::mt19937_64 engine(seed);
+  std::normal_distribution<double> normal_draw;
+  std::vector<std::vector<double>> drawn;
+  for (std::size_t k = 0; k < samples; ++k) {
+    Eigen::VectorXd moved = of.target, prior(of_data.roughness.rows());
+    for (double& each : moved) each += normal_draw(engine);
+    for (double& each : prior) each = std::sqrt(of_data.smoothness.best) * normal_draw(engine);
+    std::vector<bool> guess = of_data.free;
+    drawn.push_back(density_of(
+        of, detail::nonnegative_minimum(
+                of_data.hessian, of.columns.transpose() * moved + of_data.roughness.transpose() * prior, guess)));
+  }
+  return drawn;
+}
+
+/// Densities of the weights of roughness that the evidence hardly tells from the best.
+std::vector<std::vector<double>> densities_of_other_weights(const Equations& of, const Eigen::MatrixXd& normal,
+                                                            const Solution& of_data) {
+  const Eigen::MatrixXd rough = of_data.roughness.transpose() * of_data.roughness;
+  std::vector<std::vector<double>> result;
+  for (const double smoothness : {of_data.smoothness.least, of_data.smoothness.most}) {
+    std::vector<bool> guess = of_data.free;
+    result.push_back(density_of(of, detail::nonnegative_minimum(hessian_of(normal, rough, smoothness),
+                                                                of.columns.transpose() * of.target, guess)));
+  }
+  return result;
+}
+
+/// 95 % of some values, with the side to which smoothing has lost something reaching as much further.
+std::pair<double, double> widened_range(const std::vector<double>& values, const std::vector<double>& losses) {
+  std::pair<double, double> range(quantile(values, low), quantile(values, high));
+  for (const double lost : losses) (lost > 0 ? range.second : range.first) += lost;
+  range.first = std::max(range.first, 0.0);
+  return range;
+}
+
+/// The peaks of a density with the ranges in which those of the drawn ones lie.
+/// @param again  the density as smoothing makes it from its own response
+/// @param others  densities of other weights of roughness; areas reach as far as theirs
+std::vector<TimesPeak> peaks_of(const Equations& of, const TimesDistribution& found,
+                                const std::vector<std::vector<double>>& drawn, const std::vector<double>& again,
+                                const std::vector<std::vector<double>>& others) {
+  auto ranges = detail::large_peaks(
+      detail::joined_peaks(detail::peak_ranges(found.density), found.density, found.lower, found.upper), of.log_tau,
+      found.density);
+  // Beyond the band stands what the prior continues.
+  std::erase_if(ranges, [&](const auto& range) { return range.top < of.first_seen || range.top > of.last_seen; });
+  const auto area_of = [&](const std::vector<double>& density, const detail::PeakRange& range) {
+    return detail::peak_area(of.log_tau, density,
+                             {std::max(range.first, of.first_seen), range.top, std::min(range.last, of.last_seen)});
+  };
+  std::vector<TimesPeak> peaks;
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    std::vector<double> place, area;
+    for (const auto& each : drawn) {
+      // Where a minimum lies is as uncertain as the density: each solution has its own.
+      const auto minimum_between = [&](std::size_t from, std::size_t to) {
+        const auto first = each.begin() + static_cast<std::ptrdiff_t>(from);
+        return static_cast<std::size_t>(std::min_element(first, each.begin() + static_cast<std::ptrdiff_t>(to) + 1) -
+                                        each.begin());
+      };
+      detail::PeakRange range = ranges[i];
+      if (i > 0) range.first = minimum_between(ranges[i - 1].top, range.top);
+      if (i + 1 < ranges.size()) range.last = minimum_between(range.top, ranges[i + 1].top);
+      place.push_back(detail::peak_place(of.log_tau, each, range));
+      area.push_back(area_of(each, range));
+    }
+    const double found_area = area_of(found.density, ranges[i]);
+    std::vector<double> losses{found_area - area_of(again, ranges[i])};
+    for (const auto& other : others) losses.push_back(area_of(other, ranges[i]) - found_area);
+    const auto [lower, upper] = widened_range(area, losses);
+    peaks.push_back({std::exp(detail::peak_place(of.log_tau, found.density, ranges[i])), found_area,
+                     std::exp(quantile(place, low)), std::exp(quantile(place, high)), lower, upper});
+  }
+  return peaks;
+}
+
 }  // namespace
 
 bool TimesDistribution::follows_data() const {
@@ -179,7 +283,7 @@ TimesDistribution relaxation_times(const FrequencyResponseData& data, TimesKerne
 
   TimesDistribution result{};
   result.kernel = kernel;
-  result.smoothness = of_data.smoothness;
+  result.smoothness = of_data.smoothness.best;
   const Eigen::VectorXd left = of.columns * best - of.target;
   const auto rows = static_cast<double>(left.size());
   result.misfit_in_noise = std::sqrt(left.squaredNorm() / rows);
@@ -188,72 +292,21 @@ TimesDistribution relaxation_times(const FrequencyResponseData& data, TimesKerne
   result.constant = best(0) * of.end_scale(0);
   result.inductance = best(1) * of.end_scale(1);
   result.elastance = best(2) * of.end_scale(2);
-  for (std::size_t j = 0; j < of.log_tau.size(); ++j) {
-    result.tau.push_back(std::exp(of.log_tau[j]));
-    result.density.push_back(best(ends + static_cast<Eigen::Index>(j)));
-  }
-  constexpr std::size_t samples = 100;
-  std::mt19937_64 engine(seed);
-  std::normal_distribution<double> normal_draw;
-  std::vector<std::vector<double>> density(of.log_tau.size()), drawn(samples);
-  for (std::size_t k = 0; k < samples; ++k) {
-    Eigen::VectorXd moved = of.target, prior(of_data.roughness.rows());
-    for (double& each : moved) each += normal_draw(engine);
-    for (double& each : prior) each = std::sqrt(of_data.smoothness) * normal_draw(engine);
-    std::vector<bool> guess = of_data.free;
-    const Eigen::VectorXd sample = detail::nonnegative_minimum(
-        of_data.hessian, of.columns.transpose() * moved + of_data.roughness.transpose() * prior, guess);
-    for (std::size_t j = 0; j < of.log_tau.size(); ++j) {
-      drawn[k].push_back(sample(ends + static_cast<Eigen::Index>(j)));
-      density[j].push_back(drawn[k].back());
-    }
-  }
+  for (const double each : of.log_tau) result.tau.push_back(std::exp(each));
+  result.density = density_of(of, best);
+  const std::vector<std::vector<double>> drawn = drawn_densities(of, of_data, seed);
   // What smoothing takes from the density itself shows in what it takes from its own result: the density found anew
-  // from the response of the one that was found.  Ranges reach as much further to the side that was lost.
-  std::vector<double> again;
-  {
-    std::vector<bool> guess = of_data.free;
-    const Eigen::VectorXd twice = detail::nonnegative_minimum(of_data.hessian, normal * best, guess);
-    for (std::size_t j = 0; j < of.log_tau.size(); ++j) again.push_back(twice(ends + static_cast<Eigen::Index>(j)));
-  }
-  const auto widened = [](double& lower, double& upper, double lost) { (lost > 0 ? upper : lower) += lost; };
-  constexpr double low = 0.025, high = 0.975;
-  for (std::size_t j = 0; j < density.size(); ++j) {
-    double lower = quantile(density[j], low), upper = quantile(density[j], high);
-    widened(lower, upper, result.density[j] - again[j]);
-    result.lower.push_back(std::max(lower, 0.0));
+  // from the response of the one that was found.
+  std::vector<bool> guess = of_data.free;
+  const std::vector<double> again = density_of(of, detail::nonnegative_minimum(of_data.hessian, normal * best, guess));
+  for (std::size_t j = 0; j < result.density.size(); ++j) {
+    std::vector<double> values;
+    for (const auto& each : drawn) values.push_back(each[j]);
+    const auto [lower, upper] = widened_range(values, {result.density[j] - again[j]});
+    result.lower.push_back(lower);
     result.upper.push_back(upper);
   }
-  auto ranges = detail::large_peaks(
-      detail::joined_peaks(detail::peak_ranges(result.density), result.density, result.lower, result.upper), of.log_tau,
-      result.density);
-  // Beyond the band stands what the prior continues.
-  std::erase_if(ranges, [&](const auto& range) { return range.top < of.first_seen || range.top > of.last_seen; });
-  const auto seen = [&](const detail::PeakRange& range) {
-    return detail::PeakRange{std::max(range.first, of.first_seen), range.top, std::min(range.last, of.last_seen)};
-  };
-  for (std::size_t i = 0; i < ranges.size(); ++i) {
-    std::vector<double> place, area;
-    for (const auto& each : drawn) {
-      // Where a minimum lies is as uncertain as the density: each solution has its own.
-      const auto minimum_between = [&](std::size_t from, std::size_t to) {
-        const auto first = each.begin() + static_cast<std::ptrdiff_t>(from);
-        return static_cast<std::size_t>(std::min_element(first, each.begin() + static_cast<std::ptrdiff_t>(to) + 1) -
-                                        each.begin());
-      };
-      detail::PeakRange range = ranges[i];
-      if (i > 0) range.first = minimum_between(ranges[i - 1].top, range.top);
-      if (i + 1 < ranges.size()) range.last = minimum_between(range.top, ranges[i + 1].top);
-      place.push_back(detail::peak_place(of.log_tau, each, range));
-      area.push_back(detail::peak_area(of.log_tau, each, seen(range)));
-    }
-    const double found = detail::peak_area(of.log_tau, result.density, seen(ranges[i]));
-    double lower = quantile(area, low), upper = quantile(area, high);
-    widened(lower, upper, found - detail::peak_area(of.log_tau, again, seen(ranges[i])));
-    result.peaks.push_back({std::exp(detail::peak_place(of.log_tau, result.density, ranges[i])), found,
-                            std::exp(quantile(place, low)), std::exp(quantile(place, high)), std::max(lower, 0.0),
-                            upper});
-  }
+  result.peaks = peaks_of(of, result, drawn, again, densities_of_other_weights(of, normal, of_data));
   return result;
 }
 

@@ -107,7 +107,7 @@ class TimeSearch {
       const GlobalSolution found = start_among(transformed, suggested_orders(transformed.quotient()));
       result_.starts += found.starts;
       if (found.starts_at_best > 0) try_from(found.best.theta);
-      constexpr double far_beyond = 5;
+      constexpr double far_beyond = 1.5;
       if (is_exact() || at_best() > 1 || is_hopeless(far_beyond)) return;
     }
   }
@@ -173,10 +173,14 @@ class TimeSearch {
     const std::vector<double> start = map.to_theta(
         with_labels_in_order(problem_.structure, problem_.options.constraints, map.to_user(result_.best.theta)));
     result_.best = local_solve(all, start, {});
-    if (result_.best.converged || is_hopeless()) return;
+    // Patience in rounds, as long as one of them gains more than noise in the data makes of the cost.
     LocalOptions patient;
-    patient.iterations = 1000;
-    result_.best = local_solve(all, result_.best.theta, patient);
+    patient.iterations = 100;
+    for (int round = 0; round < 8 && !result_.best.converged && !is_hopeless() && !is_exact(); ++round) {
+      const double before = result_.best.cost;
+      result_.best = local_solve(all, result_.best.theta, patient);
+      if (!(result_.best.cost < before * (1 - equally_good))) break;
+    }
   }
 
   const TimeProblem& problem_;

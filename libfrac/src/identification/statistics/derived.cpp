@@ -18,6 +18,8 @@ DerivedQuantity::DerivedQuantity(std::string_view definition, std::span<const st
       formula_(detail::with_pi(text_)) {
   if (formula_.depends_on_s())
     throw std::invalid_argument("'" + text_ + "' depends on s, so it is no number that parameters tell");
+  if (std::find(parameter_names.begin(), parameter_names.end(), name_) != parameter_names.end())
+    throw std::invalid_argument("'" + name_ + "' is a parameter; call the quantity by another name");
   std::string known;
   for (const std::string& each : parameter_names) known += (known.empty() ? "" : ", ") + each;
   for (const std::string& name : formula_.parameter_names()) {

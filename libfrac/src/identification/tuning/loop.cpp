@@ -85,7 +85,7 @@ LoopGrid::LoopGrid(const FractionalTransferFunction& plant, double centre, const
     }
     if (pole.value.real() > 0) unstable_plant_poles_ += pole.multiplicity * (pole.value.imag() == 0 ? 1 : 2);
     if (!(damping < 0.3)) continue;
-    for (int i = -8; i <= 8; ++i) omega.push_back(size * (1 + 0.5 * damping * i));
+    for (int i = -8; i <= 8; ++i) omega.push_back(size * std::exp(0.5 * damping * i));
   }
   for (const double pole : undamped) {
     // Closer and closer, as |L| grows without bound.

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "laid_curves.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+
+#include "frac/identification/constraints.hpp"
+#include "identification/data/fit_data.hpp"
+#include "identification/statistics/definition.hpp"
+#include "joint_search.hpp"
+#include "shift.hpp"
+#include "special/distributions.hpp"
+
+namespace frac::detail {
+namespace {
+
+/// What the options say of parameters of the structure itself, without shift factors and laws.
+FitOptions options_of_master(const Structure& master, const JointFitOptions& options) {
+  FitOptions of_master = options.fit;
+  const auto& names = master.parameter_names();
+  std::erase_if(of_master.constraints, [&](const ParameterConstraint& each) {
+    return std::find(names.begin(), names.end(), each.name) == names.end();
+  });
+  return of_master;
+}
+
+Preparation from_superposition(const std::vector<JointCurve>& curves, const Structure& master,
+                               const Structure& structure, const CurveShift& shift, const FitOptions& of_master) {
+  const Superposition found = superposed(curves, master, shift, of_master);
+  if (!found.master.usable())
+    throw std::invalid_argument("no fit of " + master.formula() + " to all curves as one: " + found.master.message);
+  Preparation result{Alone(curves.size()), {}, {}, std::vector<double>(curves.size(), found.master.rms)};
+  if (!(found.master.rms > 0) || of_master.weight == Weight::given) result.noise.assign(curves.size(), 1.0);
+  for (std::size_t c = 0; c < curves.size(); ++c) {
+    std::vector<double>& values = result.values.parameters.emplace_back();
+    for (const std::string& name : structure.parameter_names()) {
+      const auto& known = found.master.parameters;
+      const auto of = std::find_if(known.begin(), known.end(), [&](const auto& each) { return each.name == name; });
+      values.push_back(name == horizontal_shift ? found.horizontal[c]
+                       : name == vertical_shift ? found.vertical[c]
+                                                : of->value);
+    }
+    result.values.from_curve.push_back(false);
+    result.rules.push_back(residual_rule(curves[c].data, settled(of_master, found.master)));
+  }
+  return result;
+}
+
+/// Shift factors of each curve in a list of values by the structure.
+struct ShiftFactors {
+  std::vector<double> horizontal, vertical;
+};
+ShiftFactors factors_in(const std::vector<std::vector<double>>& values, const Structure& structure) {
+  ShiftFactors result;
+  const std::size_t along = structure.parameter_index(horizontal_shift);
+  const auto& names = structure.parameter_names();
+  const auto up = std::find(names.begin(), names.end(), vertical_shift);
+  for (const std::vector<double>& each : values) {
+    result.horizontal.push_back(each[along]);
+    result.vertical.push_back(up == names.end() ? 1 : each[static_cast<std::size_t>(up - names.begin())]);
+  }
+  return result;
+}
+
+/// A fit to all curves as one, taken as the start of each.
+void start_at(const FitResult& master, const Structure& structure, Preparation& known) {
+  for (const ParameterEstimate& each : master.parameters) {
+    const std::size_t place = structure.parameter_index(each.name);
+    for (std::vector<double>& values : known.values.parameters) values[place] = each.value;
+  }
+}
+
+/// The options without the laws of shift factors, and without what is said of parameters of these laws alone.
+JointFitOptions with_free_shifts(const JointFitOptions& options, const Structure& structure,
+                                 const std::vector<JointCurve>& curves, const Laws& laws) {
+  JointFitOptions free = options;
+  std::erase_if(free.laws, [&](const std::string& law) {
+    const auto [driven, right] = split_definition(law);
+    return driven == horizontal_shift || driven == vertical_shift;
+  });
+  const Laws left(structure, free, curves);
+  std::erase_if(free.fit.constraints,
+                [&](const ParameterConstraint& each) { return laws.has(each.name) && !left.has(each.name); });
+  return free;
+}
+
+/// Fits the curves with free shift factors, which then stand in what is known, with the noise they leave.  Where the
+/// weight is learned it is learned anew with the curves where that fit lays them, until they stay: where neighbours
+/// lay them first depends on the order of the curves.
+/// @return  none where free factors are more than the residuals tell, or nothing was found
+std::optional<FreeShifts> fit_free_shifts(const std::vector<JointCurve>& curves, const Structure& master,
+                                          const Structure& structure, const JointFitOptions& options,
+                                          const FitOptions& of_master, Preparation& known) {
+  const Laws laws(structure, options, curves);
+  const bool learns = options.fit.weight == Weight::learned && !options.fit.noise_floor;
+  constexpr int most_rounds = 8;
+  constexpr double stays = 1e-6;  // change of a factor, far below its interval
+  for (int round = 0; round < most_rounds; ++round) {
+    JointSearch search(curves, structure, options, known, laws);
+    JointFitResult counts{};
+    search.run(options, known, counts);
+    if (!std::isfinite(search.point.cost)) return std::nullopt;
+    const ShiftFactors before = factors_in(known.values.parameters, structure);
+    for (std::size_t c = 0; c < curves.size(); ++c) known.values.parameters[c] = search.parameters(c);
+    if (!search.noise.empty()) known.noise = search.noise;
+    const ShiftFactors now = factors_in(known.values.parameters, structure);
+    double moved = 0;
+    for (std::size_t c = 0; c < curves.size(); ++c)
+      moved = std::max({moved, std::abs(std::log(now.horizontal[c] / before.horizontal[c])),
+                        std::abs(std::log(now.vertical[c] / before.vertical[c]))});
+    if (!learns || (round > 0 && moved < stays) || round + 1 == most_rounds)
+      return FreeShifts{cost_of_data(search.problem(), search.point).squares, counts.residuals, counts.free_parameters};
+    const FitResult all = fit_laid(curves, now.horizontal, now.vertical, master, of_master);
+    if (!all.usable()) return std::nullopt;
+    for (std::size_t c = 0; c < curves.size(); ++c)
+      known.rules[c] = residual_rule(curves[c].data, settled(options.fit, all));
+  }
+  return std::nullopt;
+}
+
+/// Laws of shift factors say where the master curve itself stands, which need not be the reference: the structure is
+/// fitted to all curves where the laws lay them.
+void lay_by_laws(const std::vector<JointCurve>& curves, const Structure& master, const Structure& structure,
+                 JointFitOptions options, const FitOptions& of_master, const Laws& laws, Preparation& known) {
+  const std::vector<ParameterConstraint> of_laws = taken_out(options.fit.constraints, laws);
+  std::vector<double> values;
+  static_cast<void>(variables_of(laws, of_laws, known.values, values));
+  std::vector<double> gradient(values.size());
+  for (std::size_t l = 0; l < laws.count(); ++l)
+    for (std::size_t c = 0; c < curves.size(); ++c)
+      known.values.parameters[c][laws.parameter(l)] = laws.at(l, c, values, gradient);
+  const ShiftFactors laid = factors_in(known.values.parameters, structure);
+  const FitResult all = fit_laid(curves, laid.horizontal, laid.vertical, master, of_master);
+  if (all.usable()) start_at(all, structure, known);
+}
+
+}  // namespace
+
+void keep_shifts_positive(std::vector<ParameterConstraint>& constraints, const CurveShift& shift) {
+  for (const char* name : {horizontal_shift, vertical_shift}) {
+    if (name == vertical_shift && !shift.vertical) continue;
+    ParameterConstraint& each = constraint_of(constraints, name);
+    constexpr double largest = 1e150;
+    if (!each.fixed && !each.upper) each.upper = largest;
+  }
+}
+
+LaidCurves lay_curves(const std::vector<JointCurve>& curves, const Structure& master, const Structure& structure,
+                      const JointFitOptions& options, const JointFitOptions& without_laws, const Laws& laws) {
+  const FitOptions of_master = options_of_master(master, without_laws);
+  LaidCurves result{from_superposition(curves, master, structure, *options.shift, of_master), std::nullopt};
+  result.free = fit_free_shifts(curves, master, structure, with_free_shifts(options, structure, curves, laws),
+                                of_master, result.known);
+  if (laws.drive_shifts()) lay_by_laws(curves, master, structure, options, of_master, laws, result.known);
+  return result;
+}
+
+void compare_with_free(const FreeShifts& free, double squares, JointFitResult& result) {
+  const double saved = static_cast<double>(free.free_parameters) - static_cast<double>(result.free_parameters);
+  const double degrees = static_cast<double>(free.residuals) - static_cast<double>(free.free_parameters);
+  if (!(saved > 0) || !(degrees > 0) || !(free.squares > 0)) return;
+  const double ratio = std::max(0.0, squares - free.squares) / saved / (free.squares / degrees);
+  result.sharing_p_value = fisher_f_above(ratio, saved, degrees);
+  constexpr double doubtful = 0.01;
+  if (!(result.sharing_p_value < doubtful) || !result.usable()) return;
+  char text[240];
+  std::snprintf(text, sizeof text,
+                " The shift factors do not follow their law: by it residuals are %.3g times those with free factors, "
+                "which chance explains with probability %.1e.",
+                std::sqrt(squares / free.squares), result.sharing_p_value);
+  result.message += text;
+}
+
+}  // namespace frac::detail

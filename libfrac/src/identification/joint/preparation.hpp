@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "frac/identification/joint_fit.hpp"
+#include "identification/data/residual_rule.hpp"
+
+namespace frac::detail {
+
+/// Fits of the curves alone, none where a curve has none.
+using Alone = std::vector<std::optional<FitResult>>;
+
+/// Values of every parameter in the fits alone, one list per curve; the user's starts where no curve has a fit.
+struct StartValues {
+  std::vector<std::vector<double>> parameters;  // of each curve
+  std::vector<bool> from_curve;
+};
+
+/// What is known before the curves are fitted together.
+struct Preparation {
+  Alone alone;
+  StartValues values;
+  std::vector<ResidualRule> rules;
+  std::vector<double> noise;  // standard deviation of a residual of each curve
+};
+
+[[nodiscard]] Preparation from_fits_alone(const std::vector<JointCurve>& curves, const Structure& structure,
+                                          const JointFitOptions& options);
+
+}  // namespace frac::detail
