@@ -224,6 +224,50 @@ TEST(Tune, TheIntegralCriterionIsWhatTheClosedLoopHas) {
   }
 }
 
+// Gains that a search of its own found, with the integral of an inverse Laplace transform, keep max |S| = 1.4 and have
+// an integral of 0.0907.  With every seed the answer comes within 3 % of it; a single search ended at 0.167.
+TEST(Tune, TheLeastIntegralDoesNotHangOnTheSeed) {
+  const auto plant = FractionalTransferFunction::parse("exp(-0.1 s)/(s + 1)");
+  frac::LoopSpecification asked;
+  asked.max_sensitivity = 1.4;
+  frac::TuningOptions options{.lambda = {0.9611, 0.9611}, .mu = {0.75, 0.75}};
+  options.criterion = frac::TuningCriterion::iae;
+  options.horizon = 8;
+  options.load_step = true;
+  for (const unsigned seed : {1u, 2u, 3u}) {
+    options.seed = seed;
+    const auto result = frac::tune(plant, asked, options);
+    EXPECT_TRUE(result.usable()) << result.message;
+    EXPECT_LT(result.iae, 1.03 * 0.0907) << seed;
+    EXPECT_NE(result.message.find("searches ended within 1 %"), std::string::npos) << result.message;
+  }
+}
+
+// A proportional gain on a plant that is a gain itself leaves |L| at all frequencies.
+TEST(Tune, APlantThatDoesNotFallGetsALoopThatDoes) {
+  for (const unsigned seed : {1u, 2u}) {
+    frac::TuningOptions options{.structure = ControllerStructure::pi};
+    options.seed = seed;
+    for (const char* formula : {"5", "2 (s+1)/(s+2)"}) {
+      const auto plant = FractionalTransferFunction::parse(formula);
+      const auto result = frac::tune(plant, {.crossover = 3.0, .phase_margin = 1.0}, options);
+      EXPECT_TRUE(result.usable()) << formula << ": " << result.message;
+      EXPECT_LT(std::abs(plant.response(1e12)) * result.gains.kp, 0.9 + 1e-6) << formula;
+    }
+  }
+}
+
+// No order makes the phase flat: the answer is the flattest of the range, which is that of its end.
+TEST(Tune, NearestToAFlatPhaseIsTheFlattest) {
+  const auto plant = FractionalTransferFunction::parse("2 exp(-0.3 s)/(s + 1)");
+  const frac::LoopSpecification asked{.crossover = 2.0, .phase_margin = 1.0471975511965976, .flat_phase = true};
+  const auto slope = [&](double lower, double upper) {
+    return frac::tune(plant, asked, {.structure = ControllerStructure::pi, .lambda = {lower, upper}}).phase_slope;
+  };
+  EXPECT_NEAR(slope(0.5, 1.5), slope(1.5, 1.5), 1e-9);
+  for (const double lambda : {0.5, 0.8, 1.2}) EXPECT_LT(slope(lambda, lambda), slope(0.5, 1.5));
+}
+
 TEST(Tune, IsRepeatableAndDependsOnTheSeedAlone) {
   const auto plant = parsed("1/(0.8 s^2.2 + 0.5 s^0.9 + 1)");
   const frac::LoopSpecification asked{.crossover = 2, .phase_margin = 60 * degree, .max_sensitivity = 1.6};

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <deque>
@@ -53,6 +54,28 @@ TEST(CliTune, TunesFromARelayExperiment) {
   const double allowed = 55 - json["region"]["least_phase_margin_deg"].get<double>();
   EXPECT_NEAR(std::arg(-loop) * 180 / std::numbers::pi, 55, 2 * allowed);
   EXPECT_NEAR(std::abs(loop), 1, 0.02);  // the gain is known to about 1 %
+}
+
+// A relay about a chain of five lags, which no plant that is fitted follows to within such noise.
+TEST(CliTune, ARecordThatNoPlantFollowsGivesNoUsableAnswer) {
+  std::mt19937_64 random(4);
+  std::normal_distribution<double> noise(0, 0.0005);
+  std::array<double, 5> chain{};
+  double relay = 1;
+  std::string text = "time_s,input,output\n";
+  for (int n = 0; n < 600; ++n) {
+    const double measured = chain.back() + noise(random);
+    if (std::abs(measured) > 0.05) relay = measured > 0 ? -1 : 1;
+    text += std::to_string(n * 0.1) + "," + std::to_string(relay) + "," + std::to_string(measured) + "\n";
+    double input = relay;
+    for (double& each : chain) input = each += 0.1 * (input - each);
+  }
+  const TemporaryFolder folder;
+  const auto result = run_fracfit(
+      {"tune", "--from-relay", folder.write("relay.csv", text), "--crossover", "0.3", "--phase-margin", "60"});
+  EXPECT_EQ(result.code, 1);
+  EXPECT_EQ(Json::parse(result.output)["status"], "not-met");
+  EXPECT_NE(result.error.find("times the noise"), std::string::npos) << result.error;
 }
 
 // The cycle left is the one that limit-cycles finds for that controller, and the constraints say so.

@@ -16,6 +16,7 @@ sys.path.insert(0, os.path.abspath("../python"))
 autodoc_mock_imports = ["numpy", "matplotlib", "fracfit._core", "fracfit._files", "fracfit._fitting"]
 autodoc_typehints = "none"
 napoleon_google_docstring = False
+strip_signature_backslash = True  # "lambda_" keeps its underscore
 default_role = "py:obj"
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 exclude_patterns = ["generate"]

@@ -314,9 +314,10 @@ class Tune : public Command {
     const frac::TimeResponseData data = io::time_response_data(relay_, io::read_time_response(relay_));
     const frac::LackOfFit lack = frac::lack_of_fit(data, frac::TimeFitOptions{}, fit);
     if (lack.adequate) return {};
-    return " But no plant that was tried follows the record to within its noise, so that the true one may lie outside "
-           "of "
-           "the region.";
+    return " But no plant that was tried follows the record to within its noise (residuals of " +
+           short_number(lack.misfit, 3) + " times the noise, correlation of neighbours " +
+           short_number(lack.correlation, 3) +
+           "), so that the true one may lie outside of the region: the answer is not to be used.";
   }
 
   int run_for_region() {
@@ -328,14 +329,14 @@ class Tune : public Command {
     const std::string plant = frac::fitted_plant(fit).formula();
     if (format() == "json") {
       Json json = tuning_json(result.nominal, plant, command_line());
-      json["status"] = frac::to_string(result.status);
+      json["status"] = frac::to_string(misfit.empty() ? result.status : frac::TuningStatus::not_met);
       json["region"] = region_json(result);
       write(json.dump() + "\n");
     } else {
       write(tuning_table(result.nominal, plant, result.nominal.message) + region_table(result));
     }
     if (!result.usable() || (!misfit.empty() && format() != "table")) say(result.message);
-    return result.usable() ? usable_result : no_usable_result;
+    return result.usable() && misfit.empty() ? usable_result : no_usable_result;
   }
 
   [[nodiscard]] backlash::BacklashPlant bodies() const {

@@ -51,9 +51,14 @@ class DescribingFunction(_Points):
         N, m/N; one row per scene where several were asked for.
     uncertainty : ndarray
         Of ``|N|``.
-    regime, period, impacts_per_period, third_harmonic_ratio, even_harmonic_ratio, energy_defect, lyapunov_exponent,
+    regime, period, impacts_per_period : ndarray
+        Kind of the motion, force periods until it repeats (0 where averaged), and impacts per period.
+    third_harmonic_ratio, even_harmonic_ratio : ndarray
+        Of the output, to its fundamental.
+    energy_defect, lyapunov_exponent : ndarray
+        Work that is not accounted for, as a share, and growth of disturbances per force period.
     transient_possible : ndarray
-        What was found of the motion.
+        Whether a mean may be of a transient.
     """
 
     def __iter__(self) -> Any:
@@ -187,6 +192,7 @@ class OrbitBranch(_Record):
     period, impacts : int
         Force periods and impacts of each orbit.
     symmetric : bool
+        Each half of the period mirrors the other.
     parameter, omega, response, stable, multipliers : ndarray
         Of each orbit.
     bifurcations : list of dict
@@ -224,6 +230,7 @@ def orbits(
     Parameters
     ----------
     start, stop : float
+        Range of the parameter.
     parameter : {"omega", "force", "clearance", "restitution"}
         What changes; the others are held.
 
@@ -274,6 +281,7 @@ class LimitCycles(_Record):
     certain : bool
         None of them in that range can be missing.
     any_frequency : bool
+        Every frequency is that of a cycle.
     """
 
     def __repr__(self) -> str:
@@ -359,6 +367,7 @@ def jump_frequency(
     Parameters
     ----------
     criterion : {"two-impact-loss", "symmetry-loss", "saddle-node", "contact-at-rest", "mid-gap-at-rest", "sweep-up", "sweep-down"}
+        What is taken for the jump.
 
     Examples
     --------

@@ -34,6 +34,7 @@ class FractionalPid:
     minimum, maximum : float
         Limits of the output.
     anti_windup : {"back-calculation", "conditional-integration", "none"}
+        What keeps the integral from running on while the output is cut.
     tracking_time : float
         Of back-calculation, s; 0 takes ``(kp/ki)^(1/lambda)``.
     derivative_filter_time : float
@@ -41,6 +42,7 @@ class FractionalPid:
     setpoint_weight, derivative_setpoint_weight : float
         b and c.
     discretisation : {"direct", "tustin", "tustin-prewarped", "al-alaoui"}
+        How the recursion in the samples is made.
     most_swing : float
         How far the derivative's answer to a step may rise again after its peak.
 
@@ -108,7 +110,9 @@ class FractionalPid:
         Parameters
         ----------
         setpoint : float or array_like
+            One for all samples, or one for each.
         measured : array_like
+            One for each sample.
         """
         measured = real_array(measured, "measured")
         setpoint = real_array(setpoint, "setpoint", () if np.ndim(setpoint) == 0 else measured.shape)

@@ -317,6 +317,7 @@ def read(
     Parameters
     ----------
     path : path
+        File to read.
     columns : str
         Which column is what where the names do not tell, by number or name, e.g. ``"f=1,re=2,-im=3"``.
     frequency_unit : str
@@ -380,6 +381,7 @@ def sweep_names(path: str | os.PathLike[str], key_column: str = "") -> list[str]
     Parameters
     ----------
     path : path
+        File to read.
     key_column : str
         Column whose values tell the curves apart.
     """

@@ -36,7 +36,9 @@ class FitResult:
     cost, rms, max_residual, aicc, bic : float
         Of the weighted residuals.
     residuals, free_parameters, starts, starts_at_best : int
+        Counts.
     confidence_of_optimum, condition, noise_floor, noise_correlation, gain_factor : float
+        How sure the optimum is, the condition of the Fisher matrix, and what the residuals tell of the noise.
     outliers : list of int
         Points whose residual exceeds five robust standard deviations.
     left_out : list of int
@@ -262,6 +264,7 @@ def fit(
     Parameters
     ----------
     data : FrequencyResponse or TimeSeries
+        What is fitted.
     model : Model or str
         A model, a formula, the name of a preset (see `presets`) or of a family such as ``"rational:1..4"``.
     grow : {"powers", "denominator", "arcs", "rational", "commensurate", "terms"}, optional
@@ -271,6 +274,7 @@ def fit(
     weight : {"learned", "relative", "absolute", "given", "smoothed-relative", "log-complex", "repeats"}
         What residuals are divided by.  Over time the sigma of the record counts where it has one.
     loss : {"none", "huber", "cauchy"}
+        Robust loss on each residual.
     outliers : {"leave-out", "keep"}
         What becomes of points of a response that contradict their neighbours on both sides; a warning names them.  A
         robust loss keeps them.
@@ -342,6 +346,7 @@ class BatchResult(Sequence[Any]):
     Attributes
     ----------
     results : list of FitResult or None
+        One for each of the data.
     errors : dict of int to str
         Why there is none, by index.
     """
@@ -402,10 +407,13 @@ def batch(
     Parameters
     ----------
     data : sequence of FrequencyResponse
+        One fit for each.
     model : Model or str
+        As of `fit`.
     threads : int
         0 for one per core; no influence on results.
     progress : bool or function of (done, total), optional
+        A bar, or who is told instead.
     **options
         As of `fit`.
 
@@ -444,6 +452,7 @@ class Identification(_Record):
     verdict : str
         fractional-supported, fractional-not-supported, undecided or no-adequate-model.
     verdict_sentence : str
+        The verdict in words.
     evidence, log10_odds : float
         For a fractional model.  The odds allow that both models compared are far from the truth, so that they end at
         39 to 1, or 3 to 1 where undecided.
@@ -494,6 +503,7 @@ def identify(
     Parameters
     ----------
     data : FrequencyResponse or TimeSeries
+        What is to be explained.
     models : sequence of Model or str
         Formulas, presets and families such as ``"rational:1..8"``; all presets and families if empty.
     curves : mapping of str to array_like, optional
@@ -546,6 +556,7 @@ class Tuning(_Record):
     phase_margin, phase_slope : float
         rad, rad per e-fold.
     crossover, gain_margin, max_sensitivity, max_complementary_sensitivity, iae, itae : float
+        Of the loop with the plant: frequencies in rad/s, and integrals of the error.
     """
 
     @property
@@ -586,6 +597,7 @@ def tune(
     Parameters
     ----------
     plant : Model or str
+        A model, or its formula.
     crossover : float, optional
         rad/s where ``|L| = 1``.
     phase_margin : float, optional
@@ -593,9 +605,11 @@ def tune(
     flat_phase : bool
         No slope of the phase there.
     max_sensitivity, max_complementary_sensitivity : float
+        Largest ``|S|`` and ``|T|``.
     high_frequency, low_frequency : (float, float), optional
         (omega, gain): ``|T| <= gain`` from omega on; ``|S| <= gain`` up to omega.
     structure : {"pid", "pi", "pd"}
+        Which parts the controller has.
     lambda_, mu : float or (float, float)
         Orders, held or within a range.
     minimise : {"sensitivity", "iae", "itae"}
@@ -688,7 +702,9 @@ def identify_scene(
     body : {"x1", "x2"}
         Whose position was measured.
     component : {"both", "real", "imaginary"}
+        Part that is fitted.
     weight : {"relative", "given", "absolute"}
+        What residuals are divided by.
 
     Examples
     --------

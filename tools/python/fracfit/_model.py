@@ -82,6 +82,7 @@ class Realisation(_Record):
     Attributes
     ----------
     A, B, C, D : ndarray
+        Of the state space.
     delay : float
         Dead time that belongs in front, s.
     max_relative_error, omega_at_maximum : float
@@ -431,6 +432,7 @@ class Model:
         tolerance : float
             Largest ``|H/G - 1|``.
         method : {"joint", "term-by-term"}
+            One set of poles for the whole model, or one for each power of s.
 
         Examples
         --------
@@ -540,6 +542,7 @@ def approximate(
     Parameters
     ----------
     order : float
+        The power of s that is stood for.
     band : (float, float)
         rad/s.
     tolerance : float, optional
@@ -547,6 +550,7 @@ def approximate(
     poles : int, optional
         Their number.
     method : {"ladder", "oustaloup", "oustaloup-widened", "refined-oustaloup", "matsuda", "carlson", "cfe", "charef"}
+        Where zeros and poles come from.
 
     Examples
     --------

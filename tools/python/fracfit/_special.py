@@ -59,6 +59,7 @@ def derivative(samples: Any, order: float, sample_time: float, *, tolerance: flo
     Parameters
     ----------
     samples : array_like
+        Values at equal distances in time.
     order : float
         -20 to 20.
     sample_time : float

@@ -21,7 +21,9 @@ def plot_bode(*curves: Any, omega: Any = None, axes: Any = None, labels: Any = N
     omega : array_like, optional
         rad/s.
     axes : pair of matplotlib axes, optional
+        Where to draw; a new picture if not given.
     labels : sequence of str, optional
+        For the legend.
     **style
         Passed on to matplotlib.
 
@@ -66,6 +68,7 @@ def plot_nyquist(
     omega : array_like, optional
         rad/s, for models.
     axis : matplotlib axes, optional
+        Where to draw; a new picture if not given.
     negative : bool
         -Im upwards, as is usual for impedances.
 

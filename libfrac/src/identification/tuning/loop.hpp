@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cmath>
 #include <complex>
 #include <vector>
 
@@ -34,6 +35,8 @@ class LoopGrid {
     double unstable_poles;  // of the closed loop, from the turns of 1 + L; whole up to what the grid misses
   };
   [[nodiscard]] Peaks peaks(const FractionalPidGains& gains, double filter_time, double high, double low) const;
+  /// |G| at high frequency where the plant keeps a gain there, else 0.
+  [[nodiscard]] double gain_at_infinity() const { return order_at_infinity_ == 0 ? std::abs(gain_at_infinity_) : 0; }
 
  private:
   struct Point {

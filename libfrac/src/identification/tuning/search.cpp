@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "frac/cancellation.hpp"
@@ -36,7 +37,7 @@ class Search {
   FoundController operator()() {
     go();
     throw_if_cancelled();
-    return {best_.gains, evaluations_};
+    return {best_.gains, evaluations_, searches_, alike_};
   }
 
  private:
@@ -84,6 +85,73 @@ class Search {
       return std::min(static_cast<Search*>(self)->consider({x, x + count}).criterion, 1e9);
     };
     run(NLOPT_LN_COBYLA, smooth, 150 * free, true);
+    // An integral has many local minima along the bounds, and a small region that keeps them all escapes one search.
+    if (simulation_ || !best_.keeps_all()) search_from_many();
+  }
+
+  // Local searches from the best points met that differ, and a finer one from where the best of them ended.
+  void search_from_many() {
+    constexpr std::size_t most = 16, followed = 4;
+    constexpr double apart = 0.25, wide = 0.1, fine = 0.02, alike = 1.01;
+    std::sort(met_.begin(), met_.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::vector<std::vector<double>> starts;
+    for (const auto& [rank, x] : met_) {
+      const auto& point = x;
+      if (starts.size() == most) break;
+      if (std::all_of(starts.begin(), starts.end(), [&](const auto& other) { return distance(other, point) > apart; }))
+        starts.push_back(point);
+    }
+    const int free = static_cast<int>(dimensions());
+    using End = std::pair<double, std::vector<double>>;
+    std::vector<End> ends;
+    const auto follow = [&](const std::vector<double>& from, double step, int budget) {
+      run_best_ = infinity;
+      run_best_at_ = from;
+      descend(from, step, budget * free);
+      return End(run_best_, run_best_at_);
+    };
+    for (const auto& start : starts) ends.push_back(follow(start, wide, 40));
+    std::sort(ends.begin(), ends.end());
+    // The best of them again, from where they ended.
+    ends.resize(std::min(ends.size(), followed));
+    for (int round = 0; round < 5; ++round) {
+      for (End& end : ends) end = std::min(end, follow(end.second, round % 2 == 0 ? wide : fine, 50));
+    }
+    searches_ = static_cast<int>(ends.size());
+    alike_ = static_cast<int>(
+        std::count_if(ends.begin(), ends.end(), [&](const End& end) { return end.first <= alike * best_.rank(); }));
+  }
+
+  // Largest distance of two points in units of the ranges.
+  [[nodiscard]] double distance(const std::vector<double>& a, const std::vector<double>& b) const {
+    double largest = 0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+      largest = std::max(largest, std::abs(a[i] - b[i]) / (space_.upper()[i] - space_.lower()[i]));
+    return largest;
+  }
+
+  // Downhill with what is not kept as a penalty.
+  void descend(std::vector<double> x, double step, int budget) {
+    const std::unique_ptr<nlopt_opt_s, decltype(&nlopt_destroy)> search(
+        nlopt_create(NLOPT_LN_SBPLX, static_cast<unsigned>(dimensions())), &nlopt_destroy);
+    nlopt_set_lower_bounds(search.get(), space_.lower().data());
+    nlopt_set_upper_bounds(search.get(), space_.upper().data());
+    nlopt_set_maxeval(search.get(), budget);
+    nlopt_set_xtol_rel(search.get(), 1e-5);
+    const auto penalised = [](unsigned count, const double* at, double*, void* self) {
+      constexpr double weight = 30, hopeless = 1e3;
+      const Candidate candidate = static_cast<Search*>(self)->consider({at, at + count});
+      double missed = 0;
+      for (const double violation : candidate.violations) missed += std::clamp(violation, 0.0, hopeless);
+      return weight * missed + (std::isfinite(candidate.criterion) ? std::log(candidate.criterion) : hopeless);
+    };
+    nlopt_set_min_objective(search.get(), penalised, this);
+    std::vector<double> steps(x.size());
+    for (std::size_t i = 0; i < x.size(); ++i) steps[i] = step * (space_.upper()[i] - space_.lower()[i]);
+    nlopt_set_initial_step(search.get(), steps.data());
+    double value = 0;
+    nlopt_optimize(search.get(), x.data(), &value);
+    throw_if_cancelled();
   }
 
   static std::vector<double> bound_frequencies(const LoopSpecification& asked) {
@@ -147,6 +215,7 @@ class Search {
       if (x.size() > 1) x[1] = free_phase_;
       return space_.phase_slope(space_.gains(x));
     };
+    std::vector<std::pair<double, std::vector<double>>> scanned;  // slope at an order
     const int phases = dimensions() > 1 ? 40 : 1;
     for (int phase = 0; phase < phases; ++phase) {
       if (phases > 1) free_phase_ = space_.lower()[1] + (space_.upper()[1] - space_.lower()[1]) * phase / (phases - 1);
@@ -166,10 +235,18 @@ class Search {
           x[0] = right;
           consider(x);
         }
+        std::vector<double> x(dimensions(), free_phase_);
+        x[0] = order;
+        if (std::isfinite(value)) scanned.emplace_back(std::abs(value), std::move(x));
         before_order = order;
         before = value;
       }
     }
+    if (!best_at_.empty()) return;
+    // No root: the flattest of those that keep the rest.
+    std::sort(scanned.begin(), scanned.end());
+    for (const auto& [slope, x] : scanned)
+      if (consider(x).keeps_all()) return;
     if (best_at_.empty()) consider(space_.lower());
   }
 
@@ -199,6 +276,11 @@ class Search {
     };
     // Half a pole is the rounding of a count.
     candidate.violations.push_back(peaks.unstable_poles > 0.5 ? peaks.unstable_poles : -0.5);
+    // Of a plant that keeps a gain at all frequencies: what any dead time would make unstable is no loop.
+    constexpr double most_at_infinity = 0.9;
+    if (grid_.gain_at_infinity() > 0)
+      candidate.violations.push_back(
+          std::log(std::max(grid_.gain_at_infinity() * std::abs(gains.kp), 1e-9) / most_at_infinity));
     add(peaks.sensitivity, asked_.max_sensitivity);
     add(peaks.complementary_sensitivity, asked_.max_complementary_sensitivity);
     if (asked_.high_frequency) add(peaks.high_frequency, asked_.high_frequency->gain);
@@ -215,7 +297,13 @@ class Search {
     if (options_.objective && candidate.worst() < 0.02) {
       candidate.criterion = options_.objective(gains, candidate.criterion);
     }
-    if (best_.violations.empty() || candidate.rank() < best_.rank()) {
+    const double rank = candidate.rank();
+    met_.emplace_back(rank, x);
+    if (rank < run_best_) {
+      run_best_ = rank;
+      run_best_at_ = x;
+    }
+    if (best_.violations.empty() || rank < best_.rank()) {
       best_ = candidate;
       best_at_ = x;
     }
@@ -230,7 +318,10 @@ class Search {
   double free_phase_ = 1;
   Candidate best_;
   std::vector<double> best_at_;
-  int evaluations_ = 0;
+  std::vector<std::pair<double, std::vector<double>>> met_;  // ranks of all points
+  double run_best_ = infinity;
+  std::vector<double> run_best_at_;
+  int evaluations_ = 0, searches_ = 0, alike_ = 0;
 };
 
 }  // namespace
