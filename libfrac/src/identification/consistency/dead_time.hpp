@@ -11,7 +11,7 @@ namespace frac::detail {
 /// The dead time without which a sum of real poles follows the points best, s.  Where points are so far apart that the
 /// phase turns by more than half a cycle between them, no finite sum of poles follows it.
 /// @param share  what a model without dead time leaves, root mean square of each part as share of the response
-/// @return 0 unless less than that is left, and much less than at none
+/// @return 0 unless about as little or less is left, and much less than at none
 [[nodiscard]] double dead_time_of(const FrequencyResponseData& data, double share);
 
 }  // namespace frac::detail
