@@ -284,6 +284,33 @@ TEST(ImpactCycles, AreFoundFromSeededStarts) {
   support::expect_invalid_argument([] { (void)impact_cycles(free_loop("1 + s", .6), {.starts = -1}); }, {"starts"});
 }
 
+// Motions of these loops turn about their cycle by about a third of a circle in each period, so that they repeat after
+// three periods long before they do after one.
+TEST(ImpactCycles, AreListedWithTheirLeastPeriod) {
+  for (const double ki : {.96, .965}) {
+    const ControlLoop loop(TwoMassSystem(1, 1, 1, .6),
+                           frac::FractionalTransferFunction::parse("(s^2 + 2 s + " + std::to_string(ki) + ")/s"));
+    const backlash::ImpactCycles found = backlash::impact_cycles(loop);
+    const auto two = std::count_if(found.cycles.begin(), found.cycles.end(), [](const ImpactCycle& cycle) {
+      return cycle.rests.empty() && cycle.impacts.size() == 2 && cycle.symmetric;
+    });
+    EXPECT_EQ(two, 1) << ki;
+    for (const ImpactCycle& cycle : found.cycles) {
+      if (!cycle.rests.empty()) continue;
+      // No other impact of the period is as the first one and followed by the same interval.
+      const std::size_t count = cycle.impacts.size();
+      const auto until_next = [&](std::size_t a) {
+        return (a + 1 < count ? cycle.impacts[a + 1].time : cycle.period) - cycle.impacts[a].time;
+      };
+      for (std::size_t a = 1; a < count; ++a)
+        EXPECT_GT(std::abs(cycle.impacts[a].impulse / cycle.impacts[0].impulse - 1) +
+                      std::abs(until_next(a) / until_next(0) - 1),
+                  1e-6)
+            << ki << ", impact " << a << " of " << count;
+    }
+  }
+}
+
 // Of a chaotic loop of four states the exponent is the mean growth of a tangent that flights and saltation matrices
 // carry along a motion.  Over 3000 impacts, 900 s, such means scatter by a few per cent; those beside motions are over
 // 150 s.

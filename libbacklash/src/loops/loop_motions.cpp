@@ -145,13 +145,34 @@ bool is_near(double length, const ImpactCycle& cycle) {
   return !cycle.rests.empty() && (is_period(length) || is_period(2 * length));
 }
 
-// The motion has come near the cycle, or near its mirror image.
+// The motion has come near the cycle, or near its mirror image; what repeats may be several of its periods.
 bool is_near(const CycleGuess& guess, const ImpactCycle& cycle) {
+  if (!cycle.rests.empty() || guess.impacts.size() % cycle.impacts.size() != 0) return false;
+  const auto periods = static_cast<double>(guess.impacts.size() / cycle.impacts.size());
   double hardest = 0;
   for (const CycleImpact& impact : guess.impacts) hardest = std::max(hardest, std::abs(impact.impulse));
-  return cycle.rests.empty() && guess.impacts.size() == cycle.impacts.size() &&
-         std::abs(guess.period / cycle.period - 1) < 3e-3 &&
+  return std::abs(guess.period / (periods * cycle.period) - 1) < 3e-3 &&
          std::abs(hardest / cycle.impacts.front().impulse - 1) < 1e-2;
+}
+
+// The least period of a cycle, where it is a part of the one given: a motion that turns about its cycle by a third of
+// a circle in each period seems to repeat after three.
+std::optional<CycleGuess> least_period(const ImpactCycle& cycle) {
+  constexpr double rounding = 1e-8;
+  const std::vector<CycleImpact>& impacts = cycle.impacts;
+  for (std::size_t n = 1; n < impacts.size(); ++n) {
+    if (impacts.size() % n != 0) continue;
+    const double period = cycle.period * static_cast<double>(n) / static_cast<double>(impacts.size());
+    bool repeats = true;
+    for (std::size_t a = 0; a + n < impacts.size() && repeats; ++a) {
+      const CycleImpact& now = impacts[a];
+      const CycleImpact& later = impacts[a + n];
+      repeats = std::abs(later.time - now.time - period) <= rounding * cycle.period &&
+                std::abs(later.impulse / now.impulse - 1) <= rounding;
+    }
+    if (repeats) return CycleGuess{period, {impacts.begin(), impacts.begin() + static_cast<std::ptrdiff_t>(n)}};
+  }
+  return std::nullopt;
 }
 
 }  // namespace
@@ -203,7 +224,8 @@ ImpactCycles impact_cycles(const ControlLoop& loop, const ImpactCycleOptions& op
                const bool is_it = cycle && cycle->admissible && cycle->stability.stable &&
                                   std::abs(cycle->period / guess->period - 1) < 0.05;
                if (!is_it) cycle.reset();
-               return cycle;
+               const auto shorter = cycle ? least_period(*cycle) : std::nullopt;
+               return shorter ? close_cycle(loop, *shorter, options.harmonics) : cycle;
              });
     }
     if (motion.regime == LoopRegime::irregular && !realised.has_twin() && !followed.rests) {
