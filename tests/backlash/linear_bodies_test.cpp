@@ -226,6 +226,28 @@ TEST(LinearBodies, WithFrictionAndSpringsHaveTheCyclesOfTheStateSpace) {
   EXPECT_LT(left, 10);
 }
 
+// A spring without damping vibrates for ever in flight: its poles lie on the circle along which multipliers are
+// counted.  Damping of 1e-3 moves them off it and the multipliers by less than that times the half period, here 0.12 s,
+// times their slope, so that the verdict stays and moduli agree to 1e-3.
+TEST(LinearBodies, WithoutDampingAreJudgedAsThoseWithLittle) {
+  for (const char* controller : {"18 + 3 s^1.3", "25 + 3.5 s^1.45"}) {
+    const auto stable_of = [&](const std::string& damping) {
+      const ControlLoop loop(LinearBodies(parsed("1/(s^2 + " + damping + " s + 1.3)"),
+                                          parsed("1/(s^2 + " + damping + " s + 2.1)"), .01, .5),
+                             parsed(controller));
+      const auto found = backlash::symmetric_cycles(loop, {backlash::FrequencyRange{15, 60}, 1});
+      std::vector<double> moduli;
+      for (const auto& cycle : found.cycles)
+        if (cycle.admissible && cycle.stability.stable) moduli.push_back(std::abs(cycle.stability.dominant));
+      return moduli;
+    };
+    const std::vector<double> without = stable_of("0"), with = stable_of("0.001");
+    ASSERT_EQ(without.size(), 1U) << controller;
+    ASSERT_EQ(with.size(), 1U) << controller;
+    EXPECT_NEAR(without[0], with[0], 1e-3) << controller;
+  }
+}
+
 // Fractional friction: the equations of the cycle in sums over odd harmonics, term by term.  h falls as k^-2 like free
 // masses, whose sums are pi^2/8, and what friction c s^a adds as k^(a - 4): 40 000 harmonics leave out less than 1e-8.
 TEST(LinearBodies, WithFractionalFrictionMeetTheSumsOverHarmonics) {

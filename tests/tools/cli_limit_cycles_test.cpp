@@ -149,6 +149,24 @@ TEST(LimitCyclesCommand, SimulatesWhereNoCycleIsKnownToBeStable) {
   EXPECT_FALSE(json["branches"][0]["stable"].empty());
 }
 
+// Bodies with resonances have a root that is no motion beside each odd part of a natural frequency.
+TEST(LimitCyclesCommand, CountsManyRootsThatAreNoMotion) {
+  const auto with_format = [](const std::string& format) {
+    return run_fracfit(limit_cycles(
+        "15 + 3 s",
+        {"--clearance", "0.02", "--restitution", "0.4", "--load-receptance", "1/(s^2 + 0.06 s + 0.8)",
+         "--drive-receptance", "1/(s^2 + 0.06 s + 1.9)", "--omega", "0.08:60", "--starts", "0", "--format", format}));
+  };
+  const auto cycles = nlohmann::json::parse(with_format("json").output).at("cycles");
+  const auto unreal =
+      std::count_if(cycles.begin(), cycles.end(), [](const auto& cycle) { return cycle.at("admissible") == false; });
+  ASSERT_GT(unreal, 5);
+  const std::string table = with_format("table").output;
+  EXPECT_NE(table.find(std::to_string(unreal) + " further roots from "), std::string::npos) << table;
+  EXPECT_EQ(table.find("  no motion  "), std::string::npos) << table;
+  EXPECT_NE(table.find("  stable  "), std::string::npos) << table;
+}
+
 TEST(LimitCyclesCommand, SaysWhatIsWrong) {
   const auto expect_refused = [](const std::vector<std::string>& arguments, const std::string& part) {
     const auto result = run_fracfit(arguments);

@@ -228,6 +228,16 @@ int roots_beyond(const Characteristic& d, double edge) {
   return static_cast<int>(std::lround(total / pi)) + d.poles_beyond(edge);
 }
 
+// Multipliers outside the circle; negative where one lies on it.
+int roots_outside(const Characteristic& d) {
+  const int count = roots_beyond(d, 0);
+  if (count >= 0) return count;
+  // Vibrations in flight without damping are poles on the path itself: lines on both sides of them that agree decide.
+  constexpr double beside = 1e-3;
+  const int left = roots_beyond(d, -beside), right = roots_beyond(d, beside);
+  return left == right ? right : count;
+}
+
 // Muller's iteration from three points about the start; NaN where it leaves the strip or does not settle at a root.
 Complex root_near(const Characteristic& d, Complex start) {
   const double step = 0.1 * std::min(0.5, std::abs(start));
@@ -321,7 +331,7 @@ Judgement stability_by(const Characteristic& d) {
     if (other.real() > log_z.real()) log_z = other;
     known = is_furthest(log_z);
   }
-  CycleStability result{false, known && log_z.real() < -1e-3 ? 0 : roots_beyond(d, 0), 0, StabilityLoss::none};
+  CycleStability result{false, known && log_z.real() < -1e-3 ? 0 : roots_outside(d), 0, StabilityLoss::none};
   for (int effort = 1; effort <= 3 && !known; ++effort) {
     const bool is_unstable = result.unstable_multipliers != 0;
     log_z = furthest_root(d, is_unstable ? 0 : deepest, is_unstable ? 4 : 0, 6 * effort, 6 * effort);
@@ -366,7 +376,7 @@ CycleStability forced_stability(const ImpulseTrain& train, double exchange, doub
 }
 
 bool is_forced_stable(const ImpulseTrain& train, double exchange, double acceleration) {
-  return roots_beyond(HalfPeriod(train, exchange, acceleration), 0) == 0;
+  return roots_outside(HalfPeriod(train, exchange, acceleration)) == 0;
 }
 
 CycleStability cycle_stability(const ImpulseAnswer& response, const ImpulseTrain& train,

@@ -483,6 +483,28 @@ std::string limit_cycles_csv(const std::vector<LoopCycles>& loops, const std::st
                  "csv", command);
 }
 
+namespace {
+
+// Bodies with resonances have a root beside each odd part of a natural frequency, without end towards low frequency.
+// Hundreds of rows that are no motion would hide the cycles.
+std::vector<ListedCycle> roots_left_out(const std::vector<ListedCycle>& listed) {
+  constexpr std::size_t most_shown = 5;
+  std::vector<ListedCycle> left_out;
+  for (const ListedCycle& cycle : listed)
+    if (!cycle.admissible) left_out.push_back(cycle);
+  if (left_out.size() <= most_shown) left_out.clear();
+  return left_out;
+}
+
+std::string left_out_text(const std::vector<ListedCycle>& roots) {
+  if (roots.empty()) return "";
+  return paragraph(std::to_string(roots.size()) + " further roots from " + short_number(roots.front().omega) + " to " +
+                   short_number(roots.back().omega) +
+                   " rad/s are no motion; --format json lists each with its reason.");
+}
+
+}  // namespace
+
 std::string limit_cycles_table(const std::vector<LoopCycles>& loops, const backlash::CycleContinuation* followed) {
   std::string text;
   if (loops.size() == 1) {
@@ -500,11 +522,14 @@ std::string limit_cycles_table(const std::vector<LoopCycles>& loops, const backl
   std::size_t rows = 0;
   for (const LoopCycles& loop : loops) {
     const std::vector<ListedCycle> listed = listed_cycles(loop);
+    const std::vector<ListedCycle> left_out = roots_left_out(listed);
     for (const ListedCycle& cycle : listed) {
+      if (!cycle.admissible && !left_out.empty()) continue;
       table.add(row_of(cycle, loop));
       remarks += remark_on(cycle, loops.size() == 1);
     }
-    rows += listed.size();
+    rows += listed.size() - left_out.size();
+    remarks += left_out_text(left_out);
     remarks += motions_text(loop);
     if (loops.size() > 1) continue;
     remarks += unmatched_text(loop, listed);
