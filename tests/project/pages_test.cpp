@@ -126,15 +126,36 @@ std::vector<std::string> links_of(const fs::path& page) {
   return targets;
 }
 
-// Pages under reference/ are made by tools/make-docs: those of the commands from their help, those of C++ from the
-// headers.
-TEST(Links, LeadToFilesThatExist) {
+std::vector<fs::path> all_pages() {
   std::vector<fs::path> pages{root / "README.md", root / "CONTRIBUTING.md"};
   for (const auto& entry : fs::recursive_directory_iterator(root / "tools/docs")) {
     if (entry.path().extension() == ".md") pages.push_back(entry.path());
   }
+  return pages;
+}
+
+// The site refuses a section that lies more than one level below the section around it.
+TEST(Headings, LeaveNoLevelOut) {
+  for (const fs::path& page : all_pages()) {
+    std::istringstream lines(content_of(page.string()));
+    bool in_block = false;
+    std::size_t level = 0;
+    for (std::string line; std::getline(lines, line);) {
+      if (line.starts_with("```")) in_block = !in_block;
+      const std::size_t marks = line.find_first_not_of('#');
+      if (in_block || marks == 0 || marks == std::string::npos || line[marks] != ' ') continue;
+      EXPECT_LE(marks, level + 1) << page << ": " << line;
+      level = marks;
+    }
+    EXPECT_GE(level, 1u) << page << " has no title";
+  }
+}
+
+// Pages under reference/ are made by tools/make-docs: those of the commands from their help, those of C++ from the
+// headers.
+TEST(Links, LeadToFilesThatExist) {
   std::size_t links = 0;
-  for (const fs::path& page : pages) {
+  for (const fs::path& page : all_pages()) {
     for (const std::string& target : links_of(page)) {
       ++links;
       const fs::path path = (page.parent_path() / target).lexically_normal();
