@@ -22,6 +22,7 @@
 #include "options/model_options.hpp"
 #include "output/aligned_table.hpp"
 #include "output/json.hpp"
+#include "output/limit_cycles_output.hpp"
 
 namespace fracfit {
 namespace {
@@ -107,7 +108,6 @@ Json motion_json(const backlash::PersistentMotion& motion) {
             {"searched", {{"from", motion.searched.from}, {"to", motion.searched.to}, {"certain", motion.certain}}},
             {"cycles", Json::array()},
             {"simulations", Json::array()}};
-  // Bounces that lead to a rest have no end, and no count.
   const auto add_cycle = [&](const auto& cycle, double omega, Json impacts, std::size_t rests, double speed) {
     json["cycles"].push_back({{"omega", omega},
                               {"impacts_per_period", std::move(impacts)},
@@ -120,7 +120,7 @@ Json motion_json(const backlash::PersistentMotion& motion) {
   };
   for (const auto& cycle : motion.cycles) add_cycle(cycle, cycle.omega, 2, 0, cycle.impact_speed);
   for (const auto& cycle : motion.further) {
-    add_cycle(cycle, 2 * std::numbers::pi / cycle.period, cycle.rests.empty() ? Json(cycle.impacts.size()) : Json(),
+    add_cycle(cycle, 2 * std::numbers::pi / cycle.period, has_chatter(cycle) ? Json() : Json(cycle.impacts.size()),
               cycle.rests.size(), cycle.impacts.front().speed);
   }
   for (const auto& simulation : motion.simulations) {
