@@ -2,13 +2,13 @@
 #include "scene_solver.hpp"
 
 #include <Eigen/Core>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <optional>
 
+#include "base/linear_algebra.hpp"
 #include "frac/cancellation.hpp"
 #include "response_table.hpp"
 #include "scene_evidence.hpp"
@@ -301,7 +301,7 @@ class BoxedEquations {
       }
       matrix(row, row) += damping * std::max(equations_.matrix[k][k], 1e-12 * largest_);
     }
-    return -matrix.colPivHouseholderQr().solve(gradient);
+    return -frac::detail::PivotedQr(matrix).solve(Eigen::VectorXd(gradient));
   }
 
  private:

@@ -2,11 +2,11 @@
 #include "scene_uncertainty.hpp"
 
 #include <Eigen/Core>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "base/linear_algebra.hpp"
 #include "base/short_text.hpp"
 #include "frac/identification/statistics.hpp"
 
@@ -60,9 +60,10 @@ FisherMatrix fisher_matrix(const NormalEquations& equations, const std::array<bo
           equations.matrix[k][l] / (result.column[k] * result.column[l]);
     }
   }
-  const Eigen::SelfAdjointEigenSolver<Matrix4> solver(scaled);
-  result.eigenvalues = solver.eigenvalues();
-  result.eigenvectors = solver.eigenvectors();
+  // Symmetric and without negative eigenvalues, so that these are its singular values; here the smallest comes first.
+  const frac::detail::RightSingularVectors decomposed = frac::detail::right_singular_vectors(scaled);
+  result.eigenvalues = decomposed.values.reverse();
+  result.eigenvectors = decomposed.vectors.rowwise().reverse();
   const double largest = result.eigenvalues[3];
   for (Eigen::Index direction = 0; direction < 4; ++direction) {
     // Fixed parameters and those at a bound are directions of their own with eigenvalue 0, as are unseen ones.
@@ -172,7 +173,7 @@ double pull(const NormalEquations& equations, const std::array<bool, 4>& inner, 
     }
   }
   const double own = equations.matrix[at_limit][at_limit];
-  const double left = own - coupling.dot(matrix.ldlt().solve(coupling));
+  const double left = own - coupling.dot(frac::detail::solve_symmetric(matrix, coupling));
   return left > 1e-12 * own ? std::abs(equations.gradient[at_limit]) / std::sqrt(left * variance) : 0;
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "linear_flight.hpp"
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
@@ -85,7 +85,7 @@ LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& 
       rows.row(i) = real_vector(left, left_order[static_cast<std::size_t>(slow + i)]).transpose();
     }
     if (fast == 0) break;
-    rows = (rows * columns).partialPivLu().solve(rows).eval();
+    rows = frac::detail::PivotedQr(rows * columns).solve(rows);
     Index worst = -1;
     for (Index i = 0; i < fast; ++i) {
       if (!(rows.row(i).norm() < most_skew)) worst = i;
