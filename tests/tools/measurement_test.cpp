@@ -344,6 +344,23 @@ TEST_F(MeasurementTest, NamesInOtherLetters) {
   expect(reinterpret_cast<const char*>(u8"주파수 (Hz),실수부,허수부\n10,1.5,-2.5\n20,3,4\n"), "", points);
 }
 
+TEST_F(MeasurementTest, AUnitMayFollowItsNameWithoutAMark) {
+  const std::vector<Point> points{{10, 1.5 - 2.5i}, {20, 3.0 + 4i}};
+  const std::string rows = "10,1.5,-2.5\n20,3,4\n";
+  expect("FreqHz,ZrealOhm,ZimagOhm\n" + rows, "table, 2 points, ZrealOhm/ZimagOhm in ohm", points);
+  expect("Frequency Hz,Z' Ohm,Z'' Ohm\n" + rows, "table, 2 points, Z' Ohm/Z'' Ohm in ohm", points);
+  expect("frequency_hz,z_re_ohm,z_im_ohm\n" + rows, "table, 2 points, z_re_ohm/z_im_ohm in ohm", points);
+  expect("fkHz,G' kPa,G'' kPa\n0.01,1.5,-2.5\n0.02,3,4\n", "table, 2 points, G' kPa/G'' kPa in kPa", points);
+  expect("omega rad/s,Y_real_S,Y_imag_S\n10,1.5,-2.5\n", "table, 1 point, Y_real_S/Y_imag_S in S",
+         {{10 / turn, 1.5 - 2.5i}});
+  expect("f_Hz,|Z|Ohm,PhaseDeg\n10,2,90\n", "table, 1 point, |Z|Ohm/PhaseDeg in ohm",
+         {{10, {2 * std::cos(std::numbers::pi / 2), 2.0}}});
+  // A unit of another kind is none of the name.
+  refuses("fOhm,re,im\n" + rows, "no frequency column");
+  refuses("FreqMHZ,re,im\n" + rows, "can mean milli or mega");
+  refuses("Freq.,Z',Z''\n" + rows, "the frequency has no unit");
+}
+
 // Storage modulus or size with tan delta = loss/storage; the loss of a permittivity is counted positive.
 TEST_F(MeasurementTest, LossTangentsBesideModuliAndPermittivities) {
   expect("omega (rad/s),G' (Pa),tan delta\n10,2,0.75\n", "table, 1 point, G'/tan delta in Pa",
@@ -364,6 +381,10 @@ TEST_F(MeasurementTest, ResistanceAndReactanceOfABridge) {
   const std::vector<Point> points{{10, 1.5 - 2.5i}, {20, 3.0 + 4i}};
   expect("f (Hz),R (Ohm),X (Ohm)\n10,1.5,-2.5\n20,3,4\n", "table, 2 points, R/X in ohm", points);
   expect("f (Hz),Rs (Ohm),Xs (Ohm)\n10,1.5,-2.5\n20,3,4\n", "table, 2 points, Rs/Xs in ohm", points);
+  expect("f (Hz),Resistance (ohm),Reactance (ohm)\n10,1.5,-2.5\n20,3,4\n",
+         "table, 2 points, Resistance/Reactance in ohm", points);
+  expect("Frequency(Hz),Impedance Real(ohm),Impedance Imag(ohm)\n10,1.5,-2.5\n20,3,4\n",
+         "table, 2 points, Impedance Real(ohm)/Impedance Imag(ohm) in ohm", points);
 }
 
 TEST_F(MeasurementTest, AResponseNamedInBracketsBeforeItsUnit) {

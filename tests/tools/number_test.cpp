@@ -112,6 +112,16 @@ TEST(Number, AgreesWithTheLibraryToTheLastBit) {
   }
 }
 
+TEST(Number, MayHaveTheExponentOfFortran) {
+  EXPECT_EQ(io::parse_number("1.0D+00"), 1.0);
+  EXPECT_EQ(io::parse_number("-2.5d-03"), -2.5e-3);
+  EXPECT_EQ(io::parse_number("+.123456789012345678D+02"), 12.3456789012345678);
+  EXPECT_EQ(io::parse_number("1D400"), std::numeric_limits<double>::infinity());
+  EXPECT_TRUE(io::is_number("1.0D+00"));
+  for (const char* text : {"D+00", "1.0D", "1.0D+", "1D2D3", "1.0DD1", "1e5D2", "nanD1", "2D", "1.0D+00x"})
+    EXPECT_FALSE(io::parse_number(text)) << text;
+}
+
 TEST(Number, IsTheWholeText) {
   for (const char* text : {"", "-", ".", "-.", "e5", "1e", "1e+", "1.5.2", "1,5", "1 ", " 1", "--1", "+-1", "1e5.0",
                            "0x10", "1'000", "12a"})

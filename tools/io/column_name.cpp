@@ -214,6 +214,34 @@ void read_magnitude_unit(ColumnMeaning& meaning) {
   meaning.unit = std::string(without_gaps(reference));
 }
 
+// Units that may stand behind a name without a mark: "FreqHz", "Z' Ohm".  One stands before those it ends with.
+constexpr std::array<std::string_view, 6> units_of_frequency{"rad/s", "rad_s", "khz", "mhz", "ghz", "hz"};
+constexpr std::array<std::string_view, 4> units_of_phase{"degrees", "deg", "\xC2\xB0", "rad"};
+constexpr std::array<std::string_view, 12> units_of_values{"kohm", "mohm", "ohms", "ohm", "\xCE\xA9", "\xE2\x84\xA6",
+                                                           "kpa",  "mpa",  "gpa",  "pa",  "db",       "_s"};
+
+// "FreqHz" -> "Freq" and "Hz", where what remains is a name and the unit is one of its kind.
+std::optional<SplitName> split_before_unit(std::string_view name) {
+  const std::string lower = lowered(name);
+  const auto split_at = [&](const auto& units, const auto& fits) -> std::optional<SplitName> {
+    for (const std::string_view unit : units) {
+      if (!std::string_view(lower).ends_with(unit)) continue;
+      const auto base = without_gaps(name.substr(0, name.size() - unit.size()));
+      const ColumnMeaning meaning = base.empty() ? ColumnMeaning{Quantity::other, 1, {}, {}} : column_meaning(base);
+      if (meaning.unit.empty() && fits(meaning.quantity))
+        return SplitName{std::string(base), std::string(without_gaps(name.substr(name.size() - unit.size())))};
+    }
+    return std::nullopt;
+  };
+  if (auto split = split_at(units_of_frequency, [](Quantity what) { return what == Quantity::frequency; }))
+    return split;
+  if (auto split = split_at(units_of_phase, [](Quantity what) { return what == Quantity::phase; })) return split;
+  return split_at(units_of_values, [](Quantity what) {
+    return what == Quantity::real || what == Quantity::imaginary || what == Quantity::negative_imaginary ||
+           what == Quantity::magnitude;
+  });
+}
+
 }  // namespace
 
 ColumnMeaning column_meaning(std::string_view name) {
@@ -238,6 +266,8 @@ ColumnMeaning column_meaning(std::string_view name) {
     meaning.quantity = found->base.quantity;
     meaning.unit = found->unit;
     angular = found->base.angular;
+  } else if (const auto split = split_before_unit(name)) {
+    return column_meaning(split->base + " [" + split->unit + "]");
   }
   if (meaning.quantity == Quantity::frequency) read_frequency_unit(angular, meaning);
   if (meaning.quantity == Quantity::phase) read_phase_unit(meaning);

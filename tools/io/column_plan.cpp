@@ -178,7 +178,9 @@ std::size_t Planner::frequency_column() const {
     return column;
   }
   if (!found.empty()) fail_at(found.front(), meanings_[found.front()].problem);
-  fail_missing("frequency column", "omega_rad_s, w_rad_s, f_Hz, frequency_hz or the like");
+  fail_missing(
+      "frequency column",
+      "omega_rad_s, w_rad_s, f_Hz, frequency_hz or the like, or --columns f=1,re=2,im=3 with --frequency-unit");
 }
 
 void Planner::find_value_columns(ColumnPlan& plan, const FrequencyResponseReadOptions& options) const {
@@ -238,7 +240,8 @@ void Planner::find_value_columns(ColumnPlan& plan, const FrequencyResponseReadOp
   if (magnitude)
     fail_missing("phase", "a column phase_deg or phase_rad beside the magnitude, or --component magnitude");
   if (phase) fail_missing("magnitude", "a column magnitude or magnitude_db beside the phase, or --component phase");
-  fail_missing("values", "re and im, or magnitude (or magnitude_db) and phase_deg (or phase_rad)");
+  fail_missing("values",
+               "re and im, or magnitude (or magnitude_db) and phase_deg (or phase_rad), or --columns f=1,re=2,im=3");
 }
 
 void Planner::find_spread_column(ColumnPlan& plan, const FrequencyResponseReadOptions& options) const {

@@ -10,13 +10,14 @@ namespace {
 
 // Lower case without blanks, underscores, dots and stars; primes of all kinds as apostrophes.
 std::string plain(std::string_view name) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 8> written{{{"\xE2\x80\xB2", "'"},
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 9> written{{{"\xE2\x80\xB2", "'"},
                                                                                   {"\xE2\x80\xB3", "''"},
                                                                                   {"\xE2\x80\x99", "'"},
                                                                                   {"\xE2\x80\x9D", "''"},
                                                                                   {"\xCE\xB5", "eps"},
                                                                                   {"\xCF\x89", "omega"},
                                                                                   {"\xCE\xB4", "delta"},
+                                                                                  {"\xCE\xB8", "theta"},
                                                                                   {"\"", "''"}}};
   std::string text;
   for (std::size_t i = 0; i < name.size();) {
@@ -82,6 +83,7 @@ constexpr std::array known{
     Known{"estor", Quantity::real, "e"}, Known{"estorage", Quantity::real, "e"}, Known{"e''", Quantity::imaginary, "e"},
     Known{"eloss", Quantity::imaginary, "e"},
     // The loss of a dielectric is counted positive: eps = eps' - i eps''.
+    Known{"epsr'", Quantity::real, "eps"}, Known{"epsr''", Quantity::negative_imaginary, "eps"},
     Known{"eps'", Quantity::real, "eps"}, Known{"epsilon'", Quantity::real, "eps"},
     Known{"eps''", Quantity::negative_imaginary, "eps"}, Known{"epsilon''", Quantity::negative_imaginary, "eps"},
     Known{"gprime", Quantity::real, "g"}, Known{"gdoubleprime", Quantity::imaginary, "g"},
@@ -89,7 +91,15 @@ constexpr std::array known{
     // Resistance and reactance in series, as bridges write them.
     Known{"r", Quantity::real, "z", "ohm"}, Known{"x", Quantity::imaginary, "z", "ohm"},
     Known{"rs", Quantity::real, "z", "ohm"}, Known{"xs", Quantity::imaginary, "z", "ohm"},
+    Known{"resistance", Quantity::real, "z", "ohm"}, Known{"reactance", Quantity::imaginary, "z", "ohm"},
+    Known{"zr", Quantity::real, "z", "ohm"}, Known{"zi", Quantity::imaginary, "z", "ohm"},
+    Known{"impedancereal", Quantity::real, "z"}, Known{"realimpedance", Quantity::real, "z"},
+    Known{"impedanceimag", Quantity::imaginary, "z"}, Known{"imagimpedance", Quantity::imaginary, "z"},
+    Known{"impedanceimaginary", Quantity::imaginary, "z"}, Known{"imaginaryimpedance", Quantity::imaginary, "z"},
+    Known{"impedance", Quantity::magnitude, "z", "ohm"}, Known{"impedancemagnitude", Quantity::magnitude, "z"},
+    Known{"impedancephase", Quantity::phase, "z"},
     // Conductance and susceptance.
+    Known{"conductance", Quantity::real, "y", "S"}, Known{"susceptance", Quantity::imaginary, "y", "S"},
     Known{"g", Quantity::real, "y", "S"}, Known{"b", Quantity::imaginary, "y", "S"},
     // As programs write them in other languages.
     Known{"frequenz", Quantity::frequency}, Known{"messfrequenz", Quantity::frequency},
@@ -257,7 +267,7 @@ std::optional<ColumnMeaning> instrument_column(std::string_view written) {
   const bool is_common = std::find(common.begin(), common.end(), found->name) != common.end();
   const bool is_shortened = name.substr(0, name.find_first_of("/([")).find('.') != std::string_view::npos;
   const bool is_ascii = std::all_of(name.begin(), name.end(), [](char c) { return static_cast<signed char>(c) >= 0; });
-  const bool is_told_by_unit = has_mark && (view[end] == '/' || is_shortened);
+  const bool is_told_by_unit = is_shortened || (has_mark && view[end] == '/');
   if (is_common && is_ascii && !is_negative && !is_told_by_unit) return std::nullopt;
   Quantity quantity = found->quantity;
   double factor = 1;
