@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "loops/gap_response.hpp"
 #include "loops/power_train.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/expected_stability.hpp"
@@ -387,6 +388,29 @@ TEST(LimitCycles, HoldAtExtremeMassesAndOrders) {
 
 // The sums over a train of pulses against themselves: the first pulse taken out shifts all others, P(v) = v^a + e^u P(v
 // + 1), at points on both sides of the seam between its two methods.
+// What a grid is searched by is the exact sum to a thousandth, however near its poles are to the path.
+TEST(ImageTrain, RoughRatesAreThoseOfTheExactSums) {
+  support::Random random(11);
+  for (int i = 0; i < 40; ++i) {
+    const std::string damping = std::to_string(random.log_uniform(1e-4, 3));
+    const std::string lag = std::to_string(random.log_uniform(1e-3, 10));
+    const std::string late = i % 3 == 0 ? "exp(-" + std::to_string(random.log_uniform(.01, 3)) + " s) " : "";
+    const std::string order = i % 2 == 0 ? "" : "^" + std::to_string(random.uniform(.3, 1.5));
+    const backlash::LinearBodies bodies(frac::FractionalTransferFunction::parse("1/(s^2 + " + damping + " s + 1)"),
+                                        backlash::free_mass(1), 1, .5);
+    const ControlLoop loop(bodies,
+                           frac::FractionalTransferFunction::parse(late + "(2 + s" + order + ")/(1 + " + lag + " s)"));
+    const backlash::detail::ImpulseAnswer answer = backlash::detail::gap_response(loop);
+    for (int k = 0; k < 20; ++k) {
+      const double half_period = random.log_uniform(.03, 30);
+      const double exact = backlash::detail::rate_before_impact(answer, half_period);
+      EXPECT_NEAR(backlash::detail::rough_rate_before_impact(answer, half_period), exact,
+                  1e-3 * (std::abs(exact) + answer.jump))
+          << loop.controller().formula() << ' ' << damping << ' ' << half_period;
+    }
+  }
+}
+
 TEST(PowerTrain, IsTheSumOfItsFirstPulseAndTheRest) {
   for (const double a : {1.0, 2.0, 2.5, 3.6}) {
     for (const Complex u : {Complex(-.3, .2), Complex(0, 3), Complex(-1, 3.1), Complex(-2, .5), Complex(-3, 2)}) {

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "complex_quotient.hpp"
 #include "dense_elimination.hpp"
 
 namespace backlash::detail {
@@ -21,13 +22,6 @@ constexpr double pi = std::numbers::pi;
 constexpr double deepest = -3;
 // Distance, in s tau, from the two points z = 1 and z = -1 at which the path begins and ends.
 constexpr double near_point = 1e-3;
-
-// a/b; the library's division also bears what leaves the range of numbers on the way, at ten times the cost.
-Complex quotient(Complex a, Complex b) {
-  const double size = std::norm(b);
-  const bool is_plain = size > 1e-200 && size < 1e200 && std::norm(a) < 1e200;
-  return is_plain ? a * std::conj(b) / size : a / b;
-}
 
 // D as a function of ln z less the singular point z_0 of its sums: the shift in time, a root of every free motion, is
 // divided out.

@@ -148,7 +148,7 @@ void add_image(ImpulseAnswer& response, Terms numerator, const std::vector<Terms
 }
 
 template <typename Real>
-double rate_by(const ImpulseAnswer& response, double half_period) {
+double rate_of_powers(const ImpulseAnswer& response, double half_period) {
   double rate = 0;
   for (const PowerPart& part : response.parts) {
     const FirstPulse first = first_pulse(part.delay, half_period);
@@ -156,7 +156,6 @@ double rate_by(const ImpulseAnswer& response, double half_period) {
                        AlternatingSums<Real>(part.exponent - 1, static_cast<Real>(first.age)).sum();
     rate += first.index % 2 == 0 ? sum : -sum;
   }
-  for (const ImagePart& part : response.images) rate += ImageTrain::rate(part, half_period);
   return rate;
 }
 
@@ -367,11 +366,19 @@ TrainWave ImpulseTrain::wave(double t) const {
 }
 
 double rate_before_impact(const ImpulseAnswer& response, double half_period) {
-  return rate_by<long double>(response, half_period);
+  double rate = rate_of_powers<long double>(response, half_period);
+  for (const ImagePart& part : response.images) rate += ImageTrain::rate(part, half_period);
+  return rate;
 }
 
 double rough_rate_before_impact(const ImpulseAnswer& response, double half_period) {
-  return rate_by<double>(response, half_period);
+  double rate = rate_of_powers<double>(response, half_period);
+  for (const ImagePart& part : response.images) {
+    const std::optional<double> rough = ImageTrain::rough_rate(part, half_period);
+    if (!rough) return rate_before_impact(response, half_period);
+    rate += *rough;
+  }
+  return rate;
 }
 
 }  // namespace backlash::detail

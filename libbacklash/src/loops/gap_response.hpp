@@ -83,7 +83,8 @@ class ImpulseTrain {
 
 /// sum_(l >= 1) (-1)^l g'(l tau): the cheap part of `sums` at z = 1 that decides the frequency of a cycle.
 [[nodiscard]] double rate_before_impact(const ImpulseAnswer& response, double half_period);
-/// The same to about 1e-10 of its largest part, at a tenth of the cost where g is a sum of powers.
+/// The same to about 1e-10 of its largest part, at a tenth of the cost where g is a sum of powers; to 1e-3 of it where
+/// g has images, at a third of the cost.
 [[nodiscard]] double rough_rate_before_impact(const ImpulseAnswer& response, double half_period);
 
 }  // namespace backlash::detail

@@ -84,8 +84,9 @@ double SymmetricSearch::rate_defect(double omega) const {
 std::vector<double> SymmetricSearch::frequencies() const {
   if (!is_closed_form()) {
     const auto rough_defect = [&](double omega) {
-      const double rough = 1 + rough_rate_before_impact(response_, pi / omega) / exchange_;
-      return std::abs(rough) > 1e-6 ? rough : rate_defect(omega);
+      const double rate = rough_rate_before_impact(response_, pi / omega) / exchange_;
+      const double unsure = response_.images.empty() ? 1e-6 : 1e-2 * (1 + std::abs(rate));
+      return std::abs(1 + rate) > unsure ? 1 + rate : rate_defect(omega);
     };
     // Sums by an inverse transform are rounded by less, against the speeds of which the defect is made.
     constexpr double rounding = 1e-12;
