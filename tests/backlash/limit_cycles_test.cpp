@@ -330,6 +330,42 @@ TEST(LimitCycles, RoundingIsNoRoot) {
   }
 }
 
+// Springs without damping make poles of the sums where an odd harmonic meets a resonance, which are no roots: every
+// root that is listed keeps the equation of the frequency when 4000 harmonics are added up as they stand.  What these
+// leave out falls as k^-2, to kd/(8000 w) over the masses, and in the figures below to less than 1e-2.
+TEST(LimitCycles, ResonancesAreNoRoots) {
+  for (const auto& [spring1, spring2] : {std::pair{1.3, 2.1}, {0.4, 0.0}, {0.0, 5.0}}) {
+    const double mass1 = 1.1, mass2 = 0.9, restitution = 0.5;
+    const auto body = [](double mass, double spring) {
+      std::vector<frac::PowerTerm> terms{{mass, 2}};
+      if (spring > 0) terms.push_back({spring, 0});
+      return frac::FractionalTransferFunction({{1, 0}}, terms);
+    };
+    const ControlLoop loop({body(mass1, spring1), body(mass2, spring2), 0.02, restitution},
+                           frac::FractionalTransferFunction::parse("15 + 2.5 s"));
+    LimitCycleOptions options;
+    options.range = FrequencyRange{0.05, 20};
+    const LimitCycles found = symmetric_cycles(loop, options);
+    int cycles = 0;
+    for (const SymmetricCycle& cycle : found.cycles) {
+      const double kept = (1 - restitution) / (1 + restitution);
+      double sum = 0, size = 0;
+      for (int k = 7999; k > 0; k -= 2) {
+        const double w = k * cycle.omega;
+        const Complex load = loop.bodies().load().response(w), drive = loop.bodies().drive().response(w);
+        const double part = w * (load + drive + loop.controller().response(w) * load * drive).imag();
+        sum += part;
+        size += std::abs(part);
+      }
+      const double jump = 1 / mass1 + 1 / mass2;
+      EXPECT_NEAR(2 * cycle.omega / pi * sum, jump * kept / 2, 1e-2 * jump)
+          << spring1 << ' ' << spring2 << " at " << cycle.omega;
+      cycles += cycle.admissible && cycle.stability.stable;
+    }
+    EXPECT_EQ(cycles, 1) << spring1 << ' ' << spring2;
+  }
+}
+
 TEST(LimitCycles, HoldAtExtremeMassesAndOrders) {
   for (const double ratio : {1e-6, 1e6}) {
     const LimitCycles found = symmetric_cycles(loop_of("1 + s^0.5", .6, 1, 1, ratio));

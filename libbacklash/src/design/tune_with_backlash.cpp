@@ -9,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "backlash/loops/simulate_loop.hpp"
 #include "loop_stepper.hpp"
 
 namespace backlash {
@@ -23,23 +24,59 @@ double steepest_mu(const frac::TuningOptions& options) {
   return 1.5 + (options.derivative_filter_time > 0 ? 1 : 0);
 }
 
-// Half of what the measured body of a cycle goes from peak to peak; the halves of its period are mirror images.
-double swing_of(const SymmetricCycle& cycle, Output measured) {
-  constexpr int instants = 200;
-  double largest = 0;
-  for (int i = 0; i < instants; ++i) {
-    double position = 0;
-    for (const CycleHarmonic& harmonic : cycle.harmonics) {
-      const std::complex<double> phasor = measured == Output::x1 ? harmonic.x1 : harmonic.x2;
-      position += (phasor * std::polar(1.0, harmonic.order * pi * i / instants)).real();
+// A body of a cycle: its harmonics by the speed that impacts give it, which makes corners that they follow slowly, and
+// by what is smooth beside them.
+class CycleMotion {
+ public:
+  CycleMotion(double omega, const std::vector<CycleHarmonic>& harmonics, const std::vector<CycleImpact>& impacts,
+              const BacklashPlant& plant)
+      : omega_(omega), impacts_(impacts) {
+    const TwoMassSystem& system = plant.bodies.system();
+    const bool is_load = plant.measured == Output::x1;
+    corner_ = 1 / (pi * omega * (is_load ? system.mass1() : -system.mass2()));
+    for (const CycleHarmonic& harmonic : harmonics) {
+      std::complex<double> phasor = is_load ? harmonic.x1 : harmonic.x2;
+      const double order = harmonic.order;
+      for (const CycleImpact& impact : impacts)
+        phasor += corner_ * impact.impulse / (order * order) * std::polar(1.0, -order * omega * impact.time);
+      smooth_.push_back({order, phasor});
     }
-    largest = std::max(largest, std::abs(position));
   }
-  return largest;
-}
+  // Half of peak to peak.
+  [[nodiscard]] double swing() const {
+    constexpr int instants = 400;
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    const auto consider = [&](double turned) {
+      const double position = at(turned);
+      low = std::min(low, position);
+      high = std::max(high, position);
+    };
+    for (int i = 0; i < instants; ++i) consider(2 * pi * i / instants);
+    for (const CycleImpact& impact : impacts_) consider(omega_ * impact.time);
+    return (high - low) / 2;
+  }
+
+ private:
+  // @param turned  omega t
+  [[nodiscard]] double at(double turned) const {
+    double position = 0;
+    for (const auto& [order, phasor] : smooth_) position += (phasor * std::polar(1.0, order * turned)).real();
+    for (const CycleImpact& impact : impacts_) {
+      // sum cos(k angle)/k^2
+      const double angle = std::fmod(turned - omega_ * impact.time + 2 * pi, 2 * pi);
+      position -= corner_ * impact.impulse * (pi * pi / 6 - angle * (2 * pi - angle) / 4);
+    }
+    return position;
+  }
+
+  double omega_;
+  double corner_;
+  const std::vector<CycleImpact>& impacts_;
+  std::vector<std::pair<double, std::complex<double>>> smooth_;
+};
 
 // Half of peak to peak over a part of the samples.
-double swing_of(const std::vector<double>& positions, double from, double to) {
+double sampled_swing(const std::vector<double>& positions, double from, double to) {
   const auto at = [&](double share) {
     return positions.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(positions.size()));
   };
@@ -47,11 +84,15 @@ double swing_of(const std::vector<double>& positions, double from, double to) {
   return (*high - *low) / 2;
 }
 
-// The largest cycle, with its swing.
-struct Largest {
-  const SymmetricCycle* cycle = nullptr;
+// A cycle by what persists of it; none where the swing is 0.
+struct Swing {
   double swing = 0;
+  double omega = std::numeric_limits<double>::quiet_NaN();
+  bool stable = false;
 };
+const Swing& larger(const Swing& a, const Swing& b) {
+  return b.swing > a.swing ? b : a;
+}
 
 class Design {
  public:
@@ -80,34 +121,49 @@ class Design {
   // All of it, for an answer.
   [[nodiscard]] PersistentMotion persistent(const frac::FractionalPidGains& gains) const {
     const LimitCycles found = cycles_of(gains, many_harmonics);
-    PersistentMotion motion{{}, found.searched, found.certain, 0, {}, false};
-    const Largest largest = largest_of(found);
+    PersistentMotion motion{{}, found.searched, found.certain, {}, 0, 0, {}, false};
     for (const SymmetricCycle& cycle : found.cycles) {
       if (cycle.admissible) motion.cycles.push_back(cycle);
     }
-    if (detail::can_be_stepped(plant_.bodies)) {
-      for (const double speed : {0.1, 1.0, 10.0})
-        motion.simulations.push_back(simulated(gains, speed, rate_of(largest), fine_steps));
+    ImpactCycleOptions request;
+    request.harmonics = 2 * many_harmonics;  // even ones too
+    const ImpactCycles settled = impact_cycles(loop_of(gains), request);
+    for (const ImpactCycle* cycle : further_cycles(settled.cycles, motion.cycles)) motion.further.push_back(*cycle);
+    const std::vector<Swing> swings = swings_of(motion);
+    Swing largest;
+    double rate = crossover_;
+    for (const Swing& each : swings) {
+      if (!each.stable) continue;
+      largest = larger(largest, each);
+      rate = std::max(rate, each.omega);
     }
-    double simulated_swing = 0;
-    bool comes_to_it = false;
+    for (const double speed : {0.1, 1.0, 10.0}) motion.simulations.push_back(simulated(gains, speed, rate, fine_steps));
+
+    motion.swing = largest.swing;
+    motion.omega = largest.omega;
+    motion.verified = largest.swing == 0;
     for (const SimulatedMotion& each : motion.simulations) {
-      constexpr double of_steps = 0.08;
-      if (!each.dies_out) simulated_swing = std::max(simulated_swing, each.swing);
-      comes_to_it = comes_to_it || std::abs(each.swing - largest.swing) <= of_steps * largest.swing;
+      if (each.dies_out) continue;
+      const auto comes_to = [&](const Swing& cycle) {
+        constexpr double of_steps = 0.08;
+        return cycle.stable && std::abs(each.swing - cycle.swing) <= of_steps * cycle.swing;
+      };
+      motion.verified = motion.verified || comes_to(largest);
+      const bool falls_to_it = largest.swing > 0 && each.swing < still_falls * each.before;
+      if (each.swing > motion.swing && !falls_to_it && std::none_of(swings.begin(), swings.end(), comes_to)) {
+        motion.swing = each.swing;
+        motion.omega = std::numeric_limits<double>::quiet_NaN();
+      }
     }
-    const bool is_stable = largest.cycle != nullptr && largest.cycle->stability.stable;
-    motion.swing = is_stable && (comes_to_it || motion.simulations.empty()) ? largest.swing
-                   : is_stable                                              ? std::max(largest.swing, simulated_swing)
-                                                                            : simulated_swing;
-    motion.verified = !motion.simulations.empty() && (!is_stable || comes_to_it);
     return motion;
   }
 
   [[nodiscard]] double clearance() const { return plant_.bodies.system().clearance(); }
 
  private:
-  static constexpr int few_harmonics = 40, many_harmonics = 200;
+  static constexpr int few_harmonics = 10, many_harmonics = 100;
+  // Share of the quarter before below which a simulated swing has not settled.
+  static constexpr double still_falls = 0.9;
   static constexpr double coarse_steps = 600, fine_steps = 2000;  // per period
   // What persists, as far as a search can afford to know; empty where it is not known or too fast.
   [[nodiscard]] std::optional<double> quick_swing(const frac::FractionalPidGains& gains) {
@@ -118,10 +174,13 @@ class Design {
       for (const SymmetricCycle& cycle : found.cycles) {
         if (cycle.admissible && cycle.omega > fastest_) return {};
       }
-      const Largest largest = largest_of(found);
-      if (largest.cycle != nullptr && largest.cycle->stability.stable) return largest.swing;
+      Swing largest;
+      for (const SymmetricCycle& cycle : found.cycles) {
+        if (cycle.admissible) largest = larger(largest, swing_with(cycle));
+      }
+      if (largest.stable) return largest.swing;
     }
-    if (simulated_ >= most_simulated || !detail::can_be_stepped(plant_.bodies)) return {};
+    if (simulated_ >= most_simulated) return {};
     ++simulated_;
     double swing = 0;
     for (const double speed : {1.0, 10.0}) {
@@ -131,50 +190,74 @@ class Design {
     return swing;
   }
 
+  [[nodiscard]] ControlLoop loop_of(const frac::FractionalPidGains& gains) const {
+    return {plant_.bodies, frac::controller_transfer_function(gains, filter_time_), plant_.measured};
+  }
   [[nodiscard]] LimitCycles cycles_of(const frac::FractionalPidGains& gains, int harmonics) const {
     LimitCycleOptions request;
     request.harmonics = harmonics;
-    return symmetric_cycles({plant_.bodies, frac::controller_transfer_function(gains, filter_time_), plant_.measured},
-                            request);
+    return symmetric_cycles(loop_of(gains), request);
   }
 
-  [[nodiscard]] Largest largest_of(const LimitCycles& found) const {
-    Largest largest;
-    for (const SymmetricCycle& cycle : found.cycles) {
-      if (!cycle.admissible) continue;
-      const double swing = swing_of(cycle, plant_.measured);
-      if (swing > largest.swing) largest = {&cycle, swing};
+  [[nodiscard]] Swing swing_with(const SymmetricCycle& cycle) const {
+    const std::vector<CycleImpact> impacts{{0, cycle.impulse, cycle.impact_speed},
+                                           {pi / cycle.omega, -cycle.impulse, cycle.impact_speed}};
+    return {CycleMotion(cycle.omega, cycle.harmonics, impacts, plant_).swing(), cycle.omega, cycle.stability.stable};
+  }
+  [[nodiscard]] std::vector<Swing> swings_of(const PersistentMotion& motion) const {
+    std::vector<Swing> swings;
+    for (const SymmetricCycle& cycle : motion.cycles) swings.push_back(swing_with(cycle));
+    for (const ImpactCycle& cycle : motion.further) {
+      const double omega = 2 * pi / cycle.period;
+      swings.push_back({CycleMotion(omega, cycle.harmonics, cycle.impacts, plant_).swing(), omega, true});
     }
-    return largest;
-  }
-
-  // Frequency of the fastest motion that a simulation has to show, rad/s.
-  [[nodiscard]] double rate_of(const Largest& largest) const {
-    return std::max(crossover_, largest.cycle == nullptr ? 0 : largest.cycle->omega);
+    return swings;
   }
 
   // @param rate   rad/s, of the fastest thing to be seen
   // @param speed  of the driven body at the start, in clearances per time 1/crossover
   [[nodiscard]] SimulatedMotion simulated(const frac::FractionalPidGains& gains, double speed, double rate,
                                           double steps_per_period) const {
-    constexpr double most_steps = 4e5, least = 0.01, still_falls = 0.9;
+    constexpr double most_steps = 4e5, least = 0.01;
     const double step = 2 * pi / (steps_per_period * rate);
     SimulatedMotion motion{speed * crossover_ * clearance(), 0, 0, false};
     // What still falls is followed for longer.
     for (const double periods : {40.0, 160.0}) {
       const auto steps = static_cast<std::size_t>(std::min(2 * pi * periods / (crossover_ * step), most_steps));
-      const std::vector<double> positions =
-          detail::step_loop({plant_.bodies, plant_.measured, gains, filter_time_}, motion.speed, step, steps);
-      if (positions.size() < steps) {
+      const auto positions = positions_from(motion.speed, gains, step, steps);
+      if (!positions) {
         motion.before = motion.swing = std::numeric_limits<double>::infinity();
         return motion;
       }
-      motion.before = swing_of(positions, 0.5, 0.75);
-      motion.swing = swing_of(positions, 0.75, 1);
+      motion.before = sampled_swing(*positions, 0.5, 0.75);
+      motion.swing = sampled_swing(*positions, 0.75, 1);
       motion.dies_out = motion.swing <= least * clearance() && motion.swing <= motion.before;
       if (motion.dies_out || motion.swing > still_falls * motion.before) break;
     }
     return motion;
+  }
+
+  // Of the measured body; empty where the motion grows without bound.
+  [[nodiscard]] std::optional<std::vector<double>> positions_from(double speed, const frac::FractionalPidGains& gains,
+                                                                  double step, std::size_t steps) const {
+    std::vector<double> positions;
+    if (detail::can_be_stepped(plant_.bodies)) {
+      positions = detail::step_loop({plant_.bodies, plant_.measured, gains, filter_time_}, speed, step, steps);
+      if (positions.size() < steps) return std::nullopt;
+      return positions;
+    }
+    // Between impacts the motion is exact, and samples are to show its peaks only.
+    constexpr double steps_per_sample = 10;
+    LoopSimulationOptions options;
+    options.sample_time = steps_per_sample * step;
+    options.duration = step * static_cast<double>(steps);
+    options.most_impacts = std::numeric_limits<std::size_t>::max();
+    options.tolerance = 1e-4;
+    options.rows_at_impacts = false;
+    const LoopHistory history = simulate_loop(loop_of(gains), {0, 0, 0, speed}, {}, options);
+    if (history.end == LoopEnd::diverged) return std::nullopt;
+    for (const LoopRow& row : history.rows) positions.push_back(plant_.measured == Output::x1 ? row.x1 : row.x2);
+    return positions;
   }
 
   const BacklashPlant& plant_;
@@ -230,11 +313,7 @@ std::string number(double value) {
 std::string motion_text(const PersistentMotion& motion) {
   if (std::isinf(motion.swing)) return "a simulation that runs away";
   std::string text = "a motion of " + number(motion.swing) + " m to either side";
-  const SymmetricCycle* largest = nullptr;
-  for (const SymmetricCycle& cycle : motion.cycles) {
-    if (cycle.stability.stable) largest = &cycle;
-  }
-  if (largest != nullptr) text += " at " + number(largest->omega) + " rad/s";
+  if (std::isfinite(motion.omega)) text += " at " + number(motion.omega) + " rad/s";
   return text;
 }
 
@@ -260,11 +339,7 @@ std::string message_of(const BacklashTuning& result) {
     }
     text += ".";
   }
-  if (result.persistent.simulations.empty()) {
-    text += " No simulation has verified it: it needs receptances 1/(M s^2 + sum of c s^a).";
-  } else if (!result.persistent.verified) {
-    text += " Simulations do not come to that cycle.";
-  }
+  if (!result.persistent.verified) text += " Simulations do not come to that cycle.";
   return text;
 }
 

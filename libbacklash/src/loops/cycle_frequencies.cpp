@@ -123,8 +123,11 @@ std::vector<double> roots_on_grid(const std::function<double(double)>& scanned,
     } else if (before != 0 && std::isfinite(before) && std::isfinite(after) && (before > 0) != (after > 0) &&
                std::max(std::abs(before), std::abs(after)) > rounding) {
       const double at_from = function(grid[i - 1]), at_to = function(grid[i]);
-      if (std::isfinite(at_from) && std::isfinite(at_to) && (at_from > 0) != (at_to > 0))
-        roots.push_back(refined(function, grid[i - 1], grid[i], at_from, at_to));
+      if (std::isfinite(at_from) && std::isfinite(at_to) && (at_from > 0) != (at_to > 0)) {
+        const double root = refined(function, grid[i - 1], grid[i], at_from, at_to);
+        // A pole changes the sign too.
+        if (std::abs(function(root)) <= std::max(std::abs(at_from), std::abs(at_to))) roots.push_back(root);
+      }
     }
     before = after;
   }

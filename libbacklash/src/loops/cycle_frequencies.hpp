@@ -12,7 +12,7 @@ namespace backlash::detail {
 /// sum is monotone.  A root of even order is listed once.
 [[nodiscard]] std::vector<double> positive_roots(std::vector<frac::PowerTerm> sum);
 
-/// Sign changes of a function between neighbouring grid points, refined; none where it is no number.
+/// Sign changes of a function between neighbouring grid points, refined; none where it is no number, nor at a pole.
 /// @param scanned   the function at grid points, where its sign has to be right
 /// @param rounding  where it is no larger at two neighbours it is 0 but for the rounding of its terms, and has no sign
 [[nodiscard]] std::vector<double> roots_on_grid(const std::function<double(double)>& scanned,

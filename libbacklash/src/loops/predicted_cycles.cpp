@@ -158,9 +158,7 @@ std::vector<double> symmetric_frequencies(const ControlLoop& loop, const std::op
       const double rate = detail::rate_before_impact(response, pi / omega);
       return (rate + detail::ForcedOrbits::impulse_share(omega) * omega * answer_of(loop, omega).imag()) / exchange + 1;
     };
-    frequencies = detail::roots_on_grid(defect, defect, grid_of(loop, range));
-    std::erase_if(frequencies, [&](double omega) { return !(std::abs(defect(omega)) < 1e-6); });  // a pole
-    return frequencies;
+    return detail::roots_on_grid(defect, defect, grid_of(loop, range));
   }
   const auto off_line = [&](double omega) { return rigid_loop(loop, omega).imag() - pi / 4 * kept_loss(loop); };
   if (loop.measured() == Output::x1 && loop.controller().delay() == 0 && !detail::controller_powers(loop).empty()) {

@@ -22,6 +22,7 @@
 #include "options/model_options.hpp"
 #include "output/aligned_table.hpp"
 #include "output/json.hpp"
+#include "output/limit_cycles_output.hpp"
 
 namespace fracfit {
 namespace {
@@ -102,17 +103,25 @@ Json region_json(const frac::RobustTuningResult& region) {
 Json motion_json(const backlash::PersistentMotion& motion) {
   Json json{{"persists", motion.swing > 0},
             {"swing_m", motion.swing},
+            {"omega", motion.omega},
             {"verified", motion.verified},
             {"searched", {{"from", motion.searched.from}, {"to", motion.searched.to}, {"certain", motion.certain}}},
             {"cycles", Json::array()},
             {"simulations", Json::array()}};
-  for (const auto& cycle : motion.cycles) {
-    json["cycles"].push_back({{"omega", cycle.omega},
+  const auto add_cycle = [&](const auto& cycle, double omega, Json impacts, std::size_t rests, double speed) {
+    json["cycles"].push_back({{"omega", omega},
+                              {"impacts_per_period", std::move(impacts)},
+                              {"rests_per_period", rests},
                               {"stable", cycle.stability.stable},
                               {"multiplier_modulus", std::abs(cycle.stability.dominant)},
-                              {"impact_speed", cycle.impact_speed},
+                              {"impact_speed", speed},
                               {"amplitude_x1", std::abs(cycle.harmonics.front().x1)},
                               {"amplitude_x2", std::abs(cycle.harmonics.front().x2)}});
+  };
+  for (const auto& cycle : motion.cycles) add_cycle(cycle, cycle.omega, 2, 0, cycle.impact_speed);
+  for (const auto& cycle : motion.further) {
+    add_cycle(cycle, 2 * std::numbers::pi / cycle.period, has_chatter(cycle) ? Json() : Json(cycle.impacts.size()),
+              cycle.rests.size(), cycle.impacts.front().speed);
   }
   for (const auto& simulation : motion.simulations) {
     json["simulations"].push_back(
@@ -202,9 +211,9 @@ std::string backlash_table(const backlash::BacklashTuning& result) {
       motions.add({std::string(name) + ": none", "0", "", ""});
       continue;
     }
-    const bool is_cycle = !motion->cycles.empty();
-    motions.add({name, short_number(motion->swing), is_cycle ? short_number(motion->cycles.back().omega) : "",
-                 is_cycle ? (motion->cycles.back().stability.stable ? "yes" : "no") : ""});
+    const bool is_cycle = std::isfinite(motion->omega);
+    motions.add({name, short_number(motion->swing), is_cycle ? short_number(motion->omega) : "",
+                 is_cycle ? "yes" : "not known"});
   }
   return "\n" + constraints.text() + "\n" + motions.text();
 }

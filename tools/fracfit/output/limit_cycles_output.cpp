@@ -34,16 +34,6 @@ double frequency_of(const backlash::ImpactCycle& cycle) {
   return 2 * std::numbers::pi / cycle.period;
 }
 
-// Impacts follow each other without end before a rest: it begins with none, or with the last one that was followed.
-bool has_chatter(const backlash::ImpactCycle& cycle) {
-  return std::any_of(cycle.rests.begin(), cycle.rests.end(), [&](const auto& rest) {
-    return std::none_of(cycle.impacts.begin(), cycle.impacts.end(), [&](const auto& impact) {
-      return std::abs(impact.time - rest.time) < 1e-12 * cycle.period &&
-             impact.speed > 1e-6 * cycle.impacts.front().speed;
-    });
-  });
-}
-
 // "4 impacts", or "2 rests".
 std::string pattern_of(const backlash::ImpactCycle& cycle) {
   const auto plural = [](std::size_t count, const char* what) {
@@ -406,6 +396,10 @@ std::vector<std::string> row_of(const ListedCycle& cycle, const LoopCycles& loop
   return row;
 }
 
+bool is_unstable(const ListedCycle& cycle) {
+  return cycle.admissible && !cycle.stability.stable;
+}
+
 /// @param alone  the table has no other loop, so that there is room for each of its cycles
 std::string remark_on(const ListedCycle& cycle, bool alone) {
   const std::string at = "omega " + short_number(cycle.omega) + ": ";
@@ -423,6 +417,16 @@ std::string remark_on(const ListedCycle& cycle, bool alone) {
 }
 
 }  // namespace
+
+// A rest begins with no impact then, or with the last one that was followed.
+bool has_chatter(const backlash::ImpactCycle& cycle) {
+  return std::any_of(cycle.rests.begin(), cycle.rests.end(), [&](const auto& rest) {
+    return std::none_of(cycle.impacts.begin(), cycle.impacts.end(), [&](const auto& impact) {
+      return std::abs(impact.time - rest.time) < 1e-12 * cycle.period &&
+             impact.speed > 1e-6 * cycle.impacts.front().speed;
+    });
+  });
+}
 
 std::string limit_cycles_json(const std::vector<LoopCycles>& loops, const backlash::CycleContinuation* followed,
                               const std::string& command) {
@@ -485,22 +489,29 @@ std::string limit_cycles_csv(const std::vector<LoopCycles>& loops, const std::st
 
 namespace {
 
-// Bodies with resonances have a root beside each odd part of a natural frequency, without end towards low frequency.
-// Hundreds of rows that are no motion would hide the cycles.
-std::vector<ListedCycle> roots_left_out(const std::vector<ListedCycle>& listed) {
+// Bodies with resonances have a root beside each odd part of a natural frequency, without end towards low frequency:
+// hundreds that are no motion would hide the cycles, and dozens that are unstable get one sentence.
+struct ManyAlike {
+  std::size_t count = 0;
+  double from = 0, to = 0;  // rad/s
+  [[nodiscard]] std::string remark(const std::string& what, const std::string& are) const {
+    return count == 0 ? ""
+                      : paragraph(std::to_string(count) + " " + what + " from " + short_number(from) + " to " +
+                                      short_number(to) + " rad/s are " + are + ".",
+                                  2);
+  }
+};
+// None where they are few enough to be told one by one.
+template <typename IsOne>
+ManyAlike many_alike(const std::vector<ListedCycle>& listed, const IsOne& is_one) {
   constexpr std::size_t most_shown = 5;
-  std::vector<ListedCycle> left_out;
-  for (const ListedCycle& cycle : listed)
-    if (!cycle.admissible) left_out.push_back(cycle);
-  if (left_out.size() <= most_shown) left_out.clear();
-  return left_out;
-}
-
-std::string left_out_text(const std::vector<ListedCycle>& roots) {
-  if (roots.empty()) return "";
-  return paragraph(std::to_string(roots.size()) + " further roots from " + short_number(roots.front().omega) + " to " +
-                   short_number(roots.back().omega) +
-                   " rad/s are no motion; --format json lists each with its reason.");
+  ManyAlike many;
+  for (const ListedCycle& cycle : listed) {
+    if (!is_one(cycle)) continue;
+    if (many.count++ == 0) many.from = cycle.omega;
+    many.to = cycle.omega;
+  }
+  return many.count > most_shown ? many : ManyAlike{};
 }
 
 }  // namespace
@@ -522,14 +533,16 @@ std::string limit_cycles_table(const std::vector<LoopCycles>& loops, const backl
   std::size_t rows = 0;
   for (const LoopCycles& loop : loops) {
     const std::vector<ListedCycle> listed = listed_cycles(loop);
-    const std::vector<ListedCycle> left_out = roots_left_out(listed);
+    const ManyAlike left_out = many_alike(listed, [](const ListedCycle& cycle) { return !cycle.admissible; });
+    const ManyAlike unstable = many_alike(listed, is_unstable);
     for (const ListedCycle& cycle : listed) {
-      if (!cycle.admissible && !left_out.empty()) continue;
+      if (!cycle.admissible && left_out.count > 0) continue;
       table.add(row_of(cycle, loop));
-      remarks += remark_on(cycle, loops.size() == 1);
+      if (!is_unstable(cycle) || unstable.count == 0) remarks += remark_on(cycle, loops.size() == 1);
     }
-    rows += listed.size() - left_out.size();
-    remarks += left_out_text(left_out);
+    rows += listed.size() - left_out.count;
+    if (loops.size() == 1) remarks += unstable.remark("cycles", "unstable, for the reasons in --format json");
+    remarks += left_out.remark("further roots", "no motion; --format json lists each with its reason");
     remarks += motions_text(loop);
     if (loops.size() > 1) continue;
     remarks += unmatched_text(loop, listed);

@@ -23,6 +23,9 @@ struct LoopCycles {
   io::Metadata varied = {};             // name and value of a quantity that changes from loop to loop
 };
 
+/// Impacts follow each other without end before a rest, so that they have no count.
+[[nodiscard]] bool has_chatter(const backlash::ImpactCycle& cycle);
+
 /// @param followed  what happens between the loops; nullptr for a single loop and where values have no order
 [[nodiscard]] std::string limit_cycles_json(const std::vector<LoopCycles>& loops,
                                             const backlash::CycleContinuation* followed, const std::string& command);

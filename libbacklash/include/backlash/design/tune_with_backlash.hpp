@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "backlash/loops/impact_cycles.hpp"
 #include "backlash/loops/limit_cycles.hpp"
 #include "frac/identification/tune.hpp"
 
@@ -33,15 +34,18 @@ struct SimulatedMotion {
 
 /// The motions of a loop that persist.
 struct PersistentMotion {
-  std::vector<SymmetricCycle> cycles;  // motions, by rising omega
-  FrequencyRange searched;             // where cycles were looked for
+  std::vector<SymmetricCycle> cycles;  // of two impacts, as far as they are motions, by rising omega
+  FrequencyRange searched;             // where these were looked for
   bool certain;                        // see LimitCycles
-  /// Half of what the measured body goes from peak to peak, m: of the largest cycle where that is stable, else as
-  /// simulated.  0 where nothing persists.
+  /// Stable cycles of any other kind that motions of impact_cycles() come to, those that rest in contact too.
+  std::vector<ImpactCycle> further;
+  /// Half of what the measured body goes from peak to peak, m: of the largest stable cycle, or as simulated where a
+  /// simulation shows a larger motion that is none of the cycles and does not fall to one.  0 where nothing persists.
   double swing;
+  double omega;  // rad/s, of the cycle that swing is of; NaN where it is of none
   std::vector<SimulatedMotion> simulations;
-  /// There are simulations, for receptances 1/(M s^2 + sum of c s^a), and where the largest cycle is stable one of
-  /// them comes to it, to the 8 % that their steps may cost; else swing is what they show.
+  /// One of the simulations comes to the largest stable cycle, to the 8 % that their steps may cost; or there is none,
+  /// and swing is what they show.
   bool verified;
 };
 
@@ -65,8 +69,9 @@ struct BacklashTuning {
 /// taken where they are stable; controllers with none are simulated, because motions of other kinds may persist (with
 /// more impacts in a period, or contact).
 /// Free masses under a controller without filter whose load is measured are searched by exact cycles, others by
-/// simulations.  Controllers are left out with which the loop falls more slowly than s^-0.5 at high frequency, or whose
-/// cycles are faster than ten crossovers and than those of the controller of frac::tune(): no model holds there.
+/// simulations: in steps where the receptances are 1/(M s^2 + sum of c s^a), from impact to impact where they are not.
+/// Controllers are left out with which the loop falls more slowly than s^-0.5 at high frequency, or whose cycles are
+/// faster than ten crossovers and than those of the controller of frac::tune(): no model holds there.
 /// @throws std::invalid_argument  as frac::tune(), ControlLoop and symmetric_cycles(); no crossover; options with an
 ///                                objective.
 [[nodiscard]] BacklashTuning tune_with_backlash(const BacklashPlant& plant,
