@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <random>
@@ -71,6 +72,47 @@ TEST(CurveShift, PutsTheFactorsBesideEachS) {
     plain.assign(master.parameter_names().size(), 0.7);
     for (const double each : omega)
       EXPECT_LT(std::abs(moved.response(all, each) - 2.0 * master.response(plain, 3 * each)), 1e-13) << formula;
+  }
+}
+
+// Far below its glass transition a polymer shows a plateau, and any shift factor lays it on the master curve: the law
+// follows the other curves alone.  Two laws are searched for, of which the vertical one may be known.
+TEST(CurveShift, ACurveOnAPlateauLeadsNoLaw) {
+  const Structure master("E0 + E1 (T s)^a/(1 + (T s)^a)");
+  const double c1 = 12, c2 = 80;
+  std::mt19937_64 generator(4711);
+  std::normal_distribution<double> normal(0, 0.02);
+  std::vector<JointCurve> curves;
+  for (const double kelvin : {-40.0, -20.0, 0.0, 20.0, 40.0}) {
+    const double along = std::pow(10, -c1 * kelvin / (c2 + kelvin)), up = 1 + kelvin / 293;
+    std::vector<double> omega;
+    std::vector<std::complex<double>> value;
+    for (int i = 0; i < 25; ++i) {
+      omega.push_back(std::pow(10.0, -1 + i / 8.0));
+      const double real = normal(generator), imaginary = normal(generator);
+      value.push_back(up * master.response(std::vector<double>{1e6, 2e9, 0.01, 0.4}, along * omega.back()) *
+                      std::complex<double>(1 + real, imaginary));
+    }
+    curves.push_back({std::to_string(kelvin), {omega, value}, {{"kelvin", kelvin}}});
+  }
+  for (const bool vertical_is_known : {false, true}) {
+    JointFitOptions options = shifting(true);
+    options.laws = {"aT = 10^(-C1 kelvin/(C2 + kelvin))"};
+    if (vertical_is_known) options.laws.emplace_back("bT = 1 + kelvin/293");
+    const JointFitResult result = joint_fit(curves, master, options);
+    ASSERT_TRUE(result.usable()) << result.message;
+    EXPECT_GT(result.sharing_p_value, 1e-3) << result.message;
+    for (const JointCurveResult& curve : result.curves) EXPECT_LT(curve.rms, 0.03) << curve.name;
+    // Of normal estimates one in 370 is farther off than three standard errors.
+    for (const auto& [name, truth] : {std::pair{"C1", c1}, {"C2", c2}, {"a", 0.4}}) {
+      const auto found =
+          std::find_if(result.shared.begin(), result.shared.end(),
+                       [&, wanted = std::string(name)](const auto& each) { return each.name == wanted; });
+      ASSERT_NE(found, result.shared.end()) << name;
+      EXPECT_NEAR(found->value, truth, 3 * found->standard_error) << name;
+    }
+    // A factor over twelve decades has an interval of factors.
+    EXPECT_GT(named(result.curves.front(), "aT").ci95_lower, 0);
   }
 }
 

@@ -67,6 +67,30 @@ TEST(JointFitCommand, AParameterFollowsALaw) {
   EXPECT_NE(unknown.error.find("known of the curves"), std::string::npos) << unknown.error;
 }
 
+// Of the parameters of a law, and of what the headers or the column know of a curve.
+TEST(JointFitCommand, QuantitiesMayBeDerivedFromALaw) {
+  const PowerLaws data;
+  const auto result =
+      data.joint({data.one_file}, {"--by", "gain", "--shared", "a", "--law", "K = K0 gain^p", "--derive",
+                                   "x = K0 + 2 p", "--derive", "y = K/gain", "--derive", "z = gain a"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  const auto json = Json::parse(result.output);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto& derived = json["curves"][c]["derived"];
+    // As closely as the search ends: K0 = 1, p = 1, a = 0.7, K = gain = 2, 3, 4.
+    EXPECT_NEAR(derived[0]["value"].get<double>(), 3, 1e-6);
+    EXPECT_NEAR(derived[1]["value"].get<double>(), 1, 1e-6);
+    EXPECT_NEAR(derived[2]["value"].get<double>(), 0.7 * (2 + static_cast<double>(c)), 1e-6);
+    // y = K0 gain^(p - 1): its error is that of K over the gain, and z's that of a times the gain.
+    const auto& parameters = json["curves"][c]["parameters"];
+    const double gain = 2 + static_cast<double>(c);
+    EXPECT_NEAR(derived[1]["standard_error"].get<double>() * gain, parameters[0]["standard_error"].get<double>(),
+                1e-6 * parameters[0]["standard_error"].get<double>());
+    EXPECT_NEAR(derived[2]["standard_error"].get<double>(), gain * parameters[1]["standard_error"].get<double>(),
+                1e-6 * gain * parameters[1]["standard_error"].get<double>());
+  }
+}
+
 // The values that made the data, to what 17 digits and the tolerance of the search leave.
 void expect_power_laws(const ProgramResult& result) {
   ASSERT_EQ(result.code, 0) << result.error;

@@ -116,13 +116,24 @@ class JointFit : public Command {
       throw std::invalid_argument("--each " + each_ + " leaves no parameter that is shared; use fracfit batch");
     fit_.threads = threads();
     const auto fitted = fit_.shift ? frac::shifted(structure, *fit_.shift) : structure;
-    quantities_ = quantities_of(derive_, fitted.parameter_names());
+    derived_from_ = fitted.parameter_names();
+    if (!derive_.empty()) add_names_in_laws();
+    quantities_ = quantities_of(derive_, derived_from_);
     try {
       if (!picture_.empty()) drawing_.emplace(picture_, options().input_files());
     } catch (const std::invalid_argument& error) {
       throw std::invalid_argument(std::string("--picture: ") + error.what());
     }
     if (!master_.empty()) master_file_.emplace(master_, options().input_files());
+  }
+
+  /// Parameters of the laws, and what the headers know of the curves.
+  void add_names_in_laws() {
+    for (const std::string& law : fit_.laws) {
+      const frac::Structure formula(law.substr(law.find('=') + 1));
+      for (const std::string& name : formula.parameter_names())
+        if (name != "pi" && !has(derived_from_, name)) derived_from_.push_back(name);
+    }
   }
 
   [[nodiscard]] bool has_law(const std::string& name) const {
@@ -146,7 +157,7 @@ class JointFit : public Command {
 
   int run() override {
     std::vector<frac::JointCurve> curves;
-    JointRun run{command_line(), {}, {}, {}, quantities_};
+    JointRun run{command_line(), {}, {}, {}, quantities_, derived_from_};
     const auto note = [this](const std::string& text) { say(text); };
     bool same_unit = true;
     for (const auto& curve : curves_of(io::input_files(data_, writes_file() ? out() : ""), request_)) {
@@ -156,7 +167,7 @@ class JointFit : public Command {
       frac::JointCurve& added = curves.emplace_back(frac::JointCurve{curve.name, std::move(file.data)});
       for (const auto& [key, text] : file.metadata)
         if (const auto value = io::parse_number(text)) added.covariates.emplace_back(key, *value);
-      run.curves.push_back({added.data.size(), std::move(file.metadata)});
+      run.curves.push_back({added.data.size(), std::move(file.metadata), added.covariates});
     }
     if (!same_unit) run.value_unit.clear();
     run.options = options().entries({"--component", "--weight", "--realisation", "--band", "--poles", "--sample-time",
@@ -186,6 +197,7 @@ class JointFit : public Command {
   FitRequest request_;
   std::vector<std::string> data_, derive_;
   std::vector<frac::DerivedQuantity> quantities_;
+  std::vector<std::string> derived_from_;
   std::string model_, shared_, each_, shift_, reference_, master_, picture_;
   std::optional<report::PictureFile> drawing_;
   std::optional<io::OutputFile> master_file_;

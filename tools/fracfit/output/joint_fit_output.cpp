@@ -29,12 +29,33 @@ std::vector<frac::ParameterEstimate> own_of(const frac::JointFitResult& result, 
   return own;
 }
 
+/// @param curve  of the result
 std::vector<frac::DerivedEstimate> derived_of(const JointRun& run, const frac::JointFitResult& result,
                                               const frac::JointCurveResult& curve) {
+  // Rows of the covariance are the parameters and then those of the laws, which stand last in `shared`.
+  std::vector<frac::ParameterEstimate> known = curve.parameters;
+  const std::size_t of_laws = curve.covariance_with_laws.size() - known.size();
+  known.insert(known.end(), result.shared.end() - static_cast<std::ptrdiff_t>(of_laws), result.shared.end());
   std::vector<double> values;
-  for (const auto& parameter : curve.parameters) values.push_back(parameter.value);
+  std::vector<std::size_t> row;
+  for (const std::string& name : run.derived_from) {
+    const auto found = std::find_if(known.begin(), known.end(), [&](const auto& each) { return each.name == name; });
+    row.push_back(static_cast<std::size_t>(found - known.begin()));
+    if (found != known.end()) {
+      values.push_back(found->value);
+      continue;
+    }
+    const auto& covariates = run.curves[static_cast<std::size_t>(&curve - result.curves.data())].covariates;
+    values.push_back(std::find_if(covariates.begin(), covariates.end(), [&](const auto& each) {
+                       return each.first == name;
+                     })->second);
+  }
+  std::vector<std::vector<double>> covariance(row.size(), std::vector<double>(row.size(), 0.0));
+  for (std::size_t i = 0; i < row.size(); ++i)
+    for (std::size_t k = 0; k < row.size(); ++k)
+      if (row[i] < known.size() && row[k] < known.size()) covariance[i][k] = curve.covariance_with_laws[row[i]][row[k]];
   std::vector<frac::DerivedEstimate> derived;
-  for (const auto& each : run.derived) derived.push_back(each.at(values, curve.covariance, result.half_width));
+  for (const auto& each : run.derived) derived.push_back(each.at(values, covariance, result.half_width));
   return derived;
 }
 

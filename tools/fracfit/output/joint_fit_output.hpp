@@ -16,12 +16,15 @@ struct JointRun {
   struct Curve {
     std::size_t points;
     io::Metadata header;
+    std::vector<std::pair<std::string, double>> covariates;  // numbers in the header
   };
   std::string command;
   std::vector<Curve> curves;  // as in the result
   std::string value_unit;     // empty where the curves give none or not the same
   io::Metadata options;
   std::vector<frac::DerivedQuantity> derived;  // computed for each curve
+  /// Names in them: parameters, shared ones and those of laws, and what the headers know of a curve.
+  std::vector<std::string> derived_from;
 };
 
 [[nodiscard]] std::string joint_fit_table(const JointRun& run, const frac::JointFitResult& result);

@@ -57,11 +57,13 @@ struct JointCurveResult {
   /// All parameters of the formula, the shared ones too, as they hold for this curve.
   std::vector<ParameterEstimate> parameters;
   std::vector<std::vector<double>> covariance;  // of them, as FitResult::covariance
-  std::size_t residuals;                        // count
-  double rms, max_residual;                     // weighted as in fit()
-  double rms_alone;                             // of the fit of this curve alone; NaN where it has none
-  double noise;                                 // standard deviation of a residual by which the curve counts
-  std::vector<PriorEstimate> priors = {};       // of parameters that are its own
+  /// The same of them and then of the parameters of the laws, which stand last in JointFitResult::shared.
+  std::vector<std::vector<double>> covariance_with_laws;
+  std::size_t residuals;                   // count
+  double rms, max_residual;                // weighted as in fit()
+  double rms_alone;                        // of the fit of this curve alone; NaN where it has none
+  double noise;                            // standard deviation of a residual by which the curve counts
+  std::vector<PriorEstimate> priors = {};  // of parameters that are its own
 };
 
 /// One structure fitted to many curves at once.

@@ -131,7 +131,7 @@ class CurveResiduals {
  private:
   const FrequencyResponseData& data_;
   const Structure& structure_;
-  const Realisation& realisation_;
+  Realisation realisation_;
   const JointLayout& layout_;
   std::size_t index_;
   ResidualRule rule_;

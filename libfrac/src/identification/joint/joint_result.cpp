@@ -52,7 +52,6 @@ JointCurveResult describe_curve(const JointSolution& solution, std::size_t c,
   JointCurveResult result{};
   const std::size_t count = structure.parameter_names().size();
   result.parameters.resize(count);
-  result.covariance.assign(count, std::vector<double>(count, 0.0));
   for (std::size_t i = 0; i < count; ++i) {
     ParameterEstimate& fixed = result.parameters[i];
     fixed.name = structure.parameter_names()[i];
@@ -68,12 +67,19 @@ JointCurveResult describe_curve(const JointSolution& solution, std::size_t c,
                   layout.own[place.index], point.own[c][place.index],
                   found.curve[c](static_cast<Eigen::Index>(place.index), static_cast<Eigen::Index>(place.index)),
                   found.half_width, found.own_at_bound[c][place.index], found.own_widening[c][place.index]);
-  const auto slopes = layout.slopes(point.shared, point.own[c], c);
+  auto slopes = layout.slopes(point.shared, point.own[c], c);
+  const std::size_t of_laws = laws.names().size(), first = layout.shared.size() - of_laws;
+  for (std::size_t k = first; k < layout.shared.size(); ++k)
+    slopes.push_back({count + k - first, layout.own.size() + k, layout.shared[k].derivative(point.shared[k])});
+  auto& all = result.covariance_with_laws;
+  all.assign(count + of_laws, std::vector<double>(count + of_laws, 0.0));
   for (const auto& a : slopes)
     for (const auto& b : slopes)
-      result.covariance[a.parameter][b.parameter] +=
+      all[a.parameter][b.parameter] +=
           a.slope * b.slope *
           found.curve[c](static_cast<Eigen::Index>(a.variable), static_cast<Eigen::Index>(b.variable));
+  for (std::size_t i = 0; i < count; ++i)
+    result.covariance.emplace_back(all[i].begin(), all[i].begin() + static_cast<std::ptrdiff_t>(count));
   const std::vector<double> values = layout.parameters(point.shared, point.own[c], c);
   for (std::size_t i = 0; i < count; ++i) {
     if (!laws.drives(i)) continue;
@@ -81,7 +87,8 @@ JointCurveResult describe_curve(const JointSolution& solution, std::size_t c,
     estimate = {};
     estimate.name = structure.parameter_names()[i];
     estimate.value = estimate.centre_value = values[i];
-    set_interval(estimate, result.covariance[i][i], found.half_width, false);
+    const bool is_shift = estimate.name == horizontal_shift || estimate.name == vertical_shift;
+    set_interval(estimate, result.covariance[i][i], found.half_width, is_shift && estimate.value > 0);
   }
   for (const auto& place : layout.free) {
     ParameterEstimate& estimate = result.parameters[place.parameter];

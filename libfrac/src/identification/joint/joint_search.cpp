@@ -200,23 +200,36 @@ void free_driven(std::vector<ParameterConstraint>& constraints, const Structure&
     if (laws.drives(structure.parameter_index(each.name)) && !each.fixed) each.lower = each.upper = std::nullopt;
 }
 
+std::vector<double> told_starts(const Laws& laws, const std::vector<ParameterConstraint>& constraints) {
+  std::vector<double> given;
+  for (const std::string& name : laws.names()) {
+    const auto known = std::find_if(constraints.begin(), constraints.end(),
+                                    [&](const ParameterConstraint& each) { return each.name == name; });
+    given.push_back(known == constraints.end() ? nan
+                    : known->start             ? *known->start
+                    : known->prior             ? known->prior->value
+                                               : nan);
+  }
+  return given;
+}
+
 std::vector<JointVariable> variables_of(const Laws& laws, const std::vector<ParameterConstraint>& constraints,
                                         const StartValues& values, std::vector<double>& starts) {
   std::vector<JointVariable> variables;
   if (laws.count() == 0) return variables;
   constexpr double widest = 1e300, widest_logarithm = 350;
-  std::vector<double> given;
   for (const std::string& name : laws.names()) {
     const auto known = std::find_if(constraints.begin(), constraints.end(),
                                     [&](const ParameterConstraint& each) { return each.name == name; });
     const bool any = known != constraints.end();
     if (any && !known->above.empty())
       throw std::invalid_argument("parameter '" + name + "' is of a law, and stands in no order of parameters");
-    given.push_back(!any ? nan : known->start ? *known->start : known->prior ? known->prior->value : nan);
     variables.push_back({name, false, any && known->lower ? std::max(*known->lower, -widest) : -widest,
                          any && known->upper ? std::min(*known->upper, widest) : widest});
   }
-  starts = laws.starts(values.parameters, values.from_curve, given);
+  starts = values.of_laws.empty()
+               ? laws.starts(values.parameters, values.lead_laws, told_starts(laws, constraints)).front()
+               : values.of_laws;
   for (std::size_t k = 0; k < variables.size(); ++k) {
     JointVariable& each = variables[k];
     if (!(starts[k] > 0) || (each.lower < 0 && each.lower > -widest) || !laws.scales(k, starts)) continue;
@@ -247,9 +260,16 @@ void JointSearch::run(const JointFitOptions& options, const Preparation& known, 
   squares_at_known_noise = cost_of_data(problem_, point).squares;
   if (!options.shift || options.fit.weight == Weight::given) return;
   noise = noise_left(problem_, *layout_, point, options.fit.loss);
-  for (std::size_t c = 0; c < problem_.size(); ++c) problem_[c].set_noise(noise[c]);
-  set_losses(problem_, known.alone, options.fit);
+  const auto weigh_by = [&](const std::vector<double>& deviations) {
+    for (std::size_t c = 0; c < problem_.size(); ++c) problem_[c].set_noise(deviations[c]);
+    set_losses(problem_, known.alone, options.fit);
+  };
+  weigh_by(noise);
   point = search(problem_, *layout_, shared_, own_, result);
+  // By the noise found, the search may have come to a better place by the noise known too.
+  weigh_by(known.noise);
+  squares_at_known_noise = std::min(squares_at_known_noise, cost_of_data(problem_, point).squares);
+  weigh_by(noise);
 }
 
 }  // namespace frac::detail

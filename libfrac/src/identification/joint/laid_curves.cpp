@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
 #include "frac/identification/constraints.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/statistics/definition.hpp"
+#include "joint_confidence.hpp"
 #include "joint_search.hpp"
 #include "shift.hpp"
 #include "special/distributions.hpp"
@@ -44,6 +46,7 @@ Preparation from_superposition(const std::vector<JointCurve>& curves, const Stru
                                                 : of->value);
     }
     result.values.from_curve.push_back(false);
+    result.values.lead_laws.push_back(1);
     result.rules.push_back(residual_rule(curves[c].data, settled(of_master, found.master)));
   }
   return result;
@@ -63,6 +66,14 @@ ShiftFactors factors_in(const std::vector<std::vector<double>>& values, const St
     result.vertical.push_back(up == names.end() ? 1 : each[static_cast<std::size_t>(up - names.begin())]);
   }
   return result;
+}
+
+void take_shifts(const std::vector<double>& from, const Structure& structure, std::vector<double>& values) {
+  for (const char* name : {horizontal_shift, vertical_shift}) {
+    const auto& names = structure.parameter_names();
+    const auto place = static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+    if (place < names.size()) values[place] = from[place];
+  }
 }
 
 /// A fit to all curves as one, taken as the start of each.
@@ -87,6 +98,26 @@ JointFitOptions with_free_shifts(const JointFitOptions& options, const Structure
   return free;
 }
 
+/// Weights of the shift factors of the curves: 1 over the standard error of their logarithms.  On a plateau it is 0.
+std::vector<double> weights_of_shifts(JointSearch& search, const Structure& structure) {
+  const JointConfidence found = joint_confidence(search.problem(), search.layout(), search.point);
+  constexpr double least = 0.1, most = 10;  // a better one need not be followed more closely, a worse one tells nothing
+  std::vector<double> error(found.curve.size(), least);
+  for (const auto& place : search.layout().free) {
+    const std::string& name = structure.parameter_names()[place.parameter];
+    if (place.shared || (name != horizontal_shift && name != vertical_shift)) continue;
+    const auto k = static_cast<Eigen::Index>(place.index);
+    for (std::size_t c = 0; c < error.size(); ++c) {
+      if (search.layout().is_held(c, place.index)) continue;
+      const double here = found.own_at_bound[c][place.index] ? most : std::sqrt(found.curve[c](k, k));
+      error[c] = here < most ? std::max(error[c], here) : most;
+    }
+  }
+  std::vector<double> weights;
+  for (const double each : error) weights.push_back(each < most ? 1 / each : 0);
+  return weights;
+}
+
 /// Fits the curves with free shift factors, which then stand in what is known, with the noise they leave.  Where the
 /// weight is learned it is learned anew with the curves where that fit lays them, until they stay: where neighbours
 /// lay them first depends on the order of the curves.
@@ -98,6 +129,7 @@ std::optional<FreeShifts> fit_free_shifts(const std::vector<JointCurve>& curves,
   const bool learns = options.fit.weight == Weight::learned && !options.fit.noise_floor;
   constexpr int most_rounds = 8;
   constexpr double stays = 1e-6;  // change of a factor, far below its interval
+  const std::vector<std::vector<double>> laid = known.values.parameters;
   for (int round = 0; round < most_rounds; ++round) {
     JointSearch search(curves, structure, options, known, laws);
     JointFitResult counts{};
@@ -111,8 +143,13 @@ std::optional<FreeShifts> fit_free_shifts(const std::vector<JointCurve>& curves,
     for (std::size_t c = 0; c < curves.size(); ++c)
       moved = std::max({moved, std::abs(std::log(now.horizontal[c] / before.horizontal[c])),
                         std::abs(std::log(now.vertical[c] / before.vertical[c]))});
-    if (!learns || (round > 0 && moved < stays) || round + 1 == most_rounds)
+    if (!learns || (round > 0 && moved < stays) || round + 1 == most_rounds) {
+      known.values.lead_laws = weights_of_shifts(search, structure);
+      // What no residual holds has run away; where the curve was laid is near enough to start from.
+      for (std::size_t c = 0; c < curves.size(); ++c)
+        if (known.values.lead_laws[c] == 0) take_shifts(laid[c], structure, known.values.parameters[c]);
       return FreeShifts{cost_of_data(search.problem(), search.point).squares, counts.residuals, counts.free_parameters};
+    }
     const FitResult all = fit_laid(curves, now.horizontal, now.vertical, master, of_master);
     if (!all.usable()) return std::nullopt;
     for (std::size_t c = 0; c < curves.size(); ++c)
@@ -121,20 +158,63 @@ std::optional<FreeShifts> fit_free_shifts(const std::vector<JointCurve>& curves,
   return std::nullopt;
 }
 
-/// Laws of shift factors say where the master curve itself stands, which need not be the reference: the structure is
-/// fitted to all curves where the laws lay them.
-void lay_by_laws(const std::vector<JointCurve>& curves, const Structure& master, const Structure& structure,
-                 JointFitOptions options, const FitOptions& of_master, const Laws& laws, Preparation& known) {
-  const std::vector<ParameterConstraint> of_laws = taken_out(options.fit.constraints, laws);
-  std::vector<double> values;
-  static_cast<void>(variables_of(laws, of_laws, known.values, values));
+/// The chance that curves which follow the laws ask for free factors as strongly as these do.
+double chance_of_laws(const FreeShifts& free, double squares, std::size_t free_parameters) {
+  const double saved = static_cast<double>(free.free_parameters) - static_cast<double>(free_parameters);
+  const double degrees = static_cast<double>(free.residuals) - static_cast<double>(free.free_parameters);
+  if (!(saved > 0) || !(degrees > 0) || !(free.squares > 0)) return std::numeric_limits<double>::quiet_NaN();
+  return fisher_f_above(std::max(0.0, squares - free.squares) / saved / (free.squares / degrees), saved, degrees);
+}
+constexpr double doubtful_chance = 0.01;
+
+/// What is known, with the curves laid where the laws say; none where one lies beyond all bounds.
+std::optional<Preparation> laid_by(const std::vector<double>& values, const std::vector<JointCurve>& curves,
+                                   const Structure& master, const Structure& structure, const FitOptions& of_master,
+                                   const Laws& laws, Preparation known) {
   std::vector<double> gradient(values.size());
   for (std::size_t l = 0; l < laws.count(); ++l)
     for (std::size_t c = 0; c < curves.size(); ++c)
       known.values.parameters[c][laws.parameter(l)] = laws.at(l, c, values, gradient);
+  known.values.of_laws = values;
   const ShiftFactors laid = factors_in(known.values.parameters, structure);
+  const auto is_drawn = [](double factor) {
+    constexpr double widest = 1e100;
+    return factor > 1 / widest && factor < widest;
+  };
+  if (!std::all_of(laid.horizontal.begin(), laid.horizontal.end(), is_drawn) ||
+      !std::all_of(laid.vertical.begin(), laid.vertical.end(), is_drawn))
+    return std::nullopt;
   const FitResult all = fit_laid(curves, laid.horizontal, laid.vertical, master, of_master);
   if (all.usable()) start_at(all, structure, known);
+  return known;
+}
+
+/// Laws of shift factors say where the master curve itself stands, which need not be the reference: the structure is
+/// fitted to all curves where the laws lay them.  Laws may follow the factors in several ways, of which some lay a
+/// curve far off whose factor nothing told; the one counts from which the search leaves least.
+void lay_by_laws(const std::vector<JointCurve>& curves, const Structure& master, const Structure& structure,
+                 const JointFitOptions& options, const FitOptions& of_master, const Laws& laws, LaidCurves& laid) {
+  JointFitOptions of_structure = options;
+  const std::vector<double> told = told_starts(laws, taken_out(of_structure.fit.constraints, laws));
+  auto starts = laws.starts(laid.known.values.parameters, laid.known.values.lead_laws, told);
+  if (!told.empty() && std::none_of(told.begin(), told.end(), [](double each) { return std::isnan(each); }))
+    starts.insert(starts.begin(), told);
+  std::optional<Preparation> best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const std::vector<double>& values : starts) {
+    std::optional<Preparation> here = laid_by(values, curves, master, structure, of_master, laws, laid.known);
+    if (!here) continue;
+    if (!best) best = here;
+    if (!laid.free || starts.size() == 1) break;
+    JointSearch search(curves, structure, options, *here, laws);
+    JointFitResult counts{};
+    search.run(options, *here, counts);
+    if (!(search.squares_at_known_noise < least) || !std::isfinite(search.point.cost)) continue;
+    least = search.squares_at_known_noise;
+    best = std::move(here);
+    if (!(chance_of_laws(*laid.free, least, counts.free_parameters) < doubtful_chance)) break;
+  }
+  if (best) laid.known = *std::move(best);
 }
 
 }  // namespace
@@ -154,18 +234,15 @@ LaidCurves lay_curves(const std::vector<JointCurve>& curves, const Structure& ma
   LaidCurves result{from_superposition(curves, master, structure, *options.shift, of_master), std::nullopt};
   result.free = fit_free_shifts(curves, master, structure, with_free_shifts(options, structure, curves, laws),
                                 of_master, result.known);
-  if (laws.drive_shifts()) lay_by_laws(curves, master, structure, options, of_master, laws, result.known);
+  if (laws.drive_shifts()) lay_by_laws(curves, master, structure, options, of_master, laws, result);
   return result;
 }
 
 void compare_with_free(const FreeShifts& free, double squares, JointFitResult& result) {
-  const double saved = static_cast<double>(free.free_parameters) - static_cast<double>(result.free_parameters);
-  const double degrees = static_cast<double>(free.residuals) - static_cast<double>(free.free_parameters);
-  if (!(saved > 0) || !(degrees > 0) || !(free.squares > 0)) return;
-  const double ratio = std::max(0.0, squares - free.squares) / saved / (free.squares / degrees);
-  result.sharing_p_value = fisher_f_above(ratio, saved, degrees);
-  constexpr double doubtful = 0.01;
-  if (!(result.sharing_p_value < doubtful) || !result.usable()) return;
+  const double chance = chance_of_laws(free, squares, result.free_parameters);
+  if (std::isnan(chance)) return;
+  result.sharing_p_value = chance;
+  if (!(chance < doubtful_chance) || !result.usable()) return;
   char text[240];
   std::snprintf(text, sizeof text,
                 " The shift factors do not follow their law: by it residuals are %.3g times those with free factors, "

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <numbers>
 #include <random>
 #include <stdexcept>
 
@@ -155,17 +156,19 @@ LawSearch searched(Eigen::VectorXd at, const Residuals& residuals) {
 
 }  // namespace
 
-std::vector<double> Laws::starts(const std::vector<std::vector<double>>& parameters, const std::vector<bool>& known,
-                                 std::span<const double> given) const {
+std::vector<std::vector<double>> Laws::starts(const std::vector<std::vector<double>>& parameters,
+                                              std::vector<double> weights, std::span<const double> given) const {
   // Laws of known quantities alone leave nothing to search for.
-  if (names_.empty()) return {};
+  if (names_.empty()) return {{}};
   std::vector<std::size_t> curves;
   for (std::size_t c = 0; c < parameters.size(); ++c)
-    if (known[c]) curves.push_back(c);
-  if (curves.empty())
+    if (weights[c] > 0) curves.push_back(c);
+  if (curves.empty()) {
+    weights.assign(parameters.size(), 1);
     for (std::size_t c = 0; c < parameters.size(); ++c) curves.push_back(c);
+  }
   const auto width = static_cast<Eigen::Index>(names_.size());
-  const auto rows = static_cast<Eigen::Index>(laws_.size() * (curves.size() + 1));
+  const auto of_curves = static_cast<Eigen::Index>(laws_.size() * (curves.size() + 1)), rows = of_curves + width;
   // Parameters above 0 are compared by their logarithms: laws of powers and exponents are straight lines there.
   std::vector<bool> positive;
   for (const Law& law : laws_)
@@ -183,8 +186,9 @@ std::vector<double> Laws::starts(const std::vector<std::vector<double>>& paramet
         const double value = at(l, c, {place.data(), names_.size()}, gradient),
                      told = parameters[c][laws_[l].parameter];
         const double unit = positive[l] ? value : (size > 0 ? size : 1);
-        residual(row) = positive[l] ? std::log(value / told) : (value - told) / unit;
-        for (Eigen::Index k = 0; k < width; ++k) jacobian(row, k) = gradient[static_cast<std::size_t>(k)] / unit;
+        residual(row) = weights[c] * (positive[l] ? std::log(value / told) : (value - told) / unit);
+        for (Eigen::Index k = 0; k < width; ++k)
+          jacobian(row, k) = weights[c] * gradient[static_cast<std::size_t>(k)] / unit;
         ++row;
       }
       if (laws_[l].is_shift && positive[l]) {
@@ -192,20 +196,30 @@ std::vector<double> Laws::starts(const std::vector<std::vector<double>>& paramet
         // to 1 so weakly that only a law with a factor of its own feels it.
         constexpr double pull = 1e-6;
         const auto count = static_cast<Eigen::Index>(curves.size());
-        const double share = 1 / (static_cast<double>(count) + pull);
-        const double common = residual.segment(row - count, count).sum() * share;
-        const Eigen::RowVectorXd slope = jacobian.middleRows(row - count, count).colwise().sum() * share;
-        residual.segment(row - count, count).array() -= common;
-        jacobian.middleRows(row - count, count).rowwise() -= slope;
+        Eigen::VectorXd weight(count);
+        for (Eigen::Index k = 0; k < count; ++k) weight(k) = weights[curves[static_cast<std::size_t>(k)]];
+        const double share = 1 / (weight.squaredNorm() + pull);
+        const double common = weight.dot(residual.segment(row - count, count)) * share;
+        const Eigen::RowVectorXd slope = weight.transpose() * jacobian.middleRows(row - count, count) * share;
+        residual.segment(row - count, count) -= common * weight;
+        jacobian.middleRows(row - count, count) -= weight * slope;
         residual(row) = std::sqrt(pull) * common;
         jacobian.row(row) = std::sqrt(pull) * slope;
       }
       ++row;
     }
+    // Where few curves lead, laws may follow them almost as well with ever larger parameters, as a hyperbola that
+    // becomes a line.  From so far out no search returns, and a start may miss by a little.
+    constexpr double pull_per_decade = 0.3;
+    for (Eigen::Index k = 0; k < width; ++k) {
+      residual(of_curves + k) = pull_per_decade * std::log10(1 + std::abs(place(k)));
+      jacobian(of_curves + k, k) =
+          std::copysign(pull_per_decade / std::numbers::ln10 / (1 + std::abs(place(k))), place(k));
+    }
   };
   std::mt19937_64 engine(1);
   std::uniform_real_distribution<double> exponent(-2, 4), side(0, 1);
-  LawSearch best{Eigen::VectorXd::Ones(width), std::numeric_limits<double>::infinity()};
+  std::vector<LawSearch> found;
   constexpr int trials = 40;
   for (int trial = 0; trial < trials; ++trial) {
     Eigen::VectorXd place = Eigen::VectorXd::Ones(width);
@@ -218,14 +232,23 @@ std::vector<double> Laws::starts(const std::vector<std::vector<double>>& paramet
       if (place(k) < 0 && positive.front() && scales(static_cast<std::size_t>(k), {place.data(), names_.size()}))
         place(k) = -place(k);
     LawSearch here = searched(std::move(place), residuals);
-    if (here.cost < best.cost) best = std::move(here);
+    constexpr double alike = 1e-3;
+    const bool is_new = std::none_of(found.begin(), found.end(), [&](const LawSearch& other) {
+      return (here.at - other.at).norm() <= alike * other.at.norm();
+    });
+    if (std::isfinite(here.cost) && is_new) found.push_back(std::move(here));
   }
-  if (!std::isfinite(best.cost)) {
+  if (found.empty()) {
     std::string names;
     for (const std::string& name : names_) names += (names.empty() ? "" : ", ") + name;
     throw std::invalid_argument("no values of " + names + " found with which the laws follow the curves; give starts");
   }
-  return {best.at.begin(), best.at.end()};
+  std::stable_sort(found.begin(), found.end(), [](const LawSearch& a, const LawSearch& b) { return a.cost < b.cost; });
+  std::vector<std::vector<double>> starts;
+  constexpr std::size_t most = 8;
+  for (std::size_t k = 0; k < std::min(found.size(), most); ++k)
+    starts.emplace_back(found[k].at.begin(), found[k].at.end());
+  return starts;
 }
 
 }  // namespace frac::detail

@@ -35,13 +35,15 @@ class Laws {
   /// Whether a shift factor follows one of them.
   [[nodiscard]] bool drive_shifts() const;
 
-  /// Values with which the laws follow parameters of single curves; shift factors but for a factor that all curves
-  /// have in common, since a law need not be 1 where the curves were laid.
+  /// Sets of values with which the laws follow parameters of single curves; shift factors but for a factor that all
+  /// curves have in common, since a law need not be 1 where the curves were laid.  The best first, then others that are
+  /// minima too.
   /// @param parameters  of each curve, by the structure
-  /// @param known       curves that count
+  /// @param weights     of the curves; if all are 0, all count
   /// @param given       starts of the user, NaN where there is none
-  [[nodiscard]] std::vector<double> starts(const std::vector<std::vector<double>>& parameters,
-                                           const std::vector<bool>& known, std::span<const double> given) const;
+  [[nodiscard]] std::vector<std::vector<double>> starts(const std::vector<std::vector<double>>& parameters,
+                                                        std::vector<double> weights,
+                                                        std::span<const double> given) const;
 
  private:
   struct Law {

@@ -54,6 +54,7 @@ StartValues start_values(const Structure& structure, const JointFitOptions& opti
     std::vector<double>& values = result.parameters.emplace_back(otherwise);
     for (std::size_t i = 0; fit && i < values.size(); ++i) values[i] = fit->parameters[i].value;
   }
+  result.lead_laws.assign(result.from_curve.begin(), result.from_curve.end());
   return result;
 }
 

@@ -16,6 +16,8 @@ using Alone = std::vector<std::optional<FitResult>>;
 struct StartValues {
   std::vector<std::vector<double>> parameters;  // of each curve
   std::vector<bool> from_curve;
+  std::vector<double> lead_laws;     // weight by which the laws follow the values of a curve at their start
+  std::vector<double> of_laws = {};  // where their parameters start; empty: where the laws follow best
 };
 
 /// What is known before the curves are fitted together.

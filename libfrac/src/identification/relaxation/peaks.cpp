@@ -75,11 +75,35 @@ std::vector<PeakRange> large_peaks(std::vector<PeakRange> ranges, std::span<cons
   return ranges;
 }
 
+namespace {
+
+constexpr std::size_t reach_of_line = 2;  // nodes on each side of the top over which smoothing spreads one
+
+}  // namespace
+
+bool is_narrow(std::span<const double> density, std::size_t top) {
+  const auto at = [&](std::ptrdiff_t away) {
+    const std::ptrdiff_t place = static_cast<std::ptrdiff_t>(top) + away;
+    return place < 0 || place >= static_cast<std::ptrdiff_t>(density.size()) ? 0.0
+                                                                             : density[static_cast<std::size_t>(place)];
+  };
+  return at(-2) < density[top] / 2 && at(2) < density[top] / 2;
+}
+
 double peak_place(std::span<const double> log_tau, std::span<const double> density, const PeakRange& range) {
   std::size_t top = range.first;
   for (std::size_t i = range.first; i <= range.last; ++i)
     if (density[i] > density[top]) top = i;
   if (top == 0 || top + 1 >= density.size()) return log_tau[top];
+  if (is_narrow(density, top)) {
+    double weight = 0, moment = 0;
+    for (std::size_t i = std::max(range.first, top - std::min(top, reach_of_line));
+         i <= std::min(range.last, top + reach_of_line); ++i) {
+      weight += density[i];
+      moment += density[i] * log_tau[i];
+    }
+    return moment / weight;
+  }
   const double below = density[top - 1], here = density[top], above = density[top + 1];
   const double bend = below - 2 * here + above;
   const double step = (log_tau[top + 1] - log_tau[top - 1]) / 2;

@@ -25,6 +25,10 @@ struct PeakRange {
 [[nodiscard]] std::vector<PeakRange> large_peaks(std::vector<PeakRange> ranges, std::span<const double> log_tau,
                                                  std::span<const double> density);
 
+/// Whether a peak is no wider than one of a single time is drawn: it has fallen to half its height two nodes from its
+/// top.  Its place is the mean of the nodes about the top by weight, which is that time where it lies between two.
+[[nodiscard]] bool is_narrow(std::span<const double> density, std::size_t top);
+
 /// Place of the parabola through the maximum of a range and its neighbours.
 [[nodiscard]] double peak_place(std::span<const double> log_tau, std::span<const double> density,
                                 const PeakRange& range);
