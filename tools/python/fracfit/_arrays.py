@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import operator
-from typing import Any
+from typing import Any, Mapping
 
 import numpy as np
 
@@ -50,15 +50,20 @@ def _shaped(array: np.ndarray, given: np.ndarray, name: str, shape: tuple[int, .
     return array.reshape(-1)
 
 
-def count(value: Any, name: str) -> int:
-    """A whole number, 0 or more."""
+def count(value: Any, name: str, most: int = 2**31 - 1) -> int:
+    """A whole number from 0 to what the compiled part takes."""
     try:
         whole = operator.index(value)
     except TypeError:
         whole = -1
-    if whole < 0:
-        raise ValueError(f"{name} is {value!r}; expected a whole number, 0 or more")
+    if not 0 <= whole <= most:
+        raise ValueError(f"{name} is {value!r}; expected a whole number, 0 or more" + (f", {most} at most" if whole > most else ""))
     return whole
+
+
+def seed_number(value: Any) -> int:
+    """The seed of random numbers."""
+    return count(value, "seed", 2**64 - 1)
 
 
 def number(value: Any, name: str) -> float:
@@ -69,6 +74,29 @@ def number(value: Any, name: str) -> float:
     if array.size != 1:
         raise ValueError(f"{name} has the shape {array.shape}; expected one number")
     return float(array.reshape(-1)[0])
+
+
+def pair(value: Any, name: str) -> tuple[float, float]:
+    """Two real numbers."""
+    try:
+        lower, upper = value
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} is {value!r}; expected two numbers") from None
+    return number(lower, name), number(upper, name)
+
+
+def text(value: Any, name: str) -> str:
+    """A text, where others have no meaning."""
+    if not isinstance(value, str):
+        raise ValueError(f"{name} is {value!r}; expected a text")
+    return value
+
+
+def mapping(value: Any, name: str) -> Mapping[str, Any]:
+    """Values by name."""
+    if not isinstance(value, Mapping) or not all(isinstance(key, str) for key in value):
+        raise ValueError(f"{name} is {value!r}; expected values by name, such as a dict")
+    return value
 
 
 NO_NUMBERS = np.empty(0)

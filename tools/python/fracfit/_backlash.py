@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from . import _core
-from ._arrays import count, number, real_array
+from ._arrays import count, number, pair, real_array, text
 from ._data import FrequencyResponse
 from ._model import Model, _Record
 from ._text import html_table, reporter
@@ -251,10 +251,10 @@ def orbits(
         0.0 if restitution is None else number(restitution, "restitution"),
         number(force, "force"),
         number(start, "start") if omega is None else number(omega, "omega"),
-        parameter,
+        text(parameter, "parameter"),
         number(start, "start"),
         number(stop, "stop"),
-        body,
+        text(body, "body"),
         count(longest_period, "longest_period"),
         count(most_impacts, "most_impacts"),
         count(threads, "threads"),
@@ -343,8 +343,8 @@ def limit_cycles(
         None if drive_receptance is None else _model(drive_receptance)._tf,
         number(clearance, "clearance"),
         number(restitution, "restitution"),
-        body,
-        None if band is None else tuple(number(each, "band") for each in band),
+        text(body, "body"),
+        None if band is None else pair(band, "band"),
         count(harmonics, "harmonics"),
         count(starts, "starts"),
     )
@@ -376,7 +376,7 @@ def jump_frequency(
     1.414214
     """
     scene = (mass1, mass2, clearance, restitution, force)
-    return _core.jump_frequency(*(number(each, "scene") for each in scene), criterion)
+    return _core.jump_frequency(*(number(each, "scene") for each in scene), text(criterion, "criterion"))
 
 
 def _model(given: Model | str) -> Model:
@@ -385,8 +385,8 @@ def _model(given: Model | str) -> Model:
 
 def _options(protocol: str, body: str, tolerance: float, mean_tolerance: float, threads: int) -> dict[str, Any]:
     return {
-        "protocol": protocol,
-        "body": body,
+        "protocol": text(protocol, "protocol"),
+        "body": text(body, "body"),
         "tolerance": number(tolerance, "tolerance"),
         "mean_tolerance": number(mean_tolerance, "mean_tolerance"),
         "threads": count(threads, "threads"),

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from . import _core
-from ._arrays import count, number, real_array
+from ._arrays import count, number, pair, real_array, text
 from ._data import FrequencyResponse
 from ._text import html_table
 
@@ -85,17 +85,17 @@ class FractionalPid:
             "lambda_": number(lambda_, "lambda_"),
             "mu": number(mu, "mu"),
             "sample_time": number(sample_time, "sample_time"),
-            "band": None if band is None else tuple(number(each, "band") for each in band),
+            "band": None if band is None else pair(band, "band"),
             "tolerance": number(tolerance, "tolerance"),
             "poles": None if poles is None else count(poles, "poles"),
             "minimum": number(minimum, "minimum"),
             "maximum": number(maximum, "maximum"),
-            "anti_windup": anti_windup,
+            "anti_windup": text(anti_windup, "anti_windup"),
             "tracking_time": number(tracking_time, "tracking_time"),
             "derivative_filter_time": number(derivative_filter_time, "derivative_filter_time"),
             "setpoint_weight": number(setpoint_weight, "setpoint_weight"),
             "derivative_setpoint_weight": number(derivative_setpoint_weight, "derivative_setpoint_weight"),
-            "discretisation": discretisation,
+            "discretisation": text(discretisation, "discretisation"),
             "most_swing": number(most_swing, "most_swing"),
         }
         self._controller = _core.Controller(self._config)
@@ -136,7 +136,7 @@ class FractionalPid:
 
     def c_header(self, name: str = "controller", precision: str = "double") -> str:
         """The controller as a self-contained C99 header; its outputs are those of `step`, bit for bit."""
-        return self._controller.c_header(name, precision)
+        return self._controller.c_header(text(name, "name"), text(precision, "precision"))
 
     @property
     def output(self) -> float:

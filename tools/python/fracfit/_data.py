@@ -9,7 +9,7 @@ from typing import Any, Iterator, Mapping, Sequence
 import numpy as np
 
 from . import _core
-from ._arrays import NO_NUMBERS, complex_array, number, real_array
+from ._arrays import NO_NUMBERS, complex_array, mapping, number, real_array, text
 
 
 class FrequencyResponse:
@@ -70,8 +70,8 @@ class FrequencyResponse:
         self._omega = _frozen(omega)
         self._response = _frozen(response)
         self._sigma = _frozen(spread) if spread.size else None
-        self.unit = unit
-        self.metadata = dict(metadata or {})
+        self.unit = text(unit, "unit")
+        self.metadata = dict(mapping(metadata or {}, "metadata"))
 
     @classmethod
     def from_hz(cls, f: Any, response: Any, sigma: Any = None, **more: Any) -> FrequencyResponse:
@@ -238,8 +238,8 @@ class TimeSeries:
         self._sigma = _frozen(spread) if spread.size else None
         self.hold = hold
         self.input_at_rest = number(input_at_rest, "input_at_rest")
-        self._kept = None if kept is None else np.ascontiguousarray(kept, dtype=np.int64)
-        self.metadata = dict(metadata or {})
+        self._kept = None if kept is None else _indices(kept, time.size)
+        self.metadata = dict(mapping(metadata or {}, "metadata"))
 
     @property
     def time(self) -> np.ndarray:
@@ -295,6 +295,13 @@ class TimeSeries:
             "input_at_rest": self.input_at_rest,
             "kept": self._kept,
         }
+
+
+def _indices(given: Any, size: int) -> np.ndarray:
+    numbers = real_array(given, "kept")
+    if not np.all((numbers == np.floor(numbers)) & (numbers >= 0) & (numbers < size)):
+        raise ValueError(f"kept has entries that are no index of the {size} samples")
+    return numbers.astype(np.int64)
 
 
 def read(

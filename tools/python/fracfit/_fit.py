@@ -8,14 +8,14 @@ import math
 import re
 import warnings
 from functools import cached_property
-from typing import Any, Iterator, Mapping, Sequence
+from typing import Any, Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
-from ._arrays import complex_array, count, number, real_array
+from ._arrays import complex_array, count, mapping, number, pair, real_array, seed_number, text
 from ._controller import FractionalPid
 from ._data import FrequencyResponse, TimeSeries
-from ._model import EXACT, Model, _equal, _Record
+from ._model import EXACT, Model, realisation_of, _equal, _Record
 from ._text import escaped, html_table, reporter, short
 
 try:
@@ -145,7 +145,7 @@ class FitResult:
         RuntimeError
             A refit went below the cost of the result, which is then no minimum.
         """
-        lower, upper, better = _fitting.profile(self._data_arrays(), self._request(), self._values, parameter)
+        lower, upper, better = _fitting.profile(self._data_arrays(), self._request(), self._values, text(parameter, "parameter"))
         if better:
             raise RuntimeError(f"a refit with {parameter} held went below the cost of the result; fit again with another seed")
         return lower, upper
@@ -165,7 +165,7 @@ class FitResult:
         definition : str
             Such as ``"f1 = (R1 Q1)^(-1/n1)/(2 pi)"``.
         """
-        return _fitting.derive(self._values, definition)
+        return _fitting.derive(self._values, text(definition, "definition"))
 
     def lack_of_fit(self) -> dict[str, Any]:
         """Whether the fit follows the data to within their noise: adequate, misfit, p_value, noise, correlation."""
@@ -316,15 +316,15 @@ def fit(
         raise ValueError("prior and constraint do not go with grow, whose parameters the data choose")
     name, starts = ("", {}) if model is None else _structure(model)
     options = {
-        "grow": grow,
+        "grow": None if grow is None else text(grow, "grow"),
         "component": component,
         "weight": weight,
         "loss": loss,
         "outliers": outliers,
-        "realisation": dict(realisation or EXACT),
+        "realisation": realisation_of(realisation),
         "noise_floor": noise_floor,
         "loss_scale": loss_scale,
-        "seed": count(seed, "seed"),
+        "seed": seed_number(seed),
         "global_start": global_start,
         "offset": offset,
         "trend": trend,
@@ -425,18 +425,15 @@ def batch(
     >>> fracfit.batch(curves, "K/(T s^a + 1)").parameters["K"].round(9)
     array([1., 2.])
     """
-    curves = list(data)
-    for i, curve in enumerate(curves):
-        if not isinstance(curve, FrequencyResponse):
-            raise ValueError(f"data[{i}] is of the type {type(curve).__name__}; expected FrequencyResponse")
+    curves = _curves(data)
     name, starts = _structure(model)
     known = ("component", "weight", "loss", "outliers", "realisation", "noise_floor", "loss_scale", "seed", "global_start")
     beforehand = ("fixed", "bounds", "start", "prior", "constraint")
-    request: dict[str, Any] = {"component": "both", "weight": "learned", "realisation": dict(EXACT)}
+    request: dict[str, Any] = {"component": "both", "weight": "learned", "realisation": EXACT}
     for key, value in options.items():
         if key not in (*known, *beforehand):
             raise ValueError(f"batch has no option {key}; expected {', '.join(known)}, {', '.join(beforehand[:-1])} or {beforehand[-1]}")
-        request[key] = value
+        request[key] = realisation_of(value) if key == "realisation" else value
     request.update(_known(starts, *(options.get(key) for key in beforehand)))
     found = _fitting.fit_many([curve._arrays() for curve in curves], name, request, count(threads, "threads"), reporter(progress, "batch"))
     errors = {i: each for i, each in enumerate(found) if isinstance(each, str)}
@@ -520,19 +517,19 @@ def identify(
     """
     if not isinstance(data, (FrequencyResponse, TimeSeries)):
         raise ValueError(f"data are of the type {type(data).__name__}; expected FrequencyResponse or TimeSeries")
-    names = [_structure(each)[0] for each in ([models] if isinstance(models, (str, Model)) else models)]
+    names = [_structure(each)[0] for each in ([models] if isinstance(models, (str, Model)) or not isinstance(models, Iterable) else models)]
     options = {
         "component": component,
         "weight": weight,
         "loss": loss,
         "outliers": outliers,
-        "realisation": dict(realisation or EXACT),
-        "seed": count(seed, "seed"),
+        "realisation": realisation_of(realisation),
+        "seed": seed_number(seed),
         "offset": offset,
         "trend": trend,
         "earlier_input": earlier_input,
     }
-    given = {name: complex_array(value, name) for name, value in (curves or {}).items()}
+    given = {name: complex_array(value, name) for name, value in mapping(curves or {}, "curves").items()}
     found = _fitting.identify(data._arrays(), names, given, options, count(threads, "threads"))
     _warn(found.pop("notes"))
     for each in found["ranking"]:
@@ -624,23 +621,23 @@ def tune(
     """
     model = plant if isinstance(plant, Model) else Model(plant)
     specification = {
-        "crossover": crossover,
-        "phase_margin": phase_margin,
-        "flat_phase": flat_phase,
+        "crossover": None if crossover is None else number(crossover, "crossover"),
+        "phase_margin": None if phase_margin is None else number(phase_margin, "phase_margin"),
+        "flat_phase": bool(flat_phase),
         "max_sensitivity": number(max_sensitivity, "max_sensitivity"),
         "max_complementary_sensitivity": number(max_complementary_sensitivity, "max_complementary_sensitivity"),
-        "high_frequency": high_frequency,
-        "low_frequency": low_frequency,
+        "high_frequency": None if high_frequency is None else pair(high_frequency, "high_frequency"),
+        "low_frequency": None if low_frequency is None else pair(low_frequency, "low_frequency"),
     }
     options = {
-        "structure": structure,
+        "structure": text(structure, "structure"),
         "lambda_": _range(lambda_, "lambda_"),
         "mu": _range(mu, "mu"),
         "derivative_filter_time": number(derivative_filter_time, "derivative_filter_time"),
-        "minimise": minimise,
-        "load_step": load_step,
+        "minimise": text(minimise, "minimise"),
+        "load_step": bool(load_step),
         "horizon": number(horizon, "horizon"),
-        "seed": count(seed, "seed"),
+        "seed": seed_number(seed),
     }
     return Tuning(_fitting.tune(model._tf, specification, options))
 
@@ -715,15 +712,15 @@ def identify_scene(
     >>> round(found["restitution"], 6), round(found["clearance"], 6)
     (0.6, 0.3)
     """
-    curves = [curves] if isinstance(curves, FrequencyResponse) else list(curves)
+    curves = [curves] if isinstance(curves, FrequencyResponse) else _curves(curves)
     forces = real_array(np.atleast_1d(force), "force")
     if forces.size != len(curves):
         raise ValueError(f"force has {forces.size} entries for {len(curves)} curves")
     request = {
         **_known({}, fixed, bounds, None, None, ()),
-        "body": body,
-        "component": component,
-        "weight": weight,
+        "body": text(body, "body"),
+        "component": text(component, "component"),
+        "weight": text(weight, "weight"),
         "threads": count(threads, "threads"),
     }
     return SceneIdentification(_fitting.identify_scene([curve._arrays() for curve in curves], forces.tolist(), request))
@@ -757,6 +754,7 @@ class CustomCircuit:
     def __init__(
         self, circuit: str, initial_guess: Mapping[str, float] | Sequence[float] | None = None, **options: Any
     ) -> None:
+        _structure(circuit)
         self.circuit = circuit
         if initial_guess is None or isinstance(initial_guess, Mapping):
             self.initial_guess = dict(initial_guess or {})
@@ -818,6 +816,16 @@ def presets() -> dict[str, str]:
     return {name: formula for name, formula, _ in _fitting.presets()}
 
 
+def _curves(given: Any) -> list[FrequencyResponse]:
+    if not isinstance(given, Iterable) or isinstance(given, FrequencyResponse):
+        raise ValueError(f"data are of the type {type(given).__name__}; expected a sequence of FrequencyResponse")
+    curves = list(given)
+    for i, curve in enumerate(curves):
+        if not isinstance(curve, FrequencyResponse):
+            raise ValueError(f"data[{i}] is of the type {type(curve).__name__}; expected FrequencyResponse")
+    return curves
+
+
 def _warn(notes: Sequence[str]) -> None:
     for note in notes:
         warnings.warn(note, stacklevel=3)
@@ -854,8 +862,8 @@ def _known(starts: Mapping[str, float], fixed: Any, bounds: Any, start: Any, pri
         "fixed": _numbers(fixed, "fixed"),
         "bounds": _ranges(bounds) if bounds else {},
         "start": {**starts, **_numbers(start, "start")},
-        "prior": {name: _prior(name, told) for name, told in prior.items()} if prior else {},
-        "constraint": [_chain(text) for text in ([constraint] if isinstance(constraint, str) else constraint)] if constraint else [],
+        "prior": {name: _prior(name, told) for name, told in mapping(prior, "prior").items()} if prior else {},
+        "constraint": _chains(constraint) if constraint else [],
     }
 
 
@@ -871,26 +879,29 @@ def _prior(name: str, told: Any) -> tuple[float, float, bool]:
         ) from None
 
 
-def _chain(text: str) -> list[str]:
-    names = [name.strip() for name in text.split("<")]
-    if len(names) < 2 or not all(names) or any(name.startswith("=") for name in names):
-        raise ValueError(f"constraint {text!r}: expected names with < between them")
-    return names
+def _chains(given: Any) -> list[list[str]]:
+    chains = []
+    for chain in [given] if isinstance(given, str) or not isinstance(given, Iterable) else given:
+        names = [name.strip() for name in text(chain, "constraint").split("<")]
+        if len(names) < 2 or not all(names) or any(name.startswith("=") for name in names):
+            raise ValueError(f"constraint {chain!r}: expected names with < between them")
+        chains.append(names)
+    return chains
 
 
 def _numbers(given: Mapping[str, float] | None, what: str) -> dict[str, float]:
     if not given:
         return {}
-    return {name: value if type(value) is float else number(value, f"{what} {name}") for name, value in given.items()}
+    return {name: value if type(value) is float else number(value, f"{what} {name}") for name, value in mapping(given, what).items()}
 
 
 def _ranges(given: Mapping[str, tuple[float | None, float | None]]) -> dict[str, tuple[float | None, float | None]]:
     ranges = {}
-    for name, pair in given.items():
+    for name, limits in mapping(given, "bounds").items():
         try:
-            lower, upper = pair
+            lower, upper = limits
         except (TypeError, ValueError):
-            raise ValueError(f"bounds of {name} are {pair!r}; expected (lower, upper), None where there is none") from None
+            raise ValueError(f"bounds of {name} are {limits!r}; expected (lower, upper), None where there is none") from None
         ranges[name] = (
             None if lower is None else number(lower, f"bounds {name}"),
             None if upper is None else number(upper, f"bounds {name}"),
@@ -899,10 +910,7 @@ def _ranges(given: Mapping[str, tuple[float | None, float | None]]) -> dict[str,
 
 
 def _range(value: Any, name: str) -> tuple[float, float]:
-    if np.ndim(value) == 0:
-        return number(value, name), number(value, name)
-    lower, upper = value
-    return number(lower, name), number(upper, name)
+    return pair((value, value) if np.ndim(value) == 0 else value, name)
 
 
 def _remark(parameter: Mapping[str, Any]) -> str:

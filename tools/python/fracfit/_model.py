@@ -9,11 +9,23 @@ from typing import Any, Iterator, Mapping
 import numpy as np
 
 from . import _core
-from ._arrays import complex_array, count, number, real_array
+from ._arrays import complex_array, count, mapping, number, pair, real_array, text
 from ._data import FrequencyResponse, TimeSeries
 from ._text import escaped, html_table, short
 
 EXACT = {"name": "exact"}
+_REALISATION = {"name": text, "band": pair, "poles": count, "sample_time": number, "memory": count}
+
+
+def realisation_of(choice: Mapping[str, Any] | None) -> dict[str, Any]:
+    """What stands for the powers of s, checked; exact if nothing is given."""
+    if not choice:
+        return EXACT
+    unknown = set(mapping(choice, "realisation")) - set(_REALISATION)
+    if unknown or choice.get("name") is None:
+        wrong = f"no {sorted(unknown)[0]!r}" if unknown else "to have a name"
+        raise ValueError(f"realisation {dict(choice)!r} is expected {wrong}; it takes {', '.join(_REALISATION)}")
+    return {key: _REALISATION[key](value, f"{key} of realisation") for key, value in choice.items() if value is not None}
 
 
 class _Record:
@@ -285,7 +297,7 @@ class Model:
             ``omega, response = ...`` takes it apart.
         """
         omega = real_array(omega, "omega")
-        values = self._structure.response(self._values(), omega, dict(realisation or EXACT))
+        values = self._structure.response(self._values(), omega, realisation_of(realisation))
         return FrequencyResponse(omega, values)
 
     def poles(self) -> np.ndarray:
@@ -379,7 +391,7 @@ class Model:
 
     def _respond(self, kind: str, omega: float, time: Any, tolerance: float, method: str) -> TimeResponse:
         time = real_array(time, "time")
-        found = _core.respond_named(self._tf, kind, omega, time, tolerance, method)
+        found = _core.respond_named(self._tf, kind, omega, time, number(tolerance, "tolerance"), text(method, "method"))
         return _time_response(time, found)
 
     def respond(
@@ -419,7 +431,9 @@ class Model:
         time = real_array(time, "time")
         input = real_array(input, "input", time.shape)
         instants = time if at is None else real_array(at, "at")
-        found = _core.respond_sampled(self._tf, time, input, hold, instants, tolerance, method)
+        found = _core.respond_sampled(
+            self._tf, time, input, hold, instants, number(tolerance, "tolerance"), text(method, "method")
+        )
         return _time_response(instants, found)
 
     def realise(self, band: tuple[float, float], tolerance: float = 1e-3, *, method: str = "joint") -> Realisation:
@@ -441,8 +455,8 @@ class Model:
         >>> small.max_relative_error < 1e-2
         True
         """
-        lower, upper = (number(each, "band") for each in band)
-        return Realisation(_core.realise(self._tf, lower, upper, tolerance, method))
+        found = _core.realise(self._tf, *pair(band, "band"), number(tolerance, "tolerance"), text(method, "method"))
+        return Realisation(found)
 
     def simplified(self) -> Model:
         """The same function of s with fewer terms where it has them."""
@@ -559,10 +573,9 @@ def approximate(
     >>> half.max_relative_error < 1e-3
     True
     """
-    lower, upper = (number(each, "band") for each in band)
     tolerance = None if tolerance is None else number(tolerance, "tolerance")
     poles = None if poles is None else count(poles, "poles")
-    return Approximation(_core.approximate(number(order, "order"), lower, upper, tolerance, poles, method))
+    return Approximation(_core.approximate(number(order, "order"), *pair(band, "band"), tolerance, poles, text(method, "method")))
 
 
 def _restored(formula: str, parameters: dict[str, float]) -> Model:

@@ -37,6 +37,7 @@ def mittag_leffler(alpha: Any, beta: Any, z: Any, *, derivative: bool = False) -
     is_complex = np.iscomplexobj(z)
     convert = complex_array if is_complex else real_array
     points = convert(z, "z", ())
+    derivative = bool(derivative)
     shapes = np.shape(alpha), np.shape(beta), np.shape(z)
     shape = np.broadcast_shapes(*shapes)
     if shapes[:2] == ((), ()) and not derivative and shape:
