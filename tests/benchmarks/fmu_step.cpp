@@ -2,9 +2,8 @@
 // What a step of a functional mock-up unit costs beside that of the library: processor time of setting the inputs,
 // fmi2DoStep and getting the output, that of fmi2DoStep alone, and of a step of the class, the least of many runs.
 //
-// usage: fmu_step KIND=FOLDER...   with units of `fracfit export fmu --name unit` and the options below, unpacked in
-// the
-//        folders; KIND is
+// usage: fmu_step KIND=FOLDER...
+// with units of `fracfit export fmu --name unit` and the options below, unpacked in the folders; KIND is
 //   pid, float-pid  --kp 2 --ki 3 --kd 0.05 --lambda 0.8 --mu 0.6 --sample-time 1e-3 --band 0.1:300 --poles 16, and
 //                   --precision float
 //   filter          --model '1/(0.8 s^2.2 + 0.5 s^0.9 + 1)' --sample-time 0.01 --band 0.01:100

@@ -391,6 +391,39 @@ TEST_F(FixedPoint, ControllersLeaveTheirLimitsWithTheClass) {
   }
 }
 
+// The kick of the derivative at a step exceeds the limit by less than the header says is drawn back as in the class,
+// and by twice as much.
+TEST_F(FixedPoint, BackCalculationIsThatOfTheClassUpToTheStatedExcess) {
+  frac::FractionalPidConfig config;
+  config.gains = {.kp = 0.5, .ki = 20, .kd = 0.02, .lambda = 0.9, .mu = 1};
+  config.sample_time = 1e-3;
+  config.band = {0.1, 300};
+  const FixedPointRanges ranges{.input = 1, .output = 5};
+  const double step = 0.2, kick = frac::FractionalPid<double>(frac::FractionalPidDesign(config)).step(step, 0);
+  const double excess = frac::fixed_point_header(frac::FractionalPidDesign(config), ranges, {}).exact_excess;
+  for (const double share : {0.95, 2.0}) {
+    config.maximum = kick - share * excess;
+    ASSERT_GT(config.maximum, 0);
+    const frac::FractionalPidDesign design(config);
+    const auto header = frac::fixed_point_header(design, ranges, {.name = "model"});
+    EXPECT_EQ(header.exact_excess, excess);
+    EXPECT_NE(header.text.find("as long as the sum exceeds it by "), std::string::npos);
+    std::vector<std::int32_t> x;
+    for (int n = 0; n < 1000; ++n) x.insert(x.end(), {static_cast<std::int32_t>(std::ldexp(step, 31)), 0});
+    const auto outputs = outputs_of(header.text, x, 2);
+    frac::FractionalPid<double> exact(design);
+    double worst = 0;
+    for (const std::int32_t output : outputs)
+      worst = std::max(worst, std::abs(std::ldexp(output, -31) * ranges.output - exact.step(step, 0)));
+    // Within it as above; beyond, what is not drawn back passes through the integral.
+    if (share < 1) {
+      EXPECT_LT(worst, 1e-6 * ranges.output);
+    } else {
+      EXPECT_GT(worst, 1e-4 * ranges.output);
+    }
+  }
+}
+
 TEST_F(FixedPoint, CutsWhatIsBeyondItsRange) {
   DigitalFilterDesign design;
   design.sections = {.output = frac::SectionOutput::state, .direct = 1, .rates = {0.5}, .weights = {0.5}};

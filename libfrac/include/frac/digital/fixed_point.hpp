@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <limits>
 #include <string>
 
 #include "frac/digital/c_header.hpp"
@@ -28,6 +29,10 @@ struct FixedPointHeader {
   /// What the integral of a controller or a filter adds to it with every sample at most: without feedback its rounding
   /// adds up.
   double error_per_sample = 0;
+  /// How far the output of a controller may exceed a limit before it is cut, in its units, for back calculation to draw
+  /// the integral back as in the exact recursion: the input of the integral holds 4 input ranges.  Beyond, less is
+  /// drawn back in a sample, and later outputs differ by more than the bound.  Infinite where nothing is drawn back.
+  double exact_excess = std::numeric_limits<double>::infinity();
 };
 
 /// @throws std::invalid_argument  the name; a range not positive and finite; a design that DigitalFilter refuses, or

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -47,6 +48,8 @@ struct FixedPointPid {
   // Of the output over its range: by the integral's increment of one sample, and by all else.
   [[nodiscard]] double increment_error() const;
   [[nodiscard]] double error_bound() const;
+  // Excess over a limit that the input of the integral can take back in one sample.
+  [[nodiscard]] double exact_excess() const;
 };
 
 FixedPointPid::FixedPointPid(const FractionalPidDesign& design, double ratio_of_ranges)
@@ -100,6 +103,13 @@ double FixedPointPid::error_bound() const {
   return p + d + increment_error() / 2 + std::ldexp(1.0, 2 - sum_bits) + std::ldexp(1.0, -32);
 }
 
+double FixedPointPid::exact_excess() const {
+  if (!tracks) return std::numeric_limits<double>::infinity();
+  // The control error itself can fill one of the four input ranges.  The excess is held up to two output ranges.
+  const double correction = k.tracking_share * k.inverse_tracking / (std::abs(k.ki) * ratio);
+  return std::min(2.0, (room - 1) / correction);
+}
+
 detail::CWords words_of(const FixedPointPid& pid, double output_range, const std::string& name) {
   const PidCoefficients<double>& k = pid.k;
   const auto whole = [&](double value) {
@@ -147,6 +157,7 @@ FixedPointHeader fixed_point_header(const FractionalPidDesign& design, const Fix
   FixedPointHeader result;
   result.error_bound = pid.error_bound() * ranges.output;
   result.error_per_sample = pid.increment_error() * ranges.output;
+  result.exact_excess = pid.exact_excess() * ranges.output;
   detail::CWords words = words_of(pid, ranges.output, options.name);
   detail::CConditions conditions{{"HAS_INTEGRAL", pid.integrates},
                                  {"HAS_DERIVATIVE", pid.differs},

@@ -101,6 +101,10 @@ CHeaderOptions described(const CHeaderOptions& options, const FixedPointRanges& 
       (header.error_per_sample > 0 ? " and " + short_text(header.error_per_sample) + " per sample since the start"
                                    : "") +
       " at most.";
+  if (std::isfinite(header.exact_excess))
+    result.comment += "\nAt a limit the integral is drawn back as in the exact one as long as the sum exceeds it by " +
+                      short_text(header.exact_excess) +
+                      " at most;\nbeyond, less in a sample, and later outputs differ by more.";
   return result;
 }
 
