@@ -105,9 +105,9 @@ double FixedPointPid::error_bound() const {
 
 double FixedPointPid::exact_excess() const {
   if (!tracks) return std::numeric_limits<double>::infinity();
-  // The control error itself can fill one of the four input ranges.  The excess is held up to two output ranges.
+  // Set-point less measured value can fill two of the four input ranges.  The excess is held up to two output ranges.
   const double correction = k.tracking_share * k.inverse_tracking / (std::abs(k.ki) * ratio);
-  return std::min(2.0, (room - 1) / correction);
+  return std::min(2.0, (room - 2) / correction);
 }
 
 detail::CWords words_of(const FixedPointPid& pid, double output_range, const std::string& name) {
