@@ -3,13 +3,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
 
 #include "backlash/loops/simulate_loop.hpp"
+#include "base/short_text.hpp"
 #include "loop_stepper.hpp"
 
 namespace backlash {
@@ -304,16 +304,10 @@ void add_limits(const frac::TuningOptions& options, const frac::TuningResult& re
   gain("kd", gains.kd, options.structure != frac::ControllerStructure::pi);
 }
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
-
 std::string motion_text(const PersistentMotion& motion) {
   if (std::isinf(motion.swing)) return "a simulation that runs away";
-  std::string text = "a motion of " + number(motion.swing) + " m to either side";
-  if (std::isfinite(motion.omega)) text += " at " + number(motion.omega) + " rad/s";
+  std::string text = "a motion of " + frac::detail::four_digits(motion.swing) + " m to either side";
+  if (std::isfinite(motion.omega)) text += " at " + frac::detail::four_digits(motion.omega) + " rad/s";
   return text;
 }
 
@@ -325,12 +319,14 @@ std::string message_of(const BacklashTuning& result) {
     text = "No motion persists; the clearance changes nothing about the answer.";
   } else if (left == 0) {
     text = "No motion persists. The clearance is an active constraint: without regard to it max |S| would be " +
-           number(result.regardless.max_sensitivity) + " instead of " + number(result.linear.max_sensitivity) +
-           ", with " + motion_text(result.of_regardless) + ".";
+           frac::detail::four_digits(result.regardless.max_sensitivity) + " instead of " +
+           frac::detail::four_digits(result.linear.max_sensitivity) + ", with " + motion_text(result.of_regardless) +
+           ".";
   } else {
     text = "No controller was found that keeps the demands and leaves no motion; the smallest is " +
            motion_text(result.persistent) + " (without regard to it " +
-           (std::isinf(without) ? "a simulation runs away" : number(without) + " m") + "). It is held there by";
+           (std::isinf(without) ? "a simulation runs away" : frac::detail::four_digits(without) + " m") +
+           "). It is held there by";
     const char* separator = " ";
     for (const TuningConstraint& constraint : result.constraints) {
       if (!constraint.active || constraint.name == cycle_constraint) continue;

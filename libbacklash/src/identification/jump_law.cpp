@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/check.hpp"
+#include "base/counted.hpp"
 #include "base/short_text.hpp"
 
 namespace backlash {
@@ -17,9 +18,8 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 void require_list(const std::string& name, const std::vector<double>& values, std::size_t least) {
   if (values.size() < least) {
-    throw std::invalid_argument(name + " has " + std::to_string(values.size()) +
-                                (values.size() == 1 ? " value" : " values") + "; at least " + std::to_string(least) +
-                                (least == 1 ? " is needed" : " different ones are needed"));
+    throw std::invalid_argument(name + " has " + frac::detail::counted(values.size(), "value") + "; at least " +
+                                std::to_string(least) + (least == 1 ? " is needed" : " different ones are needed"));
   }
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "formula/power_sum.hpp"
+#include "formula/whole_orders.hpp"
 #include "special/reciprocal_gamma.hpp"
 
 namespace backlash::detail {
@@ -118,12 +119,6 @@ struct Body {
   Terms scaled_denominator;  // M D
   Terms excess;
 };
-
-bool has_whole_orders(const frac::detail::LaplaceImage& image) {
-  const auto is_whole = [](const frac::PowerTerm& term) { return term.order == std::round(term.order); };
-  return std::all_of(image.numerator().terms.begin(), image.numerator().terms.end(), is_whole) &&
-         std::all_of(image.denominator().terms.begin(), image.denominator().terms.end(), is_whole);
-}
 
 ImpulseAnswer free_response(const TwoMassSystem& system) {
   const double jump = 1 / system.mass1() + 1 / system.mass2();
@@ -245,7 +240,8 @@ ImpulseTrain::ImpulseTrain(const ImpulseAnswer& response, double half_period) : 
   images_.reserve(response.images.size());
   for (const ImagePart& part : response.images) {
     images_.emplace_back(part, tau_, earliest);
-    has_whole_powers_ = has_whole_powers_ && has_whole_orders(*part.image);
+    has_whole_powers_ = has_whole_powers_ && frac::detail::has_whole_orders(part.image->numerator().terms) &&
+                        frac::detail::has_whole_orders(part.image->denominator().terms);
   }
   // The last one has the poles of the others.
   for (const frac::detail::RootCluster& pole : response.images.back().image->poles().clusters) {

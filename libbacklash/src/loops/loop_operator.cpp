@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "formula/power_sum.hpp"
+#include "formula/whole_orders.hpp"
 #include "image_train.hpp"
 #include "poles/laplace_image.hpp"
 
@@ -13,11 +14,8 @@ namespace backlash::detail {
 namespace {
 
 using Complex = std::complex<double>;
+using frac::detail::has_whole_orders;
 constexpr double pi = std::numbers::pi;
-
-bool is_whole(double order) {
-  return order == std::round(order);
-}
 
 // Nodes along the cut: a_k = e^{(k + shift) step}.
 class Cut {
@@ -82,7 +80,7 @@ void add_power(LoopOperator& result, double coefficient, double order, const Cut
     result.on_velocity += coefficient;
     return;
   }
-  if (is_whole(order)) {
+  if (order == std::round(order)) {
     const auto integrals = static_cast<std::size_t>(-order);
     if (result.integral_weights.size() < integrals) result.integral_weights.resize(integrals, 0.0);
     result.integral_weights[integrals - 1] += coefficient;
@@ -141,10 +139,6 @@ void add_image(LoopOperator& result, const ImagePart& part, int derivative, cons
   add_high(result, derivative, high, cut.node(cut.last()));
 }
 
-bool has_fractional_orders(const std::vector<frac::PowerTerm>& terms) {
-  return std::any_of(terms.begin(), terms.end(), [](const frac::PowerTerm& term) { return !is_whole(term.order); });
-}
-
 LoopOperator realised_on(const frac::FractionalTransferFunction& operand, const Cut& cut) {
   LoopOperator result;
   const std::vector<frac::PowerTerm>& top = operand.numerator();
@@ -163,7 +157,7 @@ LoopOperator realised_on(const frac::FractionalTransferFunction& operand, const 
   for (const frac::PowerTerm& term : expansion.terms) add_power(result, term.coefficient, term.order, cut);
   if (expansion.remainder.empty()) return result;
   const ImagePart part({{}, expansion.remainder}, {{}, frac::detail::scaled(bottom, 1, derivative)}, 0);
-  add_image(result, part, derivative, cut, has_fractional_orders(top) || has_fractional_orders(bottom));
+  add_image(result, part, derivative, cut, !has_whole_orders(top) || !has_whole_orders(bottom));
   return result;
 }
 
@@ -194,7 +188,7 @@ LoopOperator realised(const frac::FractionalTransferFunction& operand, frac::Fre
     result = realised_on(without_delay, cut);
     const bool is_exact =
         std::none_of(result.modes.begin(), result.modes.end(), [](const auto& mode) { return mode.is_real(); }) ||
-        (!has_fractional_orders(operand.numerator()) && !has_fractional_orders(operand.denominator()));
+        (has_whole_orders(operand.numerator()) && has_whole_orders(operand.denominator()));
     if (is_exact) return result;
     result.error = 0;
     constexpr int points = 60;

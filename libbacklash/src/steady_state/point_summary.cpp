@@ -2,6 +2,7 @@
 #include <string>
 
 #include "backlash/describing_function.hpp"
+#include "base/counted.hpp"
 #include "base/short_text.hpp"
 
 namespace backlash {
@@ -9,7 +10,7 @@ namespace backlash {
 std::string DescribingFunctionPoint::summary() const {
   using frac::detail::short_text;
   const std::string motion =
-      period > 0 ? "orbit of " + std::to_string(period) + (period == 1 ? " period, " : " periods, ") : "";
+      period > 0 ? "orbit of " + frac::detail::counted(static_cast<std::size_t>(period), "period") + ", " : "";
   return "omega " + short_text(omega) + " rad/s: N = " + short_text(value.real()) + (value.imag() < 0 ? " - " : " + ") +
          short_text(std::abs(value.imag())) + "j m/N +- " + short_text(uncertainty) + ", " + motion +
          std::string(to_string(regime)) + (transient_possible ? "; may still be a transient" : "");

@@ -9,6 +9,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "base/counted.hpp"
 #include "base/number_text.hpp"
 #include "base/short_text.hpp"
 #include "base/spelling.hpp"
@@ -251,7 +252,7 @@ Found found(const Designer& designer, double tolerance, ApproximationMethod meth
 }
 
 std::string count_text(int poles) {
-  return std::to_string(poles) + (poles == 1 ? " pole" : " poles");
+  return detail::counted(static_cast<std::size_t>(poles), "pole");
 }
 
 }  // namespace
@@ -334,9 +335,8 @@ Approximation approximate(double order, FrequencyBand band, ApproximationGoal go
 std::string Approximation::summary() const {
   using detail::short_text;
   return "s^" + short_text(order) + " on " + short_text(band.lower) + " .. " + short_text(band.upper) + " rad/s by " +
-         std::string(to_string(method)) + ", " + std::to_string(poles) + (poles == 1 ? " pole" : " poles") +
-         ": largest relative error " + short_text(error.max_relative) + " at " + short_text(error.omega_at_maximum) +
-         " rad/s. " + message;
+         std::string(to_string(method)) + ", " + count_text(poles) + ": largest relative error " +
+         short_text(error.max_relative) + " at " + short_text(error.omega_at_maximum) + " rad/s. " + message;
 }
 
 }  // namespace frac

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "base/counted.hpp"
 #include "base/number_text.hpp"
 #include "base/short_text.hpp"
 #include "circuit/circuit_error.hpp"
@@ -161,10 +162,6 @@ std::size_t count(const FosterCell& cell) {
          cell.inductance.has_value() + cell.loss.has_value();
 }
 
-std::string elements_text(std::size_t count) {
-  return std::to_string(count) + (count == 1 ? " element" : " elements");
-}
-
 }  // namespace
 
 Complex PassiveOnePort::response(double omega) const {
@@ -231,7 +228,7 @@ PassiveOnePort passive_one_port(const FractionalTransferFunction& impedance, Fre
       for (const Immittance& cell : fractions.cells) circuit.cells.push_back(elements_of(cell, form));
       detail::certify(
           circuit, *on_band, circuit.elements(), [&](double omega) { return circuit.response(omega); },
-          elements_text(circuit.elements()));
+          detail::counted(circuit.elements(), "element"));
       if (circuit.usable()) return circuit;
       if (!best || circuit.max_relative_error < best->max_relative_error) best = std::move(circuit);
     }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "base/counted.hpp"
 #include "base/short_text.hpp"
 #include "circuit/circuit_error.hpp"
 #include "frac/circuit.hpp"
@@ -64,7 +65,7 @@ TransferCircuit transfer_circuit(const FractionalTransferFunction& model, Freque
   const std::size_t states = circuit.system.states;
   detail::certify(
       circuit, detail::ModelOnBand(model, band), states, [&](double omega) { return circuit.system.response(omega); },
-      std::to_string(states) + (states == 1 ? " state" : " states"));
+      detail::counted(states, "state"));
   return circuit;
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "approximation/band_error.hpp"
+#include "base/counted.hpp"
 #include "base/number_text.hpp"
 #include "base/short_text.hpp"
 #include "base/spelling.hpp"
@@ -174,9 +175,10 @@ void measure(DigitalPower& result) {
 std::string size_text(const DigitalPower& result) {
   const std::size_t sections = result.parallel.rates.size();
   const std::size_t taps = result.taps.size();
-  if (taps == 1) return std::to_string(sections) + (sections == 1 ? " section" : " sections");
+  const std::string in_sections = detail::counted(sections, "section");
+  if (taps == 1) return in_sections;
   const std::string own = std::to_string(taps) + " taps";
-  return sections == 0 ? own : std::to_string(sections) + (sections == 1 ? " section and " : " sections and ") + own;
+  return sections == 0 ? own : in_sections + " and " + own;
 }
 
 void conclude(DigitalPower& result, const ApproximationGoal& goal, double allowed_amplification) {
@@ -311,9 +313,9 @@ std::string DigitalPower::summary() const {
   using detail::short_text;
   return "s^" + short_text(order) + " on " + short_text(band.lower) + " .. " + short_text(band.upper) +
          " rad/s, every " + short_text(sample_time) + " s by " + std::string(to_string(method)) + ", " +
-         std::to_string(parallel.rates.size()) + " sections, " + std::to_string(taps.size()) +
-         (taps.size() == 1 ? " tap" : " taps") + ": largest relative error " + short_text(error.max_relative) + " at " +
-         short_text(error.omega_at_maximum) + " rad/s. " + message;
+         detail::counted(parallel.rates.size(), "section") + ", " + detail::counted(taps.size(), "tap") +
+         ": largest relative error " + short_text(error.max_relative) + " at " + short_text(error.omega_at_maximum) +
+         " rad/s. " + message;
 }
 
 DigitalPower digital_power(double order, FrequencyBand band, ApproximationGoal goal, double sample_time,

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/number_text.hpp"
+#include "frac/no_ratio.hpp"
 #include "power_algebra.hpp"
 
 namespace frac::detail {
@@ -309,8 +310,8 @@ RatioOfPowerSums reduce(const Expression& expression, std::span<const double> pa
       if (!node.has_s && !std::isfinite(real_values[i].value)) throw std::invalid_argument("its value is not finite");
       reduced.push_back(node.has_s ? apply(node, reduced, real_values, sensitive_count) : constant(real_values[i]));
     } catch (const std::invalid_argument& reason) {
-      throw std::invalid_argument("\"" + expression.formula + "\" is no ratio of sums of powers of s, because of \"" +
-                                  std::string(expression.text_of(node)) + "\": " + reason.what());
+      throw NoRatio("\"" + expression.formula + "\" is no ratio of sums of powers of s, because of \"" +
+                    std::string(expression.text_of(node)) + "\": " + reason.what());
     }
   }
   return std::move(reduced.back());

@@ -5,13 +5,13 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <cstdio>
 #include <limits>
 #include <span>
 #include <string>
 #include <utility>
 
 #include "base/median.hpp"
+#include "base/short_text.hpp"
 #include "frac/identification/identify.hpp"
 #include "frac/identification/lack_of_fit.hpp"
 #include "identification/data/fit_data.hpp"
@@ -117,9 +117,7 @@ double excess(const Distances& distance, const std::vector<std::size_t>& usable,
 std::string frequencies_of(const FrequencyResponseData& data, const std::vector<std::size_t>& points) {
   std::string omega;
   for (const std::size_t point : points) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.4g", data.omega()[point]);
-    omega += (omega.empty() ? "" : ", ") + std::string(text);
+    omega += (omega.empty() ? "" : ", ") + detail::four_digits(data.omega()[point]);
   }
   return omega;
 }

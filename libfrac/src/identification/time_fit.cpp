@@ -386,11 +386,9 @@ std::string background_remark(const detail::TimeResiduals& residuals, const std:
 
 std::string ending(const detail::GlobalSolution& solution, bool is_exact) {
   if (!solution.best.converged) return "The solver stopped before the cost settled; the best point found is returned.";
-  const std::string solves =
-      std::to_string(solution.starts) + (solution.starts == 1 ? " solve" : " solves") + " in all.";
+  const std::string solves = detail::counted(solution.starts, "solve") + " in all.";
   if (is_exact) return "The model meets every sample to rounding; " + solves;
-  return std::to_string(solution.starts_at_best) + (solution.starts_at_best == 1 ? " start" : " starts") +
-         " ended at the lowest cost; " + solves;
+  return detail::counted(solution.starts_at_best, "start") + " ended at the lowest cost; " + solves;
 }
 
 /// @param hopeless  see TimeProblem

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
 
+#include "base/short_text.hpp"
 #include "frac/stability.hpp"
 #include "frequency_axis.hpp"
 #include "laplace_image.hpp"
@@ -170,12 +169,6 @@ PhaseCrossovers phase_crossovers(const FrequencyAxis& axis, const std::vector<do
   return result;
 }
 
-std::string rounded_text(double value) {
-  std::array<char, 32> text;
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 4);
-  return {text.data(), end.ptr};
-}
-
 void add_remark(std::string& text, const std::string& remark) {
   text += (text.empty() ? "" : " ") + remark;
 }
@@ -189,9 +182,9 @@ void read_phase_margins(const FrequencyAxis& axis, double delay, const std::vect
     if (delay * omega * epsilon * (1 + std::abs(u)) > largest_phase_rounding) {
       blurred = true;
       result.phase.push_back({omega, std::numeric_limits<double>::quiet_NaN()});
-      add_remark(result.remark, "The phase margin at " + rounded_text(omega) +
-                                      " rad/s is not determined: the dead time turns the phase by " +
-                                      rounded_text(delay * omega) + " rad there, which rounding blurs.");
+      add_remark(result.remark, "The phase margin at " + detail::four_digits(omega) +
+                                    " rad/s is not determined: the dead time turns the phase by " +
+                                    detail::four_digits(delay * omega) + " rad there, which rounding blurs.");
       continue;
     }
     const double margin = std::arg(-axis.value(u));
@@ -269,13 +262,13 @@ Margins margins(const FractionalTransferFunction& loop) {
   if (!ends_settled) {
     result.phase_margin = result.delay_margin = std::numeric_limits<double>::quiet_NaN();
     add_remark(result.remark,
-                 "Phase and delay margin are not determined: |L| may be 1 below e^-690 or above e^690 rad/s.");
+               "Phase and delay margin are not determined: |L| may be 1 below e^-690 or above e^690 rad/s.");
   }
   const double listed_until = std::min(crossovers.followed_until, last);
   if (delay > 0 && listed_until < listed_end) {
-    add_remark(result.remark, "Phase crossovers are listed up to " + rounded_text(std::exp(listed_until)) +
-                                    " rad/s and beyond only where they decide a margin; dead time makes more with |L| "
-                                    "above 1e-3.");
+    add_remark(result.remark, "Phase crossovers are listed up to " + detail::four_digits(std::exp(listed_until)) +
+                                  " rad/s and beyond only where they decide a margin; dead time makes more with |L| "
+                                  "above 1e-3.");
   }
   return result;
 }

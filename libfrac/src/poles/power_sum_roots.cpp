@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/log_ratio.hpp"
+#include "formula/whole_orders.hpp"
 #include "scaled_sum.hpp"
 #include "winding_number.hpp"
 
@@ -111,10 +112,7 @@ std::vector<Complex> polynomial_roots(const std::vector<Complex>& coefficient) {
 
 class Search {
  public:
-  explicit Search(const std::vector<PowerTerm>& sum)
-      : sum_(sum), is_polynomial_(std::all_of(sum.begin(), sum.end(), [](const PowerTerm& term) {
-          return term.order == std::floor(term.order);
-        })) {
+  explicit Search(const std::vector<PowerTerm>& sum) : sum_(sum), is_polynomial_(has_whole_orders(sum)) {
     for (const PowerTerm& term : sum) log_size_.push_back(std::log(std::abs(term.coefficient)));
   }
 

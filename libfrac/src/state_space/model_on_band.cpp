@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "approximation/band_error.hpp"
+#include "formula/whole_orders.hpp"
 #include "frac/stability.hpp"
 #include "poles/principal_sheet.hpp"
 
@@ -13,16 +14,6 @@ namespace frac::detail {
 namespace {
 
 using Complex = std::complex<double>;
-
-bool whole(double value) {
-  return value == std::round(value);
-}
-
-bool has_whole_orders(const FractionalTransferFunction& model) {
-  const auto is_whole = [](const PowerTerm& term) { return whole(term.order); };
-  return std::all_of(model.numerator().begin(), model.numerator().end(), is_whole) &&
-         std::all_of(model.denominator().begin(), model.denominator().end(), is_whole);
-}
 
 FractionalTransferFunction without_delay(const FractionalTransferFunction& model) {
   if (model.denominator_factors().empty()) return {model.numerator(), model.denominator()};
@@ -37,7 +28,7 @@ ModelOnBand::ModelOnBand(const FractionalTransferFunction& model, FrequencyBand 
       half_width_((std::log(band.upper) - std::log(band.lower)) / 2),
       centre_(std::exp((std::log(band.upper) + std::log(band.lower)) / 2)),
       has_direct_(model.numerator().front().order - model.denominator().front().order > -1),
-      is_rational_(has_whole_orders(model)) {
+      is_rational_(has_whole_orders(model.numerator()) && has_whole_orders(model.denominator())) {
   const StabilityAnalysis analysis = analyse_principal_sheet(model_);
   if (analysis.stability == Stability::undetermined) throw std::domain_error("realise: " + analysis.remark);
   constexpr double beyond_band = 100;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "formula/whole_orders.hpp"
+
 namespace frac::detail {
 namespace {
 
@@ -15,11 +17,6 @@ struct Stage {
   double growth = 0;  // as s^growth at high frequency
   bool has_whole_orders = true;
 };
-
-bool has_whole_orders(const Sum& sum) {
-  return std::all_of(sum.begin(), sum.end(),
-                     [](const PowerTerm& term) { return term.order == std::round(term.order); });
-}
 
 // Lists every copy of every factor; a power of s becomes s, s, ... and what is left of it.
 std::vector<Sum> copies(const std::vector<PowerFactor>& factors, double& gain) {

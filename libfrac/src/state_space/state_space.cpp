@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "base/counted.hpp"
 #include "base/number_text.hpp"
 #include "base/short_text.hpp"
 #include "base/spelling.hpp"
@@ -339,7 +340,7 @@ RationalModel realise(const FractionalTransferFunction& model, FrequencyBand ban
     }
   }
   result->status = met(*result) ? RationalModelStatus::met : RationalModelStatus::not_attainable;
-  const std::string states = std::to_string(result->states) + (result->states == 1 ? " state" : " states");
+  const std::string states = detail::counted(result->states, "state");
   result->message = met(*result)
                         ? "Tolerance " + detail::short_text(tolerance) + " is met with " + states +
                               ", largest relative error " + detail::short_text(result->max_relative_error) + "."

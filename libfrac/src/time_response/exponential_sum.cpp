@@ -7,6 +7,7 @@
 
 #include "branch_cut.hpp"
 #include "exponential_terms.hpp"
+#include "formula/whole_orders.hpp"
 #include "special/phi_functions.hpp"
 
 namespace frac::detail {
@@ -14,13 +15,6 @@ namespace {
 
 using Complex = std::complex<double>;
 constexpr double pi = std::numbers::pi;
-
-bool has_integer_orders(const LaplaceImage& image) {
-  const auto is_integer = [](const PowerTerm& term) { return term.order == std::round(term.order); };
-  const std::vector<PowerTerm>& top = image.numerator().terms;
-  const std::vector<PowerTerm>& bottom = image.denominator().terms;
-  return std::all_of(top.begin(), top.end(), is_integer) && std::all_of(bottom.begin(), bottom.end(), is_integer);
-}
 
 // sum c e^{q zeta - scale} and its derivative.
 struct LongSum {
@@ -178,7 +172,7 @@ ExponentialSum with_tolerance(const LaplaceImage& image, const Purpose& purpose)
   const std::vector<double> log_anchor =
       log_anchors(image, latest, is_direct ? integrations + 1 : anchored_count(image));
   const auto image_at = [&](Complex zeta) { return image.value(zeta, zeta); };
-  if (has_integer_orders(image)) {
+  if (has_whole_orders(image.numerator().terms) && has_whole_orders(image.denominator().terms)) {
     for (std::size_t k = 0; k < poles.size(); ++k) {
       const double argument = poles[k].log_s.imag();
       const bool on_cut = std::abs(argument - pi) < 1e-7 + poles[k].spread;

@@ -9,6 +9,7 @@
 #include <string>
 #include <utility>
 
+#include "base/counted.hpp"
 #include "base/short_text.hpp"
 #include "base/spelling.hpp"
 #include "event_response.hpp"
@@ -406,9 +407,9 @@ TimeResponse respond(const FractionalTransferFunction& model, const TimeInput& i
 
 std::string TimeResponse::summary() const {
   using detail::short_text;
-  return std::to_string(output.size()) + (output.size() == 1 ? " instant by " : " instants by ") +
-         std::string(to_string(method)) + ", largest output " + short_text(largest(output)) + ", estimated error " +
-         short_text(error_estimate) + (meets_tolerance ? "." : ", more than the tolerance allows.");
+  return detail::counted(output.size(), "instant") + " by " + std::string(to_string(method)) + ", largest output " +
+         short_text(largest(output)) + ", estimated error " + short_text(error_estimate) +
+         (meets_tolerance ? "." : ", more than the tolerance allows.");
 }
 
 }  // namespace frac

@@ -5,31 +5,15 @@
 #include <limits>
 #include <stdexcept>
 
-#include "frac/structure.hpp"
+#include "frac/no_ratio.hpp"
 
 namespace fracfit {
-
-namespace {
-
-// Whether a text is a function of s, with all its numbers.
-bool is_function(const std::string& text) {
-  try {
-    return frac::Structure(text).parameter_names().empty();
-  } catch (const std::invalid_argument&) {
-    return false;
-  }
-}
-
-}  // namespace
 
 frac::FractionalTransferFunction formula_of(std::string_view, const std::string& text) {
   try {
     return frac::FractionalTransferFunction::parse(text);
-  } catch (const std::invalid_argument& reason) {
-    // Other refusals, of a zero or of a negative dead time, say all there is to say.
-    const std::string sentence = reason.what();
-    if (sentence.find("is no ratio") == std::string::npos || !is_function(text)) throw;
-    throw std::invalid_argument(sentence +
+  } catch (const frac::NoRatio& reason) {
+    throw std::invalid_argument(std::string(reason.what()) +
                                 "; poles, stability and responses over time are computed for such ratios only; fit one "
                                 "to the response on a band (fracfit evaluate, fracfit fit)");
   }

@@ -12,6 +12,7 @@
 #include <span>
 #include <stdexcept>
 
+#include "base/counted.hpp"
 #include "base/linear_algebra.hpp"
 #include "base/number_text.hpp"
 #include "base/short_text.hpp"
@@ -815,10 +816,6 @@ std::string percent(double share) {
   return detail::short_text(100 * share) + " %";
 }
 
-std::string count_of(std::size_t count, const std::string& noun) {
-  return std::to_string(count) + " " + noun + (count == 1 ? "" : "s");
-}
-
 }  // namespace
 
 std::string ValidationResult::summary() const {
@@ -863,9 +860,9 @@ std::string ValidationResult::summary() const {
                      : drifts      ? ", of which a drift of " + drift_text + " explains " + percent(drift_share)
                                    : ""));
   if (!mains.empty())
-    parts.push_back(count_of(mains.size(), "point") + " at " + (alarmed(ValidityTest::mains_50) ? "50" : "60") +
+    parts.push_back(detail::counted(mains.size(), "point") + " at " + (alarmed(ValidityTest::mains_50) ? "50" : "60") +
                     " Hz or a harmonic stand out");
-  if (!outliers.empty()) parts.push_back(count_of(outliers.size(), "outlier"));
+  if (!outliers.empty()) parts.push_back(detail::counted(outliers.size(), "outlier"));
   const auto joined = [&] {
     std::string all;
     for (const auto& part : parts) all += (all.empty() ? "" : "; ") + part;

@@ -2,8 +2,6 @@
 #include "frac/identification/tune.hpp"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -12,6 +10,7 @@
 #include <string>
 
 #include "base/number_text.hpp"
+#include "base/short_text.hpp"
 #include "loop_description.hpp"
 #include "search.hpp"
 #include "specification.hpp"
@@ -21,12 +20,6 @@ namespace {
 
 // What the search may leave between mu and its limit.
 constexpr double at_limit = 1e-3;
-
-std::string rounded_text(double value) {
-  std::array<char, 32> text;
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 4);
-  return {text.data(), end.ptr};
-}
 
 }  // namespace
 
@@ -125,8 +118,8 @@ TuningResult tuned(const FractionalTransferFunction& plant, const LoopSpecificat
   std::string failed;
   for (const ReachedSpecification& line : result.specification) {
     if (line.met) continue;
-    failed += (failed.empty() ? "" : "; ") + line.name + " (asked " + rounded_text(line.asked) + ", reached " +
-              rounded_text(line.reached) + ")";
+    failed += (failed.empty() ? "" : "; ") + line.name + " (asked " + detail::four_digits(line.asked) + ", reached " +
+              detail::four_digits(line.reached) + ")";
   }
   if (std::min({gains.kp, gains.ki, gains.kd}) < 0)
     failed += (failed.empty() ? "" : "; ") + std::string("gains not negative");
@@ -143,14 +136,15 @@ TuningResult tuned(const FractionalTransferFunction& plant, const LoopSpecificat
                         " searches ended within 1 % of its integral.";
   }
   for (const Crossover& each : result.other_crossovers) {
-    result.message += " |L| is 1 at " + rounded_text(each.omega) + " rad/s too";
+    result.message += " |L| is 1 at " + detail::four_digits(each.omega) + " rad/s too";
     // Far up a dead time has turned L so often that rounding leaves no phase.
     if (std::isfinite(each.margin))
-      result.message += ", with a phase margin of " + rounded_text(each.margin * 180 / std::numbers::pi) + " degrees";
+      result.message +=
+          ", with a phase margin of " + detail::four_digits(each.margin * 180 / std::numbers::pi) + " degrees";
     result.message += ".";
   }
   if (result.mu_at_limit) {
-    result.message += " mu stands at its limit, " + rounded_text(result.mu_limit) +
+    result.message += " mu stands at its limit, " + detail::four_digits(result.mu_limit) +
                       ": above it the loop would fall more slowly than s^-0.2 at high frequency.";
   }
   return result;
@@ -208,13 +202,13 @@ std::string text_of(const FeasibleNearby& nearby) {
   std::string text;
   if (nearby.phase_margin) {
     text += " At this crossover the nearest phase margin within reach is " +
-            rounded_text(*nearby.phase_margin * 180 / std::numbers::pi) + " degrees.";
+            detail::four_digits(*nearby.phase_margin * 180 / std::numbers::pi) + " degrees.";
   }
   if (nearby.lower_crossover || nearby.higher_crossover) {
     text += " At this phase margin the nearest crossover within reach is " +
-            (nearby.lower_crossover ? rounded_text(*nearby.lower_crossover) : std::string()) +
+            (nearby.lower_crossover ? detail::four_digits(*nearby.lower_crossover) : std::string()) +
             (nearby.lower_crossover && nearby.higher_crossover ? " or " : "") +
-            (nearby.higher_crossover ? rounded_text(*nearby.higher_crossover) : std::string()) + " rad/s.";
+            (nearby.higher_crossover ? detail::four_digits(*nearby.higher_crossover) : std::string()) + " rad/s.";
   }
   return text.empty() ? " Nothing near by was found either." : text;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/short_text.hpp"
 #include "identification/rational/family_members.hpp"
 #include "identification/verdict/finalists.hpp"
 #include "identification/verdict/verdict_sentence.hpp"

@@ -3,9 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "base/counted.hpp"
+#include "base/short_text.hpp"
 
 namespace frac::detail {
 namespace {
@@ -70,12 +70,6 @@ std::string model_error_and_difference(const IdentificationResult& result) {
 }
 
 }  // namespace
-
-std::string four_digits(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return text;
-}
 
 std::string unfitted(const std::vector<std::string>& rivals) {
   constexpr std::size_t most = 3;

@@ -8,9 +8,6 @@
 
 namespace frac::detail {
 
-/// A number as sentences give it.
-[[nodiscard]] std::string four_digits(double value);
-
 /// "the rival 'zener' could not be fitted"
 [[nodiscard]] std::string unfitted(const std::vector<std::string>& rivals);
 
