@@ -628,18 +628,24 @@ Timely judge_timely(const FrequencyResponseData& data, const ValidationOptions& 
   return criterion + price < criterion_of_all(data, plain.judgement) ? best : plain;
 }
 
-/// Whether the points with their imaginary parts reversed show no pattern.
-bool mirror_is_steady(const FrequencyResponseData& data, const ValidationOptions& options) {
+/// Whether the points with their imaginary parts reversed show no pattern, and are explained so much better that it
+/// does not hinge on a few of them, as where a narrow resonance is seen by two or three.
+bool sign_is_reversed(const Timely& as_given, const ValidationOptions& options) {
+  const FrequencyResponseData& data = as_given.data;
   auto mirrored = data.value();
   for (Complex& each : mirrored) each = std::conj(each);
-  return !judge_timely({data.omega(), std::move(mirrored), data.sigma()}, options).judgement.pattern(options.level);
+  const Timely mirror = judge_timely({data.omega(), std::move(mirrored), data.sigma()}, options);
+  if (mirror.judgement.pattern(options.level)) return false;
+  // As much as residuals 1.6 times as large in every point.
+  const double of_all_points = 2 * static_cast<double>(data.size());
+  return criterion_of_all(mirror.data, mirror.judgement) + of_all_points < criterion_of_all(data, as_given.judgement);
 }
 
 /// Whether a pattern tells nothing.  Over less than an octave the frequencies outside allow every smooth curve, and an
 /// echo that turns by more than half a cycle between points looks as if it came before its cause: only a response whose
 /// complex conjugate is explained, cause and effect being exchanged, is known to be none.
-bool is_left_open(const FrequencyResponseData& data, bool mirror_is_steady) {
-  return data.omega().back() < 2 * data.omega().front() && !mirror_is_steady;
+bool is_left_open(const FrequencyResponseData& data, bool sign_is_reversed) {
+  return data.omega().back() < 2 * data.omega().front() && !sign_is_reversed;
 }
 
 }  // namespace
@@ -804,7 +810,7 @@ ValidationResult validate(const FrequencyResponseData& data, const ValidationOpt
   for (std::size_t k = 0; k < data.size(); ++k) result.model[k] *= std::polar(1.0, -data.omega()[k] * result.dead_time);
   describe_unsteadiness(judgement, result);
   result.detectable_drift = detectable_drift(timely.data, judgement, result);
-  result.reversed_sign = judgement.pattern(options.level) && mirror_is_steady(data, options);
+  result.reversed_sign = judgement.pattern(options.level) && sign_is_reversed(timely, options);
   result.validity = validity_of(data, judgement, result);
   return result;
 }
