@@ -75,6 +75,7 @@ class JointFit : public Command {
         "Several curves in one file stand in columns re_<label>,im_<label> or in rows told apart by --by, as in "
         "batch.\n"
         "--fix, --bound, --start and --prior hold in every curve; but for --fix they take parameters of a law too.\n"
+        "--derive takes these as well, and what a header knows of its curve.\n"
         "With --shift neighbours should overlap: give the curves in the order of their temperature.\n"
         "Curves count by their noise.  The chance in the output is small where the curves do not share what they are\n"
         "told to.\n"

@@ -12,15 +12,13 @@
 #include <span>
 #include <stdexcept>
 
-#include "base/counted.hpp"
 #include "base/linear_algebra.hpp"
 #include "base/number_text.hpp"
-#include "base/short_text.hpp"
-#include "base/spelling.hpp"
 #include "consistent_model.hpp"
 #include "dead_time.hpp"
 #include "frac/identification/statistics.hpp"
 #include "identification/data/noise_floor.hpp"
+#include "level_share.hpp"
 #include "projected_residual.hpp"
 #include "special/distributions.hpp"
 
@@ -35,9 +33,6 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr std::array all_tests{ValidityTest::neighbours,    ValidityTest::neighbourhoods, ValidityTest::drift_even,
                                ValidityTest::drift_periods, ValidityTest::step,           ValidityTest::outliers,
                                ValidityTest::mains_50,      ValidityTest::mains_60};
-// Each test has this share of the level.  Seven shares of a seventh would do if weights and poles were given; they are
-// learned from the same residuals, which makes alarms up to 1.4 times as frequent (measured, see validity_rates).
-constexpr double share_of_level = 0.1;
 constexpr double fewest_degrees = 8;
 constexpr double negligible_drift = 1e-3;
 constexpr double highest_leverage = 0.5;
@@ -262,12 +257,12 @@ struct Tested {
 
   [[nodiscard]] bool alarm(ValidityTest test, double level) const {
     const std::size_t i = index_of(test);
-    return counts[i] && p_value[i] < level * share_of_level;
+    return counts[i] && p_value[i] < level * detail::share_of_level;
   }
   /// The points that each would be an alarm.
   [[nodiscard]] std::vector<Eigen::Index> standing_out(double level) const {
     std::vector<Eigen::Index> points;
-    const double limit = level * share_of_level / static_cast<double>(point_chance.size());
+    const double limit = level * detail::share_of_level / static_cast<double>(point_chance.size());
     for (std::size_t i = 0; i < point_chance.size(); ++i)
       if (point_chance[i] < limit) points.push_back(static_cast<Eigen::Index>(i));
     return points;
@@ -629,43 +624,25 @@ Timely judge_timely(const FrequencyResponseData& data, const ValidationOptions& 
   return criterion + price < criterion_of_all(data, plain.judgement) ? best : plain;
 }
 
-/// Whether the points with their imaginary parts reversed show no pattern.
-bool mirror_is_steady(const FrequencyResponseData& data, const ValidationOptions& options) {
+/// Whether the points with their imaginary parts reversed show no pattern, and are explained so much better that it
+/// does not hinge on a few of them, as where a narrow resonance is seen by two or three.
+bool sign_is_reversed(const Timely& as_given, const ValidationOptions& options) {
+  const FrequencyResponseData& data = as_given.data;
   auto mirrored = data.value();
   for (Complex& each : mirrored) each = std::conj(each);
-  return !judge_timely({data.omega(), std::move(mirrored), data.sigma()}, options).judgement.pattern(options.level);
+  const Timely mirror = judge_timely({data.omega(), std::move(mirrored), data.sigma()}, options);
+  if (mirror.judgement.pattern(options.level)) return false;
+  // As much as residuals 1.6 times as large in every point.
+  const double of_all_points = 2 * static_cast<double>(data.size());
+  return criterion_of_all(mirror.data, mirror.judgement) + of_all_points < criterion_of_all(data, as_given.judgement);
 }
 
 /// Whether a pattern tells nothing.  Over less than an octave the frequencies outside allow every smooth curve, and an
 /// echo that turns by more than half a cycle between points looks as if it came before its cause: only a response whose
 /// complex conjugate is explained, cause and effect being exchanged, is known to be none.
-bool is_left_open(const FrequencyResponseData& data, bool mirror_is_steady) {
-  return data.omega().back() < 2 * data.omega().front() && !mirror_is_steady;
+bool is_left_open(const FrequencyResponseData& data, bool sign_is_reversed) {
+  return data.omega().back() < 2 * data.omega().front() && !sign_is_reversed;
 }
-
-}  // namespace
-
-std::string_view to_string(Validity validity) {
-  constexpr detail::Spellings<Validity, 4> spellings{{{Validity::valid, "valid"},
-                                                      {Validity::suspect, "suspect"},
-                                                      {Validity::invalid, "invalid"},
-                                                      {Validity::undecided, "undecided"}}};
-  return detail::spelling(spellings, validity);
-}
-
-std::string_view to_string(ValidityTest test) {
-  constexpr detail::Spellings<ValidityTest, 8> spellings{{{ValidityTest::neighbours, "neighbours"},
-                                                          {ValidityTest::neighbourhoods, "neighbourhoods"},
-                                                          {ValidityTest::drift_even, "drift-even"},
-                                                          {ValidityTest::drift_periods, "drift-periods"},
-                                                          {ValidityTest::step, "step"},
-                                                          {ValidityTest::outliers, "outliers"},
-                                                          {ValidityTest::mains_50, "mains-50"},
-                                                          {ValidityTest::mains_60, "mains-60"}}};
-  return detail::spelling(spellings, test);
-}
-
-namespace {
 
 /// Judges every k-th point.
 ValidationResult validate_thinned(const FrequencyResponseData& data, ValidationOptions options, std::size_t every) {
@@ -724,7 +701,7 @@ void describe_unsteadiness(const Judgement& judgement, ValidationResult& result)
   result.drift = now.drift.coefficient;
   result.drift_deviation = now.drift.deviation;
   result.drift_law = now.drift_law;
-  result.drift_explains = !(now.chance_beside_drift < result.level * share_of_level);
+  result.drift_explains = !(now.chance_beside_drift < result.level * detail::share_of_level);
   const double square = fitted.model.rest.square();
   result.drift_share = 1 - now.square_beside_drift / square;
   if (now.step.which < 0) return;
@@ -734,7 +711,7 @@ void describe_unsteadiness(const Judgement& judgement, ValidationResult& result)
   result.step_below = fitted.points.omega[above - 1];
   result.step_above = fitted.points.omega[above];
   result.step_share = 1 - now.square_beside_step / square;
-  result.step_explains = !(now.chance_beside_step < result.level * share_of_level);
+  result.step_explains = !(now.chance_beside_step < result.level * detail::share_of_level);
 }
 
 void describe_model(const Fitted& fitted, std::size_t points, ValidationResult& result) {
@@ -766,8 +743,8 @@ double detectable_drift(const FrequencyResponseData& data, const Judgement& judg
   if (!(result.freedom > 1)) return nan;
   const Tested& now = judgement.last;
   const double degrees = result.freedom - 1;
-  const double found =
-      detail::student_t_quantile(0.9, degrees) - detail::student_t_quantile(result.level * share_of_level / 2, degrees);
+  const double found = detail::student_t_quantile(0.9, degrees) -
+                       detail::student_t_quantile(result.level * detail::share_of_level / 2, degrees);
   const bool is_even = now.drift_law == ValidityTest::drift_even;
   const auto other = drift_of(data, judgement.fitted, is_even ? ValidityTest::drift_periods : ValidityTest::drift_even);
   return found * std::fmin(now.drift.deviation, other.deviation);
@@ -805,97 +782,9 @@ ValidationResult validate(const FrequencyResponseData& data, const ValidationOpt
   for (std::size_t k = 0; k < data.size(); ++k) result.model[k] *= std::polar(1.0, -data.omega()[k] * result.dead_time);
   describe_unsteadiness(judgement, result);
   result.detectable_drift = detectable_drift(timely.data, judgement, result);
-  result.reversed_sign = judgement.pattern(options.level) && mirror_is_steady(data, options);
+  result.reversed_sign = judgement.pattern(options.level) && sign_is_reversed(timely, options);
   result.validity = validity_of(data, judgement, result);
   return result;
-}
-
-namespace {
-
-std::string percent(double share) {
-  return detail::short_text(100 * share) + " %";
-}
-
-}  // namespace
-
-std::string ValidationResult::summary() const {
-  if (model.empty()) return "undecided: fewer than 6 points, or all at one frequency";
-  const auto alarmed = [&](ValidityTest test) {
-    return std::any_of(findings.begin(), findings.end(),
-                       [&](const auto& each) { return each.test == test && each.alarm; });
-  };
-  const std::string noise_text = "noise of " + percent(noise);
-  std::string text(to_string(validity));
-  if (every > 1) text += " by one point in " + std::to_string(every);
-  std::vector<std::string> parts;
-  // What changes by more than its own size neither drifts nor jumps: another fault looks so from here.
-  const bool drifts =
-      (alarmed(ValidityTest::drift_even) || alarmed(ValidityTest::drift_periods)) && std::abs(drift) < 1;
-  const bool follow = alarmed(ValidityTest::neighbours) || alarmed(ValidityTest::neighbourhoods);
-  const auto chance = [&](ValidityTest test) {
-    double least = 1;
-    for (const auto& each : findings)
-      if (each.test == test) least = std::fmin(least, each.p_value);
-    return least;
-  };
-  const bool rather_a_step =
-      alarmed(ValidityTest::step) && std::abs(step) < 1 &&
-      chance(ValidityTest::step) <= std::fmin(chance(ValidityTest::drift_even), chance(ValidityTest::drift_periods));
-  const bool explained = rather_a_step ? step_explains : drifts && drift_explains;
-  const std::string drift_text = percent(drift) + " +- " + percent(drift_deviation) + " during the sweep";
-  const std::string step_text = percent(step) + " +- " + percent(step_deviation) + " between " +
-                                detail::short_text(step_below) + " and " + detail::short_text(step_above) + " rad/s";
-  if (explained || !follow) {
-    if (rather_a_step)
-      parts.push_back("the response jumps by " + step_text);
-    else if (drifts)
-      parts.push_back("the response drifts by " + drift_text);
-    else if (validity == Validity::invalid)
-      parts.push_back("what the points leave looks like a drift or jump larger than the response itself");
-  }
-  if (follow && !explained)
-    parts.push_back("residuals of neighbouring points follow each other (correlation " +
-                    detail::short_text(correlation) + " beyond that of white noise)" +
-                    (rather_a_step ? ", of which a jump by " + step_text + " explains " + percent(step_share)
-                     : drifts      ? ", of which a drift of " + drift_text + " explains " + percent(drift_share)
-                                   : ""));
-  if (!mains.empty())
-    parts.push_back(detail::counted(mains.size(), "point") + " at " + (alarmed(ValidityTest::mains_50) ? "50" : "60") +
-                    " Hz or a harmonic stand out");
-  if (!outliers.empty()) parts.push_back(detail::counted(outliers.size(), "outlier"));
-  const auto joined = [&] {
-    std::string all;
-    for (const auto& part : parts) all += (all.empty() ? "" : "; ") + part;
-    return all;
-  };
-  switch (validity) {
-    case Validity::valid:
-      text += ": a linear, stable, steady system" +
-              (dead_time > 0 ? " with a dead time of about " + detail::short_text(dead_time) + " s" : "") +
-              " explains all points to within " + noise_text;
-      if (std::any_of(findings.begin(), findings.end(),
-                      [&](const auto& each) { return !each.alarm && each.p_value < level * share_of_level; }))
-        return text + "; what it leaves is no noise, but within the accuracy of " + percent(accuracy);
-      return text + "; a drift above " + percent(detectable_drift) + " would have been seen";
-    case Validity::suspect:
-      return text + ": " + joined() + "; the other points are consistent to within " + noise_text;
-    case Validity::invalid:
-      if (reversed_sign)
-        return text +
-               ": the sign of the imaginary part looks reversed: with the other sign a linear, stable, steady system "
-               "explains the points, and as they are none does";
-      return text + ": " + joined() + "; no linear, stable, steady system explains the points to within " + noise_text +
-             ", " + percent(largest_residual) + " at most";
-    case Validity::undecided:
-      break;
-  }
-  if (!parts.empty() && (drifts || follow || rather_a_step))
-    return text + ": " + joined() +
-           "; over less than an octave, echoes that the points are too far apart to resolve do that too";
-  return text + ": band, points and noise leave too little to judge by (" + detail::short_text(freedom) +
-         " degrees of freedom" +
-         (std::isfinite(detectable_drift) ? ", a drift of " + percent(detectable_drift) + " would go unseen" : "") +
-         ")" + (parts.empty() ? "" : "; " + joined());
 }
 
 }  // namespace frac
