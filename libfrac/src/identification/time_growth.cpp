@@ -19,8 +19,8 @@ namespace frac::detail {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Samples that are enough to tell members of a family apart.
-constexpr std::size_t few_samples = 100;
+// Longer records are thinned: so many samples are enough to tell members of a family apart.
+constexpr std::size_t few_samples = 400;
 // Records resolve few modes, and each pole more takes a second of searching.
 constexpr std::size_t most_over_time = 6;
 

@@ -13,7 +13,7 @@ namespace frac::detail {
 namespace {
 
 constexpr double supported_evidence = 10;  // posterior odds of 150 to 1
-// Over time, where the integer-order finalist fits no worse, so that the evidence is the price of its parameters alone.
+// Over time, where an integer-order candidate fits no worse, so that the evidence is the price of its parameters alone.
 // That price (Schwarz's) leaves out what a prior says of each parameter, and a record spans too few decades of time to
 // outweigh it.
 constexpr double supported_by_price = 20;
@@ -46,7 +46,8 @@ double evidence_to_refute(const Comparison& pair) {
 
 std::string too_little_evidence(const IdentificationResult& result, const Comparison& pair) {
   if (result.evidence > supported_evidence) {
-    return ", all of it the price of the integer-order one's parameters, which over time has to be " +
+    return ", all of it the price of parameters, as an integer-order candidate fits no worse, and over time that has "
+           "to be " +
            four_digits(supported_by_price);
   }
   const std::string departing = ", and evidence against orders that depart from whole numbers by " +

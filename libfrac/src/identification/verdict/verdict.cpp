@@ -106,7 +106,8 @@ void suggest_next(IdentificationResult& result, const FrequencyResponseData& dat
                                  evidence_to_decide(result.evidence));
   // Where the two are one model in two spellings, nothing tells them apart.
   if (result.next && !(result.next->expected_evidence > no_evidence)) result.next.reset();
-  if (result.next) result.verdict_sentence += advice(*result.next);
+  const bool relative = options.weight != Weight::absolute;
+  if (result.next) result.verdict_sentence += advice(*result.next, noise, relative);
 }
 void suggest_next(IdentificationResult&, const TimeResponseData&, const TimeFitOptions&, const Comparison&) {}
 
@@ -119,6 +120,13 @@ void call_inadequate(IdentificationResult& result, const char* unit) {
 bool only_integer_grew(const std::vector<Competitor>& competitors, const Competitor& integer) {
   const auto grew = [](const Competitor& each) { return each.is_fractional() && each.ranked.from_family; };
   return integer.ranked.from_family && std::none_of(competitors.begin(), competitors.end(), grew);
+}
+
+/// Whether an integer-order candidate fits no worse.
+bool is_followed_by_integer_order(const std::vector<Competitor>& competitors, const Competitor& fractional) {
+  return std::any_of(competitors.begin(), competitors.end(), [&](const Competitor& each) {
+    return !each.is_fractional() && is_comparable(each) && each.ranked.fit.cost <= fractional.ranked.fit.cost;
+  });
 }
 
 template <class Data, class Options>
@@ -140,7 +148,7 @@ Comparison comparison_of(const Data& data, const Options& options, const std::ve
           .departure = evidence_of_departure(competitors, i, share),
           .only_integer_grew = only_integer_grew(competitors, i),
           .rounded = coarsely_rounded(data, options),
-          .price_alone = std::is_same_v<Data, TimeResponseData> && misfit_term(i) <= misfit_term(f)};
+          .price_alone = std::is_same_v<Data, TimeResponseData> && is_followed_by_integer_order(competitors, f)};
 }
 
 template <class Data, class Options>
@@ -177,7 +185,7 @@ void judge_any(IdentificationResult& result, const Data& data, const Options& op
   result.evidence = result.departure_evidence = result.log10_odds = result.differ_most = result.differ_most_omega = nan;
   if (std::none_of(competitors.begin(), competitors.end(), is_comparable)) {
     result.verdict_sentence =
-        "Undecided: too few residuals (" + std::to_string(competitors.front().residual.size()) +
+        "There are too few residuals (" + std::to_string(competitors.front().residual.size()) +
         ") to judge any candidate; at least three more are needed than it has parameters, and twice as many.";
     return;
   }

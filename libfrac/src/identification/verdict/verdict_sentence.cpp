@@ -69,6 +69,14 @@ std::string model_error_and_difference(const IdentificationResult& result) {
   return text;
 }
 
+/// For whoever needs a model all the same.
+std::string what_may_be_used(const Comparison& pair) {
+  const auto needed = [](const Competitor& each) { return each.ranked.fit.free_parameters; };
+  if (!pair.fractional_follows || !pair.integer_follows || needed(pair.fractional) == needed(pair.integer)) return "";
+  const Competitor& simpler = needed(pair.fractional) < needed(pair.integer) ? pair.fractional : pair.integer;
+  return " Both follow the data, '" + simpler.ranked.name + "' with fewer parameters.";
+}
+
 }  // namespace
 
 std::string unfitted(const std::vector<std::string>& rivals) {
@@ -94,7 +102,7 @@ std::string verdict_sentence(const IdentificationResult& result, const Compariso
              (pair.fractional_follows || result.model_error ? "" : miss) + model_error_and_difference(result) + ".";
     }
     default:
-      return "Undecided: " + rivals + ruling.reason + ".";
+      return "The data do not tell: " + rivals + ruling.reason + "." + what_may_be_used(pair);
   }
 }
 
@@ -103,9 +111,13 @@ std::string sentence_without_model(const RankedFit& best, const char* unit) {
          how_far_off(best.lack_of_fit) + list_of_bands(best.lack_of_fit, unit) + ".";
 }
 
-std::string advice(const NextMeasurement& next) {
+std::string advice(const NextMeasurement& next, double noise, bool relative) {
+  const std::string wanted = relative ? "noise of " + four_digits(100 * next.accuracy) + " % of the response"
+                                      : "residuals of " + four_digits(next.accuracy);
+  const std::string less =
+      next.accuracy < noise ? ", " + four_digits(noise / next.accuracy) + " times less than here" : "";
   return " To decide, measure " + counted(next.points, "point") + " from " + four_digits(next.lower) + " to " +
-         four_digits(next.upper) + " rad/s with residuals of " + four_digits(next.accuracy) + " (expected evidence " +
+         four_digits(next.upper) + " rad/s with " + wanted + less + " (expected evidence " +
          four_digits(next.expected_evidence) + ").";
 }
 

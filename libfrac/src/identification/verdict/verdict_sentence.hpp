@@ -20,6 +20,8 @@ namespace frac::detail {
 [[nodiscard]] std::string sentence_without_model(const RankedFit& best, const char* unit);
 
 /// What to measure next.
-[[nodiscard]] std::string advice(const NextMeasurement& next);
+/// @param noise     of the data at hand, as next.accuracy
+/// @param relative  whether both are shares of the response
+[[nodiscard]] std::string advice(const NextMeasurement& next, double noise, bool relative);
 
 }  // namespace frac::detail
