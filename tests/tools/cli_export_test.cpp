@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <complex>
 #include <cstdlib>
 #include <filesystem>
+#include <map>
 #include <regex>
 #include <string>
 #include <vector>
@@ -55,6 +58,29 @@ TEST(ExportSpice, AnAdmittanceIsTheInverseOfAnImpedance) {
   for (std::size_t i = 0; i < impedance.size(); ++i) EXPECT_NEAR(admittance[i] / impedance[i], 1, 1e-6);
 }
 
+// A chain of resistors, each alone or beside a capacitor, against the formula of Davidson and Cole.
+TEST(ExportSpice, PowersOfSumsBecomeOnePorts) {
+  const auto result = run_fracfit({"export", "spice", "3/(1 + 2 s)^0.6", "--kind", "impedance", "--band", "1e-2:1e2"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  std::map<std::string, std::complex<double>> admittances;  // by the nodes of an element
+  for (double omega = 0.01; omega <= 100; omega *= 1.1) {
+    admittances.clear();
+    for (const std::string& line : lines_of(result.output.substr(result.output.find("\nR1 ") + 1))) {
+      if (line.front() == '.') break;
+      const auto first = line.find(' '), last = line.rfind(' ');
+      const double value = std::stod(line.substr(last));
+      ASSERT_GT(value, 0) << line;
+      admittances[line.substr(first, last - first)] +=
+          line.front() == 'C' ? std::complex<double>(0, omega * value) : 1 / value;
+    }
+    std::complex<double> impedance = 0;
+    for (const auto& [nodes, admittance] : admittances) impedance += 1.0 / admittance;
+    const auto expected = 3.0 / std::pow(std::complex<double>(1, 2 * omega), 0.6);
+    EXPECT_LT(std::abs(impedance / expected - 1.0), 1e-3) << omega;
+  }
+  EXPECT_GT(admittances.size(), 3U);
+}
+
 TEST(ExportSpice, TransferFunctionsHaveFourPorts) {
   const auto result = run_fracfit(
       {"export", "spice", "exp(-0.2 s)/(s^1.5 + 1)", "--kind", "transfer", "--band", "1e-2:1e2", "--name", "plant"});
@@ -75,6 +101,8 @@ TEST(ExportSpice, RefusalsNameTheQuantity) {
   expect_refusal({"export", "spicy"}, "not 'spicy' (did you mean spice?)");
   expect_refusal({"export", "spice", "s^-0.5", "--band", "1:10"}, "--kind is required");
   expect_refusal({"export", "spice", "s^1.2", "--kind", "impedance", "--band", "1:10"}, "Re Z = -");
+  expect_refusal({"export", "spice", "(s+1)^-0.6", "--kind", "transfer", "--band", "1:10"}, "powers of sums");
+  expect_refusal({"export", "spice", "R0/(s+1)", "--kind", "impedance", "--band", "1:10"}, "R0");
   expect_refusal({"export", "spice", "exp(-s)", "--kind", "impedance", "--band", "1:10"}, "dead time of 1 s");
   expect_refusal({"export", "spice", "s^1.2", "--kind", "transfer", "--band", "1:10"}, "the model grows as s^1.2");
   expect_refusal(with(cpe, {"--name", "9"}), "name of the subcircuit \"9\"");

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <string_view>
@@ -15,25 +13,32 @@
 namespace fracfit {
 namespace {
 
-// A formula of powers of s or, of one-ports, with functions such as tanh.
+// A formula of powers of s or, of one-ports, also with functions and powers of sums.
 struct CircuitModel {
   std::optional<frac::FractionalTransferFunction> powers;
   std::optional<frac::Structure> functions;  // where there are no powers
 };
 
 CircuitModel circuit_model_of(std::string_view, const std::string& text) {
-  constexpr std::array<std::string_view, 6> names{"tanh", "coth", "sinh", "cosh", "sech", "log"};
-  const bool has_functions =
-      std::ranges::any_of(names, [&](std::string_view name) { return text.find(name) != std::string::npos; });
-  if (has_functions) return {std::nullopt, frac::Structure(text)};
-  return {frac::FractionalTransferFunction::parse(text), std::nullopt};
+  try {
+    return {frac::FractionalTransferFunction::parse(text), std::nullopt};
+  } catch (const std::invalid_argument&) {
+    std::optional<frac::Structure> formula;
+    try {
+      formula.emplace(text);
+    } catch (const std::invalid_argument&) {
+    }
+    if (!formula) throw;
+    return {std::nullopt, std::move(formula)};
+  }
 }
 
 class ExportSpice : public Command {
  public:
   ExportSpice() : Command("export spice", "SPICE subcircuit of an impedance or a transfer function, with its error") {
     Options& o = options();
-    o.parsed("--model", model_, circuit_model_of, "of one-ports also with functions, as tanh(sqrt(2 s))/sqrt(2 s)")
+    o.parsed("--model", model_, circuit_model_of,
+             "of one-ports also with functions and powers of sums, as tanh(sqrt(2 s))/sqrt(2 s)")
         .or_argument()
         .required();
     o.text("--kind", kind_,
@@ -69,7 +74,8 @@ class ExportSpice : public Command {
   void check() override {
     if (!model_.functions) return;
     if (kind_ == "transfer")
-      throw std::invalid_argument("--kind transfer takes powers of s; one-ports alone have functions");
+      throw std::invalid_argument(
+          "--kind transfer takes ratios of sums of powers of s; one-ports alone have functions and powers of sums");
     if (!model_.functions->parameter_names().empty())
       throw std::invalid_argument("--model has the parameter " + model_.functions->parameter_names().front() +
                                   "; expected numbers");
