@@ -41,26 +41,36 @@ Index slow_count(const std::vector<double>& moduli, double pace) {
   return best;
 }
 
-}  // namespace
+// Eigenvectors of a matrix, and their places by rising modulus of the eigenvalue.
+struct Modes {
+  explicit Modes(const Matrix& matrix) : all(frac::detail::eigensystem(matrix)) {
+    for (Index i = 0; i < matrix.rows(); ++i) order.push_back(i);
+    std::sort(order.begin(), order.end(),
+              [&](Index i, Index k) { return std::abs(all.values[i]) < std::abs(all.values[k]); });
+  }
 
-LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& sizes) : scale_(sizes) {
-  const Index size = a.rows();
-  // Powers of two, so that scaling rounds nothing.
-  for (double& each : scale_) each = std::exp2(std::round(std::log2(each)));
-  const Eigen::VectorXd& scale = scale_;
-  const Matrix scaled = scale.cwiseInverse().asDiagonal() * a * scale.asDiagonal();
-  const frac::detail::Eigensystem right = frac::detail::eigensystem(scaled);
-  const frac::detail::Eigensystem left = frac::detail::eigensystem(scaled.transpose());
-  const auto by_modulus = [size](const Eigen::VectorXcd& values) {
-    std::vector<Index> order(static_cast<std::size_t>(size));
-    for (Index i = 0; i < size; ++i) order[static_cast<std::size_t>(i)] = i;
-    std::sort(order.begin(), order.end(), [&](Index i, Index k) { return std::abs(values[i]) < std::abs(values[k]); });
-    return order;
-  };
-  const std::vector<Index> right_order = by_modulus(right.values);
-  const std::vector<Index> left_order = by_modulus(left.values);
+  // A pair is real and imaginary part of its upper vector, which stand at the places of both: eigenvalues that hardly
+  // differ may come as a pair, of which rounding would leave one half that is not the mirror image of the other.
+  [[nodiscard]] Eigen::VectorXd real_vector(Index rank) const {
+    const Index i = order[static_cast<std::size_t>(rank)];
+    if (all.values[i].imag() < 0) return all.vectors.col(i - 1).imag();
+    return all.vectors.col(i).real();
+  }
+
+  frac::detail::Eigensystem all;
+  std::vector<Index> order;
+};
+
+// The space of the fast modes, by columns and by rows with rows * columns = 1.
+struct FastSpace {
+  Index slow;  // number of the other modes
+  Matrix columns, rows;
+};
+
+FastSpace fast_space(const Modes& right, const Modes& left, double pace) {
+  const auto size = static_cast<Index>(right.order.size());
   std::vector<double> moduli;
-  for (const Index i : right_order) moduli.push_back(std::abs(right.values[i]));
+  for (const Index i : right.order) moduli.push_back(std::abs(right.all.values[i]));
   Index slow = slow_count(moduli, pace);
   // A pair is not parted.
   const auto parts_pair = [&] {
@@ -69,20 +79,14 @@ LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& 
                1e-9 * moduli[static_cast<std::size_t>(slow)];
   };
   while (parts_pair()) ++slow;
-  // A pair is real and imaginary part of its upper vector, which stand at the places of both: eigenvalues that hardly
-  // differ may come as a pair, of which rounding would leave one half that is not the mirror image of the other.
-  const auto real_vector = [](const frac::detail::Eigensystem& of, Index i) -> Eigen::VectorXd {
-    if (of.values[i].imag() < 0) return of.vectors.col(i - 1).imag();
-    return of.vectors.col(i).real();
-  };
   Matrix columns, rows;
   for (;;) {
     const Index fast = size - slow;
     columns.resize(size, fast);
     rows.resize(fast, size);
     for (Index i = 0; i < fast; ++i) {
-      columns.col(i) = real_vector(right, right_order[static_cast<std::size_t>(slow + i)]);
-      rows.row(i) = real_vector(left, left_order[static_cast<std::size_t>(slow + i)]).transpose();
+      columns.col(i) = right.real_vector(slow + i);
+      rows.row(i) = left.real_vector(slow + i).transpose();
     }
     if (fast == 0) break;
     rows = frac::detail::PivotedQr(rows * columns).solve(rows);
@@ -94,6 +98,19 @@ LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& 
     slow += worst + 1;
     while (parts_pair()) ++slow;
   }
+  return {slow, columns, rows};
+}
+
+}  // namespace
+
+LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& sizes) : scale_(sizes) {
+  const Index size = a.rows();
+  // Powers of two, so that scaling rounds nothing.
+  for (double& each : scale_) each = std::exp2(std::round(std::log2(each)));
+  const Eigen::VectorXd& scale = scale_;
+  const Matrix scaled = scale.cwiseInverse().asDiagonal() * a * scale.asDiagonal();
+  const Modes modes(scaled);
+  const auto [slow, columns, rows] = fast_space(modes, Modes(scaled.transpose()), pace);
   const Index fast = size - slow;
   if (fast == 0) {
     // As they are: over a million flights the rounding of a change of basis would add up.
@@ -105,11 +122,12 @@ LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& 
     to_slow_ = slow_basis_.transpose() * projection;
     slow_ = slow_basis_.transpose() * scaled * slow_basis_;
   }
+  const Eigen::VectorXcd& values = modes.all.values;
   std::vector<Index> place(static_cast<std::size_t>(size), -1);
   for (Index i = 0; i < fast; ++i) {
-    place[static_cast<std::size_t>(right_order[static_cast<std::size_t>(slow + i)])] = i;
+    place[static_cast<std::size_t>(modes.order[static_cast<std::size_t>(slow + i)])] = i;
   }
-  const auto is_kept = [&](Index i) { return place[static_cast<std::size_t>(i)] >= 0 && right.values[i].imag() >= 0; };
+  const auto is_kept = [&](Index i) { return place[static_cast<std::size_t>(i)] >= 0 && values[i].imag() >= 0; };
   Index count = 0;
   for (Index i = 0; i < size; ++i) count += is_kept(i);
   rates_.resize(count);
@@ -117,7 +135,7 @@ LinearFlight::LinearFlight(const Matrix& a, double pace, const Eigen::VectorXd& 
   to_fast_.resize(count, size);
   for (Index i = 0, k = 0; i < size; ++i) {
     if (!is_kept(i)) continue;
-    rates_[k] = right.values[i];
+    rates_[k] = values[i];
     const Index at = place[static_cast<std::size_t>(i)];
     to_fast_.row(k) = rows.row(at).cast<Complex>();
     fast_basis_.col(k) = columns.col(at).cast<Complex>();
