@@ -175,7 +175,7 @@ void measure(DigitalPower& result) {
 std::string size_text(const DigitalPower& result) {
   const std::size_t sections = result.parallel.rates.size();
   const std::size_t taps = result.taps.size();
-  const std::string in_sections = detail::counted(sections, "section");
+  std::string in_sections = detail::counted(sections, "section");
   if (taps == 1) return in_sections;
   const std::string own = std::to_string(taps) + " taps";
   return sections == 0 ? own : in_sections + " and " + own;

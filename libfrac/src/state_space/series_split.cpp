@@ -38,6 +38,7 @@ std::vector<Sum> copies(const std::vector<PowerFactor>& factors, double& gain) {
 
 std::vector<PowerFactor> as_factors(const std::vector<Sum>& sums) {
   std::vector<PowerFactor> factors;
+  factors.reserve(sums.size() + 1);
   for (const Sum& sum : sums) factors.push_back({sum, 1});
   if (factors.empty()) factors.push_back({{{1, 0}}, 1});
   return factors;
