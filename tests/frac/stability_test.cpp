@@ -31,6 +31,19 @@ Stability stability(const char* formula) {
   return frac::analyse_stability(model(formula)).stability;
 }
 
+// The roots of s^n = -1 lie 2 pi/n apart.  Up to n = 2000 they are told apart, half of them in the upper half-plane.
+TEST(Stability, OrdersThatLieTooFarApartAreToldAtOnce) {
+  const frac::StabilityAnalysis far = frac::analyse_stability(model("1/(s^2000 + 1)"));
+  EXPECT_EQ(far.stability, Stability::unstable);
+  EXPECT_EQ(far.poles.size(), 1000u);
+  for (const auto& pole : far.poles) EXPECT_NEAR(std::abs(pole.value), 1, 1e-12);
+  for (const char* formula : {"1/(s^2001 + 1)", "1/(s^1e5 + s^0.5 + 1)", "(s^1e9 + 2)/(s^1e9 + s^1.5 + 1)"}) {
+    const frac::StabilityAnalysis result = frac::analyse_stability(model(formula));
+    EXPECT_EQ(result.stability, Stability::undetermined) << formula;
+    EXPECT_NE(result.remark.find("more than 2000 apart"), std::string::npos) << result.remark;
+  }
+}
+
 TEST(Stability, AMultiplePoleIsListedOnceAndToRounding) {
   const auto poles_of = [](const char* formula) {
     return frac::analyse_stability(frac::FractionalTransferFunction::parse(formula)).poles;

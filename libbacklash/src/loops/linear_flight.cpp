@@ -89,7 +89,7 @@ FastSpace fast_space(const Modes& right, const Modes& left, double pace) {
       rows.row(i) = left.real_vector(slow + i).transpose();
     }
     if (fast == 0) break;
-    rows = (frac::detail::PlainQr(rows * columns).dual().transpose() * rows).eval();
+    rows = frac::detail::solve_square(rows * columns, rows);
     Index worst = -1;
     for (Index i = 0; i < fast; ++i) {
       if (!(rows.row(i).norm() < most_skew)) worst = i;

@@ -2,6 +2,7 @@
 #include "base/linear_algebra.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
 
 namespace frac::detail {
@@ -77,6 +78,10 @@ Eigen::MatrixXd shortest_solution(const Eigen::MatrixXd& matrix, const Eigen::Ma
   if (basis.cols() == 0) return Eigen::MatrixXd::Zero(matrix.cols(), right.cols());
   const Eigen::MatrixXd rows = basis.transpose() * matrix;
   return PlainQr(rows.transpose()).dual() * (basis.transpose() * right);
+}
+
+Eigen::MatrixXd solve_square(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& right) {
+  return matrix.partialPivLu().solve(right);
 }
 
 Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right) {

@@ -74,6 +74,9 @@ struct RightSingularVectors {
 /// The shortest of all x with least |matrix x - right|, column by column, whatever the rank.
 [[nodiscard]] Eigen::MatrixXd shortest_solution(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& right);
 
+/// Solution for a regular square matrix whose rows may be of any sizes, by L U.
+[[nodiscard]] Eigen::MatrixXd solve_square(const Eigen::MatrixXd& matrix, const Eigen::MatrixXd& right);
+
 /// Solution for a symmetric matrix that is not indefinite, by L D L'; only the lower triangle is read.
 [[nodiscard]] Eigen::VectorXd solve_symmetric(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& right);
 

@@ -23,7 +23,7 @@ namespace {
 using Complex = std::complex<double>;
 using detail::ScaledSum;
 constexpr double pi = std::numbers::pi;
-// Radians that dead time may turn along the contour: each takes a few evaluations.
+// Radians that dead time and powers may turn along the contour: each takes a few evaluations.
 constexpr double largest_turning = 1e6;
 
 // Returns where a condition that holds from `low` on, if anywhere, ceases to hold; `low` where it holds nowhere.
@@ -203,7 +203,9 @@ ClosedLoopStability analyse_closed_loop(const FractionalTransferFunction& loop) 
   const Characteristic characteristic(loop);
   const auto stretch = characteristic.stretch();
   const double first = stretch.first, last = stretch.last;
-  if (loop.delay() * std::exp(last) > largest_turning) return {Stability::undetermined, 0};
+  if (loop.delay() * std::exp(last) + loop.denominator().front().order > largest_turning) {
+    return {Stability::undetermined, 0};
+  }
   const auto turns = [&](double angle) {
     return detail::winding_number([&](Complex zeta) { return characteristic.at(zeta); },
                                   {{first, -angle}, {last, -angle}, {last, angle}, {first, angle}});

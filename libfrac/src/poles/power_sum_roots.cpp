@@ -20,6 +20,8 @@ using Complex = std::complex<double>;
 
 // Roots closer than that in ln s make one cluster.
 constexpr double one_cluster = 1e-3;
+// The roots of s^n = c lie 2 pi/n apart in ln s: three times that of a cluster here, and beyond it soon in one cluster.
+constexpr double largest_order = 2000;
 
 struct Box {
   double left, right, bottom, top;
@@ -442,6 +444,11 @@ PowerSumRoots power_sum_roots(const std::vector<PowerTerm>& sum, double largest_
   std::vector<PowerTerm> reduced = sum;
   const double lowest = sum.back().order;
   for (PowerTerm& term : reduced) term.order -= lowest;
+  if (reduced.front().order > largest_order) {
+    result.complete = false;
+    result.trouble = "orders that lie more than 2000 apart have roots too close together to tell them apart";
+    return result;
+  }
   Search search(reduced);
   const auto conclude = [&](bool cut_off) {
     result.clusters = clustered(search.found());
