@@ -53,7 +53,7 @@ TEST(PowerSumRoots, AreThoseOfTheTable) {
 TEST(PowerSumRoots, OfCommensurateOrdersAreThePowersOfPolynomialRoots) {
   support::Random random(1);
   for (int trial = 0; trial < 60; ++trial) {
-    const double q = random.uniform(0.2, 1.5);
+    const double q = trial % 3 == 0 ? 1 : random.uniform(0.2, 1.5);
     std::vector<PowerTerm> sum{{1, 0}};
     std::vector<Complex> expected;
     const std::size_t pairs = 1 + random.below(4);

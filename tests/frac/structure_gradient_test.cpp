@@ -6,6 +6,7 @@
 #include <functional>
 #include <numbers>
 
+#include "formula/program.hpp"
 #include "frac/structure.hpp"
 #include "support/random.hpp"
 
@@ -83,16 +84,18 @@ std::vector<Long> shifted(const std::vector<double>& parameters, std::size_t ind
 
 class StructureGradient : public testing::TestWithParam<std::size_t> {};
 
+constexpr double on_axis = std::numbers::pi / 2;
+
 // Reference: central difference of sixth order in long double, step 2e-5 relative.  Its rounding is 1e-19/2e-5 = 5e-15
 // of |G/p|; its truncation (2e-5 x)^6/140 with x = |p dG/dp|/|G| up to 150 (angles of exp and tanh) or so, as much
 // again.  The routine in double is good to some eps times the condition of the formula, x again times the cancellation
 // in its sums, which stays below 50 for the parameters drawn: 2e-12 in all.
-TEST_P(StructureGradient, AgreesWithDifferencesInLongDouble) {
-  const Case& each = cases[GetParam()];
+void agrees_with_differences(const Case& each, std::uint64_t seed, double angle) {
   const std::string formula = each.formula;
   const frac::Structure structure(formula);
+  const frac::detail::Program program(structure.expression());
   const std::size_t count = structure.parameter_names().size();
-  support::Random random(7 + GetParam());
+  support::Random random(seed);
   for (int draw = 0; draw < 40; ++draw) {
     std::vector<double> parameters;
     for (std::size_t i = 0; i < count; ++i) {
@@ -100,9 +103,14 @@ TEST_P(StructureGradient, AgreesWithDifferencesInLongDouble) {
       parameters.push_back(is_order ? random.uniform(0.1, 1.9) : random.log_uniform(0.1, 3));
     }
     const double omega = random.log_uniform(0.02, 50);
-    const LongComplex s(0, omega);
+    const LongComplex s = angle == on_axis ? LongComplex(0, omega) : std::polar(Long(omega), Long(angle));
     std::vector<Complex> gradient(count);
-    const Complex value = structure.response_and_gradient(parameters, omega, frac::ExactRealisation{}, gradient);
+    Complex value;
+    if (angle == on_axis) {
+      value = structure.response_and_gradient(parameters, omega, frac::ExactRealisation{}, gradient);
+    } else {
+      program.evaluate_on_ray(parameters, angle, {&omega, 1}, {&value, 1}, gradient);
+    }
     const LongComplex exact = each.model(std::vector<Long>(parameters.begin(), parameters.end()), s);
     const auto size = static_cast<double>(std::abs(exact));
     EXPECT_LT(std::abs(value - Complex(exact)), 1e-12 * (size + 1e-3)) << formula;
@@ -115,8 +123,19 @@ TEST_P(StructureGradient, AgreesWithDifferencesInLongDouble) {
       const LongComplex reference = (45.0L * difference(1) - 9.0L * difference(2) + difference(3)) / (60.0L * step);
       const auto scale = static_cast<double>(std::abs(reference)) + size / parameters[i];
       EXPECT_LT(std::abs(gradient[i] - Complex(reference)), 2e-12 * scale)
-          << formula << ", " << structure.parameter_names()[i] << " at omega " << omega;
+          << formula << ", " << structure.parameter_names()[i] << " at " << omega << ", " << angle;
     }
+  }
+}
+
+TEST_P(StructureGradient, AgreesWithDifferencesInLongDouble) {
+  agrees_with_differences(cases[GetParam()], 7 + GetParam(), on_axis);
+}
+
+// Those whose sums do not cancel on the real axis.
+TEST(StructureGradient, HoldsOnRaysBesideTheImaginaryAxis) {
+  for (std::size_t i = 0; i < 6; ++i) {
+    for (const double angle : {0.0, 0.8, 1.2}) agrees_with_differences(cases[i], 31 + i, angle);
   }
 }
 

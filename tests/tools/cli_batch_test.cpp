@@ -117,6 +117,68 @@ TEST_F(Batch, MoreShardsThanFilesLeaveSomeEmpty) {
   EXPECT_NE(result.error.find("7 of 7 files are missing"), std::string::npos) << result.error;
 }
 
+// Of four shards one is whole, one has lost its last row and its end, one has a digit changed, and one is not there.
+TEST_F(Batch, SaysHowFarShardsAreAndWhichToRunAgain) {
+  for (const std::string extension : {".csv", ".jsonl"}) {
+    const auto path = [&](int shard) { return folder.path(std::to_string(shard) + extension); };
+    for (int shard = 1; shard <= 3; ++shard)
+      EXPECT_EQ(run_fracfit(command({"--shard", std::to_string(shard) + "/4", "--out", path(shard)})).code, 0);
+    const auto lines = lines_of(content_of(path(2)));
+    std::string cut;
+    for (std::size_t i = 0; i + 2 < lines.size(); ++i) cut += lines[i] + "\n";
+    folder.write("2" + extension, cut);
+    const auto finished = content_of(path(3));
+    auto changed = finished;
+    changed.at(changed.find("21", changed.rfind("force_7.csv"))) = '3';
+    folder.write("3" + extension, changed);
+
+    const auto result = run_fracfit({"merge", path(3), path(1), path(2), "--status", "--format", "json"});
+    EXPECT_EQ(result.code, 1) << result.error;
+    const auto status = Json::parse(result.output);
+    EXPECT_EQ(status["shards_to_do"], "2-4");
+    const std::vector<std::string> states{"found a checksum", "finished", "unfinished"};
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      EXPECT_NE(status["rows"][i]["state"].get<std::string>().find(states[i]), std::string::npos) << result.output;
+      EXPECT_EQ(status["rows"][i]["expected_rows"], 2);
+      EXPECT_EQ(status["rows"][i]["rows"], states[i] == "unfinished" ? 1 : 2);
+    }
+
+    const auto missing = run_fracfit({"merge", path(1), path(2), "--out", "-"});
+    EXPECT_EQ(missing.code, 1);
+    EXPECT_NE(missing.error.find("--array=2-4"), std::string::npos) << missing.error;
+    for (const auto& fault : {changed, finished + lines.back() + "\n"}) {
+      folder.write("3" + extension, fault);
+      const auto refused = run_fracfit({"merge", path(1), path(3), "--out", "-"});
+      EXPECT_EQ(refused.code, 3);
+      EXPECT_NE(refused.error.find("changed or lost"), std::string::npos) << refused.error;
+    }
+  }
+}
+
+// A whole table is no shard; what is unfinished has its rows checked one by one.
+TEST_F(Batch, ShardsOfOtherKindsAreRefused) {
+  const auto shard = [&](const std::string& text) {
+    const auto path = folder.path("{shard}.csv");
+    EXPECT_EQ(run_fracfit(command({"--shard", text, "--out", path})).code, 0);
+  };
+  shard("1/3");
+  shard("1/4");
+  static_cast<void>(whole("all.csv"));
+  auto wrong = content_of(folder.path("1-of-3.csv"));
+  wrong.resize(wrong.rfind("# checksum"));
+  wrong.replace(wrong.find(",21,") + 1, 2, "x1");
+  folder.write("wrong.csv", wrong);
+  for (const auto& [other, part] : std::vector<std::pair<std::string, std::string>>{
+           {"all.csv", "expected shards"}, {"1-of-4.csv", "is one of 4 shards"}, {"data/force_1.csv", "batch"}}) {
+    const auto result = run_fracfit({"merge", folder.path("1-of-3.csv"), folder.path(other), "--status"});
+    EXPECT_EQ(result.code, 3);
+    EXPECT_NE(result.error.find(part), std::string::npos) << result.error;
+  }
+  const auto result = run_fracfit({"merge", folder.path("wrong.csv"), "--out", "-"});
+  EXPECT_EQ(result.code, 3);
+  EXPECT_NE(result.error.find("found 'x1' in column 'points'"), std::string::npos) << result.error;
+}
+
 TEST_F(Batch, AnInterruptedRunResumesToTheSameBytes) {
   for (const std::string extension : {".csv", ".jsonl"}) {
     const auto single = whole("all" + extension);

@@ -143,6 +143,8 @@ TEST(Map, TakesItsShardFromTheEnvironment) {
                "1/2");
   expect_shard("auto", {{"PMI_RANK", "4"}, {"PMI_SIZE", "5"}}, "5/5");
   expect_shard("auto", {{"SLURM_PROCID", "1"}, {"SLURM_NTASKS", "3"}}, "2/3");
+  expect_shard("auto/3", {{"PMIX_RANK", "2"}}, "3/3");
+  expect_shard("auto", {{"PMIX_RANK", "0"}, {"OMPI_COMM_WORLD_RANK", "1"}, {"OMPI_COMM_WORLD_SIZE", "2"}}, "2/2");
   expect_shard("auto/6", {{"PBS_ARRAY_INDEX", "6"}}, "6/6");
   expect_shard("auto/6", {{"JOB_COMPLETION_INDEX", "0"}}, "1/6");
   // Two ranks in each of three tasks are six shards.
@@ -156,6 +158,9 @@ TEST(Map, TakesItsShardFromTheEnvironment) {
   for (const auto& [shard, variables, part] : std::vector<std::tuple<std::string, Variables, std::string>>{
            {"auto", {}, "expected i/n"},
            {"auto", {{"PBS_ARRAY_INDEX", "2"}}, "expected auto/n"},
+           {"auto", {{"PMIX_RANK", "2"}}, "expected auto/n"},
+           {"auto/4", {{"PBS_ARRAY_INDEX", "2"}, {"PMIX_RANK", "1"}}, "outside of an array"},
+           {"auto/2", {{"PMIX_RANK", "2"}}, "at most 2"},
            {"auto",
             {{"SLURM_ARRAY_TASK_ID", "3"}, {"SLURM_ARRAY_TASK_MIN", "3"}, {"SLURM_ARRAY_TASK_MAX", "5"}},
             "not 1-n"},

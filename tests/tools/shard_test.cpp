@@ -33,6 +33,8 @@ TEST(Shard, EachPieceBelongsToOneShardInItsOrder) {
 
 TEST(Shard, PiecesOfEqualCostGoRound) {
   EXPECT_EQ(io::shards_of({1, 1, 1, 1, 1}, 2), (std::vector<std::size_t>{1, 2, 1, 2, 1}));
+  EXPECT_EQ(io::part_of(5, {2, 2}), (std::vector<std::size_t>{1, 3}));
+  EXPECT_TRUE(io::part_of(5, {9, 9}).empty());
 }
 
 // Of loads that the costliest pieces fill first, none exceeds the mean by more than the last piece it took, and while

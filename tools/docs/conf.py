@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Settings of the site that tools/make-docs builds.
 import os
+import re
 import sys
 
+from docutils import nodes
 from pygments.lexer import RegexLexer, bygroups
 from pygments.token import Generic, Text
 
@@ -52,5 +54,15 @@ class TerminalLexer(RegexLexer):
     }
 
 
+def keep_numbers_whole(app, doctree, page):
+    """Browsers would break 2e-16 behind its hyphen."""
+    for text in list(doctree.findall(nodes.Text)):
+        parts = re.split(r"(\d[\d.]*e-\d+)", text)
+        if len(parts) > 1 and not isinstance(text.parent, (nodes.literal, nodes.literal_block)):
+            pieces = (nodes.inline("", each, classes=["number"]) if i % 2 else nodes.Text(each) for i, each in enumerate(parts))
+            text.parent.replace(text, list(pieces))
+
+
 def setup(app):
     app.add_lexer("console", TerminalLexer)
+    app.connect("doctree-resolved", keep_numbers_whole)

@@ -15,6 +15,7 @@
 #include "io/fingerprint.hpp"
 #include "io/line_reader.hpp"
 #include "io/output_file.hpp"
+#include "io/readable_file.hpp"
 
 namespace io {
 namespace {
@@ -130,17 +131,7 @@ std::size_t ResultStream::size() const {
 std::string ResultStream::text(const std::string& key) const {
   const std::lock_guard guard(mutex_);
   const Place place = pieces_.at(key);
-  std::string text(place.size, '\0');
-  for (std::size_t done = 0; done < text.size();) {
-    const auto got =
-        ::pread(file_.number(), text.data() + done, text.size() - done, static_cast<off_t>(place.begin + done));
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0)
-      throw std::runtime_error("cannot read " + path_ + ": " +
-                               (got < 0 ? std::strerror(errno) : "another program has cut it"));
-    done += static_cast<std::size_t>(got);
-  }
-  return text;
+  return read_at(file_.number(), place.begin, place.size, path_);
 }
 
 std::string ResultStream::remark(const std::string& key) const {

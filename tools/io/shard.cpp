@@ -87,15 +87,24 @@ Shard shard_of_environment(std::size_t count) {
     found = true;
   }
   const bool in_array = found;
+  bool has_rank = false;
   for (const Ranks& launcher : launchers) {
     const auto index = variable(launcher.index), size = variable(launcher.count);
     if (!index || !size || rank.count > 1) continue;
     rank = {*index + 1, *size};
+    found = has_rank = true;
+  }
+  // PMIx alone tells the rank, but not in the environment how many there are.
+  if (const auto index = variable("PMIX_RANK"); index && !has_rank) {
+    if (count == 0 || in_array)
+      throw std::invalid_argument("found " + entry("PMIX_RANK") +
+                                  ", but not how many processes there are; expected auto/n, outside of an array");
+    rank = {*index + 1, count};
     found = true;
   }
   if (!found)
     throw std::invalid_argument(
-        "found no variable of Slurm, SGE, PBS, Kubernetes, Open MPI or PMI in the environment; expected i/n");
+        "found no variable of Slurm, SGE, PBS, Kubernetes, Open MPI, PMI or PMIx in the environment; expected i/n");
   Shard shard{(task.index - 1) * rank.count + rank.index, task.count * rank.count};
   if (count > 0) {
     if (!in_array && rank.count != count)
@@ -135,6 +144,12 @@ std::vector<std::size_t> shards_of(const std::vector<double>& cost, std::size_t 
     loads.emplace(load + cost[i], shard);
   }
   return owner;
+}
+
+std::vector<std::size_t> part_of(std::size_t pieces, const Shard& shard) {
+  std::vector<std::size_t> part;
+  for (std::size_t i = shard.index - 1; i < pieces; i += shard.count) part.push_back(i);
+  return part;
 }
 
 std::string list_of(const std::vector<std::size_t>& numbers) {

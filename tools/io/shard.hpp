@@ -27,7 +27,7 @@ inline constexpr std::string_view shard_key = "shard";
 [[nodiscard]] std::optional<Shard> shard_from(std::string_view text);
 
 /// The shard that a batch system or a launcher has given this process: its number in an array of tasks (Slurm, SGE,
-/// PBS, Kubernetes), its rank among the processes started together (Open MPI, PMI, srun), or both.
+/// PBS, Kubernetes), its rank among the processes started together (Open MPI, PMI, PMIx, srun), or both.
 /// @param count  number of all shards; 0 where the environment tells it
 /// @throws std::invalid_argument  no such variable is set, the number of shards cannot be told, or does not fit.
 [[nodiscard]] Shard shard_of_environment(std::size_t count);
@@ -55,10 +55,7 @@ template <typename Piece>
     if (owner[i] == shard.index) part.push_back(all[i]);
   return part;
 }
-/// The same for pieces of equal cost.
-template <typename Piece>
-[[nodiscard]] std::vector<Piece> part_of(const std::vector<Piece>& all, const Shard& shard) {
-  return part_of(all, shard, std::vector<double>(all.size(), 1));
-}
+/// Places, from 0, of a shard's pieces where all have equal cost.
+[[nodiscard]] std::vector<std::size_t> part_of(std::size_t pieces, const Shard& shard);
 
 }  // namespace io

@@ -1,15 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "io/shard_file.hpp"
 
-#include <fcntl.h>
-#include <sys/mman.h>
-#include <sys/resource.h>
-#include <sys/stat.h>
-
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
 #include <map>
 #include <optional>
 #include <stdexcept>
@@ -20,10 +13,10 @@
 #include "io/data_error.hpp"
 #include "io/descriptor.hpp"
 #include "io/fingerprint.hpp"
-#include "io/input_text.hpp"
 #include "io/line_reader.hpp"
 #include "io/number.hpp"
 #include "io/number_list.hpp"
+#include "io/readable_file.hpp"
 #include "io/shard.hpp"
 
 namespace io {
@@ -40,20 +33,6 @@ constexpr std::array<std::pair<std::string_view, const char*>, 4> options{{{"for
                                                                            {"clearance_m", "--clearance"},
                                                                            {"restitution", "--restitution"},
                                                                            {frequency_column, "--omega"}}};
-
-// What can be read only once is kept in memory.
-Descriptor readable(const std::string& file) {
-  struct stat status {};
-  if (file != "-" && ::stat(file.c_str(), &status) == 0 && S_ISREG(status.st_mode)) {
-    Descriptor descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC));
-    if (descriptor.number() >= 0) return descriptor;
-    throw DataError(file, 0, 0, std::string("cannot be read: ") + std::strerror(errno));
-  }
-  Descriptor descriptor(::memfd_create("fracfit", MFD_CLOEXEC));
-  if (descriptor.number() < 0) throw std::runtime_error(std::string("cannot keep an input: ") + std::strerror(errno));
-  write_all(descriptor.number(), *input_text(file), file);
-  return descriptor;
-}
 
 // The lines above the rows.
 struct Head {
@@ -277,22 +256,10 @@ std::size_t buffer_for(std::size_t files) {
   return std::clamp(all / std::max<std::size_t>(files, 1), least, most);
 }
 
-// Every shard stays open while the table is written.
-void allow_open_files(std::size_t count) {
-  rlimit limit{};
-  constexpr rlim_t others = 32;
-  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= count + others) return;
-  limit.rlim_cur = std::min<rlim_t>(limit.rlim_max, count + others);
-  static_cast<void>(::setrlimit(RLIMIT_NOFILE, &limit));
-}
-
 void require_same_table(const ShardReader& first, const ShardReader& other) {
   if (other.head().text != first.head().text)
     throw DataError(other.file(), 0, 0, "stems from another command or version than " + first.file());
-  if (other.head().shard.count != first.head().shard.count)
-    throw DataError(other.file(), 0, 0,
-                    "is one of " + std::to_string(other.head().shard.count) + " shards; expected, as in " +
-                        first.file() + ", one of " + std::to_string(first.head().shard.count));
+  require_shard_count(first.head().shard.count, other.head().shard.count, first.file(), other.file());
 }
 
 void require_block_table(const std::string& file, const std::string& first) {
@@ -304,6 +271,13 @@ void require_block_table(const std::string& file, const std::string& first) {
 
 std::string checksum_line(const Fingerprint& text) {
   return std::string(checksum_start) + text.text() + "\n";
+}
+
+void require_shard_count(std::size_t of_first, std::size_t count, const std::string& first, const std::string& file) {
+  if (count == of_first) return;
+  throw DataError(file, 0, 0,
+                  "is one of " + std::to_string(count) + " shards; expected, as in " + first + ", one of " +
+                      std::to_string(of_first));
 }
 
 bool is_block_table(const std::string& file) {

@@ -31,6 +31,9 @@ inline constexpr std::string_view unfinished_line = "# unfinished: the same comm
 ///                    and the missing shards as sbatch --array= takes them.
 void join_block_tables(const std::vector<std::string>& files, const OutputFile::Sink& sink);
 
+/// @throws DataError  a file is one of another number of shards than the first file.
+void require_shard_count(std::size_t of_first, std::size_t count, const std::string& first, const std::string& file);
+
 /// How far a shard is.
 struct ShardState {
   std::string file;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numbers>
 #include <tuple>
 #include <utility>
 
@@ -100,10 +101,20 @@ void Program::add_complex_step(const Expression& expression, const Node& node, c
 
 void Program::evaluate(std::span<const double> parameters, std::span<const double> omega,
                        const Realisation& realisation, std::span<Complex> value, std::span<Complex> gradient) const {
+  evaluate(parameters, std::numbers::pi / 2, omega, realisation, value, gradient);
+}
+
+void Program::evaluate_on_ray(std::span<const double> parameters, double angle, std::span<const double> modulus,
+                              std::span<Complex> value, std::span<Complex> gradient) const {
+  evaluate(parameters, angle, modulus, ExactRealisation{}, value, gradient);
+}
+
+void Program::evaluate(std::span<const double> parameters, double angle, std::span<const double> omega,
+                       const Realisation& realisation, std::span<Complex> value, std::span<Complex> gradient) const {
   // Kept per thread, so that a call allocates nothing once the vectors have grown to the formula.
   thread_local Workspace work;
   const bool with_gradient = !gradient.empty();
-  prepare(parameters, realisation, with_gradient, work);
+  prepare(parameters, angle, realisation, with_gradient, work);
   if (power_count_ > 0) work.grid.prepare(omega);
   for (std::size_t start = 0; start < omega.size(); start += block_size) {
     const std::size_t count = std::min(block_size, omega.size() - start);
@@ -123,14 +134,16 @@ void Program::evaluate(std::span<const double> parameters, std::span<const doubl
   }
 }
 
-void Program::prepare(std::span<const double> parameters, const Realisation& realisation, bool with_gradient,
-                      Workspace& work) const {
+void Program::prepare(std::span<const double> parameters, double angle, const Realisation& realisation,
+                      bool with_gradient, Workspace& work) const {
   const std::size_t reals = real_steps_.size();
   const std::size_t complexes = complex_steps_.size();
   const auto at_least = [](auto& vector, std::size_t size) {
     if (vector.size() < size) vector.resize(size);
   };
   work.real.resize(reals);
+  const bool on_axis = angle == std::numbers::pi / 2;
+  work.direction = on_axis ? Complex(0, 1) : std::polar(1.0, angle);
   at_least(work.value, complexes);
   at_least(work.powers, power_count_);
   if (with_gradient) {
@@ -167,7 +180,7 @@ void Program::prepare(std::span<const double> parameters, const Realisation& rea
       power.of_s.prepare(realisation, 1);
     } else {
       power.of_s.prepare(realisation, operand(step.right));
-      power.prepare_scale(operand(step.left), operand(step.right));
+      power.prepare_scale(operand(step.left), operand(step.right), angle);
     }
   }
 }

@@ -27,6 +27,10 @@ class Program {
   /// have been checked.
   void evaluate(std::span<const double> parameters, std::span<const double> omega, const Realisation& realisation,
                 std::span<std::complex<double>> value, std::span<std::complex<double>> gradient) const;
+  /// The same at s = modulus e^{j angle}, powers exact.
+  /// @param angle  0 to pi/2
+  void evaluate_on_ray(std::span<const double> parameters, double angle, std::span<const double> modulus,
+                       std::span<std::complex<double>> value, std::span<std::complex<double>> gradient) const;
 
  private:
   // c: complex operand, r: real operand, in the order left, right.
@@ -80,7 +84,11 @@ class Program {
   void add_real_step(const Node& node, const std::vector<int>& slot, const std::vector<Node>& nodes);
   void add_complex_step(const Expression& expression, const Node& node, const std::vector<int>& slot);
 
-  void prepare(std::span<const double> parameters, const Realisation& realisation, bool with_gradient,
+  /// At s = modulus e^{j angle}; on other rays than the imaginary axis the realisation is the exact one.
+  void evaluate(std::span<const double> parameters, double angle, std::span<const double> modulus,
+                const Realisation& realisation, std::span<std::complex<double>> value,
+                std::span<std::complex<double>> gradient) const;
+  void prepare(std::span<const double> parameters, double angle, const Realisation& realisation, bool with_gradient,
                Workspace& work) const;
   /// Frequencies omega, which are those of the grid from `first` on.
   void forward(std::span<const double> omega, std::size_t first, bool with_gradient, Workspace& work) const;

@@ -2,7 +2,6 @@
 // Values forwards and gradients backwards through the steps of a program, on one block of frequencies.
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "program.hpp"
 #include "program_workspace.hpp"
@@ -13,12 +12,16 @@ namespace {
 
 using Complex = std::complex<double>;
 
-void set_laplace(const PreparedPower& power, std::span<const double> omega, Lanes& out) {
-  for (std::size_t i = 0; i < omega.size(); ++i) out.set(i, power.value(omega[i]));
+void set_exact_laplace(Complex direction, std::span<const double> modulus, Lanes& out) {
+  for (std::size_t i = 0; i < modulus.size(); ++i) out.set(i, modulus[i] * direction);
 }
 
-void set_exact_laplace(std::span<const double> omega, Lanes& out) {
-  for (std::size_t i = 0; i < omega.size(); ++i) out.set(i, {0, omega[i]});
+void set_laplace(const PreparedPower& power, Complex direction, std::span<const double> modulus, Lanes& out) {
+  if (power.is_exact()) {
+    set_exact_laplace(direction, modulus, out);
+  } else {
+    for (std::size_t i = 0; i < modulus.size(); ++i) out.set(i, power.value(modulus[i]));
+  }
 }
 
 // out = a + sign b
@@ -64,19 +67,18 @@ void set_exact_power_of_s(const ScaledPower& power, const PowerGrid& grid, std::
                           Lanes* by_left, Lanes* by_right) {
   std::array<double, block_size> size;
   grid.powers(power.of_s.order(), first, {size.data(), n});
-  const Complex phase = power.conjugate ? std::conj(power.of_s.phase()) : power.of_s.phase();
-  const Complex scale = power.factor * phase;
+  const Complex scale = power.factor * power.phase;
   for (std::size_t i = 0; i < n; ++i) out.re[i] = scale.real() * size[i];
   for (std::size_t i = 0; i < n; ++i) out.im[i] = scale.imag() * size[i];
   if (by_left) {
-    const Complex slope = power.factor_by_coefficient * phase;
+    const Complex slope = power.factor_by_coefficient * power.phase;
     for (std::size_t i = 0; i < n; ++i) by_left->re[i] = slope.real() * size[i];
     for (std::size_t i = 0; i < n; ++i) by_left->im[i] = slope.imag() * size[i];
   }
   if (by_right) {
-    // d/dq of |c|^q omega^q e^{+-j q pi/2}.
-    const double angle = power.conjugate ? -std::numbers::pi / 2 : std::numbers::pi / 2;
-    const Complex constant = power.factor_by_order * phase;
+    // d/dq of |c|^q omega^q e^{j q angle}.
+    const double angle = power.angle;
+    const Complex constant = power.factor_by_order * power.phase;
     const double* log_omega = grid.log_omega().data() + first;
     for (std::size_t i = 0; i < n; ++i) {
       by_right->re[i] = out.re[i] * log_omega[i] - out.im[i] * angle + constant.real() * size[i];
@@ -207,8 +209,8 @@ void Program::forward(std::span<const double> omega, std::size_t first, bool wit
     const auto power = [&]() -> const ScaledPower& { return work.powers[static_cast<std::size_t>(step.power)]; };
     // clang-format off
     switch (step.code) {
-      case Code::laplace:       set_laplace(power().of_s, omega, out); break;
-      case Code::exact_laplace: set_exact_laplace(omega, out); break;
+      case Code::laplace:       set_laplace(power().of_s, work.direction, omega, out); break;
+      case Code::exact_laplace: set_exact_laplace(work.direction, omega, out); break;
       case Code::add_cc:        set_sum(left(), 1, right(), n, out); break;
       case Code::add_cr:        set_shifted(real_right(), 1, left(), n, out); break;
       case Code::subtract_cc:   set_sum(left(), -1, right(), n, out); break;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <complex>
 #include <cstddef>
+#include <numbers>
 #include <vector>
 
 #include "program.hpp"
@@ -42,12 +43,19 @@ struct Lanes {
 struct ScaledPower {
   PreparedPower of_s;
   bool conjugate = false;
+  // Where exact, of +-s = |s| e^{j angle}: its argument, and e^{j q angle}.
+  double angle = 0;
+  std::complex<double> phase = 1;
   double factor = 1;  // |c|^q
   double factor_by_coefficient = 0;
   double factor_by_order = 0;
 
-  void prepare_scale(double coefficient, double order) {
+  /// @param angle_of_s  0 to pi/2
+  void prepare_scale(double coefficient, double order, double angle_of_s) {
     conjugate = coefficient < 0;
+    angle = conjugate ? angle_of_s - std::numbers::pi : angle_of_s;
+    const bool on_axis = angle_of_s == std::numbers::pi / 2;
+    phase = !on_axis ? std::polar(1.0, order * angle) : conjugate ? std::conj(of_s.phase()) : of_s.phase();
     const double size = std::abs(coefficient);
     factor = coefficient == 1 ? 1 : std::pow(size, order);
     factor_by_coefficient = order == 0 ? 0 : std::copysign(order * std::pow(size, order - 1), order * coefficient);
@@ -61,6 +69,7 @@ struct Program::Workspace {
   std::vector<Lanes> value, adjoint, real_adjoint;
   std::vector<Lanes> by_left, by_right;  // stored derivatives of the steps that are no plain arithmetic
   PowerGrid grid;
+  std::complex<double> direction;  // of s
 };
 
 }  // namespace frac::detail

@@ -114,7 +114,9 @@ class Search {
   explicit Search(const std::vector<PowerTerm>& sum)
       : sum_(sum), is_polynomial_(std::all_of(sum.begin(), sum.end(), [](const PowerTerm& term) {
           return term.order == std::floor(term.order);
-        })) {}
+        })) {
+    for (const PowerTerm& term : sum) log_size_.push_back(std::log(std::abs(term.coefficient)));
+  }
 
   // NaN where an edge meets a root.
   [[nodiscard]] double count(const Box& box) const {
@@ -123,7 +125,7 @@ class Search {
           constexpr double nothing = std::numeric_limits<double>::quiet_NaN();
           work_ += sum_.size();
           if (work_ > most_work) return ValueAndSlope{nothing, nothing};
-          const ScaledSum f = scaled_sum(sum_, zeta);
+          const ScaledSum f = value_at(zeta);
           // Within rounding of 0 the phase says nothing: the edge meets a root.
           constexpr double noise = 4 * std::numeric_limits<double>::epsilon();
           if (std::abs(f.value) < noise * f.magnitude) return ValueAndSlope{nothing, nothing};
@@ -171,25 +173,25 @@ class Search {
   // holds: they are all then.
   bool find_from_balances(const Box& box, int expected) {
     const auto wanted = static_cast<std::size_t>(expected);
-    const std::vector<Complex> starts = balanced_points(box, wanted);
-    std::vector<Complex> known, inside;
-    const auto take = [&](std::optional<Complex> root) {
-      if (!root || !is_new(*root, known)) return false;
-      known.push_back(*root);
-      for (const Complex image : images(*root)) {
-        if (box.contains(image) && is_new(image, inside)) inside.push_back(image);
-      }
-      return true;
-    };
-    for (const Complex start : starts) take(polished(sum_, start));
-    for (const Complex start : starts) {
-      // Off the axes, on which the steps from a point on them would stay.
-      const Complex beside = start + Complex(0.07, 0.11);
-      while (inside.size() < wanted && take(polished_beside(known, beside))) {
-      }
-    }
-    if (inside.size() != wanted) return false;
-    for (const Complex root : inside) found_.push_back({root, 1, 0});
+    const auto inside = [&](const std::vector<Complex>& known) { return images_in(box, known); };
+    const std::vector<Complex> known = roots_from(
+        balanced_points(box, wanted), [&](const std::vector<Complex>& each) { return inside(each).size() < wanted; });
+    if (inside(known).size() != wanted) return false;
+    for (const Complex root : inside(known)) found_.push_back({root, 1, 0});
+    return true;
+  }
+
+  // The roots of a polynomial, which need not be counted first: as many distinct ones as its degree are all.  False
+  // where Newton's method does not find so many, as where some coincide.
+  bool find_of_polynomial(const Box& box) {
+    if (!is_polynomial_) return false;
+    const auto degree = static_cast<std::size_t>(sum_.front().order);
+    const Box plane{box.left, box.right, one_cluster - std::numbers::pi, one_cluster + std::numbers::pi};
+    const auto all = [&](const std::vector<Complex>& known) { return images_in(plane, known); };
+    const std::vector<Complex> known = roots_from(
+        balanced_points(plane, degree), [&](const std::vector<Complex>& each) { return all(each).size() < degree; });
+    if (all(known).size() != degree) return false;
+    for (const Complex root : images_in(box, known)) found_.push_back({root, 1, 0});
     return true;
   }
 
@@ -211,6 +213,38 @@ class Search {
   }
 
  private:
+  [[nodiscard]] ScaledSum value_at(Complex zeta) const { return scaled_sum(sum_, log_size_, zeta); }
+
+  // Distinct roots that Newton's method finds from there and then beside those, as long as more are wanted.
+  template <typename MoreWanted>
+  [[nodiscard]] std::vector<Complex> roots_from(const std::vector<Complex>& starts,
+                                                const MoreWanted& more_wanted) const {
+    std::vector<Complex> known;
+    const auto take = [&](std::optional<Complex> root) {
+      if (!root || !is_new(*root, known)) return false;
+      known.push_back(*root);
+      return true;
+    };
+    for (const Complex start : starts) take(polished(sum_, start));
+    for (const Complex start : starts) {
+      // Off the axes, on which the steps from a point on them would stay.
+      const Complex beside = start + Complex(0.07, 0.11);
+      while (more_wanted(known) && take(polished_beside(known, beside))) {
+      }
+    }
+    return known;
+  }
+
+  [[nodiscard]] std::vector<Complex> images_in(const Box& box, const std::vector<Complex>& roots) const {
+    std::vector<Complex> inside;
+    for (const Complex root : roots) {
+      for (const Complex image : images(root)) {
+        if (box.contains(image) && is_new(image, inside)) inside.push_back(image);
+      }
+    }
+    return inside;
+  }
+
   // Size of a box below which rounding hides where several roots lie in it.  About m of them the sum is c zeta^m, and
   // its edges must keep away from where that is no more than rounding.
   [[nodiscard]] double blur(const Box& box, int multiplicity) const {
@@ -276,17 +310,22 @@ class Search {
     return result;
   }
 
+  [[nodiscard]] bool is_real(Complex root) const {
+    const double beside = is_polynomial_ ? std::remainder(root.imag(), std::numbers::pi) : root.imag();
+    return std::abs(beside) < one_cluster;
+  }
+
   // A root from there that none of the known ones and their conjugates attracts.
   [[nodiscard]] std::optional<Complex> polished_beside(const std::vector<Complex>& known, Complex zeta) const {
     const auto divided_by = [&](Complex root) {
       return is_polynomial_ ? 1.0 / (1.0 - std::exp(root - zeta)) : 1.0 / (zeta - root);
     };
     for (int i = 0; i < 60; ++i) {
-      const ScaledSum f = scaled_sum(sum_, zeta);
+      const ScaledSum f = value_at(zeta);
       Complex slope = f.slope / f.value;
       for (const Complex root : known) {
         slope -= divided_by(root);
-        if (is_new(std::conj(root), {root})) slope -= divided_by(std::conj(root));
+        if (!is_real(root)) slope -= divided_by(std::conj(root));
       }
       Complex step = 1.0 / slope;
       if (!std::isfinite(step.real()) || !std::isfinite(step.imag())) return std::nullopt;
@@ -342,6 +381,7 @@ class Search {
   static constexpr std::size_t most_work = 40'000'000;
 
   const std::vector<PowerTerm>& sum_;
+  std::vector<double> log_size_;  // of its coefficients
   bool is_polynomial_;
   std::vector<Found> found_;
   bool complete_ = true;
@@ -405,23 +445,7 @@ PowerSumRoots power_sum_roots(const std::vector<PowerTerm>& sum, double largest_
   const double lowest = sum.back().order;
   for (PowerTerm& term : reduced) term.order -= lowest;
   Search search(reduced);
-  // Edges that meet a root are moved a little.
-  for (int attempt = 0; attempt < 8; ++attempt) {
-    const double shift = 0.0137 * (attempt + 1);
-    const double top = largest_argument + shift;
-    Box box{dominance(reduced, reduced.back(), -1, top) - 1 - shift,
-            dominance(reduced, reduced.front(), 1, top) + 1 + shift, -shift, top};
-    if (!(box.left < box.right)) return result;  // no two terms cancel
-    // Nearly equal orders move roots out of any range: below this |s| is 0 to a double, and beyond the edges of the box
-    // would be too long to follow.
-    box.left = std::max(box.left, -800 - shift);
-    constexpr double farthest = 20'000;
-    const bool cut_off = box.right > farthest + shift;
-    box.right = std::max(std::min(box.right, farthest + shift), box.left + 1);
-    const double count = search.count(box);
-    if (!(std::abs(count - std::round(count)) < 0.01)) continue;
-    const int expected = static_cast<int>(std::lround(count));
-    if (!search.find_from_balances(box, expected)) search.divide(box, expected, 200);
+  const auto conclude = [&](bool cut_off) {
     result.clusters = clustered(search.found());
     for (RootCluster& cluster : result.clusters) search.polish(cluster);
     std::erase_if(result.clusters,
@@ -435,6 +459,27 @@ PowerSumRoots power_sum_roots(const std::vector<PowerTerm>& sum, double largest_
       result.trouble = "some lie too close together for the precision of the coefficients";
     }
     return result;
+  };
+  // Below e^-800 |s| is 0 to a double, and beyond e^20000 the edges of the box would be too long to follow.
+  constexpr double nearest = -800, farthest = 20'000;
+  if (search.find_of_polynomial({nearest, farthest, -one_cluster, largest_argument + one_cluster}))
+    return conclude(false);
+  // Edges that meet a root are moved a little.
+  for (int attempt = 0; attempt < 8; ++attempt) {
+    const double shift = 0.0137 * (attempt + 1);
+    const double top = largest_argument + shift;
+    Box box{dominance(reduced, reduced.back(), -1, top) - 1 - shift,
+            dominance(reduced, reduced.front(), 1, top) + 1 + shift, -shift, top};
+    if (!(box.left < box.right)) return result;  // no two terms cancel
+    // Nearly equal orders move roots out of any range.
+    box.left = std::max(box.left, nearest - shift);
+    const bool cut_off = box.right > farthest + shift;
+    box.right = std::max(std::min(box.right, farthest + shift), box.left + 1);
+    const double count = search.count(box);
+    if (!(std::abs(count - std::round(count)) < 0.01)) continue;
+    const int expected = static_cast<int>(std::lround(count));
+    if (!search.find_from_balances(box, expected)) search.divide(box, expected, 200);
+    return conclude(cut_off);
   }
   result.complete = false;
   result.trouble = search.gave_up() ? "their search was given up at its limit of 40 million terms evaluated"

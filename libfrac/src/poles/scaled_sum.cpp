@@ -41,12 +41,16 @@ Complex exponential_rest(Complex x, int order) {
 
 }  // namespace
 
-ScaledSum scaled_sum(const std::vector<PowerTerm>& terms, Complex zeta) {
+namespace {
+
+/// @param log_size  of a term's coefficient, from its place among the terms
+template <typename LogSize>
+ScaledSum sum_of(const std::vector<PowerTerm>& terms, Complex zeta, const LogSize& log_size) {
   // Every search for roots comes through here.
   throw_if_cancelled();
   double scale = -std::numeric_limits<double>::infinity();
-  for (const PowerTerm& term : terms) {
-    scale = std::max(scale, std::log(std::abs(term.coefficient)) + term.order * zeta.real());
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    scale = std::max(scale, log_size(i) + terms[i].order * zeta.real());
   }
   ScaledSum sum{0, 0, scale, 0};
   for (const PowerTerm& term : terms) {
@@ -56,6 +60,16 @@ ScaledSum scaled_sum(const std::vector<PowerTerm>& terms, Complex zeta) {
     sum.magnitude += std::abs(value);
   }
   return sum;
+}
+
+}  // namespace
+
+ScaledSum scaled_sum(const std::vector<PowerTerm>& terms, Complex zeta) {
+  return sum_of(terms, zeta, [&](std::size_t i) { return std::log(std::abs(terms[i].coefficient)); });
+}
+
+ScaledSum scaled_sum(const std::vector<PowerTerm>& terms, const std::vector<double>& log_size, Complex zeta) {
+  return sum_of(terms, zeta, [&](std::size_t i) { return log_size[i]; });
 }
 
 ScaledSum scaled_sum(const PowerProduct& product, Complex zeta) {

@@ -17,6 +17,9 @@ struct ScaledSum {
   double magnitude;  // sum of the moduli of the terms of value
 };
 [[nodiscard]] ScaledSum scaled_sum(const std::vector<PowerTerm>& terms, std::complex<double> zeta);
+/// @param log_size  ln|coefficient| of each term, for many sums of the same terms
+[[nodiscard]] ScaledSum scaled_sum(const std::vector<PowerTerm>& terms, const std::vector<double>& log_size,
+                                   std::complex<double> zeta);
 
 /// The same of a product, from its factors; magnitude: relative to |value|, the sum of those of its factors.
 [[nodiscard]] ScaledSum scaled_sum(const PowerProduct& product, std::complex<double> zeta);

@@ -24,28 +24,53 @@ constexpr std::size_t most_integrators = 8;
 
 using SensitiveTerms = std::vector<ExponentialTerm<ComplexRow>>;
 
-// Nodes on a circle about each pole that the rule does not account for.  The circle is so small that e^{st} on it does
-// not grow far beyond its value at the middle and decays about as fast.  Its radius is at most a quarter of the way to
-// the next pole or node, so that n points leave an error of 4^-n.
-void add_circles(const LaplaceImage& image, const CutRule& rule, SensitiveImage& sensitive, double latest,
+// Whether the image and its derivatives are ratios of polynomials, which have no branch cut.
+bool is_rational(const RatioOfPowerSums& ratio) {
+  const auto is_whole = [](const SensitiveTerm& term) {
+    return term.order == std::round(term.order) &&
+           std::all_of(term.by_order.begin(), term.by_order.end(), [](double each) { return each == 0; });
+  };
+  return std::all_of(ratio.numerator.begin(), ratio.numerator.end(), is_whole) &&
+         std::all_of(ratio.denominator.begin(), ratio.denominator.end(), is_whole);
+}
+
+// Poles whose residues are no larger than the response, so that they need not be left to a rule along a cut.
+bool are_apart(const LaplaceImage& image) {
+  constexpr double crowd = 0.1;
+  for (std::size_t k = 0; k < image.poles().clusters.size(); ++k) {
+    if (image.poles().clusters[k].multiplicity > 1 || image.clearance(k) < crowd) return false;
+  }
+  return true;
+}
+
+// Nodes on a circle about each pole that the rule does not account for.  Circles of `largest_share` of the way to the
+// next pole or node are so small that e^{st} on them does not grow far beyond its value at the middle and decays about
+// as fast.  On those of a smaller share q, n points leave an error of q^n, and rounding one of eps/q^2 in derivatives.
+// @param rule  null for an image without a branch cut
+void add_circles(const LaplaceImage& image, const CutRule* rule, SensitiveImage& sensitive, double latest,
                  double tolerance, SensitiveTerms& terms) {
-  const int fewest = 2 * static_cast<int>(std::ceil(0.5 * std::log(1 / tolerance) / std::log(4.0)) + 2);
+  constexpr double largest_share = 0.25;
+  const double simple_share = tolerance > 1e-11 ? 1.0 / 64 : 1.0 / 16;
   for (std::size_t k = 0; k < image.poles().clusters.size(); ++k) {
     const RootCluster& pole = image.poles().clusters[k];
-    const Complex middle_share = rule.share_of(pole);
+    const bool on_cut = !rule && std::abs(pole.log_s.imag() - pi) < 1e-7;
+    const Complex middle = on_cut ? Complex(pole.log_s.real(), pi) : pole.log_s;
+    const Complex middle_share = rule ? rule->share_of(pole) : middle.imag() > pi ? 0.0 : 1.0;
     if (std::abs(middle_share) < 1e-3 * tolerance) continue;
     const bool shares = middle_share != 1.0;
     // Roots that coincide bring powers of t, which take more points.
-    const int points = fewest + 6 * (pole.multiplicity - 1);
+    const double part = pole.multiplicity > 1 ? largest_share : simple_share;
+    const int points =
+        2 * static_cast<int>(std::ceil(0.5 * std::log(tolerance) / std::log(part)) + 1) + 6 * (pole.multiplicity - 1);
     const double lasting = std::max(1.5 / (std::exp(pole.log_s.real()) * latest), -0.25 * std::cos(pole.log_s.imag()));
     // The share of the rule is analytic up to its nodes.
-    const double room = 0.25 * std::min({image.clearance(k), 1.0, 1.5 * pi - pole.log_s.imag(),
-                                         shares ? rule.distance(pole.log_s) : 1.0});
-    const double radius = std::max(std::min(room, lasting), 4 * pole.spread);
-    for (int i = 0; i < (pole.is_conjugate ? points / 2 : points); ++i) {
+    const double room = largest_share * std::min({image.clearance(k), 1.0, 1.5 * pi - pole.log_s.imag(),
+                                                  shares ? rule->distance(pole.log_s) : 1.0});
+    const double radius = std::max(part / largest_share * std::min(room, lasting), 4 * pole.spread);
+    for (int i = 0; i < (pole.is_conjugate || on_cut ? points / 2 : points); ++i) {
       const Complex offset = std::polar(radius, 2 * pi * (i + 0.5) / points);
-      const Complex share = shares ? rule.share(pole.log_s + offset) : 1.0;
-      terms.push_back({rate_at(pole.log_s + offset), 2.0 / points * share * offset * sensitive(pole.log_s + offset)});
+      const Complex share = shares ? rule->share(middle + offset) : 1.0;
+      terms.push_back({rate_at(middle + offset), 2.0 / points * share * offset * sensitive(middle + offset)});
     }
   }
 }
@@ -159,18 +184,24 @@ bool EventResponse::evaluate(const RatioOfPowerSums& ratio, double tolerance, Re
   const LaplaceImage image(scaled(numerator, 1, m), denominator);
   if (!image.poles().complete) return false;
 
-  const CutRule rule(image, shortest_lag(ratio.delay), tolerance);
+  std::optional<CutRule> rule;
+  if (!is_rational(ratio) || !are_apart(image)) rule.emplace(image, shortest_lag(ratio.delay), tolerance);
+  const CutRule* const along_cut = rule ? &*rule : nullptr;
   const auto image_at = [&](Complex zeta) -> const ComplexRow& { return sensitive(zeta); };
   SensitiveTerms terms;
-  add_circles(image, rule, sensitive, latest, tolerance, terms);
-  const double largest =
-      append_cut_terms(rule, image_at, latest, plan.integrators, image.lowest_noticed(latest, tolerance),
-                       0.03 * rule.step() * tolerance, terms);
-  if (!std::isfinite(largest)) return false;
+  add_circles(image, along_cut, sensitive, latest, tolerance, terms);
+  double negligible = 0;
+  if (rule) {
+    const double largest =
+        append_cut_terms(*rule, image_at, latest, plan.integrators, image.lowest_noticed(latest, tolerance),
+                         0.03 * rule->step() * tolerance, terms);
+    if (!std::isfinite(largest)) return false;
+    negligible = 1e-3 * rule->step() * tolerance * largest;
+  }
   // Integrated again and again, fast terms would outgrow the response and cancel: see ExponentialSum.
   if (plan.integrators > 0) make_direct(terms, latest, plan.integrators);
-  const auto constants = constants_of(terms, image_at, log_anchors(image, latest, plan.integrators + 1), &rule,
-                                      1e-3 * rule.step() * tolerance * largest, plan.integrators, plan.channels);
+  const auto constants = constants_of(terms, image_at, log_anchors(image, latest, plan.integrators + 1), along_cut,
+                                      negligible, plan.integrators, plan.channels);
   plan.take(std::move(terms), constants);
   run_over_events(plan, knots_, output_time_, result);
   return result.value.allFinite() && result.gradient.allFinite();

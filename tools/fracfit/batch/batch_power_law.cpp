@@ -20,12 +20,6 @@ BatchCell text_cell(std::string column, std::string text) {
   return {std::move(column), std::nullopt, std::move(text)};
 }
 
-// Points of a law, and why rows gave none: reason and number of rows.
-struct LawData {
-  std::vector<double> x, y;
-  std::map<std::string, int> left_out;
-};
-
 // Reason why the row gives no point; empty if it gives one.
 std::string obstacle(const PowerLawRequest& request, const std::map<std::string, std::string>& row,
                      std::optional<double> variable, std::optional<double> value) {
@@ -43,58 +37,15 @@ std::string obstacle(const PowerLawRequest& request, const std::map<std::string,
   return "";
 }
 
-LawData law_data(const PowerLawRequest& request, BatchFormat format, const BatchManifest& manifest,
-                 const std::vector<std::string>& lines) {
-  LawData data;
-  for (const auto& line : lines) {
-    const auto row = read_row(format, manifest.columns, line);
-    if (!row) throw std::logic_error("a row of the batch cannot be read back");
-    const auto number = [&](const std::string& column) {
-      const auto found = row->find(column);
-      return found == row->end() ? std::nullopt : io::parse_number(found->second);
-    };
-    const auto variable = number(request.variable);
-    const auto value = number(request.parameter);
-    if (const auto reason = obstacle(request, *row, variable, value); !reason.empty()) {
-      ++data.left_out[reason];
-      continue;
-    }
-    data.x.push_back(*variable);
-    data.y.push_back(*value);
-  }
-  return data;
-}
-
 // E.g. "2 without a fit, 1 K not-identified".
-std::string reasons_text(const LawData& data) {
+std::string reasons_text(const std::map<std::string, int>& left_out) {
   std::string text;
-  for (const auto& [reason, count] : data.left_out)
+  for (const auto& [reason, count] : left_out)
     text += (text.empty() ? "" : ", ") + std::to_string(count) + " " + reason;
   return text;
 }
 
 constexpr const char* two_points = "two points, which any law meets: no intervals";
-
-BatchRow law_of(const PowerLawRequest& request, const LawData& data) {
-  const auto& [x, y, left_out] = data;
-  BatchRow remark{text_cell("power_law", request.parameter + ":" + request.variable),
-                  number_cell("points", static_cast<double>(x.size()))};
-  if (!left_out.empty()) remark.push_back(text_cell("left_out", reasons_text(data)));
-  if (x.size() == 2) remark.push_back(text_cell("note", two_points));
-  try {
-    const auto law = frac::fit_power_law(x, y);
-    remark.push_back(number_cell("coefficient", law.coefficient));
-    remark.push_back(number_cell("coefficient_ci95_lower", law.coefficient_ci95_lower));
-    remark.push_back(number_cell("coefficient_ci95_upper", law.coefficient_ci95_upper));
-    remark.push_back(number_cell("exponent", law.exponent));
-    remark.push_back(number_cell("exponent_ci95_lower", law.exponent_ci95_lower));
-    remark.push_back(number_cell("exponent_ci95_upper", law.exponent_ci95_upper));
-    remark.push_back(number_cell("r_squared", law.r_squared));
-  } catch (const std::invalid_argument& error) {
-    remark.push_back(text_cell("none", error.what()));
-  }
-  return remark;
-}
 
 }  // namespace
 
@@ -105,20 +56,62 @@ PowerLawRequest power_law_request(const std::string& text) {
   return {text.substr(0, colon), text.substr(colon + 1)};
 }
 
-PowerLawRemarks power_law_remarks(BatchFormat format, const BatchManifest& manifest,
-                                  const std::vector<std::string>& lines) {
+PowerLaws::PowerLaws(BatchFormat format, const BatchManifest& manifest) : format_(format), columns_(manifest.columns) {
+  for (const auto& law : manifest.laws) laws_.push_back({power_law_request(law), {}, {}, {}});
+}
+
+void PowerLaws::add(const std::string& line) {
+  ++rows_;
+  if (laws_.empty()) return;
+  const auto row = read_row(format_, columns_, line);
+  if (!row) throw std::logic_error("a row of the batch cannot be read back");
+  const auto number = [&](const std::string& column) {
+    const auto found = row->find(column);
+    return found == row->end() ? std::nullopt : io::parse_number(found->second);
+  };
+  for (Law& law : laws_) {
+    const auto variable = number(law.request.variable), value = number(law.request.parameter);
+    if (const auto reason = obstacle(law.request, *row, variable, value); !reason.empty()) {
+      ++law.left_out[reason];
+      continue;
+    }
+    law.x.push_back(*variable);
+    law.y.push_back(*value);
+  }
+}
+
+BatchRow PowerLaws::remark_of(const Law& law) {
+  const auto& [request, x, y, left_out] = law;
+  BatchRow remark{text_cell("power_law", request.parameter + ":" + request.variable),
+                  number_cell("points", static_cast<double>(x.size()))};
+  if (!left_out.empty()) remark.push_back(text_cell("left_out", reasons_text(left_out)));
+  if (x.size() == 2) remark.push_back(text_cell("note", two_points));
+  try {
+    const auto fit = frac::fit_power_law(x, y);
+    remark.push_back(number_cell("coefficient", fit.coefficient));
+    remark.push_back(number_cell("coefficient_ci95_lower", fit.coefficient_ci95_lower));
+    remark.push_back(number_cell("coefficient_ci95_upper", fit.coefficient_ci95_upper));
+    remark.push_back(number_cell("exponent", fit.exponent));
+    remark.push_back(number_cell("exponent_ci95_lower", fit.exponent_ci95_lower));
+    remark.push_back(number_cell("exponent_ci95_upper", fit.exponent_ci95_upper));
+    remark.push_back(number_cell("r_squared", fit.r_squared));
+  } catch (const std::invalid_argument& error) {
+    remark.push_back(text_cell("none", error.what()));
+  }
+  return remark;
+}
+
+PowerLawRemarks PowerLaws::remarks() const {
   PowerLawRemarks remarks;
-  for (const auto& law : manifest.laws) {
-    const auto request = power_law_request(law);
-    const auto data = law_data(request, format, manifest, lines);
-    remarks.text += remark_line(format, law_of(request, data));
-    if (!data.left_out.empty())
-      remarks.notes.push_back("power law " + law + ": " + std::to_string(lines.size() - data.x.size()) + " of " +
-                              std::to_string(lines.size()) + " rows are left out: " + reasons_text(data));
-    if (data.x.size() == 2) remarks.notes.push_back("power law " + law + ": " + two_points);
-    if (data.x.size() < 2)
-      remarks.notes.push_back("power law " + law + ": none, as only " + std::to_string(data.x.size()) +
-                              " rows give a point");
+  for (const Law& law : laws_) {
+    remarks.text += remark_line(format_, remark_of(law));
+    const std::string name = "power law " + law.request.parameter + ":" + law.request.variable + ": ";
+    const std::size_t points = law.x.size();
+    if (!law.left_out.empty())
+      remarks.notes.push_back(name + std::to_string(rows_ - points) + " of " + std::to_string(rows_) +
+                              " rows are left out: " + reasons_text(law.left_out));
+    if (points == 2) remarks.notes.push_back(name + two_points);
+    if (points < 2) remarks.notes.push_back(name + "none, as only " + std::to_string(points) + " rows give a point");
   }
   return remarks;
 }

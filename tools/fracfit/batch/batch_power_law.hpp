@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -20,9 +22,28 @@ struct PowerLawRemarks {
   std::vector<std::string> notes;  // of rows left out, laws through two points or none; one sentence each
 };
 
-/// The laws of the manifest, each over the rows that converged, identified the parameter, and know the variable, both
+/// The laws of a manifest, each over the rows that converged, identified the parameter, and know the variable, both
 /// positive.
-[[nodiscard]] PowerLawRemarks power_law_remarks(BatchFormat format, const BatchManifest& manifest,
-                                                const std::vector<std::string>& lines);
+class PowerLaws {
+ public:
+  PowerLaws(BatchFormat format, const BatchManifest& manifest);
+  /// Takes a row into account.
+  void add(const std::string& line);
+  [[nodiscard]] PowerLawRemarks remarks() const;
+
+ private:
+  // Points of a law, and why rows gave none: reason and number of rows.
+  struct Law {
+    PowerLawRequest request;
+    std::vector<double> x, y;
+    std::map<std::string, int> left_out;
+  };
+  [[nodiscard]] static BatchRow remark_of(const Law& law);
+
+  BatchFormat format_;
+  std::vector<std::string> columns_;
+  std::vector<Law> laws_;
+  std::size_t rows_ = 0;
+};
 
 }  // namespace fracfit

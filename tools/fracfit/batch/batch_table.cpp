@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "batch/batch_table.hpp"
 
+#include <algorithm>
 #include <set>
+#include <unordered_map>
+#include <utility>
 
 #include "io/csv_line.hpp"
 #include "io/data_error.hpp"
 #include "io/fingerprint.hpp"
-#include "io/input_text.hpp"
+#include "io/line_reader.hpp"
 #include "io/number.hpp"
-#include "io/shard.hpp"
 #include "io/shard_file.hpp"
 #include "output/json.hpp"
 
@@ -52,50 +54,48 @@ std::optional<std::vector<std::string>> list_entry(const Json& json, const char*
   return list;
 }
 
-// Reads the manifest; returns the number of lines it takes.
-std::size_t read_manifest(const std::string& file, const std::vector<std::string>& lines, BatchTable& table) {
-  auto& manifest = table.manifest;
-  if (const auto json = lines.front().starts_with('{') ? parsed(lines.front()) : std::nullopt) {
-    table.format = BatchFormat::jsonl;
-    manifest.version = string_entry(*json, "fracfit");
-    manifest.command = string_entry(*json, "command");
-    manifest.shard = string_entry(*json, "shard");
-    const auto laws = list_entry(*json, "laws"), inputs = list_entry(*json, "inputs"),
-               columns = list_entry(*json, "columns");
-    if (!laws || !inputs || !columns) refuse(file, 1, "found no lists 'laws', 'inputs' and 'columns'");
-    manifest.laws = *laws;
-    manifest.inputs = *inputs;
-    manifest.columns = *columns;
-    return 1;
-  }
-  table.format = BatchFormat::csv;
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    const auto& line = lines[i];
-    const auto value_of = [&](const char* key) -> std::optional<std::string> {
-      const std::string start = std::string("# ") + key + ": ";
-      return line.starts_with(start) ? std::optional(line.substr(start.size())) : std::nullopt;
-    };
-    if (const auto version = value_of("fracfit")) {
-      manifest.version = *version;
-    } else if (const auto command = value_of("command")) {
-      manifest.command = *command;
-    } else if (const auto shard = value_of("shard")) {
-      manifest.shard = *shard;
-    } else if (const auto law = value_of("law")) {
-      manifest.laws.push_back(*law);
-    } else if (const auto input = value_of("input")) {
-      manifest.inputs.push_back(*input);
-    } else if (const auto columns = io::split_csv_line(line); columns && columns->front() == "file") {
-      manifest.columns = *columns;
-      return i + 1;
-    } else {
-      refuse(file, i + 1, "found " + io::quoted(line));
-    }
-  }
-  refuse(file, 0, "holds no row of column names");
+// What stands behind "# KEY: ".
+std::optional<std::string> value_of(std::string_view line, std::string_view key) {
+  if (!line.starts_with("# ") || !line.substr(2).starts_with(key)) return std::nullopt;
+  line.remove_prefix(2 + key.size());
+  return line.starts_with(": ") ? std::optional(std::string(line.substr(2))) : std::nullopt;
 }
 
-bool is_remark(BatchFormat format, const std::string& line) {
+// The manifest in the first line of a table of JSON.
+BatchManifest json_manifest(const std::string& file, const Json& json) {
+  const auto laws = list_entry(json, "laws"), inputs = list_entry(json, "inputs"),
+             columns = list_entry(json, "columns");
+  if (!laws || !inputs || !columns) refuse(file, 1, "found no lists 'laws', 'inputs' and 'columns'");
+  return {string_entry(json, "fracfit"),
+          string_entry(json, "command"),
+          string_entry(json, "shard"),
+          *laws,
+          *inputs,
+          *columns};
+}
+
+// Takes a line of the manifest of a CSV; true at the names of the columns, which are the last.
+bool take_csv_line(const std::string& file, std::size_t number, std::string_view line, BatchManifest& manifest) {
+  if (auto input = value_of(line, "input")) {
+    manifest.inputs.push_back(*std::move(input));
+  } else if (auto law = value_of(line, "law")) {
+    manifest.laws.push_back(*std::move(law));
+  } else if (auto shard = value_of(line, "shard")) {
+    manifest.shard = *std::move(shard);
+  } else if (auto command = value_of(line, "command")) {
+    manifest.command = *std::move(command);
+  } else if (auto version = value_of(line, "fracfit")) {
+    manifest.version = *std::move(version);
+  } else if (auto columns = io::split_csv_line(line); columns && columns->front() == "file") {
+    manifest.columns = *std::move(columns);
+    return true;
+  } else {
+    refuse(file, number, "found " + io::quoted(line));
+  }
+  return false;
+}
+
+bool is_remark(BatchFormat format, std::string_view line) {
   return line.starts_with(format == BatchFormat::csv ? "# " : R"({"remark":)");
 }
 
@@ -104,6 +104,46 @@ bool holds_text(const std::string& column) {
   static const std::set<std::string> columns{
       "file", "status", "chosen", "verdict", "model", "message", std::string(fingerprint_column)};
   return columns.contains(column) || column.ends_with("_state");
+}
+
+// The file a row is of, where its line is as it was written.
+std::string curve_of(BatchFormat format, const std::vector<std::string>& columns, std::string_view line) {
+  const std::string_view start = format == BatchFormat::csv ? "" : R"({"file":")";
+  const auto end = line.find(format == BatchFormat::csv ? ',' : '"', start.size());
+  const std::string_view name = line.substr(start.size(), end - start.size());
+  if (end != std::string_view::npos && name.find_first_of(R"("\)") == std::string_view::npos) return std::string(name);
+  return read_row(format, columns, std::string(line)).value().at("file");
+}
+
+void check_row(const std::string& file, std::size_t number, BatchFormat format, const std::vector<std::string>& columns,
+               std::string_view line) {
+  const auto row = read_row(format, columns, std::string(line));
+  if (!row || !row->contains("file")) refuse(file, number, "found " + io::quoted(line));
+  for (const auto& [column, value] : *row)
+    if (!holds_text(column) && !io::parse_number(value))
+      throw io::DataError(file, number, 0,
+                          "found " + io::quoted(value) + " in column " + io::quoted(column) + "; expected a number");
+}
+
+// The last line that holds a checksum.
+struct Ending {
+  std::size_t line = 0;   // from 1; 0: there is none
+  bool is_right = false;  // it is the last line, and the checksum that of the text above it
+};
+
+Ending ending_of(const std::string& file, int descriptor, BatchFormat format) {
+  const std::string nothing = shard_end(format, io::Fingerprint()), name = "checksum";
+  const std::string start = nothing.substr(0, nothing.find(name) + name.size());
+  io::FileLines lines(descriptor, file);
+  io::Fingerprint above;
+  Ending ending;
+  for (std::size_t number = 1; const auto line = lines.next(); ++number) {
+    ending.is_right = false;
+    if (line->starts_with(start)) ending = {number, std::string(*line) + "\n" == shard_end(format, above)};
+    above.add(*line);
+    above.add("\n");
+  }
+  return ending;
 }
 
 }  // namespace
@@ -165,46 +205,52 @@ std::optional<std::map<std::string, std::string>> read_row(BatchFormat format, c
   return row;
 }
 
-std::string shard_end(BatchFormat format, const std::string& text) {
-  if (format == BatchFormat::csv) return io::checksum_line(io::Fingerprint(text));
-  return Json{{"remark", "checksum"}, {"checksum", io::Fingerprint(text).text()}}.dump(-1) + "\n";
+std::string shard_end(BatchFormat format, const io::Fingerprint& above) {
+  if (format == BatchFormat::csv) return io::checksum_line(above);
+  return Json{{"remark", "checksum"}, {"checksum", above.text()}}.dump(-1) + "\n";
 }
 
-BatchTable read_batch_table(const std::string& file) {
-  const auto text = io::input_text(file);
-  const auto lines = io::whole_lines(*text);
-  if (lines.empty()) refuse(file, 0, "holds no whole line");
-  BatchTable table;
-  const std::size_t begin = read_manifest(file, lines, table);
-  const auto& manifest = table.manifest;
-  const auto shard = manifest.shard.empty() ? io::Shard{} : io::shard_from(manifest.shard);
-  if (!shard) refuse(file, 0, "found the shard " + io::quoted(manifest.shard));
-  const auto inputs = io::part_of(manifest.inputs, *shard);
-  const std::set<std::string> known(inputs.begin(), inputs.end());
-  std::size_t above = 0;  // bytes
-  for (std::size_t i = 0; i < lines.size(); above += lines[i].size() + 1, ++i) {
-    if (i < begin) continue;
-    if (is_remark(table.format, lines[i])) {
-      const std::string end = shard_end(table.format, text->substr(0, above));
-      const std::string_view checksum = "checksum";
-      if (lines[i] + "\n" == end)
-        table.has_end = true;
-      else if (lines[i].starts_with(end.substr(0, end.find(checksum) + checksum.size())))
-        throw io::DataError(file, i + 1, 0,
-                            "found a checksum that the text above does not have: something in it was changed or lost");
-      continue;
+BatchReader::BatchReader(std::string file, int descriptor) : file_(std::move(file)), descriptor_(descriptor) {
+  io::FileLines lines(descriptor_, file_);
+  bool is_whole = false;
+  while (!is_whole) {
+    const auto line = lines.next();
+    if (!line) refuse(file_, 0, head_lines_ == 0 ? "holds no whole line" : "holds no row of column names");
+    ++head_lines_;
+    const auto json = head_lines_ == 1 && line->starts_with('{') ? parsed(std::string(*line)) : std::nullopt;
+    if (json) {
+      format_ = BatchFormat::jsonl;
+      manifest_ = json_manifest(file_, *json);
     }
-    const auto row = read_row(table.format, manifest.columns, lines[i]);
-    if (!row || !row->contains("file")) refuse(file, i + 1, "found " + io::quoted(lines[i]));
-    for (const auto& [column, value] : *row)
-      if (!holds_text(column) && !io::parse_number(value))
-        throw io::DataError(file, i + 1, 0,
-                            "found " + io::quoted(value) + " in column " + io::quoted(column) + "; expected a number");
-    if (!known.contains(row->at("file")))
-      throw io::DataError(file, i + 1, 0, "holds a row for " + row->at("file") + ", which is none of its inputs");
-    table.rows.emplace_back(row->at("file"), lines[i]);
+    is_whole = json || take_csv_line(file_, head_lines_, *line, manifest_);
   }
-  return table;
+  if (const auto shard = manifest_.shard.empty() ? io::Shard{} : io::shard_from(manifest_.shard))
+    shard_ = *shard;
+  else
+    refuse(file_, 0, "found the shard " + io::quoted(manifest_.shard));
+  expected_ = io::part_of(manifest_.inputs.size(), shard_).size();
+}
+
+void BatchReader::read_rows(const std::function<void(const PlacedRow&)>& take) {
+  const Ending ending = ending_of(file_, descriptor_, format_);
+  std::unordered_map<std::string_view, std::size_t> places;
+  for (const std::size_t i : io::part_of(manifest_.inputs.size(), shard_)) places.emplace(manifest_.inputs[i], i);
+  io::FileLines lines(descriptor_, file_);
+  std::size_t number = 0, begin = 0;
+  for (; const auto line = lines.next(); begin = lines.position()) {
+    if (++number <= head_lines_ || is_remark(format_, *line)) continue;
+    if (!ending.is_right) check_row(file_, number, format_, manifest_.columns, *line);
+    const std::string curve = curve_of(format_, manifest_.columns, *line);
+    const auto place = places.find(curve);
+    if (place == places.end())
+      throw io::DataError(file_, number, 0, "holds a row for " + curve + ", which is none of its inputs");
+    take({place->second, *line, begin});
+    ++rows_;
+  }
+  if (ending.line > 0 && !ending.is_right)
+    throw io::DataError(file_, ending.line, 0,
+                        "found a checksum that is not that of all lines but itself: something was changed or lost");
+  has_end_ = ending.is_right;
 }
 
 }  // namespace fracfit

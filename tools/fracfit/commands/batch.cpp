@@ -16,6 +16,7 @@
 #include "io/input_files.hpp"
 #include "io/input_text.hpp"
 #include "io/progress_bar.hpp"
+#include "io/readable_file.hpp"
 #include "io/result_stream.hpp"
 #include "io/version.hpp"
 #include "options/model_choice.hpp"
@@ -45,25 +46,27 @@ std::map<std::string, std::string> finished_rows(const std::string& out, BatchFo
   std::map<std::string, std::string> rows;
   std::error_code ignored;
   if (!fs::is_regular_file(out, ignored) || fs::file_size(out, ignored) == 0) return rows;
-  const auto table = read_batch_table(out);
-  if (table.format != format || table.manifest.version != manifest.version ||
-      table.manifest.command != manifest.command || table.manifest.shard != manifest.shard ||
-      table.manifest.columns != manifest.columns)
-    throw std::invalid_argument("--out " + out + " holds the results of another command: " + table.manifest.command +
-                                (table.manifest.shard.empty() ? "" : " --shard " + table.manifest.shard) +
-                                " (fracfit " + table.manifest.version + "); remove it or choose another file");
+  const io::Descriptor file = io::readable(out);
+  BatchReader table(out, file.number());
+  const BatchManifest& earlier = table.manifest();
+  if (table.format() != format || earlier.version != manifest.version || earlier.command != manifest.command ||
+      earlier.shard != manifest.shard || earlier.columns != manifest.columns)
+    throw std::invalid_argument("--out " + out + " holds the results of another command: " + earlier.command +
+                                (earlier.shard.empty() ? "" : " --shard " + earlier.shard) + " (fracfit " +
+                                earlier.version + "); remove it or choose another file");
   std::map<std::string, std::string> fingerprints;
   for (const std::size_t i : part) fingerprints.emplace(curves[i].name, curves[i].fingerprint);
-  for (const auto& [file, line] : table.rows) {
-    const auto known = fingerprints.find(file);
+  table.read_rows([&](const PlacedRow& placed) {
+    const std::string &curve = earlier.inputs[placed.curve], line(placed.line);
+    const auto known = fingerprints.find(curve);
     if (known == fingerprints.end())
-      throw std::invalid_argument("--out " + out + " holds a result for " + file +
+      throw std::invalid_argument("--out " + out + " holds a result for " + curve +
                                   ", which is not among the data; remove it or choose another file");
     const auto row = read_row(format, manifest.columns, line).value();
     const auto made_from = row.find(std::string(fingerprint_column));
     if (row.at("status") == "converged" && made_from != row.end() && made_from->second == known->second)
-      rows.emplace(file, line + "\n");
-  }
+      rows.emplace(curve, line + "\n");
+  });
   return rows;
 }
 
@@ -236,26 +239,26 @@ class Batch : public Command {
     const bool to_file = !out().empty() && out() != "-";
     const std::vector<BatchCurve> curves = curves_in_order(to_file);
     std::vector<std::string> inputs;
-    std::vector<std::size_t> places;
-    for (const auto& curve : curves) {
-      places.push_back(inputs.size());
-      inputs.push_back(curve.name);
-    }
+    for (const auto& curve : curves) inputs.push_back(curve.name);
     if (const auto fault = fault_of_command(task_, curves); !fault.empty()) throw std::invalid_argument(fault);
     check_variables(laws_, task_, curves);
     const std::string shard_text = options()["--shard"].is_given() ? io::text_of(shard()) : "";
     const BatchManifest manifest{std::string(io::version()), command_line(), shard_text, laws_, inputs,
                                  batch_columns(task_)};
     const auto header = header_text(row_format(), manifest);
-    const std::vector<std::size_t> part = io::part_of(places, shard());
+    const std::vector<std::size_t> part = io::part_of(curves.size(), shard());
     std::optional<io::ResultStream> stream;
     if (to_file) stream.emplace(out(), header, finished_rows(out(), row_format(), manifest, curves, part));
     const std::vector<std::string> lines = lines_of(curves, part, stream ? &*stream : nullptr);
 
     std::string text = header;
-    for (const auto& line : lines) text += line + "\n";
-    const auto laws = shard_text.empty() ? power_law_remarks(row_format(), manifest, lines) : PowerLawRemarks{};
-    const std::string end = shard_text.empty() ? laws.text : shard_end(row_format(), text);
+    PowerLaws of_rows(row_format(), manifest);
+    for (const auto& line : lines) {
+      text += line + "\n";
+      if (shard_text.empty()) of_rows.add(line);
+    }
+    const auto laws = shard_text.empty() ? of_rows.remarks() : PowerLawRemarks{};
+    const std::string end = shard_text.empty() ? laws.text : shard_end(row_format(), io::Fingerprint(text));
     if (stream)
       stream->finish(text + end);
     else

@@ -1,37 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <set>
 #include <stdexcept>
 
-#include "batch/batch_power_law.hpp"
-#include "batch/batch_table.hpp"
+#include "batch/batch_merge.hpp"
 #include "commands/subcommand.hpp"
-#include "io/data_error.hpp"
 #include "io/shard_file.hpp"
 #include "output/document.hpp"
 
 namespace fracfit {
 namespace {
-
-void check_agreement(const BatchTable& first, const std::string& first_file, const BatchTable& other,
-                     const std::string& other_file) {
-  const auto refuse = [&](const std::string& what, const std::string& a, const std::string& b) {
-    throw io::DataError(other_file, 0, 0, "has " + what + " " + b + "; expected, as in " + first_file + ", " + a);
-  };
-  const auto format = [](const BatchTable& table) { return table.format == BatchFormat::csv ? "csv" : "jsonl"; };
-  if (first.format != other.format) refuse("format", format(first), format(other));
-  if (first.manifest.version != other.manifest.version)
-    refuse("version", first.manifest.version, other.manifest.version);
-  if (first.manifest.command != other.manifest.command)
-    refuse("command", first.manifest.command, other.manifest.command);
-  if (first.manifest.inputs != other.manifest.inputs)
-    refuse("a list of input files that differs:", std::to_string(first.manifest.inputs.size()) + " files",
-           std::to_string(other.manifest.inputs.size()) + " files");
-  if (first.manifest.columns != other.manifest.columns)
-    throw io::DataError(other_file, 0, 0, "has other columns than " + first_file);
-}
 
 class Merge : public Command {
  public:
@@ -40,13 +19,12 @@ class Merge : public Command {
         .texts("IN", in_, "Tables written with --shard by fracfit batch, simulate or map", "FILE")
         .required()
         .names_input();
-    options().flag("--status", status_,
-                   "Say how far each shard of a sweep or a map is and which are missing; join nothing");
+    options().flag("--status", status_, "Say how far each shard is and which are missing; join nothing");
     add_common({"csv", "json", "table"});
     options()["--out"].default_is("none for a joined table, where - is standard output");
     set_footer(
         "All must stem from the same command, on the same files.  The result is that of the command without --shard.\n"
-        "Those of a map or a sweep are copied from file to file, so that memory does not grow with them.\n"
+        "Rows are copied from file to file, so that memory does not grow with them; of a batch it holds the names.\n"
         "Examples:\n"
         "  fracfit merge part1.csv part2.csv part3.csv part4.csv --out all.csv\n"
         "  fracfit merge part-*.csv* --status");
@@ -63,8 +41,7 @@ class Merge : public Command {
     if (out().empty()) take_old_form();
   }
 
-  int write_states() {
-    const std::vector<io::ShardState> states = io::shard_states(in_);
+  int write_states(const std::vector<io::ShardState>& states) {
     std::set<std::size_t> finished;
     std::vector<std::size_t> again;
     std::size_t rows = 0;
@@ -104,68 +81,19 @@ class Merge : public Command {
 
   int run() override {
     const bool is_sweep = io::is_block_table(in_.front());
-    if (status_) {
-      if (!is_sweep)
-        throw std::invalid_argument(
-            "--status is for shards of a map or a sweep; of a batch, merge itself says what is missing");
-      return write_states();
-    }
+    if (status_) return write_states(is_sweep ? io::shard_states(in_) : batch_shard_states(in_));
     if (is_sweep) {
       output().write([&](const io::OutputFile::Sink& sink) { io::join_block_tables(in_, sink); });
       return usable_result;
     }
-    BatchTable merged;
-    std::vector<std::string> unfinished;
-    std::map<std::string, std::pair<std::string, std::string>> rows;  // file: line and where it is from
-    for (const auto& name : in_) {
-      auto table = read_batch_table(name);
-      if (&name == &in_.front())
-        merged = table;
-      else
-        check_agreement(merged, in_.front(), table, name);
-      if (!table.manifest.shard.empty() && !table.has_end) {
-        if (is_whole(table))
-          throw io::DataError(name, 0, 0,
-                              "holds all rows of its shard, but not their checksum as the last line: its end was cut "
-                              "off or changed; the same command, run again, restores it");
-        unfinished.push_back(name);
-      }
-      for (const auto& [file, line] : table.rows) {
-        const auto [found, is_new] = rows.try_emplace(file, line, name);
-        if (!is_new)
-          throw io::DataError(
-              name, 0, 0,
-              "holds a row for " + file + ", which " + found->second.second + " holds too; expected each file once");
-      }
-    }
-    merged.manifest.shard.clear();
-    std::vector<std::string> lines, missing;
-    for (const auto& file : merged.manifest.inputs) {
-      const auto found = rows.find(file);
-      if (found == rows.end())
-        missing.push_back(file);
-      else
-        lines.push_back(found->second.first);
-    }
-    std::string text = header_text(merged.format, merged.manifest);
-    for (const auto& line : lines) text += line + "\n";
-    if (missing.empty()) {
-      const auto laws = power_law_remarks(merged.format, merged.manifest, lines);
-      text += laws.text;
-      for (const auto& note : laws.notes) say(note);
-    }
-    write(text);
+    const BatchMerge merged(in_);
+    std::vector<std::string> notes;
+    output().write([&](const io::OutputFile::Sink& sink) { notes = merged.write(sink); });
+    for (const auto& note : notes) say(note);
+    const std::string missing = merged.missing_text();
     if (missing.empty()) return usable_result;
-    say(std::to_string(missing.size()) + " of " + std::to_string(merged.manifest.inputs.size()) +
-        " files are missing: " + io::shortened_list(missing) +
-        (unfinished.empty() ? "" : "; cut off or unfinished: " + io::shortened_list(unfinished)) +
-        "; the batch without --shard and with this --out does the rest");
+    say(missing);
     return no_usable_result;
-  }
-
-  static bool is_whole(const BatchTable& table) {
-    const auto& manifest = table.manifest;
-    return table.rows.size() == io::part_of(manifest.inputs, *io::shard_from(manifest.shard)).size();
   }
 
   std::vector<std::string> in_;

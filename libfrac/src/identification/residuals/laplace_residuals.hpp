@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <Eigen/Core>
 #include <complex>
 #include <optional>
 #include <vector>
 
+#include "formula/program.hpp"
 #include "frac/model/frequency_response_data.hpp"
 #include "frac/model/time_response_data.hpp"
 #include "residuals.hpp"
@@ -19,7 +21,7 @@ class LaplaceResiduals final : public Residuals {
   LaplaceResiduals(const TimeResponseData& data, const Structure& structure, const ParameterMap& map,
                    std::optional<double> offset, double decay);
 
-  [[nodiscard]] std::size_t points() const noexcept override { return log_s_.size(); }
+  [[nodiscard]] std::size_t points() const noexcept override { return input_.size(); }
   [[nodiscard]] std::size_t per_point() const noexcept override { return 2; }
   [[nodiscard]] std::size_t eliminated() const noexcept override { return free_offset_ ? 1 : 0; }
   bool evaluate(std::span<const double> theta, double* residual, double* jacobian) const override;
@@ -29,19 +31,17 @@ class LaplaceResiduals final : public Residuals {
   [[nodiscard]] FrequencyResponseData quotient() const;
 
  private:
-  const Structure& structure_;
-  bool free_offset_;
-  /// Points of one argument at even steps of ln|s|, so that a power of s grows by the same factor from each to the
-  /// next.
+  /// Points of one argument; the first ray is the real axis.
   struct Ray {
-    double angle, lowest, spacing;   // of ln s
-    std::vector<std::size_t> steps;  // from the lowest, of the points that are used
+    double angle;
+    std::vector<double> modulus;
   };
+  Program program_;
+  bool free_offset_;
   std::vector<Ray> rays_;
-  std::vector<std::complex<double>> log_s_, input_, output_;
-  std::vector<std::complex<double>> constant_;  // transform of 1 over the record
-  std::vector<double> weight_;
-  double length_;
+  std::vector<std::complex<double>> input_, output_;            // over the spread of the output
+  Eigen::VectorXd constant_;                                    // transform of 1 over the record, likewise, of length 1
+  mutable std::vector<std::complex<double>> value_, gradient_;  // on a ray
 };
 
 }  // namespace frac::detail
