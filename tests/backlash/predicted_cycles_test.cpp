@@ -43,6 +43,16 @@ TEST(PredictedCycles, AreThoseOfTheTable) {
 }
 
 // Of gains beyond 1e16 the balance of an asymmetric cycle lies at an angle that is pi to rounding.
+// The answer of undamped bodies has poles, at which the search for frequencies meets infinite values.
+TEST(PredictedCycles, BearTheResonancesOfUndampedBodies) {
+  const backlash::LinearBodies bodies(frac::FractionalTransferFunction::parse("1/(s^2 + 1)"),
+                                      frac::FractionalTransferFunction::parse("1/(s^2 + 0.3 s + 2)"), 0.01, 0.5);
+  const backlash::ControlLoop loop(bodies, frac::FractionalTransferFunction::parse("18.2 + 3.05 s"));
+  for (const auto& cycle : backlash::predicted_limit_cycles(loop)) {
+    EXPECT_TRUE(std::isfinite(cycle.omega) && std::isfinite(cycle.force_amplitude)) << cycle.omega;
+  }
+}
+
 TEST(PredictedCycles, AreNumbersAtAnyGain) {
   for (const char* controller : {"1e20", "1e30/(1e-3 s^2 + s + 1)", "1e200/(1e-200 s^2 + 1)"}) {
     const ControlLoop loop({1, 1, 1, 0.3}, frac::FractionalTransferFunction::parse(controller));

@@ -149,10 +149,10 @@ int main(int argc, char** argv) {
       {"filtered and late", "inverse transform", "exp(-0.05 s) (1 + s^0.5)/(1 + 0.01 s)", .6, unknown}};
   for (const Case& each : cases) {
     const int repeats = is_smoke ? 1 : 200;
-    const backlash::LimitCycles found = run(each, "two decades,", {0.5, 50}, repeats);
+    const backlash::LimitCycles found = run(each, "two decades", {0.5, 50}, repeats);
     if (found.cycles.empty()) continue;
     const double omega = found.cycles.front().omega;
-    run(each, "one cycle,", {0.999 * omega, 1.001 * omega}, repeats);
+    run(each, "one cycle", {0.999 * omega, 1.001 * omega}, repeats);
   }
   run_motion("1 + s", 1e-8, is_smoke ? 1000 : 1'000'000);
   run_motion("1 + s^0.5", 1e-5, is_smoke ? 500 : 100'000);

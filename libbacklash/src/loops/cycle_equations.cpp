@@ -153,8 +153,10 @@ double CycleEquations::improve(ClosedMotion& motion) const {
   std::vector<double> matrix = derivatives(motion, scale);
   if (eliminate(matrix, change) == 0) return NAN;
   double largest = 0;
-  for (const double each : change) largest = std::max(largest, std::abs(each));
-  if (!std::isfinite(largest)) return NAN;
+  for (const double each : change) {
+    if (!std::isfinite(each)) return NAN;
+    largest = std::max(largest, std::abs(each));
+  }
   const double damping = largest > 0.3 ? 0.3 / largest : 1;
   for (std::size_t a = 1; a < count_; ++a) motion.shares[a] += damping * change[a - 1];
   if (forced_) {

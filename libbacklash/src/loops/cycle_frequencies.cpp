@@ -16,8 +16,14 @@ using Terms = std::vector<frac::PowerTerm>;
 
 double refined(const std::function<double(double)>& function, double from, double to, double at_from, double at_to) {
   std::uintmax_t evaluations = 100;
+  // At a pole the iteration meets values without end, which would make its next point no number.
+  const auto bounded = [&](double x) {
+    constexpr double most = 1e100;
+    const double value = function(x);
+    return std::isnan(value) ? 0 : std::clamp(value, -most, most);
+  };
   const auto [lower, upper] = boost::math::tools::toms748_solve(
-      function, from, to, at_from, at_to, boost::math::tools::eps_tolerance<double>(53), evaluations);
+      bounded, from, to, at_from, at_to, boost::math::tools::eps_tolerance<double>(53), evaluations);
   return std::abs(function(lower)) < std::abs(function(upper)) ? lower : upper;
 }
 
