@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "backlash/basins.hpp"
 #include "backlash/identification/scene_comparison.hpp"
 #include "backlash/jump_frequency.hpp"
 #include "identification/scene_response.hpp"
@@ -258,6 +259,29 @@ TEST(SceneIdentification, NoiseDoesNotPassIrregularPointsForTheOrbit) {
     }
     EXPECT_LT(result.rms, 1.2 * 0.03);
   }
+}
+
+// Exact points that one start leads to: more than a quarter of them on an orbit of three periods of the force.
+TEST(SceneIdentification, SubharmonicOrbitsAreNamedAsNotTried) {
+  const TwoMassSystem system(1.3, 0.6, 0.02, 0.8);
+  std::vector<MeasuredDescribingFunction> curves;
+  std::size_t subharmonic = 0;
+  for (const double force : {7.0, 16.0}) {
+    const double unit = std::sqrt(force / system.mass2() / system.clearance());
+    const std::vector<double> omega = log_grid(1.7 * unit, 2.15 * unit, 16);
+    std::vector<Complex> value;
+    for (const double w : omega) {
+      const auto map = backlash::basins(system, force, w, {0.5 * system.clearance()}, {0.3 * system.clearance() * w});
+      value.push_back(map.attractors.front().point.value);
+      subharmonic += map.attractors.front().point.period == 3 ? 1 : 0;
+    }
+    curves.push_back({{omega, value}, force});
+  }
+  ASSERT_GT(4 * subharmonic, 32u);
+  const auto result = identify_scene(curves, with_mass1(1.3));
+  ASSERT_FALSE(result.misfits.empty()) << result.message;
+  EXPECT_NE(result.message.find("may lie on subharmonic orbits, which are not tried"), std::string::npos)
+      << result.message;
 }
 
 TEST(SceneIdentification, ACurveThatContradictsTheOthersIsSaid) {

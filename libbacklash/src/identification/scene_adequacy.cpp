@@ -139,19 +139,19 @@ void count_off_branch(const SceneData& data, const std::vector<PointChoice>& cho
     if (used == 0 && off + free_off >= least_off_branch) {
       misfits.push_back("At " + short_text(force_of(data, curve)) + " N none of " +
                         std::to_string(data.curve_begin[curve + 1] - data.curve_begin[curve]) +
-                        " points lies on a motion that the scene has there.");
+                        " points lies on a motion that is tried there.");
       continue;
     }
     if (off >= least_off_branch &&
         static_cast<double>(off) > most_off_branch_of_curve * static_cast<double>(definite)) {
       misfits.push_back("At " + short_text(force_of(data, curve)) + " N " + std::to_string(off) + " of " +
-                        std::to_string(definite) + " points lie on no steady motion that the scene has there.");
+                        std::to_string(definite) + " points lie on none of the motions that are tried there.");
     }
   }
   if (misfits.empty() && all_off >= least_off_branch &&
       static_cast<double>(all_off) > most_off_branch_of_all * static_cast<double>(all_definite)) {
     misfits.push_back(std::to_string(all_off) + " of " + std::to_string(all_definite) +
-                      " points lie on no steady motion that the scene has there.");
+                      " points lie on none of the motions that are tried there.");
   }
 }
 
