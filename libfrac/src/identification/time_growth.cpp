@@ -19,8 +19,9 @@ namespace frac::detail {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Longer records are thinned: so many samples are enough to tell members of a family apart.
-constexpr std::size_t few_samples = 400;
+// Longer records are thinned: so many samples are enough to tell members of a family apart, and searches among fewer
+// end elsewhere.
+constexpr std::size_t enough_samples = 400, few_samples = 100;
 // Records resolve few modes, and each pole more takes a second of searching.
 constexpr std::size_t most_over_time = 6;
 
@@ -77,10 +78,10 @@ struct Member {
 
 class Growth {
  public:
-  Growth(const TimeResponseData& data, const TimeFitOptions& options, const RationalFamily& family)
+  Growth(const TimeResponseData& data, const TimeFitOptions& options, const RationalFamily& family, std::size_t samples)
       : options_(options), family_(family) {
     std::vector<std::size_t> index;
-    const std::size_t stride = (points(data) + few_samples - 1) / few_samples;
+    const std::size_t stride = (points(data) + samples - 1) / samples;
     for (std::size_t i = 0; i < points(data); i += stride) index.push_back(data.observed()[i]);
     data_.emplace(data.observed_at(std::move(index)));
     for (const std::size_t i : data.observed()) {
@@ -111,6 +112,10 @@ class Growth {
     }
     if (!least) throw std::invalid_argument("too few samples for any member of this family");
     return least->ratio;
+  }
+
+  [[nodiscard]] Ratio better_of(const Ratio& one, const Ratio& other) const {
+    return fitted(other).value < fitted(one).value ? other : one;
   }
 
  private:
@@ -231,7 +236,10 @@ FamilyMembers best_member(const TimeResponseData& data, const NamedModel& family
     throw std::invalid_argument("model '" + family.name +
                                 "' is grown on frequency responses only; over time write the model as a formula");
   }
-  const Ratio best = Growth(data, options, *family.rational).best();
+  Growth growth(data, options, *family.rational, enough_samples);
+  Ratio best = growth.best();
+  if (points(data) > few_samples)
+    best = growth.better_of(best, Growth(data, options, *family.rational, few_samples).best());
   FamilyMembers members;
   members.models.push_back(written_out(best));
   members.models.back().ends_its_family = best.poles() == most_over_time;

@@ -13,10 +13,9 @@ namespace frac::detail {
 namespace {
 
 constexpr double supported_evidence = 10;  // posterior odds of 150 to 1
-// Over time, where an integer-order candidate fits no worse, so that the evidence is the price of its parameters alone.
-// That price (Schwarz's) leaves out what a prior says of each parameter, and a record spans too few decades of time to
-// outweigh it.
-constexpr double supported_by_price = 20;
+// Over time a ratio with one pole more, whose price (2 ln n and that of its place) hid it, would take up to that from
+// the evidence, and a record spans too few decades of time to outweigh it.
+constexpr double supported_over_time = 20;
 constexpr double refuted_evidence = -8;  // posterior odds of 1 to 55
 // A row of real poles and dead times approximates many systems, also those that no candidate describes.  A ratio may
 // have so many without being taken for such an approximation, and for each further one more evidence is asked: odds of
@@ -46,9 +45,8 @@ double evidence_to_refute(const Comparison& pair) {
 
 std::string too_little_evidence(const IdentificationResult& result, const Comparison& pair) {
   if (result.evidence > supported_evidence) {
-    return ", all of it the price of parameters, as an integer-order candidate fits no worse, and over time that has "
-           "to be " +
-           four_digits(supported_by_price);
+    return ", which over time has to be above " + four_digits(supported_over_time) +
+           ", since the price of one pole more may hide it";
   }
   const std::string departing = ", and evidence against orders that depart from whole numbers by " +
                                 four_digits(least_departure) + " is " + four_digits(-result.departure_evidence);
@@ -65,7 +63,7 @@ std::string too_little_evidence(const IdentificationResult& result, const Compar
 std::string against_fractional(const IdentificationResult& result, const Comparison& pair,
                                const std::vector<std::string>& skipped_rivals) {
   const Finalist &f = *result.fractional, &i = *result.integer;
-  if (!(result.evidence > (pair.price_alone ? supported_by_price : supported_evidence))) {
+  if (!(result.evidence > (pair.over_time ? supported_over_time : supported_evidence))) {
     return too_little_evidence(result, pair);
   }
   const bool decided = (pair.orders.decided && !pair.orders.all_nearly_whole) || !pair.orders.any_free;

@@ -122,13 +122,6 @@ bool only_integer_grew(const std::vector<Competitor>& competitors, const Competi
   return integer.ranked.from_family && std::none_of(competitors.begin(), competitors.end(), grew);
 }
 
-/// Whether an integer-order candidate fits no worse.
-bool is_followed_by_integer_order(const std::vector<Competitor>& competitors, const Competitor& fractional) {
-  return std::any_of(competitors.begin(), competitors.end(), [&](const Competitor& each) {
-    return !each.is_fractional() && is_comparable(each) && each.ranked.fit.cost <= fractional.ranked.fit.cost;
-  });
-}
-
 template <class Data, class Options>
 Comparison comparison_of(const Data& data, const Options& options, const std::vector<Competitor>& competitors,
                          const Finalists& finalists, bool model_error) {
@@ -148,7 +141,7 @@ Comparison comparison_of(const Data& data, const Options& options, const std::ve
           .departure = evidence_of_departure(competitors, i, share),
           .only_integer_grew = only_integer_grew(competitors, i),
           .rounded = coarsely_rounded(data, options),
-          .price_alone = std::is_same_v<Data, TimeResponseData> && is_followed_by_integer_order(competitors, f)};
+          .over_time = std::is_same_v<Data, TimeResponseData>};
 }
 
 template <class Data, class Options>
