@@ -51,18 +51,6 @@ TEST(Tune, PlantsMayHaveUndampedPoles) {
   }
 }
 
-// Where |S| alone counts, least is wanted of a loop that is fast far beyond the crossover asked for and only dips to 1
-// there.  Plants of two poles and an integrator, of a fractional pole, and with a zero at 0.
-TEST(Tune, TheCrossoverAskedForIsTheLastWhereItCanBe) {
-  for (const char* formula : {"3/(s (s + 4))", "1.5/(s^1.4 + 0.6)", "2 s/(s + 1.5)^2"}) {
-    const FractionalTransferFunction plant = parsed(formula);
-    const TuningResult result = frac::tune(plant, {.crossover = 0.8, .phase_margin = 50 * degree}, {});
-    ASSERT_EQ(result.status, TuningStatus::met) << formula << ": " << result.message;
-    for (double omega = 0.8 * 1.001; omega < 1e7; omega *= 1.01)
-      ASSERT_LT(std::abs(loop(plant, result.gains, omega)), 1) << formula << " " << omega;
-  }
-}
-
 // The grid is denser within some widths of a resonance to both sides; at a damping of 0.275 these go down to a third of
 // its frequency.
 TEST(Tune, PlantsMayHaveBroadResonances) {
@@ -150,14 +138,9 @@ TEST(Tune, DescribesTheLoopAsAnAnalysisOfItDoes) {
   }
 }
 
-// kp + kd s is about 3 e^{j 80 deg} at 2 rad/s, so that |L| begins at kp = 3 cos 80 deg = 0.52 and rises above 1 on the
-// way to the resonance at 1 rad/s.
 TEST(Tune, SaysWhereElseTheGainIsOneAndWhatWasReached) {
-  frac::TuningOptions options;
-  options.structure = ControllerStructure::pd;
-  options.mu = {1, 1};
-  const TuningResult result =
-      frac::tune(parsed("1/(s^2 + 0.02 s + 1)"), {.crossover = 2, .phase_margin = 80 * degree}, options);
+  const TuningResult result = frac::tune(parsed("5/((s + 1) (0.1 s + 1) (0.01 s + 1))"),
+                                         {.crossover = 5, .phase_margin = 50 * degree, .max_sensitivity = 1.7});
   ASSERT_FALSE(result.other_crossovers.empty());
   EXPECT_NE(result.message.find("|L| is 1 at "), std::string::npos) << result.message;
   const TuningResult impossible = frac::tune(parsed("exp(-1 s)/(s + 1)"), {.crossover = 50, .max_sensitivity = 1.2});

@@ -118,9 +118,8 @@ void LoopGrid::go_around(double pole) {
   }
 }
 
-LoopGrid::Peaks LoopGrid::peaks(const FractionalPidGains& gains, double filter_time, double high, double low,
-                                double crossover) const {
-  Peaks peaks{0, 0, 0, 0, 0, 0};
+LoopGrid::Peaks LoopGrid::peaks(const FractionalPidGains& gains, double filter_time, double high, double low) const {
+  Peaks peaks{0, 0, 0, 0, 0};
   Complex previous = 0;
   double turned = 0;
   for (std::size_t i = 0; i < points_.size(); ++i) {
@@ -143,10 +142,6 @@ LoopGrid::Peaks LoopGrid::peaks(const FractionalPidGains& gains, double filter_t
     peaks.complementary_sensitivity = std::max(peaks.complementary_sensitivity, complementary);
     if (omega >= high) peaks.high_frequency = std::max(peaks.high_frequency, complementary);
     if (omega <= low) peaks.low_frequency = std::max(peaks.low_frequency, sensitivity);
-    // Beyond the fall from the crossover a peak of |L| may be this much higher between two points.
-    constexpr double between = 1.005, fallen = 1.5;
-    if (omega > crossover)
-      peaks.later_loop = std::max(peaks.later_loop, std::abs(loop) * (omega > fallen * crossover ? between : 1));
     if (i > 0) turned += std::arg(difference / previous);
     if (i == 0) {
       // From the limit at the origin: 1 + L ~ c (j omega)^-r for r > 0.

@@ -32,11 +32,9 @@ class LoopGrid {
     double complementary_sensitivity;
     double high_frequency;  // largest |T| from `high` on
     double low_frequency;   // largest |S| up to `low`
-    double later_loop;      // largest |L| above `crossover`, with a reserve for what the grid misses
     double unstable_poles;  // of the closed loop, from the turns of 1 + L; whole up to what the grid misses
   };
-  [[nodiscard]] Peaks peaks(const FractionalPidGains& gains, double filter_time, double high, double low,
-                            double crossover) const;
+  [[nodiscard]] Peaks peaks(const FractionalPidGains& gains, double filter_time, double high, double low) const;
   /// |G| at high frequency where the plant keeps a gain there, else 0.
   [[nodiscard]] double gain_at_infinity() const { return order_at_infinity_ == 0 ? std::abs(gain_at_infinity_) : 0; }
 

@@ -45,21 +45,17 @@ class Search {
     FractionalPidGains gains;
     std::vector<double> violations;  // above 0 where kept not
     double criterion = infinity;
-    bool crosses_later = false;  // |L| is 1 above the crossover asked for, too
     [[nodiscard]] double worst() const { return *std::max_element(violations.begin(), violations.end()); }
     [[nodiscard]] bool keeps_all() const {
       constexpr double kept = 1e-9;
       return worst() <= kept;
     }
-    static constexpr double far = 1e9;
-    [[nodiscard]] double handicap() const { return crosses_later ? far / 2 : 0; }
-    // Whatever keeps the specification is before whatever does not, and of that what has the crossover asked for as its
-    // last one: a dip of |L| to 1 inside of a much faster loop is not what was meant.
+    // Whatever keeps the specification is before whatever does not.
     [[nodiscard]] double rank() const {
+      constexpr double far = 1e9;
       const double value = worst();
       if (!std::isfinite(value)) return 10 * far;
-      if (keeps_all()) return std::min(criterion, far / 2) + handicap();
-      return far * (1 + std::min(value, 1.0)) + std::min(value, far);
+      return keeps_all() ? std::min(criterion, far) : far * (1 + std::min(value, 1.0)) + std::min(value, far);
     }
   };
 
@@ -84,7 +80,6 @@ class Search {
     };
     const int budget = simulation_ ? 400 : 700;
     run(NLOPT_GN_CRS2_LM, objective, budget * free, false);
-    crosses_no_more_ = best_.keeps_all() && !best_.crosses_later;
     // Again from the best, under the inequalities as such.
     const auto smooth = [](unsigned count, const double* x, double*, void* self) {
       return std::min(static_cast<Search*>(self)->consider({x, x + count}).criterion, 1e9);
@@ -123,9 +118,8 @@ class Search {
       for (End& end : ends) end = std::min(end, follow(end.second, round % 2 == 0 ? wide : fine, 50));
     }
     searches_ = static_cast<int>(ends.size());
-    alike_ = static_cast<int>(std::count_if(ends.begin(), ends.end(), [&](const End& end) {
-      return end.first - best_.handicap() <= alike * (best_.rank() - best_.handicap());
-    }));
+    alike_ = static_cast<int>(
+        std::count_if(ends.begin(), ends.end(), [&](const End& end) { return end.first <= alike * best_.rank(); }));
   }
 
   // Largest distance of two points in units of the ranges.
@@ -275,9 +269,8 @@ class Search {
     const bool finite = std::isfinite(gains.kp) && std::isfinite(gains.ki) && std::isfinite(gains.kd);
     const double high = asked_.high_frequency ? asked_.high_frequency->omega : infinity;
     const double low = asked_.low_frequency ? asked_.low_frequency->omega : 0;
-    const LoopGrid::Peaks peaks =
-        finite ? grid_.peaks(gains, options_.derivative_filter_time, high, low, asked_.crossover.value_or(infinity))
-               : LoopGrid::Peaks{infinity, infinity, infinity, infinity, infinity, infinity};
+    const LoopGrid::Peaks peaks = finite ? grid_.peaks(gains, options_.derivative_filter_time, high, low)
+                                         : LoopGrid::Peaks{infinity, infinity, infinity, infinity, infinity};
     const auto add = [&](double reached, double bound) {
       if (std::isfinite(bound)) candidate.violations.push_back(std::log(reached / bound));
     };
@@ -288,8 +281,6 @@ class Search {
     if (grid_.gain_at_infinity() > 0)
       candidate.violations.push_back(
           std::log(std::max(grid_.gain_at_infinity() * std::abs(gains.kp), 1e-9) / most_at_infinity));
-    candidate.crosses_later = !(peaks.later_loop < 1);
-    candidate.violations.push_back(crosses_no_more_ ? std::log(std::max(peaks.later_loop, 0.5)) : -0.5);
     add(peaks.sensitivity, asked_.max_sensitivity);
     add(peaks.complementary_sensitivity, asked_.max_complementary_sensitivity);
     if (asked_.high_frequency) add(peaks.high_frequency, asked_.high_frequency->gain);
@@ -325,7 +316,6 @@ class Search {
   LoopGrid grid_;
   std::optional<LoopSimulation> simulation_;
   double free_phase_ = 1;
-  bool crosses_no_more_ = false;  // local searches keep |L| below 1 above the crossover
   Candidate best_;
   std::vector<double> best_at_;
   std::vector<std::pair<double, std::vector<double>>> met_;  // ranks of all points
