@@ -244,12 +244,6 @@ RationalLadder grow_rational(const RationalProblem& problem, std::size_t fewest_
   RationalGrowth growth(problem, kind);
   std::optional<RationalGrowth> whole;
   if (kind.free_order) whole.emplace(problem, RationalKind{kind.delayed, false});
-  // Grown once a member has shown that one zero more than poles pays: a resonance beside such a rise, say, is not seen
-  // without it.
-  std::optional<RationalGrowth> steeper;
-  const auto price = [&](const RationalFit& fit) {
-    return schwarz(problem, fit) + price_of_search(problem, fit.shape);
-  };
   double least = infinity;
   std::size_t in_vain = 0;
   for (std::size_t order = 0; order <= most_poles; ++order) {
@@ -261,13 +255,7 @@ RationalLadder grow_rational(const RationalProblem& problem, std::size_t fewest_
     if (order < fewest_poles) continue;
     if (2 * order + 3 >= problem.rows()) break;
     RationalFit simple = without_idle_parts(problem, member);
-    if (!steeper && simple.shape.degree > simple.shape.poles()) steeper.emplace(problem, kind, 1);
-    if (steeper) {
-      while (steeper->members().size() <= order) steeper->extend();
-      RationalFit other = without_idle_parts(problem, steeper->members().back());
-      if (price(other) < price(simple)) simple = std::move(other);
-    }
-    const double value = price(simple);
+    const double value = schwarz(problem, simple) + price_of_search(problem, simple.shape);
     ladder.fits.push_back(std::move(simple));
     if (value < least) {
       least = value;
