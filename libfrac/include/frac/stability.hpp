@@ -71,8 +71,8 @@ struct StabilityAnalysis {
 
 /// Roots of 1 + L(s) = 0 with Re s > 0, dead time of L included, by the argument principle on D(s) + N(s) e^{-delay s}.
 /// Marginal where none is right of the axis but one on it, or at s = 0: D(0) + N(0) is 0 to rounding of its terms.
-/// Undetermined where the roots cannot be counted, and where |L| may be 1 beyond omega = 1e6/delay: dead time then
-/// makes more turns than can be followed.
+/// Undetermined where the roots cannot be counted, and where |L| may be 1 beyond omega = 1e6/delay or an order is above
+/// 1e6: the contour then makes more turns than can be followed.
 struct ClosedLoopStability {
   /// stable, marginal, unstable or undetermined.
   Stability stability;

@@ -19,8 +19,8 @@ namespace frac::detail {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Longer records are thinned: so many samples are enough to tell members of a family apart, and searches among fewer
-// end elsewhere.
+// Longer records are thinned to so many samples, which tell members of a family apart.  A search among few samples may
+// end in another minimum than one among many, so that both are made and the better end is taken.
 constexpr std::size_t enough_samples = 400, few_samples = 100;
 // Records resolve few modes, and each pole more takes a second of searching.
 constexpr std::size_t most_over_time = 6;
