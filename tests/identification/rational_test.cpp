@@ -20,7 +20,8 @@ struct System {
   const char* formula;
 };
 
-// Real poles near each other and decades apart, resonances, a pole in the right half plane, an integrator, dead time.
+// Real poles near each other and decades apart, resonances, a pole in the right half plane, an integrator, dead time, a
+// resonance beside a rise.
 const std::vector<System> systems = {
     {"rational:1/1", "(0.2 s + 3)/(s + 1)"},
     {"rational:3/3", "1/((s + 1) (2 s + 1) (0.3 s + 1))"},
@@ -29,6 +30,7 @@ const std::vector<System> systems = {
     {"rational:2/2", "(s + 3)/((s - 1) (s + 10))"},
     {"rational:3/2", "0.1 + 0.02 s + 1/(0.3 s + 1) + 1/(10 s)"},
     {"rational:2/2+delay", "2 exp(-0.02 s)/((s + 1) (3 s + 1))"},
+    {"rational", "6 + 0.16 s + 0.1 s/(s^2 + 0.1 s + 1)"},
 };
 
 frac::FitResult fitted(const frac::FrequencyResponseData& data, const char* name, frac::FitOptions options) {

@@ -238,13 +238,15 @@ RationalFit without_idle_parts(const RationalProblem& problem, const RationalFit
   return best;
 }
 
-RationalLadder grow_rational(const RationalProblem& problem, std::size_t fewest_poles, std::size_t most_poles,
-                             const RationalKind& kind) {
+namespace {
+
+/// @param excess  see RationalGrowth
+RationalLadder grown_ladder(const RationalProblem& problem, std::size_t fewest_poles, std::size_t most_poles,
+                            const RationalKind& kind, std::size_t excess) {
   RationalLadder ladder;
-  RationalGrowth growth(problem, kind);
+  RationalGrowth growth(problem, kind, excess);
   std::optional<RationalGrowth> whole;
   if (kind.free_order) whole.emplace(problem, RationalKind{kind.delayed, false});
-  double least = infinity;
   std::size_t in_vain = 0;
   for (std::size_t order = 0; order <= most_poles; ++order) {
     if (order > 0) {
@@ -253,12 +255,12 @@ RationalLadder grow_rational(const RationalProblem& problem, std::size_t fewest_
     }
     const RationalFit& member = growth.members().back();
     if (order < fewest_poles) continue;
-    if (2 * order + 3 >= problem.rows()) break;
+    if (2 * order + excess + 3 >= problem.rows()) break;
     RationalFit simple = without_idle_parts(problem, member);
     const double value = schwarz(problem, simple) + price_of_search(problem, simple.shape);
     ladder.fits.push_back(std::move(simple));
-    if (value < least) {
-      least = value;
+    if (value < ladder.value) {
+      ladder.value = value;
       ladder.chosen = ladder.fits.size() - 1;
       in_vain = 0;
     } else {
@@ -268,6 +270,20 @@ RationalLadder grow_rational(const RationalProblem& problem, std::size_t fewest_
     if ((found && in_vain >= 2) || in_vain >= 4 || exact(problem, ladder.fits.back())) break;
   }
   return ladder;
+}
+
+}  // namespace
+
+RationalLadder grow_rational(const RationalProblem& problem, std::size_t fewest_poles, std::size_t most_poles,
+                             const RationalKind& kind) {
+  RationalLadder ladder = grown_ladder(problem, fewest_poles, most_poles, kind, 0);
+  if (ladder.fits.empty()) return ladder;
+  // What ended with one zero more than poles was grown without it: a resonance beside such a rise, say, is not seen.
+  // With a free order members need no zero to rise.
+  const RationalShape& ended = ladder.fits[ladder.chosen].shape;
+  if (kind.free_order || ended.degree <= ended.poles()) return ladder;
+  RationalLadder steeper = grown_ladder(problem, fewest_poles, most_poles, kind, 1);
+  return steeper.value < ladder.value ? steeper : ladder;
 }
 
 RationalFit fit_rational(const RationalProblem& problem, std::size_t zeros, std::size_t poles,

@@ -52,10 +52,11 @@ class RationalGrowth {
 [[nodiscard]] RationalFit without_idle_parts(const RationalProblem& problem, const RationalFit& fit);
 
 /// The best of each order that was tried, simplest first, grown until neither of the last two orders paid by schwarz()
-/// and price_of_search().
+/// plus price_of_search(), which is a member's value.  Grown anew with one zero more than poles where it ends so.
 struct RationalLadder {
   std::vector<RationalFit> fits;
   std::size_t chosen = 0;
+  double value = std::numeric_limits<double>::infinity();  // of the chosen one
 };
 [[nodiscard]] RationalLadder grow_rational(const RationalProblem& problem, std::size_t fewest_poles,
                                            std::size_t most_poles, const RationalKind& kind);
