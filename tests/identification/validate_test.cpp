@@ -328,6 +328,20 @@ TEST(Validate, DeadTimesBeyondThePointsAreNoViolation) {
   }
 }
 
+// The phase of a little damped resonance turns as that of a dead time does, and poles at fixed places take one for the
+// other.
+TEST(Validate, OscillatorsBehindADeadTimeAreNoViolation) {
+  const support::ValidityModel model{
+      "", "exp(-L s)/(s^2/W^2 + 2 d s/W + 1)", 0.02, 50, [](Random& r) {
+        return std::vector{r.log_uniform(0.03, 0.2), r.log_uniform(2, 10), r.log_uniform(0.1, 0.25)};
+      }};
+  constexpr int trials = 24;
+  int alarms = 0;
+  for (std::uint64_t seed = 1; seed <= trials; ++seed)
+    alarms += frac::validate(noisy(model, 0.002, seed, NoiseKind::relative, 30).data()).validity != Validity::valid;
+  EXPECT_LE(alarms, 0.05 * trials + 3 * std::sqrt(0.05 * 0.95 * trials));
+}
+
 TEST(Validate, ResponsesWithoutDeadTimeGetNone) {
   for (const auto* models : {&support::impedance_models(), &support::resonant_models()})
     for (const auto& model : *models) {

@@ -10,6 +10,7 @@
 #include "base/eigenvalues.hpp"
 #include "base/linear_algebra.hpp"
 #include "frac/identification/statistics.hpp"
+#include "special/complex_functions.hpp"
 
 namespace frac::detail {
 namespace {
@@ -81,6 +82,11 @@ void take_residual(const Problem& problem, const Eigen::VectorXd& residual, Cons
 
 // ---- Real poles on a grid.
 
+/// 1/(s - pole), without the recovery of infinities that division of std::complex spends time on.
+Eigen::ArrayXcd reciprocals(const Eigen::VectorXcd& s, Complex pole) {
+  return (s.array() - pole).unaryExpr([](Complex each) { return reciprocal(each); });
+}
+
 /// Ends and poles, unweighted.
 Eigen::MatrixXcd grid_columns(const Problem& problem, Eigen::Index poles, double reach) {
   Eigen::MatrixXcd columns(problem.size(), ends + poles);
@@ -91,7 +97,7 @@ Eigen::MatrixXcd grid_columns(const Problem& problem, Eigen::Index poles, double
   for (Eigen::Index i = 0; i < poles; ++i) {
     const double corner =
         std::exp(first + (last - first) * (static_cast<double>(i) + 0.5) / static_cast<double>(poles));
-    columns.col(ends + i) = (1.0 + problem.s.array() / corner).inverse();
+    columns.col(ends + i) = corner * reciprocals(problem.s, -corner);
   }
   return columns;
 }
@@ -111,12 +117,12 @@ Eigen::MatrixXcd pole_columns(const Problem& problem, const Poles& poles) {
   Eigen::MatrixXcd columns(problem.size(), width_of(poles));
   Eigen::Index at = 0;
   for (const Complex& pole : poles) {
-    const Eigen::ArrayXcd upper = (problem.s.array() - pole).inverse();
+    const Eigen::ArrayXcd upper = reciprocals(problem.s, pole);
     if (pole.imag() == 0) {
       columns.col(at++) = upper;
       continue;
     }
-    const Eigen::ArrayXcd lower = (problem.s.array() - std::conj(pole)).inverse();
+    const Eigen::ArrayXcd lower = reciprocals(problem.s, std::conj(pole));
     columns.col(at++) = upper + lower;
     columns.col(at++) = Complex(0, 1) * (upper - lower);
   }
@@ -160,14 +166,31 @@ Eigen::MatrixXd unscaled_rows(const Problem& problem, const Eigen::MatrixXcd& co
   return result;
 }
 
+/// What stays in the model while poles move: its space is taken out of all columns once.
+struct Fixed {
+  Eigen::MatrixXd orthonormal;
+  Eigen::VectorXd target;  // what it leaves of the target
+
+  Fixed(const Problem& problem, Eigen::Index grid)
+      : orthonormal(PlainQr(problem.rows(grid_columns(problem, grid, 0))).basis()),
+        target(problem.target - orthonormal * (orthonormal.transpose() * problem.target)) {}
+  [[nodiscard]] Eigen::Index width() const { return orthonormal.cols(); }
+  /// Weighted rows of the columns beside it.
+  [[nodiscard]] Eigen::MatrixXd beside(const Problem& problem, const Eigen::MatrixXcd& columns) const {
+    Eigen::MatrixXd rows = unscaled_rows(problem, columns);
+    remove_span(orthonormal, rows);
+    return rows;
+  }
+};
+
 /// One step of vector fitting: the zeros of 1 + sum of the poles that makes its product with the data a sum of the same
 /// poles.
-bool relocate(const Problem& problem, const Eigen::MatrixXcd& fixed, Poles& poles) {
+bool relocate(const Problem& problem, const Fixed& fixed, Poles& poles) {
   const Eigen::MatrixXcd basis = pole_columns(problem, poles);
   const Eigen::Index width = basis.cols();
-  Eigen::MatrixXcd columns(problem.size(), fixed.cols() + 2 * width);
-  columns << fixed, basis, -(problem.value.asDiagonal() * basis);
-  const Eigen::VectorXd sum = solve(unscaled_rows(problem, columns), problem.target).tail(width);
+  Eigen::MatrixXcd columns(problem.size(), 2 * width);
+  columns << basis, -(problem.value.asDiagonal() * basis);
+  const Eigen::VectorXd sum = solve(fixed.beside(problem, columns), fixed.target).tail(width);
   if (!sum.allFinite()) return false;
   Eigen::MatrixXd state = Eigen::MatrixXd::Zero(width, width);
   Eigen::Index at = 0;
@@ -193,40 +216,37 @@ bool relocate(const Problem& problem, const Eigen::MatrixXcd& fixed, Poles& pole
 
 struct FreeFit {
   Poles poles;
-  Eigen::VectorXd coefficients, residual;
+  Eigen::VectorXd coefficients, residual;  // coefficients of the poles
   double cost = std::numeric_limits<double>::infinity();
 };
 
-FreeFit fit_at(const Problem& problem, const Eigen::MatrixXcd& fixed, Poles poles) {
-  Eigen::MatrixXcd columns(problem.size(), fixed.cols() + width_of(poles));
-  columns << fixed, pole_columns(problem, poles);
-  const Eigen::MatrixXd rows = unscaled_rows(problem, columns);
+FreeFit fit_at(const Problem& problem, const Fixed& fixed, Poles poles) {
+  const Eigen::MatrixXd rows = fixed.beside(problem, pole_columns(problem, poles));
   FreeFit fit;
   fit.poles = std::move(poles);
-  fit.coefficients = solve(rows, problem.target);
-  fit.residual = problem.target - rows * fit.coefficients;
+  fit.coefficients = solve(rows, fixed.target);
+  fit.residual = fixed.target - rows * fit.coefficients;
   fit.cost = fit.coefficients.allFinite() ? fit.residual.squaredNorm() : std::numeric_limits<double>::infinity();
   return fit;
 }
 
-/// Columns of the model and its derivatives by the logarithm of a real pole, by the real and the imaginary part of one
-/// of a pair.
-Eigen::MatrixXcd tangent_of(const Problem& problem, const Eigen::MatrixXcd& fixed, const FreeFit& fit) {
-  const Eigen::Index width = width_of(fit.poles), places = fixed.cols();
-  Eigen::MatrixXcd columns(problem.size(), places + 2 * width);
-  columns.leftCols(places) = fixed;
-  columns.middleCols(places, width) = pole_columns(problem, fit.poles);
+/// Columns of the poles, and derivatives of the model by the logarithm of a real pole, by the real and the imaginary
+/// part of one of a pair.
+Eigen::MatrixXcd tangent_of(const Problem& problem, const FreeFit& fit) {
+  const Eigen::Index width = width_of(fit.poles);
+  Eigen::MatrixXcd columns(problem.size(), 2 * width);
+  columns.leftCols(width) = pole_columns(problem, fit.poles);
   Eigen::Index at = 0;
   for (const Complex& pole : fit.poles) {
-    const Eigen::ArrayXcd upper = (problem.s.array() - pole).square().inverse();
-    const Eigen::Index to = places + width + at, from = places + at;
+    const Eigen::ArrayXcd upper = reciprocals(problem.s, pole).square();
+    const Eigen::Index to = width + at;
     if (pole.imag() == 0) {
-      columns.col(to) = fit.coefficients(from) * pole.real() * upper;
+      columns.col(to) = fit.coefficients(at) * pole.real() * upper;
       at += 1;
       continue;
     }
-    const Complex residue(fit.coefficients(from), fit.coefficients(from + 1));
-    const Eigen::ArrayXcd lower = (problem.s.array() - std::conj(pole)).square().inverse();
+    const Complex residue(fit.coefficients(at), fit.coefficients(at + 1));
+    const Eigen::ArrayXcd lower = reciprocals(problem.s, std::conj(pole)).square();
     columns.col(to) = residue * upper + std::conj(residue) * lower;
     columns.col(to + 1) = Complex(0, 1) * (residue * upper - std::conj(residue) * lower);
     at += 2;
@@ -252,9 +272,9 @@ Poles stepped(const Problem& problem, const Poles& poles, const Eigen::VectorXd&
   return next;
 }
 
-void descend(const Problem& problem, const Eigen::MatrixXcd& fixed, FreeFit& fit, int steps) {
+void descend(const Problem& problem, const Fixed& fixed, FreeFit& fit, int steps) {
   for (int step = 0; step < steps; ++step) {
-    const Eigen::MatrixXd tangent = unscaled_rows(problem, tangent_of(problem, fixed, fit));
+    const Eigen::MatrixXd tangent = fixed.beside(problem, tangent_of(problem, fit));
     const Eigen::VectorXd change = solve(tangent, fit.residual).tail(width_of(fit.poles));
     if (!change.allFinite()) return;
     const double before = fit.cost;
@@ -266,7 +286,7 @@ void descend(const Problem& problem, const Eigen::MatrixXcd& fixed, FreeFit& fit
   }
 }
 
-FreeFit fit_free(const Problem& problem, const Eigen::MatrixXcd& fixed, Eigen::Index pairs) {
+FreeFit fit_free(const Problem& problem, const Fixed& fixed, Eigen::Index pairs) {
   const double first = problem.log_omega(0), last = problem.log_omega(problem.size() - 1);
   Poles poles;
   for (Eigen::Index i = 0; i < pairs; ++i) {
@@ -285,15 +305,16 @@ FreeFit fit_free(const Problem& problem, const Eigen::MatrixXcd& fixed, Eigen::I
   return best;
 }
 
-Eigen::Index parameters_of(const Problem& problem, const Eigen::MatrixXcd& fixed, const FreeFit& fit) {
+Eigen::Index parameters_of(const Problem& problem, const Fixed& fixed, const FreeFit& fit) {
   const auto narrow = static_cast<Eigen::Index>(price_of_narrow_pair * narrow_pairs_of(problem, fit.poles));
-  return fixed.cols() + 2 * width_of(fit.poles) + narrow;
+  return fixed.width() + 2 * width_of(fit.poles) + narrow;
 }
 
-ConsistentModel settled(const Problem& problem, Eigen::Index grid, FreeFit fit) {
-  const Eigen::MatrixXcd fixed = grid_columns(problem, grid, 0);
+ConsistentModel settled(const Problem& problem, const Fixed& fixed, Eigen::Index grid, FreeFit fit) {
   descend(problem, fixed, fit, 10);
-  ConsistentModel model = made(problem.rows(tangent_of(problem, fixed, fit)));
+  Eigen::MatrixXcd tangent(problem.size(), fixed.width() + 2 * width_of(fit.poles));
+  tangent << grid_columns(problem, grid, 0), tangent_of(problem, fit);
+  ConsistentModel model = made(problem.rows(tangent));
   take_residual(problem, fit.residual, model);
   model.criterion = aicc(problem, fit.cost, parameters_of(problem, fixed, fit));
   model.grid_poles = static_cast<std::size_t>(grid);
@@ -357,10 +378,10 @@ ConsistentModel best_with_free_poles(const WeightedPoints& points, std::span<con
   Eigen::Index chosen_grid = 0;
   // Pairs beside real poles that follow a fractional background, and poles of which each finds its place.
   for (const Eigen::Index grid : {static_cast<Eigen::Index>(std::ceil(2 * decades)), Eigen::Index{0}}) {
-    const Eigen::MatrixXcd fixed = grid_columns(problem, grid, 0);
+    const Fixed fixed(problem, grid);
     for (const std::size_t count : pair_counts) {
       const auto pairs = static_cast<Eigen::Index>(count);
-      if (2 * (fixed.cols() + 4 * pairs) > rows) break;
+      if (2 * (fixed.width() + 4 * pairs) > rows) break;
       FreeFit fit = fit_free(problem, fixed, pairs);
       const double criterion = aicc(problem, fit.cost, parameters_of(problem, fixed, fit));
       if (!(criterion < best)) continue;
@@ -370,13 +391,14 @@ ConsistentModel best_with_free_poles(const WeightedPoints& points, std::span<con
     }
   }
   if (chosen.poles.empty()) return best_on_grid(points);
-  return settled(problem, chosen_grid, std::move(chosen));
+  return settled(problem, Fixed(problem, chosen_grid), chosen_grid, std::move(chosen));
 }
 
 ConsistentModel refitted(const WeightedPoints& points, const ConsistentModel& model) {
   const Problem problem(points);
   const auto grid = static_cast<Eigen::Index>(model.grid_poles);
-  return settled(problem, grid, fit_at(problem, grid_columns(problem, grid, 0), model.free_poles));
+  const Fixed fixed(problem, grid);
+  return settled(problem, fixed, grid, fit_at(problem, fixed, model.free_poles));
 }
 
 }  // namespace frac::detail

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <cstddef>
 #include <utility>
 #include <vector>
 
@@ -20,8 +21,8 @@ FrequencyResponseData without_dead_time(const FrequencyResponseData& data, doubl
 
 namespace {
 
-/// Of a system without dead time over this band, divided by the size of each point: real poles, and pairs with 0.3 of
-/// the critical damping, which the phase of a resonance needs and a dead time would else make up for.
+/// Of a system without dead time over this band, divided by the size of each point: real poles, and pairs with 0.3 and
+/// 0.1 of the critical damping, which the phase of a resonance needs and a dead time would else make up for.
 Eigen::MatrixXd prompt_columns(const std::vector<double>& omega, const Eigen::VectorXd& size) {
   using Complex = std::complex<double>;
   const double low = std::log(omega.front()), high = std::log(omega.back()), decades = (high - low) / std::log(10.0);
@@ -30,11 +31,12 @@ Eigen::MatrixXd prompt_columns(const std::vector<double>& omega, const Eigen::Ve
   const auto affordable = [&](double per_decade, Eigen::Index most) {
     return std::min(static_cast<Eigen::Index>(std::ceil(per_decade * decades)), most);
   };
-  const Eigen::Index pairs = affordable(4, points / 6), poles = affordable(3, points / 4);
+  const Eigen::Index pairs = affordable(4, points / 6), narrow = affordable(8, points / 4),
+                     poles = affordable(3, points / 4);
   const auto corner = [&](Eigen::Index i, Eigen::Index of) {
     return std::exp(low + (high - low) * (static_cast<double>(i) + 0.5) / static_cast<double>(of));
   };
-  Eigen::MatrixXd columns(2 * points, ends + poles + 2 * pairs);
+  Eigen::MatrixXd columns(2 * points, ends + poles + 2 * pairs + 2 * narrow);
   for (Eigen::Index k = 0; k < points; ++k) {
     const Complex s(0, omega[static_cast<std::size_t>(k)]);
     Eigen::Index column = 0;
@@ -46,11 +48,12 @@ Eigen::MatrixXd prompt_columns(const std::vector<double>& omega, const Eigen::Ve
     put(s / omega.back());
     put(omega.front() / s);
     for (Eigen::Index i = 0; i < poles; ++i) put(1.0 / (1.0 + s / corner(i, poles)));
-    for (Eigen::Index i = 0; i < pairs; ++i) {
-      const Complex x = s / corner(i, pairs), pair = 1.0 / (1.0 + 0.6 * x + x * x);
-      put(pair);
-      put(x * pair);
-    }
+    for (const auto& [damping, count] : {std::pair{0.3, pairs}, {0.1, narrow}})
+      for (Eigen::Index i = 0; i < count; ++i) {
+        const Complex x = s / corner(i, count), pair = 1.0 / (1.0 + 2 * damping * x + x * x);
+        put(pair);
+        put(x * pair);
+      }
   }
   columns.colwise().normalize();
   return columns;
@@ -58,13 +61,15 @@ Eigen::MatrixXd prompt_columns(const std::vector<double>& omega, const Eigen::Ve
 
 }  // namespace
 
-double dead_time_of(const FrequencyResponseData& data, double share) {
+std::vector<DeadTime> dead_times_of(const FrequencyResponseData& data, double floor) {
   const std::vector<double>& omega = data.omega();
   const auto points = static_cast<Eigen::Index>(data.size());
   const Eigen::Map<const Eigen::VectorXcd> value(data.value().data(), points);
   const double largest = value.cwiseAbs().maxCoeff();
-  if (!(largest > 0)) return 0;
-  const Eigen::VectorXd size = value.cwiseAbs().cwiseMax(1e-9 * largest);
+  if (!(largest > 0)) return {};
+  const double smallest = std::max(floor, 1e-9 * largest);
+  Eigen::VectorXd size(points);
+  for (Eigen::Index k = 0; k < points; ++k) size(k) = std::hypot(std::abs(value(k)), smallest);
 
   // Sizes do not change when the phase turns, so that one projection serves all dead times.
   const Eigen::MatrixXd basis = PivotedQr(prompt_columns(omega, size)).basis();
@@ -78,37 +83,32 @@ double dead_time_of(const FrequencyResponseData& data, double share) {
     }
     return (turned - basis * (basis.transpose() * turned)).squaredNorm();
   };
-  const double without = left(0);
 
   // A dead time that is wrong by more than a radian at the highest frequency misses it altogether.
   constexpr double radians_apart = 0.5;
-  constexpr int most_steps = 600;
+  constexpr std::size_t most_steps = 600;
   const double step = radians_apart / omega.back();
-  int best = 0;
-  double least = without;
-  for (int i = 1; i <= most_steps; ++i) {
-    const double here = left(i * step);
-    if (!(here < least)) continue;
-    least = here;
-    best = i;
-  }
-  double low = std::max(best - 1, 0) * step, high = (best + 1) * step;
-  constexpr double golden = 0.6180339887498949;
-  for (int i = 0; i < 30; ++i) {
-    const double third = high - golden * (high - low), two_thirds = low + golden * (high - low);
-    if (left(third) < left(two_thirds))
-      high = two_thirds;
-    else
-      low = third;
-  }
-  const double seconds = (low + high) / 2;
-  // Twice the logarithm of the likelihood.
-  constexpr double worth_it = 20;
-  const double gain = 2 * static_cast<double>(points) * std::log(without / left(seconds));
+  std::vector<double> rest;
+  for (std::size_t i = 0; i <= most_steps; ++i) rest.push_back(left(static_cast<double>(i) * step));
   const auto freedom = static_cast<double>(2 * points - basis.cols());
-  // The other model may have set aside the very points that ask for a dead time, and then leaves no more than this one.
-  constexpr double as_little = 2;
-  return gain > worth_it && left(seconds) < as_little * share * share * freedom ? seconds : 0;
+  std::vector<DeadTime> found;
+  for (std::size_t i = 1; i < most_steps; ++i) {
+    if (!(rest[i] < rest[i - 1] && rest[i] <= rest[i + 1])) continue;
+    double low = static_cast<double>(i - 1) * step, high = static_cast<double>(i + 1) * step;
+    constexpr double golden = 0.6180339887498949;
+    for (int pass = 0; pass < 12; ++pass) {
+      const double third = high - golden * (high - low), two_thirds = low + golden * (high - low);
+      const bool is_below = left(third) < left(two_thirds);
+      (is_below ? high : low) = is_below ? two_thirds : third;
+    }
+    const double seconds = (low + high) / 2, here = left(seconds);
+    // Twice the logarithm of the likelihood.
+    constexpr double worth_it = 20;
+    if (2 * static_cast<double>(points) * std::log(rest[0] / here) > worth_it)
+      found.push_back({seconds, std::sqrt(here / freedom)});
+  }
+  std::sort(found.begin(), found.end(), [](const DeadTime& a, const DeadTime& b) { return a.left < b.left; });
+  return found;
 }
 
 }  // namespace frac::detail

@@ -391,6 +391,13 @@ Fitted fit_free_poles(const FrequencyResponseData& data, std::vector<std::size_t
   return likelier(std::move(either));
 }
 
+/// Of the same points, with weights from what another model left to begin with.
+Fitted with_free_poles(const FrequencyResponseData& data, Fitted fitted, std::span<const std::size_t> pair_counts) {
+  fitted.model = detail::best_with_free_poles(fitted.points, pair_counts);
+  settle_free_poles(data, fitted);
+  return fitted;
+}
+
 /// Of fewer points than the model was fitted to.
 Fitted refitted_points(const FrequencyResponseData& data, std::vector<std::size_t> kept, const ConsistentModel& model) {
   Fitted fitted;
@@ -443,6 +450,7 @@ struct Judgement {
   Tested first, last;  // with all points, and without those that stand out
   std::vector<ValidityTest> of_points;
   std::vector<std::size_t> outliers, mains;
+  double on_grid = 0;  // likelihood_criterion() of poles on a grid, of all points
 
   [[nodiscard]] bool pattern(double level) const {
     return std::any_of(all_tests.begin(), all_tests.end(),
@@ -477,6 +485,7 @@ Judgement judge(const FrequencyResponseData& data, const ValidationOptions& opti
   std::iota(kept.begin(), kept.end(), std::size_t{0});
   Judgement judgement;
   judgement.fitted = fit(std::move(kept));
+  judgement.on_grid = likelihood_criterion(judgement.fitted);
   judgement.last = tested(data, judgement.fitted, options.accuracy);
   look_again(data, judgement.fitted, judgement.last);
   judgement.first = judgement.last;
@@ -541,8 +550,8 @@ Judgement judge(const FrequencyResponseData& data, const ValidationOptions& opti
                                                                  : criterion_of_all(data, best);
   // Resonances stand out of real poles as outliers do, and outliers hide resonances: poles at free places are sought
   // among all points and among those that do not stand out, and what explains all points best is believed.
-  const auto compare = [&](std::vector<std::size_t> kept, std::span<const std::size_t> pair_counts) {
-    const Fitted free = fit_free_poles(data, std::move(kept), pair_counts);
+  const double on_grid = best.on_grid;
+  const auto compare = [&](const Fitted& free) {
     Judgement other =
         judge(data, options, many, [&](auto points) { return refitted_points(data, std::move(points), free.model); });
     const double criterion = criterion_of_all(data, other);
@@ -557,6 +566,7 @@ Judgement judge(const FrequencyResponseData& data, const ValidationOptions& opti
     best = std::move(other);
   };
   constexpr std::array<std::size_t, 4> few{1, 2, 3, 4};
+  const auto with_few = [&](std::vector<std::size_t> kept) { return fit_free_poles(data, std::move(kept), few); };
   // Echoes take a pair for each of their ripples over the band, so that fewer pairs follow nothing of them.
   constexpr std::array<std::size_t, 5> more{6, 8, 11, 14, 18};
   // Real poles follow a well damped resonance only in great number, and what they leave then looks like noise.
@@ -568,11 +578,12 @@ Judgement judge(const FrequencyResponseData& data, const ValidationOptions& opti
     std::vector<std::size_t> all(data.size());
     std::iota(all.begin(), all.end(), std::size_t{0});
     const bool lone = has_lone_points(best);
-    if (lone) compare(kept, few);
-    compare(all, few);
-    if (!lone && kept != all && !best.steady(level)) compare(kept, few);
-    if (best.pattern(level)) compare(best.fitted.kept, more);
+    if (lone) compare(with_few(kept));
+    compare(with_few(all));
+    if (!lone && kept != all && !best.steady(level)) compare(with_few(kept));
+    if (best.pattern(level)) compare(with_free_poles(data, best.fitted, more));
   }
+  best.on_grid = on_grid;
   return best;
 }
 
@@ -589,8 +600,9 @@ Timely judge_without(double dead_time, const FrequencyResponseData& data, const 
   return {std::move(ahead), std::move(judgement), dead_time};
 }
 
-/// Dead time that the points still have beside the model and all that it may move by.
-detail::AddedColumn further_dead_time(const Fitted& fitted) {
+/// Dead time that the points still have beside the model and all that it may move by, at most a radian at the end of
+/// the band; 0 where nothing tells it.
+double further_dead_time(const Fitted& fitted) {
   Eigen::VectorXd column(2 * fitted.points.value.size());
   for (Eigen::Index i = 0; i < fitted.points.value.size(); ++i) {
     const Complex later = Complex(0, -fitted.points.omega[static_cast<std::size_t>(i)]) * fitted.model.value(i) /
@@ -598,22 +610,76 @@ detail::AddedColumn further_dead_time(const Fitted& fitted) {
     column(2 * i) = later.real();
     column(2 * i + 1) = later.imag();
   }
-  return detail::added_column(fitted.model.rest, column);
+  const double seconds = detail::added_column(fitted.model.rest, column).coefficient;
+  const double most = 1 / fitted.points.omega.back();
+  return std::isfinite(seconds) ? std::clamp(seconds, -most, most) : 0;
+}
+
+/// A dead time with a few pairs of poles beside real ones, brought to least squares together with them.
+struct TimedFit {
+  double seconds, criterion;
+};
+TimedFit fit_timed(const FrequencyResponseData& data, const detail::DeadTime& start, double floor) {
+  std::vector<std::size_t> all(data.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  const auto ahead = [&](double seconds) {
+    WeightedPoints points = points_of(detail::without_dead_time(data, seconds), all);
+    if (data.sigma().empty())
+      for (double& each : points.deviation) each = std::hypot(each, floor);
+    return points;
+  };
+  Fitted fitted;
+  fitted.points = ahead(start.seconds);
+  constexpr std::array<std::size_t, 2> fewest{1, 2};
+  fitted.model = detail::best_with_free_poles(fitted.points, fewest);
+  TimedFit best{start.seconds, likelihood_criterion(fitted)};
+  constexpr int most_steps = 5;
+  for (int i = 0; i < most_steps; ++i) {
+    const double seconds = best.seconds + further_dead_time(fitted);
+    fitted.points = ahead(seconds);
+    fitted.model = detail::refitted(fitted.points, fitted.model);
+    const double criterion = likelihood_criterion(fitted);
+    if (!(criterion < best.criterion)) break;
+    best = {seconds, criterion};
+  }
+  return best;
+}
+
+/// A dead time worth judging the points without; 0: none.
+double promising_dead_time(const FrequencyResponseData& data, const Judgement& plain,
+                           const ValidationOptions& options) {
+  const double left = rms_of_residuals(plain.fitted);
+  if (!(left > options.accuracy)) return 0;
+  if (plain.steady(options.level)) {
+    // The model may have set aside the very points that ask for a dead time, and then leaves no more than this one.
+    constexpr double as_little = 2;
+    const std::vector<detail::DeadTime> found = detail::dead_times_of(data, 0);
+    return !found.empty() && std::pow(found.front().left, 2) < as_little * left * left ? found.front().seconds : 0;
+  }
+  // Fixed places follow a resonance only so far: of several dead times poles at free places tell which.  Points that
+  // are noise where it is additive would hide it.
+  TimedFit best{0, std::numeric_limits<double>::infinity()};
+  for (const double floor : {0.0, plain.fitted.floor}) {
+    constexpr std::size_t most = 3;
+    const std::vector<detail::DeadTime> found = detail::dead_times_of(data, floor);
+    for (std::size_t i = 0; i < std::min(found.size(), most); ++i) {
+      const TimedFit here = fit_timed(data, found[i], floor);
+      if (here.criterion < best.criterion) best = here;
+    }
+    if (!(plain.fitted.floor > 0)) break;
+  }
+  return best.seconds;
 }
 
 Timely judge_timely(const FrequencyResponseData& data, const ValidationOptions& options) {
   Timely plain{data, judge(data, options)};
-  const double left = rms_of_residuals(plain.judgement.fitted);
-  const double seconds = left > options.accuracy ? detail::dead_time_of(data, left) : 0;
+  const double seconds = promising_dead_time(data, plain.judgement, options);
   if (!(seconds > 0)) return plain;
   Timely best = judge_without(seconds, data, options);
   double criterion = criterion_of_all(best.data, best.judgement);
   constexpr int most_steps = 4;
   for (int i = 0; i < most_steps; ++i) {
-    const detail::AddedColumn further = further_dead_time(best.judgement.fitted);
-    constexpr double radians_at_most = 1;
-    const double most = radians_at_most / data.omega().back();
-    Timely next = judge_without(best.dead_time + std::clamp(further.coefficient, -most, most), data, options);
+    Timely next = judge_without(best.dead_time + further_dead_time(best.judgement.fitted), data, options);
     const double least = criterion_of_all(next.data, next.judgement);
     if (!(least < criterion)) break;
     criterion = least;
@@ -630,10 +696,16 @@ bool sign_is_reversed(const Timely& as_given, const ValidationOptions& options) 
   const FrequencyResponseData& data = as_given.data;
   auto mirrored = data.value();
   for (Complex& each : mirrored) each = std::conj(each);
-  const Timely mirror = judge_timely({data.omega(), std::move(mirrored), data.sigma()}, options);
-  if (mirror.judgement.pattern(options.level)) return false;
+  const FrequencyResponseData reversed{data.omega(), std::move(mirrored), data.sigma()};
   // As much as residuals 1.6 times as large in every point.
   const double of_all_points = 2 * static_cast<double>(data.size());
+  // Real poles, however poorly, follow a response better than its complex conjugate.
+  std::vector<std::size_t> all(data.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  if (likelihood_criterion(fit_on_grid(reversed, std::move(all))) > as_given.judgement.on_grid + of_all_points)
+    return false;
+  const Timely mirror = judge_timely(reversed, options);
+  if (mirror.judgement.pattern(options.level)) return false;
   return criterion_of_all(mirror.data, mirror.judgement) + of_all_points < criterion_of_all(data, as_given.judgement);
 }
 
