@@ -97,6 +97,18 @@ TEST(PowerSumRoots, MultipleRootsAreClusters) {
   expect_one_cluster({{1, 1}, {-2, 0.5}, {1, 0}}, 0, 2, true);
   expect_one_cluster({{1, 4}, {2, 2}, {1, 0}}, {0, pi / 2}, 2, false);
   expect_one_cluster({{1, 1}, {-2, 0.5}, {1 + 1e-9, 0}}, 0, 2, true);
+  // (a s + b)^n with coefficients that are rounded, from the left and the right half plane.
+  for (const auto& [a, b] : {std::pair(0.37, 1.9), std::pair(2.3e-5, 7.1), std::pair(-41.3, 0.6)}) {
+    for (int n = 2; n <= 7; ++n) {
+      std::vector<PowerTerm> sum;
+      double coefficient = std::pow(a, n);
+      for (int k = n; k >= 0; --k) {
+        sum.push_back({coefficient, static_cast<double>(k)});
+        coefficient *= k * b / (a * (n - k + 1));
+      }
+      expect_one_cluster(sum, {std::log(std::abs(b / a)), a > 0 ? pi : 0}, n, a < 0);
+    }
+  }
 }
 
 // Two poles 0.3 to 4 % apart beside a pair: Newton's method from where two terms balance finds one of the two only.

@@ -128,7 +128,7 @@ class Search {
           const ScaledSum f = value_at(zeta);
           // Within rounding of 0 the phase says nothing: the edge meets a root.
           constexpr double noise = 4 * std::numeric_limits<double>::epsilon();
-          if (std::abs(f.value) < noise * f.magnitude) return ValueAndSlope{nothing, nothing};
+          if (std::norm(f.value) < noise * noise * f.magnitude * f.magnitude) return ValueAndSlope{nothing, nothing};
           return ValueAndSlope{f.value, f.slope};
         },
         {{box.left, box.bottom}, {box.right, box.bottom}, {box.right, box.top}, {box.left, box.top}});
@@ -192,6 +192,20 @@ class Search {
         balanced_points(plane, degree), [&](const std::vector<Complex>& each) { return all(each).size() < degree; });
     if (all(known).size() != degree) return false;
     for (const Complex root : images_in(box, known)) found_.push_back({root, 1, 0});
+    return true;
+  }
+
+  // A linear factor to a power, as of equal lags: its root follows from the two highest terms.
+  bool find_of_power(const Box& box) {
+    if (!is_polynomial_ || sum_.size() < 3 || sum_.front().order != static_cast<double>(sum_.size() - 1)) return false;
+    const auto degree = static_cast<int>(sum_.size() - 1);
+    const double root = -sum_[1].coefficient / (degree * sum_[0].coefficient);
+    // Nearly all polynomials are told from a power by their third term.
+    const double third = 0.5 * degree * (degree - 1) * root * root * sum_[0].coefficient;
+    if (!(std::abs(sum_[2].coefficient - third) <= 1e-9 * std::abs(third))) return false;
+    const Complex log_root(std::log(std::abs(root)), root < 0 ? std::numbers::pi : 0);
+    if (!coincide(taylor_start(sum_, log_root, degree))) return false;
+    for (const Complex image : images_in(box, {log_root})) found_.push_back({image, degree, 0});
     return true;
   }
 
@@ -351,19 +365,23 @@ class Search {
     return std::nullopt;
   }
 
+  // Whether the terms of an expansion are rounding, so that as many roots coincide in its middle.
+  [[nodiscard]] static bool coincide(const TaylorStart& start) {
+    constexpr double eps = std::numeric_limits<double>::epsilon();
+    for (std::size_t j = 0; j < start.coefficient.size(); ++j) {
+      if (!(std::abs(start.coefficient[j]) <= 4 * eps * start.rounding[j])) return false;
+    }
+    return true;
+  }
+
   // How the members lie about the middle, from the start of the expansion there.
   void resolve(RootCluster& cluster) const {
-    constexpr double eps = std::numeric_limits<double>::epsilon();
-    const TaylorStart start = taylor_start(sum_, cluster.log_s, cluster.multiplicity + 1);
-    bool coincide = true;
-    for (std::size_t j = 0; j + 1 < start.coefficient.size(); ++j) {
-      coincide = coincide && std::abs(start.coefficient[j]) <= 4 * eps * start.rounding[j];
-    }
-    if (coincide) {
+    if (coincide(taylor_start(sum_, cluster.log_s, cluster.multiplicity))) {
       cluster.spread = 0;
       return;
     }
-    std::vector<Complex> members = polynomial_roots(start.coefficient);
+    std::vector<Complex> members =
+        polynomial_roots(taylor_start(sum_, cluster.log_s, cluster.multiplicity + 1).coefficient);
     double spread = 0;
     for (Complex& member : members) {
       const std::optional<Complex> root = polished(sum_, cluster.log_s + member);
@@ -467,8 +485,8 @@ PowerSumRoots power_sum_roots(const std::vector<PowerTerm>& sum, double largest_
   };
   // Below e^-800 |s| is 0 to a double, and beyond e^20000 the edges of the box would be too long to follow.
   constexpr double nearest = -800, farthest = 20'000;
-  if (search.find_of_polynomial({nearest, farthest, -one_cluster, largest_argument + one_cluster}))
-    return conclude(false);
+  const Box half_plane{nearest, farthest, -one_cluster, largest_argument + one_cluster};
+  if (search.find_of_power(half_plane) || search.find_of_polynomial(half_plane)) return conclude(false);
   // Edges that meet a root are moved a little.
   for (int attempt = 0; attempt < 8; ++attempt) {
     const double shift = 0.0137 * (attempt + 1);
