@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "batch/batch_table.hpp"
+#include "batch/batch_reader.hpp"
 #include "io/descriptor.hpp"
 #include "io/output_file.hpp"
 #include "io/shard_file.hpp"

@@ -8,6 +8,7 @@
 
 #include "batch/batch_fit.hpp"
 #include "batch/batch_power_law.hpp"
+#include "batch/batch_reader.hpp"
 #include "batch/batch_summary.hpp"
 #include "commands/subcommand.hpp"
 #include "frac/parallel_for.hpp"
