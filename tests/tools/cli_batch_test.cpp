@@ -1,15 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <filesystem>
 #include <iomanip>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "io/fingerprint.hpp"
 #include "run_program.hpp"
 
 namespace {
@@ -475,6 +478,115 @@ TEST_F(Batch, MergeRefusesWhatDoesNotBelongTogether) {
   expect_refusal({one, one}, "force_1.csv, which");
   expect_refusal({one, folder.path("data/force_1.csv")}, "expected a table written by fracfit batch");
   expect_refusal({folder.path("absent.csv")}, "cannot be read: No such file");
+}
+
+/// Shards of a batch of more curves than `merge` holds the names of at once, written here as the format says: names
+/// that both formats have to escape, rows of two columns.
+class LongBatch : public testing::TestWithParam<std::string> {
+ protected:
+  static constexpr std::size_t curves = 70'000, shards = 3;
+
+  [[nodiscard]] static bool is_csv() { return GetParam() == ".csv"; }
+  [[nodiscard]] static std::string name(std::size_t i) {
+    return std::to_string(i) + (i % 3 == 0 ? R"(\,"inputs":["\)" : ".csv");
+  }
+  // The quotation marks of CSV are doubled, and those of JSON escaped as backslashes are.
+  [[nodiscard]] static std::string quoted_name(std::size_t i) {
+    std::string text;
+    for (const char c : name(i))
+      text += std::string(is_csv() ? (c == '"') : (c == '"' || c == '\\'), is_csv() ? '"' : '\\') + c;
+    return is_csv() && text.find('"') == std::string::npos ? text : '"' + text + '"';
+  }
+  [[nodiscard]] static std::string head(const std::string& shard) {
+    std::string text;
+    if (is_csv()) {
+      text = "# fracfit: 1\n# command: c\n" + (shard.empty() ? "" : "# shard: " + shard + "\n");
+      for (std::size_t i = 0; i < curves; ++i) text += "# input: " + name(i) + "\n";
+      return text + "file,points\n";
+    }
+    text = R"({"fracfit":"1","command":"c",)" + (shard.empty() ? "" : R"("shard":")" + shard + R"(",)") +
+           R"("laws":[],"inputs":[)";
+    for (std::size_t i = 0; i < curves; ++i) text += (i > 0 ? "," : "") + quoted_name(i);
+    return text + R"(],"columns":["file","points"]})" + "\n";
+  }
+  [[nodiscard]] static std::string row(std::size_t i) {
+    const std::string points = std::to_string(i % 7);
+    return is_csv() ? quoted_name(i) + "," + points + "\n"
+                    : R"({"file":)" + quoted_name(i) + R"(,"points":)" + points + "}\n";
+  }
+  [[nodiscard]] static std::string shard_name(std::size_t shard) {
+    return std::to_string(shard) + "/" + std::to_string(shards);
+  }
+  [[nodiscard]] static std::vector<std::string> rows_of(std::size_t shard) {
+    std::vector<std::string> rows;
+    for (std::size_t i = shard - 1; i < curves; i += shards) rows.push_back(row(i));
+    return rows;
+  }
+  // With the checksum of a finished shard.
+  [[nodiscard]] std::string finished(std::size_t shard) const {
+    std::string text = head(shard_name(shard));
+    for (const auto& each : rows_of(shard)) text += each;
+    const std::string sum = io::Fingerprint(text).text();
+    return folder.write(
+        std::to_string(shard) + GetParam(),
+        text + (is_csv() ? "# checksum: " + sum + "\n" : R"({"remark":"checksum","checksum":")" + sum + "\"}\n"));
+  }
+  [[nodiscard]] std::string unfinished(std::size_t shard, const std::vector<std::string>& rows) const {
+    std::string text = head(shard_name(shard));
+    for (const auto& each : rows) text += each;
+    return folder.write(std::to_string(shard) + GetParam(), text);
+  }
+
+  TemporaryFolder folder;
+};
+INSTANTIATE_TEST_SUITE_P(All, LongBatch, testing::Values(".csv", ".jsonl"),
+                         [](const auto& format) { return format.param.substr(1); });
+
+TEST_P(LongBatch, ShardsAreMergedInTheOrderOfTheCurves) {
+  std::string whole = head("");
+  for (std::size_t i = 0; i < curves; ++i) whole += row(i);
+  const auto out = folder.path("merged" + GetParam());
+  const auto result = run_fracfit({"merge", finished(2), finished(3), finished(1), "--out", out});
+  EXPECT_EQ(result.code, 0) << result.error;
+  EXPECT_TRUE(content_of(out) == whole);
+}
+
+// Threads leave the rows of a shard that was interrupted in any order.  Three curves of it have no row.
+TEST_P(LongBatch, RowsOfAnUnfinishedShardMayStandInAnyOrder) {
+  auto rows = rows_of(2);
+  const std::size_t last = rows.size() - 1;
+  rows.erase(rows.begin() + static_cast<std::ptrdiff_t>(last));
+  rows.erase(rows.begin() + 20'000);
+  rows.erase(rows.begin() + 5);
+  std::reverse(rows.begin(), rows.end());
+  const std::set<std::size_t> gone{1 + 5 * shards, 1 + 20'000 * shards, 1 + last * shards};
+  std::string whole = head("");
+  for (std::size_t i = 0; i < curves; ++i) whole += gone.contains(i) ? "" : row(i);
+  const auto out = folder.path("merged" + GetParam());
+  const auto part = unfinished(2, rows);
+  const auto result = run_fracfit({"merge", finished(1), part, finished(3), "--out", out});
+  EXPECT_EQ(result.code, 1) << result.error;
+  EXPECT_TRUE(content_of(out) == whole);
+  EXPECT_NE(result.error.find("3 of 70000 files are missing: 16"), std::string::npos) << result.error;
+  EXPECT_NE(result.error.find("--array=2"), std::string::npos) << result.error;
+
+  const auto status = run_fracfit({"merge", finished(1), part, finished(3), "--status", "--format", "json"});
+  EXPECT_EQ(status.code, 1) << status.error;
+  const auto states = Json::parse(status.output);
+  EXPECT_EQ(states["rows"][1]["rows"], last - 2);
+  EXPECT_EQ(states["rows"][1]["state"], "unfinished");
+}
+
+TEST_P(LongBatch, ARowThatIsThereTwiceOrOfAnotherShardIsRefused) {
+  const auto one = finished(1), out = folder.path("merged" + GetParam());
+  for (const auto& [rows, said] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{row(1), row(69'997 / shards * shards + 1), row(1)}, "holds a row for 1.csv, which "},
+           {{row(1), row(2)}, "holds a row for 2.csv, which is none of its inputs"}}) {
+    const auto result = run_fracfit({"merge", one, unfinished(2, rows), "--out", out});
+    EXPECT_EQ(result.code, 3);
+    EXPECT_NE(result.error.find(said), std::string::npos) << result.error;
+    EXPECT_FALSE(std::filesystem::exists(out));
+  }
 }
 
 TEST_F(Batch, MergeDoesNotReplaceAnInput) {

@@ -52,10 +52,13 @@ std::string quoted(std::string_view text) {
 }
 
 std::string shortened_list(const std::vector<std::string>& names) {
-  constexpr std::size_t most = 10;
+  return shortened_list(names, names.size());
+}
+
+std::string shortened_list(const std::vector<std::string>& first, std::size_t count) {
   std::string text;
-  for (std::size_t i = 0; i < names.size() && i < most; ++i) text += (i > 0 ? ", " : "") + printable(names[i]);
-  return names.size() > most ? text + " and " + std::to_string(names.size() - most) + " more" : text;
+  for (std::size_t i = 0; i < std::min(count, names_shown); ++i) text += (i > 0 ? ", " : "") + printable(first[i]);
+  return count > names_shown ? text + " and " + std::to_string(count - names_shown) + " more" : text;
 }
 
 }  // namespace io

@@ -32,5 +32,8 @@ class DataError : public std::runtime_error {
 
 /// The first of a list of names for a message, and how many more there are.
 [[nodiscard]] std::string shortened_list(const std::vector<std::string>& names);
+/// The same of so many names, of which the first names_shown are enough.
+[[nodiscard]] std::string shortened_list(const std::vector<std::string>& first, std::size_t count);
+inline constexpr std::size_t names_shown = 10;
 
 }  // namespace io

@@ -27,7 +27,7 @@ bool FileLines::read_more() {
 
 std::optional<std::string_view> FileLines::next() {
   for (std::size_t searched = at_;;) {
-    const auto end = buffer_.find('\n', searched);
+    const auto end = buffer_.find(end_, searched);
     if (end != std::string::npos) {
       const std::string_view line = std::string_view(buffer_).substr(at_, end - at_);
       at_ = end + 1;

@@ -17,7 +17,6 @@
 #include "io/output_file.hpp"
 
 namespace io {
-
 Descriptor readable(const std::string& file) {
   struct stat status {};
   if (file != "-" && ::stat(file.c_str(), &status) == 0 && S_ISREG(status.st_mode)) {
@@ -39,16 +38,23 @@ void allow_open_files(std::size_t count) {
   static_cast<void>(::setrlimit(RLIMIT_NOFILE, &limit));
 }
 
-std::string read_at(int descriptor, std::size_t begin, std::size_t size, const std::string& path) {
-  std::string text(size, '\0');
-  for (std::size_t done = 0; done < size;) {
-    const auto got = ::pread(descriptor, text.data() + done, size - done, static_cast<off_t>(begin + done));
+std::string bytes_at(int descriptor, std::size_t begin, std::size_t most, const std::string& path) {
+  std::string text(most, '\0');
+  std::size_t done = 0;
+  while (done < most) {
+    const auto got = ::pread(descriptor, text.data() + done, most - done, static_cast<off_t>(begin + done));
     if (got < 0 && errno == EINTR) continue;
-    if (got <= 0)
-      throw std::runtime_error("cannot read " + path + ": " +
-                               (got < 0 ? std::strerror(errno) : "another program has cut it"));
+    if (got < 0) throw std::runtime_error("cannot read " + path + ": " + std::strerror(errno));
+    if (got == 0) break;
     done += static_cast<std::size_t>(got);
   }
+  text.resize(done);
+  return text;
+}
+
+std::string read_at(int descriptor, std::size_t begin, std::size_t size, const std::string& path) {
+  std::string text = bytes_at(descriptor, begin, size, path);
+  if (text.size() < size) throw std::runtime_error("cannot read " + path + ": another program has cut it");
   return text;
 }
 

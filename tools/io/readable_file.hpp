@@ -16,6 +16,11 @@ namespace io {
 /// Lets so many files stay open at once, as far as the system allows.
 void allow_open_files(std::size_t count);
 
+/// Bytes of an open file from a place on, so many or as many as there are.
+/// @param path  of the file, for messages
+/// @throws std::runtime_error  it cannot be read.
+[[nodiscard]] std::string bytes_at(int descriptor, std::size_t begin, std::size_t most, const std::string& path);
+
 /// So many bytes of an open file from a place on.
 /// @param path  of the file, for messages
 /// @throws std::runtime_error  it cannot be read, or ends before.

@@ -5,6 +5,7 @@
 #include <array>
 #include <map>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -283,14 +284,11 @@ void require_shard_count(std::size_t of_first, std::size_t count, const std::str
 bool is_block_table(const std::string& file) {
   const Descriptor descriptor = readable(file);
   constexpr std::size_t some_lines = 1U << 12U;
-  FileLines lines(descriptor.number(), file, some_lines);
+  std::istringstream lines(bytes_at(descriptor.number(), 0, some_lines, file));
   // The command stands behind the version, and behind the line of an unfinished table.
-  for (int i = 0; i < 3; ++i) {
-    const auto line = lines.next();
-    if (!line) break;
-    if (std::ranges::any_of(commands, [&](std::string_view command) { return line->starts_with(command); }))
-      return true;
-  }
+  std::string line;
+  for (int i = 0; i < 3 && std::getline(lines, line); ++i)
+    if (std::ranges::any_of(commands, [&](std::string_view command) { return line.starts_with(command); })) return true;
   return false;
 }
 

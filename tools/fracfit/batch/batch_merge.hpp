@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -13,33 +12,33 @@
 
 namespace fracfit {
 
-/// The table that several batch tables of the same command make.  Memory holds the names of the curves and the places
-/// of their rows, not the rows.
+/// The table that several batch tables of the same command make.  Memory grows neither with the rows nor with the
+/// curves, but for 16 bytes of each curve and power law, and a bit for each row of a table that is no finished shard.
 class BatchMerge {
  public:
   /// Reads and checks all tables.
-  /// @throws io::DataError  one is no batch table, stems from another command or other files than the first, has a row
-  ///                        that another one has too, or was changed; the text names file and line.
+  /// @throws io::DataError  one is no batch table, stems from another command or other files than the first, or was
+  ///                        changed; the text names file and line.
   explicit BatchMerge(const std::vector<std::string>& files);
 
+  struct Outcome {
+    std::vector<std::string> notes;  // what is to be said of the power laws
+    std::string missing;             // which curves, and which shards as sbatch --array= takes them; empty: none
+  };
   /// Writes the rows in the order of the curves, and the power laws below them where no row is missing.
-  /// @return  what is to be said of the laws
-  [[nodiscard]] std::vector<std::string> write(const io::OutputFile::Sink& sink) const;
-  /// What is missing, as a sentence that names the shards as sbatch --array= takes them; empty: nothing.
-  [[nodiscard]] std::string missing_text() const;
+  /// @throws io::DataError  a table has a row that another one has too, or of none of its inputs.
+  [[nodiscard]] Outcome write(const io::OutputFile::Sink& sink) const;
 
  private:
-  // Where the row of a curve stands; of size 0: nowhere.
-  struct Place {
-    std::uint32_t file = 0, size = 0;
-    std::size_t begin = 0;
+  // Curves without a row, and the names of the first.
+  struct Missing {
+    std::size_t count = 0;
+    std::vector<std::string> first;
   };
+  [[nodiscard]] std::string missing_text(const Missing& missing) const;
 
-  std::vector<std::string> files_;
   std::vector<io::Descriptor> descriptors_;
-  BatchFormat format_ = BatchFormat::csv;
-  BatchManifest manifest_;
-  std::vector<Place> places_;  // by curve
+  std::vector<BatchReader> tables_;
   std::vector<std::string> unfinished_;
   std::vector<std::size_t> shards_to_do_;
 };

@@ -60,10 +60,10 @@ PowerLaws::PowerLaws(BatchFormat format, const BatchManifest& manifest) : format
   for (const auto& law : manifest.laws) laws_.push_back({power_law_request(law), {}, {}, {}});
 }
 
-void PowerLaws::add(const std::string& line) {
+void PowerLaws::add(std::string_view line) {
   ++rows_;
   if (laws_.empty()) return;
-  const auto row = read_row(format_, columns_, line);
+  const auto row = read_row(format_, columns_, std::string(line));
   if (!row) throw std::logic_error("a row of the batch cannot be read back");
   const auto number = [&](const std::string& column) {
     const auto found = row->find(column);

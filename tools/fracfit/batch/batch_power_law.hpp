@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "batch/batch_table.hpp"
@@ -28,7 +29,7 @@ class PowerLaws {
  public:
   PowerLaws(BatchFormat format, const BatchManifest& manifest);
   /// Takes a row into account.
-  void add(const std::string& line);
+  void add(std::string_view line);
   [[nodiscard]] PowerLawRemarks remarks() const;
 
  private:

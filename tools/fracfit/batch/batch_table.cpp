@@ -30,22 +30,34 @@ std::optional<Json> parsed(const std::string& line) {
 
 }  // namespace
 
-std::string header_text(BatchFormat format, const BatchManifest& manifest) {
+HeaderParts header_parts(BatchFormat format, const BatchManifest& manifest) {
   if (format == BatchFormat::jsonl) {
     Json json{{"fracfit", manifest.version}, {"command", manifest.command}};
     if (!manifest.shard.empty()) json["shard"] = manifest.shard;
     json["laws"] = manifest.laws;
-    json["inputs"] = manifest.inputs;
-    json["columns"] = manifest.columns;
-    return json.dump(-1) + "\n";
+    const std::string before = json.dump(-1), columns = Json(manifest.columns).dump(-1);
+    return {before.substr(0, before.size() - 1) + R"(,"inputs":[)", R"(],"columns":)" + columns + "}\n"};
   }
-  std::string text = "# fracfit: " + manifest.version + "\n# command: " + manifest.command + "\n";
-  if (!manifest.shard.empty()) text += "# shard: " + manifest.shard + "\n";
-  for (const auto& law : manifest.laws) text += "# law: " + law + "\n";
-  for (const auto& input : manifest.inputs) text += "# input: " + input + "\n";
+  HeaderParts parts;
+  parts.before = "# fracfit: " + manifest.version + "\n# command: " + manifest.command + "\n";
+  if (!manifest.shard.empty()) parts.before += "# shard: " + manifest.shard + "\n";
+  for (const auto& law : manifest.laws) parts.before += "# law: " + law + "\n";
   for (std::size_t i = 0; i < manifest.columns.size(); ++i)
-    text += (i > 0 ? "," : "") + io::csv_field(manifest.columns[i]);
-  return text + "\n";
+    parts.behind += (i > 0 ? "," : "") + io::csv_field(manifest.columns[i]);
+  parts.behind += "\n";
+  return parts;
+}
+
+std::string header_text(BatchFormat format, const BatchManifest& manifest) {
+  const HeaderParts parts = header_parts(format, manifest);
+  std::string text = parts.before;
+  if (format == BatchFormat::jsonl) {
+    const std::string list = Json(manifest.inputs).dump(-1);
+    text += list.substr(1, list.size() - 2);
+  } else {
+    for (const auto& input : manifest.inputs) text += "# input: " + input + "\n";
+  }
+  return text + parts.behind;
 }
 
 std::string row_line(BatchFormat format, const BatchRow& row) {

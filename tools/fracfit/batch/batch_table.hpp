@@ -37,6 +37,11 @@ struct BatchManifest {
 
 /// Manifest and, for CSV, the header row.
 [[nodiscard]] std::string header_text(BatchFormat format, const BatchManifest& manifest);
+/// The same without the inputs: what stands before them and behind them.
+struct HeaderParts {
+  std::string before, behind;
+};
+[[nodiscard]] HeaderParts header_parts(BatchFormat format, const BatchManifest& manifest);
 [[nodiscard]] std::string row_line(BatchFormat format, const BatchRow& row);
 /// Columns and their texts, numbers as written; what is unset is left out.  Empty when the line is no row of the table.
 [[nodiscard]] std::optional<std::map<std::string, std::string>> read_row(BatchFormat format,

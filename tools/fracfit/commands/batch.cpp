@@ -57,8 +57,9 @@ std::map<std::string, std::string> finished_rows(const std::string& out, BatchFo
                                 earlier.version + "); remove it or choose another file");
   std::map<std::string, std::string> fingerprints;
   for (const std::size_t i : part) fingerprints.emplace(curves[i].name, curves[i].fingerprint);
-  table.read_rows([&](const PlacedRow& placed) {
-    const std::string &curve = earlier.inputs[placed.curve], line(placed.line);
+  table.check();
+  table.each_row(table.first_row(), [&](const PlacedRow& placed) {
+    const std::string curve = table.curve_of(placed), line(placed.line);
     const auto known = fingerprints.find(curve);
     if (known == fingerprints.end())
       throw std::invalid_argument("--out " + out + " holds a result for " + curve +
@@ -67,6 +68,7 @@ std::map<std::string, std::string> finished_rows(const std::string& out, BatchFo
     const auto made_from = row.find(std::string(fingerprint_column));
     if (row.at("status") == "converged" && made_from != row.end() && made_from->second == known->second)
       rows.emplace(curve, line + "\n");
+    return true;
   });
   return rows;
 }

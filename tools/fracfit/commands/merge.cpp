@@ -24,7 +24,7 @@ class Merge : public Command {
     options()["--out"].default_is("none for a joined table, where - is standard output");
     set_footer(
         "All must stem from the same command, on the same files.  The result is that of the command without --shard.\n"
-        "Rows are copied from file to file, so that memory does not grow with them; of a batch it holds the names.\n"
+        "Rows are copied from file to file, so that memory does not grow with them.\n"
         "Examples:\n"
         "  fracfit merge part1.csv part2.csv part3.csv part4.csv --out all.csv\n"
         "  fracfit merge part-*.csv* --status");
@@ -87,12 +87,11 @@ class Merge : public Command {
       return usable_result;
     }
     const BatchMerge merged(in_);
-    std::vector<std::string> notes;
-    output().write([&](const io::OutputFile::Sink& sink) { notes = merged.write(sink); });
-    for (const auto& note : notes) say(note);
-    const std::string missing = merged.missing_text();
-    if (missing.empty()) return usable_result;
-    say(missing);
+    BatchMerge::Outcome outcome;
+    output().write([&](const io::OutputFile::Sink& sink) { outcome = merged.write(sink); });
+    for (const auto& note : outcome.notes) say(note);
+    if (outcome.missing.empty()) return usable_result;
+    say(outcome.missing);
     return no_usable_result;
   }
 
