@@ -79,6 +79,9 @@ TEST(RelaxationTimes, OfFiniteDiffusionAreLines) {
     EXPECT_NEAR(found.lines[k].area / (2 * 20 * expected[k] / 5), 1, 1e-6) << k;
   }
   EXPECT_TRUE(found.peaks.empty());
+  // What rounding leaves next to a line is no peak.
+  EXPECT_TRUE(
+      exact("R tanh(sqrt(T s))/sqrt(T s) + R1/(1 + T1 s)", {3, 0.5, 2, 0.01}, times(1e-5, 1e4, 121)).peaks.empty());
   // coth has a pole at 0, the blocking end, which is no time.
   const auto blocked = exact("R coth(sqrt(T s))/sqrt(T s)", {20, 5}, times(1e-2, 10, 200));
   ASSERT_EQ(blocked.lines.size(), 7U);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <complex>
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -18,12 +19,23 @@ class CutValue {
   [[nodiscard]] std::complex<double> operator()(double rate);
 
  private:
-  // The value of a node that depends on s, those before it being known.
-  [[nodiscard]] std::complex<double> of(const Node& node, double rate) const;
-
   const Expression& expression_;
   std::vector<double> real_;
   std::vector<std::complex<double>> value_;
+};
+
+/// The same at many rates, and with single parameters moved: only what depends on these is computed anew.
+class CutValues {
+ public:
+  CutValues(const Expression& expression, std::span<const double> parameters, std::vector<double> rates);
+
+  [[nodiscard]] const std::vector<std::complex<double>>& values() const { return value_.back(); }
+  [[nodiscard]] std::vector<std::complex<double>> moved(std::size_t parameter, double to) const;
+
+ private:
+  const Expression& expression_;
+  std::vector<double> parameters_, rates_, real_;
+  std::vector<std::vector<std::complex<double>>> value_;  // of each node at each rate
 };
 
 }  // namespace frac::detail

@@ -67,9 +67,9 @@ std::vector<PeakRange> joined_peaks(std::vector<PeakRange> ranges, std::span<con
 }
 
 std::vector<PeakRange> large_peaks(std::vector<PeakRange> ranges, std::span<const double> log_tau,
-                                   std::span<const double> density) {
+                                   std::span<const double> density, double beside) {
   constexpr double share = 1e-3;
-  double whole = 0;
+  double whole = beside;
   for (const auto& range : ranges) whole += peak_area(log_tau, density, range);
   std::erase_if(ranges, [&](const auto& range) { return !(peak_area(log_tau, density, range) > share * whole); });
   return ranges;

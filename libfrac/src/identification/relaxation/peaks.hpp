@@ -22,8 +22,9 @@ struct PeakRange {
                                                   std::span<const double> lower, std::span<const double> upper);
 
 /// Keeps the peaks that hold more than a thousandth of the whole area.
+/// @param beside  what lines hold of it
 [[nodiscard]] std::vector<PeakRange> large_peaks(std::vector<PeakRange> ranges, std::span<const double> log_tau,
-                                                 std::span<const double> density);
+                                                 std::span<const double> density, double beside = 0);
 
 /// Whether a peak is no wider than one of a single time is drawn: it has fallen to half its height two nodes from its
 /// top.  Its place is the mean of the nodes about the top by weight, which is that time where it lies between two.

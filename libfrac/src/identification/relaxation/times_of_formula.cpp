@@ -4,6 +4,7 @@
 #include <limits>
 #include <numbers>
 #include <stdexcept>
+#include <utility>
 
 #include "cut_value.hpp"
 #include "frac/identification/relaxation_times.hpp"
@@ -35,14 +36,16 @@ double sign_of(TimesKernel kernel) {
 /// without a pole.
 class Lines {
  public:
-  Lines(detail::CutValue& value, double sign) : value_(value), sign_(sign) {}
+  Lines(detail::CutValue value, double sign) : value_(std::move(value)), sign_(sign) {}
 
   /// All of a range.
-  [[nodiscard]] std::vector<TimesLine> between(std::span<const double> log_tau) {
+  /// @param at  values of the formula there
+  [[nodiscard]] std::vector<TimesLine> between(std::span<const double> log_tau,
+                                               std::span<const std::complex<double>> at) {
     std::vector<TimesLine> lines;
-    std::complex<double> before = inverse(log_tau[0]);
+    std::complex<double> before = inverse_of(at[0]);
     for (std::size_t i = 1; i < log_tau.size(); ++i) {
-      const std::complex<double> here = inverse(log_tau[i]);
+      const std::complex<double> here = inverse_of(at[i]);
       search({log_tau[i - 1], before}, {log_tau[i], here}, 0, lines);
       before = here;
     }
@@ -72,11 +75,11 @@ class Lines {
     search(between, high, depth + 1, lines);
   }
 
-  [[nodiscard]] std::complex<double> inverse(double log_tau) {
-    const std::complex<double> value = value_(std::exp(-log_tau));
+  static std::complex<double> inverse_of(std::complex<double> value) {
     // At a pole itself a formula is no number.
     return std::isfinite(value.real()) && std::isfinite(value.imag()) ? 1.0 / value : 0.0;
   }
+  [[nodiscard]] std::complex<double> inverse(double log_tau) { return inverse_of(value_(std::exp(-log_tau))); }
 
   void add(double low, double high, bool low_is_negative, std::vector<TimesLine>& lines) {
     const double width = high - low;
@@ -95,7 +98,7 @@ class Lines {
     lines.push_back({std::exp(place), sign_ / slope, nan, nan, nan, nan});
   }
 
-  detail::CutValue& value_;
+  detail::CutValue value_;
   double sign_;
 };
 
@@ -109,36 +112,79 @@ std::vector<double> fine_times(double first, double last) {
   return log_tau;
 }
 
-TimesDistribution exact_times(const Structure& structure, std::span<const double> parameters,
-                              std::span<const double> log_tau, TimesKernel kernel) {
-  detail::CutValue value(structure.expression(), parameters);
-  TimesDistribution result{};
-  result.kernel = kernel;
-  result.constant = result.inductance = result.elastance = result.smoothness = nan;
-  result.misfit = result.misfit_in_noise = nan;
-  const auto density_at = [&](double each) {
-    const std::complex<double> here = value(std::exp(-each));
+/// A formula at the times shown and at those close enough to each other for lines and peaks.  These are those of the
+/// range; which times are shown in it, and where it cuts a flank, changes nothing.
+class ExactTimes {
+ public:
+  ExactTimes(const Structure& structure, std::span<const double> parameters, std::vector<double> log_tau,
+             TimesKernel kernel)
+      : structure_(structure),
+        parameters_(parameters.begin(), parameters.end()),
+        shown_(std::move(log_tau)),
+        fine_(fine_times(shown_.front() - flank, shown_.back() + flank)),
+        kernel_(kernel),
+        values_(structure.expression(), parameters, rates()) {}
+
+  [[nodiscard]] TimesDistribution distribution() const { return from(parameters_, values_.values()); }
+  [[nodiscard]] TimesDistribution moved(std::size_t parameter, double to) const {
+    std::vector<double> parameters = parameters_;
+    parameters[parameter] = to;
+    return from(parameters, values_.moved(parameter, to));
+  }
+
+ private:
+  static constexpr double flank = 6 * std::numbers::ln10;
+
+  [[nodiscard]] std::vector<double> rates() const {
+    std::vector<double> result;
+    for (const auto* times : {&shown_, &fine_})
+      for (const double each : *times) result.push_back(std::exp(-each));
+    return result;
+  }
+
+  [[nodiscard]] double density(std::complex<double> value) const {
     // What rounding leaves where the values on both sides agree is no density.
-    const bool is_real = std::abs(here.imag()) < 1e-13 * std::abs(here);
-    return is_real ? 0 : -sign_of(kernel) / std::numbers::pi * here.imag();
-  };
-  for (const double each : log_tau) {
-    result.tau.push_back(std::exp(each));
-    result.density.push_back(density_at(each));
+    const bool is_real = std::abs(value.imag()) < 1e-13 * std::abs(value);
+    return is_real ? 0 : -sign_of(kernel_) / std::numbers::pi * value.imag();
   }
-  // Lines and peaks are those of the range; which times are shown in it, and where it cuts a flank, changes nothing.
-  result.lines = Lines(value, sign_of(kernel)).between(fine_times(log_tau.front(), log_tau.back()));
-  const double flank = 6 * std::log(10.0);
-  const std::vector<double> fine = fine_times(log_tau.front() - flank, log_tau.back() + flank);
-  std::vector<double> density;
-  for (const double each : fine) density.push_back(density_at(each));
-  for (const auto& range : detail::large_peaks(detail::peak_ranges(density), fine, density)) {
-    const double place = detail::peak_place(fine, density, range);
-    if (place < log_tau.front() || place > log_tau.back()) continue;
-    result.peaks.push_back({std::exp(place), detail::peak_area(fine, density, range), nan, nan, nan, nan});
+
+  [[nodiscard]] bool in_range(double tau) const {
+    return std::log(tau) >= shown_.front() && std::log(tau) <= shown_.back();
   }
-  return result;
-}
+
+  [[nodiscard]] TimesDistribution from(std::span<const double> parameters,
+                                       std::span<const std::complex<double>> values) const {
+    TimesDistribution result{};
+    result.kernel = kernel_;
+    result.constant = result.inductance = result.elastance = result.smoothness = nan;
+    result.misfit = result.misfit_in_noise = nan;
+    for (std::size_t i = 0; i < shown_.size(); ++i) {
+      result.tau.push_back(std::exp(shown_[i]));
+      result.density.push_back(density(values[i]));
+    }
+    const auto at_fine = values.subspan(shown_.size());
+    const auto first = std::upper_bound(fine_.begin(), fine_.end(), shown_.front()) - fine_.begin() - 1;
+    const auto last = std::lower_bound(fine_.begin(), fine_.end(), shown_.back()) - fine_.begin();
+    const auto from_index = static_cast<std::size_t>(first), count = static_cast<std::size_t>(last - first + 1);
+    Lines lines({structure_.expression(), parameters}, sign_of(kernel_));
+    result.lines = lines.between(std::span(fine_).subspan(from_index, count), at_fine.subspan(from_index, count));
+    std::erase_if(result.lines, [&](const TimesLine& line) { return !in_range(line.tau); });
+    std::vector<double> densities;
+    for (const auto& each : at_fine) densities.push_back(density(each));
+    double beside = 0;
+    for (const TimesLine& line : result.lines) beside += std::abs(line.area);
+    for (const auto& range : detail::large_peaks(detail::peak_ranges(densities), fine_, densities, beside)) {
+      const double tau = std::exp(detail::peak_place(fine_, densities, range));
+      if (in_range(tau)) result.peaks.push_back({tau, detail::peak_area(fine_, densities, range), nan, nan, nan, nan});
+    }
+    return result;
+  }
+
+  const Structure& structure_;
+  std::vector<double> parameters_, shown_, fine_;
+  TimesKernel kernel_;
+  detail::CutValues values_;
+};
 
 void check_parameters(const Structure& structure, std::size_t count) {
   if (count != structure.parameter_names().size())
@@ -155,16 +201,16 @@ std::string_view to_string(TimesKernel kernel) {
 TimesDistribution relaxation_times(const Structure& structure, std::span<const double> parameters,
                                    std::span<const double> tau, TimesKernel kernel) {
   check_parameters(structure, parameters.size());
-  return exact_times(structure, parameters, logarithms(tau), kernel);
+  return ExactTimes(structure, parameters, logarithms(tau), kernel).distribution();
 }
 
 TimesDistribution relaxation_times(const FitResult& fit, std::span<const double> tau, TimesKernel kernel) {
   const Structure structure(fit.model);
   check_parameters(structure, fit.parameters.size());
-  const std::vector<double> log_tau = logarithms(tau);
   std::vector<double> values;
   for (const auto& each : fit.parameters) values.push_back(each.value);
-  TimesDistribution result = exact_times(structure, values, log_tau, kernel);
+  const ExactTimes exact(structure, values, logarithms(tau), kernel);
+  TimesDistribution result = exact.distribution();
   const double freedom = static_cast<double>(fit.residuals) - static_cast<double>(fit.free_parameters);
   if (!(freedom >= 1) || fit.covariance.size() != values.size()) return result;
 
@@ -183,11 +229,8 @@ TimesDistribution relaxation_times(const FitResult& fit, std::span<const double>
     if (!(variance > 0)) continue;  // held
     // Small against the curvature, large against rounding.
     const double step = std::min(0.01 * std::sqrt(variance), 1e-3 * std::abs(values[i]) + 1e-300);
-    std::vector<double> moved = values;
-    moved[i] = values[i] + step;
-    const auto above = quantities(exact_times(structure, moved, log_tau, kernel));
-    moved[i] = values[i] - step;
-    const auto below = quantities(exact_times(structure, moved, log_tau, kernel));
+    const auto above = quantities(exact.moved(i, values[i] + step));
+    const auto below = quantities(exact.moved(i, values[i] - step));
     // A peak or a line that comes or goes has no slope.
     for (std::size_t k = 0; k < centre.size(); ++k)
       slope[k] =
