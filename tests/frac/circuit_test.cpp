@@ -110,6 +110,12 @@ TEST(PassiveOnePort, RefusesWhatNoPassiveCircuitHas) {
 TEST(PassiveOnePort, ChecksItsArguments) {
   support::expect_invalid_argument([] { (void)frac::passive_one_port(model("s^-0.5"), {1, 0.1}, 1e-3); }, {"band = 1"});
   support::expect_invalid_argument([] { (void)frac::passive_one_port(model("s^-0.5"), band, 2); }, {"tolerance = 2"});
+  // An inductor alone has no part that a band would shape, and a formula with functions is designed in another way:
+  // both ask for the same.
+  support::expect_invalid_argument([] { (void)frac::passive_one_port(model("s"), {1, 0.1}, 1e-3); }, {"band = 1"});
+  const frac::Structure line("tanh(s^0.5)/s^0.5");
+  support::expect_invalid_argument([&] { (void)frac::passive_one_port(line, {1, 0.1}, 1e-3); }, {"band = 1 to 0.1"});
+  support::expect_invalid_argument([&] { (void)frac::passive_one_port(line, band, 2); }, {"tolerance = 2"});
   const auto circuit = frac::passive_one_port(model("s^-0.5"), band, 1e-1);
   support::expect_invalid_argument([&] { (void)frac::spice_netlist(circuit, {.name = "1z"}); },
                                    {"name of the subcircuit \"1z\""});

@@ -45,8 +45,7 @@ void check_passive(const Model& on_band) {
   for (const double omega : on_band.grid(density)) {
     const std::complex<double> value = on_band.response(omega);
     if (value.real() < -rounding_of_parts * std::abs(value)) {
-      throw std::domain_error("passive_one_port: Re Z = " + short_text(value.real()) +
-                              " ohm at omega = " + short_text(omega) +
+      throw std::domain_error("impedance: Re Z = " + short_text(value.real()) + " ohm at omega = " + short_text(omega) +
                               " rad/s; a passive circuit has no negative real part, it would give energy");
     }
   }

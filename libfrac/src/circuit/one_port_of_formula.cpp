@@ -15,6 +15,7 @@
 #include "base/short_text.hpp"
 #include "circuit/circuit_error.hpp"
 #include "frac/circuit.hpp"
+#include "state_space/demand_check.hpp"
 
 namespace frac {
 namespace {
@@ -64,8 +65,8 @@ class OnRealAxis {
       omega_.push_back(f.centre() * std::exp(ln));
       const Complex value = f.response(omega_.back());
       if (!std::isfinite(value.real()) || !std::isfinite(value.imag()))
-        throw std::domain_error("passive_one_port: the formula has no finite value at omega = " +
-                                short_text(omega_.back()) + " rad/s, from which its poles are told");
+        throw std::domain_error("impedance: the formula has no finite value at omega = " + short_text(omega_.back()) +
+                                " rad/s, from which its poles are told");
       weighted_.push_back(2 / std::numbers::pi * step * omega_.back() * value.real());
       if (ln == -end) integral = -value.imag() * omega_.back();
       slope = value.imag() / omega_.back();
@@ -181,12 +182,9 @@ std::vector<FosterCell> cells_of(const PositiveSum& sum, FosterForm form) {
 
 PassiveOnePort passive_one_port(const Structure& impedance, FrequencyBand band, double tolerance) {
   if (!impedance.parameter_names().empty())
-    throw std::invalid_argument("passive_one_port: the formula has the parameter " +
-                                impedance.parameter_names().front() + "; expected numbers");
-  if (!(band.lower > 0 && band.upper > band.lower && std::isfinite(band.upper)))
-    throw std::invalid_argument("passive_one_port: the band must be 0 < lower < upper");
-  if (!(tolerance > 0 && tolerance < 1))
-    throw std::invalid_argument("passive_one_port: the tolerance must be in (0, 1)");
+    throw std::invalid_argument("impedance: the formula has the parameter " + impedance.parameter_names().front() +
+                                "; expected numbers");
+  detail::check_demand("impedance", band, tolerance);
   const OnBand whole([&](double omega) { return impedance.response({}, omega); }, band);
   detail::check_passive(whole);
   constexpr int most_cells = 24;
@@ -217,7 +215,7 @@ PassiveOnePort passive_one_port(const Structure& impedance, FrequencyBand band, 
     }
   }
   throw std::domain_error(
-      "passive_one_port: no sum of resistors with capacitors, or with inductors, keeps the tolerance; the best one has "
+      "impedance: no sum of resistors with capacitors, or with inductors, keeps the tolerance; the best one has "
       "an error of " +
       short_text(best.max_relative_error) +
       ". A formula with functions is taken as such a sum, which one that resonates is not");

@@ -12,6 +12,7 @@
 #include "circuit/circuit_error.hpp"
 #include "frac/circuit.hpp"
 #include "frac/model/algebra.hpp"
+#include "state_space/demand_check.hpp"
 #include "state_space/model_on_band.hpp"
 
 namespace frac {
@@ -151,8 +152,7 @@ FosterCell elements_of(const Immittance& cell, FosterForm form) {
 
 void check_no_delay(const FractionalTransferFunction& impedance) {
   if (impedance.delay() > 0) {
-    throw std::domain_error("passive_one_port: the impedance has a dead time of " +
-                            detail::number_text(impedance.delay()) +
+    throw std::domain_error("impedance: it has a dead time of " + detail::number_text(impedance.delay()) +
                             " s, which no resistor, capacitor or inductor has");
   }
 }
@@ -195,6 +195,7 @@ std::string PassiveOnePort::summary() const {
 }
 
 PassiveOnePort passive_one_port(const FractionalTransferFunction& impedance, FrequencyBand band, double tolerance) {
+  detail::check_demand("impedance", band, tolerance);
   check_no_delay(impedance);
   const FractionalTransferFunction admittance = FractionalTransferFunction({{1, 0}}, {{1, 0}}) / impedance;
   std::optional<PassiveOnePort> best;
@@ -237,7 +238,7 @@ PassiveOnePort passive_one_port(const FractionalTransferFunction& impedance, Fre
                  std::string(is_impedance ? "of the impedance, " : "of the admittance, ") + obstacle;
   }
   if (obstacles.empty() && best) return std::move(*best);
-  throw std::domain_error("passive_one_port: no circuit of positive elements keeps the tolerance: " + obstacles);
+  throw std::domain_error("impedance: no circuit of positive elements keeps the tolerance: " + obstacles);
 }
 
 }  // namespace frac

@@ -45,7 +45,7 @@ HighFrequency high_frequency(const FractionalTransferFunction& loop) {
   // Nearer to 1 the leading terms may cancel to rounding.
   constexpr double most_gain = 1 - 16 * std::numeric_limits<double>::epsilon();
   if (high.order > 0 || (high.order == 0 && high.gain >= most_gain)) {
-    throw std::invalid_argument("analyse_closed_loop: |L| tends to " +
+    throw std::invalid_argument("closed loop: |L| tends to " +
                                 (high.order > 0 ? std::string("infinity") : detail::number_text(high.gain)) +
                                 " at high frequency; allowed is below 1");
   }

@@ -171,7 +171,7 @@ Square<Real> cholesky(const Square<Real>& matrix) {
       for (std::size_t k = 0; k < j; ++k) sum -= lower(i, k) * lower(j, k);
       if (i == j) {
         if (!(sum > 0))
-          throw std::domain_error("balanced_form: a mode is not reached or not seen, or two are too alike");
+          throw std::domain_error("balanced form: a mode is not reached or not seen, or two are too alike");
         lower(j, j) = sqrt(sum);
       } else {
         lower(i, j) = sum / lower(j, j);
@@ -295,7 +295,7 @@ RealSystem real_system(const std::vector<ModalState>& states) {
 BalancedForm balanced_form(const RationalModel& system) {
   if (!system.stable) {
     throw std::domain_error(
-        "balanced_form: a pole of the system is not left of the imaginary axis; needed is a stable one");
+        "balanced form: a pole of the system is not left of the imaginary axis; needed is a stable one");
   }
   const detail::ModelOnBand on_band(system.model, system.band);
   const double centre = on_band.centre();

@@ -13,6 +13,7 @@
 #include "base/number_text.hpp"
 #include "base/short_text.hpp"
 #include "base/spelling.hpp"
+#include "demand_check.hpp"
 #include "model_on_band.hpp"
 #include "series_split.hpp"
 
@@ -28,17 +29,7 @@ constexpr detail::Spellings<RationalModelStatus, 2> status_names{
     {{RationalModelStatus::met, "met"}, {RationalModelStatus::not_attainable, "not-attainable"}}};
 
 void check(const FractionalTransferFunction& model, FrequencyBand band, double tolerance) {
-  const bool ordered = band.lower > 0 && band.lower < band.upper && std::isfinite(band.upper);
-  const double decades = ordered ? std::log10(band.upper) - std::log10(band.lower) : 0;
-  if (!ordered || decades < 0.01 || decades > 24) {
-    throw std::invalid_argument("realise: band = " + detail::number_text(band.lower) + " to " +
-                                detail::number_text(band.upper) +
-                                " rad/s; needed is 0 < lower < upper < infinity, 0.01 to 24 decades apart");
-  }
-  if (!(tolerance >= 1e-12 && tolerance < 1)) {
-    throw std::invalid_argument("realise: tolerance = " + detail::number_text(tolerance) +
-                                "; allowed is 1e-12 to below 1");
-  }
+  detail::check_demand("realise", band, tolerance);
   const double growth = model.numerator().front().order - model.denominator().front().order;
   if (!(growth < 1)) {
     throw std::invalid_argument("realise: the model grows as s^" + detail::number_text(growth) +

@@ -35,7 +35,7 @@ std::vector<PowerTerm> input_denominator(const ResponseInput& input) {
 
 LaplaceImage image(const FractionalTransferFunction& model, const ResponseInput& input) {
   if (input.kind == ResponseInput::Kind::sine && !(input.omega > 0 && input.omega < 1e150)) {
-    throw std::invalid_argument("reference_response: omega = " + detail::number_text(input.omega) +
+    throw std::invalid_argument("reference response: omega = " + detail::number_text(input.omega) +
                                 " rad/s of the sine; allowed is above 0 to 1e150");
   }
   const double gain = input.kind == ResponseInput::Kind::sine ? input.omega : 1;
@@ -85,7 +85,7 @@ ReferenceResponse& ReferenceResponse::operator=(ReferenceResponse&&) noexcept = 
 
 ReferenceValue ReferenceResponse::operator()(double t) const {
   if (!(t >= 0 && std::isfinite(t))) {
-    throw std::invalid_argument("reference_response: t = " + detail::number_text(t) +
+    throw std::invalid_argument("reference response: t = " + detail::number_text(t) +
                                 " s; allowed is 0 or more, finite");
   }
   if (t < prepared_->delay) return {0, 0, ResponseStatus::exact};
@@ -99,7 +99,7 @@ std::vector<ReferenceValue> reference_response(const FractionalTransferFunction&
                                                std::span<const double> t) {
   for (std::size_t i = 0; i < t.size(); ++i) {
     if (!(t[i] >= 0 && std::isfinite(t[i]))) {
-      throw std::invalid_argument("reference_response: t[" + std::to_string(i) + "] = " + detail::number_text(t[i]) +
+      throw std::invalid_argument("reference response: t[" + std::to_string(i) + "] = " + detail::number_text(t[i]) +
                                   " s; allowed is 0 or more, finite");
     }
   }
