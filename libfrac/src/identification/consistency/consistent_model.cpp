@@ -137,7 +137,7 @@ double spacing_at(const Problem& problem, double size) {
   return *above - *(above - 1);
 }
 
-/// Into the left half plane, and no pair so narrow that the points cannot tell its width.
+/// Moves poles into the left half plane, and widens a pair so narrow that the points cannot tell its width.
 Complex admitted(const Problem& problem, Complex pole) {
   const double size = std::abs(pole);
   if (!(size > 0) || !std::isfinite(size)) return {-1, 0};
@@ -333,8 +333,8 @@ ConsistentModel on_grid(const Problem& problem, Eigen::Index poles, double reach
   return model;
 }
 
-// AICc does not tell candidates apart whose values differ by less.  The richer one is taken: too poor a model is a
-// false alarm, too rich a one costs little.
+// A smaller difference in AICc does not tell candidates apart.  The richer one is then taken: too poor a model raises a
+// false alarm, one too rich costs little.
 constexpr double alike = 2;
 
 }  // namespace
@@ -376,7 +376,7 @@ ConsistentModel best_with_free_poles(const WeightedPoints& points, std::span<con
   double best = std::numeric_limits<double>::infinity();
   FreeFit chosen;
   Eigen::Index chosen_grid = 0;
-  // Pairs beside real poles that follow a fractional background, and poles of which each finds its place.
+  // Free poles beside fixed real ones, which follow a fractional background, and free poles alone.
   for (const Eigen::Index grid : {static_cast<Eigen::Index>(std::ceil(2 * decades)), Eigen::Index{0}}) {
     const Fixed fixed(problem, grid);
     for (const std::size_t count : pair_counts) {

@@ -29,14 +29,14 @@ struct ConsistentModel {
   double criterion = 0;                          // AICc, of the same points and weights
 };
 
-/// Parameters that a narrow pair counts for beside its own four: it may follow one point, the largest of all residuals,
-/// whose choice is worth that much.
+/// What a narrow pair costs beside its four parameters.  It may follow a single point, the one with the largest
+/// residual; this is the price of having chosen that point.
 inline constexpr std::size_t price_of_narrow_pair = 3;
 
 /// c_0 + c_1 s + c_2/s + sum r_k/(1 + s tau_k), the tau_k evenly on the logarithm; the best of many counts and reaches.
 [[nodiscard]] ConsistentModel best_on_grid(const WeightedPoints& points);
 
-/// The one with so many and with this reach.
+/// The model with this number of poles and this reach.
 [[nodiscard]] ConsistentModel on_grid(const WeightedPoints& points, std::size_t poles, double reach);
 
 /// The same with poles at free places in the left half plane, real or in pairs, found by vector fitting (Gustavsen,
@@ -46,7 +46,7 @@ inline constexpr std::size_t price_of_narrow_pair = 3;
 [[nodiscard]] ConsistentModel best_with_free_poles(const WeightedPoints& points,
                                                    std::span<const std::size_t> pair_counts);
 
-/// A model with free poles, from its poles on, for other weights or fewer points of the same band.
+/// A model with free poles fitted anew, starting from its poles, to other weights or to fewer points of the same band.
 [[nodiscard]] ConsistentModel refitted(const WeightedPoints& points, const ConsistentModel& model);
 
 }  // namespace frac::detail

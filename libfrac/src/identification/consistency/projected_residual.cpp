@@ -56,7 +56,8 @@ Traces traces(Eigen::Index count, std::span<const double> weights) {
 
 /// Chance that two normal variables of this correlation both exceed a limit far above 0.
 double both_above(double limit, double correlation) {
-  // Of the second given the first, over the density of the first; 9 deviations further nothing is left of it.
+  // Integrates the chance of the second given the first over the density of the first, by Simpson's rule.  Nothing is
+  // left of that density 9 deviations further on.
   const double scale = std::sqrt(std::max(1 - correlation * correlation, 1e-12));
   constexpr int panels = 120;
   constexpr double reach = 9, step = reach / panels;
@@ -69,7 +70,7 @@ double both_above(double limit, double correlation) {
   return sum * step / 3 / std::sqrt(2 * std::numbers::pi);
 }
 
-/// The normal deviate that is exceeded as often.
+/// The deviate that a normal variable exceeds with this chance.
 double normal_deviate(double chance) {
   double low = 0, high = 38;
   for (int i = 0; i < 60; ++i) {

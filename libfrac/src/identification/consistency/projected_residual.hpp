@@ -22,8 +22,8 @@ struct CorrelationTest {
 };
 
 /// Whether residuals of points at distances 1, 2 ... follow each other, with these weights.  Mean, variance and
-/// skewness of the quotient in white noise are exact (Durbin, Watson 1950, whose bounds are not needed where Q is at
-/// hand); the tail is that of the gamma distribution with these moments.
+/// skewness of the quotient in white noise are exact (Durbin, Watson 1950; their bounds are not needed, since Q is
+/// known); the tail is that of the gamma distribution with these moments.
 [[nodiscard]] CorrelationTest correlation_test(const ProjectedResidual& of, std::span<const double> weights);
 
 /// Coefficient of one more column of the model.
@@ -39,7 +39,7 @@ struct LargestColumn {
   AddedColumn column;  // p_value: chance that any of the columns shows as much
 };
 /// The chance is bounded by that of the first column and of each further one without the one before it (Worsley 1982).
-/// The bound is sharp where columns are alike; twice their number would be too careful by far there.
+/// The bound is sharp where neighbouring columns are alike; multiplying by their number would be far too careful.
 [[nodiscard]] LargestColumn largest_column(const ProjectedResidual& of, const Eigen::MatrixXd& columns);
 
 /// What is left when the column is added.

@@ -74,8 +74,8 @@ struct NoiseShape {
   double slope = 0;              // over the logarithm of frequency, on average
 };
 
-/// Regression of ln |r|^2 on polynomials of the logarithm of frequency: the logarithm of the square of two normal parts
-/// has the variance pi^2/6, so that the reduction of each column is a chi-squared variable.
+/// Regression of ln |r|^2 on polynomials of ln omega.  The logarithm of the sum of two squared normal variables has the
+/// variance pi^2/6; divided by it, what each column explains is a chi-squared variable.
 NoiseShape noise_shape(const WeightedPoints& points, const ConsistentModel& model) {
   const auto count = static_cast<Eigen::Index>(points.omega.size());
   NoiseShape shape;
@@ -96,7 +96,7 @@ NoiseShape noise_shape(const WeightedPoints& points, const ConsistentModel& mode
   const Eigen::MatrixXd basis = detail::PlainQr(columns).basis();
   const Eigen::VectorXd found = basis.transpose() * log_square;
   constexpr double variance = std::numbers::pi * std::numbers::pi / 6;
-  // Three standard deviations for a slope alone; each further degree has to earn its place among more of them.
+  // A slope alone has to explain 9, three standard deviations; each further degree adds 3 to that.
   double most = 0, sum = 0;
   int chosen = 0;
   for (int degree = 1; degree <= degrees; ++degree) {
@@ -113,7 +113,7 @@ NoiseShape noise_shape(const WeightedPoints& points, const ConsistentModel& mode
   return shape;
 }
 
-/// Noise as the residuals show it: in part relative to the model, in part additive.
+/// Sets the weights by the noise that the residuals show: in part relative to the model, in part additive.
 void weigh_by_residuals(Fitted& fitted) {
   WeightedPoints& points = fitted.points;
   const Complex* model = fitted.model.value.data();
@@ -124,7 +124,7 @@ void weigh_by_residuals(Fitted& fitted) {
     points.deviation(k) = std::hypot(std::max(std::abs(fitted.model.value(k)), smallest), fitted.floor);
 }
 
-/// Noise that changes with frequency besides.
+/// Scales the weights where the noise also changes with frequency.
 /// @return whether it clearly does
 bool weigh_by_shape(Fitted& fitted) {
   const NoiseShape shape = noise_shape(fitted.points, fitted.model);
@@ -169,7 +169,8 @@ detail::AddedColumn drift_of(const FrequencyResponseData& data, const Fitted& fi
   return detail::added_column(fitted.model.rest, drift_column(data, fitted, law));
 }
 
-/// The response of the points from each place on, two of them on either side.
+/// One column for each place of a step: the model from there on, zero before.  Two points at least stand on either
+/// side.
 Eigen::MatrixXd step_columns(const Fitted& fitted) {
   constexpr Eigen::Index least = 2;
   const Eigen::Index count = fitted.points.value.size();
@@ -192,7 +193,8 @@ std::size_t mains_index(ValidityTest test) {
   return test == ValidityTest::mains_50 ? 0 : 1;
 }
 
-/// Positions among the kept points of every `step`-th harmonic from the first on.
+/// Positions among the kept points that lie at a harmonic of the mains: the first, and every `step`-th after it up to
+/// the one numbered `highest`.
 std::vector<Eigen::Index> at_mains(const Fitted& fitted, double mains, int highest, int step) {
   constexpr double width = 0.02;
   std::vector<Eigen::Index> found;
@@ -211,8 +213,8 @@ struct MainsFound {
   std::vector<Eigen::Index> points;
 };
 
-/// The mains couple in by their frequency itself most, then by its odd harmonics; points that they leave alone would
-/// hide them.  So these are asked in three sets, each within the next.
+/// The mains disturb most at their own frequency, then at its odd harmonics.  Undisturbed points in the set would hide
+/// them, so three sets are tested, each of which contains the one before.
 MainsFound found_at_mains(const Fitted& fitted, double mains) {
   std::vector<std::vector<Eigen::Index>> sets;
   for (const auto& [highest, step] : {std::pair{1, 1}, {9, 2}, {10, 1}}) {
@@ -236,7 +238,7 @@ double relative_residual(const Fitted& fitted, Eigen::Index i) {
 double rms_of_residuals(const Fitted& fitted) {
   double sum = 0;
   for (Eigen::Index i = 0; i < fitted.points.value.size(); ++i) sum += std::pow(relative_residual(fitted, i), 2);
-  // Two parts, and the parameters took their share.
+  // Each point has two parts, and the parameters have taken up some of the freedom.
   const double degrees = std::max(fitted.model.rest.freedom(), 1.0);
   return std::sqrt(sum / degrees);
 }
@@ -259,7 +261,7 @@ struct Tested {
     const std::size_t i = index_of(test);
     return counts[i] && p_value[i] < level * detail::share_of_level;
   }
-  /// The points that each would be an alarm.
+  /// Every point whose residual is an alarm by itself.
   [[nodiscard]] std::vector<Eigen::Index> standing_out(double level) const {
     std::vector<Eigen::Index> points;
     const double limit = level * detail::share_of_level / static_cast<double>(point_chance.size());
@@ -316,8 +318,7 @@ Tested tested(const FrequencyResponseData& data, const Fitted& fitted, double ac
 
   for (Eigen::Index i = 0; i < points; ++i) {
     const std::array one{i};
-    // A point that free poles have come to follow by itself tells nothing: its leverage is not that of places given
-    // beforehand.
+    // Skips a point that a free pole has moved to: the leverage, and so the chance, holds for poles placed beforehand.
     const bool judged = fitted.model.free_poles.empty() || detail::leverage(rest, i) < highest_leverage;
     const bool counts = relative_residual(fitted, i) > accuracy;
     const double chance = judged && counts ? detail::excess_chance(rest, one) : 1;
@@ -335,8 +336,8 @@ Tested tested(const FrequencyResponseData& data, const Fitted& fitted, double ac
   return result;
 }
 
-/// Points with weights to begin with, relative and additive: noise of either kind is told best from residuals of a fit
-/// with weights of that kind.
+/// The points with the two kinds of weights that a fit starts from, relative and additive.  Residuals show noise of one
+/// kind best where the weights of the fit are of that kind.
 std::array<Fitted, 2> unfitted(const FrequencyResponseData& data, std::vector<std::size_t> kept) {
   Fitted relative;
   relative.points = points_of(data, kept);
@@ -350,7 +351,7 @@ Fitted likelier(std::array<Fitted, 2> of) {
   return std::move(of[likelihood_criterion(of[1]) < likelihood_criterion(of[0]) ? 1 : 0]);
 }
 
-/// The best model with poles on a grid, with weights that follow from what it leaves.
+/// The best model with poles on a grid, weighted by its own residuals.
 Fitted fit_on_grid(const FrequencyResponseData& data, std::vector<std::size_t> kept) {
   auto either = unfitted(data, std::move(kept));
   if (!data.sigma().empty()) {
@@ -367,7 +368,7 @@ Fitted fit_on_grid(const FrequencyResponseData& data, std::vector<std::size_t> k
   return fitted;
 }
 
-/// The weights and the model with poles at free places, in turn.
+/// Improves weights and free poles in turn.
 void settle_free_poles(const FrequencyResponseData& data, Fitted& fitted) {
   if (!data.sigma().empty()) return;
   for (int pass = 0; pass < 2; ++pass) {
@@ -391,14 +392,14 @@ Fitted fit_free_poles(const FrequencyResponseData& data, std::vector<std::size_t
   return likelier(std::move(either));
 }
 
-/// Of the same points, with weights from what another model left to begin with.
+/// Free poles for points whose weights come from the residuals of another model.
 Fitted with_free_poles(const FrequencyResponseData& data, Fitted fitted, std::span<const std::size_t> pair_counts) {
   fitted.model = detail::best_with_free_poles(fitted.points, pair_counts);
   settle_free_poles(data, fitted);
   return fitted;
 }
 
-/// Of fewer points than the model was fitted to.
+/// Fits a model anew to some of its points, starting from its poles.
 Fitted refitted_points(const FrequencyResponseData& data, std::vector<std::size_t> kept, const ConsistentModel& model) {
   Fitted fitted;
   fitted.points = points_of(data, kept);
@@ -420,8 +421,8 @@ bool is_of_points(ValidityTest test) {
   return test == ValidityTest::outliers || test == ValidityTest::mains_50 || test == ValidityTest::mains_60;
 }
 
-/// The chance of the point that stands out most, beside the poles that the other points ask for: an outlier asks for
-/// poles of its own.
+/// Judges the point that stands out most again, with the number of poles that the other points need: an outlier adds
+/// poles of its own, which then follow it.
 void look_again(const FrequencyResponseData& data, const Fitted& fitted, Tested& result) {
   const auto largest = std::min_element(result.point_chance.begin(), result.point_chance.end());
   const auto points = static_cast<double>(result.point_chance.size());
@@ -436,7 +437,7 @@ void look_again(const FrequencyResponseData& data, const Fitted& fitted, Tested&
   all.deviation(at) *= all.deviation(beside) / fitted.points.deviation(beside);
   const ConsistentModel model = detail::on_grid(all, others.model.grid_poles, others.model.reach);
   const std::array one{at};
-  // The poles were chosen for this point to stand out: as if it had been looked at beside some three models.
+  // The model was chosen so that this point stands out, which counts like looking at some three models.
   constexpr double models = 3;
   const double chance = models * detail::excess_chance(model.rest, one);
   if (!(chance < *largest)) return;
@@ -459,8 +460,8 @@ struct Judgement {
   [[nodiscard]] bool steady(double level) const { return !pattern(level) && of_points.empty(); }
 };
 
-/// The alarm of single points to act on.  Of several the least likely: a point that stands out alone may happen to lie
-/// at a harmonic of the mains.  At their frequency itself it is taken for them.
+/// Which of the alarms about single points to act on: the least likely one, since an outlier may happen to lie at a
+/// harmonic of the mains.  At the frequency of the mains itself the mains are always taken as the cause.
 std::optional<ValidityTest> least_likely_of_points(const Judgement& judgement, double level) {
   const Tested& last = judgement.last;
   const auto largest = std::min_element(last.point_chance.begin(), last.point_chance.end()) - last.point_chance.begin();
@@ -509,7 +510,7 @@ Judgement judge(const FrequencyResponseData& data, const ValidationOptions& opti
   return judgement;
 }
 
-/// Parameters that a point set aside counts for: its two parts, and which point it is.
+/// A point set aside costs as much as three parameters: its two parts, and the choice of the point.
 constexpr std::size_t price_of_point = 3;
 
 /// AICc of all points with the part of the likelihood that depends on the weights.  A point set aside costs
@@ -535,7 +536,7 @@ double criterion_of_all(const FrequencyResponseData& data, const Judgement& judg
          4 * logarithms;
 }
 
-/// Whether points stand out, at the mains or one by one.
+/// Whether points stand out and none of the outliers are neighbours.
 bool has_lone_points(const Judgement& judgement) {
   const std::vector<std::size_t>& points = judgement.outliers;
   const auto next = [](std::size_t a, std::size_t b) { return b == a + 1; };
@@ -548,15 +549,15 @@ Judgement judge(const FrequencyResponseData& data, const ValidationOptions& opti
   Judgement best = judge(data, options, some, [&](auto kept) { return fit_on_grid(data, std::move(kept)); });
   double least = best.outliers.size() + best.mains.size() > some ? std::numeric_limits<double>::infinity()
                                                                  : criterion_of_all(data, best);
-  // Resonances stand out of real poles as outliers do, and outliers hide resonances: poles at free places are sought
-  // among all points and among those that do not stand out, and what explains all points best is believed.
+  // Beside real poles a resonance looks like outliers, and outliers hide resonances.  So free poles are fitted to all
+  // points and to those that do not stand out; the model that explains all points best is taken.
   const double on_grid = best.on_grid;
   const auto compare = [&](const Fitted& free) {
     Judgement other =
         judge(data, options, many, [&](auto points) { return refitted_points(data, std::move(points), free.model); });
     const double criterion = criterion_of_all(data, other);
-    // A pair of poles for a point that stands out alone follows this point and little else: it must explain much more.
-    // The frequency of the mains is known beforehand: their points are set aside at no price.
+    // A pair of poles may follow a single outlier and nothing else, so it has to explain much more than setting the
+    // outlier aside does.  Points at the mains cost nothing to set aside, because their frequency is known beforehand.
     constexpr double alike = 2, alone = 8;
     const double needed = alone + static_cast<double>(2 * price_of_point * best.mains.size());
     if (has_lone_points(best) && other.of_points.empty() && !(criterion < criterion_of_all(data, best) - needed))
@@ -567,9 +568,9 @@ Judgement judge(const FrequencyResponseData& data, const ValidationOptions& opti
   };
   constexpr std::array<std::size_t, 4> few{1, 2, 3, 4};
   const auto with_few = [&](std::vector<std::size_t> kept) { return fit_free_poles(data, std::move(kept), few); };
-  // Echoes take a pair for each of their ripples over the band, so that fewer pairs follow nothing of them.
+  // An echo needs one pair for each ripple over the band; with fewer pairs no part of it is followed.
   constexpr std::array<std::size_t, 5> more{6, 8, 11, 14, 18};
-  // Real poles follow a well damped resonance only in great number, and what they leave then looks like noise.
+  // So many real poles may stand for one well damped resonance, and their residuals then look like noise.
   constexpr double many_per_decade = 4;
   const bool is_laboured = static_cast<double>(best.fitted.model.grid_poles) >
                            many_per_decade * std::log10(data.omega().back() / data.omega().front());
@@ -587,7 +588,7 @@ Judgement judge(const FrequencyResponseData& data, const ValidationOptions& opti
   return best;
 }
 
-/// The points with the dead time that they ask for taken out.
+/// The points without their dead time, and the judgement of them.
 struct Timely {
   FrequencyResponseData data;
   Judgement judgement;
@@ -645,7 +646,7 @@ TimedFit fit_timed(const FrequencyResponseData& data, const detail::DeadTime& st
   return best;
 }
 
-/// A dead time worth judging the points without; 0: none.
+/// The dead time without which the points should be judged too; 0: none.
 double promising_dead_time(const FrequencyResponseData& data, const Judgement& plain,
                            const ValidationOptions& options) {
   const double left = rms_of_residuals(plain.fitted);
@@ -685,19 +686,19 @@ Timely judge_timely(const FrequencyResponseData& data, const ValidationOptions& 
     criterion = least;
     best = std::move(next);
   }
-  // Its size, and that it is the best of many.
+  // Pays for the parameter and for having chosen the best of many dead times.
   constexpr double price = 8;
   return criterion + price < criterion_of_all(data, plain.judgement) ? best : plain;
 }
 
-/// Whether the points with their imaginary parts reversed show no pattern, and are explained so much better that it
-/// does not hinge on a few of them, as where a narrow resonance is seen by two or three.
+/// Whether the points with reversed imaginary parts show no pattern and are explained so much better that no few points
+/// can make the difference, such as the two or three on a narrow resonance.
 bool sign_is_reversed(const Timely& as_given, const ValidationOptions& options) {
   const FrequencyResponseData& data = as_given.data;
   auto mirrored = data.value();
   for (Complex& each : mirrored) each = std::conj(each);
   const FrequencyResponseData reversed{data.omega(), std::move(mirrored), data.sigma()};
-  // As much as residuals 1.6 times as large in every point.
+  // Residuals that are 1.6 times as large in every point make this difference.
   const double of_all_points = 2 * static_cast<double>(data.size());
   // Real poles, however poorly, follow a response better than its complex conjugate.
   std::vector<std::size_t> all(data.size());
@@ -709,9 +710,9 @@ bool sign_is_reversed(const Timely& as_given, const ValidationOptions& options) 
   return criterion_of_all(mirror.data, mirror.judgement) + of_all_points < criterion_of_all(data, as_given.judgement);
 }
 
-/// Whether a pattern tells nothing.  Over less than an octave the frequencies outside allow every smooth curve, and an
-/// echo that turns by more than half a cycle between points looks as if it came before its cause: only a response whose
-/// complex conjugate is explained, cause and effect being exchanged, is known to be none.
+/// Whether a pattern proves nothing.  Over less than an octave, poles outside the band can make any smooth curve, and
+/// an echo that turns by more than half a cycle between points looks as if it came before its cause.  Such data are
+/// invalid only if their complex conjugate is explained: cause and effect are exchanged then.
 bool is_left_open(const FrequencyResponseData& data, bool sign_is_reversed) {
   return data.omega().back() < 2 * data.omega().front() && !sign_is_reversed;
 }
@@ -741,7 +742,7 @@ ValidationResult validate_thinned(const FrequencyResponseData& data, ValidationO
   return result;
 }
 
-/// Before anything is judged.
+/// The result before anything is judged.
 ValidationResult nothing_known(const ValidationOptions& options) {
   ValidationResult result{};
   result.level = options.level;
@@ -766,7 +767,7 @@ void describe_tests(const Judgement& judgement, ValidationResult& result) {
   result.correlation = judgement.last.correlation;
 }
 
-/// What a drift and a step explain of the residuals.
+/// How much of the residuals a drift and a step explain.
 void describe_unsteadiness(const Judgement& judgement, ValidationResult& result) {
   const Fitted& fitted = judgement.fitted;
   const Tested& now = judgement.last;
@@ -796,7 +797,7 @@ void describe_model(const Fitted& fitted, std::size_t points, ValidationResult& 
   result.noise_floor = fitted.floor;
   result.noise_slope = fitted.slope;
   const double scale = std::sqrt(fitted.model.rest.square() / std::max(result.freedom, 1.0));
-  // Points set aside are shown by what their neighbours make of them.
+  // Both stay NaN at points set aside.
   result.model.assign(points, Complex(nan, nan));
   result.deviation.assign(points, nan);
   double sum = 0;
@@ -810,7 +811,7 @@ void describe_model(const Fitted& fitted, std::size_t points, ValidationResult& 
   result.noise = std::sqrt(sum / static_cast<double>(fitted.kept.size()));
 }
 
-/// The drift that the tests find nine times in ten.
+/// The drift that is found in nine of ten such measurements.
 double detectable_drift(const FrequencyResponseData& data, const Judgement& judgement, const ValidationResult& result) {
   if (!(result.freedom > 1)) return nan;
   const Tested& now = judgement.last;

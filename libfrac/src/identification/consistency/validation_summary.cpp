@@ -53,14 +53,14 @@ double least_chance(const ValidationResult& result, ValidityTest test) {
 
 /// What the tests of the whole sweep say.
 struct Unsteady {
-  bool drifts, jumps;  // at most one of them is told
-  bool follow;         // neighbours each other
-  bool explained;      // that, by the drift or jump
+  bool drifts, jumps;  // at most one of them is named
+  bool follow;         // residuals of neighbours follow each other
+  bool explained;      // the drift or jump is why they do
 
   [[nodiscard]] bool any() const { return drifts || jumps || follow; }
 };
 
-/// What changes by more than its own size neither drifts nor jumps: another fault looks so from here.
+/// A change larger than the response itself is neither drift nor jump, but the trace of another fault.
 Unsteady unsteady(const ValidationResult& result) {
   const bool drifts = (alarmed(result, ValidityTest::drift_even) || alarmed(result, ValidityTest::drift_periods)) &&
                       std::abs(result.drift) < 1;
