@@ -170,6 +170,22 @@ TEST(Conventions, AFormulaMayStandWithoutTheNameOfItsOption) {
   }
 }
 
+TEST(Conventions, AForgottenValueIsNamed) {
+  const TemporaryFolder folder;
+  const std::string out = folder.path("out");
+  for (const auto& [words, said] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"tune", "--model", "1/(s + 1)", "--crossover", "--out", out},
+            "--crossover needs a value; found the option '--out'"},
+           {{"analyse", "--model", "--out=" + out}, "--model needs a value; found the option '--out="},
+           {{"analyse", "1/(s + 1)", "--out"}, "--out needs a value"}}) {
+    const auto result = run_fracfit(words);
+    EXPECT_EQ(result.code, 2);
+    EXPECT_NE(result.error.find(said), std::string::npos) << result.error;
+  }
+  // A number may be negative.
+  EXPECT_EQ(run_fracfit({"mittag-leffler", "--alpha", "1", "--z", "-1"}).code, 0);
+}
+
 TEST(Conventions, VersionAndOutHaveShortNames) {
   EXPECT_EQ(run_fracfit({"-V"}).output, run_fracfit({"--version"}).output);
   const TemporaryFolder folder;
