@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -74,10 +75,11 @@ class HalfPeriod final : public Characteristic {
   [[nodiscard]] Complex multiplier(Complex log_z) const override { return -std::exp(log_z); }
 
   Complex operator()(Complex log_z) const override {
-    const std::array<Complex, 3> g = train_.sums(log_z / train_.half_period());
+    const TrainPoint point(-log_z);
+    const std::array<Complex, 3> g = train_.sums(point);
     const Complex rate = exchange_ + g[1];
     const Complex value = rate * rate - g[0] * (g[2] - acceleration_);
-    return has_shift_ ? quotient(value, 1.0 + std::exp(-log_z)) : value;
+    return has_shift_ ? quotient(value, 1.0 + point.turned) : value;
   }
 
  private:
@@ -175,8 +177,23 @@ struct Station {
   Complex value;
 };
 
+// D, over the distance from a root where one is known: beside that a path would have to take short steps.
+class Counted {
+ public:
+  Counted(const Characteristic& d, std::optional<Complex> known) : d_(d), known_(known) {}
+  Complex operator()(Complex log_z) const { return known_ ? quotient(d_(log_z), log_z - *known_) : d_(log_z); }
+  /// Change of the argument of that distance between two points of a path right of the root.
+  [[nodiscard]] double turn_beside(Complex from, Complex to) const {
+    return known_ ? std::arg(to - *known_) - std::arg(from - *known_) : 0;
+  }
+
+ private:
+  const Characteristic& d_;
+  std::optional<Complex> known_;
+};
+
 // Change of the argument along straight lines by way of `middle`; NaN where it runs into a root.
-double turn(const Characteristic& d, const Station& from, const Station& middle, const Station& to, int depth) {
+double turn(const Counted& d, const Station& from, const Station& middle, const Station& to, int depth) {
   const double first = std::arg(quotient(middle.value, from.value));
   const double second = std::arg(quotient(to.value, middle.value));
   // A smooth function turns evenly, and its middle is not far from the mean of its ends.
@@ -192,7 +209,8 @@ double turn(const Characteristic& d, const Station& from, const Station& middle,
 // Roots with Re ln(-z) > edge.  D is real on both lines Im ln(-z) = 0 and pi to the right of the singular point, and
 // constant far right: the upper half of the left edge decides.  Left of the singular point the path goes back to it
 // along the upper side of the cut.  Negative where the path meets a root.
-int roots_beyond(const Characteristic& d, double edge) {
+/// @param known  a root left of the edge, if one is known
+int roots_beyond(const Characteristic& characteristic, double edge, std::optional<Complex> known = {}) {
   std::vector<Complex> path{{edge, pi - near_point}};
   for (const double height : {2.4, 1.6, 0.9, 0.4, 0.15, 0.05, 0.015, 0.004}) path.emplace_back(edge, height);
   path.emplace_back(edge, near_point);
@@ -205,13 +223,14 @@ int roots_beyond(const Characteristic& d, double edge) {
     path.emplace_back(edge, 0);
   }
   // Of a smooth function every second one is the middle of its neighbours.
-  if (!d.is_smooth()) {
+  if (!characteristic.is_smooth()) {
     for (std::size_t i = 1; i < path.size(); i += 2)
       path.insert(path.begin() + static_cast<std::ptrdiff_t>(i), 0.5 * (path[i - 1] + path[i]));
   } else if (path.size() % 2 == 0) {
     path.insert(path.begin() + 1, 0.5 * (path[0] + path[1]));
   }
-  double total = 0;
+  const Counted d(characteristic, known);
+  double total = d.turn_beside(path.front(), path.back());
   Station before{path.front(), d(path.front())};
   for (std::size_t i = 2; i < path.size(); i += 2) {
     const Station middle{path[i - 1], d(path[i - 1])}, after{path[i], d(path[i])};
@@ -219,7 +238,7 @@ int roots_beyond(const Characteristic& d, double edge) {
     before = after;
   }
   if (!std::isfinite(total)) return -1;
-  return static_cast<int>(std::lround(total / pi)) + d.poles_beyond(edge);
+  return static_cast<int>(std::lround(total / pi)) + characteristic.poles_beyond(edge);
 }
 
 // Multipliers outside the circle; negative where one lies on it.
@@ -253,13 +272,13 @@ Complex root_near(const Characteristic& d, Complex start) {
     if (!(next.real() > deepest - 1 && next.real() < 40 && next.imag() > -1 && next.imag() < pi + 1) || crosses_cut) {
       return none;
     }
-    const Complex value = d(next);
-    if (std::norm(change) < 1e-20 && std::abs(value) < 1e-6 * d.scale()) {
+    // Next to a root D is small already.
+    if (std::norm(change) < 1e-20 && std::abs(f[2]) < 1e-6 * d.scale()) {
       const double height = next.imag() > pi ? 2 * pi - next.imag() : std::abs(next.imag());
       return next.real() < 0 && height < 1e-6 ? none : Complex(next.real(), height);
     }
     x = {x[1], x[2], next};
-    f = {f[1], f[2], value};
+    f = {f[1], f[2], d(next)};
     if (x[2] == x[1] || x[1] == x[0] || x[2] == x[0]) return none;
   }
   return none;
@@ -315,7 +334,7 @@ struct Judgement {
 Judgement stability_by(const Characteristic& d) {
   // A root is the furthest when none lies beyond a line next to it.
   const auto is_furthest = [&](Complex root) {
-    return std::isfinite(root.real()) && roots_beyond(d, root.real() + 1e-3) == 0;
+    return std::isfinite(root.real()) && roots_beyond(d, root.real() + 1e-3, root) == 0;
   };
   Complex log_z = furthest_root(d, 0, 0, 1, 4);
   bool known = is_furthest(log_z);

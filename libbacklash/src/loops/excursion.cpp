@@ -2,22 +2,37 @@
 #include "excursion.hpp"
 
 #include <algorithm>
+#include <array>
 #include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <numbers>
 
 namespace backlash::detail {
 
+namespace {
+
+// Shares of the half period at which a motion is looked at: denser at the ends, where it leaves a wall and meets the
+// other one.
+constexpr std::size_t points = 64;
+std::array<double, points> looked_at() {
+  std::array<double, points> shares;
+  for (std::size_t i = 1; i < points; ++i)
+    shares[i - 1] = 0.5 - 0.5 * std::cos(std::numbers::pi * static_cast<double>(i) / points);
+  shares.back() = 1 - 1e-6;
+  return shares;
+}
+
+}  // namespace
+
 double largest_excursion(const std::function<GapSample(double)>& gap, double half_period) {
-  constexpr int points = 64;
+  static const std::array<double, points> shares = looked_at();
   double largest = 0;
-  // Denser at the ends, where the motion leaves a wall and meets the other one; an extremum lies where the rate changes
-  // its sign.
+  // An extremum lies where the rate changes its sign.
   double before_at = 1e-6;
   double before = gap(before_at * half_period).rate;
-  for (int i = 1; i <= points; ++i) {
-    const double at = i == points ? 1 - 1e-6 : 0.5 - 0.5 * std::cos(std::numbers::pi * i / points);
+  for (const double at : shares) {
     const double after = gap(at * half_period).rate;
     if ((before > 0) != (after > 0) && before != 0 && after != 0) {
       std::uintmax_t evaluations = 40;

@@ -251,9 +251,8 @@ ImpulseTrain::ImpulseTrain(const ImpulseAnswer& response, double half_period) : 
   }
 }
 
-std::array<Complex, 3> ImpulseTrain::sums(Complex s) const {
+std::array<Complex, 3> ImpulseTrain::sums(const TrainPoint& point) const {
   std::array<Complex, 3> total{};
-  const TrainPoint point(-s * tau_);
   for (const Part& part : parts_) {
     const std::array<Complex, 3> train = part.train(point);
     const Complex begin = part.first == 1 ? point.turned : std::exp(point.u * static_cast<double>(part.first));
@@ -264,7 +263,7 @@ std::array<Complex, 3> ImpulseTrain::sums(Complex s) const {
     total[2] += scale * (by_time * (part.exponent - 1) / tau_) * train[2];
   }
   for (const ImageTrain& image : images_) {
-    const std::array<Complex, 3> others = image.sums(s);
+    const std::array<Complex, 3> others = image.sums(-point.u / tau_);
     for (std::size_t j = 0; j < 3; ++j) total[j] += others[j];
   }
   return total;
@@ -340,15 +339,22 @@ TrainWave ImpulseTrain::wave(double t) const {
       age -= 1;
       latest -= 1;
     }
-    double value = 0;
-    double slope = 0;
-    for (std::size_t i = part.older.size(); i-- > 0;) {
-      slope = slope * (age - 0.5) + value;
-      value = value * (age - 0.5) + part.older[i];
+    // Even and odd powers apart, neither of which waits for the other.
+    const double x = age - 0.5, square = x * x;
+    double even = 0, even_slope = 0, odd = 0, odd_slope = 0;  // slopes by the square
+    std::size_t i = part.older.size();
+    if (i % 2 == 1) even = part.older[--i];
+    while (i > 0) {
+      odd_slope = odd_slope * square + odd;
+      odd = odd * square + part.older[--i];
+      even_slope = even_slope * square + even;
+      even = even * square + part.older[--i];
     }
+    const double value = even + x * odd;
+    const double slope = odd + 2 * x * (even_slope + x * odd_slope);
     const bool is_whole = part.older.size() <= 4;
     double young = is_whole ? 1 : std::pow(age, part.exponent);
-    for (std::size_t i = 1; is_whole && i < part.older.size(); ++i) young *= age;
+    for (std::size_t k = 1; is_whole && k < part.older.size(); ++k) young *= age;
     const double sign = latest % 2 == 0 ? part.coefficient : -part.coefficient;
     wave.value += sign * (value + young);
     wave.slope += sign / tau_ * (slope + (age > 0 ? part.exponent * young / age : 0));

@@ -41,7 +41,11 @@ class ImpulseTrain {
   /// sum_(l >= 1) (-1)^l g^(j)(l tau) z^-l, j = 0, 1, 2, at z = -e^{s tau}: outside the unit circle where Re s > 0, z =
   /// 1 at s = j pi/tau, and z = -1, where the sums are singular, at s = 0.  Continued analytically to |Im s| <= pi/tau
   /// but the negative real axis.
-  [[nodiscard]] std::array<std::complex<double>, 3> sums(std::complex<double> s) const;
+  [[nodiscard]] std::array<std::complex<double>, 3> sums(std::complex<double> s) const {
+    return sums(TrainPoint(-s * tau_));
+  }
+  /// At u = -s tau.
+  [[nodiscard]] std::array<std::complex<double>, 3> sums(const TrainPoint& point) const;
 
   /// sum_(l >= 1) g^(j)(l tau), j = 0, 1, 2, without the mean of what such a train does: without the harmonic of
   /// frequency 0.

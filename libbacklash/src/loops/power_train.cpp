@@ -63,7 +63,7 @@ class ZetaTerms {
   std::array<long double, terms + 1> power_;
 };
 
-// zeta(p) for p from 6 on, rising by one: nine terms and Euler-Maclaurin.
+// zeta(p) for p from 1 on, rising by one: nine terms and Euler-Maclaurin.
 class RiemannZeta {
  public:
   explicit RiemannZeta(double p) : p_(p) {
@@ -117,31 +117,36 @@ PowerTrain::PowerTrain(double a, double v) : a_(a), v_(v), has_closed_form_(v ==
   for (std::size_t j = 0; j < 3; ++j) {
     if (a > 1 || j < 2) gamma_[j] = std::tgamma(1 + a - static_cast<double>(j));
   }
-  if (has_closed_form_) return;
-  for (int n = 0; n <= most_terms; ++n) power_[static_cast<std::size_t>(n)] = std::pow(n + v, a - 2);
+}
+
+void PowerTrain::prepare_terms() const {
+  has_terms_ = true;
+  for (int n = 0; n <= most_terms; ++n) power_[static_cast<std::size_t>(n)] = std::pow(n + v_, a_ - 2);
   for (std::size_t j = 0; j < 3; ++j) {
     double binomial = 1;
     for (int i = 0; i < rest_order; ++i) {
       rest_binomial_[j][static_cast<std::size_t>(i)] = binomial;
-      binomial *= (a - static_cast<double>(j) - i) / (i + 1);
+      binomial *= (a_ - static_cast<double>(j) - i) / (i + 1);
     }
   }
-  prepare_zeta();
 }
 
-// zeta(1 - p, v) = 2 Gamma(p)/(2 pi)^p sum_(k >= 1) cos(p pi/2 - 2 pi k v)/k^p (Hurwitz), for p from 6 on.
+// zeta(1 - p, v) = 2 Gamma(p)/(2 pi)^p sum_(k >= 1) cos(p pi/2 - 2 pi k v)/k^p (Hurwitz): for v = 1, where the sum is
+// one of Riemann's, for p above 1, else for p from 6 on.
 void PowerTrain::prepare_zeta() const {
   has_zeta_ = true;
   const int first = a_ > 1 ? 0 : 1;  // a = 1: zeta(1) is not wanted
   double scale = 1;                  // (2 pi)^m/m!
   double gamma_ratio = 0;            // Gamma(p)/m!
-  ZetaTerms low(2 - static_cast<long double>(a_), v_);
+  std::optional<ZetaTerms> low;
   std::optional<RiemannZeta> high;
+  const auto is_high = [&](double p) { return v_ == 1 ? p > 1 : p >= 6; };
+  if (!is_high(a_ - 1)) low.emplace(2 - static_cast<long double>(a_), v_);
   const double factor = 2 * std::pow(2 * pi, 1 - a_);
   for (int m = 0; m < zeta_terms + 2; ++m) {
     const double p = a_ - 1 + m;
     double& entry = zeta_[static_cast<std::size_t>(m)];
-    if (p >= 6) {
+    if (is_high(p)) {
       gamma_ratio = gamma_ratio == 0 ? std::tgamma(p) / std::tgamma(m + 1.0) : gamma_ratio * (p - 1) / m;
       if (v_ == 1) {
         high ? high->raise_order() : void(high.emplace(p));
@@ -150,8 +155,8 @@ void PowerTrain::prepare_zeta() const {
         entry = factor * gamma_ratio * hurwitz_cosines(p, v_);
       }
     } else {
-      if (m >= first) entry = scale * static_cast<double>(low.sum());
-      low.lower_order();
+      if (m >= first) entry = scale * static_cast<double>(low->sum());
+      low->lower_order();
     }
     scale *= 2 * pi / (m + 1);
   }
@@ -176,10 +181,10 @@ Complex TrainPoint::log_distance() const {
 }
 
 TrainPoint::TrainPoint(Complex at) : u(at) {
-  const double half_sine = std::sin(0.5 * u.imag());
+  const double half_sine = std::sin(0.5 * u.imag()), half_cosine = std::cos(0.5 * u.imag());
   const double growth = std::expm1(u.real());
   const double size = 1 + growth;
-  turned = {size * (1 - 2 * half_sine * half_sine), size * std::sin(u.imag())};
+  turned = {size * (1 - 2 * half_sine * half_sine), size * 2 * half_sine * half_cosine};
   const Complex rest(2 * size * half_sine * half_sine - growth, -turned.imag());
   inverse_rest = std::conj(rest) / std::norm(rest);
 }
@@ -202,6 +207,7 @@ std::array<Complex, 3> PowerTrain::in_closed_form(const TrainPoint& point) const
 }
 
 std::array<Complex, 3> PowerTrain::by_terms(const TrainPoint& point) const {
+  if (!has_terms_) prepare_terms();
   const Complex u = point.u, x = point.turned;
   const int terms = std::min(most_terms, static_cast<int>(std::ceil(60 / std::abs(u))));
   std::array<Complex, 3> sum{};

@@ -55,7 +55,9 @@ class PowerTrain {
   [[nodiscard]] std::array<std::complex<double>, 3> by_terms(const TrainPoint& point) const;
   [[nodiscard]] std::array<std::complex<double>, 3> about_origin(const TrainPoint& point) const;
   [[nodiscard]] std::array<std::complex<double>, 3> zeta_series(std::complex<double> u) const;
-  // Makes the coefficients of the series about the origin, which powers with a closed form seldom need.
+  // Coefficients of the terms, which small multipliers alone need, and of the series about the origin, which powers
+  // with a closed form seldom need.
+  void prepare_terms() const;
   void prepare_zeta() const;
   void require_zeta() const {
     if (!has_zeta_) prepare_zeta();
@@ -63,14 +65,15 @@ class PowerTrain {
 
   double a_;
   double v_;
-  std::array<double, most_terms + 1> power_{};                     // (n + v)^(a - 2)
-  std::array<std::array<double, rest_order>, 3> rest_binomial_{};  // of a - j over i
-  std::array<double, 3> gamma_{};                                  // Gamma(1 + a - j)
-  bool has_closed_form_;                                           // a = 1, 2 or 3, v = 1
+  std::array<double, 3> gamma_{};  // Gamma(1 + a - j)
+  bool has_closed_form_;           // a = 1, 2 or 3, v = 1
+  mutable bool has_terms_ = false;
+  mutable std::array<double, most_terms + 1> power_;                     // (n + v)^(a - 2)
+  mutable std::array<std::array<double, rest_order>, 3> rest_binomial_;  // of a - j over i
   mutable bool has_zeta_ = false;
   mutable std::array<double, zeta_terms + 2> zeta_{};  // zeta(2 - a - n, v)/n! (2 pi)^n
   // zeta(j - a - n, v)/n! (2 pi)^n
-  mutable std::array<std::array<double, 3>, zeta_terms> series_{};
+  mutable std::array<std::array<double, 3>, zeta_terms> series_;
 };
 
 /// zeta(j - a, v), j = 0, 1, 2, as PowerTrain::at_origin() has them, for one v at the cost of six powers.
