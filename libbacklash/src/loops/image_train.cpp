@@ -268,7 +268,10 @@ std::array<double, 3> ImageTrain::repeated(double t) const {
     total[1] += part * rate;
     total[2] += part * rate * rate;
   };
-  for (const Node& node : nodes_) add(node.r, 2.0 * node.weight * std::exp(node.r * age) / (1.0 - node.growth));
+  for (const Node& node : nodes_) {
+    if (node.r.real() * age < -rule_.decayed) continue;
+    add(node.r, 2.0 * quotient(node.weight * std::exp(node.r * age), 1.0 - node.growth));
+  }
   for (int n = 1; n <= 4; ++n) {
     const Complex turning(0, 2 * n * pi / tau_);
     const Complex share = share_left(turning);

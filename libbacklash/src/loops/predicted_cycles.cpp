@@ -211,7 +211,7 @@ class ShareGrid {
       for (std::size_t k = 1; k < after.size(); ++k) {
         const std::array<const Corner*, 4> cell{&before[k - 1], &before[k], &after[k - 1], &after[k]};
         if (!changes_sign(cell, &Corner::even) || !changes_sign(cell, &Corner::odd)) continue;
-        add(found, std::sqrt(omega_[i - 1] * omega_[i]), omega_[i] / omega_[i - 1], 0.5 * (share(k - 1) + share(k)));
+        add(found, std::sqrt(omega_[i - 1] * omega_[i]), omega_[i] / omega_[i - 1], k);
       }
       before = std::move(after);
     }
@@ -231,7 +231,9 @@ class ShareGrid {
     return std::any_of(cell.begin(), cell.end(), is_above) && !std::all_of(cell.begin(), cell.end(), is_above);
   }
 
-  [[nodiscard]] std::vector<Corner> row(double omega) const {
+  [[nodiscard]] std::vector<Corner> row(double omega) const { return corners(omega, 0, shares); }
+  // Those of the shares from first to last - 1.
+  [[nodiscard]] std::vector<Corner> corners(double omega, std::size_t first_share, std::size_t last_share) const {
     const double period = 2 * pi / omega;
     const detail::AnsweredTrain train(response_, period, predictions_.answer());
     const std::optional<double> settled = detail::static_gap(loop_, omega);
@@ -239,7 +241,7 @@ class ShareGrid {
     const double half = 0.5 * loop_.system().clearance();
     const double exchange = response_.jump / (1 + loop_.system().restitution());
     std::vector<Corner> corners;
-    for (std::size_t k = 0; k < shares; ++k) {
+    for (std::size_t k = first_share; k < last_share; ++k) {
       const std::array<double, 3> later = train.repeated(share(k) * period);
       const std::array<double, 3> earlier = train.repeated((1 - share(k)) * period);
       std::vector<double> matrix{-own[0], -earlier[0], 1, -later[0], -own[0], 1};
@@ -255,12 +257,11 @@ class ShareGrid {
     return corners;
   }
 
-  void add(std::vector<PredictedCycle>& found, double omega, double ratio, double at) const {
+  // From the middle of a cell, between the shares k - 1 and k.
+  void add(std::vector<PredictedCycle>& found, double omega, double ratio, std::size_t k) const {
     const double period = 2 * pi / omega;
-    ShareGrid::Corner start{};
-    for (std::size_t k = 0; k < shares; ++k) {
-      if (share(k) <= at) start = row(omega)[k];
-    }
+    const double at = 0.5 * (share(k - 1) + share(k));
+    const Corner start = corners(omega, k - 1, k).front();
     if (!(start.impulse1 > 0 && start.impulse2 < 0)) return;
     const CycleGuess guess{period, {{0, start.impulse1, 0}, {at * period, start.impulse2, 0}}};
     const CycleEquations equations(loop_, guess, predictions_.answer());
