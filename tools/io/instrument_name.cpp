@@ -101,7 +101,7 @@ constexpr std::array known{
     // Conductance and susceptance.
     Known{"conductance", Quantity::real, "y", "S"}, Known{"susceptance", Quantity::imaginary, "y", "S"},
     Known{"g", Quantity::real, "y", "S"}, Known{"b", Quantity::imaginary, "y", "S"},
-    // As programs write them in other languages.
+    // Names in other languages.
     Known{"frequenz", Quantity::frequency}, Known{"messfrequenz", Quantity::frequency},
     Known{"kreisfrequenz", Quantity::frequency, "w"}, Known{"winkelfrequenz", Quantity::frequency, "w"},
     Known{"fr\xC3\xA9quence", Quantity::frequency}, Known{"pulsation", Quantity::frequency, "w"},
@@ -168,7 +168,7 @@ constexpr std::array known{
     Known{"\xEC\x8B\xA4\xEC\x88\x98\xEB\xB6\x80", Quantity::real},
     Known{"\xED\x97\x88\xEC\x88\x98\xEB\xB6\x80", Quantity::imaginary},
     Known{"\xEC\x9C\x84\xEC\x83\x81", Quantity::phase},
-    // Of moduli and permittivities.
+    // Moduli and permittivities.
     Known{"|g|", Quantity::magnitude, "g"}, Known{"complexmodulus", Quantity::magnitude, "g"},
     Known{"complexshearmodulus", Quantity::magnitude, "g"}, Known{"|e|", Quantity::magnitude, "e"},
     Known{"|eps|", Quantity::magnitude, "eps"}, Known{"delta", Quantity::phase, "", "deg"},

@@ -21,7 +21,7 @@ void allow_open_files(std::size_t count);
 /// @throws std::runtime_error  it cannot be read.
 [[nodiscard]] std::string bytes_at(int descriptor, std::size_t begin, std::size_t most, const std::string& path);
 
-/// So many bytes of an open file from a place on.
+/// `size` bytes of an open file, from the byte `begin` on.
 /// @param path  of the file, for messages
 /// @throws std::runtime_error  it cannot be read, or ends before.
 [[nodiscard]] std::string read_at(int descriptor, std::size_t begin, std::size_t size, const std::string& path);

@@ -20,7 +20,7 @@ class BranchExplorer {
 
   /// The branch through an orbit, and whatever branches off.
   void follow(const OrbitSegment& orbit);
-  /// The same where a part of the branch is stable.
+  /// Like follow(), but keeps the branch only if a part of it is stable.
   void follow_if_stable(const OrbitSegment& orbit);
   /// All branches: short periods first, then few impacts.
   [[nodiscard]] std::vector<SegmentBranch> take();

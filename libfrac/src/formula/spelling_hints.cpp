@@ -10,7 +10,7 @@ namespace {
 
 using Hint = std::pair<std::string_view, std::string_view>;
 
-// In UTF-8, the variants with their letter.
+// In UTF-8; the variants of a letter stand beside it.
 constexpr std::array greek_letters{
     Hint{"α", "alpha"},   Hint{"β", "beta"},   Hint{"γ", "gamma"}, Hint{"δ", "delta"}, Hint{"ε", "epsilon"},
     Hint{"ϵ", "epsilon"}, Hint{"ζ", "zeta"},   Hint{"η", "eta"},   Hint{"θ", "theta"}, Hint{"ϑ", "theta"},

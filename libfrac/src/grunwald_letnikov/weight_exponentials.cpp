@@ -39,7 +39,7 @@ class Measure {
   [[nodiscard]] double at(double s, double k) const {
     return factor_ * std::exp(std::log(s) - s * (k + b_) - b_ * std::log(-std::expm1(-s)));
   }
-  // The same over s^(1-b): analytic at s = 0.
+  // at(s, k) divided by s^(1-b), which is analytic at s = 0.
   [[nodiscard]] double smooth(double s, double k) const {
     const double ratio = s < 1e-8 ? 1 - s / 2 : -std::expm1(-s) / s;
     return factor_ * std::exp(-s * (k + b_)) * std::pow(ratio, -b_);

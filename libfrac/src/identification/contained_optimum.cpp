@@ -199,7 +199,7 @@ FitResult no_worse(const Data& data, const Structure& structure, const Options& 
   return fit;
 }
 
-/// The same weights for all structures that are compared.
+/// Takes over the noise floor of a fit, so that all structures compared have the same weights.
 FitOptions with_floor_of(FitOptions options, const FitResult& fit) {
   if (options.weight == Weight::learned && !options.noise_floor) options.noise_floor = fit.noise_floor;
   return options;

@@ -153,7 +153,7 @@ class Growth {
                              [](const Member& a, const Member& b) { return a.cost < b.cost; });
   }
 
-  /// From dead times and places over the record.
+  /// The best of searches from several dead times and places of the poles over the record.
   [[nodiscard]] Member searched(std::size_t poles) const {
     const std::vector<double> delays = family_.dead_time ? std::vector{0.0, 0.03, 0.1, 0.3} : std::vector{0.0};
     const std::vector<double> shares = poles > 0 ? std::vector{0.1, 0.3, 0.5, 0.75} : std::vector{0.0};

@@ -132,7 +132,7 @@ class PoleProblem {
     return matrix;
   }
 
-  // The same weighted, with `more` rows of zeros below.
+  // The rows, weighted, above `more` rows of zeros.
   [[nodiscard]] Matrix basis(const std::vector<double>& u, Eigen::Index more) const {
     const Matrix plain = rows(u);
     Matrix matrix = Matrix::Zero(plain.rows() + more, plain.cols());

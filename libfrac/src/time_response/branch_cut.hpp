@@ -43,12 +43,12 @@ class CutRule {
   [[nodiscard]] double step() const noexcept { return step_; }
   /// ln s of node k by falling |s|; from k = 0 on those that have not decayed at the earliest lag.
   [[nodiscard]] std::complex<double> node(int k) const { return {upper_ - k * step_, cut_.angle}; }
-  /// Share of its residue that a pole contributes besides the rule; within a circle about it that holds no node the
-  /// share is analytic.
+  /// The share of its residue that a pole adds to what the quadrature rule gives.  It is analytic within every circle
+  /// about the pole that holds no node.
   [[nodiscard]] std::complex<double> share(std::complex<double> log_s) const;
   /// The same at the middle of cluster k: exactly 1 or 0 where the rule does not see it.
   [[nodiscard]] std::complex<double> share_of(const RootCluster& pole) const;
-  /// From the nearest node, in ln s.
+  /// Distance to the nearest node, in ln s.
   [[nodiscard]] double distance(std::complex<double> log_s) const;
 
  private:

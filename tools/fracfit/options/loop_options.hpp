@@ -12,10 +12,10 @@ namespace fracfit {
 
 /// --load-receptance and --drive-receptance, in place of masses, which are declared before.
 void add_receptances(Options& options, std::string& load, std::string& drive);
-/// Without names in them.
+/// Options for receptances that are formulas of s alone.
 void add_receptances(Options& options, std::optional<frac::FractionalTransferFunction>& load,
                      std::optional<frac::FractionalTransferFunction>& drive);
-/// With names that are estimated, beside no masses.
+/// Options for receptances whose names are parameters to estimate.
 void add_open_receptances(Options& options, std::string& load, std::string& drive);
 
 /// Two bodies with clearance under a controller, as formulas with names in them.

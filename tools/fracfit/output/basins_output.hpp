@@ -13,7 +13,7 @@ constexpr const char* no_attractor =
     "at restitution 1 impacts lose no energy and nothing attracts: the motions listed are those of these starts, told "
     "apart by their long-time means; other starts have others";
 
-/// What is asked, as entries of a head.
+/// The scene that was asked for, as entries of a head.
 [[nodiscard]] io::Metadata basins_scene(const backlash::BasinMap& map, backlash::Output output);
 
 /// Scene and motions in the head, one row per start.

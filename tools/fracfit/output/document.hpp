@@ -34,10 +34,10 @@ struct Document {
 /// One object per row.
 [[nodiscard]] Json array_of(const Rows& rows);
 
-/// In "csv", "json" or "table", the last for people.
+/// @param format  "csv", "json", or "table" for people to read
 [[nodiscard]] std::string text_of(const Document& document, const std::string& format, const std::string& command);
 
-/// Of its CSV, what stands above the rows.
+/// The part of the CSV above the rows.
 [[nodiscard]] std::string csv_head(const Document& document, const std::string& command);
 [[nodiscard]] std::string csv_rows(const Rows& rows);
 

@@ -128,7 +128,7 @@ LackOfFit detail::residual_tests(std::span<const double> residual, std::size_t p
     const double deviate = (result.correlation - expected) * std::sqrt(count);
     const double chance = detail::normal_above(deviate);
     const double of_all = whiteness(tame, per_point).p_value;
-    // Of two tests the smaller chance counts, twice.
+    // The smaller of two chances, doubled because there were two (Bonferroni).
     result.correlation_p_value = std::min(1.0, 2 * (result.correlation > 0 ? std::min(chance, of_all) : chance));
     result.adequate = result.adequate && !(result.correlation_p_value < detail::least_chance);
   }

@@ -76,7 +76,7 @@ GainSpace::GainSpace(const FractionalTransferFunction& plant, const LoopSpecific
     if (!asked.phase_margin) add(Role::phase_margin, 0.1, 2.6);
     if (uses_[1] && uses_[2] && !asked.flat_phase) add(Role::share, 0, 1);
   } else {
-    // In units of what makes |L| = 1 at the reference.
+    // Logarithm of each gain; 0 is the one that makes |L| = 1 at the reference frequency.
     for (int term = 0; term < 3; ++term) {
       if (uses_[term]) add(static_cast<Role>(static_cast<int>(Role::kp) + term), -9, 5);
     }
