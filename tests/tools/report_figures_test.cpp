@@ -17,6 +17,7 @@
 #include "report/figure.hpp"
 #include "report/figure_data.hpp"
 #include "report/html.hpp"
+#include "report/timing.hpp"
 #include "report_support.hpp"
 #include "support/random.hpp"
 #include "temporary_folder.hpp"
@@ -49,6 +50,13 @@ TEST(InlineSvg, IsEmptyForWhatIsNoPicture) {
 TEST(EnhancedEscape, TakesTheMeaningFromEveryMarkupCharacter) {
   EXPECT_EQ(enhanced_escape("my_file^2 {a}@&~\\"), "my\\_file\\^2 \\{a\\}\\@\\&\\~\\\\");
   EXPECT_EQ(enhanced_escape("two\nlines"), "two lines");
+}
+
+// A thread that sleeps for 2 ms takes some 0.05 ms of a processor: what others do in the meantime is not counted.
+TEST(MedianSeconds, AreThoseOfTheProcessor) {
+  const double seconds = median_seconds([] { std::this_thread::sleep_for(std::chrono::milliseconds(2)); });
+  EXPECT_GT(seconds, 0);
+  EXPECT_LT(seconds, 1e-3);
 }
 
 TEST(MakeCurve, BreaksTheLineWhereThereIsNoNumber) {

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -15,6 +14,7 @@
 #include "report/model_figures.hpp"
 #include "report/prose.hpp"
 #include "report/sections.hpp"
+#include "report/timing.hpp"
 
 namespace report {
 namespace {
@@ -38,17 +38,6 @@ constexpr System systems[] = {
     {"furnace", "1/(0.8 s^2.2 + 0.5 s^0.9 + 1)"},
     {"pole beside the cut", "1/(s^0.99 + 1)"}};
 constexpr const char* furnace = systems[7].formula;
-
-double median_seconds(const std::function<void()>& work) {
-  std::vector<double> seconds;
-  for (int repeat = 0; repeat < 3; ++repeat) {
-    const auto start = std::chrono::steady_clock::now();
-    work();
-    seconds.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
-  }
-  std::nth_element(seconds.begin(), seconds.begin() + 1, seconds.end());
-  return seconds[1];
-}
 
 constexpr double horizon = 10;  // s
 constexpr std::size_t coarsest = 125;

@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <complex>
-#include <functional>
 #include <iterator>
 #include <limits>
 #include <numbers>
@@ -18,39 +16,11 @@
 #include "report/html.hpp"
 #include "report/prose.hpp"
 #include "report/sections.hpp"
+#include "report/timing.hpp"
 
 namespace report {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-// Median over repeats of the time of one call.  Short calls are repeated within a repeat until the clock resolves them.
-double median_seconds(const std::function<void()>& call) {
-  constexpr int repeats = 5;
-  constexpr double long_enough = 1e-3;
-  std::size_t inner = 1;
-  for (;;) {
-    const auto start = Clock::now();
-    for (std::size_t i = 0; i < inner; ++i) call();
-    const double elapsed = seconds_since(start);
-    if (elapsed >= long_enough || inner > 1'000'000) break;
-    inner *=
-        elapsed > 0 ? std::clamp<std::size_t>(static_cast<std::size_t>(long_enough / elapsed * 1.5), 2, 1000) : 1000;
-  }
-  std::vector<double> times;
-  for (int r = 0; r < repeats; ++r) {
-    const auto start = Clock::now();
-    for (std::size_t i = 0; i < inner; ++i) call();
-    times.push_back(seconds_since(start) / static_cast<double>(inner));
-  }
-  std::nth_element(times.begin(), times.begin() + repeats / 2, times.end());
-  return times[repeats / 2];
-}
 
 // Sum of everything that was timed, so that no call can be optimised away.
 volatile double sink = 0;

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "report/timing.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <ctime>
+
+namespace report {
+namespace {
+
+// Of the calling thread, s.
+double processor_time() {
+  timespec now{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+double seconds_of(const std::function<void()>& call, std::size_t count) {
+  const double start = processor_time();
+  for (std::size_t i = 0; i < count; ++i) call();
+  return processor_time() - start;
+}
+
+}  // namespace
+
+double median_seconds(const std::function<void()>& call) {
+  constexpr double long_enough = 1e-3;
+  constexpr std::size_t most = 1'000'000;
+  std::size_t inner = 1;
+  for (double elapsed = seconds_of(call, inner); elapsed < long_enough && inner <= most;
+       elapsed = seconds_of(call, inner))
+    inner *=
+        elapsed > 0 ? std::clamp<std::size_t>(static_cast<std::size_t>(long_enough / elapsed * 1.5), 2, 1000) : 1000;
+  std::array<double, 5> times{};
+  for (double& time : times) time = seconds_of(call, inner) / static_cast<double>(inner);
+  std::nth_element(times.begin(), times.begin() + 2, times.end());
+  return times[2];
+}
+
+}  // namespace report
