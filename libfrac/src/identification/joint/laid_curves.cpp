@@ -212,7 +212,8 @@ void lay_by_laws(const std::vector<JointCurve>& curves, const Structure& master,
     if (!(search.squares_at_known_noise < least) || !std::isfinite(search.point.cost)) continue;
     least = search.squares_at_known_noise;
     best = std::move(here);
-    if (!(chance_of_laws(*laid.free, least, counts.free_parameters) < doubtful_chance)) break;
+    // A search that does not end has parameters that run away, as those of a hyperbola that becomes a line.
+    if (search.point.converged && !(chance_of_laws(*laid.free, least, counts.free_parameters) < doubtful_chance)) break;
   }
   if (best) laid.known = *std::move(best);
 }

@@ -160,13 +160,14 @@ std::vector<std::vector<double>> Laws::starts(const std::vector<std::vector<doub
                                               std::vector<double> weights, std::span<const double> given) const {
   // Laws of known quantities alone leave nothing to search for.
   if (names_.empty()) return {{}};
+  const auto leading =
+      static_cast<std::size_t>(std::count_if(weights.begin(), weights.end(), [](double weight) { return weight > 0; }));
+  // Too few tell nothing of a law; where the others were laid is known to about a factor e.
+  if (leading <= names_.size())
+    for (double& weight : weights) weight = weight > 0 ? weight : 1;
   std::vector<std::size_t> curves;
   for (std::size_t c = 0; c < parameters.size(); ++c)
     if (weights[c] > 0) curves.push_back(c);
-  if (curves.empty()) {
-    weights.assign(parameters.size(), 1);
-    for (std::size_t c = 0; c < parameters.size(); ++c) curves.push_back(c);
-  }
   const auto width = static_cast<Eigen::Index>(names_.size());
   const auto of_curves = static_cast<Eigen::Index>(laws_.size() * (curves.size() + 1)), rows = of_curves + width;
   // Parameters above 0 are compared by their logarithms: laws of powers and exponents are straight lines there.
