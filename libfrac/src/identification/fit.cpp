@@ -116,7 +116,7 @@ void follow_cost(FitResult& result, const detail::FitProblem& problem, const det
     if (estimate.fixed || !std::isfinite(half_width) || half_width <= narrow * std::abs(estimate.value)) continue;
     // An end to half a per cent of the half width, or none within 15 steps.
     const detail::ProfileEnds ends = profile_ends(problem, solution, {}, found, i, 5e-3, 15);
-    if (ends.below_minimum) continue;
+    if (ends.below_minimum || ends.stuck) continue;
     estimate.ci95_lower = std::max(ends.lower, ends.lower_limit);
     estimate.ci95_upper = std::min(ends.upper, ends.upper_limit);
     estimate.interval = IntervalKind::profile;

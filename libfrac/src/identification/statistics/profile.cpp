@@ -48,6 +48,7 @@ class Profile {
   }
 
   [[nodiscard]] bool below_minimum() const { return below_minimum_; }
+  [[nodiscard]] bool stuck() const { return stuck_; }
   [[nodiscard]] double lower_limit() const { return user(lower_); }
   [[nodiscard]] double upper_limit() const { return user(upper_); }
 
@@ -60,7 +61,10 @@ class Profile {
     inside_ = best_;
     const double found = profile_end([this](double coordinate) { return rise_at(coordinate); },
                                      {centre, step, lower_, upper_, logarithmic_}, side, wanted_, tolerance, steps);
-    return std::isfinite(found) ? user(found) : found;
+    if (!std::isfinite(found)) return found;
+    constexpr double far_too_near = 0.25;
+    stuck_ = stuck_ || std::abs(found - centre) < far_too_near * step;
+    return user(found);
   }
 
  private:
@@ -121,7 +125,7 @@ class Profile {
   std::vector<double> inside_;  // parameters at the farthest point within the interval
   bool logarithmic_ = false;
   double lower_ = -infinity, upper_ = infinity;  // of the coordinate
-  bool below_minimum_ = false;
+  bool below_minimum_ = false, stuck_ = false;
 };
 
 }  // namespace
@@ -164,7 +168,7 @@ ProfileEnds profile_ends(const FitProblem& problem, const LocalSolution& solutio
   Profile profile(problem, solution, options, confidence, parameter);
   const double lower = profile.end(-1, tolerance, steps);
   const double upper = profile.end(1, tolerance, steps);
-  return {lower, upper, profile.lower_limit(), profile.upper_limit(), profile.below_minimum()};
+  return {lower, upper, profile.lower_limit(), profile.upper_limit(), profile.below_minimum(), profile.stuck()};
 }
 
 }  // namespace frac::detail

@@ -29,6 +29,9 @@ struct ProfileEnds {
   double lower, upper;              // -infinity, infinity where the limits come first
   double lower_limit, upper_limit;  // of the parameter
   bool below_minimum;               // a lower cost than that of the solution was met: it is no minimum
+  /// An end is met within a quarter of what the curvature says: solves of the other parameters stuck, so that the cost
+  /// rose too fast.
+  bool stuck;
 };
 
 /// The 95 % interval of a free parameter; tolerance and steps as of profile_end().

@@ -26,7 +26,8 @@ std::string how_far_off(const LackOfFit& lack) {
 std::string list_of_bands(const LackOfFit& lack, const char* unit) {
   std::string text;
   for (std::size_t i = 0; i < std::min<std::size_t>(lack.misses.size(), 3); ++i) {
-    text += (i > 0 ? ", " : "") + four_digits(lack.misses[i].lower) + " to " + four_digits(lack.misses[i].upper);
+    const std::string from = four_digits(lack.misses[i].lower), to = four_digits(lack.misses[i].upper);
+    text += (i > 0 ? ", " : "") + (from == to ? from : from + " to " + to);
   }
   return text.empty() ? "" : " (misses at " + text + " " + unit + ")";
 }
