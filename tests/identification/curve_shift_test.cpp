@@ -104,12 +104,12 @@ TEST(CurveShift, ACurveOnAPlateauLeadsNoLaw) {
     EXPECT_GT(result.sharing_p_value, 1e-3) << result.message;
     for (const JointCurveResult& curve : result.curves) EXPECT_LT(curve.rms, 0.03) << curve.name;
     // Of normal estimates one in 370 is farther off than three standard errors.
-    for (const auto& [name, truth] : {std::pair{"C1", c1}, {"C2", c2}, {"a", 0.4}}) {
+    for (const auto& [name, drawn] : {std::pair{"C1", c1}, {"C2", c2}, {"a", 0.4}}) {
       const auto found =
           std::find_if(result.shared.begin(), result.shared.end(),
                        [&, wanted = std::string(name)](const auto& each) { return each.name == wanted; });
       ASSERT_NE(found, result.shared.end()) << name;
-      EXPECT_NEAR(found->value, truth, 3 * found->standard_error) << name;
+      EXPECT_NEAR(found->value, drawn, 3 * found->standard_error) << name;
     }
     // A factor over twelve decades has an interval of factors.
     EXPECT_GT(named(result.curves.front(), "aT").ci95_lower, 0);
