@@ -113,6 +113,9 @@ std::vector<double> positive_roots(std::vector<frac::PowerTerm> sum) {
   if (merged.empty()) return {};
   std::vector<double> roots = log_roots(merged);
   for (double& root : roots) root = std::exp(root);
+  // Orders that hardly differ balance where powers of the frequency leave the range of numbers.
+  constexpr double lowest = 1e-60, highest = 1e60;
+  std::erase_if(roots, [](double root) { return !(root > lowest && root < highest); });
   return roots;
 }
 

@@ -8,8 +8,8 @@
 
 namespace backlash::detail {
 
-/// The positive roots of sum c w^q, rising, all of them: between the roots of a derivative that has one term less the
-/// sum is monotone.  A root of even order is listed once.
+/// The positive roots of sum c w^q, rising, all of them from 1e-60 to 1e60: between the roots of a derivative that has
+/// one term less the sum is monotone.  A root of even order is listed once.
 [[nodiscard]] std::vector<double> positive_roots(std::vector<frac::PowerTerm> sum);
 
 /// Sign changes of a function between neighbouring grid points, refined; none where it is no number, nor at a pole.

@@ -26,6 +26,10 @@ constexpr double rest_tolerance = 1e-9;
 // In units of the inverse pace: without an impact for so long there is none to come.
 constexpr double patience = 200;
 
+// In units of the pace: of distances that grow in proportion to time the mean rate over a quarter of the rounds of
+// growth_beside(), the fewest that count, is ln(200)/200.
+constexpr double regular_growth = 0.03;
+
 // Mean rate of growth of the distance of a motion from one beside it, which is brought back each time it has grown.
 double growth_beside(detail::LoopRun run, const detail::RealisedLoop& loop) {
   constexpr double distance = 1e-7;
@@ -230,6 +234,7 @@ ImpactCycles impact_cycles(const ControlLoop& loop, const ImpactCycleOptions& op
     }
     if (motion.regime == LoopRegime::irregular && !realised.has_twin() && !followed.rests) {
       motion.lyapunov_exponent = growth_beside(run, realised);
+      motion.chaotic = motion.lyapunov_exponent > regular_growth * realised.pace();
     }
     result.motions.push_back(motion);
   }

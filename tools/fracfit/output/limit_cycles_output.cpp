@@ -327,12 +327,14 @@ std::string events_text(const std::string& name, const backlash::CycleContinuati
 std::string motions_text(const LoopCycles& loop) {
   using backlash::LoopRegime;
   int quiet = 0, irregular = 0, diverged = 0;
+  bool is_chaotic = false;
   double exponent = -std::numeric_limits<double>::infinity();
   for (const backlash::LoopMotion& motion : loop.settled.motions) {
     quiet += motion.regime == LoopRegime::quiet;
     irregular += motion.regime == LoopRegime::irregular;
     diverged += motion.regime == LoopRegime::diverged;
     if (motion.lyapunov_exponent > exponent) exponent = motion.lyapunov_exponent;
+    is_chaotic = is_chaotic || motion.chaotic;
   }
   const auto starts = [&](int count) {
     return std::to_string(count) + " of " + std::to_string(loop.settled.motions.size()) + " starts: ";
@@ -347,7 +349,7 @@ std::string motions_text(const LoopCycles& loop) {
   if (irregular > 0) {
     std::string sentence = starts(irregular) + "no cycle of up to twelve impacts or rests in contact";
     if (std::isfinite(exponent)) {
-      sentence += ", Lyapunov exponent " + short_number(exponent, 3) + " 1/s" + (exponent > 0 ? " (chaotic)" : "");
+      sentence += ", Lyapunov exponent " + short_number(exponent, 3) + " 1/s" + (is_chaotic ? " (chaotic)" : "");
     }
     text += paragraph(sentence + ".", 2);
   }

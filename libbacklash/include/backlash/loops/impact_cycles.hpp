@@ -87,9 +87,11 @@ struct LoopMotion {
   LoopStart start;
   LoopRegime regime;
   std::optional<std::size_t> cycle;  // index in ImpactCycles::cycles
-  /// 1/s, mean rate at which neighbouring motions part: above 0 where the motion is chaotic.  Of irregular motions of
+  /// 1/s, mean rate at which neighbouring motions part: see `chaotic`.  Of irregular motions of
   /// loops without dead time that do not rest in contact; else NaN.
   double lyapunov_exponent;
+  /// The exponent is larger than that of neighbours that part in proportion to time, as those of a regular motion may.
+  bool chaotic = false;
 };
 
 struct ImpactCycles {

@@ -70,7 +70,7 @@ struct LimitCycleOptions {
 
 struct LimitCycles {
   std::vector<SymmetricCycle> cycles;  // by rising omega, inadmissible ones too
-  /// Where it was looked; 0 to infinity where the count of all roots is certain.
+  /// Where it was looked; 0 to infinity, or 1e-60 to 1e60 rad/s, where the count of all roots is certain.
   FrequencyRange searched;
   /// No root in `searched` can be missing.  Else its grid of at least 200 points per decade and per turn of the dead
   /// time decides.
