@@ -4,7 +4,8 @@
 // case,method,setting,error,seconds; error is that of the frequency against its known value (a ratio whose factor
 // cancels has that of the sum it is), seconds the least and the median of the repeats.  Motions: processor time per
 // impact, and as error the drift of the speed of impact from that of the exact cycle over the second half.  The maps
-// are of 1 + k s^q over k and q, on two threads; their error counts the loops that come out another way on one thread.
+// are of 1 + k s^q over k and q, on two threads; their error counts the loops that come out another way on one thread
+// or on three.  Energy: the largest change of that of a loop without loss, over what it began with.
 // The second one follows a motion where no symmetric cycle is stable and tells after how many impacts it repeats.
 // --smoke: one repeat and small ones.
 #include <algorithm>
@@ -119,6 +120,22 @@ void run_motion(const char* controller, double tolerance, std::size_t impacts) {
               history.impacts.size(), drift, seconds / static_cast<double>(impacts));
 }
 
+// A spring in place of the controller and elastic impacts: M1 v1^2 + M2 v2^2 + k x2^2 stays what it is.
+void run_energy(std::size_t impacts) {
+  const backlash::ControlLoop loop({1, 3, 1, 1}, frac::FractionalTransferFunction::parse("4"), backlash::Output::x2);
+  backlash::LoopSimulationOptions options;
+  options.duration = 1e9;
+  options.most_impacts = impacts;
+  const std::clock_t start = std::clock();
+  const backlash::LoopHistory history = backlash::simulate_loop(loop, {0, 0, 0, 1}, {}, options);
+  const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+  double drift = 0;
+  for (const backlash::LoopRow& row : history.rows)
+    drift = std::max(drift, std::abs((row.v1 * row.v1 + 3 * row.v2 * row.v2 + 4 * row.x2 * row.x2) / 3 - 1));
+  std::printf("energy without loss per impact,sines,%zu impacts,%.3e,%.3e\n", history.impacts.size(), drift,
+              seconds / static_cast<double>(impacts));
+}
+
 template <typename Map>
 void run_map(std::size_t side, const char* method, const Map& map_of) {
   const std::clock_t processor_start = std::clock();
@@ -126,9 +143,11 @@ void run_map(std::size_t side, const char* method, const Map& map_of) {
   const std::vector<int> map = map_of(side, 2);
   const double processor = static_cast<double>(std::clock() - processor_start) / CLOCKS_PER_SEC;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  const std::vector<int> again = map_of(side, 1);
   int different = 0;
-  for (std::size_t i = 0; i < map.size(); ++i) different += map[i] != again[i];
+  for (const int threads : {1, 3}) {
+    const std::vector<int> again = map_of(side, threads);
+    for (std::size_t i = 0; i < map.size(); ++i) different += map[i] != again[i];
+  }
   std::printf("map of %zu loops,%s,once,%d,%.3e\n", map.size(), method, different, seconds);
   std::printf("map of %zu loops,%s,processor,%d,%.3e\n", map.size(), method, different, processor);
 }
@@ -156,6 +175,7 @@ int main(int argc, char** argv) {
   }
   run_motion("1 + s", 1e-8, is_smoke ? 1000 : 1'000'000);
   run_motion("1 + s^0.5", 1e-5, is_smoke ? 500 : 100'000);
+  run_energy(is_smoke ? 1000 : 1'000'000);
   run_map(is_smoke ? 10 : 100, "closed form", map_of);
   run_map(is_smoke ? 10 : 100, "with motions", kinds_of);
 }
