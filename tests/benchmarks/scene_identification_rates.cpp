@@ -4,6 +4,7 @@
 //   symmetric  every point lies where the orbit of two equal impacts per period is stable
 //   chaos      the bands reach from there into chaos or chatter
 //   limit      the same with a restitution of 0, near 0 or near 1
+//   starts     restitution 0.7 to 0.9, each point reached from a start of its own, which may lead to subharmonic orbits
 //   misled     two to four forces, at one of which N is off by 5 to 20 %: no scene describes the data
 // An estimate is stated where it is called identified, and held where its 95 % interval holds the truth.  Exact data
 // leave rounding: an interval counts as 10^-6 of the value at least.  A scene is confidently wrong where something is
@@ -25,6 +26,7 @@
 #include <string>
 #include <vector>
 
+#include "backlash/basins.hpp"
 #include "backlash/identification/scene_identification.hpp"
 #include "steady_state/two_impact_orbit.hpp"
 #include "support/random.hpp"
@@ -39,8 +41,8 @@ constexpr std::array<double, 4> noise_levels = {0, 0.001, 0.01, 0.03};
 constexpr std::array<const char*, 4> parameter_names = {"mass1", "mass2", "clearance", "restitution"};
 constexpr double exact = 1e-6;
 
-enum class Kind { symmetric, chaos, limit, misled };
-constexpr std::array<const char*, 4> kind_names = {"symmetric", "chaos", "limit", "misled"};
+enum class Kind { symmetric, chaos, limit, misled, starts };
+constexpr std::array<const char*, 5> kind_names = {"symmetric", "chaos", "limit", "misled", "starts"};
 
 struct Case {
   backlash::TwoMassSystem system;
@@ -58,6 +60,7 @@ std::vector<double> log_grid(double lower, double upper, std::size_t count) {
 }
 
 double random_restitution(support::Random& random, Kind kind) {
+  if (kind == Kind::starts) return random.uniform(0.7, 0.9);
   if (kind != Kind::limit) return random.uniform(0.05, 0.95);
   switch (random.below(3)) {
     case 0:
@@ -67,6 +70,18 @@ double random_restitution(support::Random& random, Kind kind) {
     default:
       return random.uniform(0.95, 0.99);
   }
+}
+
+// N at each frequency from a random start of its own.
+std::vector<Complex> from_starts(const backlash::TwoMassSystem& system, double force, const std::vector<double>& omega,
+                                 const backlash::SweepOptions& options, support::Random& random) {
+  std::vector<Complex> value;
+  for (const double w : omega) {
+    const double position = random.unit() * system.clearance();
+    const double velocity = random.uniform(-1, 1) * system.clearance() * w;
+    value.push_back(backlash::basins(system, force, w, {position}, {velocity}, options).attractors.front().point.value);
+  }
+  return value;
 }
 
 Case random_case(support::Random& random, Kind kind) {
@@ -114,7 +129,9 @@ Case random_case(support::Random& random, Kind kind) {
     const auto lead = static_cast<std::ptrdiff_t>(led_in.size());
     led_in.insert(led_in.end(), omega.begin(), omega.end());
     std::vector<Complex> value =
-        backlash::describing_function_sweep(made.system, amplitude[i], led_in, sweep).data().value();
+        kind == Kind::starts
+            ? from_starts(made.system, amplitude[i], led_in, sweep, random)
+            : backlash::describing_function_sweep(made.system, amplitude[i], led_in, sweep).data().value();
     value.erase(value.begin(), value.begin() + lead);
     for (Complex& z : value) {
       const double real = random.normal();
@@ -255,7 +272,7 @@ int main(int argc, char** argv) {
   const std::uint64_t seed = numbers.size() > 1 ? numbers[1] : 1;
   std::map<double, Tally> by_noise;
   std::map<Kind, Tally> by_kind;
-  for (const Kind kind : {Kind::symmetric, Kind::chaos, Kind::limit, Kind::misled}) {
+  for (const Kind kind : {Kind::symmetric, Kind::chaos, Kind::limit, Kind::misled, Kind::starts}) {
     support::Random random(seed + 1'000'000 * static_cast<std::uint64_t>(kind));
     for (std::uint64_t i = 0; i < scenes; ++i) {
       const Case scene = random_case(random, kind);

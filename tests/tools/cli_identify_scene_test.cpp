@@ -82,7 +82,6 @@ TEST_F(IdentifyScene, TakesColumnsAndASweepByChoice) {
   EXPECT_NE(refused.error.find("--select"), std::string::npos) << refused.error;
 }
 
-// Friction of the load, where the driven body has none; the mass of a body without a formula keeps its name.
 TEST_F(IdentifyScene, ColumnThatTellsTheForcesIsUsed) {
   const auto result =
       run_fracfit({"identify-scene", simulated(folder, "10,50", "22.8:42.5:12log"), "--fix", "mass1=2"});
@@ -91,6 +90,7 @@ TEST_F(IdentifyScene, ColumnThatTellsTheForcesIsUsed) {
   EXPECT_EQ(result.error.find("force_n"), std::string::npos) << result.error;
 }
 
+// Friction of the load, where the driven body has none; the mass of a body without a formula keeps its name.
 TEST_F(IdentifyScene, FindsFrictionOfAReceptance) {
   const std::vector<std::string> friction{"--load-receptance", "1/(2 s^2 + 0.7 s)"};
   const auto file = folder.path("friction.csv");

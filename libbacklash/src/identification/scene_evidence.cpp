@@ -13,14 +13,15 @@ constexpr double two_pi = 2 * std::numbers::pi;
 // Accuracy of the motions themselves as a share of N: computed, and from the table.
 constexpr double model_accuracy = 1e-7;
 constexpr double table_accuracy = 0.01;
-// Half of the irregular points lie within 3 % of the mean in the table, one in ten further off than 10 %.
-constexpr double mean_accuracy = 0.03;
 // Another motion than the one expected often lies as near to it.
 constexpr double other_motion = 0.1;
 // Share of points that lie on another motion than the scene's definite one, or are outliers.
 constexpr double expected_exceptions = 0.05;
 // Sizes below this share of the median count as it: a point that is 0 would cost or gain without limit.
 constexpr double least_size = 1e-3;
+
+// N of a motion that does not close is a mean, in data as in simulations, which is known to about that.
+constexpr double long_mean_accuracy = 0.01;
 
 double log_size(const SceneData& data, const MeasuredPoint& point) {
   return std::log(std::max(std::abs(point.value), least_size * data.typical));
@@ -43,8 +44,8 @@ double price_of_size(const SceneData& data, std::size_t i) {
 
 double price_left_out(const SceneData& data, const PointChoice& choice, std::size_t i) {
   if (choice.kind == PointChoice::Kind::none) {
-    // Any of the means is as likely.
-    return choice.means > 0 ? price_about(data, choice, i, mean_accuracy) + 2 * std::log(choice.means)
+    // Any of the motions is as likely.
+    return choice.means > 0 ? price_about(data, choice, i, choice.accuracy) + 2 * std::log(choice.means)
                             : price_of_size(data, i);
   }
   const double price = std::min(price_about(data, choice, i, other_motion), price_of_size(data, i));
@@ -118,6 +119,31 @@ void use_by_evidence(const SceneData& data, std::vector<PointChoice>& choices, s
     }
   }
   for (std::size_t n = 0; n < best; ++n) choices[order[n]].used = true;
+}
+
+void explain_left_out(const SceneData& data, std::size_t parameters, LocalScene& local) {
+  const double deviation = scene_evidence(data, local.choices, parameters, Effort::settle).deviation;
+  const OutputCoefficients coefficients = output_coefficients(local.theta, data.output);
+  for (std::size_t i = 0; i < local.choices.size(); ++i) {
+    PointChoice& choice = local.choices[i];
+    if (choice.used) continue;
+    const MeasuredPoint& point = data.points[i];
+    const auto motions = motions_of_starts(gamma_at(local.theta, point), local.theta[3]);
+    double least = price_left_out(data, choice, i);
+    for (const StartedMotion& motion : motions) {
+      PointChoice other;
+      other.model = point_value(coefficients, point, motion.h);
+      other.means = static_cast<int>(motions.size());
+      const double size = std::max(std::abs(other.model), least_size * data.typical);
+      other.accuracy =
+          std::hypot(motion.closes ? 0 : long_mean_accuracy, deviation * data.deviation(point, other.model) / size);
+      const double price = price_left_out(data, other, i);
+      if (!(price < least)) continue;
+      least = price;
+      choice = other;
+    }
+  }
+  local.deviance = scene_evidence(data, local.choices, parameters, Effort::settle).deviance;
 }
 
 }  // namespace backlash::detail

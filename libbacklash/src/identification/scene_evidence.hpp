@@ -12,7 +12,8 @@ namespace backlash::detail {
 ///
 /// A point that is used has residuals drawn from a normal distribution whose variance s^2, relative to its deviation,
 /// all points share.  One that is left out pays for it by what is expected of it without the scene's steady motions:
-///  - where the scene is irregular N lies about its mean, by a Cauchy distribution as wide as such means are known,
+///  - where the scene is irregular N lies about its mean, or the N of a motion that simulations of it settle on, by a
+///    Cauchy distribution as wide as that is known,
 ///  - where the scene has a definite motion the point is an exception, of which one point in twenty is expected, and
 ///  its
 ///    value lies either about that motion, to a tenth, or as likely anywhere within |N| of the origin.
@@ -34,5 +35,9 @@ struct SceneEvidence {
 
 /// Uses the points with which the evidence is greatest, at the misfits they have: those of least misfit.
 void use_by_evidence(const SceneData& data, std::vector<PointChoice>& choices, std::size_t parameters, Effort effort);
+
+/// Compares the points that a settled scene leaves out with the motions that simulations of it settle on, and rates the
+/// scene anew: points on subharmonic orbits, or about a mean, count as explained by what the scene itself does there.
+void explain_left_out(const SceneData& data, std::size_t parameters, LocalScene& local);
 
 }  // namespace backlash::detail

@@ -24,8 +24,6 @@ using detail::SceneVector;
 using Complex = std::complex<double>;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-// From here on a fifth to nearly a half of the starts lead to orbits of several periods beside the band of two impacts.
-constexpr double subharmonic_restitution = 0.7;
 constexpr std::array<std::string_view, 4> parameter_names = {"mass1", "mass2", "clearance", "restitution"};
 
 // Factor by which masses and clearance may differ from what the data suggest.
@@ -178,14 +176,7 @@ std::string message_of(const SceneIdentification& result) {
     text += " Other scenes explain the data nearly as well, and the intervals reach over them: see rivals.";
   }
   for (const std::string& misfit : result.misfits) text += " " + misfit;
-  if (result.misfits.empty()) return text;
-  const auto off = std::count_if(result.points.begin(), result.points.end(),
-                                 [](const ScenePoint& point) { return point.status == PointStatus::off_branch; });
-  const bool may_be_subharmonic = off > 0 && result.parameters[3].value >= subharmonic_restitution;
-  text += may_be_subharmonic ? " The points off these motions may lie on subharmonic orbits, which are not tried and "
-                               "which many starts lead to at such a restitution; else the scene does not describe the "
-                               "data. Nothing counts as identified."
-                             : " The scene does not describe the data, so that nothing counts as identified.";
+  if (!result.misfits.empty()) text += " The scene does not describe the data, so that nothing counts as identified.";
   return text;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "scene_response.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -121,6 +122,27 @@ std::optional<GapResponse> sticking_response(double gamma, double restitution) {
   const auto beside = sticking_h(gamma, restitution + step);
   if (!here || !stronger || !beside) return std::nullopt;
   return GapResponse{*here, (*stronger - *here) / difference_step, (*beside - *here) / step};
+}
+
+std::vector<StartedMotion> motions_of_starts(double gamma, double restitution) {
+  constexpr double mean_goal = 0.02;   // of h
+  constexpr double same_orbit = 1e-6;  // of h, as starts that lead to one orbit agree
+  std::vector<GapState> starts = {contact_at_rest_state()};
+  for (const double position : {0.17, 0.5, 0.83}) {
+    for (const double rate : {-0.75, -0.25, 0.25, 0.75}) starts.push_back(state_at_peak(position, rate));
+  }
+  std::vector<StartedMotion> motions;
+  for (const GapState& start : starts) {
+    const SteadyState steady =
+        find_steady_state(GapMotion(gamma, restitution), start, tolerance, {mean_goal, -gamma, Transients::ignored});
+    const StartedMotion found{steady.harmonics.u1_plus_gamma / gamma, steady.regime != Regime::averaged};
+    const bool is_known = std::any_of(motions.begin(), motions.end(), [&](const StartedMotion& other) {
+      const double allowed = found.closes ? same_orbit : mean_goal;
+      return other.closes == found.closes && std::abs(other.h - found.h) <= allowed * std::abs(found.h);
+    });
+    if (!is_known) motions.push_back(found);
+  }
+  return motions;
 }
 
 GapState contact_at_rest_state() {

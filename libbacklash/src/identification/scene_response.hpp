@@ -3,6 +3,7 @@
 
 #include <complex>
 #include <optional>
+#include <vector>
 
 #include "backlash/describing_function.hpp"
 #include "motion/gap_motion.hpp"
@@ -26,6 +27,15 @@ struct GapResponse {
 [[nodiscard]] std::optional<std::complex<double>> sticking_h(double gamma, double restitution);
 /// With derivatives by differences, to five digits; empty also where a neighbour they need does not stick.
 [[nodiscard]] std::optional<GapResponse> sticking_response(double gamma, double restitution);
+
+/// A motion that some start leads to.
+struct StartedMotion {
+  std::complex<double> h;
+  bool closes;  // an orbit, not a long mean
+};
+/// The different motions that a dozen starts over the gap settle on, one of them contact at rest.  An orbit that few
+/// starts lead to may be missed.
+[[nodiscard]] std::vector<StartedMotion> motions_of_starts(double gamma, double restitution);
 
 /// Contact at rest, the force at its peak: leads to the chattering motion where there is one.
 [[nodiscard]] GapState contact_at_rest_state();

@@ -7,6 +7,7 @@
 
 #include "frac/parallel_for.hpp"
 #include "scene_adequacy.hpp"
+#include "scene_evidence.hpp"
 
 namespace backlash::detail {
 namespace {
@@ -32,6 +33,10 @@ constexpr double rival_deviance = 10;
 // At small restitution, where the table of irregular motion, which is interpolated, may prefer the wrong one of two
 // estimates by a few units for each of ten or twenty points.
 constexpr double rival_deviance_at_small_restitution = 40;
+// Estimates of which simulations tell what they do at the points they leave out, and how much worse than the best these
+// may be before that is known.
+constexpr std::size_t simulated_at_most = 6;
+constexpr double worth_simulating = 300;
 // Estimates that agree to this are one.
 constexpr double same_estimate = 1e-4;
 // Places that agree to this lead to the same estimate.
@@ -95,6 +100,20 @@ class SceneSearcher {
     }
     tried_ += further.size();
     for (LocalScene& local : solve(further, Effort::settle, Motions::all)) settled.push_back(std::move(local));
+    std::stable_sort(settled.begin(), settled.end(), better);
+  }
+
+  // What the best estimates do at points that they leave out may put another one first.
+  void explain(std::vector<LocalScene>& settled) const {
+    std::vector<LocalScene*> chosen;
+    for (LocalScene& local : settled) {
+      if (chosen.size() == simulated_at_most || local.deviance > settled.front().deviance + worth_simulating) break;
+      const bool is_known = std::any_of(chosen.begin(), chosen.end(),
+                                        [&](const auto* other) { return agree(local, *other, same_estimate); });
+      if (!is_known) chosen.push_back(&local);
+    }
+    frac::parallel_for(chosen.size(), threads_,
+                       [&](std::size_t i) { explain_left_out(data_, known_.bounds.free_count(), *chosen[i]); });
     std::stable_sort(settled.begin(), settled.end(), better);
   }
 
@@ -173,6 +192,7 @@ SceneSearch search_scene(const SceneData& data, const KnownScene& known, const s
   SceneSearch result;
   result.starts = searcher.starts();
   if (settled.empty()) return result;
+  searcher.explain(settled);
   result.best = settled.front();
   const double allowed =
       result.best.theta[3] < small_restitution ? rival_deviance_at_small_restitution : rival_deviance;

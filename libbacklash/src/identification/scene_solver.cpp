@@ -244,6 +244,7 @@ NormalEquations products(const SceneData& data, const SceneVector& theta, const 
     const auto residual = data.parts((model.value - point.value) * scale);
     std::array<std::array<double, 2>, 4> row{};
     for (std::size_t k = 0; k < 4; ++k) row[k] = data.parts(model.gradient[k] * scale);
+    result.points.push_back({residual, row});
     for (std::size_t part = 0; part < per_point; ++part) {
       result.cost += residual[part] * residual[part];
       ++result.residuals;

@@ -110,6 +110,41 @@ double covariance_of(const FisherMatrix& fisher, const Vector4& one, const Vecto
   return sum;
 }
 
+// Covariance of the estimate as the points themselves tell it: by how much it moves when each of them is left out, to
+// first order (the jackknife; Efron, Tibshirani 1993, chapter 11).  A point that lies on its motion by accident, far
+// from the others and with much weight, counts as what it is, where the variance of all residuals would share it out.
+Matrix4 jackknife_covariance(const FisherMatrix& fisher, const std::vector<PointResiduals>& points) {
+  Matrix4 inverse = Matrix4::Zero();  // along the directions that are determined
+  for (Eigen::Index direction = 0; direction < 4; ++direction) {
+    const double value = fisher.eigenvalues[direction];
+    if (fisher.is_free[static_cast<std::size_t>(direction)] || !(value > 0)) continue;
+    Vector4 along = Vector4::Zero();
+    for (std::size_t k = 0; k < 4; ++k) {
+      const auto row = static_cast<Eigen::Index>(k);
+      if (fisher.inner[k] && fisher.column[k] > 0) along[row] = fisher.eigenvectors(row, direction) / fisher.column[k];
+    }
+    inverse += along * along.transpose() / value;
+  }
+  Matrix4 sum = Matrix4::Zero();
+  for (const PointResiduals& point : points) {
+    Eigen::Matrix<double, 4, 2> gradient;
+    for (Eigen::Index k = 0; k < 4; ++k) {
+      const auto& row = point.gradient[static_cast<std::size_t>(k)];
+      gradient.row(k) << row[0], row[1];
+    }
+    const Eigen::Matrix<double, 4, 2> pulled = inverse * gradient;
+    const Eigen::Matrix2d left = Eigen::Matrix2d::Identity() - gradient.transpose() * pulled;
+    const double determinant = left(0, 0) * left(1, 1) - left(0, 1) * left(1, 0);
+    if (!(determinant > 1e-12)) continue;
+    Eigen::Matrix2d adjugate;
+    adjugate << left(1, 1), -left(0, 1), -left(1, 0), left(0, 0);
+    const Vector4 moved = pulled * (adjugate / determinant) * Eigen::Vector2d(point.value[0], point.value[1]);
+    sum += moved * moved.transpose();
+  }
+  const double count = static_cast<double>(points.size());
+  return sum * ((count - 1) / count);
+}
+
 bool unseen(const FisherMatrix& fisher, const Vector4& gradient) {
   for (std::size_t k = 0; k < 4; ++k) {
     if (fisher.inner[k] && fisher.column[k] == 0 && gradient[static_cast<Eigen::Index>(k)] != 0) return true;
@@ -147,10 +182,19 @@ std::string direction_text(const FisherMatrix& fisher, Eigen::Index direction) {
   return "The data leave the scene free to move along " + which + " = " + rates + ".";
 }
 
-SceneEstimate estimate(const FisherMatrix& fisher, const Vector4& gradient, double value, double variance, double t) {
+struct Noise {
+  double variance;    // of the residuals, widened
+  Matrix4 jackknife;  // covariance, widened
+  double t;
+};
+
+SceneEstimate estimate(const FisherMatrix& fisher, const Vector4& gradient, double value, const Noise& noise) {
   SceneEstimate result{};
   result.value = value;
-  const double error = unseen(fisher, gradient) ? nan : std::sqrt(variance * covariance_of(fisher, gradient, gradient));
+  const double t = noise.t;
+  const double of_residuals = noise.variance * covariance_of(fisher, gradient, gradient);
+  const double of_points = gradient.dot(noise.jackknife * gradient);
+  const double error = unseen(fisher, gradient) ? nan : std::sqrt(of_points > of_residuals ? of_points : of_residuals);
   result.standard_error = error;
   result.ci95_lower = value - t * error;
   result.ci95_upper = value + t * error;
@@ -188,8 +232,14 @@ void close_interval(SceneEstimate& estimate) {
   estimate.identified = estimate.fixed || is_narrow(estimate);
 }
 
+// Of the directions that the Fisher matrix gives, as long as the standard errors are.
 auto covariances(const std::array<SceneEstimate, 4>& parameters, const FisherMatrix& fisher,
-                 const std::array<Vector4, 4>& gradient, double variance) {
+                 const std::array<Vector4, 4>& gradient) {
+  std::array<double, 4> length{};
+  for (std::size_t k = 0; k < 4; ++k) {
+    const double own = std::sqrt(covariance_of(fisher, gradient[k], gradient[k]));
+    length[k] = own > 0 ? parameters[k].standard_error / own : 0;
+  }
   std::array<std::array<double, 4>, 4> covariance{};
   for (std::size_t k = 0; k < 4; ++k) {
     for (std::size_t l = 0; l < 4; ++l) {
@@ -197,7 +247,7 @@ auto covariances(const std::array<SceneEstimate, 4>& parameters, const FisherMat
       const bool either_open = std::isnan(parameters[k].standard_error) || std::isnan(parameters[l].standard_error);
       covariance[k][l] = either_fixed  ? 0
                          : either_open ? nan
-                                       : variance * covariance_of(fisher, gradient[k], gradient[l]);
+                                       : length[k] * length[l] * covariance_of(fisher, gradient[k], gradient[l]);
     }
   }
   return covariance;
@@ -267,7 +317,8 @@ SceneUncertainty scene_uncertainty(const NormalEquations& equations, const Scene
   result.rank = fisher.determined + bound_count;
   const double degrees = static_cast<double>(equations.residuals) - static_cast<double>(result.rank);
   const double variance = degrees > 0 ? widening * widening * equations.cost / degrees : nan;
-  const double t = frac::student_t_95(degrees);
+  const Noise noise{variance, widening * widening * jackknife_covariance(fisher, equations.points),
+                    frac::student_t_95(degrees)};
 
   for (std::size_t k = 0; k < 4; ++k) {
     if (at_bound[k] && pull(equations, inner, k, variance) > significant_pull) {
@@ -282,16 +333,16 @@ SceneUncertainty scene_uncertainty(const NormalEquations& equations, const Scene
     gradient[k] = Vector4::Zero();
     gradient[k][static_cast<Eigen::Index>(k)] = k == 3 ? 1 : value[k];
     SceneEstimate& parameter = result.parameters[k];
-    parameter = estimate(fisher, gradient[k], value[k], variance, t);
+    parameter = estimate(fisher, gradient[k], value[k], noise);
     parameter.name = names[k];
     parameter.unit = units[k];
     parameter.fixed = !bounds.is_free(k);
     parameter.at_bound = at_bound[k];
     close_interval(parameter);
   }
-  result.covariance = covariances(result.parameters, fisher, gradient, variance);
+  result.covariance = covariances(result.parameters, fisher, gradient);
   result.combinations = combinations_of(value, [&](const Vector4& of, double combined) {
-    SceneEstimate combination = estimate(fisher, of, combined, variance, t);
+    SceneEstimate combination = estimate(fisher, of, combined, noise);
     combination.fixed = true;
     for (std::size_t k = 0; k < 4; ++k) {
       if (of[static_cast<Eigen::Index>(k)] == 0) continue;

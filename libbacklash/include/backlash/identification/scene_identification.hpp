@@ -37,8 +37,9 @@ struct SceneEstimate {
   std::string name;
   std::string unit;
   double value;
-  /// Scaled by the residual variance, and by the correlation of neighbouring residuals where it is no chance; 0 when
-  /// fixed; NaN at a bound, or when no value is better than another.
+  /// From the residual variance or, where that says more, from how far each point by itself moves the estimate (the
+  /// jackknife); widened by the correlation of neighbouring residuals where it is no chance.  0 when fixed; NaN at a
+  /// bound, or when no value is better than another.
   double standard_error;
   /// Student t, stretched over the intervals of rival scenes; NaN like standard_error.
   double ci95_lower, ci95_upper;
@@ -54,8 +55,9 @@ enum class PointStatus {
   /// So far from every steady motion of the fitted scene that it is likelier another motion than the predicted one
   /// (near a jump), or an outlier.
   off_branch,
-  /// The fitted scene has neither two impacts per period nor a motion that sticks: more impacts, subharmonics or chaos,
-  /// which depend on how the frequency was reached; or x1 without impacts, which stands still.
+  /// On no motion of the fitted scene with two impacts per period, nor on one that sticks, but where it has others:
+  /// more impacts, subharmonics or chaos, which depend on how the frequency was reached; or x1 without impacts, which
+  /// stands still.
   irregular,
 };
 [[nodiscard]] std::string_view to_string(PointStatus status);
@@ -126,7 +128,9 @@ struct SceneIdentification {
 /// does not trap the search), motion that sticks every period after chatter, or none at all (x2).  Between the first
 /// two, where the motion is chaotic or depends on its history, points are left out, as are points far from every
 /// motion; which ones is decided anew at each estimate and listed.  A point left out costs the scene as much evidence
-/// as a value of which only the size is explained, so that a scene does not gain by explaining little.
+/// as a value of which only the size is explained, so that a scene does not gain by explaining little; at the best
+/// estimates simulations from a dozen starts tell what the scene does there, and a point on a subharmonic orbit of it,
+/// say, costs as much less as it lies nearer to that.
 ///
 /// The search begins on a grid over mass2 clearance and restitution, with the masses from linear least squares, where
 /// the discontinuities of the data place the jump, and where the orbits of two impacts alone explain part of the data;
