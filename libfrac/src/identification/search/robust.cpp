@@ -8,6 +8,7 @@
 
 #include "base/draws.hpp"
 #include "base/median.hpp"
+#include "search_starts.hpp"
 
 namespace frac::detail {
 namespace {
@@ -86,7 +87,7 @@ class Surroundings {
       } else if (free.role == ParameterRole::delay) {
         theta[k] += step * (free.upper - free.lower) / 20;
       } else {
-        theta[k] = free.logarithmic ? theta[k] + step : theta[k] * (1 + step);
+        theta[k] = stepped_coefficient(free, theta[k], step);
       }
       theta[k] = std::clamp(theta[k], free.lower, free.upper);
     }

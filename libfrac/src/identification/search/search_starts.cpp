@@ -102,6 +102,12 @@ void take_given_starts(const ParameterMap& map, std::vector<double>& theta) {
 
 }  // namespace
 
+double stepped_coefficient(const ParameterMap::Free& entry, double theta, double step) {
+  constexpr double vanished = -20;
+  if (!entry.logarithmic) return theta * (1 + step);
+  return theta < vanished && entry.least == 0 && !entry.above ? step : theta + step;
+}
+
 std::vector<std::vector<double>> screened_draws(const Residuals& residuals, const std::vector<double>& suggested_orders,
                                                 std::mt19937_64& generator, bool from_given_starts) {
   std::vector<std::vector<double>> starts;

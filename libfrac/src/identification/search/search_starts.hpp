@@ -27,6 +27,10 @@ namespace frac::detail {
                                                                   const std::vector<double>& suggested_orders,
                                                                   std::mt19937_64& generator);
 
+/// A coefficient `step` e-folds away.  One that has fallen so far that its part of the model has vanished, from where
+/// no step leads back, is put that far from the size natural to the data instead.
+[[nodiscard]] double stepped_coefficient(const ParameterMap::Free& entry, double theta, double step);
+
 /// Best point of NLopt's CRS2 over a box six natural units (e-folds) around the data, for models no start agrees on.
 [[nodiscard]] std::vector<double> controlled_random_search(const Residuals& residuals, const std::vector<double>& start,
                                                            std::uint64_t seed);

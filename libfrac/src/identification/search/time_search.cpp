@@ -9,6 +9,7 @@
 #include "base/draws.hpp"
 #include "identification/residuals/laplace_residuals.hpp"
 #include "interchange.hpp"
+#include "search_starts.hpp"
 
 namespace frac::detail {
 namespace {
@@ -124,7 +125,7 @@ class TimeSearch {
       const double step = reach * normal_draw(generator_);
       switch (free[k].role) {
         case ParameterRole::coefficient:
-          theta[k] = free[k].logarithmic ? theta[k] + step : theta[k] * (1 + step);
+          theta[k] = stepped_coefficient(free[k], theta[k], step);
           break;
         case ParameterRole::order:
           theta[k] += step / 3;
