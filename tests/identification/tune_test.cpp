@@ -293,6 +293,13 @@ TEST(Tune, RefusesWhatMakesNoSense) {
                           {"max_sensitivity = 0.9"});
   expect_invalid_argument([&] { (void)frac::tune(plant, {.crossover = 1}, {.lambda = {1, 2}}); }, {"lambda = 1 to 2"});
   expect_invalid_argument([&] { (void)frac::tune(plant, {.crossover = 1}, {.mu = {1, 1}}); }, {"mu = 1", "filter"});
+  try {
+    (void)frac::tune(parsed("5"), {.crossover = 1});
+    ADD_FAILURE() << "a derivative on a plant that does not fall is refused";
+  } catch (const std::invalid_argument& error) {
+    // No order of differentiation helps, so none is named as allowed.
+    EXPECT_EQ(std::string(error.what()).find("up to"), std::string::npos) << error.what();
+  }
   expect_invalid_argument([&] { (void)frac::tune(plant, {}, {.criterion = TuningCriterion::iae}); }, {"horizon"});
   expect_invalid_argument([&] { (void)frac::tune(parsed("s^0.5"), {.crossover = 1}); }, {"grows as s^0.5"});
   expect_invalid_argument([] { (void)frac::tuning_criterion_from_string("ise"); }, {"\"ise\"", "iae"});

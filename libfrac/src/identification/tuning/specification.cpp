@@ -77,7 +77,8 @@ void require_valid(const FractionalTransferFunction& plant, const LoopSpecificat
   const double most = highest_mu(plant, options);
   if (options.structure != ControllerStructure::pi && options.mu.lower > most) {
     refuse("mu = " + number_text(options.mu.lower) + " and above: the loop would not fall at high frequency; " +
-           "allowed is up to " + number_text(most) + ", or a derivative filter, or the structure pi");
+           "allowed is " + (most > 0 ? "up to " + number_text(most) + ", or " : "") +
+           "a derivative filter, or the structure pi");
   }
   const bool empty = !asked.crossover && !std::isfinite(asked.max_sensitivity) &&
                      !std::isfinite(asked.max_complementary_sensitivity) && !asked.high_frequency &&
