@@ -56,6 +56,23 @@ TEST(Identify, DoesNotInventAFractionalOrder) {
   }
 }
 
+// Ratios of more parameters are as good by AICc, which rewards what follows the noise.  Nobody is told to use these
+// while the verdict, undecided, prefers a simpler model that follows the data.
+TEST(Identify, UndecidedItDoesNotChooseMoreParametersThanItsVerdictPrefers) {
+  int undecided = 0;
+  for (const char* formula : {"1/(s^2 + 0.3 s^0.5 + 1)", "((s + 1)/(0.05 s + 1))^0.5"}) {
+    for (unsigned seed = 1; seed <= 5; ++seed) {
+      const auto result = frac::identify(noisy(formula, {}, 0.1, seed), frac::default_candidates(), {}, both_parts());
+      if (result.verdict != Verdict::undecided) continue;
+      const frac::Finalist& preferred = result.evidence > 0 ? *result.fractional : *result.integer;
+      if (!result.ranking[preferred.index].lack_of_fit.adequate) continue;
+      ++undecided;
+      EXPECT_LE(result.ranking[result.chosen].fit.free_parameters, preferred.parameters) << formula << ' ' << seed;
+    }
+  }
+  EXPECT_GE(undecided, 3);
+}
+
 TEST(Identify, ChoosesTheSimplestOfWhatTheDataCannotTellApart) {
   // On data of a plain lag the fractional lag fits as well, with one parameter more.
   const auto result = frac::identify(noisy("K/(T s + 1)", {2, 0.5}, 0.01, 3),

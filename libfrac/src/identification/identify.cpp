@@ -94,16 +94,21 @@ std::size_t chosen_of(const std::vector<RankedFit>& ranking) {
 }
 
 /// AICc rewards members of families that follow the noise, which the verdict has seen to predict worse: where it speaks
-/// for the other class, its winner is the one to take.
+/// for the other class, its winner is the one to take, and where it is undecided the finalist of greater evidence, if
+/// that follows the data with fewer parameters.
 void keep_to_verdict(IdentificationResult& result) {
-  const std::optional<Finalist> winner = result.verdict == Verdict::fractional_supported       ? result.fractional
-                                         : result.verdict == Verdict::fractional_not_supported ? result.integer
-                                                                                               : std::nullopt;
-  if (!winner) return;
-  const auto is_fractional = [&](std::size_t index) {
-    return result.ranking.at(index).model_class == ModelClass::fractional;
-  };
-  if (is_fractional(result.chosen) != is_fractional(winner->index)) result.chosen = winner->index;
+  if (!result.fractional || !result.integer) return;
+  const auto ranked = [&](std::size_t index) -> const RankedFit& { return result.ranking.at(index); };
+  if (result.verdict == Verdict::undecided) {
+    const Finalist& better = result.evidence > 0 ? *result.fractional : *result.integer;
+    const bool simpler = better.parameters < ranked(result.chosen).fit.free_parameters;
+    if (simpler && ranked(better.index).lack_of_fit.adequate) result.chosen = better.index;
+    return;
+  }
+  if (result.verdict == Verdict::no_adequate_model) return;
+  const bool supported = result.verdict == Verdict::fractional_supported;
+  const bool is_fractional = ranked(result.chosen).model_class == ModelClass::fractional;
+  if (is_fractional != supported) result.chosen = (supported ? *result.fractional : *result.integer).index;
 }
 
 template <class Data, class Options>

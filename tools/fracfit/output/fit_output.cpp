@@ -299,6 +299,17 @@ Json origin_of_fit(const FitRun& run) {
   return json;
 }
 
+// Of those that are told apart by AICc the simplest, unless the verdict prefers another one.
+std::string why_chosen(const frac::IdentificationResult& result) {
+  const frac::RankedFit& chosen = result.ranking.at(result.chosen);
+  if (!chosen.lack_of_fit.adequate) return "the simplest within 2 of the least AICc of all, as none follows the data";
+  const bool least = std::none_of(result.ranking.begin(), result.ranking.end(), [&](const frac::RankedFit& other) {
+    return other.lack_of_fit.adequate && other.fit.usable() && other.fit.aicc + 2 < chosen.fit.aicc;
+  });
+  return least ? "the simplest within 2 of the least AICc of those that follow the data"
+               : "of those that follow the data the one that the verdict prefers, not that of the least AICc";
+}
+
 }  // namespace
 
 std::string fit_table(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
@@ -336,9 +347,8 @@ std::string identification_table(const FitRun& run, const frac::IdentificationRe
   const auto& chosen = result.ranking.at(result.chosen);
   std::string text = heading(run) + "\n" + ranking.text();
   if (!others.empty()) text += paragraph("These miss the data too, by an rms of: " + others + ".");
-  text += "chosen: the simplest within 2 of the least AICc of " +
-          std::string(chosen.lack_of_fit.adequate ? "those that follow the data" : "all, as none follows the data") +
-          "; the verdict compares those of the least Schwarz criterion\n\n" + chosen.name;
+  text +=
+      "chosen: " + why_chosen(result) + "; the verdict compares those of the least Schwarz criterion\n\n" + chosen.name;
   if (chosen.fit.model != chosen.name) text += "   " + chosen.fit.model;
   text += "\n" + parameter_table(chosen.fit) + "\n";
   return text + paragraph("verdict: " + std::string(frac::to_string(result.verdict)) + ". " + result.verdict_sentence);

@@ -61,7 +61,8 @@ struct NextMeasurement {
 
 /// Structures ranked by AICc on the same residuals, best first.  The chosen one is, of those that follow the data (all,
 /// if none does) and whose fit converged, the simplest with an AICc within 2 of the best; where the verdict speaks for
-/// the other class than its own, the finalist of that class.
+/// the other class than its own, the finalist of that class, and where it is undecided the finalist of greater evidence,
+/// if that follows the data with fewer parameters.
 ///
 /// The verdict compares the best fractional with the best integer-order or given candidate among those that follow the
 /// data to within their noise, see LackOfFit.  "Best" is least n ln(cost/n) + k n ln n/(n - k - 2) with n residuals and
