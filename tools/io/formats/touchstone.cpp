@@ -181,8 +181,8 @@ std::optional<Recognised> read_touchstone(const Source& source) {
     impedance.unit = "ohm";
     for (auto& value : impedance.value) value = settings->resistance * (1.0 + value) / (1.0 - value);
     found.sweeps.push_back({"Z11", std::move(impedance), true});
-    found.notes.push_back("--select Z11 takes the impedance " + format_number(settings->resistance) +
-                          " ohm (1 + S)/(1 - S) instead");
+    found.notes.push_back("Z11, by --select, is the impedance " + format_number(settings->resistance) +
+                          " ohm (1 + S)/(1 - S)");
   }
   return found;
 }
