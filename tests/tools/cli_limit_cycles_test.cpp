@@ -137,6 +137,19 @@ TEST(LimitCyclesCommand, TellsWhatHappensBetweenTheValues) {
   EXPECT_NE(table.find("No cycle for kp from"), std::string::npos) << table;
 }
 
+// The cycle of "kp + s" keeps its symmetry from kp = 1 to 3, as the command's own JSON says of each value.
+TEST(LimitCyclesCommand, SaysThatAStableCycleIsThereForEveryValue) {
+  const auto as = [](const char* format) {
+    return run_fracfit(limit_cycles(
+        "kp + s", {"--restitution", "0.6", "--over", "kp=1:3:3", "--starts", "0", "--format", format}));
+  };
+  const auto json = nlohmann::json::parse(as("json").output);
+  ASSERT_EQ(json["loops"].size(), 3U);
+  for (const auto& loop : json["loops"]) EXPECT_TRUE(loop["cycles"].back()["stable"]);
+  const std::string table = as("table").output;
+  EXPECT_NE(table.find("A stable cycle for every kp from 1 to 3."), std::string::npos) << table;
+}
+
 // Where the symmetric cycle of "kp + s" is unstable, motions settle on cycles of more impacts.
 TEST(LimitCyclesCommand, SimulatesWhereNoCycleIsKnownToBeStable) {
   const auto result = run_fracfit(

@@ -96,7 +96,7 @@ Followed follow(detail::LoopRun& run, const detail::RealisedLoop& realised, std:
          !run.has_diverged()) {
     const detail::LoopRun::Event event = run.advance(last + patience / realised.pace() + realised.delay());
     if (event == detail::LoopRun::Event::none) {
-      result.is_quiet = true;
+      result.is_quiet = !run.is_spent();
       break;
     }
     if (event == detail::LoopRun::Event::impact) {

@@ -305,7 +305,10 @@ std::string events_text(const std::string& name, const backlash::CycleContinuati
   };
   intervals(followed.without_cycles, "cycle");
   intervals(followed.without_stable_cycles, "stable cycle");
-  if (!followed.without_stable_cycles.empty()) {
+  if (followed.without_stable_cycles.empty()) {
+    text += paragraph("A stable cycle for every " + name + " from " + precise(followed.samples.front().parameter) +
+                      " to " + precise(followed.samples.back().parameter) + ".");
+  } else {
     std::string searched =
         "Looked for were all symmetric cycles of two impacts per period and the asymmetric ones that begin where those "
         "break their symmetry";
