@@ -471,7 +471,7 @@ TEST_F(MeasurementTest, CurvesInColumnsAreTheSameCutOrWhole) {
     return files;
   };
   const auto whole = read_all();
-  io::prepare_curves(measurement);
+  io::prepare_curves(measurement, "");
   EXPECT_EQ(measurement.narrow.size(), 2U);
   const auto cut = read_all();
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -482,6 +482,38 @@ TEST_F(MeasurementTest, CurvesInColumnsAreTheSameCutOrWhole) {
   }
   EXPECT_EQ(cut[0].data.value()[1], 9.0 + 1i);
   EXPECT_EQ(cut[1].data.value()[2], 7.0 + 8i);
+}
+
+// Rows of a curve need not stand together, and one value may be written in several ways.
+TEST_F(MeasurementTest, CurvesInRowsAreTheSameCutOrWhole) {
+  auto measurement = io::read_measurement(folder.write("file",
+                                                       "force_n,omega_rad_s,re,im\n10,1,1,2\n20,1,3,4\n# a remark\n"
+                                                       "1e1,3,5,6\n20,3,7,8\n10.0,2,9,1\n20,2,x,1\n"));
+  ASSERT_EQ(io::curve_labels(measurement, "force_n"), (std::vector<std::string>{"10", "20"}));
+  io::FrequencyResponseReadOptions ten, twenty;
+  ten.rows = {{"force_n", "10"}};
+  twenty.rows = {{"force_n", "20"}};
+  const auto fault = [&] {
+    try {
+      static_cast<void>(io::read_frequency_response(measurement, twenty));
+    } catch (const io::DataError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  const auto whole = io::read_frequency_response(measurement, ten);
+  const std::string fault_of_whole = fault();
+  io::prepare_curves(measurement, "force_n");
+  EXPECT_EQ(measurement.of_rows.second.size(), 2U);
+  const auto cut = io::read_frequency_response(measurement, ten);
+  EXPECT_EQ(cut.data.omega(), (std::vector<double>{1, 2, 3}));
+  EXPECT_EQ(cut.data.value(), (std::vector<std::complex<double>>{1.0 + 2i, 9.0 + 1i, 5.0 + 6i}));
+  EXPECT_EQ(cut.data.omega(), whole.data.omega());
+  EXPECT_EQ(cut.data.value(), whole.data.value());
+  EXPECT_EQ(cut.metadata, whole.metadata);
+  EXPECT_EQ(cut.notes, whole.notes);
+  EXPECT_NE(fault_of_whole.find("file:8:6"), std::string::npos) << fault_of_whole;
+  EXPECT_EQ(fault(), fault_of_whole);
 }
 
 TEST_F(MeasurementTest, AFileCutAtAnyByteIsReadInPartOrRefused) {

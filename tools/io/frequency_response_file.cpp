@@ -233,6 +233,10 @@ FrequencyResponseFile read_frequency_response(const Measurement& measurement,
     options.rows.emplace_back(options.curve.substr(0, sign), options.curve.substr(sign + 1));
     options.curve.clear();
   }
+  if (options.rows.size() == 1 && options.rows.front().first == measurement.of_rows.first)
+    if (const auto part = measurement.of_rows.second.find(options.rows.front().second);
+        part != measurement.of_rows.second.end())
+      return read_table(measurement, *part->second, options);
   if (!chosen_by_sweep) return read_table(measurement, *sweep->table, options);
   const std::string name = std::exchange(options.curve, "");
   auto result = read_table(measurement, *sweep->table, options);
@@ -292,10 +296,15 @@ std::vector<std::string> curve_labels(const Measurement& measurement, const std:
   return labels;
 }
 
-void prepare_curves(Measurement& measurement) {
-  if (measurement.sweeps.size() > 1 || !measurement.sweeps.front().table || !measurement.how.columns.empty()) return;
+void prepare_curves(Measurement& measurement, const std::string& key_column) {
+  if (measurement.sweeps.size() > 1 || !measurement.sweeps.front().table) return;
   const TextTable& table = *measurement.sweeps.front().table;
-  if (column_labels(table).empty()) return;
+  if (!key_column.empty()) {
+    if (const auto key = position_of(table, key_column))
+      measurement.of_rows = {key_column, table.parted(*key, key_label)};
+    return;
+  }
+  if (!measurement.how.columns.empty() || column_labels(table).empty()) return;
   std::vector<std::size_t> shared;
   std::map<std::string, std::vector<std::size_t>> own;
   for (std::size_t i = 0; i < table.header().size(); ++i) {

@@ -72,9 +72,9 @@ struct FrequencyResponseFile {
 /// unless that is empty.  None where the file holds one curve, or has no such column.
 [[nodiscard]] std::vector<std::string> curve_labels(const Measurement& measurement, const std::string& key_column);
 
-/// Cuts a table with curves in columns into a table per curve, so that reading all of them takes time in proportion to
-/// the file, not to its square.
-void prepare_curves(Measurement& measurement);
+/// Cuts a table with curves in columns, or in the rows that a key column tells apart, into a table per curve, so that
+/// reading all of them takes time in proportion to the file, not to its square.
+void prepare_curves(Measurement& measurement, const std::string& key_column);
 
 /// The scenes of a table of several, as simulate and map write it: rows told apart by columns force_n, clearance_m and
 /// restitution.  Each is given by those columns that vary, in order of appearance; none where no column varies.

@@ -44,6 +44,8 @@ struct Measurement {
   MeasurementOptions how;
   /// Of a table with many curves in columns: each as a table of its own, by label; see prepare_curves().
   std::map<std::string, std::shared_ptr<const TextTable>> narrow;
+  /// The same of one with curves in rows, behind the name of the column that tells them apart.
+  std::pair<std::string, std::map<std::string, std::shared_ptr<const TextTable>>> of_rows;
 };
 
 /// Recognises a file by its content: Gamry, BioLogic, ZView, VersaStudio, Touchstone, universal files of dataset 58,

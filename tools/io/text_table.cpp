@@ -2,6 +2,7 @@
 #include "io/text_table.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "io/decoded_text.hpp"
@@ -132,16 +133,38 @@ std::shared_ptr<const TextTable> TextTable::narrowed(const std::vector<std::size
     });
     cut_rows_ = std::move(rows);
   }
+  auto table = with_rows(cut_rows_);
+  table->taken_ = columns;
+  table->header_.clear();
+  for (const auto column : columns) table->header_.push_back(header_[column]);
+  return table;
+}
+
+std::map<std::string, std::shared_ptr<const TextTable>> TextTable::parted(
+    std::size_t column, const std::function<std::string(std::string_view)>& label) const {
+  std::map<std::string, std::shared_ptr<std::vector<CutRow>>> parts;
+  for_each_row([&](const Row& row) {
+    auto& rows = parts[label(row.fields[column])];
+    if (!rows) rows = std::make_shared<std::vector<CutRow>>();
+    rows->push_back({row.line, row.text, {row.fields.begin(), row.fields.end()}});
+  });
+  std::map<std::string, std::shared_ptr<const TextTable>> tables;
+  for (auto& [name, rows] : parts) tables.emplace(name, with_rows(std::move(rows)));
+  return tables;
+}
+
+std::shared_ptr<TextTable> TextTable::with_rows(std::shared_ptr<const std::vector<CutRow>> rows) const {
   std::shared_ptr<TextTable> table(new TextTable);
   table->file_ = file_;
   table->layout_.text = layout_.text;
   table->content_ = content_;
   table->metadata_ = metadata_;
+  table->header_ = header_;
   table->is_cut_off_ = is_cut_off_;
-  table->row_estimate_ = cut_rows_->size();
-  table->cut_rows_ = cut_rows_;
-  table->taken_ = columns;
-  for (const auto column : columns) table->header_.push_back(header_[column]);
+  table->row_estimate_ = rows->size();
+  table->cut_rows_ = std::move(rows);
+  table->taken_.resize(header_.size());
+  std::iota(table->taken_.begin(), table->taken_.end(), std::size_t{0});
   return table;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -68,6 +69,9 @@ class TextTable {
   /// Some of the columns as a table of its own.  The first call cuts all rows into fields; from then on a narrow table
   /// costs what its own columns cost.  Not to be called from several threads at once.
   [[nodiscard]] std::shared_ptr<const TextTable> narrowed(const std::vector<std::size_t>& columns) const;
+  /// The rows that have the same label in a column as a table of their own, by label.
+  [[nodiscard]] std::map<std::string, std::shared_ptr<const TextTable>> parted(
+      std::size_t column, const std::function<std::string(std::string_view)>& label) const;
 
   [[nodiscard]] const std::string& file() const noexcept { return file_; }
   [[nodiscard]] const Metadata& metadata() const noexcept { return metadata_; }
@@ -87,6 +91,8 @@ class TextTable {
     std::vector<std::string_view> fields;
   };
   TextTable() = default;
+  // All columns of some rows.
+  [[nodiscard]] std::shared_ptr<TextTable> with_rows(std::shared_ptr<const std::vector<CutRow>> rows) const;
   void take_header(std::string_view line, std::string_view names, std::size_t number);
   void leave_out_a_row_cut_off();
 

@@ -163,7 +163,7 @@ std::vector<BatchCurve> curves_of(const std::vector<std::string>& files, const F
       io::Measurement measurement = io::read_measurement(file, request.how);
       labels = io::curve_labels(measurement, request.key_column);
       if (!labels.empty()) {
-        if (request.key_column.empty()) io::prepare_curves(measurement);
+        io::prepare_curves(measurement, request.key_column);
         kept = std::make_shared<const io::Measurement>(std::move(measurement));
       }
     } catch (const io::DataError&) {  // its row will say it
