@@ -175,8 +175,8 @@ TEST(Conventions, AForgottenValueIsNamed) {
   const std::string out = folder.path("out");
   for (const auto& [words, said] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"tune", "--model", "1/(s + 1)", "--crossover", "--out", out},
-            "--crossover needs a value; found the option '--out'"},
-           {{"analyse", "--model", "--out=" + out}, "--model needs a value; found the option '--out="},
+            "--crossover lacks its value: --out is an option"},
+           {{"analyse", "--model", "--out=" + out}, "--model lacks its value: --out is an option"},
            {{"analyse", "1/(s + 1)", "--out"}, "--out needs a value"}}) {
     const auto result = run_fracfit(words);
     EXPECT_EQ(result.code, 2);

@@ -309,18 +309,28 @@ void Options::check_groups() const {
   }
 }
 
+// Where a value was forgotten, the next option would be taken for it, and the value of that for an argument.
+void Options::check_no_value_is_an_option() const {
+  for (const Option& option : options_) {
+    if (option.kind_ == Option::Kind::flag) continue;
+    for (const std::string& text : option.given) {
+      const std::string name = text.substr(0, text.find('='));
+      const bool is_option =
+          name.starts_with("--") &&
+          std::any_of(options_.begin(), options_.end(), [&](const Option& other) { return other.name() == name; });
+      if (is_option) refuse(option.name() + " lacks its value: " + name + " is an option; expected " + option.type_);
+    }
+  }
+}
+
 void Options::interpret() {
+  check_no_value_is_an_option();
   for (Option& option : options_) {
     if (option.kind_ == Option::Kind::value && option.given.size() > 1) refuse(option.name() + " is given twice");
     for (const std::string& text : option.given) {
       // As from a variable of a script that is not set: left out without a word, the result would be another one.
       if (text.empty() && option.kind_ != Option::Kind::flag)
         refuse(option.name() + " '': the value is empty; expected " + option.type_);
-      // The value was forgotten, and the next option would be taken for it.
-      const bool is_option =
-          std::any_of(options_.begin(), options_.end(), [&](const Option& other) { return other.name() == text; });
-      if (is_option && option.kind_ != Option::Kind::flag)
-        refuse(option.name() + " lacks its value: " + text + " is an option; expected " + option.type_);
       if (option.only_words_ && std::find(option.words_.begin(), option.words_.end(), text) == option.words_.end())
         refuse(option.name() + ": " + io::quoted(text) + " is not allowed; expected " + either(option.words_) +
                suggestion(text, option.words_));

@@ -223,6 +223,7 @@ class Options {
   [[nodiscard]] bool holds(const Condition& condition) const;
   [[nodiscard]] bool has_meaning(const Option& option) const;
   void check_rules(const Option& option) const;
+  void check_no_value_is_an_option() const;
   void check_groups() const;
 
   std::deque<Option> options_;  // references to them stay valid

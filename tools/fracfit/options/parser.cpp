@@ -88,18 +88,7 @@ void check_extras(const Command& command, const std::vector<std::string>& extra)
   refuse("unknown option " + io::quoted(name) + suggestion(name, names), command.name());
 }
 
-// A value that was forgotten leaves the next option in its place.
-void refuse_options_as_values(const Command& command, const Slot& slot) {
-  const auto& options = command.options().all();
-  for (const std::string& text : slot.texts)
-    if (text.starts_with("--") && std::any_of(options.begin(), options.end(), [&](const Option& option) {
-          return option.name() == text.substr(0, text.find('='));
-        }))
-      refuse(slot.option->name() + " needs a value; found the option " + io::quoted(text), command.name());
-}
-
 void hand_over(Command& command, std::deque<Slot>& slots) {
-  for (const Slot& slot : slots) refuse_options_as_values(command, slot);
   for (Slot& slot : slots) {
     if (slot.flag != nullptr && slot.flag->count() > 0) slot.texts.emplace_back();
     if (slot.texts.empty()) continue;
