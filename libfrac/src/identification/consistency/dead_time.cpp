@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <complex>
 #include <cstddef>
@@ -73,38 +74,49 @@ std::vector<DeadTime> dead_times_of(const FrequencyResponseData& data, double fl
 
   // Sizes do not change when the phase turns, so that one projection serves all dead times.
   const Eigen::MatrixXd basis = PivotedQr(prompt_columns(omega, size)).basis();
-  Eigen::VectorXd turned(2 * points);
-  const auto left = [&](double seconds) {
+  const auto turned = [&](double seconds) {
+    Eigen::VectorXd result(2 * points);
     for (Eigen::Index k = 0; k < points; ++k) {
       const std::complex<double> ahead =
           value(k) * std::polar(1 / size(k), omega[static_cast<std::size_t>(k)] * seconds);
-      turned(2 * k) = ahead.real();
-      turned(2 * k + 1) = ahead.imag();
+      result(2 * k) = ahead.real();
+      result(2 * k + 1) = ahead.imag();
     }
-    return (turned - basis * (basis.transpose() * turned)).squaredNorm();
+    return result;
+  };
+  const auto left = [&](double seconds) {
+    const Eigen::VectorXd ahead = turned(seconds);
+    return (ahead - basis * (basis.transpose() * ahead)).squaredNorm();
   };
 
   // A dead time that is wrong by more than a radian at the highest frequency misses it altogether.
   constexpr double radians_apart = 0.5;
   constexpr std::size_t most_steps = 600;
   const double step = radians_apart / omega.back();
-  std::vector<double> rest;
-  for (std::size_t i = 0; i <= most_steps; ++i) rest.push_back(left(static_cast<double>(i) * step));
+  std::vector<double> rest;  // to rounding of all the points have, of which the phase turns but not the size
+  const double all = turned(0).squaredNorm();
+  constexpr std::size_t together = 32;
+  for (std::size_t i = 0; i <= most_steps; i += together) {
+    const std::size_t count = std::min(together, most_steps + 1 - i);
+    Eigen::MatrixXd ahead(2 * points, count);
+    for (std::size_t j = 0; j < count; ++j)
+      ahead.col(static_cast<Eigen::Index>(j)) = turned(static_cast<double>(i + j) * step);
+    const Eigen::MatrixXd explained = basis.transpose() * ahead;
+    for (const auto& column : explained.colwise()) rest.push_back(all - column.squaredNorm());
+  }
+  const double undelayed = left(0);
   const auto freedom = static_cast<double>(2 * points - basis.cols());
   std::vector<DeadTime> found;
   for (std::size_t i = 1; i < most_steps; ++i) {
     if (!(rest[i] < rest[i - 1] && rest[i] <= rest[i + 1])) continue;
-    double low = static_cast<double>(i - 1) * step, high = static_cast<double>(i + 1) * step;
-    constexpr double golden = 0.6180339887498949;
-    for (int pass = 0; pass < 12; ++pass) {
-      const double third = high - golden * (high - low), two_thirds = low + golden * (high - low);
-      const bool is_below = left(third) < left(two_thirds);
-      (is_below ? high : low) = is_below ? two_thirds : third;
-    }
-    const double seconds = (low + high) / 2, here = left(seconds);
+    // To a thousandth of a step.
+    constexpr int bits = 10;
+    const auto [offset, here] = boost::math::tools::brent_find_minima(
+        [&](double steps) { return left((static_cast<double>(i) + steps) * step); }, -1.0, 1.0, bits);
+    const double seconds = (static_cast<double>(i) + offset) * step;
     // Twice the logarithm of the likelihood.
     constexpr double worth_it = 20;
-    if (2 * static_cast<double>(points) * std::log(rest[0] / here) > worth_it)
+    if (2 * static_cast<double>(points) * std::log(undelayed / here) > worth_it)
       found.push_back({seconds, std::sqrt(here / freedom)});
   }
   std::sort(found.begin(), found.end(), [](const DeadTime& a, const DeadTime& b) { return a.left < b.left; });
