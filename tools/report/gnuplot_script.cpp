@@ -257,6 +257,13 @@ std::string pale(const std::string& colour) {
   return mixed;
 }
 
+// A few points are marks that the eye has to find, many are a curve.
+bool is_a_mark(const Curve& curve) {
+  std::size_t points = 0;
+  for (const auto& segment : curve.segments) points += segment.size();
+  return points <= 3;
+}
+
 std::string style_of(const Curve& curve) {
   const std::string solid = " lc rgb '" + curve.colour + "'";
   const std::string faint = " lc rgb '" + pale(curve.colour) + "'";
@@ -270,9 +277,9 @@ std::string style_of(const Curve& curve) {
     case Mark::line_points:
       return "with linespoints lw 1.4 pt 7 ps 0.5" + solid;
     case Mark::points:
-      return "with points pt 7 ps 0.42" + solid;
+      return "with points pt 7 ps " + std::string(is_a_mark(curve) ? "1" : "0.42") + solid;
     case Mark::open_points:
-      return "with points pt 6 ps 0.8 lw 1.2" + solid;
+      return "with points pt 6 " + std::string(is_a_mark(curve) ? "ps 1.6 lw 2" : "ps 0.8 lw 1.2") + solid;
     case Mark::faint_points:
       return "with points pt 7 ps 0.32" + faint;
     case Mark::faint_bars:

@@ -118,7 +118,8 @@ Figure nyquist_figure(const LoopPicture& picture, std::string name, std::string 
     panel.curves.push_back(make_curve(label, colour, mark, {left, std::clamp(end, left, right)}, {height, height}));
   };
   std::string others;
-  for (const double eps : other_restitutions(restitution)) others += (others.empty() ? "ε = " : ", ") + rounded(eps);
+  for (const double eps : other_restitutions(restitution))
+    others += (others.empty() ? "from above ε = " : ", ") + rounded(eps);
   for (const double eps : other_restitutions(restitution)) {
     line(eps, "#bbbbbb", Mark::line, others);
     others.clear();  // one entry of the key for all
