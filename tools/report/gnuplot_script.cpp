@@ -257,8 +257,9 @@ std::string pale(const std::string& colour) {
   return mixed;
 }
 
-// A few points are marks that the eye has to find, many are a curve.
+// A few points with an entry in the key are marks that the eye has to find; others are a cloud or a part of one.
 bool is_a_mark(const Curve& curve) {
+  if (curve.label.empty()) return false;
   std::size_t points = 0;
   for (const auto& segment : curve.segments) points += segment.size();
   return points <= 3;
