@@ -111,8 +111,8 @@ double covariance_of(const FisherMatrix& fisher, const Vector4& one, const Vecto
 }
 
 // Covariance of the estimate as the points themselves tell it: by how much it moves when each of them is left out, to
-// first order (the jackknife; Efron, Tibshirani 1993, chapter 11).  A point that lies on its motion by accident, far
-// from the others and with much weight, counts as what it is, where the variance of all residuals would share it out.
+// first order (the jackknife; Efron, Tibshirani 1993, chapter 11).  A point of much weight that lies on its motion by
+// accident moves the estimate far, which this sees; the variance of all residuals averages such a point away.
 Matrix4 jackknife_covariance(const FisherMatrix& fisher, const std::vector<PointResiduals>& points) {
   Matrix4 inverse = Matrix4::Zero();  // along the directions that are determined
   for (Eigen::Index direction = 0; direction < 4; ++direction) {

@@ -93,7 +93,9 @@ std::vector<DeadTime> dead_times_of(const FrequencyResponseData& data, double fl
   constexpr double radians_apart = 0.5;
   constexpr std::size_t most_steps = 600;
   const double step = radians_apart / omega.back();
-  std::vector<double> rest;  // to rounding of all the points have, of which the phase turns but not the size
+  // What each step leaves is what the basis does not explain of the squares of all points.  Their sum is the same for
+  // every dead time, since it turns phases and changes no size.
+  std::vector<double> rest;
   const double all = turned(0).squaredNorm();
   constexpr std::size_t together = 32;
   for (std::size_t i = 0; i <= most_steps; i += together) {
