@@ -2,6 +2,7 @@
 #include "scene_uncertainty.hpp"
 
 #include <Eigen/Core>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -134,11 +135,8 @@ Matrix4 jackknife_covariance(const FisherMatrix& fisher, const std::vector<Point
     }
     const Eigen::Matrix<double, 4, 2> pulled = inverse * gradient;
     const Eigen::Matrix2d left = Eigen::Matrix2d::Identity() - gradient.transpose() * pulled;
-    const double determinant = left(0, 0) * left(1, 1) - left(0, 1) * left(1, 0);
-    if (!(determinant > 1e-12)) continue;
-    Eigen::Matrix2d adjugate;
-    adjugate << left(1, 1), -left(0, 1), -left(1, 0), left(0, 0);
-    const Vector4 moved = pulled * (adjugate / determinant) * Eigen::Vector2d(point.value[0], point.value[1]);
+    if (!(left.determinant() > 1e-12)) continue;
+    const Vector4 moved = pulled * left.inverse() * Eigen::Vector2d(point.value[0], point.value[1]);
     sum += moved * moved.transpose();
   }
   const double count = static_cast<double>(points.size());
