@@ -382,6 +382,20 @@ TEST(LackOfFit, AMissedShapeAndAnUnderstatedSigmaFail) {
   EXPECT_NEAR(understated.misfit, 2, 0.6);
 }
 
+TEST(LackOfFit, RepeatsOfExactDataAreNoMisfit) {
+  const frac::Structure lag("K/(T s + 1)");
+  std::vector<double> omega;
+  std::vector<std::complex<double>> value;
+  for (const double each : {0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0})
+    for (int repeat = 0; repeat < 3; ++repeat) {
+      omega.push_back(each);
+      value.push_back(lag.response(std::vector<double>{2, 1}, each));
+    }
+  const frac::FrequencyResponseData data(omega, value);
+  const auto result = frac::fit(data, lag, both_parts());
+  EXPECT_TRUE(frac::lack_of_fit(data, both_parts(), result).adequate);
+}
+
 TEST(ModelLibrary, EveryPresetParsesAndIsConstrainedByName) {
   std::set<std::string> names;
   for (const frac::NamedModel& model : frac::model_library()) {

@@ -96,6 +96,10 @@ double sum_of_squares(std::span<const double> values) {
   return sum;
 }
 
+bool is_exact(double square, std::size_t count, double rounding) {
+  return std::sqrt(square / static_cast<double>(count)) <= rounding;
+}
+
 }  // namespace
 
 LackOfFit detail::residual_tests(std::span<const double> residual, std::size_t per_point,
@@ -111,8 +115,7 @@ LackOfFit detail::residual_tests(std::span<const double> residual, std::size_t p
   const std::vector<double> tame = clipped(residual);
   if (!told) result.noise = noise_from_neighbours(residual, per_point);
   if (degrees > 0) result.misfit = std::sqrt(square / degrees) / result.noise;
-  const bool exact = std::sqrt(square / count) <= rounding;
-  if (exact) {
+  if (is_exact(square, residual.size(), rounding)) {
     result.misfit = 1;
     return result;
   }
@@ -158,8 +161,10 @@ LackOfFit lack_of_fit(const FrequencyResponseData& data, const FitOptions& optio
       detail::residual_tests(residual, rule.per_point(), data.omega(), result.free_parameters, told, rounding);
   if (options.weight == Weight::repeats) test.source = NoiseSource::repeats;
   if (told) return test;
-  const PureError error = pure_error(data, residual, rule.per_point());
   const double square = sum_of_squares(residual);
+  // Of exact data the repeats scatter by less than their fit.
+  if (is_exact(square, residual.size(), rounding)) return test;
+  const PureError error = pure_error(data, residual, rule.per_point());
   const double degrees =
       static_cast<double>(residual.size()) - static_cast<double>(result.free_parameters) - error.degrees;
   if (!(error.degrees >= 5) || !(degrees >= 1) || !(error.square > 0)) return test;
