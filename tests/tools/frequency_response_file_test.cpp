@@ -132,6 +132,15 @@ TEST_F(FrequencyResponseFileTest, FrequencyNamesAndUnits) {
   EXPECT_TRUE(has_note(read("w,re,im\n1,2,3\n"), "taken as rad/s"));
 }
 
+TEST_F(FrequencyResponseFileTest, CopiesOfRowsAreNoRepeatedMeasurements) {
+  const auto joined = read("f_Hz,re,im\n1,2,3\n2,3,4\n1,2,3\n2,3,4\n");
+  EXPECT_EQ(joined.data.omega(), (std::vector<double>{turn, 2 * turn}));
+  EXPECT_EQ(joined.data.value(), (std::vector<std::complex<double>>{{2, 3}, {3, 4}}));
+  EXPECT_TRUE(has_note(joined, "2 rows are copies of others"));
+  EXPECT_EQ(read("f_Hz,re,im\n1,2,3\n2,3,4\n1,2,3\n2,3,5\n").data.size(), 4u);
+  EXPECT_EQ(read("f_Hz,re,im,sigma\n1,2,3,1\n1,2,3,2\n").data.size(), 2u);
+}
+
 TEST_F(FrequencyResponseFileTest, UnitsOfValuesAreKeptAndMustAgree) {
   EXPECT_EQ(read("f_Hz,re_m_per_n,im_m_per_n\n1,2,3\n").value_unit, "m_per_n");
   EXPECT_EQ(read("f_Hz,Re [ohm],Im [ohm]\n1,2,3\n").value_unit, "ohm");

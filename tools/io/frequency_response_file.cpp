@@ -98,6 +98,7 @@ FrequencyResponseFile read_table(const Measurement& measurement, const TextTable
     // Conditions may have left one of them.
     if (!column.name.empty() && options.where.empty()) refuse_several(measurement, curve_labels(measurement, ""));
   }
+  leave_out_copies(points, notes);
   Metadata metadata = table.metadata();
   metadata.insert(metadata.end(), options.rows.begin(), options.rows.end());
   if (!options.curve.empty()) metadata.emplace_back("curve", options.curve);
@@ -155,6 +156,7 @@ FrequencyResponseFile read_curve(const Measurement& measurement, const Measureme
   if (points.omega.empty()) fail_empty(measurement.file, curve.omega.size() - at_rest, options.where);
   note_points_at_rest(at_rest, notes);
   sort_by_frequency(points, notes);
+  leave_out_copies(points, notes);
   Metadata metadata;
   if (!options.curve.empty()) metadata.emplace_back("curve", options.curve);
   const std::string what = curve.quantity +

@@ -105,4 +105,24 @@ void sort_by_frequency(Points& points, std::vector<std::string>& notes) {
   notes.emplace_back("rows were not in rising frequency and have been sorted");
 }
 
+void leave_out_copies(Points& points, std::vector<std::string>& notes) {
+  std::vector<std::size_t> originals;
+  for (std::size_t i = 0; i < points.omega.size(); ++i) {
+    if (i == 0 || points.omega[i] != points.omega[i - 1]) {
+      originals.push_back(i);
+    } else if (points.value[i] != points.value[i - 1] ||
+               (!points.sigma.empty() && points.sigma[i] != points.sigma[i - 1])) {
+      return;
+    }
+  }
+  const std::size_t copies = points.omega.size() - originals.size();
+  if (copies == 0) return;
+  points.omega = permuted(points.omega, originals);
+  points.value = permuted(points.value, originals);
+  if (!points.sigma.empty()) points.sigma = permuted(points.sigma, originals);
+  notes.push_back(std::to_string(copies) +
+                  (copies == 1 ? " row is a copy of another and is" : " rows are copies of others and are") +
+                  " left out: no repeat of a frequency differs");
+}
+
 }  // namespace io

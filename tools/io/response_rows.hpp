@@ -51,4 +51,8 @@ class RowReader {
 
 void sort_by_frequency(Points& points, std::vector<std::string>& notes);
 
+// Of points in rising frequency.  Where every repeat of a frequency has the same value, as in a file joined to itself,
+// it is a copy and no second measurement, and would pass for noise that goes together.
+void leave_out_copies(Points& points, std::vector<std::string>& notes);
+
 }  // namespace io
