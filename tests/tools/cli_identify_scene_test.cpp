@@ -130,6 +130,16 @@ TEST_F(IdentifyScene, TakesTheMassFromTheFiles) {
   EXPECT_EQ(run_fracfit({"identify-scene", file, weak}).code, 2);
 }
 
+TEST_F(IdentifyScene, SaysThatValuesWithoutAUnitAreTakenAsMetresPerNewton) {
+  for (const std::string columns : {"re,im", "magnitude_db,phase_deg"}) {
+    const std::string rows = "omega_rad_s," + columns + "\n11,1,1\n12,1,1\n13,1,1\n14,1,1\n";
+    const auto result = run_fracfit({"identify-scene", folder.write("plain.csv", rows), "--force", "10"});
+    EXPECT_NE(result.error.find("taken as m/N"), std::string::npos) << result.error;
+  }
+  const auto told = run_fracfit({"identify-scene", weak, "--fix", "m1=2"});
+  EXPECT_EQ(told.error.find("taken as"), std::string::npos) << told.error;
+}
+
 TEST_F(IdentifyScene, RefusesWrongInput) {
   const auto expect_failure = [](std::vector<std::string> arguments, int code, const std::string& part) {
     arguments.insert(arguments.begin(), "identify-scene");

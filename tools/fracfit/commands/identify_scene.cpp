@@ -137,7 +137,8 @@ class IdentifyScene : public Command {
         throw io::DataError(name, 0, 0, "has no column sigma or weight; expected one with --weight given");
       // Masses come out in kg only of metres per newton.
       const auto& unit = file.value_unit;
-      if (!unit.empty() && unit != "m/N" && unit != "m_per_n" && unit != "m_per_N" && unit != "dB")
+      if (unit.empty()) say(name + ": the names of its columns give no unit; the values are taken as m/N");
+      if (!unit.empty() && unit != "m/N" && unit != "m_per_n" && unit != "m_per_N")
         throw io::DataError(name, 0, 0,
                             "has values in " + io::quoted(unit) + "; expected a motion over a force in m/N");
       const std::string measured{io::find_value(file.metadata, "output").value_or(std::string_view{})};
