@@ -540,6 +540,7 @@ TEST_F(MeasurementTest, AFileCutAtAnyByteIsReadInPartOrRefused) {
 }
 
 TEST_F(MeasurementTest, ColumnsToldByTheCallerAreChecked) {
+  EXPECT_EQ(io::columns_told("f=1, re=Z real , im=3"), io::columns_told("f=1,re=Z real,im=3"));
   EXPECT_THROW((void)io::columns_told("f=1,re"), std::invalid_argument);
   EXPECT_THROW((void)io::columns_told("f=1,f=2"), std::invalid_argument);
   EXPECT_THROW((void)io::columns_told("f=1,re=1"), std::invalid_argument);

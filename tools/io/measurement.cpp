@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "io/decoded_text.hpp"
+#include "io/fields.hpp"
 #include "io/fingerprint.hpp"
 #include "io/input_text.hpp"
 #include "io/number.hpp"
@@ -38,7 +39,7 @@ std::vector<std::pair<std::string, std::string>> columns_told(const std::string&
   std::vector<std::pair<std::string, std::string>> pairs;
   for (std::size_t begin = 0; begin < text.size();) {
     const auto end = std::min(text.find(',', begin), text.size());
-    const std::string part = text.substr(begin, end - begin);
+    const std::string part(trimmed(std::string_view(text).substr(begin, end - begin)));
     const auto sign = part.find('=');
     const std::string key = part.substr(0, sign);
     const std::string column = sign == std::string::npos ? "" : part.substr(sign + 1);
