@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "frac/identification/identify.hpp"
+#include "frac/identification/model_choice.hpp"
 #include "frac/mittag_leffler.hpp"
 
 namespace {
@@ -80,9 +81,37 @@ TEST(TimeFit, OfAPresetIsNoWorseThanOfOneThatItContains) {
   EXPECT_LE(cost_of("fractional-lag-delay"), lag_delay * (1 + rounding));
 }
 
+// Of exact data the three poles are those of three_lags(): the denominator is that of 1/((s + 1)(s + 0.5)(s + 2.5)).
+TEST(TimeGrowth, ZerosAndPolesMayBeToldByTheirNumber) {
+  const auto data = step_record(three_lags, 15, 301, 0, 1);
+  const frac::NamedModel model = frac::resolved_model(data, frac::find_model("rational:0/3"), frac::TimeFitOptions{});
+  EXPECT_EQ(model.formula, "(b0)/((s^2 + c1 s + e1) (s + p))");
+  frac::TimeFitOptions options;
+  options.constraints = model.constraints;
+  options.global_start = false;
+  const auto fit = frac::fit(data, frac::Structure(model.formula), options);
+  const double c = fit.parameters[1].value, e = fit.parameters[2].value, p = fit.parameters[3].value;
+  // Rounding of 1e-16, times the condition of three poles within a decade on such a record, some 1e6.
+  EXPECT_NEAR(c + p, 4, 1e-8);
+  EXPECT_NEAR(e + c * p, 4.25, 1e-8);
+  EXPECT_NEAR(e * p, 1.25, 1e-8);
+  EXPECT_EQ(frac::resolved_model(data, frac::find_model("rational:3/3"), frac::TimeFitOptions{}).name, "rational:3/3");
+  EXPECT_EQ(frac::resolved_model(data, frac::find_model("rational:1/2+delay"), frac::TimeFitOptions{}).name,
+            "rational:1/2+delay");
+}
+
+TEST(TimeGrowth, RatiosGrowAPoleAtATime) {
+  const auto data = step_record(three_lags, 15, 301, 1e-3, 1);
+  const frac::Growth growth = frac::grow(data, frac::GrowthFamily::rational, frac::TimeFitOptions{});
+  EXPECT_TRUE(growth.models.at(growth.chosen).name.ends_with("/3")) << growth.models.at(growth.chosen).name;
+  EXPECT_NEAR(growth.fits.at(growth.chosen).rms / 1e-3, 1, 0.16);
+  EXPECT_EQ(growth.fits.size(), growth.models.size());
+  EXPECT_GT(growth.fits.size(), growth.chosen + 1);
+}
+
 TEST(TimeGrowth, OtherFamiliesAreRefused) {
   const auto data = step_record(three_lags, 15, 61, 1e-3, 1);
-  for (const char* family : {"commensurate", "terms", "rational:1/2"}) {
+  for (const char* family : {"commensurate", "terms", "rational:7", "rational:3/2"}) {
     EXPECT_THROW((void)frac::resolved_model(data, frac::find_model(family), frac::TimeFitOptions{}),
                  std::invalid_argument)
         << family;

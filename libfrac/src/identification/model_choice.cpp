@@ -13,6 +13,7 @@
 #include "identification/rational/family_members.hpp"
 #include "identification/statistics/autocorrelation.hpp"
 #include "identification/statistics/curvature_fit.hpp"
+#include "identification/time_growth.hpp"
 #include "special/distributions.hpp"
 
 namespace frac {
@@ -174,8 +175,8 @@ Growth grown(const Data& data, GrowthFamily family, const Options& options, std:
   return growth;
 }
 
-/// The family of models that grows by projection, see resolved_model(); none for those that are grown term by term.
-std::optional<NamedModel> projected_family(GrowthFamily family) {
+/// The family of models whose form follows from data, see resolved_model(); none for those that are grown term by term.
+std::optional<NamedModel> family_from_data(GrowthFamily family) {
   switch (family) {
     case GrowthFamily::rational:
     case GrowthFamily::commensurate:
@@ -186,7 +187,8 @@ std::optional<NamedModel> projected_family(GrowthFamily family) {
   }
 }
 
-Growth grown_by_projection(const FrequencyResponseData& data, const NamedModel& family, const FitOptions& options) {
+template <class Data, class Options>
+Growth grown_from_data(const Data& data, const NamedModel& family, const Options& options) {
   if (!options.constraints.empty()) {
     throw std::invalid_argument("grow: parameters of the family " + family.name +
                                 " differ from member to member, so none can be held or bounded");
@@ -194,7 +196,7 @@ Growth grown_by_projection(const FrequencyResponseData& data, const NamedModel& 
   const detail::FamilyMembers members = detail::family_members(data, family, options);
   Growth growth{{}, members.models, members.chosen, ""};
   for (std::size_t i = 0; i < members.models.size(); ++i) {
-    FitOptions of_model = options;
+    Options of_model = options;
     of_model.constraints = members.models[i].constraints;
     of_model.global_start = false;
     const Structure structure(members.models[i].formula);
@@ -246,7 +248,7 @@ double cross_validation(const TimeResponseData& data, const Structure& structure
 }
 
 bool names_persist(GrowthFamily family) {
-  return !projected_family(family);
+  return !family_from_data(family);
 }
 
 NamedModel grown_model(GrowthFamily family, std::size_t terms) {
@@ -288,15 +290,12 @@ Growth grow(const FrequencyResponseData& data, GrowthFamily family, const FitOpt
     weighted.noise_floor = fit(data, Structure(growth.fits[growth.chosen].model), telling).noise_floor;
     return *weighted.noise_floor > 0 ? grow(data, family, weighted, most_terms) : growth;
   }
-  if (const auto projected = projected_family(family)) return grown_by_projection(data, *projected, options);
+  if (const auto from_data = family_from_data(family)) return grown_from_data(data, *from_data, options);
   return grown(data, family, options, most_terms);
 }
 
 Growth grow(const TimeResponseData& data, GrowthFamily family, const TimeFitOptions& options, std::size_t most_terms) {
-  if (projected_family(family)) {
-    throw std::invalid_argument("grow: the family " + std::string(to_string(family)) +
-                                " is grown on frequency responses only");
-  }
+  if (const auto from_data = family_from_data(family)) return grown_from_data(data, *from_data, options);
   return grown(data, family, options, most_terms);
 }
 

@@ -76,6 +76,14 @@ struct Member {
   bool exact = false;
 };
 
+/// Members from the fewest poles on.
+struct Ladder {
+  std::vector<Ratio> ratios;
+  std::size_t chosen = 0;
+
+  [[nodiscard]] const Ratio& best() const { return ratios.at(chosen); }
+};
+
 class Growth {
  public:
   Growth(const TimeResponseData& data, const TimeFitOptions& options, const RationalFamily& family, std::size_t samples)
@@ -92,7 +100,8 @@ class Growth {
     fast_ = static_cast<double>(points(data)) / length;
   }
 
-  Ratio best() {
+  Ladder grown() {
+    Ladder ladder;
     std::optional<Member> least;
     std::size_t in_vain = 0;
     for (std::size_t poles = 0; poles <= std::min(family_.most_poles, most_over_time) && in_vain < 2; ++poles) {
@@ -105,17 +114,21 @@ class Growth {
       }
       members_.push_back(next);
       if (poles < family_.fewest_poles || !std::isfinite(next.cost)) continue;
-      next = without_idle_zeros(std::move(next));
+      next = family_.zeros ? with_zeros(std::move(next), *family_.zeros) : without_idle_zeros(std::move(next));
+      ladder.ratios.push_back(next.ratio);
       in_vain = !least || next.value < least->value ? 0 : in_vain + 1;
-      if (in_vain == 0) least = std::move(next);
+      if (in_vain == 0) {
+        ladder.chosen = ladder.ratios.size() - 1;
+        least = std::move(next);
+      }
       if (least->exact) break;
     }
     if (!least) throw std::invalid_argument("too few samples for any member of this family");
-    return least->ratio;
+    return ladder;
   }
 
-  [[nodiscard]] Ratio better_of(const Ratio& one, const Ratio& other) const {
-    return fitted(other).value < fitted(one).value ? other : one;
+  [[nodiscard]] bool is_better(const Ratio& one, const Ratio& other) const {
+    return fitted(one).value < fitted(other).value;
   }
 
  private:
@@ -221,6 +234,19 @@ class Growth {
     return member;
   }
 
+  /// Zeros go one by one, each time from where the fit without the last one ended.
+  [[nodiscard]] Member with_zeros(Member member, std::size_t zeros) const {
+    if (zeros >= member.ratio.numerator.size()) {
+      member.ratio.numerator.resize(zeros + 1);
+      return fitted(member.ratio);
+    }
+    while (member.ratio.numerator.size() > zeros + 1) {
+      member.ratio.numerator.pop_back();
+      member = fitted(member.ratio);
+    }
+    return member;
+  }
+
   const TimeFitOptions& options_;
   const RationalFamily& family_;
   std::optional<TimeResponseData> data_;
@@ -231,19 +257,35 @@ class Growth {
 
 }  // namespace
 
-FamilyMembers best_member(const TimeResponseData& data, const NamedModel& family, const TimeFitOptions& options) {
-  if (!family.rational || family.rational->free_order || family.rational->zeros) {
-    throw std::invalid_argument("model '" + family.name +
-                                "' is grown on frequency responses only; over time write the model as a formula");
+FamilyMembers family_members(const TimeResponseData& data, const NamedModel& model, const TimeFitOptions& options) {
+  const auto refuse = [&model](const std::string& reason) {
+    throw std::invalid_argument("model '" + model.name + "': " + reason);
+  };
+  if (!model.rational || model.rational->free_order)
+    refuse("the family is grown on frequency responses only; over time write the model as a formula");
+  const RationalFamily& family = *model.rational;
+  if (family.fewest_poles > most_over_time)
+    refuse("more than " + std::to_string(most_over_time) + " poles, which no search over time finds");
+  if (family.zeros && *family.zeros > family.most_poles)
+    refuse("more zeros than poles, so that it has no finite response to a step");
+  Growth growth(data, options, family, enough_samples);
+  Ladder ladder = growth.grown();
+  if (points(data) > few_samples) {
+    Ladder other = Growth(data, options, family, few_samples).grown();
+    if (growth.is_better(other.best(), ladder.best())) ladder = std::move(other);
   }
-  Growth growth(data, options, *family.rational, enough_samples);
-  Ratio best = growth.best();
-  if (points(data) > few_samples)
-    best = growth.better_of(best, Growth(data, options, *family.rational, few_samples).best());
   FamilyMembers members;
-  members.models.push_back(written_out(best));
-  members.models.back().ends_its_family = best.poles() == most_over_time;
-  members.relaxations = best.relaxations();
+  for (const Ratio& ratio : ladder.ratios) members.models.push_back(written_out(ratio));
+  members.chosen = ladder.chosen;
+  members.models[members.chosen].ends_its_family = ladder.best().poles() == most_over_time;
+  members.relaxations = ladder.best().relaxations();
+  return members;
+}
+
+FamilyMembers best_member(const TimeResponseData& data, const NamedModel& model, const TimeFitOptions& options) {
+  FamilyMembers members = family_members(data, model, options);
+  members.models = {std::move(members.models[members.chosen])};
+  members.chosen = 0;
   return members;
 }
 

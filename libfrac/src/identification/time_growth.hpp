@@ -5,10 +5,14 @@
 
 namespace frac::detail {
 
-/// The member of a family of ratios in s that suits a record over time, by Schwarz's criterion and the price of its
-/// places, with start values.  It has no more zeros than poles: any other has no finite response to a step.
-/// @throws std::invalid_argument  a family of another kind, or too few samples for its smallest member
-[[nodiscard]] FamilyMembers best_member(const TimeResponseData& data, const NamedModel& family,
+/// The members of a family of ratios in s on a record over time, the chosen one by Schwarz's criterion and the price of
+/// its places, with start values.  None has more zeros than poles: it would have no finite response to a step.
+/// @throws std::invalid_argument  as resolved_model()
+[[nodiscard]] FamilyMembers family_members(const TimeResponseData& data, const NamedModel& model,
+                                           const TimeFitOptions& options);
+
+/// The chosen member alone.
+[[nodiscard]] FamilyMembers best_member(const TimeResponseData& data, const NamedModel& model,
                                         const TimeFitOptions& options);
 
 }  // namespace frac::detail
