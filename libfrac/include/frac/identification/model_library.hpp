@@ -84,9 +84,8 @@ struct NamedModel {
                                         const FitOptions& options);
 /// Over time, where ratios in s are strictly proper unless a direct term pays, and denominators are products of
 /// s^2 + c1 s + e1 and s + p.
-/// @throws std::invalid_argument  another family, which is grown on frequency responses only; more than 6 poles, or
-/// more
-///     zeros than poles; fewer samples than parameters.
+/// @throws std::invalid_argument  another family, which is grown on frequency responses only; more than 6 poles or
+///     more zeros than poles; fewer samples than parameters.
 [[nodiscard]] NamedModel resolved_model(const TimeResponseData& data, const NamedModel& model,
                                         const TimeFitOptions& options);
 
