@@ -80,9 +80,12 @@ std::string columns_of(std::initializer_list<std::pair<std::string, int>> fields
 
 // A dataset 58 up to its values: response 5 +Z, reference 2 +X.
 std::string universal_head(const std::string& dataset, int type, int kind, std::size_t points, bool is_even,
-                           const std::string& step = "5.00000e-01") {
+                           const std::string& step = "5.00000e-01", const std::string& over = "m",
+                           const std::string& under = "N") {
   const std::string axis = columns_of({{"18", 10}, {"0", 5}, {"0", 5}, {"0", 5}, {" NONE", -21}, {" Hz", -21}}) + "\n";
-  const std::string other = columns_of({{"1", 10}, {"0", 5}, {"0", 5}, {"0", 5}, {" NONE", -21}, {" m/N", -21}}) + "\n";
+  const auto ordinate = [](const std::string& unit) {
+    return columns_of({{"1", 10}, {"0", 5}, {"0", 5}, {"0", 5}, {" NONE", -21}, {" " + unit, -21}}) + "\n";
+  };
   return "    -1\n" + dataset + "\nframe\nNONE\n01-Jan-20 10:00:00\nNONE\nNONE\n" +
          columns_of({{std::to_string(type), 5},
                      {"1", 10},
@@ -101,7 +104,7 @@ std::string universal_head(const std::string& dataset, int type, int kind, std::
                      {"0.00000e+00", 13},
                      {step, 13},
                      {"0.00000e+00", 13}}) +
-         "\n" + axis + other + other + other;
+         "\n" + axis + ordinate(over) + ordinate(under) + ordinate("NONE");
 }
 const std::string universal = universal_head("    58", 4, 5, 3, true) +
                               "  1.00000e+00  2.00000e+00 -3.00000e+00-4.00000e+00  5.00000e+00  6.00000e+00\n    -1\n";
@@ -249,6 +252,13 @@ TEST_F(MeasurementTest, UniversalFilesInTextAndBinary) {
     expect(universal_binary(big_endian), "universal file, dataset 58, 1 point, response 5+Z/2+X in m/N",
            {{0.5, {static_cast<double>(1e-3F), static_cast<double>(4e8F)}}});
   expect(universal_doubles, said, {{3, .1 - .2i}, {7, 1e-300 + 5i}});
+  const std::string values = "  1.00000e+00  2.00000e+00  3.00000e+00  4.00000e+00\n    -1\n";
+  const auto unit = [&](const std::string& over, const std::string& under) {
+    return read(universal_head("    58", 4, 5, 2, true, "5.00000e-01", over, under) + values).value_unit;
+  };
+  EXPECT_EQ(unit("m/s^2", "N"), "(m/s^2)/N");
+  EXPECT_EQ(unit("m/N", "NONE"), "m/N");
+  EXPECT_EQ(unit("NONE", "N"), "1/N");
   EXPECT_EQ(labels(universal + universal), (std::vector<std::string>{"5+Z/2+X", "5+Z/2+X (2)"}));
   refuses(universal_head("    58", 4, 5, 1'000'000'000, true) + "  1.0e+00\n", "declares 1000000000 points");
   refuses(
@@ -318,6 +328,14 @@ TEST_F(MeasurementTest, NamesInOtherLanguages) {
   expect("f (Hz),G (S),B (S)\n10,1.5,-2.5\n20,3,4\n", "table, 2 points, G/B in S", points);
   expect("Kreisfrequenz (rad/s);Speichermodul (Pa);Verlustmodul (Pa)\n10;2,5;1\n",
          "table, 1 point, Speichermodul/Verlustmodul in Pa", {{10 / turn, 2.5 + 1i}});
+  expect("f (Hz),Re{H},Im{H}\n10,1.5,-2.5\n20,3,4\n", "", points);
+  expect("frequency_hz,h_real,h_imag\n10,1.5,-2.5\n20,3,4\n", "", points);
+  expect(
+      "Fr\xC3\xA9quence (Hz),R\xC3\xA9"
+      "el,Imaginaire\n10,1.5,-2.5\n20,3,4\n",
+      "", points);
+  expect("Freq. [Hz],Permittivity',Permittivity''\n10,1.5,2.5\n20,3,-4\n",
+         "table, 2 points, Permittivity'/Permittivity''", points);
   expect("Messfrequenz in Hz;Realteil in Ohm;Imaginaerteil in Ohm\n10;1,5;-2,5\n20;3;4\n", "table, 2 points", points);
   expect("Frequenza [Hz],Parte reale,Parte immaginaria\n10,1.5,-2.5\n20,3,4\n", "", points);
   expect(
@@ -409,6 +427,12 @@ TEST_F(MeasurementTest, ARowThatTheFileEndsWithinIsLeftOut) {
   // The last line is whole where it has all fields, and where it ends.
   EXPECT_EQ(read("f_Hz,re,im\n10,1.5,-2.5\n20,3,4").data.size(), 2U);
   refuses("f_Hz,re,im\n10,1.5,-2.5\n20,3\n", "expected 3 as in the header");
+}
+
+TEST_F(MeasurementTest, BinaryFilesOfOtherProgramsAreNamedSo) {
+  std::string archive = "PK\x03\x04";
+  for (int i = 0; i < 200; ++i) archive += static_cast<char>(i * 37 % 256);
+  refuses(archive, "is no text, and no binary file of a known kind");
 }
 
 TEST_F(MeasurementTest, SeparatorsBetweenThousandsAreNamed) {

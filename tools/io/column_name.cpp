@@ -42,16 +42,20 @@ SplitName normalised(std::string_view base, std::string_view unit) {
   return {name, std::string(without_gaps(unit))};
 }
 
+char closing(char bracket) {
+  return bracket == '(' ? ')' : bracket == '[' ? ']' : '}';
+}
+
 // A unit in brackets, or after a free-standing slash as in "f / Hz".  Of two brackets, "Re[FRF] (m/N)", the first says
 // whose part it is.
 std::optional<SplitName> split_at_mark(std::string_view name) {
-  const auto open = name.find_first_of("[(");
+  const auto open = name.find_first_of("[({");
   if (open != std::string_view::npos) {
-    const auto first_close = name.find_first_of("])", open);
-    const auto second = name.find_first_of("[(", std::min(first_close, name.size()));
-    if (second != std::string_view::npos && without_gaps(name).ends_with(name[second] == '(' ? ')' : ']'))
-      return normalised(name.substr(0, open), name.substr(second + 1, name.find_last_of("])") - second - 1));
-    const auto close = name.find_last_of("])");
+    const auto first_close = name.find_first_of("])}", open);
+    const auto second = name.find_first_of("[({", std::min(first_close, name.size()));
+    if (second != std::string_view::npos && without_gaps(name).ends_with(closing(name[second])))
+      return normalised(name.substr(0, open), name.substr(second + 1, name.find_last_of("])}") - second - 1));
+    const auto close = name.find_last_of("])}");
     const auto length = close == std::string_view::npos || close < open ? std::string_view::npos : close - open - 1;
     return normalised(name.substr(0, open), name.substr(open + 1, length));
   }

@@ -96,11 +96,14 @@ constexpr std::array known{
     Known{"impedancereal", Quantity::real, "z"}, Known{"realimpedance", Quantity::real, "z"},
     Known{"impedanceimag", Quantity::imaginary, "z"}, Known{"imagimpedance", Quantity::imaginary, "z"},
     Known{"impedanceimaginary", Quantity::imaginary, "z"}, Known{"imaginaryimpedance", Quantity::imaginary, "z"},
-    Known{"impedance", Quantity::magnitude, "z", "ohm"}, Known{"impedancemagnitude", Quantity::magnitude, "z"},
-    Known{"impedancephase", Quantity::phase, "z"},
+    Known{"impedance", Quantity::magnitude, "z", "ohm"}, Known{"imp", Quantity::magnitude, "z", "ohm"},
+    Known{"impedancemagnitude", Quantity::magnitude, "z"}, Known{"impedancephase", Quantity::phase, "z"},
     // Conductance and susceptance.
     Known{"conductance", Quantity::real, "y", "S"}, Known{"susceptance", Quantity::imaginary, "y", "S"},
     Known{"g", Quantity::real, "y", "S"}, Known{"b", Quantity::imaginary, "y", "S"},
+    // A transfer function.
+    Known{"hreal", Quantity::real}, Known{"himag", Quantity::imaginary}, Known{"hre", Quantity::real},
+    Known{"him", Quantity::imaginary},
     // Names in other languages.
     Known{"frequenz", Quantity::frequency}, Known{"messfrequenz", Quantity::frequency},
     Known{"kreisfrequenz", Quantity::frequency, "w"}, Known{"winkelfrequenz", Quantity::frequency, "w"},
@@ -115,8 +118,12 @@ constexpr std::array known{
     Known{"partier\xC3\xA9"
           "elle",
           Quantity::real},
-    Known{"partieimaginaire", Quantity::imaginary}, Known{"moduledeconservation", Quantity::real, "g"},
-    Known{"moduledeperte", Quantity::imaginary, "g"},
+    Known{"partieimaginaire", Quantity::imaginary},
+    Known{"r\xC3\xA9"
+          "el",
+          Quantity::real},
+    Known{"imaginaire", Quantity::imaginary}, Known{"imaginaria", Quantity::imaginary},
+    Known{"moduledeconservation", Quantity::real, "g"}, Known{"moduledeperte", Quantity::imaginary, "g"},
     // Russian, Chinese, Japanese, Korean.
     Known{"\xD1\x87\xD0\xB0\xD1\x81\xD1\x82\xD0\xBE\xD1\x82\xD0\xB0", Quantity::frequency},
     Known{"\xD0\xBA\xD1\x80\xD1\x83\xD0\xB3\xD0\xBE\xD0\xB2\xD0\xB0\xD1\x8F\xD1\x87\xD0\xB0\xD1\x81\xD1\x82\xD0\xBE\xD1"
@@ -171,7 +178,8 @@ constexpr std::array known{
     // Moduli and permittivities.
     Known{"|g|", Quantity::magnitude, "g"}, Known{"complexmodulus", Quantity::magnitude, "g"},
     Known{"complexshearmodulus", Quantity::magnitude, "g"}, Known{"|e|", Quantity::magnitude, "e"},
-    Known{"|eps|", Quantity::magnitude, "eps"}, Known{"delta", Quantity::phase, "", "deg"},
+    Known{"|eps|", Quantity::magnitude, "eps"}, Known{"permittivity'", Quantity::real, "eps"},
+    Known{"permittivity''", Quantity::negative_imaginary, "eps"}, Known{"delta", Quantity::phase, "", "deg"},
     Known{"delta", Quantity::phase, "", "rad"}, Known{"delta", Quantity::phase, "", "\xC2\xB0"},
     Known{"tandelta", Quantity::loss_tangent}, Known{"tand", Quantity::loss_tangent},
     Known{"losstangent", Quantity::loss_tangent}, Known{"lossfactor", Quantity::loss_tangent},

@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <stdexcept>
 
+#include "io/data_error.hpp"
 #include "io/decoded_text.hpp"
 #include "io/fields.hpp"
 #include "io/fingerprint.hpp"
@@ -31,6 +33,14 @@ std::optional<Recognised> recognised(const Source& source, const MeasurementOpti
     if (auto found = read(source)) return found;
   if (!how.columns.empty()) return read_numbered_table(source, columns_needed(how));
   return read_plain_table(source);
+}
+
+// A stray control character is an error of its field; many are a picture, an archive or a program's own format.
+bool is_binary(std::string_view text) {
+  constexpr std::ptrdiff_t stray = 8;
+  const std::string_view begin = text.substr(0, 1000);
+  return std::count_if(begin.begin(), begin.end(),
+                       [](unsigned char c) { return std::iscntrl(c) != 0 && std::isspace(c) == 0; }) > stray;
 }
 
 }  // namespace
@@ -68,6 +78,11 @@ Measurement read_measurement(const std::string& file, const MeasurementOptions& 
   if (!text.note.empty() && text.note != "Latin-1") measurement.notes.push_back("text is " + text.note);
   auto found = recognised({measurement.file, *bytes, text.text, how.frequency_unit}, how);
   if (!found) {
+    if (is_binary(*text.text))
+      throw DataError(
+          measurement.file, 0, 0,
+          "is no text, and no binary file of a known kind (universal file 58b, MAT-file of level 5); expected "
+          "a table, as a spreadsheet saves it as CSV");
     measurement.sweeps.push_back({"", false, std::make_shared<const TextTable>(measurement.file, text.text), {}});
     return measurement;
   }

@@ -225,6 +225,18 @@ class Reader {
            degree_of_freedom(head.field(6, 66, 10), head.field(6, 76, 4));
   }
 
+  // Of the ordinate's numerator over its denominator, e.g. "m/N" or "(m/s^2)/N".
+  static std::string unit_of(const Head& head) {
+    const auto told = [&head](std::size_t line) {
+      const std::string_view unit = head.field(line, 46, 20);
+      return std::string(unit == "NONE" ? "" : unit);
+    };
+    const std::string over = told(9), under = told(10);
+    if (under.empty()) return over;
+    const bool is_ratio = over.find('/') != std::string::npos;
+    return (over.empty() ? "1" : is_ratio ? "(" + over + ")" : over) + "/" + under;
+  }
+
   void add(const Head& head, const Numbers& numbers, const std::vector<double>& values) {
     const std::string frequency_unit(head.field(8, 46, 20));
     const double turn = frequency_unit == "rad/s" ? 1 : 2 * std::numbers::pi;
@@ -232,8 +244,7 @@ class Reader {
       found_.notes.push_back("set " + std::to_string(count_) + " gives no unit of frequency; Hz is taken");
     else if (frequency_unit != "Hz" && frequency_unit != "hz" && frequency_unit != "HZ" && frequency_unit != "rad/s")
       fail(head.line + 7, "found the unit " + quoted(frequency_unit) + " of frequency; expected Hz or rad/s");
-    const std::string_view unit = head.field(9, 46, 20);
-    SampledCurve curve{{}, {}, unit == "NONE" ? "" : std::string(unit), "response"};
+    SampledCurve curve{{}, {}, unit_of(head), "response"};
     const std::size_t stride = per_point(numbers), shift = numbers.is_even ? 0 : 1;
     for (std::size_t i = 0; i < numbers.points; ++i) {
       const double* const at = values.data() + i * stride;
