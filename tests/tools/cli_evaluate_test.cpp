@@ -73,6 +73,27 @@ TEST(Evaluate, BandOfAGainIsItsInterval) {
   }
 }
 
+// The band of a lag where it is flat is the interval of its gain; the offset of the record is none of its parameters.
+TEST(Evaluate, TakesAFitOverTime) {
+  const TemporaryFolder folder;
+  std::string data = "time_s,input,output\n";
+  for (int i = 0; i < 60; ++i) {
+    const double t = 0.1 * i;
+    data += std::to_string(t) + ",1," + std::to_string(2 - 2 * std::exp(-t) + 0.02 * std::sin(7 * i)) + "\n";
+  }
+  const auto fit = folder.path("fit.json");
+  ASSERT_EQ(run_fracfit({"fit", folder.write("step.csv", data), "--model", "lag", "--trend", "--out", fit}).code, 0);
+  const auto gain = nlohmann::json::parse(content_of(fit)).at("parameters").at(0);
+  ASSERT_EQ(gain.at("interval"), "curvature");
+  const auto result = run_fracfit({"evaluate", "--fit", fit, "--omega", "1e-9"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  std::string names;
+  const auto row = rows_of(result.output, names).at(0);
+  EXPECT_NEAR(row[1], gain.at("value").get<double>(), 1e-12);
+  EXPECT_NEAR(row[3], gain.at("ci95").at(0).get<double>(), 1e-12);
+  EXPECT_NEAR(row[4], gain.at("ci95").at(1).get<double>(), 1e-12);
+}
+
 TEST(Evaluate, WrongUsageAndFilesThatAreNoFitAreNamed) {
   const TemporaryFolder folder;
   const auto expect = [](const std::vector<std::string>& arguments, int code, const std::string& part) {

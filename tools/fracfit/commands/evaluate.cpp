@@ -66,9 +66,12 @@ class Evaluate : public Command {
   void take_fit() {
     result_ = read_fit(fit_);
     const auto names = frac::Structure(result_.model).parameter_names();
-    const auto is_same = [](const auto& estimate, const std::string& name) { return estimate.name == name; };
-    if (!std::equal(result_.parameters.begin(), result_.parameters.end(), names.begin(), names.end(), is_same))
+    const auto is_same = [](const std::string& name, const auto& estimate) { return estimate.name == name; };
+    // Parameters of a record over time, its offset and drift, stand behind those of the model.
+    if (result_.parameters.size() < names.size() ||
+        !std::equal(names.begin(), names.end(), result_.parameters.begin(), is_same))
       throw io::DataError(fit_, 0, 0, "has other parameters than those of its model " + result_.model);
+    result_.parameters.resize(names.size());
     const double freedom = static_cast<double>(result_.residuals) - static_cast<double>(result_.free_parameters);
     if (freedom >= 1) half_width_ = frac::student_t_95(freedom);
     deviation_ = frac::response_deviation(result_, frac::ExactRealisation{}, omega_);

@@ -326,9 +326,10 @@ std::vector<BootstrapInterval> bootstrap(const TimeResponseData& data, const Tim
 std::vector<ResponseDeviation> response_deviation(const FitResult& result, const Realisation& realisation,
                                                   const std::vector<double>& omega) {
   const Structure structure(result.model);
-  const std::size_t count = result.parameters.size();
+  // Parameters of a record over time, its offset and drift, stand behind those of the model.
+  const std::size_t count = structure.parameter_names().size();
   std::vector<double> parameters;
-  for (const ParameterEstimate& estimate : result.parameters) parameters.push_back(estimate.value);
+  for (std::size_t i = 0; i < count; ++i) parameters.push_back(result.parameters.at(i).value);
   std::vector<ResponseDeviation> deviations;
   std::vector<std::complex<double>> gradient(count);
   for (const double each : omega) {
