@@ -356,6 +356,40 @@ def test_wrong_requests_are_our_sentences():
         fracfit.fit(FrequencyResponse([1.0], [1.0]), "K/(T s^a + 1)")
 
 
+def test_options_without_influence_are_refused():
+    time = np.linspace(0, 10, 40)
+    record = fracfit.TimeSeries(time, np.ones(40), 2 - 2 * np.exp(-time / 3) + 1e-3 * np.sin(9 * time))
+    for option in ({"component": "imaginary"}, {"weight": "relative"}, {"realisation": {"name": "oustaloup"}}):
+        with pytest.raises(ValueError, match=f"{list(option)[0]} = .* has no meaning with samples over time"):
+            fracfit.fit(record, "lag", **option)
+    for option in ({"trend": True}, {"offset": 0.0}, {"earlier_input": True}):
+        with pytest.raises(ValueError, match=f"{list(option)[0]} = .* has no meaning with a frequency response"):
+            fracfit.fit(EXACT, "lag", **option)
+        with pytest.raises(ValueError, match="has no meaning"):
+            fracfit.identify(EXACT, ["lag"], **option)
+    with pytest.raises(ValueError, match="component"):
+        fracfit.identify(record, ["lag"], component="real")
+    assert fracfit.fit(record, "lag", weight="absolute") == fracfit.fit(record, "lag")
+
+
+def test_a_fit_over_time_has_the_deviation_of_its_response():
+    time = np.linspace(0, 10, 40)
+    record = fracfit.TimeSeries(time, np.ones(40), 2 - 2 * np.exp(-time / 3) + 1e-3 * np.sin(9 * time))
+    result = fracfit.fit(record, "lag", trend=True)
+    # Far below 1/T the response is the gain.
+    assert result.deviation([1e-9])[0, 0] == pytest.approx(result.standard_errors["K"], rel=1e-9)
+
+
+def test_a_derived_quantity_without_a_value_is_said(cell):
+    with pytest.warns(UserWarning, match="log\\(-R1\\) is no finite number"):
+        assert np.isnan(cell.derive("q = log(-R1)")["value"])
+
+
+def test_a_ranking_marks_the_chosen_model():
+    html = fracfit.identify(EXACT, ["fractional-lag", "lag"])._repr_html_()
+    assert html.count("chosen") == 1 and "misses the data" in html
+
+
 def test_threads_fit_side_by_side():
     import concurrent.futures
 

@@ -29,6 +29,33 @@ def test_frequency_response_is_that_of_scipy():
     assert np.max(np.abs(response / expected - 1)) < 50 * EPS
 
 
+def test_models_that_are_no_ratio_are_combined_as_formulas():
+    s = 1j * np.logspace(-2, 2, 9)
+    havriliak, a = Model("K/(1 + (1e-3 T s)^a)^b", K=-2, T=700, a=0.8, b=0.6), Model("K s^a", K=3, a=0.4)
+    film, delayed = Model("tanh(sqrt(T s))/sqrt(T s)", T=2), Model("exp(-0.3 s)/(s + 1)")
+    for found, expected in [
+        (havriliak + a, havriliak(s) + a(s)),
+        (0.1 - film, 0.1 - film(s)),
+        (havriliak * film, havriliak(s) * film(s)),
+        (a / havriliak, a(s) / havriliak(s)),
+        (-film, -film(s)),
+        (delayed + a, delayed(s) + a(s)),
+        (delayed.feedback(), delayed(s) / (1 + delayed(s))),
+        (film.feedback(a, sign=1), film(s) / (1 - film(s) * a(s))),
+    ]:
+        # A dozen operations, and a sum that cancels to no less than a hundredth.
+        assert np.max(np.abs(found(s) / expected - 1)) < 1e-13, found
+    with pytest.raises(ValueError, match="is no ratio of sums of powers of s"):
+        (film + 1).poles()
+
+
+def test_numbers_that_are_not_finite_are_refused():
+    with pytest.raises(ValueError, match="K is nan; expected a finite number"):
+        Model("K/(s + 1)", K=math.nan)
+    with pytest.raises(ValueError, match="the factor is inf"):
+        math.inf * WHOLE
+
+
 def test_value_at_any_s_is_the_ratio_of_polynomials():
     s = np.random.default_rng(1).normal(size=(5, 4)) + 1j * np.random.default_rng(2).normal(size=(5, 4))
     expected = np.polyval(NUMERATOR, s) / np.polyval(DENOMINATOR, s)

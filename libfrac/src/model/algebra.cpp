@@ -10,6 +10,7 @@
 
 #include "base/number_text.hpp"
 #include "formula/power_sum.hpp"
+#include "frac/no_ratio.hpp"
 
 namespace frac {
 namespace {
@@ -139,9 +140,9 @@ Terms common_factor(Terms a, Terms b) {
 
 FractionalTransferFunction operator+(const FractionalTransferFunction& a, const FractionalTransferFunction& b) {
   if (a.delay() != b.delay()) {
-    throw std::invalid_argument("sum of transfer functions: their dead times " + detail::number_text(a.delay()) +
-                                " s and " + detail::number_text(b.delay()) +
-                                " s differ, so that the sum is no ratio of sums of powers with one dead time");
+    throw NoRatio("sum of transfer functions: their dead times " + detail::number_text(a.delay()) + " s and " +
+                  detail::number_text(b.delay()) +
+                  " s differ, so that the sum is no ratio of sums of powers with one dead time");
   }
   const bool same = a.denominator() == b.denominator();
   Terms numerator = same ? detail::merged(a.numerator(), b.numerator())
@@ -197,9 +198,9 @@ FractionalTransferFunction feedback(const FractionalTransferFunction& forward,
                                     const FractionalTransferFunction& backward) {
   const double delay = forward.delay() + backward.delay();
   if (delay > 0) {
-    throw std::invalid_argument("feedback: the loop has a dead time of " + detail::number_text(delay) +
-                                " s, so that the closed loop is no ratio of sums of powers; the stability analysis of "
-                                "the loop itself says whether it is stable when closed");
+    throw NoRatio("feedback: the loop has a dead time of " + detail::number_text(delay) +
+                  " s, so that the closed loop is no ratio of sums of powers; the stability analysis of "
+                  "the loop itself says whether it is stable when closed");
   }
   const Terms loop_top = detail::product(forward.numerator(), backward.numerator());
   const Terms loop_bottom = detail::product(forward.denominator(), backward.denominator());

@@ -8,6 +8,8 @@ Report = Callable[[int, int], Any] | None
 version: str
 regimes: tuple[str, ...]
 
+class NoRatio(ValueError): ...
+
 class Structure:
     def __init__(self, formula: str) -> None: ...
     @property

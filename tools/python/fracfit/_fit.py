@@ -134,7 +134,7 @@ class FitResult:
         return _fitting.fitted_response(self._values, self._options.get("realisation", EXACT), omega)
 
     def deviation(self, omega: Any) -> np.ndarray:
-        """Standard deviation of the fitted curve: columns real part, imaginary part, ln of the magnitude, phase (rad)."""
+        """Standard deviation of the response of the fitted model: columns real part, imaginary part, ln of the magnitude, phase (rad)."""
         return _fitting.response_deviation(self._values, self._options.get("realisation", EXACT), real_array(omega, "omega"))
 
     def profile(self, parameter: str) -> tuple[float, float]:
@@ -165,7 +165,10 @@ class FitResult:
         definition : str
             Such as ``"f1 = (R1 Q1)^(-1/n1)/(2 pi)"``.
         """
-        return _fitting.derive(self._values, text(definition, "definition"))
+        found = _fitting.derive(self._values, text(definition, "definition"))
+        if not math.isfinite(found["value"]):
+            _warn([f"{found['formula']} is no finite number at the estimates"])
+        return found
 
     def lack_of_fit(self) -> dict[str, Any]:
         """Whether the fit follows the data to within their noise: adequate, misfit, p_value, noise, correlation."""
@@ -331,6 +334,7 @@ def fit(
         "earlier_input": earlier_input,
         **_known(starts, fixed, bounds, start, prior, constraint),
     }
+    _refuse_idle(data, options, fit)
     if isinstance(data, TimeSeries):
         return FitResult(_fitting.fit_record(data._arrays(), name, options), data, options)
     if not isinstance(data, FrequencyResponse):
@@ -338,6 +342,22 @@ def fit(
     found = _fitting.fit_spectrum(data._arrays(), name, options)
     _warn(found.notes())
     return FitResult(found, data, options)
+
+
+# Options that mean something for one kind of data alone.
+_OF_RESPONSES = ("component", "weight", "realisation", "noise_floor")
+_OF_RECORDS = ("offset", "trend", "earlier_input")
+
+
+def _refuse_idle(data: Any, options: Mapping[str, Any], function: Any) -> None:
+    over_time = isinstance(data, TimeSeries)
+    # A record is weighted so in any case.
+    idle_weights = ("absolute" if data.sigma is None else "given",) if over_time else ()
+    for name in _OF_RESPONSES if over_time else _OF_RECORDS:
+        default = EXACT if name == "realisation" else function.__kwdefaults__.get(name)
+        if options.get(name) != default and options[name] not in idle_weights:
+            kind = "samples over time" if over_time else "a frequency response"
+            raise ValueError(f"{name} = {options[name]!r} has no meaning with {kind}")
 
 
 class BatchResult(Sequence[Any]):
@@ -447,7 +467,7 @@ class Identification(_Record):
     Attributes
     ----------
     verdict : str
-        fractional-supported, fractional-not-supported, undecided or no-adequate-model.
+        supported, not-supported, undecided or no-adequate-model.
     verdict_sentence : str
         The verdict in words.
     evidence, log10_odds : float
@@ -472,11 +492,11 @@ class Identification(_Record):
         return self.summary  # type: ignore[attr-defined, no-any-return]
 
     def _repr_html_(self) -> str:
-        rows = [
-            (each["name"], each["model_class"], each["delta_aicc"], each["akaike_weight"], each["fit"].rms)
-            for each in self.ranking  # type: ignore[attr-defined]
-        ]
-        return html_table(["model", "class", "delta AICc", "weight", "rms"], rows, self.verdict_sentence)  # type: ignore[attr-defined]
+        rows = []
+        for i, each in enumerate(self.ranking):  # type: ignore[attr-defined]
+            remark = "chosen" if i == self.chosen else "" if each["adequate"] else "misses the data"  # type: ignore[attr-defined]
+            rows.append((each["name"], each["model_class"], each["delta_aicc"], each["akaike_weight"], each["fit"].rms, remark))
+        return html_table(["model", "class", "delta AICc", "weight", "rms", ""], rows, self.verdict_sentence)  # type: ignore[attr-defined]
 
 
 def identify(
@@ -529,6 +549,7 @@ def identify(
         "trend": trend,
         "earlier_input": earlier_input,
     }
+    _refuse_idle(data, options, identify)
     given = {name: complex_array(value, name) for name, value in mapping(curves or {}, "curves").items()}
     found = _fitting.identify(data._arrays(), names, given, options, count(threads, "threads"))
     _warn(found.pop("notes"))

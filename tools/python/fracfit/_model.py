@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any, Iterator, Mapping
 
 import numpy as np
@@ -187,6 +188,9 @@ class Model:
             known = ", ".join(names) if names else "none"
             raise ValueError(f"{formula} has no parameter {unknown[0]}; its parameters: {known}")
         self._parameters = {name: number(parameters[name], name) for name in names if name in parameters}
+        for name, value in self._parameters.items():
+            if not math.isfinite(value):
+                raise ValueError(f"{name} is {value}; expected a finite number")
 
     @property
     def formula(self) -> str:
@@ -473,16 +477,22 @@ class Model:
         """
         if sign not in (-1, 1):
             raise ValueError(f"sign is {sign!r}; expected -1 for negative or 1 for positive feedback")
-        back = _transfer_function(other)
-        if sign == 1:
-            back = _core.TransferFunction.parse("-1").multiply(back)
-        return _model_of(self._tf.feedback(back))
+        try:
+            back = _transfer_function(other)
+            if sign == 1:
+                back = _core.TransferFunction.parse("-1").multiply(back)
+            return _model_of(self._tf.feedback(back))
+        except _core.NoRatio:
+            return _written("({0})/(1 " + ("-" if sign == 1 else "+") + " ({0}) ({1}))", self, other)
 
     def _combined(self, operation: str, other: Any, *, swapped: bool = False) -> Any:
         if not isinstance(other, (Model, int, float, np.number)):
             return NotImplemented
-        a, b = self._tf, _transfer_function(other)
-        return _model_of(getattr(b, operation)(a) if swapped else getattr(a, operation)(b))
+        a, b = (other, self) if swapped else (self, other)
+        try:
+            return _model_of(getattr(_transfer_function(a), operation)(_transfer_function(b)))
+        except _core.NoRatio:
+            return _written(_COMBINED[operation], a, b)
 
     def __add__(self, other: Any) -> Any:
         return self._combined("add", other)
@@ -589,7 +599,27 @@ def _model_of(transfer_function: Any) -> Model:
 def _transfer_function(value: Any) -> Any:
     if isinstance(value, Model):
         return value._tf
-    return _core.TransferFunction.parse(f"{number(value, 'factor'):.17g}")
+    factor = number(value, "factor")
+    if not math.isfinite(factor):
+        raise ValueError(f"the factor is {factor}; expected a finite number")
+    return _core.TransferFunction.parse(f"{factor:.17g}")
+
+
+_COMBINED = {"add": "({}) + ({})", "subtract": "({}) - ({})", "multiply": "({}) ({})", "divide": "({})/({})"}
+# Numbers go first, so that the e of 1e-3 is no name.
+_WORDS = re.compile(r"[0-9.]+(?:[eE][+-]?[0-9]+)?|(\w+)")
+
+
+def _written(pattern: str, *parts: Model | float) -> Model:
+    """Models that are no ratio of sums of powers, combined as one formula with numbers for parameters."""
+
+    def formula_of(part: Model | float) -> str:
+        if not isinstance(part, Model):
+            return f"{number(part, 'factor'):.17g}"
+        values = dict(zip(part.parameter_names, part._values()))
+        return _WORDS.sub(lambda word: f"({values[word[1]]:.17g})" if word[1] in values else word[0], part.grouped)
+
+    return Model(pattern.format(*map(formula_of, parts)))
 
 
 def _time_response(time: np.ndarray, found: dict[str, Any]) -> TimeResponse:

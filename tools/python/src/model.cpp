@@ -7,6 +7,7 @@
 #include "frac/model/algebra.hpp"
 #include "frac/model/frequency_response_data.hpp"
 #include "frac/model/time_response_data.hpp"
+#include "frac/no_ratio.hpp"
 #include "frac/stability.hpp"
 #include "frac/structure.hpp"
 #include "parts.hpp"
@@ -113,6 +114,7 @@ void add_model(py::module_& module) {
       .def("transfer_function", [](const frac::Structure& structure, const std::vector<double>& values) {
         return frac::to_transfer_function(structure, values);
       });
+  py::register_exception<frac::NoRatio>(module, "NoRatio", PyExc_ValueError);
   py::class_<Transfer>(module, "TransferFunction")
       .def_static("parse", [](const std::string& formula) { return Transfer::parse(formula); })
       .def_property_readonly("formula", &Transfer::formula)
