@@ -118,6 +118,39 @@ TEST(TimeGrowth, OtherFamiliesAreRefused) {
   }
 }
 
+// Two lags of 1 s and 0.2 s answer a step by 1 - (e^-t - 0.2 e^-5t)/0.8; the input changes between 0 and 1.  Poles of a
+// ratio follow the drift, which then stands in no residual of it; without a drift nothing is said.
+TEST(Verdict, OverTimeADriftThatPolesFollowIsSaid) {
+  const auto lags = [](double t) { return t > 0 ? 1 - (std::exp(-t) - 0.2 * std::exp(-5 * t)) / 0.8 : 0; };
+  const std::vector<double> changes{0, 3, 4.5, 9, 15, 16.5, 21, 24, 25.5};
+  const std::vector<frac::NamedModel> models{frac::find_model("oscillator"), frac::find_model("rational")};
+  for (const double drift : {0.0, 0.01}) {
+    std::mt19937_64 generator(1);
+    std::normal_distribution<double> normal(0, 0.003);
+    std::vector<double> time, input, output;
+    for (int i = 0; i < 301; ++i) {
+      const double t = 0.1 * i;
+      double level = 0, value = drift * t + normal(generator);
+      for (std::size_t k = 0; k < changes.size(); ++k) {
+        const double sign = k % 2 == 0 ? 1 : -1;
+        if (changes[k] <= t + 1e-9) level += sign;
+        value += sign * lags(t - changes[k]);
+      }
+      time.push_back(t);
+      input.push_back(level);
+      output.push_back(value);
+    }
+    const frac::TimeResponseData record(time, input, output);
+    frac::TimeFitOptions options;
+    const auto advises = [&] {
+      return frac::identify(record, models, options).verdict_sentence.find("--trend") != std::string::npos;
+    };
+    EXPECT_EQ(advises(), drift > 0);
+    options.trend = true;
+    EXPECT_FALSE(advises());
+  }
+}
+
 std::vector<frac::NamedModel> candidates() {
   std::vector<frac::NamedModel> models;
   for (const char* name : {"lag", "fractional-lag", "oscillator", "differentiator", "rational:1..5"}) {

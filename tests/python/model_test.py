@@ -49,6 +49,11 @@ def test_models_that_are_no_ratio_are_combined_as_formulas():
         (film + 1).poles()
 
 
+def test_a_preset_is_no_formula_of_a_model():
+    with pytest.raises(ValueError, match="zarc is taken as a formula of one parameter"):
+        Model("zarc", R0=1)
+
+
 def test_numbers_that_are_not_finite_are_refused():
     with pytest.raises(ValueError, match="K is nan; expected a finite number"):
         Model("K/(s + 1)", K=math.nan)

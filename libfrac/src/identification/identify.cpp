@@ -18,6 +18,7 @@
 #include "identification/statistics/information.hpp"
 #include "identification/statistics/residual_tests.hpp"
 #include "identification/time_growth.hpp"
+#include "identification/verdict/background_advice.hpp"
 #include "identification/verdict/equivalent_candidates.hpp"
 #include "identification/verdict/verdict.hpp"
 
@@ -289,7 +290,9 @@ IdentificationResult identify(const FrequencyResponseData& data, const std::vect
 
 IdentificationResult identify(const TimeResponseData& data, const std::vector<NamedModel>& models,
                               const TimeFitOptions& options, int threads) {
-  return ranked(data, models, {}, options, threads);
+  IdentificationResult result = ranked(data, models, {}, options, threads);
+  result.verdict_sentence += detail::background_advice(data, options, result);
+  return result;
 }
 
 }  // namespace frac

@@ -185,6 +185,8 @@ class Model:
         names = self._structure.parameter_names
         unknown = [name for name in parameters if name not in names]
         if unknown:
+            if names == [formula]:
+                raise ValueError(f"{formula} is taken as a formula of one parameter; those of presets stand in fracfit.presets()")
             known = ", ".join(names) if names else "none"
             raise ValueError(f"{formula} has no parameter {unknown[0]}; its parameters: {known}")
         self._parameters = {name: number(parameters[name], name) for name in names if name in parameters}
