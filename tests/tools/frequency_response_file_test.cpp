@@ -132,6 +132,21 @@ TEST_F(FrequencyResponseFileTest, FrequencyNamesAndUnits) {
   EXPECT_TRUE(has_note(read("w,re,im\n1,2,3\n"), "taken as rad/s"));
 }
 
+TEST_F(FrequencyResponseFileTest, SweepsSideBySideAreTakenByName) {
+  const std::string rows = "f_Hz,re_cold,im_cold,re_hot,im_hot\n1,2,3,4,5\n2,3,4,5,6\n";
+  try {
+    (void)read(rows);
+    FAIL() << "no error";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("holds 2 sweeps (cold, hot); take one by --select"), std::string::npos)
+        << error.what();
+  }
+  io::FrequencyResponseReadOptions options;
+  options.how.select = "hot";
+  EXPECT_EQ(read(rows, options).data.value().front(), (std::complex<double>{4, 5}));
+  expect_error("f_Hz,re,im,re_fit,im_fit\n1,2,3,4,5\n", 1, 12, "--columns");
+}
+
 TEST_F(FrequencyResponseFileTest, CopiesOfRowsAreNoRepeatedMeasurements) {
   const auto joined = read("f_Hz,re,im\n1,2,3\n2,3,4\n1,2,3\n2,3,4\n");
   EXPECT_EQ(joined.data.omega(), (std::vector<double>{turn, 2 * turn}));

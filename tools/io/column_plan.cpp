@@ -165,7 +165,8 @@ std::vector<std::size_t> Planner::columns_with(Quantity quantity) const {
 std::optional<std::size_t> Planner::single(Quantity quantity) const {
   const auto found = columns_with(quantity);
   if (found.size() > 1)
-    fail_at(found[1], "means the same as column " + quoted(table_.header()[found[0]].text) + "; expected one of them");
+    fail_at(found[1], "means the same as column " + quoted(table_.header()[found[0]].text) +
+                          "; expected one of them, or --columns with those that are meant");
   return found.empty() ? std::nullopt : std::optional(found.front());
 }
 

@@ -239,6 +239,11 @@ FrequencyResponseFile read_frequency_response(const Measurement& measurement,
     if (const auto part = measurement.of_rows.second.find(options.rows.front().second);
         part != measurement.of_rows.second.end())
       return read_table(measurement, *part->second, options);
+  if (!chosen_by_sweep && options.curve.empty() && measurement.how.columns.empty()) {
+    const auto labels = column_labels(*sweep->table);
+    const bool all_named = std::none_of(labels.begin(), labels.end(), [](const auto& label) { return label.empty(); });
+    if (all_named && !labels.empty()) refuse_several(measurement, labels);
+  }
   if (!chosen_by_sweep) return read_table(measurement, *sweep->table, options);
   const std::string name = std::exchange(options.curve, "");
   auto result = read_table(measurement, *sweep->table, options);
