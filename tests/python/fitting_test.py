@@ -372,6 +372,15 @@ def test_options_without_influence_are_refused():
     assert fracfit.fit(record, "lag", weight="absolute") == fracfit.fit(record, "lag")
 
 
+def test_options_of_reading_without_influence_are_refused():
+    for option in ({"select": 1}, {"weight_column": "sigma"}, {"repeats": True}):
+        with pytest.raises(ValueError, match="has no meaning with samples over time"):
+            fracfit.read(STEP, **option)
+    for option in ({"hold": "first-order"}, {"input_at_rest": 1.0}):
+        with pytest.raises(ValueError, match=f"{list(option)[0]} has no meaning with a frequency response"):
+            fracfit.read(CELL, **option)
+
+
 def test_a_fit_over_time_has_the_deviation_of_its_response():
     time = np.linspace(0, 10, 40)
     record = fracfit.TimeSeries(time, np.ones(40), 2 - 2 * np.exp(-time / 3) + 1e-3 * np.sin(9 * time))

@@ -54,6 +54,12 @@ def test_a_preset_is_no_formula_of_a_model():
         Model("zarc", R0=1)
 
 
+def test_models_are_summed():
+    models = [Model("1/(s + 1)"), Model("2/(s + 3)"), Model("tanh(sqrt(s))")]
+    # Three values of about 1.
+    assert sum(models)(1j) == pytest.approx(sum(model(1j) for model in models), rel=10 * EPS)
+
+
 def test_numbers_that_are_not_finite_are_refused():
     with pytest.raises(ValueError, match="K is nan; expected a finite number"):
         Model("K/(s + 1)", K=math.nan)

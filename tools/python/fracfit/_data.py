@@ -363,11 +363,16 @@ def read(
     }
     conditions = [where] if isinstance(where, str) else list(where)
     found = _files.read(os.fspath(path), given, conditions)
+    is_response = "omega" in found
+    idle = {"hold": hold != "zero-order", "input_at_rest": input_at_rest != 0} if is_response else given
+    for name, is_given in idle.items():
+        if is_given:
+            raise ValueError(f"{name} has no meaning with {'a frequency response' if is_response else 'samples over time'}")
     metadata = dict(found["metadata"])
     if found["notes"]:
         metadata["notes"] = " ".join(found["notes"])
     sigma = found["sigma"] if found["sigma"].size else None
-    if "omega" in found:
+    if is_response:
         return FrequencyResponse(found["omega"], found["response"], sigma, unit=found["unit"], metadata=metadata)
     kept = found["kept"]
     return TimeSeries(

@@ -490,6 +490,8 @@ class Model:
     def _combined(self, operation: str, other: Any, *, swapped: bool = False) -> Any:
         if not isinstance(other, (Model, int, float, np.number)):
             return NotImplemented
+        if operation == "add" and not isinstance(other, Model) and other == 0:
+            return self  # the start of sum()
         a, b = (other, self) if swapped else (self, other)
         try:
             return _model_of(getattr(_transfer_function(a), operation)(_transfer_function(b)))
