@@ -10,7 +10,10 @@
 #include <numbers>
 #include <vector>
 
+#include "identification/consistency/consistent_model.hpp"
 #include "identification/consistency/projected_residual.hpp"
+#include "identification/consistency/triangle.hpp"
+#include "special/distributions.hpp"
 #include "support/expect_invalid_argument.hpp"
 #include "support/random.hpp"
 #include "support/validity_cases.hpp"
@@ -68,6 +71,70 @@ TEST(ProjectedResidual, ChancesOfWhiteNoiseAreUniform) {
       const auto below = static_cast<double>(std::count_if(each.begin(), each.end(), [&](double c) { return c < p; }));
       EXPECT_NEAR(below / trials, p, 4 * std::sqrt(p * (1 - p) / trials)) << &each - chances.data() << " at " << p;
     }
+}
+
+// The closed form of two degrees continues the general one, whose derivative by the degrees is below 1.
+TEST(Distributions, TwoDegreesOfFisherContinueTheOthers) {
+  for (const double below : {3.0, 10.0, 171.0})
+    for (const double value : {0.1, 1.0, 4.0, 20.0})
+      EXPECT_NEAR(frac::detail::fisher_f_above(value, 2, below), frac::detail::fisher_f_above(value, 2 + 1e-10, below),
+                  1e-10);
+}
+
+// For every number of the first columns: what it leaves, and with which coefficients, is what Eigen's decomposition of
+// the real rows says, to rounding times the condition of random columns, some hundreds.
+TEST(Triangle, SolvesForTheFirstColumns) {
+  for (const Eigen::Index points : {7, 31, 32, 33, 100}) {
+    const Eigen::Index width = std::min<Eigen::Index>(11, 2 * points - 2);
+    Random random(static_cast<std::uint64_t>(points));
+    Eigen::MatrixXcd columns(points, width);
+    for (Eigen::Index j = 0; j < width; ++j)
+      for (Eigen::Index i = 0; i < points; ++i) columns(i, j) = {random.normal(), random.normal()};
+    Eigen::MatrixXd rows(2 * points, width);
+    for (Eigen::Index i = 0; i < points; ++i) {
+      rows.row(2 * i) = columns.row(i).real();
+      rows.row(2 * i + 1) = columns.row(i).imag();
+    }
+    Eigen::VectorXd target(2 * points);
+    for (double& each : target) each = random.normal();
+    const frac::detail::Triangle triangle(columns, target);
+    for (Eigen::Index count = 1; count <= width; ++count) {
+      const Eigen::MatrixXd first = rows.leftCols(count);
+      const Eigen::VectorXd expected = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>(first).solve(target);
+      EXPECT_NEAR(triangle.squared_distance(count), (target - first * expected).squaredNorm(),
+                  1e-12 * target.squaredNorm());
+      EXPECT_LT((triangle.solution(count) - expected).norm(), 1e-12 * (1 + expected.norm())) << points << ", " << count;
+    }
+  }
+}
+
+// Costs under other weights are bounds: a search that knows them chooses as one that knows nothing.
+TEST(ConsistentModel, WhatOtherWeightsLeaveChangesNoChoice) {
+  int passed_over = 0;
+  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+    const auto& models = support::impedance_models();
+    const support::Sweep sweep = noisy(models[seed % models.size()], 0.01, seed);
+    frac::detail::WeightedPoints points;
+    points.omega = sweep.omega;
+    const auto count = static_cast<Eigen::Index>(sweep.value.size());
+    points.value = Eigen::Map<const Eigen::VectorXcd>(sweep.value.data(), count);
+    points.deviation = points.value.cwiseAbs();
+    frac::detail::GridCosts known;
+    (void)frac::detail::best_on_grid(points, known);
+    Random random(seed);
+    for (double& each : points.deviation) each *= random.uniform(0.97, 1.03);
+    frac::detail::GridCosts unknown;
+    const auto chosen = frac::detail::best_on_grid(points, known),
+               expected = frac::detail::best_on_grid(points, unknown);
+    EXPECT_EQ(chosen.grid_poles, expected.grid_poles) << seed;
+    EXPECT_EQ(chosen.reach, expected.reach) << seed;
+    ASSERT_EQ(known.cost.size(), unknown.cost.size());
+    for (std::size_t i = 0; i < known.cost.size(); ++i) {
+      EXPECT_LE(known.cost[i], unknown.cost[i] * (1 + 1e-9)) << seed;
+      passed_over += known.cost[i] < 0.999 * unknown.cost[i];
+    }
+  }
+  EXPECT_GT(passed_over, 24);  // else nothing was tested
 }
 
 // A step at any of 27 places in white noise: the bound holds within four standard deviations of the binomial, and is so

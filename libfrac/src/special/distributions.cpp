@@ -4,13 +4,14 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/distributions/gamma.hpp>
-#include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+#include <numbers>
 
 namespace frac::detail {
 
 double normal_above(double value) {
-  return cdf(complement(boost::math::normal(), value));
+  return std::erfc(value / std::numbers::sqrt2) / 2;
 }
 
 double student_t_above(double value, double degrees) {
@@ -22,6 +23,8 @@ double chi_squared_above(double value, double degrees) {
 }
 
 double fisher_f_above(double value, double degrees, double degrees_below) {
+  // Two degrees have a closed form.
+  if (degrees == 2) return std::exp(-degrees_below / 2 * std::log1p(2 * value / degrees_below));
   return cdf(complement(boost::math::fisher_f(degrees, degrees_below), value));
 }
 

@@ -6,16 +6,24 @@
 #include <cmath>
 #include <complex>
 #include <limits>
+#include <numeric>
+#include <utility>
+#include <vector>
 
 #include "base/eigenvalues.hpp"
 #include "base/linear_algebra.hpp"
 #include "frac/identification/statistics.hpp"
-#include "special/complex_functions.hpp"
+#include "triangle.hpp"
 
 namespace frac::detail {
 namespace {
 
 using Complex = std::complex<double>;
+
+/// Real and imaginary part of each entry in turn.
+Eigen::Map<const Eigen::MatrixXd> rows(const Eigen::MatrixXcd& columns) {
+  return {reinterpret_cast<const double*>(columns.data()), 2 * columns.rows(), columns.cols()};
+}
 
 /// Frequencies in units of the middle of the band, values over their deviation.
 struct Problem {
@@ -36,25 +44,11 @@ struct Problem {
       log_omega(k) = std::log(omega);
     }
     weight = points.deviation.cwiseInverse();
-    target = rows(value);
+    target = rows(weighted(value));
   }
-  [[nodiscard]] Eigen::VectorXd rows(const Eigen::VectorXcd& column) const {
-    Eigen::VectorXd result(2 * column.size());
-    for (Eigen::Index k = 0; k < column.size(); ++k) {
-      result(2 * k) = column(k).real() * weight(k);
-      result(2 * k + 1) = column(k).imag() * weight(k);
-    }
-    return result;
-  }
-  /// Weighted columns of size 1.
-  [[nodiscard]] Eigen::MatrixXd rows(const Eigen::MatrixXcd& columns) const {
-    Eigen::MatrixXd result(2 * columns.rows(), columns.cols());
-    for (Eigen::Index j = 0; j < columns.cols(); ++j) {
-      result.col(j) = rows(Eigen::VectorXcd(columns.col(j)));
-      const double size = result.col(j).norm();
-      if (size > 0) result.col(j) /= size;
-    }
-    return result;
+  [[nodiscard]] Eigen::MatrixXcd weighted(Eigen::MatrixXcd columns) const {
+    columns.array().colwise() *= weight.array();
+    return columns;
   }
   [[nodiscard]] Eigen::Index size() const { return s.size(); }
 };
@@ -67,9 +61,9 @@ double aicc(const Problem& problem, double cost, Eigen::Index parameters) {
       .aicc;
 }
 
-ConsistentModel made(const Eigen::MatrixXd& tangent) {
+ConsistentModel made(const Problem& problem, const Eigen::MatrixXcd& tangent) {
   ConsistentModel model;
-  model.rest.orthonormal = PlainQr(tangent).basis();
+  model.rest.orthonormal = PlainQr(rows(problem.weighted(tangent))).basis();
   return model;
 }
 
@@ -82,9 +76,14 @@ void take_residual(const Problem& problem, const Eigen::VectorXd& residual, Cons
 
 // ---- Real poles on a grid.
 
-/// 1/(s - pole), without the recovery of infinities that division of std::complex spends time on.
+/// 1/(s - pole) for imaginary s, without the recovery of infinities that division of std::complex spends time on.
 Eigen::ArrayXcd reciprocals(const Eigen::VectorXcd& s, Complex pole) {
-  return (s.array() - pole).unaryExpr([](Complex each) { return reciprocal(each); });
+  const Eigen::ArrayXd above = s.imag().array() - pole.imag();
+  const Eigen::ArrayXd share = (above.square() + pole.real() * pole.real()).inverse();
+  Eigen::ArrayXcd result(s.size());
+  result.real() = -pole.real() * share;
+  result.imag() = -above * share;
+  return result;
 }
 
 /// Ends and poles, unweighted.
@@ -153,45 +152,38 @@ std::size_t narrow_pairs_of(const Problem& problem, const Poles& poles) {
   }));
 }
 
-Eigen::VectorXd solve(const Eigen::MatrixXd& columns, const Eigen::VectorXd& target) {
-  Eigen::VectorXd scale = columns.colwise().norm();
-  for (double& each : scale) each = each > 0 ? each : 1;
-  const Eigen::MatrixXd scaled = columns * scale.cwiseInverse().asDiagonal();
-  return PlainQr(scaled).solve(target).cwiseQuotient(scale);
+/// Columns side by side.
+Eigen::MatrixXcd beside(const Eigen::MatrixXcd& left, const Eigen::MatrixXcd& right) {
+  Eigen::MatrixXcd both(left.rows(), left.cols() + right.cols());
+  both << left, right;
+  return both;
 }
 
-Eigen::MatrixXd unscaled_rows(const Problem& problem, const Eigen::MatrixXcd& columns) {
-  Eigen::MatrixXd result(2 * columns.rows(), columns.cols());
-  for (Eigen::Index j = 0; j < columns.cols(); ++j) result.col(j) = problem.rows(Eigen::VectorXcd(columns.col(j)));
-  return result;
-}
+struct FreeFit {
+  Poles poles;
+  Eigen::VectorXd coefficients;  // of what stays in the model, then of the poles
+  double cost = std::numeric_limits<double>::infinity();
 
-/// What stays in the model while poles move: its space is taken out of all columns once.
-struct Fixed {
-  Eigen::MatrixXd orthonormal;
-  Eigen::VectorXd target;  // what it leaves of the target
-
-  Fixed(const Problem& problem, Eigen::Index grid)
-      : orthonormal(PlainQr(problem.rows(grid_columns(problem, grid, 0))).basis()),
-        target(problem.target - orthonormal * (orthonormal.transpose() * problem.target)) {}
-  [[nodiscard]] Eigen::Index width() const { return orthonormal.cols(); }
-  /// Weighted rows of the columns beside it.
-  [[nodiscard]] Eigen::MatrixXd beside(const Problem& problem, const Eigen::MatrixXcd& columns) const {
-    Eigen::MatrixXd rows = unscaled_rows(problem, columns);
-    remove_span(orthonormal, rows);
-    return rows;
+  /// Of the space of the first columns; the last of these belong to the poles.
+  FreeFit(Poles at, const Triangle& triangle, Eigen::Index columns)
+      : poles(std::move(at)), coefficients(triangle.solution(columns)) {
+    if (coefficients.allFinite()) cost = triangle.squared_distance(columns);
   }
+  FreeFit() = default;
+  [[nodiscard]] Eigen::Index width() const { return width_of(poles); }
 };
 
-/// One step of vector fitting: the zeros of 1 + sum of the poles that makes its product with the data a sum of the same
-/// poles.
-bool relocate(const Problem& problem, const Fixed& fixed, Poles& poles) {
-  const Eigen::MatrixXcd basis = pole_columns(problem, poles);
-  const Eigen::Index width = basis.cols();
-  Eigen::MatrixXcd columns(problem.size(), 2 * width);
-  columns << basis, -(problem.value.asDiagonal() * basis);
-  const Eigen::VectorXd sum = solve(fixed.beside(problem, columns), fixed.target).tail(width);
-  if (!sum.allFinite()) return false;
+/// @param fixed  columns that stay in the model while poles move
+FreeFit fit_at(const Problem& problem, const Eigen::MatrixXcd& fixed, Poles poles) {
+  const Triangle triangle(problem.weighted(beside(fixed, pole_columns(problem, poles))), problem.target);
+  const Eigen::Index columns = fixed.cols() + width_of(poles);
+  return {std::move(poles), triangle, columns};
+}
+
+/// Zeros of 1 + a sum of poles with these coefficients; empty where they are not of the same number.
+Poles zeros_of(const Problem& problem, const Poles& poles, const Eigen::VectorXd& sum) {
+  if (!sum.allFinite()) return {};
+  const Eigen::Index width = sum.size();
   Eigen::MatrixXd state = Eigen::MatrixXd::Zero(width, width);
   Eigen::Index at = 0;
   for (const Complex& pole : poles) {
@@ -209,31 +201,30 @@ bool relocate(const Problem& problem, const Fixed& fixed, Poles& poles) {
   Poles next;
   for (const Complex& zero : zeros)
     if (zero.imag() >= 0) next.push_back(admitted(problem, zero));
-  if (width_of(next) != width) return false;
-  poles = std::move(next);
-  return true;
+  return width_of(next) == width ? next : Poles{};
 }
 
-struct FreeFit {
-  Poles poles;
-  Eigen::VectorXd coefficients, residual;  // coefficients of the poles
-  double cost = std::numeric_limits<double>::infinity();
+/// The fit at these poles, and where a step of vector fitting moves them: to the zeros of 1 + sum of the poles that
+/// makes its product with the data a sum of the same poles.
+struct Relocation {
+  FreeFit here;
+  Poles next;  // empty: nowhere
 };
-
-FreeFit fit_at(const Problem& problem, const Fixed& fixed, Poles poles) {
-  const Eigen::MatrixXd rows = fixed.beside(problem, pole_columns(problem, poles));
-  FreeFit fit;
-  fit.poles = std::move(poles);
-  fit.coefficients = solve(rows, fixed.target);
-  fit.residual = fixed.target - rows * fit.coefficients;
-  fit.cost = fit.coefficients.allFinite() ? fit.residual.squaredNorm() : std::numeric_limits<double>::infinity();
-  return fit;
+Relocation relocated(const Problem& problem, const Eigen::MatrixXcd& fixed, Poles poles) {
+  const Eigen::MatrixXcd basis = pole_columns(problem, poles);
+  const Eigen::Index width = basis.cols(), model = fixed.cols() + width;
+  Eigen::MatrixXcd columns(problem.size(), model + width);
+  columns << fixed, basis, -(problem.value.asDiagonal() * basis);
+  const Triangle triangle(problem.weighted(std::move(columns)), problem.target);
+  Poles next = zeros_of(problem, poles, triangle.solution(model + width).tail(width));
+  return {FreeFit(std::move(poles), triangle, model), std::move(next)};
 }
 
 /// Columns of the poles, and derivatives of the model by the logarithm of a real pole, by the real and the imaginary
 /// part of one of a pair.
 Eigen::MatrixXcd tangent_of(const Problem& problem, const FreeFit& fit) {
-  const Eigen::Index width = width_of(fit.poles);
+  const Eigen::Index width = fit.width();
+  const Eigen::VectorXd coefficients = fit.coefficients.tail(width);
   Eigen::MatrixXcd columns(problem.size(), 2 * width);
   columns.leftCols(width) = pole_columns(problem, fit.poles);
   Eigen::Index at = 0;
@@ -241,11 +232,11 @@ Eigen::MatrixXcd tangent_of(const Problem& problem, const FreeFit& fit) {
     const Eigen::ArrayXcd upper = reciprocals(problem.s, pole).square();
     const Eigen::Index to = width + at;
     if (pole.imag() == 0) {
-      columns.col(to) = fit.coefficients(at) * pole.real() * upper;
+      columns.col(to) = coefficients(at) * pole.real() * upper;
       at += 1;
       continue;
     }
-    const Complex residue(fit.coefficients(at), fit.coefficients(at + 1));
+    const Complex residue(coefficients(at), coefficients(at + 1));
     const Eigen::ArrayXcd lower = reciprocals(problem.s, std::conj(pole)).square();
     columns.col(to) = residue * upper + std::conj(residue) * lower;
     columns.col(to + 1) = Complex(0, 1) * (residue * upper - std::conj(residue) * lower);
@@ -272,10 +263,11 @@ Poles stepped(const Problem& problem, const Poles& poles, const Eigen::VectorXd&
   return next;
 }
 
-void descend(const Problem& problem, const Fixed& fixed, FreeFit& fit, int steps) {
+void descend(const Problem& problem, const Eigen::MatrixXcd& fixed, FreeFit& fit, int steps) {
   for (int step = 0; step < steps; ++step) {
-    const Eigen::MatrixXd tangent = fixed.beside(problem, tangent_of(problem, fit));
-    const Eigen::VectorXd change = solve(tangent, fit.residual).tail(width_of(fit.poles));
+    // The first columns take the model out of the target, which leaves the residual to the last ones.
+    const Triangle tangent(problem.weighted(beside(fixed, tangent_of(problem, fit))), problem.target);
+    const Eigen::VectorXd change = tangent.solution(fixed.cols() + 2 * fit.width()).tail(fit.width());
     if (!change.allFinite()) return;
     const double before = fit.cost;
     for (double share = 1; share > 0.05 && fit.cost == before; share /= 3) {
@@ -286,37 +278,39 @@ void descend(const Problem& problem, const Fixed& fixed, FreeFit& fit, int steps
   }
 }
 
-FreeFit fit_free(const Problem& problem, const Fixed& fixed, Eigen::Index pairs) {
+FreeFit fit_free(const Problem& problem, const Eigen::MatrixXcd& fixed, Eigen::Index pairs) {
   const double first = problem.log_omega(0), last = problem.log_omega(problem.size() - 1);
   Poles poles;
   for (Eigen::Index i = 0; i < pairs; ++i) {
     const double size = std::exp(first + (last - first) * (static_cast<double>(i) + 0.5) / static_cast<double>(pairs));
     poles.push_back(admitted(problem, size * Complex(-0.05, 1)));
   }
-  FreeFit best = fit_at(problem, fixed, poles);
+  Relocation at = relocated(problem, fixed, std::move(poles));
+  FreeFit best = std::move(at.here);
   constexpr int relocations = 10;
-  for (int i = 0; i < relocations && relocate(problem, fixed, poles); ++i) {
+  for (int i = 0; i < relocations && !at.next.empty(); ++i) {
+    at = relocated(problem, fixed, std::move(at.next));
     const double before = best.cost;
-    FreeFit here = fit_at(problem, fixed, poles);
-    if (here.cost < best.cost) best = std::move(here);
+    if (at.here.cost < best.cost) best = std::move(at.here);
     if (i > 2 && best.cost > before * 0.999) break;
   }
   descend(problem, fixed, best, 2);
   return best;
 }
 
-Eigen::Index parameters_of(const Problem& problem, const Fixed& fixed, const FreeFit& fit) {
+Eigen::Index parameters_of(const Problem& problem, Eigen::Index fixed, const FreeFit& fit) {
   const auto narrow = static_cast<Eigen::Index>(price_of_narrow_pair * narrow_pairs_of(problem, fit.poles));
-  return fixed.width() + 2 * width_of(fit.poles) + narrow;
+  return fixed + 2 * fit.width() + narrow;
 }
 
-ConsistentModel settled(const Problem& problem, const Fixed& fixed, Eigen::Index grid, FreeFit fit) {
+ConsistentModel settled(const Problem& problem, Eigen::Index grid, FreeFit fit) {
+  const Eigen::MatrixXcd fixed = grid_columns(problem, grid, 0);
   descend(problem, fixed, fit, 10);
-  Eigen::MatrixXcd tangent(problem.size(), fixed.width() + 2 * width_of(fit.poles));
-  tangent << grid_columns(problem, grid, 0), tangent_of(problem, fit);
-  ConsistentModel model = made(problem.rows(tangent));
-  take_residual(problem, fit.residual, model);
-  model.criterion = aicc(problem, fit.cost, parameters_of(problem, fixed, fit));
+  const Eigen::MatrixXcd tangent = beside(fixed, tangent_of(problem, fit));
+  ConsistentModel model = made(problem, tangent);
+  const Eigen::VectorXcd value = tangent.leftCols(fit.coefficients.size()) * fit.coefficients;
+  take_residual(problem, problem.target - rows(problem.weighted(value)), model);
+  model.criterion = aicc(problem, fit.cost, parameters_of(problem, fixed.cols(), fit));
   model.grid_poles = static_cast<std::size_t>(grid);
   model.narrow_pairs = narrow_pairs_of(problem, fit.poles);
   model.free_poles = std::move(fit.poles);
@@ -324,7 +318,7 @@ ConsistentModel settled(const Problem& problem, const Fixed& fixed, Eigen::Index
 }
 
 ConsistentModel on_grid(const Problem& problem, Eigen::Index poles, double reach) {
-  ConsistentModel model = made(problem.rows(grid_columns(problem, poles, reach)));
+  ConsistentModel model = made(problem, grid_columns(problem, poles, reach));
   const Eigen::MatrixXd& q = model.rest.orthonormal;
   take_residual(problem, problem.target - q * (q.transpose() * problem.target), model);
   model.grid_poles = static_cast<std::size_t>(poles);
@@ -333,35 +327,60 @@ ConsistentModel on_grid(const Problem& problem, Eigen::Index poles, double reach
   return model;
 }
 
+double cost_on_grid(const Problem& problem, Eigen::Index poles, double reach) {
+  return Triangle(problem.weighted(grid_columns(problem, poles, reach)), problem.target).squared_distance(ends + poles);
+}
+
 // A smaller difference in AICc does not tell candidates apart.  The richer one is then taken: too poor a model raises a
 // false alarm, one too rich costs little.
 constexpr double alike = 2;
 
+struct Candidate {
+  Eigen::Index poles;
+  double reach;
+};
+
+std::vector<Candidate> candidates_of(const Problem& problem) {
+  const double decade = std::log(10.0), band = problem.log_omega(problem.size() - 1) - problem.log_omega(0);
+  std::vector<Candidate> candidates;
+  for (const double reach : {0.0, decade}) {
+    const auto densest = static_cast<Eigen::Index>(6 * (band + 2 * reach) / decade) + 2;
+    const Eigen::Index most = std::min(densest, problem.target.size() / 2 - ends);
+    for (Eigen::Index poles = 0; poles <= most; poles += std::max<Eigen::Index>(1, poles / 6))
+      candidates.push_back({poles, reach});
+  }
+  return candidates;
+}
+
 }  // namespace
 
-ConsistentModel best_on_grid(const WeightedPoints& points) {
+ConsistentModel best_on_grid(const WeightedPoints& points, GridCosts& costs) {
   const Problem problem(points);
-  const Eigen::Index rows = problem.target.size();
-  const double decades = (problem.log_omega(problem.size() - 1) - problem.log_omega(0)) / std::log(10.0);
-  struct Candidate {
-    Eigen::Index poles;
-    double reach, criterion;
-  };
-  std::vector<Candidate> candidates;
-  double least = std::numeric_limits<double>::infinity();
-  for (const double reach : {0.0, std::log(10.0)}) {
-    const auto densest = static_cast<Eigen::Index>(6 * (decades + 2 * reach / std::log(10.0))) + 2;
-    const Eigen::Index most = std::min(densest, rows / 2 - ends);
-    for (Eigen::Index poles = 0; poles <= most; poles += std::max<Eigen::Index>(1, poles / 6)) {
-      const Eigen::MatrixXd columns = problem.rows(grid_columns(problem, poles, reach));
-      const double criterion = aicc(problem, PlainQr(columns).squared_distance(problem.target), columns.cols());
-      candidates.push_back({poles, reach, criterion});
-      least = std::min(least, criterion);
-    }
+  const std::vector<Candidate> candidates = candidates_of(problem);
+  const auto criterion = [&](std::size_t i) { return aicc(problem, costs.cost[i], ends + candidates[i].poles); };
+  std::vector<std::size_t> order(candidates.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  if (costs.cost.empty()) {
+    costs.cost.assign(candidates.size(), 0);
+  } else {
+    // Squares grow by the square of the least ratio of the weights at least, and so does the least sum of them.
+    const double growth = problem.weight.cwiseQuotient(costs.weight).minCoeff();
+    for (double& each : costs.cost) each *= growth * growth;
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return criterion(a) < criterion(b); });
   }
-  Candidate best{0, 0, least};
-  for (const Candidate& each : candidates)
-    if (each.criterion <= least + alike && each.poles >= best.poles) best = each;
+  costs.weight = problem.weight;
+  double least = std::numeric_limits<double>::infinity();
+  std::size_t looked_at = 0;
+  for (; looked_at < order.size() && criterion(order[looked_at]) <= least + alike; ++looked_at) {
+    const std::size_t i = order[looked_at];
+    costs.cost[i] = cost_on_grid(problem, candidates[i].poles, candidates[i].reach);
+    least = std::min(least, criterion(i));
+  }
+  order.resize(looked_at);
+  std::sort(order.begin(), order.end());
+  Candidate best{0, 0};
+  for (const std::size_t i : order)
+    if (criterion(i) <= least + alike && candidates[i].poles >= best.poles) best = candidates[i];
   return on_grid(problem, best.poles, best.reach);
 }
 
@@ -371,34 +390,36 @@ ConsistentModel on_grid(const WeightedPoints& points, std::size_t poles, double 
 
 ConsistentModel best_with_free_poles(const WeightedPoints& points, std::span<const std::size_t> pair_counts) {
   const Problem problem(points);
-  const Eigen::Index rows = problem.target.size();
+  const Eigen::Index equations = problem.target.size();
   const double decades = (problem.log_omega(problem.size() - 1) - problem.log_omega(0)) / std::log(10.0);
   double best = std::numeric_limits<double>::infinity();
   FreeFit chosen;
   Eigen::Index chosen_grid = 0;
   // Free poles beside fixed real ones, which follow a fractional background, and free poles alone.
   for (const Eigen::Index grid : {static_cast<Eigen::Index>(std::ceil(2 * decades)), Eigen::Index{0}}) {
-    const Fixed fixed(problem, grid);
+    const Eigen::MatrixXcd fixed = grid_columns(problem, grid, 0);
     for (const std::size_t count : pair_counts) {
       const auto pairs = static_cast<Eigen::Index>(count);
-      if (2 * (fixed.width() + 4 * pairs) > rows) break;
+      if (2 * (fixed.cols() + 4 * pairs) > equations) break;
       FreeFit fit = fit_free(problem, fixed, pairs);
-      const double criterion = aicc(problem, fit.cost, parameters_of(problem, fixed, fit));
+      const double criterion = aicc(problem, fit.cost, parameters_of(problem, fixed.cols(), fit));
       if (!(criterion < best)) continue;
       best = criterion;
       chosen = std::move(fit);
       chosen_grid = grid;
     }
   }
-  if (chosen.poles.empty()) return best_on_grid(points);
-  return settled(problem, Fixed(problem, chosen_grid), chosen_grid, std::move(chosen));
+  if (chosen.poles.empty()) {
+    GridCosts unknown;
+    return best_on_grid(points, unknown);
+  }
+  return settled(problem, chosen_grid, std::move(chosen));
 }
 
 ConsistentModel refitted(const WeightedPoints& points, const ConsistentModel& model) {
   const Problem problem(points);
   const auto grid = static_cast<Eigen::Index>(model.grid_poles);
-  const Fixed fixed(problem, grid);
-  return settled(problem, fixed, grid, fit_at(problem, fixed, model.free_poles));
+  return settled(problem, grid, fit_at(problem, grid_columns(problem, grid, 0), model.free_poles));
 }
 
 }  // namespace frac::detail

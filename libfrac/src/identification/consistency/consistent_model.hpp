@@ -33,8 +33,16 @@ struct ConsistentModel {
 /// residual; this is the price of having chosen that point.
 inline constexpr std::size_t price_of_narrow_pair = 3;
 
+/// Least squares that the candidates of best_on_grid() leave of points under these weights, or bounds below them.
+struct GridCosts {
+  Eigen::VectorXd weight;
+  std::vector<double> cost;
+};
+
 /// c_0 + c_1 s + c_2/s + sum r_k/(1 + s tau_k), the tau_k evenly on the logarithm; the best of many counts and reaches.
-[[nodiscard]] ConsistentModel best_on_grid(const WeightedPoints& points);
+/// @param costs  empty, or those of the same points under other weights: they tell which candidates cannot be the best.
+///               Afterwards those under these weights.
+[[nodiscard]] ConsistentModel best_on_grid(const WeightedPoints& points, GridCosts& costs);
 
 /// The model with this number of poles and this reach.
 [[nodiscard]] ConsistentModel on_grid(const WeightedPoints& points, std::size_t poles, double reach);

@@ -72,41 +72,51 @@ std::vector<DeadTime> dead_times_of(const FrequencyResponseData& data, double fl
   Eigen::VectorXd size(points);
   for (Eigen::Index k = 0; k < points; ++k) size(k) = std::hypot(std::abs(value(k)), smallest);
 
-  // Sizes do not change when the phase turns, so that one projection serves all dead times.
+  // Sizes do not change when the phase turns, so that one projection serves all dead times, and what it leaves is the
+  // sum of all squares but for those it explains.
   const Eigen::MatrixXd basis = PivotedQr(prompt_columns(omega, size)).basis();
-  const auto turned = [&](double seconds) {
-    Eigen::VectorXd result(2 * points);
-    for (Eigen::Index k = 0; k < points; ++k) {
-      const std::complex<double> ahead =
-          value(k) * std::polar(1 / size(k), omega[static_cast<std::size_t>(k)] * seconds);
-      result(2 * k) = ahead.real();
-      result(2 * k + 1) = ahead.imag();
-    }
-    return result;
+  const Eigen::MatrixXd of_real = basis(Eigen::seq(0, Eigen::last, 2), Eigen::all).transpose();
+  const Eigen::MatrixXd of_imaginary = basis(Eigen::seq(1, Eigen::last, 2), Eigen::all).transpose();
+  const Eigen::VectorXcd prompt = value.cwiseQuotient(size);
+  const double all = prompt.squaredNorm();
+  const auto turns = [&](double seconds) {
+    return Eigen::VectorXcd::NullaryExpr(
+        points, [&, seconds](Eigen::Index k) { return std::polar(1.0, omega[static_cast<std::size_t>(k)] * seconds); });
   };
-  const auto left = [&](double seconds) {
-    const Eigen::VectorXd ahead = turned(seconds);
-    return (ahead - basis * (basis.transpose() * ahead)).squaredNorm();
+  const auto left = [&](const auto& explained) {
+    constexpr double rounding = 1e-15;
+    return std::max(all - explained.squaredNorm(), rounding * all);
+  };
+  const auto left_ahead = [&](double seconds) {
+    const Eigen::VectorXcd ahead = prompt.cwiseProduct(turns(seconds));
+    return left(of_real * ahead.real() + of_imaginary * ahead.imag());
   };
 
   // A dead time that is wrong by more than a radian at the highest frequency misses it altogether.
   constexpr double radians_apart = 0.5;
   constexpr std::size_t most_steps = 600;
   const double step = radians_apart / omega.back();
-  // What each step leaves is what the basis does not explain of the squares of all points.  Their sum is the same for
-  // every dead time, since it turns phases and changes no size.
-  std::vector<double> rest;
-  const double all = turned(0).squaredNorm();
-  constexpr std::size_t together = 32;
-  for (std::size_t i = 0; i <= most_steps; i += together) {
-    const std::size_t count = std::min(together, most_steps + 1 - i);
-    Eigen::MatrixXd ahead(2 * points, count);
-    for (std::size_t j = 0; j < count; ++j)
-      ahead.col(static_cast<Eigen::Index>(j)) = turned(static_cast<double>(i + j) * step);
-    const Eigen::MatrixXd explained = basis.transpose() * ahead;
-    for (const auto& column : explained.colwise()) rest.push_back(all - column.squaredNorm());
+  // Turned by as much to either side of a middle, the points keep what goes with the cosines and reverse what goes with
+  // the sines, so that two dead times take the products of one.
+  constexpr Eigen::Index aside = 16;
+  Eigen::MatrixXd cosines(points, aside), sines(points, aside);
+  for (Eigen::Index j = 0; j < aside; ++j) {
+    const Eigen::VectorXcd turn = turns(static_cast<double>(j + 1) * step);
+    cosines.col(j) = turn.real();
+    sines.col(j) = turn.imag();
   }
-  const double undelayed = left(0);
+  std::vector<double> rest;
+  for (Eigen::Index middle = aside; rest.size() <= most_steps; middle += 2 * aside + 1) {
+    const Eigen::VectorXcd here = prompt.cwiseProduct(turns(static_cast<double>(middle) * step));
+    const Eigen::VectorXd real = here.real(), imaginary = here.imag();
+    const Eigen::MatrixXd kept = of_real * real.asDiagonal() + of_imaginary * imaginary.asDiagonal();
+    const Eigen::MatrixXd reversed = of_imaginary * real.asDiagonal() - of_real * imaginary.asDiagonal();
+    const Eigen::MatrixXd even = kept * cosines, odd = reversed * sines;
+    for (Eigen::Index j = aside; j-- > 0;) rest.push_back(left(even.col(j) - odd.col(j)));
+    rest.push_back(left(kept.rowwise().sum()));
+    for (Eigen::Index j = 0; j < aside; ++j) rest.push_back(left(even.col(j) + odd.col(j)));
+  }
+  const double undelayed = rest.front();
   const auto freedom = static_cast<double>(2 * points - basis.cols());
   std::vector<DeadTime> found;
   for (std::size_t i = 1; i < most_steps; ++i) {
@@ -114,7 +124,7 @@ std::vector<DeadTime> dead_times_of(const FrequencyResponseData& data, double fl
     // To a thousandth of a step.
     constexpr int bits = 10;
     const auto [offset, here] = boost::math::tools::brent_find_minima(
-        [&](double steps) { return left((static_cast<double>(i) + steps) * step); }, -1.0, 1.0, bits);
+        [&](double steps) { return left_ahead((static_cast<double>(i) + steps) * step); }, -1.0, 1.0, bits);
     const double seconds = (static_cast<double>(i) + offset) * step;
     // Twice the logarithm of the likelihood.
     constexpr double worth_it = 20;

@@ -2,6 +2,7 @@
 #include "projected_residual.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -54,21 +55,31 @@ Traces traces(Eigen::Index count, std::span<const double> weights) {
   return sum;
 }
 
-/// Chance that two normal variables of this correlation both exceed a limit far above 0.
-double both_above(double limit, double correlation) {
+/// Chances that two normal variables both exceed a limit far above 0.
+class BothAbove {
+ public:
+  explicit BothAbove(double limit) : limit_(limit) {
+    for (int i = 0; i <= panels; ++i) {
+      const double x = limit + step * i, weight = i == 0 || i == panels ? 1 : i % 2 == 1 ? 4 : 2;
+      share_[static_cast<std::size_t>(i)] = weight * std::exp(-x * x / 2) * step / 3 / std::sqrt(2 * std::numbers::pi);
+    }
+  }
+  [[nodiscard]] double chance(double correlation) const {
+    const double scale = std::sqrt(std::max(1 - correlation * correlation, 1e-12));
+    double sum = 0;
+    for (int i = 0; i <= panels; ++i)
+      sum += share_[static_cast<std::size_t>(i)] * normal_above((limit_ - correlation * (limit_ + step * i)) / scale);
+    return sum;
+  }
+
+ private:
   // Integrates the chance of the second given the first over the density of the first, by Simpson's rule.  Nothing is
   // left of that density 9 deviations further on.
-  const double scale = std::sqrt(std::max(1 - correlation * correlation, 1e-12));
-  constexpr int panels = 120;
-  constexpr double reach = 9, step = reach / panels;
-  double sum = 0;
-  for (int i = 0; i <= panels; ++i) {
-    const double x = limit + step * i;
-    const double weight = i == 0 || i == panels ? 1 : i % 2 == 1 ? 4 : 2;
-    sum += weight * std::exp(-x * x / 2) * normal_above((limit - correlation * x) / scale);
-  }
-  return sum * step / 3 / std::sqrt(2 * std::numbers::pi);
-}
+  static constexpr int panels = 120;
+  static constexpr double step = 9.0 / panels;
+  double limit_;
+  std::array<double, panels + 1> share_;  // of the density of the first at each node
+};
 
 /// The deviate that a normal variable exceeds with this chance.
 double normal_deviate(double chance) {
@@ -146,10 +157,10 @@ LargestColumn largest_column(const ProjectedResidual& of, const Eigen::MatrixXd&
   const double alone = largest.column.p_value;
   double chance = static_cast<double>(used.size()) * alone;
   if (chance > 1e-12) {
-    const double limit = normal_deviate(alone / 2);
+    const BothAbove both(normal_deviate(alone / 2));
     for (std::size_t i = 1; i < used.size(); ++i) {
       const double correlation = std::abs(free.col(used[i - 1]).dot(free.col(used[i])));
-      chance -= std::min(alone, 2 * both_above(limit, correlation));
+      chance -= std::min(alone, 2 * both.chance(correlation));
     }
   }
   largest.column.p_value = std::min(1.0, chance);

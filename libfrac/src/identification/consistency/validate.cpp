@@ -351,20 +351,33 @@ Fitted likelier(std::array<Fitted, 2> of) {
   return std::move(of[likelihood_criterion(of[1]) < likelihood_criterion(of[0]) ? 1 : 0]);
 }
 
+/// What the poles of the model leave of the complex conjugates of the points, over what they leave of the points.
+double left_of_mirrored(const Fitted& fitted) {
+  const Eigen::Index count = fitted.points.value.size();
+  Eigen::VectorXd mirrored(2 * count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    mirrored(2 * i) = fitted.points.value(i).real() / fitted.points.deviation(i);
+    mirrored(2 * i + 1) = -fitted.points.value(i).imag() / fitted.points.deviation(i);
+  }
+  const Eigen::MatrixXd& q = fitted.model.rest.orthonormal;
+  return (mirrored - q * (q.transpose() * mirrored)).squaredNorm() / fitted.model.rest.square();
+}
+
 /// The best model with poles on a grid, weighted by its own residuals.
 Fitted fit_on_grid(const FrequencyResponseData& data, std::vector<std::size_t> kept) {
   auto either = unfitted(data, std::move(kept));
+  detail::GridCosts costs;
   if (!data.sigma().empty()) {
-    either[0].model = detail::best_on_grid(either[0].points);
+    either[0].model = detail::best_on_grid(either[0].points, costs);
     return std::move(either[0]);
   }
   for (Fitted& each : either) {
-    each.model = detail::best_on_grid(each.points);
+    each.model = detail::best_on_grid(each.points, costs);
     weigh_by_residuals(each);
-    each.model = detail::best_on_grid(each.points);
+    each.model = detail::best_on_grid(each.points, costs);
   }
   Fitted fitted = likelier(std::move(either));
-  if (weigh_by_shape(fitted)) fitted.model = detail::best_on_grid(fitted.points);
+  if (weigh_by_shape(fitted)) fitted.model = detail::best_on_grid(fitted.points, costs);
   return fitted;
 }
 
@@ -451,7 +464,7 @@ struct Judgement {
   Tested first, last;  // with all points, and without those that stand out
   std::vector<ValidityTest> of_points;
   std::vector<std::size_t> outliers, mains;
-  double on_grid = 0;  // likelihood_criterion() of poles on a grid, of all points
+  double left_of_mirrored = 0;  // with poles on a grid, of all points
 
   [[nodiscard]] bool pattern(double level) const {
     return std::any_of(all_tests.begin(), all_tests.end(),
@@ -486,7 +499,7 @@ Judgement judge(const FrequencyResponseData& data, const ValidationOptions& opti
   std::iota(kept.begin(), kept.end(), std::size_t{0});
   Judgement judgement;
   judgement.fitted = fit(std::move(kept));
-  judgement.on_grid = likelihood_criterion(judgement.fitted);
+  judgement.left_of_mirrored = left_of_mirrored(judgement.fitted);
   judgement.last = tested(data, judgement.fitted, options.accuracy);
   look_again(data, judgement.fitted, judgement.last);
   judgement.first = judgement.last;
@@ -551,7 +564,7 @@ Judgement judge(const FrequencyResponseData& data, const ValidationOptions& opti
                                                                  : criterion_of_all(data, best);
   // Beside real poles a resonance looks like outliers, and outliers hide resonances.  So free poles are fitted to all
   // points and to those that do not stand out; the model that explains all points best is taken.
-  const double on_grid = best.on_grid;
+  const double mirrored = best.left_of_mirrored;
   const auto compare = [&](const Fitted& free) {
     Judgement other =
         judge(data, options, many, [&](auto points) { return refitted_points(data, std::move(points), free.model); });
@@ -584,7 +597,7 @@ Judgement judge(const FrequencyResponseData& data, const ValidationOptions& opti
     if (!lone && kept != all && !best.steady(level)) compare(with_few(kept));
     if (best.pattern(level)) compare(with_free_poles(data, best.fitted, more));
   }
-  best.on_grid = on_grid;
+  best.left_of_mirrored = mirrored;
   return best;
 }
 
@@ -695,17 +708,13 @@ Timely judge_timely(const FrequencyResponseData& data, const ValidationOptions& 
 /// can make the difference, such as the two or three on a narrow resonance.
 bool sign_is_reversed(const Timely& as_given, const ValidationOptions& options) {
   const FrequencyResponseData& data = as_given.data;
-  auto mirrored = data.value();
-  for (Complex& each : mirrored) each = std::conj(each);
-  const FrequencyResponseData reversed{data.omega(), std::move(mirrored), data.sigma()};
-  // Residuals that are 1.6 times as large in every point make this difference.
+  // Residuals that are 1.6 times as large in every point make this difference: their squares, e times.
   const double of_all_points = 2 * static_cast<double>(data.size());
   // Real poles, however poorly, follow a response better than its complex conjugate.
-  std::vector<std::size_t> all(data.size());
-  std::iota(all.begin(), all.end(), std::size_t{0});
-  if (likelihood_criterion(fit_on_grid(reversed, std::move(all))) > as_given.judgement.on_grid + of_all_points)
-    return false;
-  const Timely mirror = judge_timely(reversed, options);
+  if (as_given.judgement.left_of_mirrored > std::numbers::e) return false;
+  auto mirrored = data.value();
+  for (Complex& each : mirrored) each = std::conj(each);
+  const Timely mirror = judge_timely({data.omega(), std::move(mirrored), data.sigma()}, options);
   if (mirror.judgement.pattern(options.level)) return false;
   return criterion_of_all(mirror.data, mirror.judgement) + of_all_points < criterion_of_all(data, as_given.judgement);
 }
