@@ -297,7 +297,7 @@ TEST(JointFit, SaysWhatIsNoLaw) {
   refused("T", {"NAME = FORMULA"});
   refused("b = b0 temperature", {"'b'", "no parameter"});
   refused("a = a0 temperature", {"'a'", "shared"});
-  refused("T = T0 load", {"nothing in it is known"});
+  refused("T = T0 load", {"nothing in it is known", "known are temperature"});
   refused("T = K temperature", {"'K'", "parameter of the model"});
   auto silent = curves;
   silent[1].covariates.clear();

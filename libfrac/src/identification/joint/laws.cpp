@@ -30,6 +30,13 @@ double known_value(const JointCurve& curve, const std::string& name) {
   return nan;
 }
 
+/// "; known are a, b", of the first curve; empty where it knows nothing.
+std::string known_names(const JointCurve& curve) {
+  std::string names;
+  for (const auto& [key, value] : curve.covariates) names += (names.empty() ? "; known are " : ", ") + key;
+  return names;
+}
+
 [[noreturn]] void refuse(const std::string& definition, const std::string& reason) {
   throw std::invalid_argument("law '" + definition + "': " + reason);
 }
@@ -69,7 +76,7 @@ Laws::Laws(const Structure& structure, const JointFitOptions& options, const std
       if (place == names_.size()) names_.push_back(name);
       law.place.push_back(place);
     }
-    if (!has_covariate) refuse(text, "nothing in it is known of the curves");
+    if (!has_covariate) refuse(text, "nothing in it is known of the curves" + known_names(curves.front()));
     laws_.push_back(std::move(law));
   }
 }
