@@ -105,7 +105,7 @@ std::string remarks_on_residuals(const FitRun& run, const frac::FitResult& resul
   for (const double at : statistics.outlier_at) text += " " + short_number(at);
   text += run.over_time ? " s" : " rad/s";
   const bool bears_them = run.over_time && io::find_value(run.options, "loss") == "none";
-  return text + (bears_them ? ", which weigh like every sample; --loss huber bounds what they do to the fit\n" : "\n");
+  return text + (bears_them ? "; each weighs like every sample, and --loss huber bounds what it does to the fit\n" : "\n");
 }
 
 std::string growth_table(const frac::Growth& growth) {

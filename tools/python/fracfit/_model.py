@@ -603,10 +603,14 @@ def _model_of(transfer_function: Any) -> Model:
 def _transfer_function(value: Any) -> Any:
     if isinstance(value, Model):
         return value._tf
+    return _core.TransferFunction.parse(f"{_factor(value):.17g}")
+
+
+def _factor(value: Any) -> float:
     factor = number(value, "factor")
     if not math.isfinite(factor):
         raise ValueError(f"the factor is {factor}; expected a finite number")
-    return _core.TransferFunction.parse(f"{factor:.17g}")
+    return factor
 
 
 _COMBINED = {"add": "({}) + ({})", "subtract": "({}) - ({})", "multiply": "({}) ({})", "divide": "({})/({})"}
@@ -617,11 +621,14 @@ _WORDS = re.compile(r"[0-9.]+(?:[eE][+-]?[0-9]+)?|(\w+)")
 def _written(pattern: str, *parts: Model | float) -> Model:
     """Models that are no ratio of sums of powers, combined as one formula with numbers for parameters."""
 
+    def digits(value: float) -> str:
+        return repr(value).removesuffix(".0")
+
     def formula_of(part: Model | float) -> str:
         if not isinstance(part, Model):
-            return f"{number(part, 'factor'):.17g}"
+            return digits(_factor(part))
         values = dict(zip(part.parameter_names, part._values()))
-        return _WORDS.sub(lambda word: f"({values[word[1]]:.17g})" if word[1] in values else word[0], part.grouped)
+        return _WORDS.sub(lambda word: f"({digits(values[word[1]])})" if word[1] in values else word[0], part.grouped)
 
     return Model(pattern.format(*map(formula_of, parts)))
 
