@@ -88,6 +88,131 @@ TEST(RelaxationTimes, OfFiniteDiffusionAreLines) {
   EXPECT_NEAR(blocked.lines.back().tau / (5 / (pi * pi)), 1, 1e-11);
 }
 
+void expect_lines(const frac::TimesDistribution& found, const std::vector<double>& tau,
+                  const std::vector<double>& area) {
+  ASSERT_EQ(found.lines.size(), tau.size());
+  for (std::size_t k = 0; k < tau.size(); ++k) {
+    // Rounding of the place is some digits of its logarithm and of the number of half turns; a line is read from four
+    // values at 1e-3 of the distance of its neighbours, which leaves the cube of that.
+    EXPECT_NEAR(found.lines[k].tau / tau[k], 1, 1e-10) << k;
+    EXPECT_NEAR(found.lines[k].area / area[k], 1, 1e-6) << k;
+  }
+}
+
+// The line k stands at 5/((k - 1/2) pi)^2 with the area 40/((k - 1/2) pi)^2; 712 of them lie beyond 1 us, those less
+// than 1/300 e-fold apart.
+TEST(RelaxationTimes, AllLinesOfASeriesAreFoundHoweverClose) {
+  const auto shown = times(1e-6, 1e2, 121);
+  std::vector<double> tau, area;
+  for (int k = 712; k >= 1; --k) {
+    tau.push_back(5 / std::pow((k - 0.5) * pi, 2));
+    area.push_back(8 * tau.back());
+  }
+  expect_lines(exact("R tanh(sqrt(T s))/sqrt(T s)", {20, 5}, shown), tau, area);
+  expect_lines(exact("R sinh((T s)^0.5)/(T s)^0.5/cosh((T s)^0.5)", {20, 5}, shown), tau, area);
+  EXPECT_EQ(exact("R tanh(sqrt(T s))/sqrt(T s)", {20, 5}, shown).lines_left_off, 0U);
+  // An arc beside them leaves them where they are, and an inductance too.
+  expect_lines(exact("L s + R1/(1 + (T1 s)^a) + R tanh(sqrt(T s))/sqrt(T s)", {1e-6, 7, 0.01, 0.8, 20, 5}, shown), tau,
+               area);
+  // 1/cosh x has the same places; at x = (k - 1/2) pi its cosine has the slope -(-1)^k, and d x/d ln tau = -x/2.
+  for (int k = 712; k >= 1; --k) area[static_cast<std::size_t>(712 - k)] = (k % 2 == 0 ? -2 : 2) / ((k - 0.5) * pi);
+  expect_lines(exact("sech(sqrt(T s))", {5}, shown), tau, area);
+}
+
+// coth(w)/w = 1/w^2 + sum 2/(w^2 + (m pi)^2) with w^2 = 3 + 5 s.
+TEST(RelaxationTimes, ReactionBesideDiffusionEndsTheSeriesOfTimes) {
+  std::vector<double> tau, area;
+  for (int m = 0; 5 / (3 + std::pow(m * pi, 2)) > 1e-4; ++m) {
+    tau.insert(tau.begin(), 5 / (3 + std::pow(m * pi, 2)));
+    area.insert(area.begin(), (m == 0 ? 0.2 : 0.4) * tau.front());
+  }
+  expect_lines(exact("coth(sqrt(k + T s))/sqrt(k + T s)", {3, 5}, times(1e-4, 1e2, 60)), tau, area);
+}
+
+// A capacitance beside finite diffusion: 1/Z = (x cot x - q x^2)/R at s = -x^2/T with q = R C/T, whose roots, those of
+// the cooling plate (H. S. Carslaw, J. C. Jaeger 1959, appendix IV), lie one in each interval from (k - 1) pi on.
+TEST(RelaxationTimes, LinesWhosePlacesAreRootsOfASumAreAllFound) {
+  const double resistance = 20, time = 5, capacitance = 1e-3, q = resistance * capacitance / time;
+  std::vector<double> tau, area;
+  double sum = 0;
+  for (int k = 1;; ++k) {
+    double low = (k - 1) * pi, high = (k - 0.5) * pi;
+    for (int i = 0; i < 100; ++i) {
+      const double middle = (low + high) / 2;
+      (1 / std::tan(middle) > q * middle ? low : high) = middle;
+    }
+    const double x = (low + high) / 2;
+    if (time / (x * x) < 1e-6) break;
+    tau.insert(tau.begin(), time / (x * x));
+    // 1/Z over ln tau, of which x is the power -1/2.
+    const double slope = -x / 2 * (1 / std::tan(x) - x / std::pow(std::sin(x), 2) - 2 * q * x) / resistance;
+    area.insert(area.begin(), 1 / slope);
+    sum += 1 / slope;
+  }
+  // All of them make the resistance at rest; those left out have less than 2 R/(q^2 x^4) each.
+  ASSERT_NEAR(sum, resistance, 1e-3);
+  const auto shown = times(1e-6, 1e2, 121);
+  const auto found = exact("1/(C s + sqrt(T s)/(R tanh(sqrt(T s))))", {capacitance, time, resistance}, shown);
+  ASSERT_EQ(found.lines.size(), tau.size());
+  for (std::size_t k = 0; k < tau.size(); ++k) {
+    EXPECT_NEAR(found.lines[k].tau / tau[k], 1, 1e-10) << k;
+    EXPECT_NEAR(found.lines[k].area / area[k], 1, 1e-5) << k;
+  }
+}
+
+// With a resistance in the branch of the diffusion places are roots of a sum of roots of a sum; that lines and zeros
+// alternate (Foster) leaves one between two neighbours of the series, and all areas make what the impedance falls by.
+TEST(RelaxationTimes, NestedSumsKeepEveryLine) {
+  const auto found =
+      exact("R0 + 1/(C s + 1/(R1 + R tanh(sqrt(T s))/sqrt(T s)))", {1, 1e-4, 10, 20, 5}, times(1e-6, 1e2, 121));
+  ASSERT_EQ(found.lines.size(), 713U);
+  double sum = 0;
+  for (std::size_t k = 0; k < found.lines.size(); ++k) {
+    EXPECT_GT(found.lines[k].area, 0);
+    sum += found.lines[k].area;
+  }
+  EXPECT_NEAR(sum, 30, 1e-4);
+}
+
+// 1/((1 + T1 s)(1 + T2 s)) has the areas T1/(T1 - T2) and -T2/(T1 - T2).
+TEST(RelaxationTimes, TwoTimesCloseToEachOtherAreTwoLines) {
+  for (const double apart : {0.3, 1e-2, 1e-4}) {
+    const double one = 0.37, two = one * (1 + apart);
+    const auto shown = times(1e-3, 1e2, 30);
+    const auto product = exact("1/(b2 s^2 + b1 s + 1)", {one * two, one + two}, shown);
+    ASSERT_EQ(product.lines.size(), 2U) << apart;
+    // The roots of a sum of size 1 with a slope of `apart` are known to rounding over it.
+    EXPECT_NEAR(product.lines[0].tau / one, 1, 1e-14 / apart);
+    EXPECT_NEAR(product.lines[1].area * (two - one) / two, 1, 1e-11 / apart / apart + 1e-7);
+    const auto sum = exact("R1/(1 + T1 s) + R2/(1 + T2 s)", {3, one, 8, two}, shown);
+    expect_lines(sum, {one, two}, {3, 8});
+  }
+}
+
+TEST(RelaxationTimes, WhatIsNoSimplePoleIsNoLine) {
+  const auto shown = times(1e-3, 1e2, 30);
+  for (const char* formula :
+       {"1/(1 + T s)^2", "1/(1 + T s)^0.5", "(1 + T s)/(2 + 2 T s)", "tanh(sqrt(T s))*sqrt(T s)/tanh(sqrt(T s))",
+        "1/(1 + T s + T s*T s)", "1/(1 + (T s)^0.9)"})
+    EXPECT_TRUE(exact(formula, {0.37}, shown).lines.empty()) << formula;
+}
+
+// sqrt(1000/1e-9)/pi = 318309.9 half turns.
+TEST(RelaxationTimes, OfALongSeriesTheShortestLinesAreCounted) {
+  const auto found = exact("R tanh(sqrt(T s))/sqrt(T s)", {20, 1000}, times(1e-9, 1e4, 60));
+  EXPECT_GT(found.lines.size(), 800U);
+  EXPECT_LE(found.lines.size(), 1001U);
+  // One more or less where the range is cut; the range reaches a tenth of an e-fold further.
+  EXPECT_NEAR(static_cast<double>(found.lines.size() + found.lines_left_off), 318310 * std::exp(0.05), 3);
+  EXPECT_NEAR(found.lines.back().tau / (4000 / (pi * pi)), 1, 1e-11);
+}
+
+TEST(RelaxationTimes, TheDensityAtALineIsThatBesideIt) {
+  const auto found = exact("R/(1 + T s)", {3, 1}, {0.1, 1, 10});
+  EXPECT_EQ(found.density, (std::vector<double>{0, 0, 0}));
+  ASSERT_EQ(found.lines.size(), 1U);
+}
+
 TEST(RelaxationTimes, LinesStandBesideAContinuum) {
   const auto tau = times(1e-5, 1e2, 200);
   const auto found = exact("R0 + R1/(1 + T1 s) + R/(1 + (T s)^a)", {1, 7, 0.3, 50, 0.01, 0.7}, tau);
@@ -129,6 +254,28 @@ TEST(RelaxationTimes, IntervalsPropagateTheCovariance) {
   fit.covariance = {{0, 0, 0}, {0, 1e-8, 0}, {0, 0, 0}};
   const auto by_time = frac::relaxation_times(fit, tau, TimesKernel::falling);
   EXPECT_NEAR(std::log(by_time.peaks[0].tau_upper / by_time.peaks[0].tau_lower) / (2 * t * 0.01), 1, 0.05);
+}
+
+// Every line of a series stands in proportion to T, and its area to R.
+TEST(RelaxationTimes, EveryLineOfASeriesHasItsInterval) {
+  frac::FitResult fit{};
+  fit.model = "R tanh(sqrt(T s))/sqrt(T s)";
+  for (const auto& [name, value] : {std::pair{"R", 20.0}, {"T", 5.0}}) {
+    frac::ParameterEstimate estimate{};
+    estimate.name = name;
+    estimate.value = value;
+    fit.parameters.push_back(estimate);
+  }
+  fit.residuals = 42;
+  fit.free_parameters = 2;
+  fit.covariance = {{0.04, 0}, {0, 0.01}};  // a hundredth of R, a fiftieth of T
+  const auto found = frac::relaxation_times(fit, times(1e-6, 1e2, 121), TimesKernel::falling);
+  ASSERT_EQ(found.lines.size(), 712U);
+  const double t = frac::student_t_95(40);
+  for (const auto& line : found.lines) {
+    EXPECT_NEAR(std::log(line.tau_upper / line.tau_lower) / (2 * t * 0.02), 1, 1e-4) << line.tau;
+    EXPECT_NEAR((line.area_upper - line.area_lower) / (2 * t * 0.01 * line.area), 1, 1e-3) << line.tau;
+  }
 }
 
 TEST(RelaxationTimes, RefusesTimesThatDoNotRise) {

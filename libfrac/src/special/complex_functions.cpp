@@ -24,7 +24,12 @@ Halves halves(Complex z) {
 
 }  // namespace
 
+// On the imaginary axis 1 + t cancels near a pole; there it is j tan.
 ValueAndDerivative hyperbolic_tangent(Complex z) {
+  if (z.real() == 0) {
+    const double tangent = std::tan(z.imag());
+    return {{0, tangent}, 1 + tangent * tangent};
+  }
   if (std::signbit(z.real())) {
     const ValueAndDerivative mirrored = hyperbolic_tangent(-z);
     return {-mirrored.value, mirrored.derivative};
@@ -35,6 +40,10 @@ ValueAndDerivative hyperbolic_tangent(Complex z) {
 }
 
 ValueAndDerivative hyperbolic_cotangent(Complex z) {
+  if (z.real() == 0) {
+    const double cotangent = 1 / std::tan(z.imag());
+    return {{0, -cotangent}, 1 + cotangent * cotangent};
+  }
   if (std::signbit(z.real())) {
     const ValueAndDerivative mirrored = hyperbolic_cotangent(-z);
     return {-mirrored.value, mirrored.derivative};

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -43,6 +44,7 @@ struct TimesDistribution {
   std::vector<double> lower, upper;  // at each tau, see relaxation_times(); empty where unknown
   std::vector<TimesLine> lines;
   std::vector<TimesPeak> peaks;
+  std::size_t lines_left_off;              // of a formula: the shortest of a series of more than a thousand
   double constant, inductance, elastance;  // of data only, NaN of a formula
   double smoothness;       // of data only: weight of the roughness, that is of the squared second differences
   double misfit;           // of data only: rms of what the distribution leaves, relative to |Z| at each frequency
@@ -54,7 +56,8 @@ struct TimesDistribution {
 
 /// Exactly, from the two sides of the cut of a formula along the negative real axis: g = -(1/pi) Im Z(e^{j pi}/tau),
 /// and from its poles there.  Poles elsewhere (resonances) are no relaxation times and are not part of the result.
-/// Lines and peaks are all those between the first and the last time, whichever are asked for between.
+/// Lines and peaks are all those between the first and the last time, whichever are asked for between; of series of
+/// more than a thousand lines the shortest are only counted.
 /// @param tau  s, positive and rising, at least three
 /// @throws std::invalid_argument  wrong number of parameters, or tau
 [[nodiscard]] TimesDistribution relaxation_times(const Structure& structure, std::span<const double> parameters,

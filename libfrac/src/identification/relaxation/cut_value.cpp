@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "cut_value.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "special/complex_functions.hpp"
+#include "special/exact_power.hpp"
 
 namespace frac::detail {
 
@@ -30,11 +32,12 @@ auto with_operation(const Node& node, const Use& use) {
     case Operation::power_of_s:
       return use([](Complex left, Complex right, double rate) {
         const double order = right.real();
-        return std::pow(std::abs(left.real()), order) * exponential(order * Complex(std::log(rate), std::numbers::pi));
+        return real_power(std::abs(left.real()) * rate, order) * quarter_turns(2 * order);
       });
     case Operation::power:
       return use([](Complex left, Complex right, double) {
         const double order = right.real();
+        if (order == 0.5) return std::sqrt(left);
         const bool whole = order == std::round(order) && std::abs(order) < 1e6;
         return whole ? whole_power(left, static_cast<int>(order)) : exponential(order * principal_log(left));
       });
@@ -70,61 +73,80 @@ CutValue::CutValue(const Expression& expression, std::span<const double> paramet
   evaluate_real_nodes(expression, parameters.data(), real_);
 }
 
-Complex CutValue::operator()(double rate) {
+Complex CutValue::of(int wanted, double rate) {
   const auto operand = [&](int node) { return node < 0 ? Complex() : value_[static_cast<std::size_t>(node)]; };
-  for (std::size_t i = 0; i < expression_.nodes.size(); ++i) {
+  const auto last = static_cast<std::size_t>(wanted);
+  for (std::size_t i = 0; i <= last; ++i) {
     const Node& node = expression_.nodes[i];
     value_[i] = !node.has_s ? real_[i] : with_operation(node, [&](auto operation) {
       return operation(operand(node.left), operand(node.right), rate);
     });
   }
-  return value_.back();
+  return value_[last];
 }
 
 namespace {
 
-using NodeValues = std::vector<Complex>;
-
-/// @param of  the values of an operand
-template <class Of>
-NodeValues at_all_rates(const Node& node, double real, const std::vector<double>& rates, const Of& of) {
-  NodeValues result(rates.size(), real);
-  if (!node.has_s) return result;
-  // An operand that is not there is not looked at.
-  const Complex* left = node.left < 0 ? result.data() : of(node.left).data();
-  const Complex* right = node.right < 0 ? result.data() : of(node.right).data();
-  return with_operation(node, [&](auto operation) {
-    for (std::size_t k = 0; k < rates.size(); ++k) result[k] = operation(left[k], right[k], rates[k]);
-    return std::move(result);
+/// One operation at some rates.
+/// @param left,right  its operands there; those that it has not are not looked at
+void evaluate(const Node& node, double real, std::span<const double> rates, const Complex* left, const Complex* right,
+              Complex* result) {
+  if (!node.has_s) {
+    std::fill_n(result, rates.size(), real);
+    return;
+  }
+  with_operation(node, [&](auto operation) {
+    const Complex none;
+    for (std::size_t k = 0; k < rates.size(); ++k)
+      result[k] = operation(left ? left[k] : none, right ? right[k] : none, rates[k]);
+    return 0;
   });
 }
 
 }  // namespace
 
 CutValues::CutValues(const Expression& expression, std::span<const double> parameters, std::vector<double> rates)
-    : expression_(expression), parameters_(parameters.begin(), parameters.end()), rates_(std::move(rates)) {
+    : expression_(expression),
+      parameters_(parameters.begin(), parameters.end()),
+      rates_(std::move(rates)),
+      value_(expression.nodes.size(), std::vector<Complex>(rates_.size())) {
   evaluate_real_nodes(expression, parameters.data(), real_);
-  for (std::size_t i = 0; i < expression.nodes.size(); ++i)
-    value_.push_back(at_all_rates(expression.nodes[i], real_[i], rates_, [&](int node) -> const NodeValues& {
-      return value_[static_cast<std::size_t>(node)];
-    }));
+  const auto at = [&](int node) { return node < 0 ? nullptr : value_[static_cast<std::size_t>(node)].data(); };
+  for (std::size_t i = 0; i < value_.size(); ++i) {
+    const Node& node = expression.nodes[i];
+    evaluate(node, real_[i], rates_, at(node.left), at(node.right), value_[i].data());
+  }
 }
 
-NodeValues CutValues::moved(std::size_t parameter, double to) const {
+std::vector<Complex> CutValues::moved(std::size_t parameter, double to) const {
   std::vector<double> parameters = parameters_, real;
   parameters[parameter] = to;
   evaluate_real_nodes(expression_, parameters.data(), real);
-  std::vector<NodeValues> changed(value_.size());  // empty where a node stays
-  const auto has_changed = [&](int node) { return node >= 0 && !changed[static_cast<std::size_t>(node)].empty(); };
-  const auto of = [&](int node) -> const NodeValues& {
-    return (has_changed(node) ? changed : value_)[static_cast<std::size_t>(node)];
-  };
+  std::vector<bool> moves;
+  const auto operand_moves = [&](int node) { return node >= 0 && moves[static_cast<std::size_t>(node)]; };
   for (std::size_t i = 0; i < value_.size(); ++i) {
     const Node& node = expression_.nodes[i];
-    const bool moves = node.has_s ? has_changed(node.left) || has_changed(node.right) : real[i] != real_[i];
-    if (moves) changed[i] = at_all_rates(node, real[i], rates_, of);
+    moves.push_back(node.has_s ? operand_moves(node.left) || operand_moves(node.right) : real[i] != real_[i]);
   }
-  return of(static_cast<int>(value_.size()) - 1);
+  std::vector<Complex> result = value_.back();
+  if (!moves.back()) return result;
+  // In pieces that stay in the cache of the processor.
+  constexpr std::size_t piece = 256;
+  std::vector<std::array<Complex, piece>> changed(value_.size());
+  for (std::size_t start = 0; start < rates_.size(); start += piece) {
+    const auto rates = std::span(rates_).subspan(start, std::min(piece, rates_.size() - start));
+    const auto at = [&](int node) -> const Complex* {
+      if (node < 0) return nullptr;
+      const auto i = static_cast<std::size_t>(node);
+      return moves[i] ? changed[i].data() : value_[i].data() + start;
+    };
+    for (std::size_t i = 0; i < value_.size(); ++i) {
+      const Node& node = expression_.nodes[i];
+      if (moves[i]) evaluate(node, real[i], rates, at(node.left), at(node.right), changed[i].data());
+    }
+    std::copy_n(changed.back().begin(), rates.size(), result.begin() + static_cast<std::ptrdiff_t>(start));
+  }
+  return result;
 }
 
 }  // namespace frac::detail

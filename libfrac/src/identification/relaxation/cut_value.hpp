@@ -15,8 +15,8 @@ class CutValue {
  public:
   CutValue(const Expression& expression, std::span<const double> parameters);
 
-  /// At s = -rate + j 0, rate > 0.
-  [[nodiscard]] std::complex<double> operator()(double rate);
+  /// One of its operations at s = -rate + j 0, rate > 0.
+  [[nodiscard]] std::complex<double> of(int node, double rate);
 
  private:
   const Expression& expression_;

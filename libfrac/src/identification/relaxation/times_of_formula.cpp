@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
@@ -10,9 +12,12 @@
 #include "frac/identification/relaxation_times.hpp"
 #include "frac/identification/statistics.hpp"
 #include "peaks.hpp"
+#include "poles_on_cut.hpp"
 
 namespace frac {
 namespace {
+
+using Complex = std::complex<double>;
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
@@ -32,158 +37,177 @@ double sign_of(TimesKernel kernel) {
   return kernel == TimesKernel::falling ? 1 : -1;
 }
 
-/// Real poles: zeros of 1/Z on the cut.  Beside a continuous part Im 1/Z does not vanish, and Re 1/Z changes sign
-/// without a pole.
-class Lines {
+/// Times about the place of a pole, from which it is read: with t = ln tau, Z = area/(t - place) + what is smooth
+/// there.
+class PoleTimes {
  public:
-  Lines(detail::CutValue value, double sign) : value_(std::move(value)), sign_(sign) {}
+  static constexpr std::size_t count = 4;
 
-  /// All of a range.
-  /// @param at  values of the formula there
-  [[nodiscard]] std::vector<TimesLine> between(std::span<const double> log_tau,
-                                               std::span<const std::complex<double>> at) {
-    std::vector<TimesLine> lines;
-    std::complex<double> before = inverse_of(at[0]);
-    for (std::size_t i = 1; i < log_tau.size(); ++i) {
-      const std::complex<double> here = inverse_of(at[i]);
-      search({log_tau[i - 1], before}, {log_tau[i], here}, 0, lines);
-      before = here;
+  /// @param gap  distance to the next place
+  PoleTimes(double log_tau, double gap) : log_tau_(log_tau), step_(1e-3 * gap) {}
+
+  [[nodiscard]] double time(std::size_t i) const { return log_tau_ + steps[i] * step_; }
+
+  struct Pole {
+    Complex log_tau, area;
+  };
+  /// Z (t - place) is a polynomial there.  Through four points it has the degree 2, as the smooth part has the degree
+  /// 1, so that the divided difference of order 3 of t Z is that of Z times the place; at the place it is the area.
+  [[nodiscard]] Pole pole(std::span<const Complex> at) const {
+    constexpr std::array<double, count> weights{-1.0 / 12, 1.0 / 6, -1.0 / 6, 1.0 / 12};
+    Complex difference, moment, nodes = 1;
+    for (std::size_t i = 0; i < count; ++i) {
+      difference += weights[i] * at[i];
+      moment += weights[i] * steps[i] * at[i];
     }
-    return lines;
+    const Complex place = moment / difference;
+    for (const double each : steps) nodes *= place - each;
+    return {log_tau_ + step_ * place, -step_ * nodes * difference};
+  }
+
+  /// Whether there is one, and where it was sought.  A double one, a power, or a place without a pole looks otherwise
+  /// from twice the distance.
+  template <class Value>
+  [[nodiscard]] bool is_pole(const Value& value) const {
+    constexpr double off = 0.5, rounding = 1e-10, other = 0.01;
+    double size = 0;
+    const auto seen_from = [&](const PoleTimes& about) {
+      std::array<Complex, count> at;
+      for (std::size_t i = 0; i < count; ++i) at[i] = value(about.time(i));
+      size = std::abs(at[1]);
+      return about.pole(at);
+    };
+    PoleTimes wider = *this;
+    wider.step_ *= 2;
+    const Pole far = seen_from(wider), near = seen_from(*this);
+    return std::abs(near.log_tau - log_tau_) < off * step_ && std::abs(near.area) > rounding * size * step_ &&
+           std::abs(far.area - near.area) < other * std::abs(near.area);
   }
 
  private:
-  struct Place {
-    double log_tau;
-    std::complex<double> inverse;
-  };
-
-  /// Without a continuous part 1/Z rises with tau all along but for its own poles, as lines and these alternate
-  /// (Foster): where it has fallen without a change of sign one of each lies between.
-  void search(const Place& low, const Place& high, int depth, std::vector<TimesLine>& lines) {
-    constexpr int deepest = 6;
-    if ((low.inverse.real() < 0) != (high.inverse.real() < 0)) {
-      add(low.log_tau, high.log_tau, low.inverse.real() < 0, lines);
-      return;
-    }
-    const auto is_real = [](const Place& at) { return std::abs(at.inverse.imag()) < 1e-9 * std::abs(at.inverse); };
-    if (depth == deepest || !is_real(low) || !is_real(high)) return;
-    if (!(sign_ * (high.inverse.real() - low.inverse.real()) < 0)) return;
-    const double middle = (low.log_tau + high.log_tau) / 2;
-    const Place between{middle, inverse(middle)};
-    search(low, between, depth + 1, lines);
-    search(between, high, depth + 1, lines);
-  }
-
-  static std::complex<double> inverse_of(std::complex<double> value) {
-    // At a pole itself a formula is no number.
-    return std::isfinite(value.real()) && std::isfinite(value.imag()) ? 1.0 / value : 0.0;
-  }
-  [[nodiscard]] std::complex<double> inverse(double log_tau) { return inverse_of(value_(std::exp(-log_tau))); }
-
-  void add(double low, double high, bool low_is_negative, std::vector<TimesLine>& lines) {
-    const double width = high - low;
-    const double size = std::max(std::abs(inverse(low)), std::abs(inverse(high)));
-    for (int i = 0; i < 60 && high - low > 1e-15 * (1 + std::abs(low)); ++i) {
-      const double middle = (low + high) / 2;
-      ((inverse(middle).real() < 0) == low_is_negative ? low : high) = middle;
-    }
-    const double place = (low + high) / 2;
-    // Rounding of the exponent leaves 1e-15 of the slope; a jump through infinity or an imaginary part leaves much
-    // more.
-    if (!(std::abs(inverse(place)) < 1e-9 * size)) return;
-    // With t = ln tau, 1 + s tau_k is t - t_k near the pole, so 1/Z = (t - t_k)/area.
-    const double step = 1e-5 * width;
-    const double slope = ((inverse(place + step) - inverse(place - step)) / (2 * step)).real();
-    lines.push_back({std::exp(place), sign_ / slope, nan, nan, nan, nan});
-  }
-
-  detail::CutValue value_;
-  double sign_;
+  static constexpr std::array<double, count> steps{-2, -1, 1, 2};
+  double log_tau_, step_;
 };
 
-/// Close enough that a sum over them is the integral of an arc of exponent 0.98 and more, and that lines stand apart.
+/// Close enough that a sum over them is the integral of an arc of exponent up to 0.98.
 std::vector<double> fine_times(double first, double last) {
   constexpr double per_e_fold = 40;
-  const auto steps = std::max<std::size_t>(2, static_cast<std::size_t>(std::ceil((last - first) * per_e_fold)));
+  const auto steps = static_cast<std::size_t>(std::ceil((last - first) * per_e_fold));
   std::vector<double> log_tau;
   for (std::size_t i = 0; i <= steps; ++i)
     log_tau.push_back(first + (last - first) * static_cast<double>(i) / static_cast<double>(steps));
   return log_tau;
 }
 
-/// A formula at the times shown and at those close enough to each other for lines and peaks.  These are those of the
-/// range; which times are shown in it, and where it cuts a flank, changes nothing.
+/// A formula at the times shown and at those about its lines and peaks.  These are those of the range; which times are
+/// shown in it, and where it cuts a flank, changes nothing.
 class ExactTimes {
  public:
   ExactTimes(const Structure& structure, std::span<const double> parameters, std::vector<double> log_tau,
              TimesKernel kernel)
-      : structure_(structure),
-        parameters_(parameters.begin(), parameters.end()),
-        shown_(std::move(log_tau)),
+      : shown_(std::move(log_tau)),
         fine_(fine_times(shown_.front() - flank, shown_.back() + flank)),
         kernel_(kernel),
-        values_(structure.expression(), parameters, rates()) {}
+        lines_(lines_of(structure.expression(), parameters)),
+        values_(structure.expression(), parameters, rates()) {
+    const Parts parts = parts_of(values_.values());
+    const std::vector<double> densities = densities_of(parts.fine);
+    double beside = 0;
+    for (std::size_t i = 0; i < lines_.size(); ++i) beside += std::abs(lines_[i].pole(parts.about_line(i)).area.real());
+    peaks_ = detail::large_peaks(detail::peak_ranges(densities), fine_, densities, beside);
+    std::erase_if(peaks_, [&](const auto& range) { return !in_range(detail::peak_place(fine_, densities, range)); });
+  }
 
-  [[nodiscard]] TimesDistribution distribution() const { return from(parameters_, values_.values()); }
+  [[nodiscard]] TimesDistribution distribution() const { return from(values_.values()); }
+  /// With the same lines and peaks, wherever they have gone.
   [[nodiscard]] TimesDistribution moved(std::size_t parameter, double to) const {
-    std::vector<double> parameters = parameters_;
-    parameters[parameter] = to;
-    return from(parameters, values_.moved(parameter, to));
+    return from(values_.moved(parameter, to));
   }
 
  private:
   static constexpr double flank = 6 * std::numbers::ln10;
 
+  [[nodiscard]] bool in_range(double log_tau) const { return log_tau >= shown_.front() && log_tau <= shown_.back(); }
+
+  [[nodiscard]] std::vector<PoleTimes> lines_of(const detail::Expression& expression,
+                                                std::span<const double> parameters) {
+    constexpr double margin = 0.1, widest_gap = 1.0 / 40;
+    const auto sought = detail::possible_poles(expression, parameters, shown_.front() - margin, shown_.back() + margin);
+    lines_left_off_ = sought.left_off;
+    const std::vector<double>& places = sought.log_tau;
+    detail::CutValue formula(expression, parameters);
+    const auto value = [&](double log_tau) {
+      return formula.of(static_cast<int>(expression.nodes.size()) - 1, std::exp(-log_tau));
+    };
+    std::vector<PoleTimes> lines;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      double gap = widest_gap;
+      if (i > 0) gap = std::min(gap, places[i] - places[i - 1]);
+      if (i + 1 < places.size()) gap = std::min(gap, places[i + 1] - places[i]);
+      const PoleTimes about(places[i], gap);
+      if (in_range(places[i]) && about.is_pole(value)) lines.push_back(about);
+    }
+    return lines;
+  }
+
   [[nodiscard]] std::vector<double> rates() const {
     std::vector<double> result;
     for (const auto* times : {&shown_, &fine_})
       for (const double each : *times) result.push_back(std::exp(-each));
+    for (const PoleTimes& line : lines_)
+      for (std::size_t i = 0; i < PoleTimes::count; ++i) result.push_back(std::exp(-line.time(i)));
     return result;
   }
 
-  [[nodiscard]] double density(std::complex<double> value) const {
-    // What rounding leaves where the values on both sides agree is no density.
-    const bool is_real = std::abs(value.imag()) < 1e-13 * std::abs(value);
-    return is_real ? 0 : -sign_of(kernel_) / std::numbers::pi * value.imag();
+  /// Values of the formula at the rates.
+  struct Parts {
+    std::span<const Complex> shown, fine, lines;
+    [[nodiscard]] std::span<const Complex> about_line(std::size_t i) const {
+      return lines.subspan(i * PoleTimes::count, PoleTimes::count);
+    }
+  };
+  [[nodiscard]] Parts parts_of(std::span<const Complex> values) const {
+    return {values.first(shown_.size()), values.subspan(shown_.size(), fine_.size()),
+            values.subspan(shown_.size() + fine_.size())};
   }
 
-  [[nodiscard]] bool in_range(double tau) const {
-    return std::log(tau) >= shown_.front() && std::log(tau) <= shown_.back();
+  [[nodiscard]] std::vector<double> densities_of(std::span<const Complex> values) const {
+    std::vector<double> result;
+    for (const Complex value : values) {
+      // What rounding leaves where the values on both sides agree is no density, and at a line there is none beside it.
+      const bool is_cut = std::isfinite(std::abs(value)) && std::abs(value.imag()) >= 1e-13 * std::abs(value);
+      result.push_back(is_cut ? -sign_of(kernel_) / std::numbers::pi * value.imag() : 0);
+    }
+    return result;
   }
 
-  [[nodiscard]] TimesDistribution from(std::span<const double> parameters,
-                                       std::span<const std::complex<double>> values) const {
+  [[nodiscard]] TimesDistribution from(std::span<const Complex> values) const {
     TimesDistribution result{};
     result.kernel = kernel_;
     result.constant = result.inductance = result.elastance = result.smoothness = nan;
     result.misfit = result.misfit_in_noise = nan;
-    for (std::size_t i = 0; i < shown_.size(); ++i) {
-      result.tau.push_back(std::exp(shown_[i]));
-      result.density.push_back(density(values[i]));
+    const Parts parts = parts_of(values);
+    for (const double each : shown_) result.tau.push_back(std::exp(each));
+    result.density = densities_of(parts.shown);
+    result.lines_left_off = lines_left_off_;
+    for (std::size_t i = 0; i < lines_.size(); ++i) {
+      // 1 + s tau_k is t - t_k near the pole.
+      const auto pole = lines_[i].pole(parts.about_line(i));
+      result.lines.push_back({std::exp(pole.log_tau.real()), sign_of(kernel_) * pole.area.real(), nan, nan, nan, nan});
     }
-    const auto at_fine = values.subspan(shown_.size());
-    const auto first = std::upper_bound(fine_.begin(), fine_.end(), shown_.front()) - fine_.begin() - 1;
-    const auto last = std::lower_bound(fine_.begin(), fine_.end(), shown_.back()) - fine_.begin();
-    const auto from_index = static_cast<std::size_t>(first), count = static_cast<std::size_t>(last - first + 1);
-    Lines lines({structure_.expression(), parameters}, sign_of(kernel_));
-    result.lines = lines.between(std::span(fine_).subspan(from_index, count), at_fine.subspan(from_index, count));
-    std::erase_if(result.lines, [&](const TimesLine& line) { return !in_range(line.tau); });
-    std::vector<double> densities;
-    for (const auto& each : at_fine) densities.push_back(density(each));
-    double beside = 0;
-    for (const TimesLine& line : result.lines) beside += std::abs(line.area);
-    for (const auto& range : detail::large_peaks(detail::peak_ranges(densities), fine_, densities, beside)) {
-      const double tau = std::exp(detail::peak_place(fine_, densities, range));
-      if (in_range(tau)) result.peaks.push_back({tau, detail::peak_area(fine_, densities, range), nan, nan, nan, nan});
-    }
+    const std::vector<double> densities = densities_of(parts.fine);
+    for (const auto& range : peaks_)
+      result.peaks.push_back({std::exp(detail::peak_place(fine_, densities, range)),
+                              detail::peak_area(fine_, densities, range), nan, nan, nan, nan});
     return result;
   }
 
-  const Structure& structure_;
-  std::vector<double> parameters_, shown_, fine_;
+  std::vector<double> shown_, fine_;
   TimesKernel kernel_;
+  std::size_t lines_left_off_ = 0;
+  std::vector<PoleTimes> lines_;
   detail::CutValues values_;
+  std::vector<detail::PeakRange> peaks_;
 };
 
 void check_parameters(const Structure& structure, std::size_t count) {
@@ -227,14 +251,11 @@ TimesDistribution relaxation_times(const FitResult& fit, std::span<const double>
     std::vector<double>& slope = slopes.emplace_back(centre.size(), 0.0);
     const double variance = fit.covariance[i][i];
     if (!(variance > 0)) continue;  // held
-    // Small against the curvature, large against rounding.
-    const double step = std::min(0.01 * std::sqrt(variance), 1e-3 * std::abs(values[i]) + 1e-300);
+    // Small against the distance of lines, of which there are a thousand at most, large against rounding.
+    const double step = std::min(0.01 * std::sqrt(variance), 1e-6 * std::abs(values[i]) + 1e-300);
     const auto above = quantities(exact.moved(i, values[i] + step));
     const auto below = quantities(exact.moved(i, values[i] - step));
-    // A peak or a line that comes or goes has no slope.
-    for (std::size_t k = 0; k < centre.size(); ++k)
-      slope[k] =
-          above.size() == centre.size() && below.size() == centre.size() ? (above[k] - below[k]) / (2 * step) : nan;
+    for (std::size_t k = 0; k < centre.size(); ++k) slope[k] = (above[k] - below[k]) / (2 * step);
   }
   std::vector<double> half(centre.size());
   const double t = student_t_95(freedom);
