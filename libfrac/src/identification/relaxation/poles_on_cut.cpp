@@ -82,7 +82,8 @@ class Search {
   /// Half turns of an argument between two times.
   [[nodiscard]] double turns(int argument, double from, double to) {
     if (!is_imaginary(value(argument, (from + to) / 2))) return 0;
-    return std::abs(value(argument, to).imag() - value(argument, from).imag()) / std::numbers::pi;
+    const double angle = std::abs(value(argument, to).imag() - value(argument, from).imag());
+    return std::isfinite(angle) ? angle / std::numbers::pi : 0;
   }
 
   /// Leaves off the short times at which a series of poles has more than can be listed.
@@ -192,6 +193,7 @@ class Search {
     for (std::size_t i = 1; i < ends.size(); ++i) {
       if (!is_imaginary(value(argument, (ends[i - 1] + ends[i]) / 2))) continue;
       const double from = value(argument, ends[i - 1]).imag(), to = value(argument, ends[i]).imag();
+      if (!std::isfinite(from) || !std::isfinite(to)) continue;
       // The end at which a turn is full belongs to the interval after it.
       const auto turns_at = [&](double angle) { return std::ceil(angle / std::numbers::pi - offset); };
       for (double k = turns_at(std::min(from, to)); k < turns_at(std::max(from, to)); ++k) {
