@@ -295,6 +295,26 @@ TEST(Validate, FindsAStepItsPlaceAndItsSize) {
   EXPECT_NE(result.summary().find("jumps by"), std::string::npos) << result.summary();
 }
 
+// The same points, told to be in Hz: all figures stay, and the sentence has frequencies 2 pi smaller.
+TEST(Validate, SentencesUseTheUnitOfTheData) {
+  Random random(78);
+  support::Sweep sweep = support::sweep(support::impedance_models()[1], 10, NoiseKind::relative, 0.002, random);
+  for (std::size_t i = 30; i < sweep.exact.size(); ++i) sweep.exact[i] *= 1.03;
+  support::add_noise(sweep, random);
+  const frac::FrequencyResponseData data = sweep.data();
+  const auto result = frac::validate(data);
+  const auto in_hertz = frac::validate({data.omega(), data.value(), data.sigma(), frac::FrequencyUnit::hertz});
+  EXPECT_EQ(in_hertz.step_below, result.step_below);
+  const auto places = [&](double factor, const char* unit) {
+    char text[96];
+    std::snprintf(text, sizeof text, "between %.3g and %.3g %s", result.step_below * factor, result.step_above * factor,
+                  unit);
+    return std::string(text);
+  };
+  EXPECT_NE(result.summary().find(places(1, "rad/s")), std::string::npos) << result.summary();
+  EXPECT_NE(in_hertz.summary().find(places(0.5 / std::numbers::pi, "Hz")), std::string::npos) << in_hertz.summary();
+}
+
 // Found are 95 of 100 (measured, see validity_rates.md); the bound is three standard deviations of the binomial below.
 TEST(Validate, FindsAPointThatStandsOutAlone) {
   int all = 0, found = 0;

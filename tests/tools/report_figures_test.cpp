@@ -172,11 +172,24 @@ TEST(FieldOf, IsToldByNamesThenByUnits) {
 }
 
 TEST(NotationOf, KeepsThePrefixOfAUnit) {
-  EXPECT_EQ(notation_of(Field::impedance, "kohm").unit, "kΩ");
-  EXPECT_EQ(notation_of(Field::impedance, "ohm").unit, "Ω");
-  EXPECT_EQ(notation_of(Field::shear_modulus, "MPa").unit, "MPa");
-  EXPECT_EQ(notation_of(Field::transfer_function, "m_per_n").unit, "m_per_n");
+  const auto unit = [](Field field, const char* of_file) {
+    return notation_of(field, of_file, frac::FrequencyUnit::hertz).unit;
+  };
+  EXPECT_EQ(unit(Field::impedance, "kohm"), "kΩ");
+  EXPECT_EQ(unit(Field::impedance, "ohm"), "Ω");
+  EXPECT_EQ(unit(Field::shear_modulus, "MPa"), "MPa");
+  EXPECT_EQ(unit(Field::transfer_function, "m_per_n"), "m/N");
   EXPECT_EQ(with_unit("Z", ""), "Z");
+}
+
+// Spectra are read over Hz whatever the file has; elsewhere the file decides.
+TEST(NotationOf, TakesTheFrequencyAsReadersOfTheFieldDo) {
+  for (const auto file : {frac::FrequencyUnit::hertz, frac::FrequencyUnit::rad_per_s}) {
+    for (const Field field : {Field::impedance, Field::admittance, Field::permittivity})
+      EXPECT_EQ(notation_of(field, "", file).axis_label(), "f in Hz");
+    for (const Field field : {Field::shear_modulus, Field::tensile_modulus, Field::transfer_function})
+      EXPECT_EQ(notation_of(field, "", file).axis, file);
+  }
 }
 
 TEST(WriteScript, DrawsAMapOfCellsRowByRowFromTheLowest) {

@@ -296,6 +296,10 @@ TEST(WriteReport, ShowsAnImpedanceAsReadersOfSpectraDo) {
                 -rows.at(12).at("im").get<double>());
   EXPECT_NE(script.find(drawn), std::string::npos) << "−Im points upward: " << drawn;
 
+  // Sentences speak of the frequency as the pictures do.
+  EXPECT_NE(report.page().find("0.01 … 100 Hz"), std::string::npos);
+  EXPECT_EQ(report.page().find("rad/s"), std::string::npos);
+
   // The verdict stands in the frame of the picture, the intervals in a table of their own.
   const std::string page = report.page();
   const std::size_t figure = page.find("<figure id=\"figure-data-1\"");

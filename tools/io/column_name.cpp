@@ -171,6 +171,7 @@ void read_frequency_unit(bool angular, ColumnMeaning& meaning) {
   const auto rate = radian_rate_factor(meaning.unit);
   if (hertz) {
     meaning.factor = *hertz;
+    meaning.in_hertz = true;
   } else if (rate) {
     meaning.factor = *rate;
   } else if (angular) {

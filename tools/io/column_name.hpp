@@ -30,6 +30,7 @@ struct ColumnMeaning {
   // What the name speaks of: z impedance, y admittance, g shear modulus, e tensile modulus, eps permittivity, w an
   // angular frequency; empty when it does not tell.
   std::string symbol = {};
+  bool in_hertz = false;        // of a frequency: it counts turns, not radians
   std::string assumption = {};  // what was taken for granted, one sentence
 };
 

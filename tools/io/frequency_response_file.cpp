@@ -113,7 +113,9 @@ FrequencyResponseFile read_table(const Measurement& measurement, const TextTable
   std::string what = planner.values_of_instrument(plan);
   if (!what.empty() && !unit.empty()) what += " in " + unit;
   say_what_was_taken(measurement, what, points.omega.size(), notes);
-  return {frac::FrequencyResponseData(std::move(points.omega), std::move(points.value), std::move(points.sigma)),
+  return {frac::FrequencyResponseData(
+              std::move(points.omega), std::move(points.value), std::move(points.sigma),
+              planner.meaning(plan.frequency).in_hertz ? frac::FrequencyUnit::hertz : frac::FrequencyUnit::rad_per_s),
           std::move(metadata),
           unit,
           std::move(notes),
@@ -163,8 +165,8 @@ FrequencyResponseFile read_curve(const Measurement& measurement, const Measureme
                            (sweep.name.empty() || sweep.name == curve.quantity ? "" : " " + sweep.name) +
                            (curve.unit.empty() || curve.unit == "1" ? "" : " in " + curve.unit);
   say_what_was_taken(measurement, what, points.omega.size(), notes);
-  return {frac::FrequencyResponseData(std::move(points.omega), std::move(points.value)), std::move(metadata),
-          curve.unit, std::move(notes), measurement.fingerprint};
+  return {frac::FrequencyResponseData(std::move(points.omega), std::move(points.value), {}, curve.frequency_unit),
+          std::move(metadata), curve.unit, std::move(notes), measurement.fingerprint};
 }
 
 // Which of these names the choice means: one of them, or its number.

@@ -62,7 +62,7 @@ class Drawing {
         data_(data),
         chosen_(result.ranking.at(result.chosen)),
         field_(field),
-        notation_(notation_of(field, unit)),
+        notation_(notation_of(field, unit, data.frequency_unit())),
         axis_(axis_values(notation_, data.omega())),
         model_(frac::fitted_response(chosen_.fit, frac::ExactRealisation{}, data.omega())),
         deviation_(frac::response_deviation(chosen_.fit, frac::ExactRealisation{}, data.omega())) {
@@ -141,7 +141,8 @@ class Drawing {
       add(before + "magnitude", each(response, [](auto z) { return std::abs(z); }));
       add(before + "phase_deg", unwrapped_phase(response, first_phase_));
     };
-    add(notation_.axis_name, axis_);
+    add(notation_.axis_name(), axis_);
+    if (notation_.axis == frac::FrequencyUnit::hertz) add("omega_rad_s", data_.omega());
     add_response("", data_.value());
     for (std::size_t i = 0; i < fits_.size(); ++i) {
       const std::string before = "fit" + std::to_string(i + 1) + "_";
@@ -178,7 +179,7 @@ class Drawing {
   [[nodiscard]] Panel over_frequency(const std::string& title, Axis vertical) const {
     Panel panel;
     panel.title = title;
-    panel.x = {notation_.axis_label, true};
+    panel.x = {notation_.axis_label(), true};
     panel.y = std::move(vertical);
     return panel;
   }
@@ -245,8 +246,7 @@ class Drawing {
       return panel;
     }
     const std::string& unit = notation_.unit;
-    Panel panel =
-        over_frequency("Magnitude", {"dB re 1 " + enhanced_escape(unit.empty() ? "unit of the file" : unit), false});
+    Panel panel = over_frequency("Magnitude", {unit.empty() ? "dB" : "dB re 1 " + enhanced_escape(unit), false});
     const auto decibels = [](const Response& response) {
       return each(response, [](auto z) { return z == 0.0 ? std::nan("") : decibel(z); });
     };

@@ -16,7 +16,7 @@ namespace report {
 
 namespace {
 
-frac::FrequencyResponseData thinned(const frac::FrequencyResponseData& data) {
+frac::FrequencyResponseData thinned(const frac::FrequencyResponseData& data, frac::FrequencyUnit shown_in) {
   std::vector<double> omega, sigma;
   std::vector<std::complex<double>> value;
   for (const std::size_t i : evenly_chosen(data.size())) {
@@ -24,12 +24,16 @@ frac::FrequencyResponseData thinned(const frac::FrequencyResponseData& data) {
     value.push_back(data.value()[i]);
     if (!data.sigma().empty()) sigma.push_back(data.sigma()[i]);
   }
-  return {std::move(omega), std::move(value), std::move(sigma)};
+  return {std::move(omega), std::move(value), std::move(sigma), shown_in};
+}
+
+std::string frequency(const frac::FrequencyResponseData& data, double omega) {
+  return html_number(in_unit(omega, data.frequency_unit()));
 }
 
 std::string frequencies_of(const frac::FrequencyResponseData& data, const std::vector<std::size_t>& points) {
   std::string text;
-  for (const std::size_t i : points) text += (text.empty() ? "" : ", ") + html_number(data.omega()[i]);
+  for (const std::size_t i : points) text += (text.empty() ? "" : ", ") + frequency(data, data.omega()[i]);
   return text;
 }
 
@@ -38,7 +42,9 @@ std::string frequencies_of(const frac::FrequencyResponseData& data, const std::v
 Section data_section(const Work& work, const std::string& name, const io::FrequencyResponseFile& read,
                      std::size_t number, Field asked) {
   const Field field = asked == Field::automatic ? field_of(read) : asked;
-  const frac::FrequencyResponseData taken = thinned(read.data);
+  // Sentences speak of the frequency as the pictures show it.
+  const frac::FrequencyUnit axis = notation_of(field, read.value_unit, read.data.frequency_unit()).axis;
+  const frac::FrequencyResponseData taken = thinned(read.data, axis);
   const auto outliers = frac::isolated_outliers(taken, frac::Component::both);
   const frac::FrequencyResponseData data = frac::without_points(taken, outliers);
   Section section = open_measured("data", name, number);
@@ -57,12 +63,15 @@ Section data_section(const Work& work, const std::string& name, const io::Freque
   }
   std::string text = prose("data", "extent",
                            {{"points", std::to_string(read.data.size())},
-                            {"from", html_number(read.data.omega().front())},
-                            {"to", html_number(read.data.omega().back())},
+                            {"from", frequency(taken, read.data.omega().front())},
+                            {"to", frequency(taken, read.data.omega().back())},
+                            {"unit", std::string(to_string(axis))},
                             {"weight", weight}});
   if (taken.size() < read.data.size())
     text += " " + prose("data", "thinned", {{"points", std::to_string(taken.size())}});
-  if (!outliers.empty()) text += " " + prose("data", "outliers", {{"at", frequencies_of(taken, outliers)}});
+  if (!outliers.empty())
+    text += " " + prose("data", "outliers",
+                        {{"at", frequencies_of(taken, outliers)}, {"unit", std::string(to_string(axis))}});
   for (const std::string& note : read.notes) text += " " + html_sentence(note);
   section.add(Html{"<p>" + text + "</p>"});
 
@@ -76,7 +85,8 @@ Section data_section(const Work& work, const std::string& name, const io::Freque
   }
   const frac::ValidationResult validity = frac::validate(data, {.most_points = frac::points_in_passing});
   if (!validity.model.empty()) {
-    section.add(Html{"<p>" + prose("data", "validity", {{"sentence", html_sentence(validity_sentence(validity, read))}}) + "</p>"});
+    section.add(Html{
+        "<p>" + prose("data", "validity", {{"sentence", html_sentence(validity_sentence(validity, read))}}) + "</p>"});
     section.fact("validity_" + section.id, std::string(to_string(validity.validity)));
   }
   const frac::IdentificationResult result = frac::identify(data, models, {}, options, work.threads);

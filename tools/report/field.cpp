@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <array>
-#include <numbers>
 #include <utility>
 
 namespace report {
@@ -70,26 +69,33 @@ Field field_of(const io::FrequencyResponseFile& file) {
   return Field::transfer_function;
 }
 
-Notation notation_of(Field field, const std::string& unit) {
+Notation notation_of(Field field, const std::string& unit, frac::FrequencyUnit axis) {
   const Unit apart = taken_apart(unit);
-  const std::string shown = apart.base.empty() ? unit : apart.prefix + apart.base;
-  constexpr double hertz = 1 / (2 * std::numbers::pi);
+  const std::string shown = unit == "m_per_n" ? "m/N" : apart.base.empty() ? unit : apart.prefix + apart.base;
+  constexpr auto hertz = frac::FrequencyUnit::hertz;
   switch (field) {
     case Field::impedance:
-      return {"Z", "Z′", "−Z″", -1, shown, "f_hz", "f in Hz", hertz};
+      return {"Z", "Z′", "−Z″", -1, shown, hertz};
     case Field::admittance:
-      return {"Y", "Y′", "Y″", 1, shown, "f_hz", "f in Hz", hertz};
+      return {"Y", "Y′", "Y″", 1, shown, hertz};
     case Field::shear_modulus:
-      return {"G", "G′", "G″", 1, shown, "omega_rad_s", "ω in rad/s", 1};
+      return {"G", "G′", "G″", 1, shown, axis};
     case Field::tensile_modulus:
-      return {"E", "E′", "E″", 1, shown, "omega_rad_s", "ω in rad/s", 1};
+      return {"E", "E′", "E″", 1, shown, axis};
     case Field::permittivity:
-      return {"ε", "ε′", "ε″", -1, shown, "f_hz", "f in Hz", hertz};
+      return {"ε", "ε′", "ε″", -1, shown, hertz};
     case Field::automatic:
     case Field::transfer_function:
       break;
   }
-  return {"H", "Re", "Im", 1, shown, "omega_rad_s", "ω in rad/s", 1};
+  return {"H", "Re", "Im", 1, shown, axis};
+}
+
+std::string Notation::axis_name() const {
+  return axis == frac::FrequencyUnit::hertz ? "f_hz" : "omega_rad_s";
+}
+std::string Notation::axis_label() const {
+  return axis == frac::FrequencyUnit::hertz ? "f in Hz" : "ω in rad/s";
 }
 
 std::string with_unit(const std::string& quantity, const std::string& unit) {
@@ -98,7 +104,7 @@ std::string with_unit(const std::string& quantity, const std::string& unit) {
 
 std::vector<double> axis_values(const Notation& notation, const std::vector<double>& omega) {
   std::vector<double> axis(omega.size());
-  std::transform(omega.begin(), omega.end(), axis.begin(), [&](double each) { return each * notation.axis_factor; });
+  std::transform(omega.begin(), omega.end(), axis.begin(), [&](double each) { return in_unit(each, notation.axis); });
   return axis;
 }
 

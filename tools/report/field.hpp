@@ -15,10 +15,10 @@ enum class Field {
   automatic,          // told by the names and units of the file
   impedance,          // -Im Z over Re Z beside magnitude and phase over Hz
   admittance,         // Im Y over Re Y beside magnitude and phase over Hz
-  shear_modulus,      // G' and G'' over rad/s, both axes logarithmic
+  shear_modulus,      // G' and G'' over the frequency as the file gives it, both axes logarithmic
   tensile_modulus,    // E' and E'', likewise
   permittivity,       // eps' and eps'' over Hz, likewise
-  transfer_function,  // magnitude in dB and phase over rad/s
+  transfer_function,  // magnitude in dB and phase over the frequency as the file gives it
 };
 
 /// Command-line spellings.
@@ -34,14 +34,16 @@ struct Notation {
   std::string real, imaginary;  // Z', -Z''
   double sign;                  // of the imaginary part as drawn
   std::string unit;             // as on axes; empty: none is known
-  std::string axis_name;        // of the frequency in tables: f_hz or omega_rad_s
-  std::string axis_label;       // f in Hz
-  double axis_factor;           // from rad/s
+  frac::FrequencyUnit axis;     // of the frequency
+
+  [[nodiscard]] std::string axis_name() const;   // in tables: f_hz or omega_rad_s
+  [[nodiscard]] std::string axis_label() const;  // f in Hz
 };
 
 /// @param field  not automatic
 /// @param unit   of the file, as it stands there
-[[nodiscard]] Notation notation_of(Field field, const std::string& unit);
+/// @param axis   of the file; impedances, admittances and permittivities are shown over Hz all the same
+[[nodiscard]] Notation notation_of(Field field, const std::string& unit, frac::FrequencyUnit axis);
 
 /// "Z' in ohm": a quantity with its unit, if there is one.
 [[nodiscard]] std::string with_unit(const std::string& quantity, const std::string& unit);

@@ -115,11 +115,10 @@ double excess(const Distances& distance, const std::vector<std::size_t>& usable,
 
 // "1, 3.162"
 std::string frequencies_of(const FrequencyResponseData& data, const std::vector<std::size_t>& points) {
-  std::string omega;
-  for (const std::size_t point : points) {
-    omega += (omega.empty() ? "" : ", ") + detail::four_digits(data.omega()[point]);
-  }
-  return omega;
+  std::string list;
+  for (const std::size_t point : points)
+    list += (list.empty() ? "" : ", ") + detail::four_digits(in_unit(data.omega()[point], data.frequency_unit()));
+  return list + " " + std::string(to_string(data.frequency_unit()));
 }
 
 }  // namespace
@@ -199,7 +198,7 @@ FrequencyResponseData without_points(const FrequencyResponseData& data, const st
     value.push_back(data.value()[i]);
     if (!data.sigma().empty()) sigma.push_back(data.sigma()[i]);
   }
-  return {std::move(omega), std::move(value), std::move(sigma)};
+  return {std::move(omega), std::move(value), std::move(sigma), data.frequency_unit()};
 }
 
 ScreenedData::ScreenedData(FrequencyResponseData all, const FitOptions& options, bool keep_all)
@@ -212,7 +211,7 @@ std::string ScreenedData::sentence() const {
   if (left_out_.empty()) return {};
   return std::to_string(left_out_.size()) + " of " + std::to_string(all_.size()) +
          (left_out_.size() == 1 ? " points contradicts its" : " points contradict their") +
-         " neighbours on both sides (omega = " + frequencies_of(all_, left_out_) + " rad/s); they are left out";
+         " neighbours on both sides (at " + frequencies_of(all_, left_out_) + "); they are left out";
 }
 
 std::string ScreenedData::take_back_met(const FitOptions& options, const FitResult& fit) {
@@ -220,8 +219,8 @@ std::string ScreenedData::take_back_met(const FitOptions& options, const FitResu
   if (met.empty()) return {};
   std::erase_if(left_out_, [&](std::size_t point) { return std::binary_search(met.begin(), met.end(), point); });
   kept_ = without_points(all_, left_out_);
-  return "the model meets what was left out at omega = " + frequencies_of(all_, met) +
-         " rad/s to within the noise, so that it is taken in again";
+  return "the model meets what was left out at " + frequencies_of(all_, met) +
+         " to within the noise, so that it is taken in again";
 }
 
 std::string ScreenedData::take_back_met(FitOptions options, const RankedFit& chosen) {

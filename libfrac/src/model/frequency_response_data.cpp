@@ -33,8 +33,8 @@ void check_omega(const std::vector<double>& omega) {
 }  // namespace
 
 FrequencyResponseData::FrequencyResponseData(std::vector<double> omega, std::vector<std::complex<double>> value,
-                                             std::vector<double> sigma)
-    : omega_(std::move(omega)), value_(std::move(value)), sigma_(std::move(sigma)) {
+                                             std::vector<double> sigma, FrequencyUnit shown_in)
+    : omega_(std::move(omega)), value_(std::move(value)), sigma_(std::move(sigma)), frequency_unit_(shown_in) {
   if (omega_.empty()) throw std::invalid_argument("frequency response: no points; at least one is needed");
   if (value_.size() != omega_.size() || (!sigma_.empty() && sigma_.size() != omega_.size())) {
     throw std::invalid_argument("frequency response: lengths differ: " + std::to_string(omega_.size()) +

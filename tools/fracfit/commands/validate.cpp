@@ -47,19 +47,22 @@ std::string frequencies(const Judged& judged, const std::vector<std::size_t>& po
 
 std::string short_frequencies(const Judged& judged, const std::vector<std::size_t>& points) {
   std::string text;
-  for (const std::size_t i : points) text += (text.empty() ? "" : ", ") + short_number(judged.data.omega()[i]);
-  return text;
+  const frac::FrequencyUnit unit = judged.data.frequency_unit();
+  for (const std::size_t i : points)
+    text += (text.empty() ? "" : ", ") + short_number(in_unit(judged.data.omega()[i], unit));
+  return text + " " + std::string(to_string(unit));
 }
 
 // Residuals over frequency with the band that holds 95 % of the noise.
 report::Panel panel_of(const Judged& judged) {
   const auto& result = judged.result;
-  std::vector<double> omega, real, imaginary, lower, upper;
+  const frac::FrequencyUnit unit = judged.data.frequency_unit();
+  std::vector<double> axis, real, imaginary, lower, upper;
   for (std::size_t i = 0; i < result.model.size(); ++i) {
     const double size = std::abs(result.model[i]);
     if (!(size > 0)) continue;
     const auto rest = (judged.data.value()[i] - result.model[i]) / size;
-    omega.push_back(judged.data.omega()[i]);
+    axis.push_back(in_unit(judged.data.omega()[i], unit));
     real.push_back(100 * rest.real());
     imaginary.push_back(100 * rest.imag());
     upper.push_back(196 * result.deviation[i] / size);
@@ -67,13 +70,15 @@ report::Panel panel_of(const Judged& judged) {
   }
   std::string title = judged.file + (judged.curve.empty() ? "" : ", " + judged.curve);
   title += ": " + std::string(to_string(result.validity));
-  report::Panel panel{report::enhanced_escape(title), {"{/Symbol w} (rad/s)", true}, {"data - model (% of model)"}};
+  report::Panel panel{report::enhanced_escape(title),
+                      {unit == frac::FrequencyUnit::hertz ? "f (Hz)" : "{/Symbol w} (rad/s)", true},
+                      {"data - model (% of model)"}};
   panel.key = true;
-  panel.curves.push_back(report::make_band("95 % of noise", "#bbbbbb", omega, lower, upper));
+  panel.curves.push_back(report::make_band("95 % of noise", "#bbbbbb", axis, lower, upper));
   panel.curves.push_back(
-      report::make_curve("real part", report::category_colour(0), report::Mark::line_points, omega, real));
+      report::make_curve("real part", report::category_colour(0), report::Mark::line_points, axis, real));
   panel.curves.push_back(
-      report::make_curve("imaginary part", report::category_colour(1), report::Mark::line_points, omega, imaginary));
+      report::make_curve("imaginary part", report::category_colour(1), report::Mark::line_points, axis, imaginary));
   return panel;
 }
 
@@ -261,8 +266,7 @@ class Validate : public Command {
       const auto& each = std::get<Judged>(outcome);
       text += each.file + (each.curve.empty() ? "" : ", " + each.curve) + ": " + each.sentence + "\n";
       for (const auto& [points, name] : {std::pair{&each.result.outliers, "outliers"}, {&each.result.mains, "mains"}})
-        if (!points->empty())
-          text += std::string("  ") + name + " at rad/s: " + short_frequencies(each, *points) + "\n";
+        if (!points->empty()) text += std::string("  ") + name + " at " + short_frequencies(each, *points) + "\n";
     }
     return text;
   }

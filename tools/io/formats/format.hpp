@@ -9,6 +9,7 @@
 #include <variant>
 #include <vector>
 
+#include "frac/frequency_unit.hpp"
 #include "io/text_table.hpp"
 
 namespace io {
@@ -25,8 +26,9 @@ struct Source {
 struct SampledCurve {
   std::vector<double> omega;  // rad/s, in the order of the file; 0 where the file has a point at rest
   std::vector<std::complex<double>> value;
-  std::string unit;      // of the values; empty where the file gives none
-  std::string quantity;  // e.g. "S11"
+  std::string unit;                                                 // of the values; empty where the file gives none
+  std::string quantity;                                             // e.g. "S11"
+  frac::FrequencyUnit frequency_unit = frac::FrequencyUnit::hertz;  // of the file
 };
 
 /// One sweep of a file.

@@ -119,7 +119,11 @@ std::optional<Recognised> read_matlab(const Source& source) {
   const std::size_t count = frequency->values.size();
   Recognised found{"MAT-file", {}};
   const auto add = [&](const std::string& name, std::vector<std::complex<double>> values, const std::string& unit) {
-    SampledCurve curve{{}, std::move(values), unit, name};
+    SampledCurve curve{{},
+                       std::move(values),
+                       unit,
+                       name,
+                       unit_of_frequency.in_hertz ? frac::FrequencyUnit::hertz : frac::FrequencyUnit::rad_per_s};
     for (const auto& each : frequency->values) curve.omega.push_back(unit_of_frequency.factor * each.real());
     found.sweeps.push_back({name, std::move(curve)});
   };

@@ -239,12 +239,13 @@ class Reader {
 
   void add(const Head& head, const Numbers& numbers, const std::vector<double>& values) {
     const std::string frequency_unit(head.field(8, 46, 20));
-    const double turn = frequency_unit == "rad/s" ? 1 : 2 * std::numbers::pi;
+    const auto shown_in = frequency_unit == "rad/s" ? frac::FrequencyUnit::rad_per_s : frac::FrequencyUnit::hertz;
+    const double turn = shown_in == frac::FrequencyUnit::hertz ? 2 * std::numbers::pi : 1;
     if (frequency_unit.empty() || frequency_unit == "NONE")
       found_.notes.push_back("set " + std::to_string(count_) + " gives no unit of frequency; Hz is taken");
     else if (frequency_unit != "Hz" && frequency_unit != "hz" && frequency_unit != "HZ" && frequency_unit != "rad/s")
       fail(head.line + 7, "found the unit " + quoted(frequency_unit) + " of frequency; expected Hz or rad/s");
-    SampledCurve curve{{}, {}, unit_of(head), "response"};
+    SampledCurve curve{{}, {}, unit_of(head), "response", shown_in};
     const std::size_t stride = per_point(numbers), shift = numbers.is_even ? 0 : 1;
     for (std::size_t i = 0; i < numbers.points; ++i) {
       const double* const at = values.data() + i * stride;

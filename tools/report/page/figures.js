@@ -29,12 +29,14 @@
   const write = (label, parent) =>
     pieces(label).forEach((piece) => element(piece.raised ? 'sup' : 'span', parent, {textContent: piece.text}));
 
-  // Six significant digits, in the words of a tick or a value.
-  function number(value) {
+  // Six significant digits, in the words of a tick or a value, from a size on as a power of ten.
+  function number(value, large = 1e6) {
     const rounded = Number(value.toPrecision(6));
     const size = Math.abs(rounded);
-    const text = size !== 0 && (size < 1e-4 || size >= 1e6) ? rounded.toExponential() : String(rounded);
-    return text.replace('e+', 'e').replaceAll('-', '−');
+    if (size === 0 || (size >= 1e-4 && size < large)) return String(rounded).replace('-', '−');
+    const [mantissa, exponent] = rounded.toExponential().split('e');
+    const raised = [...exponent].map((sign) => ({'+': '', '-': '⁻'})[sign] ?? '⁰¹²³⁴⁵⁶⁷⁸⁹'[sign]).join('');
+    return (mantissa === '1' ? '' : mantissa.replace('-', '−') + '·') + '10' + raised;
   }
 
   // Axes
@@ -65,7 +67,7 @@
   function ticks(axis, [a, b]) {
     if (axis.logarithmic && b - a > 1) {
       const step = Math.ceil((b - a) / 8), values = [];
-      const between = b - a > 2.5 ? [1] : [1, 2, 5];
+      const between = shows_decades(axis, [a, b]) ? [1] : [1, 2, 5];
       for (let e = Math.floor(a / step) * step; e <= b; e += step) {
         for (const mantissa of between) values.push(e + Math.log10(mantissa));
       }
@@ -82,6 +84,10 @@
     return name === 'x' ? left + share * panel.width : top + (1 - share) * panel.height;
   };
 
+  const shows_decades = (axis, [a, b]) => axis.logarithmic && b - a > 2.5;
+  // Many decades as plain numbers would touch each other.
+  const tick = (axis, range, value) => number(from(axis, value), shows_decades(axis, range) ? 1e4 : 1e6);
+
   // Drawing
   function path(panel, curve) {
     const at = (point, value) => `${place(panel, 'x', point.x).toFixed(2)},${place(panel, 'y', value).toFixed(2)}`;
@@ -97,7 +103,7 @@
     node('clipPath', {id: panel.id}, svg).append(node('rect', {x: left, y: top, width, height}));
     for (const name of ['x', 'y']) {
       for (const value of ticks(panel[name], panel.range[name])) {
-        const at = place(panel, name, from(panel[name], value)), text = number(from(panel[name], value));
+        const at = place(panel, name, from(panel[name], value)), text = tick(panel[name], panel.range[name], value);
         node('path', {class: 'grid', d: name === 'x' ? `M${at},${top}v${height}` : `M${left},${at}h${width}`}, svg);
         if (name === 'x') node('text', {x: at, y: top + height + 18, 'text-anchor': 'middle'}, svg, text);
         else node('text', {x: left - 7, y: at + 4, 'text-anchor': 'end'}, svg, text);
@@ -242,20 +248,33 @@
     return lines.join('\n') + '\n';
   }
 
+  // Panels side by side, or below each other where a screen is narrow, so that their words stay readable
+  const narrow = matchMedia('(max-width:640px)');
+  function arrange(data, grid) {
+    const columns = narrow.matches ? 1 : Math.min(data.columns, data.panels.length);
+    grid.style.gridTemplateColumns = `repeat(${columns},1fr)`;
+    for (const panel of data.panels) {
+      const wide = Math.min(panel.wide, columns);
+      panel.width = (narrow.matches ? 500 : 980) / columns * wide - left - right;
+      panel.height = data.panel_height * panel.tall + (panel.tall - 1) * (top + bottom);
+      panel.svg.setAttribute('viewBox', `0 0 ${left + panel.width + right} ${top + panel.height + bottom}`);
+      panel.svg.style.gridArea = `span ${panel.tall}/span ${wide}`;
+      set_range(panel, fitted(panel, 'x'), fitted(panel, 'y'));
+      draw(panel);
+    }
+  }
+
   // One printed picture
   const linked = new Map();  // panels by the link of their pictures
   document.querySelectorAll('script.figure-data').forEach((script) => {
     const data = JSON.parse(script.textContent), figure = script.parentElement, groups = new Map();
-    const columns = Math.min(data.columns, data.panels.length), live = element('div', figure, {className: 'live'});
+    const live = element('div', figure, {className: 'live'});
     figure.prepend(...figure.querySelectorAll('.verdict'), live);
     figure.classList.add('answers');
     const bar = element('div', live, {className: 'bar'}), grid = element('div', live, {className: 'panels'});
-    grid.style.gridTemplateColumns = `repeat(${columns},1fr)`;
     if (!linked.has(data.link)) linked.set(data.link, []);
     data.panels.forEach((panel, index) => {
       panel.id = `${data.name}-live-${index}`;
-      panel.width = 980 / columns * panel.wide - left - right;
-      panel.height = data.panel_height * panel.tall + (panel.tall - 1) * (top + bottom);
       panel.company = () => linked.get(data.link);
       panel.at_label = () => data.panels.find((other) => other.x.logarithmic)?.x.label ?? '';
       for (const curve of panel.curves) {
@@ -268,15 +287,12 @@
         curve.group = groups.get(key);
         curve.group.label ||= curve.label;
       }
-      const height = top + panel.height + bottom;
-      const words = {tabindex: 0, 'aria-label': plain(panel.title)};
-      panel.svg = node('svg', {viewBox: `0 0 ${left + panel.width + right} ${height}`, ...words}, grid);
-      panel.svg.style.gridArea = `span ${panel.tall}/span ${panel.wide}`;
-      set_range(panel, fitted(panel, 'x'), fitted(panel, 'y'));
-      draw(panel);
+      panel.svg = node('svg', {tabindex: 0, 'aria-label': plain(panel.title)}, grid);
       answer(panel);
       linked.get(data.link).push(panel);
     });
+    arrange(data, grid);
+    narrow.addEventListener('change', () => arrange(data, grid));
     for (const group of groups.values()) {
       if (!group.label) continue;
       const label = element('label', bar), box = element('input', label, {type: 'checkbox', checked: true});

@@ -85,6 +85,7 @@ struct ValidationResult {
   double step;                        // change of the response between two points, share of its size, upwards
   double step_deviation;              // standard deviation of `step`
   double step_below, step_above;      // omega of the points on either side of it
+  FrequencyUnit frequency_unit;       // in which summary() gives them
   bool step_explains;                 // without the step no residuals follow each other
   double drift_share, step_share;     // of the squares of the residuals that go with drift or step
   bool reversed_sign;                 // invalid as they are, the points are consistent with imaginary parts reversed

@@ -62,7 +62,8 @@ ValidationResult validate_thinned(const FrequencyResponseData& data, ValidationO
     if (!data.sigma().empty()) sigma.push_back(data.sigma()[k]);
   }
   options.most_points = 0;
-  ValidationResult result = validate({std::move(omega), std::move(value), std::move(sigma)}, options);
+  ValidationResult result =
+      validate({std::move(omega), std::move(value), std::move(sigma), data.frequency_unit()}, options);
   result.every = every;
   for (auto* points : {&result.outliers, &result.mains})
     for (std::size_t& point : *points) point *= every;
@@ -179,6 +180,7 @@ ValidationResult validate(const FrequencyResponseData& data, const ValidationOpt
     return validate_thinned(data, options, (data.size() - 1) / options.most_points + 1);
 
   ValidationResult result = nothing_known(options);
+  result.frequency_unit = data.frequency_unit();
   constexpr std::size_t fewest_points = 6;
   if (data.size() < fewest_points || !(data.omega().back() > data.omega().front())) {
     for (const ValidityTest test : detail::all_tests) result.findings.push_back({test, nan, false});

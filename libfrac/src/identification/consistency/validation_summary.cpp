@@ -75,9 +75,10 @@ Unsteady unsteady(const ValidationResult& result) {
 /// The sentence's part on drift, jump and neighbours; empty where there is nothing to say.
 std::string on_unsteadiness(const ValidationResult& result, const Unsteady& is) {
   const std::string drift = percent(result.drift) + " +- " + percent(result.drift_deviation) + " during the sweep";
+  const auto frequency = [&](double omega) { return detail::short_text(in_unit(omega, result.frequency_unit)); };
   const std::string jump = percent(result.step) + " +- " + percent(result.step_deviation) + " between " +
-                           detail::short_text(result.step_below) + " and " + detail::short_text(result.step_above) +
-                           " rad/s";
+                           frequency(result.step_below) + " and " + frequency(result.step_above) + " " +
+                           std::string(to_string(result.frequency_unit));
   if (is.follow && !is.explained)
     return "residuals of neighbouring points follow each other (correlation " + detail::short_text(result.correlation) +
            " beyond that of white noise)" +

@@ -64,7 +64,7 @@ FrequencyResponseData part_of(const FrequencyResponseData& data, std::size_t fir
     value.push_back(data.value()[i]);
     if (!data.sigma().empty()) sigma.push_back(data.sigma()[i]);
   }
-  return {omega, value, sigma};
+  return {omega, value, sigma, data.frequency_unit()};
 }
 
 TimeResponseData part_of(const TimeResponseData& data, std::size_t first, std::size_t last, bool inside) {

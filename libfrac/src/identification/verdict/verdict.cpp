@@ -46,11 +46,11 @@ void differ_most(IdentificationResult& result, const FrequencyResponseData& data
 void differ_most(IdentificationResult&, const TimeResponseData&, const TimeFitOptions&, const FitResult&,
                  const FitResult&) {}
 
-const char* axis_unit(const FrequencyResponseData&) {
-  return "rad/s";
+AxisUnit axis_unit(const FrequencyResponseData& data) {
+  return {to_string(data.frequency_unit()), in_unit(1, data.frequency_unit())};
 }
-const char* axis_unit(const TimeResponseData&) {
-  return "s";
+AxisUnit axis_unit(const TimeResponseData&) {
+  return {"s", 1};
 }
 
 /// Whether many values repeat their neighbours': they are rounded so coarsely that the steps are a shape of their own,
@@ -107,11 +107,11 @@ void suggest_next(IdentificationResult& result, const FrequencyResponseData& dat
   // Where the two are one model in two spellings, nothing tells them apart.
   if (result.next && !(result.next->expected_evidence > no_evidence)) result.next.reset();
   const bool relative = options.weight != Weight::absolute;
-  if (result.next) result.verdict_sentence += advice(*result.next, noise, relative);
+  if (result.next) result.verdict_sentence += advice(*result.next, noise, relative, axis_unit(data));
 }
 void suggest_next(IdentificationResult&, const TimeResponseData&, const TimeFitOptions&, const Comparison&) {}
 
-void call_inadequate(IdentificationResult& result, const char* unit) {
+void call_inadequate(IdentificationResult& result, const AxisUnit& unit) {
   result.verdict = Verdict::no_adequate_model;
   result.verdict_sentence = sentence_without_model(result.ranking.at(result.chosen), unit);
 }

@@ -23,13 +23,13 @@ std::string how_far_off(const LackOfFit& lack) {
              : "its neighbouring residuals" + correlated;
 }
 
-std::string list_of_bands(const LackOfFit& lack, const char* unit) {
+std::string list_of_bands(const LackOfFit& lack, const AxisUnit& unit) {
   std::string text;
   for (std::size_t i = 0; i < std::min<std::size_t>(lack.misses.size(), 3); ++i) {
-    const std::string from = four_digits(lack.misses[i].lower), to = four_digits(lack.misses[i].upper);
+    const std::string from = unit.text(lack.misses[i].lower), to = unit.text(lack.misses[i].upper);
     text += (i > 0 ? ", " : "") + (from == to ? from : from + " to " + to);
   }
-  return text.empty() ? "" : " (misses at " + text + " " + unit + ")";
+  return text.empty() ? "" : " (misses at " + text + " " + std::string(unit.name) + ")";
 }
 
 /// rms of predictions, which are infinite where the rest of the data does not determine the model.
@@ -58,14 +58,14 @@ std::string decided_order(const Orders& orders) {
          " to " + four_digits(order.ci95_upper) + ")";
 }
 
-std::string model_error_and_difference(const IdentificationResult& result) {
+std::string model_error_and_difference(const IdentificationResult& result, const AxisUnit& unit) {
   std::string text;
   if (result.model_error) {
     text = "; neither follows the data to within their noise, and what is left is taken for model error";
   }
   if (!std::isnan(result.differ_most)) {
-    text += "; outside the data they differ most at " + four_digits(result.differ_most_omega) + " rad/s, by " +
-            four_digits(100 * result.differ_most) + " %";
+    text += "; outside the data they differ most at " + unit.text(result.differ_most_omega) + " " +
+            std::string(unit.name) + ", by " + four_digits(100 * result.differ_most) + " %";
   }
   return text;
 }
@@ -80,6 +80,10 @@ std::string what_may_be_used(const Comparison& pair) {
 
 }  // namespace
 
+std::string AxisUnit::text(double at) const {
+  return four_digits(factor * at);
+}
+
 std::string unfitted(const std::vector<std::string>& rivals) {
   constexpr std::size_t most = 3;
   std::string text = rivals.size() == 1 ? "the rival " : "the rivals ";
@@ -89,36 +93,37 @@ std::string unfitted(const std::vector<std::string>& rivals) {
 }
 
 std::string verdict_sentence(const IdentificationResult& result, const Comparison& pair, const Ruling& ruling,
-                             const char* unit) {
+                             const AxisUnit& unit) {
   const std::string rivals = compared(result, pair);
   switch (ruling.verdict) {
     case Verdict::fractional_supported:
       return "A fractional order is supported: " + rivals + decided_order(pair.orders) +
              (pair.integer_follows || result.model_error ? "" : "; no integer-order candidate follows the data") +
-             model_error_and_difference(result) + ".";
+             model_error_and_difference(result, unit) + ".";
     case Verdict::fractional_not_supported: {
       const LackOfFit& lack = pair.fractional.ranked.lack_of_fit;
       const std::string miss = "; the fractional one misses the data: " + how_far_off(lack) + list_of_bands(lack, unit);
       return "A fractional order is not supported: " + rivals + ruling.reason +
-             (pair.fractional_follows || result.model_error ? "" : miss) + model_error_and_difference(result) + ".";
+             (pair.fractional_follows || result.model_error ? "" : miss) + model_error_and_difference(result, unit) +
+             ".";
     }
     default:
       return "The data do not tell: " + rivals + ruling.reason + "." + what_may_be_used(pair);
   }
 }
 
-std::string sentence_without_model(const RankedFit& best, const char* unit) {
+std::string sentence_without_model(const RankedFit& best, const AxisUnit& unit) {
   return "No candidate describes these data to within their noise: the best is " + described(best) + "; " +
          how_far_off(best.lack_of_fit) + list_of_bands(best.lack_of_fit, unit) + ".";
 }
 
-std::string advice(const NextMeasurement& next, double noise, bool relative) {
+std::string advice(const NextMeasurement& next, double noise, bool relative, const AxisUnit& unit) {
   const std::string wanted = relative ? "noise of " + four_digits(100 * next.accuracy) + " % of the response"
                                       : "residuals of " + four_digits(next.accuracy);
   const std::string less =
       next.accuracy < noise ? ", " + four_digits(noise / next.accuracy) + " times less than here" : "";
-  return " To decide, measure " + counted(next.points, "point") + " from " + four_digits(next.lower) + " to " +
-         four_digits(next.upper) + " rad/s with " + wanted + less + " (expected evidence " +
+  return " To decide, measure " + counted(next.points, "point") + " from " + unit.text(next.lower) + " to " +
+         unit.text(next.upper) + " " + std::string(unit.name) + " with " + wanted + less + " (expected evidence " +
          four_digits(next.expected_evidence) + ").";
 }
 

@@ -2,11 +2,20 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "identification/verdict/ruling.hpp"
 
 namespace frac::detail {
+
+/// Of frequency or time.
+struct AxisUnit {
+  std::string_view name;
+  double factor;  // from rad/s or s
+
+  [[nodiscard]] std::string text(double at) const;
+};
 
 /// "the rival 'zener' could not be fitted"
 [[nodiscard]] std::string unfitted(const std::vector<std::string>& rivals);
@@ -14,14 +23,14 @@ namespace frac::detail {
 /// The sentence of a verdict that compares two finalists.
 /// @param unit  of the axis of the data
 [[nodiscard]] std::string verdict_sentence(const IdentificationResult& result, const Comparison& pair,
-                                           const Ruling& ruling, const char* unit);
+                                           const Ruling& ruling, const AxisUnit& unit);
 
 /// The sentence where no candidate follows the data.
-[[nodiscard]] std::string sentence_without_model(const RankedFit& best, const char* unit);
+[[nodiscard]] std::string sentence_without_model(const RankedFit& best, const AxisUnit& unit);
 
 /// What to measure next.
 /// @param noise     of the data at hand, as next.accuracy
 /// @param relative  whether both are shares of the response
-[[nodiscard]] std::string advice(const NextMeasurement& next, double noise, bool relative);
+[[nodiscard]] std::string advice(const NextMeasurement& next, double noise, bool relative, const AxisUnit& unit);
 
 }  // namespace frac::detail
