@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "run_program.hpp"
 
@@ -90,6 +92,65 @@ std::string table_of(const Response& response) {
     text += line;
   }
   return text;
+}
+
+/// Digits of the longest number in a text, without zeros before it.
+std::size_t most_digits(const std::string& text) {
+  std::size_t most = 0, digits = 0;
+  bool in_exponent = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    const bool is_digit = c >= '0' && c <= '9';
+    if (c == 'e' && digits > 0) in_exponent = true;
+    if (is_digit && !in_exponent && (c != '0' || digits > 0)) most = std::max(most, ++digits);
+    if (!is_digit && c != '.' && c != 'e' && c != '-' && c != '+') digits = 0, in_exponent = false;
+  }
+  return most;
+}
+
+// On a terminal what is to be read first stands first, with the digits of its interval: of a peak of data some two.
+TEST(DrtCommand, TheTableBeginsWithThePeaks) {
+  const TemporaryFolder folder;
+  const auto data = folder.write("data.csv", spectrum()), fit = folder.path("fit.json");
+  ASSERT_EQ(run_fracfit({"fit", data, "--model", "R0 + R/(1 + (T s)^a)", "--format", "json", "--out", fit}).code, 0);
+  const auto result = run_fracfit({"drt", data, "--fit", fit, "--tau", "1e-5:10:21log", "--format", "table"});
+  ASSERT_EQ(result.code, 0) << result.error;
+  EXPECT_LE(most_digits(result.output), 6U) << result.output;
+  std::vector<std::string> kinds;
+  for (const auto& line : lines_of(result.output)) {
+    std::istringstream words(line);
+    std::string source, kind;
+    words >> source >> kind;
+    if (source != "data" && source != "fit") continue;
+    if (kinds.empty()) {
+      EXPECT_LE(most_digits(line), 4U) << line;
+    }
+    kinds.push_back(kind);
+  }
+  ASSERT_GT(kinds.size(), 100U);
+  EXPECT_EQ(kinds[0], "peak");
+  EXPECT_EQ(kinds[1], "peak") << "that of the fit";
+  EXPECT_EQ(std::count(kinds.begin() + 2, kinds.end(), "density"), static_cast<std::ptrdiff_t>(kinds.size()) - 2);
+  EXPECT_NE(result.output.find("value_unit"), std::string::npos);
+}
+
+// 300000 half turns between the times asked for.
+TEST(DrtCommand, LinesThatAreLeftOffAreSaid) {
+  const TemporaryFolder folder;
+  const auto data = folder.write("data.csv", table_of([](std::complex<double> s) {
+                                   const auto root = std::sqrt(1000.0 * s);
+                                   return 20.0 * std::tanh(root) / root;
+                                 }));
+  const auto fit = folder.path("fit.json");
+  ASSERT_EQ(run_fracfit({"fit", data, "--model", "R tanh(sqrt(T s))/sqrt(T s)", "--start", "T=900", "--start", "R=19",
+                         "--format", "json", "--out", fit})
+                .code,
+            0);
+  const auto result = run_fracfit({"drt", "--fit", fit, "--tau", "1e-9:1e4:21log", "--format", "json"});
+  const auto found = json::parse(result.output);
+  EXPECT_GT(found.at("lines_left_off").get<double>(), 2e5);
+  EXPECT_NE(result.error.find("left off"), std::string::npos) << result.error;
+  EXPECT_LE(only(found.at("rows"), "fit", "line").size(), 1000U);
 }
 
 // The modulus of a solid of 1 and 50 with an arc of 5 ms: the rising part has the area 50, but for 1e-3 beyond the

@@ -36,13 +36,19 @@ std::vector<std::string> parameters_of(const BatchManifest& manifest, const std:
   return names;
 }
 
-/// E.g. "0.31272 +- 0.094"; with a question mark where the data do not determine it.
+/// E.g. "0.313 +- 0.094"; with a question mark where the data do not determine it.
 std::string parameter_text(const Row& row, const std::string& name) {
   const std::string state = entry(row, name + std::string(state_ending));
-  std::string text = rounded(row, name, 5);
+  const auto value = io::parse_number(entry(row, name));
   const auto lower = io::parse_number(entry(row, name + "_ci95_lower")),
              upper = io::parse_number(entry(row, name + "_ci95_upper"));
-  if (lower && upper) text += " +- " + short_number((*upper - *lower) / 2, 2);
+  std::string text = rounded(row, name, 5);
+  if (value && lower && upper) {
+    // A cell among many has five digits at most.
+    const std::string warranted = shown_interval(*value, *lower, *upper).value;
+    if (warranted.size() < text.size()) text = warranted;
+    text += " +- " + short_number((*upper - *lower) / 2, 2);
+  }
   if (state == "at-bound" || state == "not-identified") text += " ?";
   return text;
 }

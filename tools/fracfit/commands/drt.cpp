@@ -49,7 +49,8 @@ class Drt : public Command {
         "the\n"
         "range of 95 % of such g: it holds smooth densities, but may miss the maximum of an arc that is nearly a "
         "line.\n"
-        "The area of a peak of data is that within the band.  Kinds of rows: density, line, peak.\n"
+        "The area of a peak of data is that within the band.  Kinds of rows: peak and line, whose value is an area,\n"
+        "and density, all in the unit of the response.\n"
         "The misfit is the rms of what the distribution leaves of the data, relative to their magnitude and in units\n"
         "of their noise, fit_misfit that of the formula of a fit beside data; data that no distribution follows (a\n"
         "resonance, a reversed sign) are named, with exit code 1.\n"
@@ -78,17 +79,29 @@ class Drt : public Command {
     double tau, tau_lower, tau_upper, value, lower, upper;
   };
 
-  static void add_rows(const std::string& source, const frac::TimesDistribution& of, std::vector<Row>& rows) {
+  /// What is to be read first stands first: peaks, lines, and at the end the density.
+  struct RowLists {
+    std::vector<Row> peaks, lines, densities;
+
+    [[nodiscard]] std::vector<Row> all() const {
+      std::vector<Row> rows = peaks;
+      rows.insert(rows.end(), lines.begin(), lines.end());
+      rows.insert(rows.end(), densities.begin(), densities.end());
+      return rows;
+    }
+  };
+
+  static void add_rows(const std::string& source, const frac::TimesDistribution& of, RowLists& rows) {
     const bool has_band = !of.lower.empty();
     for (std::size_t i = 0; i < of.tau.size(); ++i)
-      rows.push_back({source, "density", of.tau[i], of.tau[i], of.tau[i], of.density[i], has_band ? of.lower[i] : NAN,
-                      has_band ? of.upper[i] : NAN});
-    const auto add = [&](const char* kind, const auto& each) {
-      rows.push_back(
+      rows.densities.push_back({source, "density", of.tau[i], of.tau[i], of.tau[i], of.density[i],
+                                has_band ? of.lower[i] : NAN, has_band ? of.upper[i] : NAN});
+    const auto add = [&](std::vector<Row>& to, const char* kind, const auto& each) {
+      to.push_back(
           {source, kind, each.tau, each.tau_lower, each.tau_upper, each.area, each.area_lower, each.area_upper});
     };
-    for (const auto& line : of.lines) add("line", line);
-    for (const auto& peak : of.peaks) add("peak", peak);
+    for (const auto& line : of.lines) add(rows.lines, "line", line);
+    for (const auto& peak : of.peaks) add(rows.peaks, "peak", peak);
   }
 
   static void add_curves(const std::string& label, std::size_t colour, const frac::TimesDistribution& of,
@@ -172,7 +185,8 @@ class Drt : public Command {
     Document document;
     bool usable = true;
     std::optional<frac::TimesKernel> told = kernel_;
-    std::vector<Row> rows;
+    RowLists lists;
+    std::string unit;
     std::optional<frac::FrequencyResponseData> data;
     report::Panel panel{"", {"{/Symbol t} (s)", true}, {"density per e-fold"}};
     panel.key = true;
@@ -182,7 +196,8 @@ class Drt : public Command {
       const auto times = of_data(file.data);
       told = times.kernel;
       usable = data_are_followed(times);
-      add_rows("data", times, rows);
+      add_rows("data", times, lists);
+      unit = file.value_unit;
       add_curves("data", 0, times, panel);
       if (!file.value_unit.empty()) panel.y.label += " (" + report::enhanced_escape(file.value_unit) + ")";
       document.head.emplace_back("constant", io::format_number(times.constant));
@@ -200,12 +215,20 @@ class Drt : public Command {
       usable = density_is_positive(times) && usable;
       document.head.emplace_back("model", fit.model);
       if (data) document.head.emplace_back("fit_misfit", io::format_number(misfit_of(fit, *data)));
-      add_rows("fit", times, rows);
+      add_rows("fit", times, lists);
+      if (times.lines_left_off > 0) {
+        document.head.emplace_back("lines_left_off", std::to_string(times.lines_left_off));
+        say(fit_ + ": " + std::to_string(times.lines_left_off) +
+            " further lines of a series, shorter than those listed, are left off");
+      }
       add_curves("fit", 1, times, panel);
     }
     document.head.emplace_back("kernel", std::string(to_string(*told)));
+    if (!unit.empty()) document.head.emplace_back("value_unit", unit);
+    const std::vector<Row> rows = lists.all();
     options()["--kernel"].say(std::string(to_string(*told)));
     document.rows.columns = {"source", "kind", "tau_s", "tau_lower", "tau_upper", "value", "lower", "upper"};
+    document.rows.intervals = {{2, 3, 4}, {5, 6, 7}};
     document.rows.count = rows.size();
     document.rows.fill = [&](std::size_t i, std::vector<Cell>& cells) {
       const Row& row = rows[i];

@@ -88,8 +88,10 @@ class Evaluate : public Command {
       document.head.emplace_back(estimate.name, io::format_number(estimate.value));
     auto& columns = document.rows.columns;
     columns = {"omega_rad_s", "re", "im"};
-    if (!fit_.empty())
+    if (!fit_.empty()) {
       columns.insert(columns.end(), {"re_ci95_lower", "re_ci95_upper", "im_ci95_lower", "im_ci95_upper"});
+      document.rows.intervals = {{1, 3, 4}, {2, 5, 6}};
+    }
     if (derivatives_)
       for (const auto& name : structure.parameter_names())
         columns.insert(columns.end(), {"d_re_d_" + name, "d_im_d_" + name});

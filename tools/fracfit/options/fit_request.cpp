@@ -151,6 +151,7 @@ FitRun fit_run(const FitRequest& request, const Options& options, const io::Freq
       run.validity = std::move(result);
     }
   }
+  run.frequency_unit = file.data.frequency_unit();
   for (const std::size_t index : left_out) run.left_out.push_back({index, file.data.omega()[index]});
   return run;
 }

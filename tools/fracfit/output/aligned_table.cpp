@@ -79,4 +79,36 @@ std::string short_number(double value, int digits) {
   return text;
 }
 
+namespace {
+
+double leading_place(double number) {
+  return std::floor(std::log10(std::abs(number)));
+}
+
+/// Down to a place of ten, zeros at the end included, but six digits at most and two at least.
+std::string shown_to(double place, double number) {
+  if (number == 0) return "0";
+  if (!std::isfinite(number)) return short_number(number);
+  const double leading = leading_place(number), digits = std::clamp(leading - place + 1, 2.0, 6.0);
+  char text[32];
+  if (leading < -4 || leading > 5) {
+    std::snprintf(text, sizeof text, "%.*e", static_cast<int>(digits) - 1, number);
+  } else {
+    const double last = leading + 1 - digits;
+    const double unit = last > 0 ? std::pow(10, last) : 1,
+                 rounded = last > 0 ? unit * std::round(number / unit) : number;
+    std::snprintf(text, sizeof text, "%.*f", static_cast<int>(std::max(-last, 0.0)), rounded);
+  }
+  return text;
+}
+
+}  // namespace
+
+ShownInterval shown_interval(double value, double lower, double upper) {
+  const double half = (upper - lower) / 2;
+  if (!(half > 0 && std::isfinite(half))) return {short_number(value), short_number(lower), short_number(upper)};
+  const double place = leading_place(half) - 1;
+  return {shown_to(place, value), shown_to(place, lower), shown_to(place, upper)};
+}
+
 }  // namespace fracfit

@@ -30,4 +30,11 @@ class AlignedTable {
 /// As many significant digits as asked; "-" for what is not a number.
 [[nodiscard]] std::string short_number(double value, int digits = 6);
 
+/// A value and the ends of its interval, with the digits that the interval warrants: to the second of its half width.
+struct ShownInterval {
+  std::string value, lower, upper;
+};
+/// @param lower,upper  not a number where there is no interval; the same where it has no width
+[[nodiscard]] ShownInterval shown_interval(double value, double lower, double upper);
+
 }  // namespace fracfit

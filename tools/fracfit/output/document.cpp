@@ -37,6 +37,28 @@ std::string shown(const Cell& cell) {
   return std::to_string(std::get<std::int64_t>(cell));
 }
 
+/// The cells of a row for people.
+std::vector<std::string> shown(const std::vector<Cell>& cells, const std::vector<Rows::Interval>& intervals) {
+  std::vector<std::string> row;
+  for (const Cell& cell : cells) row.push_back(shown(cell));
+  for (const auto& [value, lower, upper] : intervals) {
+    const auto number = [&](std::size_t column) { return std::get<double>(cells[column]); };
+    const ShownInterval digits = shown_interval(number(value), number(lower), number(upper));
+    row[value] = digits.value;
+    // A value that is known exactly has no interval.
+    const bool has_none = number(lower) == number(upper);
+    row[lower] = has_none ? "" : digits.lower;
+    row[upper] = has_none ? "" : digits.upper;
+  }
+  return row;
+}
+
+/// An entry of the head for people: whole numbers stay as they are, as a seed does.
+std::string shown(const std::string& entry) {
+  const auto number = io::parse_number(entry);
+  return number && entry.find_first_of(".e") != std::string::npos ? short_number(*number) : io::printable(entry);
+}
+
 template <class Use>
 void for_each_row(const Rows& rows, const Use& use) {
   std::vector<Cell> cells;
@@ -96,13 +118,11 @@ std::string table_text(const Document& document) {
   std::size_t key_width = 0;
   for (const auto& [key, value] : document.head) key_width = std::max(key_width, key.size());
   for (const auto& [key, value] : document.head) {
-    text += key + std::string(key_width + 2 - key.size(), ' ') + paragraph(io::printable(value), key_width + 2);
+    text += key + std::string(key_width + 2 - key.size(), ' ') + paragraph(shown(value), key_width + 2);
   }
   std::vector<std::vector<std::string>> rows;
-  for_each_row(document.rows, [&](const std::vector<Cell>& cells) {
-    std::vector<std::string>& row = rows.emplace_back();
-    for (const Cell& cell : cells) row.push_back(shown(cell));
-  });
+  for_each_row(document.rows,
+               [&](const std::vector<Cell>& cells) { rows.push_back(shown(cells, document.rows.intervals)); });
   constexpr std::size_t narrowest = 9;
   std::vector<std::vector<std::string>> headings;
   std::size_t height = 1;

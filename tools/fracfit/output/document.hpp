@@ -22,6 +22,11 @@ struct Rows {
   std::vector<std::string> columns;
   std::size_t count = 0;
   std::function<void(std::size_t row, std::vector<Cell>& cells)> fill;  ///< appends the cells of a row
+  /// Columns of a value and of the ends of its interval, which tables for people show with the digits it warrants.
+  struct Interval {
+    std::size_t value, lower, upper;
+  };
+  std::vector<Interval> intervals = {};
 };
 
 /// A result of rows: what it is, in the entries of its head, and the rows.

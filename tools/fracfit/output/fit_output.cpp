@@ -21,14 +21,23 @@ std::string option_of(const FitRun& run, std::string_view key) {
   return std::string(io::find_value(run.options, key).value_or(std::string_view{}));
 }
 
+// Where on the axis, as the file gives it.
+double on_axis(const FitRun& run, double at) {
+  return run.over_time ? at : in_unit(at, run.frequency_unit);
+}
+std::string axis_unit(const FitRun& run) {
+  return " " + (run.over_time ? "s" : std::string(to_string(run.frequency_unit)));
+}
+
 std::string heading(const FitRun& run) {
   std::string text = "data       " + run.file + ", " + std::to_string(run.points) + " points, " +
-                     interval(run.lower, run.upper) + (run.over_time ? " s" : " rad/s");
+                     short_number(on_axis(run, run.lower)) + " .. " + short_number(on_axis(run, run.upper)) +
+                     axis_unit(run);
   if (!run.value_unit.empty()) text += ", values in " + run.value_unit;
   if (!run.left_out.empty()) {
-    text += "\nleft out   omega =";
-    for (const LeftOutPoint& point : run.left_out) text += " " + short_number(point.omega);
-    text += " rad/s";
+    text += "\nleft out   at";
+    for (const LeftOutPoint& point : run.left_out) text += " " + short_number(on_axis(run, point.omega));
+    text += axis_unit(run);
   }
   if (run.over_time) {
     text += "\nresiduals  of the output, " + option_of(run, "weight") + " weight";
@@ -64,10 +73,9 @@ std::string remark_on_profiles(const frac::FitResult& result) {
 std::string parameter_table(const frac::FitResult& result) {
   AlignedTable table({"parameter", "value", "standard error", "95 % interval", ""}, AlignedTable::Last::remark);
   for (const auto& parameter : result.parameters) {
-    const bool has_interval = parameter.ci95_lower == parameter.ci95_lower && !parameter.fixed;
-    table.add({parameter.name, short_number(parameter.value),
-               parameter.fixed ? "-" : short_number(parameter.standard_error),
-               has_interval ? interval(parameter.ci95_lower, parameter.ci95_upper) : "-", parameter_state(parameter)});
+    const auto [value, standard_error, interval] =
+        estimate_cells(parameter, !std::isnan(parameter.ci95_lower) && !parameter.fixed);
+    table.add({parameter.name, value, standard_error, interval, parameter_state(parameter)});
   }
   return table.text() + remark_on_profiles(result);
 }
@@ -97,13 +105,14 @@ std::string added_intervals(const frac::FitResult& result, const FitStatistics& 
 
 std::string remarks_on_residuals(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
   if (result.confidence_of_optimum == 1) return "residuals: rounding only\n";
-  std::string text = "residuals: correlation of neighbours " + short_number(statistics.whiteness.lag_one_correlation) +
-                     ", chance of that from noise alone " + short_number(statistics.whiteness.p_value) + "\n";
+  std::string text = "residuals: correlation of neighbours " +
+                     short_number(statistics.whiteness.lag_one_correlation, 3) + ", chance of that from noise alone " +
+                     short_number(statistics.whiteness.p_value, 3) + "\n";
   if (statistics.outlier_at.empty()) return text;
   const std::size_t count = statistics.outlier_at.size();
-  text += std::to_string(count) + (count == 1 ? " outlier at " : " outliers at ") + (run.over_time ? "t =" : "omega =");
-  for (const double at : statistics.outlier_at) text += " " + short_number(at);
-  text += run.over_time ? " s" : " rad/s";
+  text += std::to_string(count) + (count == 1 ? " outlier at" : " outliers at") + (run.over_time ? " t =" : "");
+  for (const double at : statistics.outlier_at) text += " " + short_number(on_axis(run, at));
+  text += axis_unit(run);
   const bool bears_them = run.over_time && io::find_value(run.options, "loss") == "none";
   return text + (bears_them ? "; each weighs like every sample, and --loss huber bounds what it does to the fit\n" : "\n");
 }

@@ -31,7 +31,8 @@ struct FitRun {
   bool over_time = false;
   std::optional<frac::ValidationResult> validity = {};  // of a frequency response of which both parts are fitted
   std::string validity_sentence = {};
-  std::vector<LeftOutPoint> left_out = {};  // index rising
+  std::vector<LeftOutPoint> left_out = {};                              // index rising
+  frac::FrequencyUnit frequency_unit = frac::FrequencyUnit::rad_per_s;  // of the file
 };
 
 // Tables for people.  prediction_rms: of cross-validation, one per candidate of the ranking; empty when not asked for.

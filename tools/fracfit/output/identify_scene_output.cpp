@@ -24,10 +24,9 @@ template <typename Estimates>
 std::string estimate_table(const std::string& heading, const Estimates& estimates) {
   AlignedTable table({heading, "unit", "value", "standard error", "95 % interval", ""}, AlignedTable::Last::remark);
   for (const auto& estimate : estimates) {
-    const bool has_interval = std::isfinite(estimate.standard_error) && !estimate.fixed;
-    table.add({estimate.name, estimate.unit, short_number(estimate.value),
-               has_interval ? short_number(estimate.standard_error) : "-",
-               has_interval ? interval(estimate.ci95_lower, estimate.ci95_upper) : "-", parameter_state(estimate)});
+    const auto [value, standard_error, interval] =
+        estimate_cells(estimate, std::isfinite(estimate.standard_error) && !estimate.fixed);
+    table.add({estimate.name, estimate.unit, value, standard_error, interval, parameter_state(estimate)});
   }
   return table.text();
 }

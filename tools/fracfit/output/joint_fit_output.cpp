@@ -73,11 +73,10 @@ std::vector<frac::PriorEstimate> priors_of(const frac::JointFitResult& result) {
 
 std::string shared_table(const frac::JointFitResult& result) {
   AlignedTable table({"shared", "value", "standard error", "95 % interval", ""}, AlignedTable::Last::remark);
-  for (const auto& parameter : result.shared)
-    table.add(
-        {parameter.name, short_number(parameter.value), short_number(parameter.standard_error),
-         parameter.ci95_lower == parameter.ci95_lower ? interval(parameter.ci95_lower, parameter.ci95_upper) : "-",
-         parameter_state(parameter)});
+  for (const auto& parameter : result.shared) {
+    const auto [value, standard_error, interval] = estimate_cells(parameter, !std::isnan(parameter.ci95_lower));
+    table.add({parameter.name, value, standard_error, interval, parameter_state(parameter)});
+  }
   return table.text();
 }
 

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "output/parameter_output.hpp"
 
-#include "output/aligned_table.hpp"
+#include <cmath>
 
 namespace fracfit {
 
 std::string interval(double lower, double upper) {
-  return short_number(lower) + " .. " + short_number(upper);
+  const ShownInterval shown = shown_interval(lower, lower, upper);
+  return shown.lower + " .. " + shown.upper;
 }
 
 Json parameter_json(const frac::ParameterEstimate& parameter) {
@@ -65,9 +66,10 @@ Json derived_json(const std::vector<frac::DerivedEstimate>& derived) {
 std::string derived_table(const std::vector<frac::DerivedEstimate>& derived) {
   if (derived.empty()) return {};
   AlignedTable table({"derived", "value", "standard error", "95 % interval", "formula"}, AlignedTable::Last::remark);
-  for (const auto& each : derived)
-    table.add({each.name, short_number(each.value), short_number(each.standard_error),
-               each.ci95_lower == each.ci95_lower ? interval(each.ci95_lower, each.ci95_upper) : "-", each.formula});
+  for (const auto& each : derived) {
+    const auto [value, standard_error, interval] = estimate_cells(each, !std::isnan(each.ci95_lower));
+    table.add({each.name, value, standard_error, interval, each.formula});
+  }
   return table.text() + "\n";
 }
 

@@ -6,13 +6,24 @@
 
 #include "frac/identification/derived.hpp"
 #include "frac/identification/fit.hpp"
+#include "output/aligned_table.hpp"
 #include "output/json.hpp"
 
 namespace fracfit {
 
 // What outputs of fits of every kind say alike of a parameter.
 
-/// "lower .. upper".
+/// An estimate in the cells of a table, with the digits that its interval warrants; "-" for what it has not.
+struct EstimateCells {
+  std::string value, standard_error, interval;
+};
+template <class Estimate>
+[[nodiscard]] EstimateCells estimate_cells(const Estimate& estimate, bool has_interval) {
+  if (!has_interval) return {short_number(estimate.value), "-", "-"};
+  const ShownInterval shown = shown_interval(estimate.value, estimate.ci95_lower, estimate.ci95_upper);
+  return {shown.value, short_number(estimate.standard_error, 2), shown.lower + " .. " + shown.upper};
+}
+/// "lower .. upper", likewise.
 [[nodiscard]] std::string interval(double lower, double upper);
 /// Why an estimate has no interval worth the name; empty where it has one.
 template <class Estimate>
