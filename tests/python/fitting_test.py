@@ -246,6 +246,20 @@ def test_identify_of_the_command_line():
     assert "itself" in [each["name"] for each in curve.ranking]
 
 
+def test_the_next_measurement_is_that_of_the_command_line(tmp_path):
+    chance = np.random.default_rng(1)
+    omega = np.logspace(-1, 1, 14)
+    response = Model("1/(0.3 s^1.7 + 0.4 s^0.9 + 1)")(1j * omega)
+    response *= 1 + 0.03 * (chance.standard_normal(14) + 1j * chance.standard_normal(14))
+    path = tmp_path / "open.csv"
+    path.write_text("\n".join(["omega_rad_s,re,im", *(f"{w!r},{z.real!r},{z.imag!r}" for w, z in zip(omega.tolist(), response.tolist()))]))
+    models = ["fractional-oscillator", "oscillator", "rational:0..4"]
+    found = command_line.json_of("identify", str(path), "--models", ",".join(models), "--component", "both")["next_measurement"]
+    result = fracfit.identify(fracfit.read(path), models, weight="learned")
+    assert result.next_measurement == (found["lower"], found["upper"], found["points"])
+    assert (result.next_accuracy, result.next_evidence) == (found["accuracy"], found["expected_evidence"])
+
+
 def test_batch_is_each_fit_alone():
     curves = [Model("K/(0.5 s^0.7 + 1)", K=k).frequency_response(OMEGA) for k in (1, 2, 3)]
     curves.insert(1, FrequencyResponse([1.0], [1.0]))  # fewer residuals than parameters

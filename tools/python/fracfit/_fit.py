@@ -477,6 +477,10 @@ class Identification(_Record):
         Best first: name, model_class, fit (`FitResult`), delta_aicc, akaike_weight, adequate, misfit.
     chosen : int
         Index of the simplest that is as good as the best.
+    next_measurement : tuple or None
+        Where undecided, what would decide: from and to (rad/s), and how many points.
+    next_accuracy, next_evidence : float or None
+        Of that measurement: standard deviation of a weighted residual that it needs, and the evidence to expect.
     skipped : list of str
     left_out : list of int
         Points that contradict their neighbours on both sides and were left out.
