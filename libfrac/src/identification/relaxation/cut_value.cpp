@@ -16,8 +16,9 @@ using Complex = std::complex<double>;
 namespace {
 
 /// Hands the operation of a node that depends on s to `use`, as a function of the operands and of the rate.
+/// @param order  value of the right operand, where that is free of s
 template <class Use>
-auto with_operation(const Node& node, const Use& use) {
+auto with_operation(const Node& node, double order, const Use& use) {
   switch (node.operation) {
     case Operation::add:
       return use([](Complex left, Complex right, double) { return left + right; });
@@ -30,13 +31,11 @@ auto with_operation(const Node& node, const Use& use) {
     case Operation::negate:
       return use([](Complex left, Complex, double) { return -left; });
     case Operation::power_of_s:
-      return use([](Complex left, Complex right, double rate) {
-        const double order = right.real();
-        return real_power(std::abs(left.real()) * rate, order) * quarter_turns(2 * order);
+      return use([order, turns = quarter_turns(2 * order)](Complex left, Complex, double rate) {
+        return real_power(std::abs(left.real()) * rate, order) * turns;
       });
     case Operation::power:
-      return use([](Complex left, Complex right, double) {
-        const double order = right.real();
+      return use([order](Complex left, Complex, double) {
         if (order == 0.5) return std::sqrt(left);
         const bool whole = order == std::round(order) && std::abs(order) < 1e6;
         return whole ? whole_power(left, static_cast<int>(order)) : exponential(order * principal_log(left));
@@ -78,7 +77,7 @@ Complex CutValue::of(int wanted, double rate) {
   const auto last = static_cast<std::size_t>(wanted);
   for (std::size_t i = 0; i <= last; ++i) {
     const Node& node = expression_.nodes[i];
-    value_[i] = !node.has_s ? real_[i] : with_operation(node, [&](auto operation) {
+    value_[i] = !node.has_s ? real_[i] : with_operation(node, operand(node.right).real(), [&](auto operation) {
       return operation(operand(node.left), operand(node.right), rate);
     });
   }
@@ -95,7 +94,7 @@ void evaluate(const Node& node, double real, std::span<const double> rates, cons
     std::fill_n(result, rates.size(), real);
     return;
   }
-  with_operation(node, [&](auto operation) {
+  with_operation(node, right ? right->real() : 0, [&](auto operation) {
     const Complex none;
     for (std::size_t k = 0; k < rates.size(); ++k)
       result[k] = operation(left ? left[k] : none, right ? right[k] : none, rates[k]);
