@@ -233,7 +233,7 @@ TEST(ParameterOrder, IsRefusedWhereItMakesNoSense) {
   refused("A + B s", {above("B", "C")}, "C");
   ParameterConstraint limited = above("B", "A");
   limited.lower = 1;
-  refused("A + B s", {limited}, "limit that one from below");
+  refused("A + B s", {limited}, "needs a lower limit");
   ParameterConstraint held = above("B", "A");
   held.fixed = 1;
   refused("A + B s", {{"A", 2, {}, {}, {}}, held}, "is fixed below");

@@ -130,7 +130,8 @@ std::vector<ParameterConstraint> by_parameter(const Structure& structure,
 void check_lower_limits(const std::vector<ParameterConstraint>& of, const std::vector<std::size_t>& lesser) {
   for (std::size_t i = 0; i < of.size(); ++i) {
     if (lesser[i] != none && of[i].lower && !of[lesser[i]].fixed && !(of[lesser[i]].lower >= of[i].lower))
-      reject(of[i].name, "is not to be below '" + of[i].above + "', so limit that one from below");
+      reject(of[i].name,
+             "is not to be below '" + of[i].above + "', so '" + of[i].above + "' needs a lower limit at least as high");
   }
 }
 
