@@ -18,7 +18,7 @@
 #include "identification/statistics/information.hpp"
 #include "identification/statistics/residual_tests.hpp"
 #include "identification/time_growth.hpp"
-#include "identification/verdict/background_advice.hpp"
+#include "identification/background_advice.hpp"
 #include "identification/verdict/equivalent_candidates.hpp"
 #include "identification/verdict/verdict.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "identification/verdict/background_advice.hpp"
+#include "identification/background_advice.hpp"
 
 #include <algorithm>
 #include <cmath>
