@@ -27,6 +27,8 @@ constexpr std::size_t enough_returns = 4;
 constexpr int most_scouts = 24;
 // A scout is followed if it came within this factor of the best cost.
 constexpr double promising = 1.5;
+// Beyond this many times the hopeless cost no search goes on from a first, rough end.
+constexpr double far_beyond = 1.5;
 
 std::vector<std::size_t> every_nth(const std::vector<std::size_t>& all, std::size_t enough) {
   const std::size_t stride = (all.size() + enough - 1) / enough;
@@ -52,9 +54,7 @@ class TimeSearch {
       search_transforms();
       const TimeResiduals sparse = problem_.residuals(every_nth(problem_.data.observed(), very_few_outputs), coarsest);
       if (!std::isfinite(result_.best.cost)) {
-        const GlobalSolution found = start_among(sparse, {});
-        if (found.starts_at_best > 0) try_from(found.best.theta);
-        result_.starts += found.starts;
+        follow(start_among(sparse, {}, far_beyond * hopeless_among(sparse)));
       }
       if (std::isfinite(result_.best.cost) && !is_hopeless()) look_about(sparse);
     }
@@ -69,10 +69,7 @@ class TimeSearch {
     ++result_.starts;
     if (!std::isfinite(few_.cost(theta))) return;
     // finish() settles the best; the others only need to be told from it.
-    LocalOptions nearly;
-    nearly.iterations = 50;
-    nearly.cost_tolerance = 1e-7;
-    LocalSolution found = local_solve(few_, theta, nearly);
+    LocalSolution found = local_solve(few_, theta, nearly());
     ends_.push_back(found.cost);
     // Of equal minima the first counts: the user's start names the parameters.
     if (found.cost + few_.rounding_cost() < result_.best.cost) result_.best = std::move(found);
@@ -80,10 +77,20 @@ class TimeSearch {
 
   [[nodiscard]] bool is_exact() const { return result_.best.cost <= few_.rounding_cost(); }
 
-  [[nodiscard]] bool is_hopeless(double times = 1) const {
-    const double of_all = static_cast<double>(problem_.data.observed().size()) / static_cast<double>(few_.points());
-    return result_.best.cost * problem_.unit * problem_.unit * of_all > times * problem_.hopeless;
+  [[nodiscard]] static LocalOptions nearly() {
+    LocalOptions options;
+    options.iterations = 50;
+    options.cost_tolerance = 1e-7;
+    return options;
   }
+
+  /// The cost of these residuals that is as poor as TimeProblem::hopeless.
+  [[nodiscard]] double hopeless_among(const TimeResiduals& residuals) const {
+    const double of_all =
+        static_cast<double>(residuals.points()) / static_cast<double>(problem_.data.observed().size());
+    return problem_.hopeless * of_all / (problem_.unit * problem_.unit);
+  }
+  [[nodiscard]] bool is_hopeless(double times = 1) const { return result_.best.cost > times * hopeless_among(few_); }
 
   [[nodiscard]] bool as_good_as_best(double cost) const {
     return cost <= result_.best.cost * (1 + equally_good) + few_.rounding_cost();
@@ -93,9 +100,14 @@ class TimeSearch {
         std::count_if(ends_.begin(), ends_.end(), [&](double cost) { return as_good_as_best(cost); }));
   }
 
-  [[nodiscard]] GlobalSolution start_among(const Residuals& residuals, const std::vector<double>& orders) const {
-    return global_search(residuals, residuals, orders, problem_.options.seed, std::numeric_limits<double>::infinity(),
-                         SearchAim::start);
+  [[nodiscard]] GlobalSolution start_among(const Residuals& residuals, const std::vector<double>& orders,
+                                           double hopeless = std::numeric_limits<double>::infinity()) const {
+    return global_search(residuals, residuals, orders, problem_.options.seed, hopeless, SearchAim::start);
+  }
+
+  void follow(const GlobalSolution& found) {
+    result_.starts += found.starts;
+    if (found.starts_at_best > 0) try_from(found.best.theta);
   }
 
   // A transform that decays slowly sees slow modes better, but is cut off more at the end of the record.  So the minima
@@ -105,10 +117,7 @@ class TimeSearch {
       const LaplaceResiduals transformed(problem_.data, problem_.structure, problem_.map, problem_.options.offset,
                                          decay);
       if (transformed.points() < problem_.map.free().size()) continue;
-      const GlobalSolution found = start_among(transformed, suggested_orders(transformed.quotient()));
-      result_.starts += found.starts;
-      if (found.starts_at_best > 0) try_from(found.best.theta);
-      constexpr double far_beyond = 1.5;
+      follow(start_among(transformed, suggested_orders(transformed.quotient())));
       if (is_exact() || at_best() > 1 || is_hopeless(far_beyond)) return;
     }
   }
@@ -160,20 +169,21 @@ class TimeSearch {
     }
   }
 
-  // All samples, and the labels of interchangeable parts in their order.
+  // All samples, and the labels of interchangeable parts in their order.  Digits of a hopeless fit are of no use.
   void finish() {
+    const bool hopeless = is_hopeless();
     // Errors of the simulation far below the residuals move nothing.
     const double rms = std::sqrt(result_.best.cost / static_cast<double>(few_.count()));
-    const TimeResiduals all =
-        problem_.residuals(problem_.data.observed(), std::clamp(1e-6 * rms, finest_simulation, coarse));
+    const TimeResiduals all = problem_.residuals(problem_.data.observed(),
+                                                 hopeless ? coarse : std::clamp(1e-6 * rms, finest_simulation, coarse));
     const ParameterMap& map = problem_.map;
     const std::vector<double> start = map.to_theta(
         with_labels_in_order(problem_.structure, problem_.options.constraints, map.to_user(result_.best.theta)));
-    result_.best = local_solve(all, start, {});
+    result_.best = local_solve(all, start, hopeless ? nearly() : LocalOptions{});
     // Patience in rounds, as long as one of them gains more than noise in the data makes of the cost.
     LocalOptions patient;
     patient.iterations = 100;
-    for (int round = 0; round < 8 && !result_.best.converged && !is_hopeless() && !is_exact(); ++round) {
+    for (int round = 0; round < 8 && !result_.best.converged && !hopeless && !is_exact(); ++round) {
       const double before = result_.best.cost;
       result_.best = local_solve(all, result_.best.theta, patient);
       if (!(result_.best.cost < before * (1 - equally_good))) break;
