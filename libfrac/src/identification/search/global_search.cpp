@@ -16,7 +16,13 @@ namespace {
 constexpr int rounds = 24;
 constexpr int least_rounds = 4;
 constexpr int rounds_for_a_start = 6, least_rounds_for_a_start = 2;
-constexpr int rounds_of_hope = 2;  // for a structure that something else beats by far
+// For a structure that something else beats by far: so many rounds, or one after which no scout is within so many times
+// the hopeless cost, unless that is so low that scouts stop above it (mean squares of the unit of the data).  Of 1282
+// searches of noisy data that two rounds showed to come below that cost, 3 were as far above it after the first; of
+// 10619 that did not, 9025 were.
+constexpr int rounds_of_hope = 2;
+constexpr double beyond_hope = 10;
+constexpr double lowest_scouted = 1e-6;
 constexpr std::size_t agreement = 4;
 constexpr double enough_confidence = 0.9;
 // A scout that was stopped early goes on only if it came within the first factor of the best cost so far, and one that
@@ -63,6 +69,7 @@ class Search {
     const int least = only_start_ ? least_rounds_for_a_start : least_rounds;
     for (int round = 0; round < most && !exact(); ++round) {
       scout_from(screened_draws(scouting_, suggested_orders_, generator_, start_given && round == 0));
+      if (round + 1 < rounds_of_hope && is_beyond_hope()) break;
       if (round + 1 == rounds_of_hope && is_hopeless()) break;
       if (round + 1 < least) continue;
       finish_promising();
@@ -101,8 +108,12 @@ class Search {
 
   [[nodiscard]] bool exact() const { return result_.best.cost <= residuals_.rounding_cost(); }
   [[nodiscard]] double confidence() const { return confidence_of_optimum(independent_, minima()); }
-  [[nodiscard]] bool is_hopeless() const {
-    return std::all_of(scouts_.begin(), scouts_.end(), [&](const Scout& scout) { return scout.end > hopeless_; });
+  [[nodiscard]] bool is_hopeless(double times = 1) const {
+    return std::all_of(scouts_.begin(), scouts_.end(),
+                       [&](const Scout& scout) { return scout.end > times * hopeless_; });
+  }
+  [[nodiscard]] bool is_beyond_hope() const {
+    return hopeless_ > lowest_scouted * static_cast<double>(residuals_.count()) && is_hopeless(beyond_hope);
   }
   [[nodiscard]] bool settled() const {
     return at_best() >= agreement && (only_start_ || confidence() >= enough_confidence);

@@ -39,7 +39,8 @@ enum class SearchAim { optimum, start };
 /// search tries the whole box.
 /// @param scouting  residuals of the same kind at fewer points, or `residuals` itself.  Where what it leaves out turns
 ///                  out to be fitted worse than what it has, it misses a feature, and the search is made again without.
-/// @param hopeless  cost above which the search ends after two rounds: something else follows the data far better
+/// @param hopeless  cost above which the search ends after two rounds, or far above it after one: something else
+///                  follows the data far better
 [[nodiscard]] GlobalSolution global_search(const Residuals& scouting, const Residuals& residuals,
                                            const std::vector<double>& suggested_orders, std::uint64_t seed,
                                            double hopeless = std::numeric_limits<double>::infinity(),
