@@ -137,7 +137,7 @@ class Search {
   void divide(const Box& box, int expected, int depth) {
     if (expected == 0) return;
     if (expected == 1) {
-      const std::optional<Complex> root = polished(sum_, box.centre());
+      const std::optional<Complex> root = polished(box.centre());
       if (root && box.contains(*root)) {
         found_.push_back({*root, 1, 0});
         return;
@@ -239,7 +239,7 @@ class Search {
       known.push_back(*root);
       return true;
     };
-    for (const Complex start : starts) take(polished(sum_, start));
+    for (const Complex start : starts) take(polished(start));
     for (const Complex start : starts) {
       // Off the axes, on which the steps from a point on them would stay.
       const Complex beside = start + Complex(0.07, 0.11);
@@ -345,15 +345,23 @@ class Search {
       if (!std::isfinite(step.real()) || !std::isfinite(step.imag())) return std::nullopt;
       if (std::abs(step) > 0.5) step *= 0.5 / std::abs(step);
       zeta -= step;
-      if (std::abs(step) < 1e-6) return polished(sum_, zeta);
+      if (std::abs(step) < 1e-6) return polished(zeta);
     }
     return std::nullopt;
   }
 
   // Empty where Newton's method has not converged.
   [[nodiscard]] static std::optional<Complex> polished(const std::vector<PowerTerm>& sum, Complex zeta) {
+    return polished(zeta, [&](Complex at) { return scaled_sum(sum, at); });
+  }
+  /// Of the sum itself.
+  [[nodiscard]] std::optional<Complex> polished(Complex zeta) const {
+    return polished(zeta, [&](Complex at) { return value_at(at); });
+  }
+  template <typename Function>
+  [[nodiscard]] static std::optional<Complex> polished(Complex zeta, const Function& function) {
     for (int i = 0; i < 60; ++i) {
-      const ScaledSum f = scaled_sum(sum, zeta);
+      const ScaledSum f = function(zeta);
       Complex step = f.value / f.slope;
       if (!std::isfinite(step.real()) || !std::isfinite(step.imag())) return std::nullopt;
       if (std::abs(step) > 0.5) step *= 0.5 / std::abs(step);
@@ -384,7 +392,7 @@ class Search {
         polynomial_roots(taylor_start(sum_, cluster.log_s, cluster.multiplicity + 1).coefficient);
     double spread = 0;
     for (Complex& member : members) {
-      const std::optional<Complex> root = polished(sum_, cluster.log_s + member);
+      const std::optional<Complex> root = polished(cluster.log_s + member);
       if (root && std::abs(*root - cluster.log_s - member) < 0.1 * std::abs(member)) member = *root - cluster.log_s;
       spread = std::max(spread, std::abs(member));
     }

@@ -12,9 +12,12 @@ namespace {
 
 using Complex = std::complex<double>;
 
+// |c e^{q zeta}| over e^scale.
+double modulus_of(const PowerTerm& term, Complex zeta, double scale) {
+  return std::abs(term.coefficient) * std::exp(term.order * zeta.real() - scale);
+}
 // c e^{q zeta} over e^scale.
-Complex part_of(const PowerTerm& term, Complex zeta, double scale) {
-  const double modulus = std::abs(term.coefficient) * std::exp(term.order * zeta.real() - scale);
+Complex part_of(const PowerTerm& term, Complex zeta, double modulus) {
   const double angle = term.order * zeta.imag();
   const double signed_modulus = term.coefficient < 0 ? -modulus : modulus;
   if (angle == 0) return signed_modulus;
@@ -54,10 +57,11 @@ ScaledSum sum_of(const std::vector<PowerTerm>& terms, Complex zeta, const LogSiz
   }
   ScaledSum sum{0, 0, scale, 0};
   for (const PowerTerm& term : terms) {
-    const Complex value = part_of(term, zeta, scale);
+    const double modulus = modulus_of(term, zeta, scale);
+    const Complex value = part_of(term, zeta, modulus);
     sum.value += value;
     sum.slope += term.order * value;
-    sum.magnitude += std::abs(value);
+    sum.magnitude += modulus;
   }
   return sum;
 }
@@ -93,7 +97,7 @@ TaylorStart taylor_start(const std::vector<PowerTerm>& terms, Complex zeta, int 
   TaylorStart start{std::vector<Complex>(static_cast<std::size_t>(count), 0.0),
                     std::vector<double>(static_cast<std::size_t>(count), 0.0)};
   for (const PowerTerm& term : terms) {
-    const Complex value = part_of(term, zeta, scale);
+    const Complex value = part_of(term, zeta, modulus_of(term, zeta, scale));
     double factor = 1;  // order^j/j!
     for (std::size_t j = 0; j < start.coefficient.size(); factor *= term.order / static_cast<double>(++j)) {
       start.coefficient[j] += factor * value;
@@ -107,7 +111,8 @@ DeflatedSum deflated_sum(const std::vector<PowerTerm>& terms, Complex zeta, Comp
   const double scale = scaled_sum(terms, zeta).scale;
   DeflatedSum sum{0, 0};
   for (const PowerTerm& term : terms) {
-    const Complex part = part_of(term, zeta, scale) * exponential_rest(term.order * offset, order);
+    const Complex part =
+        part_of(term, zeta, modulus_of(term, zeta, scale)) * exponential_rest(term.order * offset, order);
     sum.value += part;
     sum.magnitude += std::abs(part);
   }

@@ -3,8 +3,8 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
-#include "base/linear_algebra.hpp"
 #include "frac/cancellation.hpp"
 #include "identification/statistics/information.hpp"
 
@@ -49,30 +49,49 @@ void ProjectedData::put(const Eigen::VectorXcd& values, Eigen::Ref<Eigen::Vector
   }
 }
 
-bool ProjectedData::solve(const Eigen::MatrixXcd& columns, Linear& linear) const {
+Eigen::ArrayXcd ProjectedData::power(double order, double shift) const {
+  const Complex phase = std::polar(1.0, order * std::numbers::pi / 2);
+  return log_s_.array().unaryExpr([&](Complex log) { return std::exp(order * (log.real() + shift)) * phase; });
+}
+
+std::optional<ProjectedData::Projection> ProjectedData::project(const Eigen::MatrixXcd& columns) const {
   throw_if_cancelled();
-  if (!columns.allFinite() || columns.cols() > target_.size()) return false;
+  if (!columns.allFinite() || columns.cols() > target_.size()) return std::nullopt;
   Eigen::MatrixXd matrix(target_.size(), columns.cols());
   for (Index k = 0; k < columns.cols(); ++k) put(columns.col(k), matrix.col(k));
   // The weights of data of 1e-200 are 1e200, whose squares overflow.
-  Eigen::VectorXd norm = matrix.colwise().stableNorm();
-  if (!norm.allFinite()) return false;
+  Eigen::VectorXd length = matrix.colwise().stableNorm();
+  if (!length.allFinite()) return std::nullopt;
   // A column that is rounding beside the whole complex one is one that the fitted part is blind to.
-  for (Index k = 0; k < norm.size(); ++k) {
-    if (norm[k] > 1e-12 * weight_.cwiseProduct(columns.col(k).cwiseAbs()).stableNorm()) continue;
+  for (Index k = 0; k < length.size(); ++k) {
+    const double whole = one_part() ? weight_.cwiseProduct(columns.col(k).cwiseAbs()).stableNorm() : length[k];
+    if (length[k] > 1e-12 * whole) continue;
     matrix.col(k).setZero();
-    norm[k] = 1;
+    length[k] = 1;
   }
-  matrix *= norm.cwiseInverse().asDiagonal();
-  const PivotedQr decomposition(matrix, 1e-11);
-  if (decomposition.rank() == 0) return false;
-  linear.orthonormal = decomposition.basis();
-  linear.coefficients = decomposition.solve(target_).cwiseQuotient(norm);
+  matrix *= length.cwiseInverse().asDiagonal();
+  PivotedQr decomposition(matrix, 1e-11);
+  if (decomposition.rank() == 0) return std::nullopt;
+  Eigen::MatrixXd orthonormal = decomposition.basis();
+  const Eigen::VectorXd share = orthonormal.transpose() * target_;
+  Eigen::VectorXd residual = orthonormal * share - target_;
+  if (!residual.allFinite()) return std::nullopt;
+  const double cost = residual.squaredNorm();
+  return Projection{std::move(decomposition), std::move(length), std::move(orthonormal), std::move(residual), cost};
+}
+
+bool ProjectedData::complete(const Eigen::MatrixXcd& columns, Projection&& projection, Linear& linear) const {
+  linear.coefficients = projection.decomposition.solve(target_).cwiseQuotient(projection.length);
   linear.model = columns * linear.coefficients.cast<Complex>();
-  const Eigen::VectorXd share = linear.orthonormal.transpose() * target_;
-  linear.residual = linear.orthonormal * share - target_;
-  linear.cost = linear.residual.squaredNorm();
-  return linear.residual.allFinite() && linear.model.allFinite();
+  linear.orthonormal = std::move(projection.orthonormal);
+  linear.residual = std::move(projection.residual);
+  linear.cost = projection.cost;
+  return linear.model.allFinite();
+}
+
+bool ProjectedData::solve(const Eigen::MatrixXcd& columns, Linear& linear) const {
+  std::optional<Projection> projection = project(columns);
+  return projection && complete(columns, std::move(*projection), linear);
 }
 
 NormalEquations ProjectedData::normal_equations(const Eigen::MatrixXcd& derivatives, const Linear& linear) const {

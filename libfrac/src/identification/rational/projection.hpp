@@ -7,8 +7,11 @@
 #include <complex>
 #include <cstddef>
 #include <limits>
+#include <optional>
+#include <utility>
 #include <vector>
 
+#include "base/linear_algebra.hpp"
 #include "frac/model/frequency_response_data.hpp"
 #include "identification/data/residual_rule.hpp"
 
@@ -38,14 +41,26 @@ class ProjectedData {
   [[nodiscard]] double log_upper() const { return -log_lower_; }
   [[nodiscard]] const std::vector<double>& log_omega() const { return log_omega_; }
   [[nodiscard]] const Eigen::VectorXcd& s() const { return s_; }
-  /// ln s, whose multiples are the logarithms of the powers of s.
   [[nodiscard]] const Eigen::VectorXcd& log_s() const { return log_s_; }
+  /// (s e^shift)^order, all of one phase.
+  [[nodiscard]] Eigen::ArrayXcd power(double order, double shift = 0) const;
   /// Sum of the squared weighted data.
   [[nodiscard]] double data_power() const { return target_.squaredNorm(); }
   /// Costs below it are rounding.
   [[nodiscard]] double rounding_cost() const { return 1e-28 * static_cast<double>(rows()); }
   /// Costs below it, residuals of 1e-9 of the data, are no reason to grow: the data themselves are seldom better.
   [[nodiscard]] double negligible_cost() const { return 1e-18 * static_cast<double>(rows()); }
+
+  /// What the best coefficients of given columns leave.
+  struct Projection {
+    PivotedQr decomposition;      // of the columns over their lengths
+    Eigen::VectorXd length;       // of the columns
+    Eigen::MatrixXd orthonormal;  // of the column space
+    Eigen::VectorXd residual;
+    double cost;
+  };
+  /// None where a number overflows or no column is seen.
+  [[nodiscard]] std::optional<Projection> project(const Eigen::MatrixXcd& columns) const;
 
   /// The best coefficients of given columns.
   struct Linear {
@@ -55,7 +70,9 @@ class ProjectedData {
     Eigen::VectorXd coefficients;
     double cost = std::numeric_limits<double>::infinity();
   };
-  /// False where a number overflows or no column is seen.
+  /// False where a number overflows.
+  bool complete(const Eigen::MatrixXcd& columns, Projection&& projection, Linear& linear) const;
+  /// Both at once; false where a number overflows or no column is seen.
   bool solve(const Eigen::MatrixXcd& columns, Linear& linear) const;
   /// Normal equations from derivatives at fixed coefficients, less what new coefficients take up (Kaufman 1975).
   [[nodiscard]] NormalEquations normal_equations(const Eigen::MatrixXcd& derivatives, const Linear& linear) const;
@@ -115,8 +132,10 @@ bool levenberg_marquardt(const Problem& problem, const ProjectedData& data, Shap
       const Eigen::VectorXd step = normal.step(damping);
       if (!step.allFinite()) break;
       Shape next = problem.stepped(shape, step);
+      const Eigen::MatrixXcd columns = problem.columns(next);
+      auto projection = data.project(columns);
       ProjectedData::Linear there;
-      if (data.solve(problem.columns(next), there) && there.cost < linear.cost) {
+      if (projection && projection->cost < linear.cost && data.complete(columns, std::move(*projection), there)) {
         small_gains = linear.cost - there.cost < 1e-6 * linear.cost ? small_gains + 1 : 0;
         shape = std::move(next);
         linear = std::move(there);

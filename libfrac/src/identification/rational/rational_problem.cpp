@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "base/polynomial.hpp"
 
@@ -20,7 +21,7 @@ constexpr double most_damping = 9;  // sinh(9) is 4000: two real poles seven dec
 /// z = s^order.
 Eigen::ArrayXcd powers(const ProjectedData& data, double order) {
   if (order == 1) return data.s().array();
-  return (order * data.log_s().array()).exp();
+  return data.power(order);
 }
 
 /// (s/size)^order
@@ -172,12 +173,12 @@ RationalShape RationalProblem::stepped(const RationalShape& shape, const Eigen::
 }
 
 RationalFit RationalProblem::at(const RationalShape& shape) const {
-  Linear linear;
   RationalFit fit{shape, infinity, 0};
   sort_by_size(fit.shape.factors);
-  if (!solve(columns(fit.shape), linear)) return fit;
-  fit.cost = linear.cost;
-  fit.parameters = fit.shape.nonlinear() + static_cast<std::size_t>(linear.orthonormal.cols());
+  const std::optional<Projection> projection = project(columns(fit.shape));
+  if (!projection) return fit;
+  fit.cost = projection->cost;
+  fit.parameters = fit.shape.nonlinear() + static_cast<std::size_t>(projection->orthonormal.cols());
   return fit;
 }
 

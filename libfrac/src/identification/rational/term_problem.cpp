@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace frac::detail {
 namespace {
@@ -27,14 +28,22 @@ Eigen::ArrayXcd denominator(const Term& mode, const Eigen::ArrayXcd& x) {
 Eigen::ArrayXcd column_of(const Term& term, const ProjectedData& data) {
   switch (term.kind) {
     case Term::Kind::arc:
-      return (1.0 + (term.order * (data.log_s().array() - term.log_size)).exp()).inverse();
+      return (1.0 + data.power(term.order, -term.log_size)).inverse();
     case Term::Kind::mode: {
       const Eigen::ArrayXcd x = scaled(term, data);
       return (term.order > 0 ? x : Eigen::ArrayXcd::Ones(x.size())) / denominator(term, x);
     }
     default:
-      return (term.order * data.log_s().array()).exp();
+      return data.power(term.order);
   }
+}
+
+/// That the residuals can tell apart.
+/// @param orthonormal  of the space of the columns
+std::size_t parameters(const TermSum& sum, const Eigen::MatrixXd& orthonormal) {
+  std::size_t count = static_cast<std::size_t>(orthonormal.cols());
+  for (const Term& term : sum) count += term.nonlinear();
+  return count;
 }
 
 }  // namespace
@@ -103,7 +112,9 @@ TermSum TermProblem::stepped(const TermSum& sum, const Eigen::VectorXd& step) co
 }
 
 TermFit TermProblem::at(const TermSum& sum) const {
-  return refine(sum, 0);
+  const std::optional<Projection> projection = project(columns(sum));
+  if (!projection) return {sum, std::numeric_limits<double>::infinity(), 0};
+  return {sum, projection->cost, parameters(sum, projection->orthonormal)};
 }
 
 TermFit TermProblem::refine(TermSum sum, int iterations) const {
@@ -111,9 +122,8 @@ TermFit TermProblem::refine(TermSum sum, int iterations) const {
   if (sum.empty() || !levenberg_marquardt(*this, *this, sum, linear, iterations)) {
     return {std::move(sum), std::numeric_limits<double>::infinity(), 0};
   }
-  std::size_t parameters = static_cast<std::size_t>(linear.orthonormal.cols());
-  for (const Term& term : sum) parameters += term.nonlinear();
-  return {std::move(sum), linear.cost, parameters};
+  const std::size_t count = parameters(sum, linear.orthonormal);
+  return {std::move(sum), linear.cost, count};
 }
 
 std::vector<double> TermProblem::coefficients(const TermSum& sum) const {
