@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <complex>
 #include <random>
@@ -10,6 +11,8 @@
 
 #include "frac/identification/identify.hpp"
 #include "frac/identification/model_choice.hpp"
+#include "identification/rational/family_members.hpp"
+#include "identification/rational/rational_growth.hpp"
 #include "support/both_parts.hpp"
 #include "support/noisy_response.hpp"
 
@@ -135,6 +138,52 @@ TEST(Rational, FamiliesAreReadFromTheirNames) {
        {"rational:", "rational:13", "rational:4..2", "rational:5/3", "rational:2/x", "rational:3 "}) {
     EXPECT_THROW((void)frac::find_model(wrong), std::invalid_argument) << wrong;
   }
+}
+
+// Families that start from the same ratios grow them once; which of them asks first must not show.
+TEST(Rational, FamiliesThatShareTheirRatiosFindWhatEachFindsAlone) {
+  const auto data = support::noisy_response("1/((s + 1) (2 s + 1) (0.3 s + 1))", {}, 0.01, 4);
+  frac::FitOptions options;
+  options.component = frac::Component::both;
+  std::vector<std::string> names{"commensurate+delay", "rational", "commensurate", "rational+delay"};
+  for (int order = 0; order < 2; ++order) {
+    frac::detail::RatioGrowths shared;
+    for (const std::string& name : names) {
+      const frac::NamedModel& family = frac::find_model(name);
+      const frac::NamedModel together = frac::detail::best_member(data, family, options, shared).models.front();
+      const frac::NamedModel alone = frac::resolved_model(data, family, options);
+      EXPECT_EQ(together.formula, alone.formula);
+      ASSERT_EQ(together.constraints.size(), alone.constraints.size());
+      for (std::size_t i = 0; i < alone.constraints.size(); ++i) {
+        EXPECT_EQ(together.constraints[i].start, alone.constraints[i].start) << name << " " << i;
+      }
+    }
+    std::reverse(names.begin(), names.end());
+  }
+}
+
+// Verdicts need the intervals of orders; those of a grown model's coefficients would cost more than all the rest.
+TEST(Rational, IdentifyFollowsTheCostForTheOrdersOfGrownModelsAlone) {
+  const auto data = support::noisy_response("2/(0.5 s^0.7 + 1)", {}, 0.1, 6, 24);
+  frac::FitOptions options;
+  options.component = frac::Component::both;
+  const auto result = frac::identify(data, {frac::find_model("commensurate")}, {}, options, 1);
+  const frac::RankedFit& grown = result.ranking.front();
+  const auto profiled = [](const frac::FitResult& fit, frac::ParameterRole role) {
+    const frac::Structure structure(fit.model);
+    int count = 0;
+    for (std::size_t i = 0; i < fit.parameters.size(); ++i) {
+      const bool counts = structure.parameter_roles()[i] == role;
+      count += counts && fit.parameters[i].interval == frac::IntervalKind::profile ? 1 : 0;
+    }
+    return count;
+  };
+  options.constraints = grown.model.constraints;
+  options.global_start = false;
+  const frac::FitResult alone = frac::fit(data, frac::Structure(grown.model.formula), options);
+  ASSERT_GT(profiled(alone, frac::ParameterRole::coefficient), 0);
+  EXPECT_EQ(profiled(grown.fit, frac::ParameterRole::coefficient), 0);
+  EXPECT_EQ(profiled(grown.fit, frac::ParameterRole::order), profiled(alone, frac::ParameterRole::order));
 }
 
 TEST(Rational, MagnitudesAloneAreRefused) {

@@ -99,6 +99,7 @@ struct Extent {
   bool profiles;  // follows the cost where intervals are wide
   /// Cost, in the unit of FitResult, above which nobody looks closely: the search ends early, and without profiles.
   double hopeless = std::numeric_limits<double>::infinity();
+  detail::Profiled profiled = detail::Profiled::all;
 };
 
 /// An interval up to this share of the value on either side is left as the curvature gives it: where parameters act
@@ -108,9 +109,11 @@ constexpr double narrow = 0.1;
 
 /// Wide intervals follow the cost instead of its curvature at the minimum.
 void follow_cost(FitResult& result, const detail::FitProblem& problem, const detail::LocalSolution& solution,
-                 const detail::Confidence& found) {
+                 const detail::Confidence& found, detail::Profiled profiled) {
   if (problem.options.loss != Loss::none || found.condition > detail::flat_condition || !(found.loss_unit > 0)) return;
   for (std::size_t i = 0; i < result.parameters.size(); ++i) {
+    const bool is_order = problem.structure.parameter_roles()[i] == ParameterRole::order;
+    if (profiled == detail::Profiled::orders && !is_order) continue;
     ParameterEstimate& estimate = result.parameters[i];
     const double half_width = found.t * estimate.standard_error;
     if (estimate.fixed || !std::isfinite(half_width) || half_width <= narrow * std::abs(estimate.value)) continue;
@@ -211,7 +214,7 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   result.message = ending(solution);
   describe_estimates(result, structure, residuals, options.constraints, found, solution.best.theta);
   const bool closely = solution.best.cost * rule.unit * rule.unit <= extent.hopeless;
-  if (extent.profiles && closely) follow_cost(result, problem, solution.best, found);
+  if (extent.profiles && closely) follow_cost(result, problem, solution.best, found, extent.profiled);
   if (extent.recover) {
     recover_unseen(result, found, problem, solution.best.cost, [&](const FitOptions& rest) {
       return fit_component(data, structure, rest, {false, extent.profiles});
@@ -330,8 +333,8 @@ FitResult detail::curvature_fit(const FrequencyResponseData& data, const Structu
 }
 
 FitResult detail::fit_in_reach(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,
-                               double hopeless) {
-  return fit_component(data, structure, options, {true, true, hopeless});
+                               double hopeless, Profiled profiled) {
+  return fit_component(data, structure, options, {true, true, hopeless, profiled});
 }
 
 std::vector<std::complex<double>> fitted_response(const FitResult& result, const Realisation& realisation,

@@ -14,6 +14,7 @@
 #include "identification/data/noise_floor.hpp"
 #include "identification/data/residual_rule.hpp"
 #include "identification/rational/family_members.hpp"
+#include "identification/rational/rational_growth.hpp"
 #include "identification/statistics/curvature_fit.hpp"
 #include "identification/statistics/information.hpp"
 #include "identification/statistics/residual_tests.hpp"
@@ -112,9 +113,20 @@ void keep_to_verdict(IdentificationResult& result) {
   if (is_fractional != supported) result.chosen = (supported ? *result.fractional : *result.integer).index;
 }
 
+detail::FamilyMembers grown_member(const FrequencyResponseData& data, const NamedModel& model,
+                                   const FitOptions& options, detail::RatioGrowths& ratios) {
+  return detail::best_member(data, model, options, ratios);
+}
+/// Over time each family grows by itself.
+detail::FamilyMembers grown_member(const TimeResponseData& data, const NamedModel& model, const TimeFitOptions& options,
+                                   detail::RatioGrowths&) {
+  return detail::best_member(data, model, options);
+}
+
+/// @param ratios  shared by all families of the data
 template <class Data, class Options>
-void resolve(const Data& data, const Options& options, Outcome& outcome) {
-  detail::FamilyMembers members = detail::best_member(data, outcome.model, options);
+void resolve(const Data& data, const Options& options, detail::RatioGrowths& ratios, Outcome& outcome) {
+  detail::FamilyMembers members = grown_member(data, outcome.model, options, ratios);
   outcome.model = std::move(members.models.front());
   outcome.departed = members.departed;
   outcome.relaxations = members.relaxations;
@@ -122,21 +134,24 @@ void resolve(const Data& data, const Options& options, Outcome& outcome) {
 
 /// The fit of a candidate that is a formula.
 template <class Data, class Options>
-void fit_candidate(const Data& data, const Options& options, double hopeless, Outcome& outcome) {
+void fit_candidate(const Data& data, const Options& options, double hopeless, detail::RatioGrowths& ratios,
+                   Outcome& outcome) {
   Options of_model = options;
   try {
     outcome.from_family = outcome.model.is_family();
     if (outcome.from_family) {
-      resolve(data, options, outcome);
+      resolve(data, options, ratios, outcome);
       of_model.global_start = false;
     }
     const auto& own = outcome.model.constraints;
     of_model.constraints.insert(of_model.constraints.end(), own.begin(), own.end());
     const Structure structure(outcome.model.formula);
-    // Intervals that follow the cost decide about orders, which rational models have none of.
+    // Intervals that follow the cost decide about orders, which rational models have none of.  Those of the many
+    // coefficients of a grown model say nothing of a part of the system.
     const bool rational = outcome.from_family && outcome.model.model_class == ModelClass::integer_order;
+    const auto profiled = outcome.from_family ? detail::Profiled::orders : detail::Profiled::all;
     outcome.fit = rational ? detail::curvature_fit(data, structure, of_model)
-                           : detail::fit_in_reach(data, structure, of_model, hopeless);
+                           : detail::fit_in_reach(data, structure, of_model, hopeless, profiled);
     if (outcome.fit->termination == FitTermination::no_usable_start) {
       // What has no finite response to an input whose output is finite.
       outcome.refuted = std::is_same_v<Data, TimeResponseData>;
@@ -204,13 +219,14 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
                                                   [](const Outcome& outcome) { return outcome.model.is_family(); });
   const auto families = static_cast<std::size_t>(first_preset - outcomes.begin());
   double hopeless = std::numeric_limits<double>::infinity();
-  parallel_for(families, threads, [&](std::size_t i) { fit_candidate(data, options, hopeless, outcomes[i]); });
+  detail::RatioGrowths ratios;
+  parallel_for(families, threads, [&](std::size_t i) { fit_candidate(data, options, hopeless, ratios, outcomes[i]); });
   for (std::size_t i = 0; i < families; ++i) {
     if (!outcomes[i].fit) continue;
     hopeless = std::min(hopeless, by_far(outcomes[i].fit->residuals) * outcomes[i].fit->cost);
   }
   parallel_for(outcomes.size() - families, threads,
-               [&](std::size_t i) { fit_candidate(data, options, hopeless, outcomes[families + i]); });
+               [&](std::size_t i) { fit_candidate(data, options, hopeless, ratios, outcomes[families + i]); });
   start_from_contained(data, options, outcomes);
 
   IdentificationResult result{};

@@ -488,7 +488,7 @@ detail::Scouted detail::scouted(const TimeResponseData& data, const Structure& s
 }
 
 FitResult detail::fit_in_reach(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& options,
-                               double hopeless) {
+                               double hopeless, Profiled) {
   return fit_record(data, structure, options, hopeless);
 }
 

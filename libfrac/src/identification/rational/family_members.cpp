@@ -25,7 +25,8 @@ ResidualRule rule_of(const FrequencyResponseData& data, const FitOptions& option
   return logarithmic ? residual_rule(data, options.component, Weight::relative) : residual_rule(data, options);
 }
 
-FamilyMembers rational_members(const RationalProblem& problem, const RationalFamily& family, Component component) {
+FamilyMembers rational_members(const RationalProblem& problem, const RationalFamily& family, Component component,
+                               RatioGrowths& ratios) {
   if (2 * family.fewest_poles + 2 > problem.rows()) {
     throw std::invalid_argument(counted(problem.rows(), "residual") + " cannot determine " +
                                 counted(family.fewest_poles, "pole") + " and the numerator");
@@ -37,7 +38,7 @@ FamilyMembers rational_members(const RationalProblem& problem, const RationalFam
     members.models.push_back(written_out(problem, fit.shape, component));
     return members;
   }
-  const RationalLadder ladder = grow_rational(problem, family.fewest_poles, family.most_poles, kind);
+  const RationalLadder ladder = grow_rational(problem, family.fewest_poles, family.most_poles, kind, ratios);
   for (const RationalFit& fit : ladder.fits) members.models.push_back(written_out(problem, fit.shape, component));
   members.chosen = ladder.chosen;
   if (ladder.fits.empty()) return members;
@@ -65,28 +66,41 @@ FamilyMembers term_members(const TermProblem& problem, const TermFamily& family)
   return members;
 }
 
-}  // namespace
-
-FamilyMembers family_members(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options) {
+FamilyMembers members_of(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options,
+                         RatioGrowths& ratios) {
   const ResidualRule rule = rule_of(data, options);
-  FamilyMembers members = model.rational
-                              ? rational_members(RationalProblem(data, rule), *model.rational, options.component)
-                              : term_members(TermProblem(data, rule), model.terms.value());
+  FamilyMembers members =
+      model.rational ? rational_members(RationalProblem(data, rule), *model.rational, options.component, ratios)
+                     : term_members(TermProblem(data, rule), model.terms.value());
   if (members.models.empty()) {
     throw std::invalid_argument("model '" + model.name + "': too few residuals for any member of this family");
   }
   return members;
 }
 
+}  // namespace
+
+FamilyMembers family_members(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options) {
+  RatioGrowths ratios;
+  return members_of(data, model, options, ratios);
+}
+
 std::vector<std::complex<double>> ratio_response(const FrequencyResponseData& data, const FitOptions& options) {
   const RationalProblem problem(data, rule_of(data, options));
-  const RationalLadder ladder = grow_rational(problem, 0, RationalFamily{}.most_poles, {});
+  RatioGrowths ratios;
+  const RationalLadder ladder = grow_rational(problem, 0, RationalFamily{}.most_poles, {}, ratios);
   return ladder.fits.empty() ? std::vector<std::complex<double>>{}
                              : problem.response(ladder.fits.at(ladder.chosen).shape);
 }
 
 FamilyMembers best_member(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options) {
-  FamilyMembers members = family_members(data, model, options);
+  RatioGrowths ratios;
+  return best_member(data, model, options, ratios);
+}
+
+FamilyMembers best_member(const FrequencyResponseData& data, const NamedModel& model, const FitOptions& options,
+                          RatioGrowths& ratios) {
+  FamilyMembers members = members_of(data, model, options, ratios);
   NamedModel& best = members.models.at(members.chosen);
   const bool open_range = model.rational && model.rational->most_poles == RationalFamily{}.most_poles;
   best.ends_its_family =

@@ -28,6 +28,8 @@ inline constexpr double least_departure = 0.1;
   return std::abs(order - std::round(order)) >= least_departure;
 }
 
+class RatioGrowths;  // see rational_growth.hpp
+
 /// @param model  with a family
 /// @throws std::invalid_argument  as resolved_model()
 [[nodiscard]] FamilyMembers family_members(const FrequencyResponseData& data, const NamedModel& model,
@@ -40,5 +42,8 @@ inline constexpr double least_departure = 0.1;
 /// The chosen member alone, which knows whether it ends its family.
 [[nodiscard]] FamilyMembers best_member(const FrequencyResponseData& data, const NamedModel& model,
                                         const FitOptions& options);
+/// @param ratios  what other families of the same data and options have grown
+[[nodiscard]] FamilyMembers best_member(const FrequencyResponseData& data, const NamedModel& model,
+                                        const FitOptions& options, RatioGrowths& ratios);
 
 }  // namespace frac::detail

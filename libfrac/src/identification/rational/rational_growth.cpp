@@ -203,6 +203,15 @@ void RationalGrowth::extend(const RationalShape* contained) {
   members_.push_back(std::move(best));
 }
 
+RationalFit RatioGrowths::member(const RationalProblem& problem, bool delayed, std::size_t poles) {
+  const std::size_t at = delayed ? 1 : 0;
+  const std::lock_guard lock(mutex_[at]);
+  if (!growing_[at]) growing_[at] = std::make_unique<Growing>(problem, delayed);
+  RationalGrowth& growth = growing_[at]->growth;
+  while (growth.members().size() <= poles) growth.extend();
+  return growth.members()[poles];
+}
+
 RationalFit without_idle_parts(const RationalProblem& problem, const RationalFit& fit) {
   RationalFit best = fit;
   double value = schwarz(problem, best);
@@ -242,18 +251,18 @@ namespace {
 
 /// @param excess  see RationalGrowth
 RationalLadder grown_ladder(const RationalProblem& problem, std::size_t fewest_poles, std::size_t most_poles,
-                            const RationalKind& kind, std::size_t excess) {
+                            const RationalKind& kind, std::size_t excess, RatioGrowths& ratios) {
   RationalLadder ladder;
-  RationalGrowth growth(problem, kind, excess);
-  std::optional<RationalGrowth> whole;
-  if (kind.free_order) whole.emplace(problem, RationalKind{kind.delayed, false});
+  std::optional<RationalGrowth> own;
+  if (kind.free_order || excess > 0) own.emplace(problem, kind, excess);
   std::size_t in_vain = 0;
   for (std::size_t order = 0; order <= most_poles; ++order) {
-    if (order > 0) {
-      if (whole) whole->extend();
-      growth.extend(whole ? &whole->members().back().shape : nullptr);
+    if (own && order > 0) {
+      const bool contains = kind.free_order;
+      const RationalFit whole = contains ? ratios.member(problem, kind.delayed, order) : RationalFit{};
+      own->extend(contains ? &whole.shape : nullptr);
     }
-    const RationalFit& member = growth.members().back();
+    const RationalFit member = own ? own->members().back() : ratios.member(problem, kind.delayed, order);
     if (order < fewest_poles) continue;
     if (2 * order + excess + 3 >= problem.rows()) break;
     RationalFit simple = without_idle_parts(problem, member);
@@ -275,14 +284,14 @@ RationalLadder grown_ladder(const RationalProblem& problem, std::size_t fewest_p
 }  // namespace
 
 RationalLadder grow_rational(const RationalProblem& problem, std::size_t fewest_poles, std::size_t most_poles,
-                             const RationalKind& kind) {
-  RationalLadder ladder = grown_ladder(problem, fewest_poles, most_poles, kind, 0);
+                             const RationalKind& kind, RatioGrowths& ratios) {
+  RationalLadder ladder = grown_ladder(problem, fewest_poles, most_poles, kind, 0, ratios);
   if (ladder.fits.empty()) return ladder;
   // What ended with one zero more than poles was grown without it: a resonance beside such a rise, say, is not seen.
   // With a free order members need no zero to rise.
   const RationalShape& ended = ladder.fits[ladder.chosen].shape;
   if (kind.free_order || ended.degree <= ended.poles()) return ladder;
-  RationalLadder steeper = grown_ladder(problem, fewest_poles, most_poles, kind, 1);
+  RationalLadder steeper = grown_ladder(problem, fewest_poles, most_poles, kind, 1, ratios);
   return steeper.value < ladder.value ? steeper : ladder;
 }
 

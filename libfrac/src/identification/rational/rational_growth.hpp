@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <limits>
+#include <memory>
+#include <mutex>
 #include <vector>
 
 #include "rational_problem.hpp"
@@ -47,6 +50,23 @@ class RationalGrowth {
   std::vector<RationalFit> members_;
 };
 
+/// Ratios in s of one problem, without and with a dead time, grown once for all families that start from them.  Several
+/// threads may ask.
+class RatioGrowths {
+ public:
+  /// @param problem  the same in each call, or an equal one
+  [[nodiscard]] RationalFit member(const RationalProblem& problem, bool delayed, std::size_t poles);
+
+ private:
+  struct Growing {
+    Growing(const RationalProblem& of, bool delayed) : problem(of), growth(problem, {delayed, false}) {}
+    RationalProblem problem;
+    RationalGrowth growth;
+  };
+  std::array<std::mutex, 2> mutex_;
+  std::array<std::unique_ptr<Growing>, 2> growing_;  // first without a dead time
+};
+
 /// The fit without what does not pay for itself by schwarz(): zeros beyond the band or far below it, one zero more than
 /// poles, poles that are integrators.
 [[nodiscard]] RationalFit without_idle_parts(const RationalProblem& problem, const RationalFit& fit);
@@ -59,7 +79,7 @@ struct RationalLadder {
   double value = std::numeric_limits<double>::infinity();  // of the chosen one
 };
 [[nodiscard]] RationalLadder grow_rational(const RationalProblem& problem, std::size_t fewest_poles,
-                                           std::size_t most_poles, const RationalKind& kind);
+                                           std::size_t most_poles, const RationalKind& kind, RatioGrowths& ratios);
 
 /// That many zeros and poles.
 [[nodiscard]] RationalFit fit_rational(const RationalProblem& problem, std::size_t zeros, std::size_t poles,

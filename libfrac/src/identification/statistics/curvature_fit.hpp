@@ -15,11 +15,15 @@ namespace frac::detail {
   return fit(data, structure, options);
 }
 
+/// Parameters whose wide intervals follow the cost.
+enum class Profiled { all, orders };
+
 /// fit() of one candidate among others: above a cost that another beats by far, the search ends early and intervals are
 /// from the curvature.
 [[nodiscard]] FitResult fit_in_reach(const FrequencyResponseData& data, const Structure& structure,
-                                     const FitOptions& options, double hopeless);
+                                     const FitOptions& options, double hopeless, Profiled profiled);
+/// Over time intervals are from the curvature always.
 [[nodiscard]] FitResult fit_in_reach(const TimeResponseData& data, const Structure& structure,
-                                     const TimeFitOptions& options, double hopeless);
+                                     const TimeFitOptions& options, double hopeless, Profiled profiled);
 
 }  // namespace frac::detail
