@@ -10,9 +10,12 @@
 #include <utility>
 #include <vector>
 
+#include "special/distributions.hpp"
 #include "support/both_parts.hpp"
 #include "support/coverage.hpp"
 #include "support/noisy_response.hpp"
+#include "support/random.hpp"
+#include "support/validity_cases.hpp"
 
 namespace {
 
@@ -90,6 +93,35 @@ TEST(ProfileInterval, EndsWhereTheCostIsThatOfItsDefinition) {
       EXPECT_NEAR(frac::fit(data, structure, held).cost / limit, 1, 1e-6) << estimate.name << " = " << end;
     }
   }
+}
+
+// An arc that the data do not have leaves valleys so bent that solves of the other parameters stick in one leap, here
+// at 0.4 of what the curvature says for Tx.  No end that is said to follow the cost lies where a fit of its own, with
+// the parameter held there, leaves less than nine tenths of the distance to the limit.
+TEST(ProfileInterval, DoesNotEndWhereTheSearchOfTheOthersSticks) {
+  support::Random random(336 * 9000011ULL + 3);
+  (void)random.unit();
+  const double noise = random.log_uniform(0.003, 0.05);
+  const int per_decade = 3 + static_cast<int>(random.below(6));
+  const auto kind = static_cast<support::NoiseKind>(random.below(3));
+  support::Sweep sweep = support::sweep(support::impedance_models()[5], per_decade, kind, noise, random);
+  support::add_noise(sweep, random);
+  const frac::Structure structure("R0 + 1/(Q s^n) + Rx/(1 + (Tx s)^ax)");
+  const frac::FitResult result = frac::fit(sweep.data(), structure, both_parts());
+  const double degrees = 2 * static_cast<double>(sweep.omega.size()) - static_cast<double>(result.parameters.size());
+  const double t = frac::detail::student_t_quantile(0.975, degrees);
+  int wide = 0;
+  for (const auto& estimate : result.parameters) {
+    wide += estimate.ci95_upper - estimate.ci95_lower > 0.2 * std::abs(estimate.value);
+    if (estimate.interval != frac::IntervalKind::profile) continue;
+    for (const double end : {estimate.ci95_lower, estimate.ci95_upper}) {
+      frac::FitOptions held = both_parts();
+      held.constraints = {{estimate.name, end, {}, {}, {}}};
+      const double rise = std::sqrt((frac::fit(sweep.data(), structure, held).cost / result.cost - 1) * degrees);
+      EXPECT_GT(rise, 0.9 * t * estimate.widening) << estimate.name << " = " << end;
+    }
+  }
+  EXPECT_GT(wide, 0);  // else nothing would be followed
 }
 
 // Two arcs a factor 3 apart share their resistance in nearly any proportion: a long bent valley, in which a step as

@@ -59,19 +59,31 @@ class Profile {
     const double centre = logarithmic_ ? std::log(best_[parameter_]) : best_[parameter_];
     const double step = wanted_ * (logarithmic_ ? error / best_[parameter_] : error);
     inside_ = best_;
-    const double found = profile_end([this](double coordinate) { return rise_at(coordinate); },
+    const double found = profile_end([this](double coordinate) { return rise_at(coordinate, wanted_); },
                                      {centre, step, lower_, upper_, logarithmic_}, side, wanted_, tolerance, steps);
     if (!std::isfinite(found)) return found;
-    constexpr double far_too_near = 0.25;
-    stuck_ = stuck_ || std::abs(found - centre) < far_too_near * step;
+    constexpr double suspiciously_near = 0.7;  // in units of what the curvature says
+    if (std::abs(found - centre) < suspiciously_near * step)
+      stuck_ = stuck_ || walked_to(found, centre) < 0.9 * wanted_;
     return user(found);
   }
 
  private:
   [[nodiscard]] double user(double coordinate) const { return logarithmic_ ? std::exp(coordinate) : coordinate; }
 
+  /// The rise at a coordinate after small steps, each from where the last one ended: where solves of the other
+  /// parameters stick in one leap, these go on.
+  double walked_to(double coordinate, double centre) {
+    inside_ = best_;
+    constexpr int steps = 8;
+    double rise = 0;
+    for (int i = 1; i <= steps; ++i) rise = rise_at(centre + (coordinate - centre) * i / steps, infinity);
+    return rise;
+  }
+
   /// Square root of the rise of the objective above its minimum, in units of that of one standard error.
-  double rise_at(double coordinate) {
+  /// @param outside  rise from which on the next solve does not start from this one
+  double rise_at(double coordinate, double outside) {
     const double value = user(coordinate);
     if (!std::isfinite(value) || (logarithmic_ && !(value > 0))) return infinity;
     held_.back().fixed = value;
@@ -88,7 +100,7 @@ class Profile {
     if (!std::isfinite(solution.objective)) return infinity;
     below_minimum_ = below_minimum_ || solution.objective < best_objective_ * (1 - 1e-6);
     const double rise = std::sqrt(std::max(0.0, solution.objective - best_objective_) / confidence_.loss_unit);
-    if (rise < wanted_) inside_ = map.to_user(solution.theta);
+    if (rise < outside) inside_ = map.to_user(solution.theta);
     return rise;
   }
 

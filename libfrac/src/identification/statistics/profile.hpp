@@ -29,8 +29,8 @@ struct ProfileEnds {
   double lower, upper;              // -infinity, infinity where the limits come first
   double lower_limit, upper_limit;  // of the parameter
   bool below_minimum;               // a lower cost than that of the solution was met: it is no minimum
-  /// An end is met within a quarter of what the curvature says: solves of the other parameters stuck, so that the cost
-  /// rose too fast.
+  /// At an end nearer than the curvature says the cost, followed there in small steps, is lower: solves of the other
+  /// parameters stuck in one leap, so that it rose too fast.
   bool stuck;
 };
 
