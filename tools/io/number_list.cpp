@@ -6,6 +6,7 @@
 #include <string>
 
 #include "io/data_error.hpp"
+#include "io/fields.hpp"
 #include "io/number.hpp"
 
 namespace io {
@@ -15,12 +16,6 @@ constexpr std::size_t largest_count = 10'000'000;
 
 [[noreturn]] void fail(std::string_view what, const std::string& message) {
   throw std::invalid_argument(std::string(what) + ": " + message);
-}
-
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
 std::vector<std::string_view> parts_of(std::string_view text, char separator) {
