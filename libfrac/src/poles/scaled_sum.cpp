@@ -16,7 +16,8 @@ using Complex = std::complex<double>;
 double modulus_of(const PowerTerm& term, Complex zeta, double scale) {
   return std::abs(term.coefficient) * std::exp(term.order * zeta.real() - scale);
 }
-// c e^{q zeta} over e^scale.
+// The term itself, turned by its angle and sign.
+// @param modulus  by modulus_of()
 Complex part_of(const PowerTerm& term, Complex zeta, double modulus) {
   const double angle = term.order * zeta.imag();
   const double signed_modulus = term.coefficient < 0 ? -modulus : modulus;
