@@ -217,4 +217,31 @@ TEST(Verdict, TheNextMeasurementDecides) {
   EXPECT_GE(asked, 1);
 }
 
+// The weight is no property of what is to be measured: under relative weight its accuracy is the share of the response
+// itself, under absolute weight it grows with the data, whose share stays what it was.
+TEST(Verdict, TheAccuracyOfTheNextMeasurementIsAShareOfTheResponse) {
+  const auto models = {frac::find_model("fractional-lag"), frac::find_model("lag")};
+  auto options = support::both_parts();
+  int asked = 0;
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    const auto data = support::noisy_response("1/(1 + s^0.96)", {}, 0.1, seed, 16);
+    const auto next = [&](double factor, frac::Weight weight) {
+      std::vector<std::complex<double>> value = data.value();
+      for (auto& each : value) each *= factor;
+      options.weight = weight;
+      return frac::identify(frac::FrequencyResponseData(data.omega(), value), models, {}, options).next;
+    };
+    if (const auto relative = next(1, frac::Weight::relative)) {
+      EXPECT_NEAR(relative->relative_accuracy, relative->accuracy, 1e-12 * relative->accuracy);
+    }
+    const auto small = next(1, frac::Weight::absolute), large = next(1000, frac::Weight::absolute);
+    if (!small || !large) continue;
+    ++asked;
+    // Fits to scaled data agree to the tolerance of the searches, some 1e-8.
+    EXPECT_NEAR(large->accuracy / small->accuracy, 1000, 1e-2);
+    EXPECT_NEAR(large->relative_accuracy / small->relative_accuracy, 1, 1e-5);
+  }
+  EXPECT_GE(asked, 1);
+}
+
 }  // namespace

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "identification/verdict/ruling.hpp"
 #include "support/both_parts.hpp"
 #include "support/noisy_response.hpp"
 
@@ -192,6 +193,47 @@ TEST(Verdict, OddsAllowThatBothModelsAreFarFromTheTruth) {
     EXPECT_NEAR(stated, (1 - neither) * by_evidence + neither / 2, 1e-12) << result.verdict_sentence;
     EXPECT_EQ(result.verdict, noise < 0.01 ? Verdict::fractional_supported : Verdict::undecided);
   }
+}
+
+// A lag is found as a fractional lag of order 1 too, with a parameter less than the ratio it is compared with: that
+// evidence is none for fractional orders, and the odds are those of an order that departs.
+TEST(Verdict, EvidenceForWholeOrdersIsNoneForFractionalOnes) {
+  const auto candidates = models({"fractional-lag", "K/(T s + 1) + C + A s"});
+  const auto result =
+      frac::identify(support::noisy_response("1/(s + 1)", {}, 0.01, 5u, 60), candidates, {}, both_parts());
+  ASSERT_EQ(result.verdict, Verdict::fractional_not_supported) << result.verdict_sentence;
+  ASSERT_GT(result.evidence, 0);
+  ASSERT_LT(result.departure_evidence, 0);
+  const double stated = 1 / (1 + std::pow(10.0, -result.log10_odds));
+  EXPECT_NEAR(stated, 0.95 / (1 + std::exp(-result.departure_evidence / 2)) + 0.025, 1e-12);
+  EXPECT_NE(result.verdict_sentence.find("to 1 for whole orders"), std::string::npos) << result.verdict_sentence;
+}
+
+// A model with 20 parameters may follow measured data, and predict what was left out worse than a ratio that misses
+// them by little.  Figures of the impedance of a lithium cell whose residuals are drift.
+TEST(Verdict, WhatPredictsWorseIsNotSupportedEvenWhereItAloneFollows) {
+  const frac::detail::Competitor fractional{}, integer{};
+  frac::ParameterEstimate order{};
+  order.value = 0.52;
+  const frac::detail::Comparison pair{.fractional = fractional,
+                                      .integer = integer,
+                                      .fractional_follows = true,
+                                      .integer_follows = false,
+                                      .share = 1,
+                                      .orders = {true, &order, 0, false},
+                                      .departure = {.evidence = 139.6, .parameters = 25},
+                                      .only_integer_grew = false,
+                                      .rounded = false,
+                                      .over_time = false};
+  const auto verdict = [&](double prediction, double extrapolation) {
+    frac::IdentificationResult result{};
+    result.evidence = result.departure_evidence = 139.6;
+    result.fractional = frac::Finalist{0, 25, prediction, extrapolation};
+    result.integer = frac::Finalist{1, 24, 1.3e-5, 5.5e-5};
+    return frac::detail::ruling(result, pair, {}).verdict;
+  };
+  EXPECT_EQ(verdict(3.9e-5, 8.8e-5), Verdict::undecided);
+  EXPECT_EQ(verdict(1.3e-5, 5.5e-5), Verdict::fractional_supported);
 }
 
 // Conduction of heat through a wall that passes it on to a room is among no candidates, and rows of real poles

@@ -234,7 +234,7 @@ def test_profile_and_bootstrap_of_the_command_line(cell):
 
 def test_identify_of_the_command_line():
     models = ["fractional-lag", "cole-cole", "lag", CIRCUIT]
-    result = fracfit.identify(fracfit.read(CELL), models, weight="relative")
+    result = fracfit.identify(fracfit.read(CELL), models)
     found = command_line.json_of("identify", CELL, "--models", ",".join(models), "--component", "both")
     assert found["verdict"] == result.verdict
     assert found["evidence"] == result.evidence or np.isnan(result.evidence)
@@ -255,7 +255,7 @@ def test_the_next_measurement_is_that_of_the_command_line(tmp_path):
     path.write_text("\n".join(["omega_rad_s,re,im", *(f"{w!r},{z.real!r},{z.imag!r}" for w, z in zip(omega.tolist(), response.tolist()))]))
     models = ["fractional-oscillator", "oscillator", "rational:0..4"]
     found = command_line.json_of("identify", str(path), "--models", ",".join(models), "--component", "both")["next_measurement"]
-    result = fracfit.identify(fracfit.read(path), models, weight="learned")
+    result = fracfit.identify(fracfit.read(path), models)
     assert result.next_measurement == (found["lower"], found["upper"], found["points"])
     assert (result.next_accuracy, result.next_evidence) == (found["accuracy"], found["expected_evidence"])
 

@@ -114,7 +114,8 @@ std::string remarks_on_residuals(const FitRun& run, const frac::FitResult& resul
   for (const double at : statistics.outlier_at) text += " " + short_number(on_axis(run, at));
   text += axis_unit(run);
   const bool bears_them = run.over_time && io::find_value(run.options, "loss") == "none";
-  return text + (bears_them ? "; each weighs like every sample, and --loss huber bounds what it does to the fit\n" : "\n");
+  return text +
+         (bears_them ? "; each weighs like every sample, and --loss huber bounds what it does to the fit\n" : "\n");
 }
 
 std::string growth_table(const frac::Growth& growth) {
@@ -203,6 +204,7 @@ Json next_measurement_json(const std::optional<frac::NextMeasurement>& next) {
           {"upper", next->upper},
           {"points", next->points},
           {"accuracy", next->accuracy},
+          {"relative_accuracy", next->relative_accuracy},
           {"expected_evidence", next->expected_evidence}};
 }
 
@@ -354,7 +356,12 @@ std::string identification_table(const FitRun& run, const frac::IdentificationRe
     ranking.add(row);
   }
   const auto& chosen = result.ranking.at(result.chosen);
-  std::string text = heading(run) + "\n" + ranking.text();
+  std::string text = heading(run);
+  if (result.noise_floor > 0) {
+    text += "floor      " + short_number(result.noise_floor) +
+            ": the noise does not fall with the data, residuals are divided by sqrt(|data|^2 + floor^2)\n";
+  }
+  text += "\n" + ranking.text();
   if (!others.empty()) text += paragraph("These miss the data too, by an rms of: " + others + ".");
   text +=
       "chosen: " + why_chosen(result) + "; the verdict compares those of the least Schwarz criterion\n\n" + chosen.name;
@@ -462,6 +469,7 @@ std::string identification_json(const FitRun& run, const frac::IdentificationRes
   json["integer"] = finalist_json(result, result.integer);
   json["differ_most"] = {{"omega", result.differ_most_omega}, {"relative", result.differ_most}};
   json["model_error"] = result.model_error;
+  json["noise_floor"] = result.noise_floor;
   json["next_measurement"] = next_measurement_json(result.next);
   json["skipped"] = result.skipped;
   return json.dump() + "\n";

@@ -481,6 +481,8 @@ class Identification(_Record):
         Where undecided, what would decide: from and to (rad/s), and how many points.
     next_accuracy, next_evidence : float or None
         Of that measurement: standard deviation of a weighted residual that it needs, and the evidence to expect.
+    noise_floor : float
+        Of weight ``"learned"``, which all candidates share: below it the noise is additive; 0 if there is none.
     skipped : list of str
     left_out : list of int
         Points that contradict their neighbours on both sides and were left out.
@@ -510,7 +512,7 @@ def identify(
     curves: Mapping[str, Any] | None = None,
     threads: int = 0,
     component: str = "both",
-    weight: str = "relative",
+    weight: str = "learned",
     loss: str = "none",
     outliers: str = "leave-out",
     realisation: Mapping[str, Any] | None = None,
@@ -530,7 +532,7 @@ def identify(
     curves : mapping of str to array_like, optional
         Further candidates given by their values at the frequencies of the data.
     component, weight, loss, outliers, ...
-        As of `fit`.  (The command line weights by "learned" unless told otherwise.)
+        As of `fit`.
 
     Examples
     --------

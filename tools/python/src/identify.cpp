@@ -44,6 +44,7 @@ py::dict dict_of(const frac::IdentificationResult& result) {
   dict["model_error"] = result.model_error;
   dict["usable"] = result.usable();
   dict["summary"] = result.summary();
+  dict["noise_floor"] = result.noise_floor;
   for (const char* each : {"next_measurement", "next_accuracy", "next_evidence"}) dict[each] = py::none();
   if (result.next) {
     dict["next_measurement"] = py::make_tuple(result.next->lower, result.next->upper, result.next->points);

@@ -56,13 +56,14 @@ struct NextMeasurement {
   double lower, upper;       // rad/s: half a decade
   std::size_t points;        // even in the logarithm
   double accuracy;           // standard deviation of their weighted residuals
+  double relative_accuracy;  // the same as a share of the response in the middle of the band
   double expected_evidence;  // by which evidence is expected to change, in favour of the true one of the two
 };
 
 /// Structures ranked by AICc on the same residuals, best first.  The chosen one is, of those that follow the data (all,
 /// if none does) and whose fit converged, the simplest with an AICc within 2 of the best; where the verdict speaks for
-/// the other class than its own, the finalist of that class, and where it is undecided the finalist of greater evidence,
-/// if that follows the data with fewer parameters.
+/// the other class than its own, the finalist of that class, and where it is undecided the finalist of greater
+/// evidence, if that follows the data with fewer parameters.
 ///
 /// The verdict compares the best fractional with the best integer-order or given candidate among those that follow the
 /// data to within their noise, see LackOfFit.  "Best" is least n ln(cost/n) + k n ln n/(n - k - 2) with n residuals and
@@ -119,9 +120,10 @@ struct IdentificationResult {
   std::string verdict_sentence;
   std::optional<Finalist> fractional, integer;  // what was compared; unset where the class has no candidate
   /// Decimal logarithm of the odds of fractional to integer order, equal before.  Evidence alone would give
-  /// evidence/(2 ln 10); it compares two models, and with a probability of 0.05, or 0.5 where the verdict is left open
-  /// because other rules speak against it, both are taken to be far from what made the data.  So no odds exceed 39, or
-  /// 3, to 1.
+  /// evidence/(2 ln 10), and departure evidence takes its place where the verdict is not-supported or the fractional
+  /// finalist has whole orders; it compares two models, and with a probability of 0.05, or 0.5 where the verdict is
+  /// left open because other rules speak against it, both are taken to be far from what made the data.  So no odds
+  /// exceed 39, or 3, to 1.
   double log10_odds;
   /// Where within a decade outside the data the two finalists differ most, relative to the integer-order one: a
   /// measurement there tells them apart.  NaN where there are not both, and over time.

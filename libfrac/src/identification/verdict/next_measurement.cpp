@@ -73,6 +73,9 @@ std::optional<NextMeasurement> next_measurement(const FrequencyResponseData& dat
   const double floor = learned ? options.noise_floor.value_or(0) : 0;
 
   const double half_decade = std::sqrt(10.0);
+  const auto residual_unit = [&](std::complex<double> response) {
+    return relative || learned ? std::hypot(std::abs(response), floor) : 1;
+  };
   const auto gain = [&](double lower, std::size_t points, double accuracy) {
     std::vector<double> omega, scale;
     for (std::size_t i = 0; i < points; ++i) {
@@ -80,9 +83,7 @@ std::optional<NextMeasurement> next_measurement(const FrequencyResponseData& dat
       omega.push_back(lower * std::pow(half_decade, share));
     }
     const auto of_a = fitted_response(a, options.realisation, omega);
-    for (const std::complex<double>& value : of_a) {
-      scale.push_back(relative || learned ? std::hypot(std::abs(value), floor) : 1);
-    }
+    for (const std::complex<double>& value : of_a) scale.push_back(residual_unit(value));
     const Prediction first = predicted(a, options.component, omega, scale);
     const Prediction second = predicted(b, options.component, omega, scale);
     const Eigen::VectorXd difference = first.value - second.value;
@@ -111,7 +112,7 @@ std::optional<NextMeasurement> next_measurement(const FrequencyResponseData& dat
     place = lower;
   }
   if (!(most > 0)) return std::nullopt;
-  NextMeasurement next{place, place * half_decade, 1, noise, 0};
+  NextMeasurement next{place, place * half_decade, 1, noise, 0, 0};
   for (next.points = 1; next.points < most_points; next.points *= 2) {
     if (gain(place, next.points, noise) >= wanted) break;
   }
@@ -120,6 +121,8 @@ std::optional<NextMeasurement> next_measurement(const FrequencyResponseData& dat
     next.accuracy /= 2;
     next.expected_evidence = gain(place, next.points, next.accuracy);
   }
+  const auto middle = fitted_response(a, options.realisation, {place * std::sqrt(half_decade)}).front();
+  next.relative_accuracy = next.accuracy * residual_unit(middle) / std::abs(middle);
   return next;
 }
 

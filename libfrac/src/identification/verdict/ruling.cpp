@@ -74,7 +74,7 @@ std::string against_fractional(const IdentificationResult& result, const Compari
   }
   const bool predicts = not_above(f.prediction_rms, worse, i.prediction_rms) &&
                         not_above(f.extrapolation_rms, worse_beyond, i.extrapolation_rms);
-  if (pair.integer_follows && !predicts) return ", but the fractional one predicts left-out points worse";
+  if (!predicts) return ", but the fractional one predicts left-out points worse";
   if (!skipped_rivals.empty()) return ", but " + unfitted(skipped_rivals);
   return pair.fractional_follows ? "" : ", but only the other one follows the data";
 }
@@ -134,6 +134,10 @@ Ruling ruling(const IdentificationResult& result, const Comparison& pair,
   if (!integer_objection.empty()) return {Verdict::undecided, integer_objection};
   return {Verdict::fractional_not_supported,
           pair.orders.departure > 0 ? "; every order of the fractional one is whole" : ""};
+}
+
+bool departure_decides(const Comparison& pair, Verdict verdict) {
+  return verdict == Verdict::fractional_not_supported || (pair.orders.any_free && pair.orders.all_nearly_whole);
 }
 
 double log10_odds(double evidence, Verdict verdict) {

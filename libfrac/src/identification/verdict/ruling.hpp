@@ -30,6 +30,10 @@ struct Ruling {
 [[nodiscard]] Ruling ruling(const IdentificationResult& result, const Comparison& pair,
                             const std::vector<std::string>& skipped_rivals);
 
+/// Whether the odds of the two classes follow from the departure evidence: where the fractional finalist has whole
+/// orders, its evidence is none for its class.
+[[nodiscard]] bool departure_decides(const Comparison& pair, Verdict verdict);
+
 /// Posterior odds of fractional to integer order: see IdentificationResult::log10_odds.
 [[nodiscard]] double log10_odds(double evidence, Verdict verdict);
 

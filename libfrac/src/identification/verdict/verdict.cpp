@@ -106,8 +106,7 @@ void suggest_next(IdentificationResult& result, const FrequencyResponseData& dat
                                  evidence_to_decide(result.evidence));
   // Where the two are one model in two spellings, nothing tells them apart.
   if (result.next && !(result.next->expected_evidence > no_evidence)) result.next.reset();
-  const bool relative = options.weight != Weight::absolute;
-  if (result.next) result.verdict_sentence += advice(*result.next, noise, relative, axis_unit(data));
+  if (result.next) result.verdict_sentence += advice(*result.next, noise, axis_unit(data));
 }
 void suggest_next(IdentificationResult&, const TimeResponseData&, const TimeFitOptions&, const Comparison&) {}
 
@@ -162,7 +161,8 @@ void compare(IdentificationResult& result, const Data& data, const Options& opti
   predict(data, options, pair.integer, *result.integer);
 
   Ruling decided = ruling(result, pair, skipped_rivals);
-  result.log10_odds = log10_odds(result.evidence, decided.verdict);
+  const bool departing = departure_decides(pair, decided.verdict);
+  result.log10_odds = log10_odds(departing ? result.departure_evidence : result.evidence, decided.verdict);
   const bool undecided = decided.verdict == Verdict::undecided;
   if (result.model_error && undecided) return call_inadequate(result, axis_unit(data));
   if (undecided && !skipped_rivals.empty()) decided.reason += advice_on_skipped(data, options);

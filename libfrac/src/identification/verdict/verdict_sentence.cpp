@@ -37,14 +37,23 @@ std::string rms_text(double rms) {
   return std::isfinite(rms) ? four_digits(rms) : "none (what is left does not determine the model)";
 }
 
-std::string compared(const IdentificationResult& result, const Comparison& pair) {
+/// Departure evidence is named where the odds follow from it and do not seem to: where the other speaks for them.
+std::string evidence_and_odds(const IdentificationResult& result, bool departing) {
+  const bool told_apart = departing && (result.evidence > 0) != (result.departure_evidence > 0);
+  return "evidence " + four_digits(result.evidence) +
+         (told_apart ? ", that of orders other than whole " + four_digits(result.departure_evidence) : "") + " (odds " +
+         four_digits(std::pow(10.0, std::abs(result.log10_odds))) + " to 1 for " +
+         (result.log10_odds > 0 ? "the fractional one"
+          : told_apart          ? "whole orders"
+                                : "the integer-order one") +
+         ", had they been equal before)";
+}
+
+std::string compared(const IdentificationResult& result, const Comparison& pair, Verdict verdict) {
   const Finalist &f = *result.fractional, &i = *result.integer;
-  std::string text = described(pair.fractional.ranked) + " against " + described(pair.integer.ranked) + ", evidence " +
-                     four_digits(result.evidence) + " (odds " +
-                     four_digits(std::pow(10.0, std::abs(result.log10_odds))) + " to 1 for the " +
-                     (result.evidence > 0 ? "fractional" : "integer-order") +
-                     " one, had they been equal before), predictions to rms " + rms_text(f.prediction_rms) +
-                     " against " + rms_text(i.prediction_rms);
+  std::string text = described(pair.fractional.ranked) + " against " + described(pair.integer.ranked) + ", " +
+                     evidence_and_odds(result, departure_decides(pair, verdict)) + ", predictions to rms " +
+                     rms_text(f.prediction_rms) + " against " + rms_text(i.prediction_rms);
   if (!std::isnan(f.extrapolation_rms) && !std::isnan(i.extrapolation_rms)) {
     text += ", half a decade beyond to " + rms_text(f.extrapolation_rms) + " against " + rms_text(i.extrapolation_rms);
   }
@@ -94,7 +103,7 @@ std::string unfitted(const std::vector<std::string>& rivals) {
 
 std::string verdict_sentence(const IdentificationResult& result, const Comparison& pair, const Ruling& ruling,
                              const AxisUnit& unit) {
-  const std::string rivals = compared(result, pair);
+  const std::string rivals = compared(result, pair, ruling.verdict);
   switch (ruling.verdict) {
     case Verdict::fractional_supported:
       return "A fractional order is supported: " + rivals + decided_order(pair.orders) +
@@ -117,13 +126,12 @@ std::string sentence_without_model(const RankedFit& best, const AxisUnit& unit) 
          how_far_off(best.lack_of_fit) + list_of_bands(best.lack_of_fit, unit) + ".";
 }
 
-std::string advice(const NextMeasurement& next, double noise, bool relative, const AxisUnit& unit) {
-  const std::string wanted = relative ? "noise of " + four_digits(100 * next.accuracy) + " % of the response"
-                                      : "residuals of " + four_digits(next.accuracy);
+std::string advice(const NextMeasurement& next, double noise, const AxisUnit& unit) {
   const std::string less =
       next.accuracy < noise ? ", " + four_digits(noise / next.accuracy) + " times less than here" : "";
   return " To decide, measure " + counted(next.points, "point") + " from " + unit.text(next.lower) + " to " +
-         unit.text(next.upper) + " " + std::string(unit.name) + " with " + wanted + less + " (expected evidence " +
+         unit.text(next.upper) + " " + std::string(unit.name) + " with noise of " +
+         four_digits(100 * next.relative_accuracy) + " % of the response" + less + " (expected evidence " +
          four_digits(next.expected_evidence) + ").";
 }
 

@@ -31,6 +31,6 @@ struct AxisUnit {
 /// What to measure next.
 /// @param noise     of the data at hand, as next.accuracy
 /// @param relative  whether both are shares of the response
-[[nodiscard]] std::string advice(const NextMeasurement& next, double noise, bool relative, const AxisUnit& unit);
+[[nodiscard]] std::string advice(const NextMeasurement& next, double noise, const AxisUnit& unit);
 
 }  // namespace frac::detail
