@@ -120,10 +120,10 @@ struct IdentificationResult {
   std::string verdict_sentence;
   std::optional<Finalist> fractional, integer;  // what was compared; unset where the class has no candidate
   /// Decimal logarithm of the odds of fractional to integer order, equal before.  Evidence alone would give
-  /// evidence/(2 ln 10), and departure evidence takes its place where the verdict is not-supported or the fractional
-  /// finalist has whole orders; it compares two models, and with a probability of 0.05, or 0.5 where the verdict is
-  /// left open because other rules speak against it, both are taken to be far from what made the data.  So no odds
-  /// exceed 39, or 3, to 1.
+  /// evidence/(2 ln 10), and departure evidence takes its place where the fractional finalist has whole orders or
+  /// the verdict is not-supported against evidence above 0; it compares two models, and with a probability of 0.05, or
+  /// 0.5 where the verdict is left open because other rules speak against it, both are taken to be far from what made
+  /// the data.  So no odds exceed 39, or 3, to 1.
   double log10_odds;
   /// Where within a decade outside the data the two finalists differ most, relative to the integer-order one: a
   /// measurement there tells them apart.  NaN where there are not both, and over time.

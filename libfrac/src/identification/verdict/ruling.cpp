@@ -136,8 +136,9 @@ Ruling ruling(const IdentificationResult& result, const Comparison& pair,
           pair.orders.departure > 0 ? "; every order of the fractional one is whole" : ""};
 }
 
-bool departure_decides(const Comparison& pair, Verdict verdict) {
-  return verdict == Verdict::fractional_not_supported || (pair.orders.any_free && pair.orders.all_nearly_whole);
+bool departure_decides(const IdentificationResult& result, const Comparison& pair, Verdict verdict) {
+  const bool refused = verdict == Verdict::fractional_not_supported && result.evidence > 0;
+  return refused || (pair.orders.any_free && pair.orders.all_nearly_whole);
 }
 
 double log10_odds(double evidence, Verdict verdict) {

@@ -31,8 +31,8 @@ struct Ruling {
                             const std::vector<std::string>& skipped_rivals);
 
 /// Whether the odds of the two classes follow from the departure evidence: where the fractional finalist has whole
-/// orders, its evidence is none for its class.
-[[nodiscard]] bool departure_decides(const Comparison& pair, Verdict verdict);
+/// orders, or a verdict refuses what evidence is for, evidence is none for its class.
+[[nodiscard]] bool departure_decides(const IdentificationResult& result, const Comparison& pair, Verdict verdict);
 
 /// Posterior odds of fractional to integer order: see IdentificationResult::log10_odds.
 [[nodiscard]] double log10_odds(double evidence, Verdict verdict);

@@ -161,7 +161,7 @@ void compare(IdentificationResult& result, const Data& data, const Options& opti
   predict(data, options, pair.integer, *result.integer);
 
   Ruling decided = ruling(result, pair, skipped_rivals);
-  const bool departing = departure_decides(pair, decided.verdict);
+  const bool departing = departure_decides(result, pair, decided.verdict);
   result.log10_odds = log10_odds(departing ? result.departure_evidence : result.evidence, decided.verdict);
   const bool undecided = decided.verdict == Verdict::undecided;
   if (result.model_error && undecided) return call_inadequate(result, axis_unit(data));

@@ -52,7 +52,7 @@ std::string evidence_and_odds(const IdentificationResult& result, bool departing
 std::string compared(const IdentificationResult& result, const Comparison& pair, Verdict verdict) {
   const Finalist &f = *result.fractional, &i = *result.integer;
   std::string text = described(pair.fractional.ranked) + " against " + described(pair.integer.ranked) + ", " +
-                     evidence_and_odds(result, departure_decides(pair, verdict)) + ", predictions to rms " +
+                     evidence_and_odds(result, departure_decides(result, pair, verdict)) + ", predictions to rms " +
                      rms_text(f.prediction_rms) + " against " + rms_text(i.prediction_rms);
   if (!std::isnan(f.extrapolation_rms) && !std::isnan(i.extrapolation_rms)) {
     text += ", half a decade beyond to " + rms_text(f.extrapolation_rms) + " against " + rms_text(i.extrapolation_rms);
