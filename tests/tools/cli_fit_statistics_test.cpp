@@ -222,6 +222,25 @@ TEST_F(FitStatistics, TheTableOfARankingNamesEveryCandidate) {
   }
 }
 
+// Roots of s^2 - 0.4 s + 4 are 0.2 +- sqrt(3.96) i, and 1/(2 s + 1) has its pole at -0.5.  tanh is no ratio of sums of
+// powers, and nothing is said of its poles.
+TEST_F(FitStatistics, UnstableModelsAreCalledSo) {
+  const auto fitted = [this](const std::string& formula, const std::string& model) {
+    const std::string path = folder.path("exact.csv");
+    EXPECT_EQ(run_fracfit({"evaluate", "--model", formula, "--omega", "0.1:10:40log", "--out", path}).code, 0);
+    const Json json = successful({"fit", path, "--component", "both", "--model", model, "--format", "json"});
+    const auto table = run_fracfit({"fit", path, "--component", "both", "--model", model, "--format", "table"});
+    return std::pair{json["stability"], table.output};
+  };
+  const auto [unstable, says] = fitted("3/(s^2 - 0.4 s + 4)", "b/(s^2 - d s + c)");
+  EXPECT_EQ(unstable, "unstable");
+  EXPECT_NE(says.find("unstable: poles at s = 0.2 +- 1.99i rad/s"), std::string::npos) << says;
+  const auto [stable, says_nothing] = fitted("3/(2 s + 1)", "K/(T s + 1)");
+  EXPECT_EQ(stable, "stable");
+  EXPECT_EQ(says_nothing.find("unstable"), std::string::npos) << says_nothing;
+  EXPECT_TRUE(fitted("tanh(sqrt(3 s))/sqrt(3 s)", "K tanh(sqrt(T s))/sqrt(T s)").first.is_null());
+}
+
 TEST_F(FitStatistics, WrongUsageIsNamed) {
   const auto expect_refusal = [](const std::vector<std::string>& arguments, const std::string& part) {
     const auto result = run_fracfit(arguments);

@@ -9,6 +9,7 @@
 #include "io/number.hpp"
 #include "output/aligned_table.hpp"
 #include "output/document.hpp"
+#include "output/fitted_stability.hpp"
 #include "output/json.hpp"
 #include "output/parameter_output.hpp"
 
@@ -133,8 +134,10 @@ std::string closing(const frac::FitResult& result) {
                      " squared residuals), rms " + short_number(result.rms) + ", largest " +
                      short_number(result.max_residual) + "\n";
   text += "AICc " + short_number(result.aicc) + ", BIC " + short_number(result.bic) + "\n";
-  return text + paragraph(std::string(frac::to_string(result.termination)) + ": " + result.message + " " +
-                          short_number(result.seconds) + " s.");
+  return text +
+         paragraph(std::string(frac::to_string(result.termination)) + ": " + result.message + " " +
+                   short_number(result.seconds) + " s.") +
+         paragraph(remark_on_stability(fitted_stability(result)));
 }
 
 io::Metadata head_of(const FitRun& run) {
@@ -175,6 +178,11 @@ void append_derived(std::vector<Cell>& cells, const frac::DerivedEstimate& deriv
     cells.emplace_back(value);
   for (const bool flag : {std::isfinite(derived.standard_error), false, false}) cells.emplace_back(flag);
   while (cells.size() < columns) cells.emplace_back(nan);
+}
+
+Json stability_json(const frac::FitResult& result) {
+  const auto analysis = fitted_stability(result);
+  return analysis ? Json(frac::to_string(analysis->stability)) : Json(nullptr);
 }
 
 Json lack_of_fit_json(const frac::LackOfFit& lack) {
@@ -366,7 +374,7 @@ std::string identification_table(const FitRun& run, const frac::IdentificationRe
   text +=
       "chosen: " + why_chosen(result) + "; the verdict compares those of the least Schwarz criterion\n\n" + chosen.name;
   if (chosen.fit.model != chosen.name) text += "   " + chosen.fit.model;
-  text += "\n" + parameter_table(chosen.fit) + "\n";
+  text += "\n" + parameter_table(chosen.fit) + "\n" + paragraph(remark_on_stability(fitted_stability(chosen.fit)));
   return text + paragraph("verdict: " + std::string(frac::to_string(result.verdict)) + ". " + result.verdict_sentence);
 }
 
@@ -437,6 +445,7 @@ std::string identification_csv(const FitRun& run, const frac::IdentificationResu
 std::string fit_json(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
   Json json = origin_of_fit(run);
   append_fit(json, result);
+  json["stability"] = stability_json(result);
   append_statistics(json, run, result, statistics);
   if (!statistics.derived.empty()) json["derived"] = derived_json(statistics.derived);
   if (!result.priors.empty()) {
@@ -460,6 +469,7 @@ std::string identification_json(const FitRun& run, const frac::IdentificationRes
     json["ranking"].push_back(std::move(ranked));
   }
   json["chosen"] = result.ranking.at(result.chosen).name;
+  json["stability"] = stability_json(result.ranking.at(result.chosen).fit);
   json["verdict"] = frac::to_string(result.verdict);
   json["evidence"] = result.evidence;
   json["departure_evidence"] = result.departure_evidence;
