@@ -11,6 +11,7 @@
 
 #include "frac/identification/identify.hpp"
 #include "frac/identification/model_choice.hpp"
+#include "identification/data/residual_rule.hpp"
 #include "identification/rational/family_members.hpp"
 #include "identification/rational/rational_growth.hpp"
 #include "support/both_parts.hpp"
@@ -159,6 +160,65 @@ TEST(Rational, FamiliesThatShareTheirRatiosFindWhatEachFindsAlone) {
       }
     }
     std::reverse(names.begin(), names.end());
+  }
+}
+
+// What has grown to tell the noise floor serves the families that come after it.
+TEST(Rational, ARatioGrownForItsResponseIsTheMemberOfItsFamily) {
+  const auto data = support::noisy_response("1/((s + 1) (2 s + 1) (0.3 s + 1))", {}, 0.01, 4);
+  frac::FitOptions options;
+  options.component = frac::Component::both;
+  frac::detail::RatioGrowths shared;
+  const auto response = frac::detail::ratio_response(data, options, shared);
+  const frac::NamedModel family = frac::find_model("rational");
+  const frac::NamedModel after = frac::detail::best_member(data, family, options, shared).models.front();
+  const frac::NamedModel alone = frac::resolved_model(data, family, options);
+  ASSERT_EQ(after.formula, alone.formula);
+  std::vector<double> parameters;
+  const frac::Structure structure(alone.formula);
+  for (const std::string& name : structure.parameter_names()) {
+    const auto own = [&](const auto& constraint) { return constraint.name == name; };
+    const auto found = std::find_if(alone.constraints.begin(), alone.constraints.end(), own);
+    ASSERT_EQ(std::find_if(after.constraints.begin(), after.constraints.end(), own)->start, found->start) << name;
+    parameters.push_back(*found->start);
+  }
+  // The formula is another expansion of the same ratio, of three poles within a decade: some digits of 16 are lost.
+  for (std::size_t i = 0; i < data.size(); ++i) {
+    EXPECT_LE(std::abs(structure.response(parameters, data.omega()[i]) / response[i] - 1.0), 1e-10);
+  }
+}
+
+// A factor more and as many zeros add the partial fractions of the factor to the space of the columns, so that the cost
+// of both together is the least of all combinations of them.  Both ways are reflections or projections of columns of
+// length 1, of which at least 1e-4 lies outside the space of the others here: 1e-16 times 400 rows over 1e-4 is what
+// rounding makes of a cost, as a share of the data.
+TEST(Rational, PartialFractionsOfAFactorAddWhatTheFactorDoes) {
+  using frac::detail::PoleFactor;
+  const auto data = support::noisy_response("1/(s^0.7 + 0.3 s^1.6 + 1)", {}, 0.1, 7);
+  for (const auto component : {frac::Component::both, frac::Component::imaginary}) {
+    const auto rule = frac::detail::residual_rule(data, component, frac::Weight::relative);
+    const frac::detail::RationalProblem problem(data, rule);
+    for (const bool delayed : {false, true}) {
+      for (const double order : {1.0, 0.7}) {
+        for (const PoleFactor& factor : {PoleFactor{false, 0.9, 0, 1}, PoleFactor{false, -2, 0, -1},
+                                         PoleFactor{true, 0.4, 0.3, 1}, PoleFactor{true, 2, 0.02, 1}}) {
+          frac::detail::RationalShape shape;
+          shape.factors = {{false, -1.3, 0, 1}, {true, 1.1, 0.5, 1}};
+          shape.degree = 3;
+          shape.delayed = delayed;
+          shape.delay = 0.2;
+          shape.free_order = true;
+          shape.order = order;
+          frac::detail::RationalProblem::Linear linear;
+          ASSERT_TRUE(problem.solve(problem.columns(shape), linear));
+          const double beside = problem.cost_with(linear, problem.columns_of(factor, shape));
+          shape.factors.push_back(factor);
+          shape.degree += factor.pair ? 2 : 1;
+          EXPECT_NEAR(beside, problem.at(shape).cost, 4e-10 * problem.data_power());
+          EXPECT_LT(beside, linear.cost * (1 - 1e-5));
+        }
+      }
+    }
   }
 }
 

@@ -4,11 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <type_traits>
 
 #include "frac/parallel_for.hpp"
+#include "identification/background_advice.hpp"
 #include "identification/contained_optimum.hpp"
 #include "identification/data/fit_data.hpp"
 #include "identification/data/noise_floor.hpp"
@@ -19,7 +21,6 @@
 #include "identification/statistics/information.hpp"
 #include "identification/statistics/residual_tests.hpp"
 #include "identification/time_growth.hpp"
-#include "identification/background_advice.hpp"
 #include "identification/verdict/equivalent_candidates.hpp"
 #include "identification/verdict/verdict.hpp"
 
@@ -190,7 +191,9 @@ void start_from_contained(const Data& data, const Options& options, std::vector<
 }
 
 /// The floor of the noise as the residuals of the family of ratios tell it, which follows most data.
-double learned_floor(const FrequencyResponseData& data, const FitOptions& options) {
+/// @param ratios  takes what has grown with that floor
+double learned_floor(const FrequencyResponseData& data, const FitOptions& options,
+                     std::unique_ptr<detail::RatioGrowths>& ratios) {
   if (options.component == Component::magnitude || options.component == Component::phase) return 0;
   FitOptions trial = options;
   // Under relative weight a ratio might follow nothing but the noise of what lies below the floor.
@@ -198,18 +201,21 @@ double learned_floor(const FrequencyResponseData& data, const FitOptions& option
   constexpr double settled = 0.3;
   constexpr int most_rounds = 3;
   for (int round = 0; round < most_rounds; ++round) {
-    const std::vector<std::complex<double>> model = detail::ratio_response(data, trial);
+    const std::vector<std::complex<double>> model = detail::ratio_response(data, trial, *ratios);
     if (model.empty()) break;
     const double before = *trial.noise_floor, floor = detail::noise_floor(data, model, options.component);
     if (std::abs(floor - before) <= settled * before) break;
     trial.noise_floor = floor;
+    ratios = std::make_unique<detail::RatioGrowths>();
   }
   return *trial.noise_floor;
 }
 
+/// @param ratios  see resolve()
 template <class Data, class Options>
 IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& models,
-                            const std::vector<ComparedCurve>& curves, const Options& options, int threads) {
+                            const std::vector<ComparedCurve>& curves, const Options& options,
+                            detail::RatioGrowths& ratios, int threads) {
   if (models.empty() && curves.empty()) throw std::invalid_argument("identify needs at least one candidate");
   std::vector<Outcome> outcomes;
   outcomes.reserve(models.size() + curves.size());
@@ -219,7 +225,6 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
                                                   [](const Outcome& outcome) { return outcome.model.is_family(); });
   const auto families = static_cast<std::size_t>(first_preset - outcomes.begin());
   double hopeless = std::numeric_limits<double>::infinity();
-  detail::RatioGrowths ratios;
   parallel_for(families, threads, [&](std::size_t i) { fit_candidate(data, options, hopeless, ratios, outcomes[i]); });
   for (std::size_t i = 0; i < families; ++i) {
     if (!outcomes[i].fit) continue;
@@ -292,13 +297,15 @@ IdentificationResult identify(const FrequencyResponseData& data, const std::vect
   // Refuses weights that do not go with the data once, before every candidate would be skipped for it.
   static_cast<void>(detail::residual_rule(data, options));
   FitOptions told_floor = options;
-  if (options.weight == Weight::learned && !options.noise_floor) told_floor.noise_floor = learned_floor(data, options);
+  auto ratios = std::make_unique<detail::RatioGrowths>();
+  if (options.weight == Weight::learned && !options.noise_floor)
+    told_floor.noise_floor = learned_floor(data, options, ratios);
   const detail::ResidualRule rule = detail::residual_rule(data, told_floor);
   std::vector<ComparedCurve> residuals;
   residuals.reserve(curves.size());
   const bool told = options.weight == Weight::given || options.weight == Weight::repeats;
   for (const FixedCurve& curve : curves) residuals.push_back(compared(data, curve, rule, told));
-  IdentificationResult result = ranked(data, models, residuals, told_floor, threads);
+  IdentificationResult result = ranked(data, models, residuals, told_floor, *ratios, threads);
   result.noise_floor = told_floor.noise_floor.value_or(0);
   for (RankedFit& candidate : result.ranking) candidate.fit.noise_floor = result.noise_floor;
   return result;
@@ -306,7 +313,8 @@ IdentificationResult identify(const FrequencyResponseData& data, const std::vect
 
 IdentificationResult identify(const TimeResponseData& data, const std::vector<NamedModel>& models,
                               const TimeFitOptions& options, int threads) {
-  IdentificationResult result = ranked(data, models, {}, options, threads);
+  detail::RatioGrowths none;  // over time each family grows by itself
+  IdentificationResult result = ranked(data, models, {}, options, none, threads);
   result.verdict_sentence += detail::background_advice(data, options, result);
   return result;
 }

@@ -24,6 +24,7 @@ struct RationalFamily {
   std::size_t most_poles = 12;
   bool dead_time = false;
   bool free_order = false;  // z = s^a
+  bool operator==(const RationalFamily&) const = default;
 };
 
 /// Sums of terms in parallel or series, chosen from the data: a constant, L s, 1/s, powers A s^q with -2 <= q <= 2,

@@ -38,7 +38,10 @@ FamilyMembers rational_members(const RationalProblem& problem, const RationalFam
     members.models.push_back(written_out(problem, fit.shape, component));
     return members;
   }
-  const RationalLadder ladder = grow_rational(problem, family.fewest_poles, family.most_poles, kind, ratios);
+  const bool by_default = family == RationalFamily{};
+  const RationalLadder ladder = by_default
+                                    ? ratios.ladder(problem)
+                                    : grow_rational(problem, family.fewest_poles, family.most_poles, kind, ratios);
   for (const RationalFit& fit : ladder.fits) members.models.push_back(written_out(problem, fit.shape, component));
   members.chosen = ladder.chosen;
   if (ladder.fits.empty()) return members;
@@ -85,10 +88,10 @@ FamilyMembers family_members(const FrequencyResponseData& data, const NamedModel
   return members_of(data, model, options, ratios);
 }
 
-std::vector<std::complex<double>> ratio_response(const FrequencyResponseData& data, const FitOptions& options) {
+std::vector<std::complex<double>> ratio_response(const FrequencyResponseData& data, const FitOptions& options,
+                                                 RatioGrowths& ratios) {
   const RationalProblem problem(data, rule_of(data, options));
-  RatioGrowths ratios;
-  const RationalLadder ladder = grow_rational(problem, 0, RationalFamily{}.most_poles, {}, ratios);
+  const RationalLadder& ladder = ratios.ladder(problem);
   return ladder.fits.empty() ? std::vector<std::complex<double>>{}
                              : problem.response(ladder.fits.at(ladder.chosen).shape);
 }

@@ -36,8 +36,9 @@ class RatioGrowths;  // see rational_growth.hpp
                                            const FitOptions& options);
 
 /// What the best ratio of the default family gives at the frequencies of the data; empty where there is none.
+/// @param ratios  nothing, or what has grown of the same data and options
 [[nodiscard]] std::vector<std::complex<double>> ratio_response(const FrequencyResponseData& data,
-                                                               const FitOptions& options);
+                                                               const FitOptions& options, RatioGrowths& ratios);
 
 /// The chosen member alone, which knows whether it ends its family.
 [[nodiscard]] FamilyMembers best_member(const FrequencyResponseData& data, const NamedModel& model,

@@ -2,6 +2,7 @@
 #include "projection.hpp"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
@@ -54,9 +55,8 @@ Eigen::ArrayXcd ProjectedData::power(double order, double shift) const {
   return log_s_.array().unaryExpr([&](Complex log) { return std::exp(order * (log.real() + shift)) * phase; });
 }
 
-std::optional<ProjectedData::Projection> ProjectedData::project(const Eigen::MatrixXcd& columns) const {
-  throw_if_cancelled();
-  if (!columns.allFinite() || columns.cols() > target_.size()) return std::nullopt;
+std::optional<ProjectedData::Weighted> ProjectedData::weighted(const Eigen::MatrixXcd& columns) const {
+  if (!columns.allFinite()) return std::nullopt;
   Eigen::MatrixXd matrix(target_.size(), columns.cols());
   for (Index k = 0; k < columns.cols(); ++k) put(columns.col(k), matrix.col(k));
   // The weights of data of 1e-200 are 1e200, whose squares overflow.
@@ -70,14 +70,23 @@ std::optional<ProjectedData::Projection> ProjectedData::project(const Eigen::Mat
     length[k] = 1;
   }
   matrix *= length.cwiseInverse().asDiagonal();
-  PivotedQr decomposition(matrix, 1e-11);
+  return Weighted{std::move(matrix), std::move(length)};
+}
+
+std::optional<ProjectedData::Projection> ProjectedData::project(const Eigen::MatrixXcd& columns) const {
+  throw_if_cancelled();
+  if (columns.cols() > target_.size()) return std::nullopt;
+  std::optional<Weighted> seen = weighted(columns);
+  if (!seen) return std::nullopt;
+  PivotedQr decomposition(seen->matrix, 1e-11);
   if (decomposition.rank() == 0) return std::nullopt;
   Eigen::MatrixXd orthonormal = decomposition.basis();
   const Eigen::VectorXd share = orthonormal.transpose() * target_;
   Eigen::VectorXd residual = orthonormal * share - target_;
   if (!residual.allFinite()) return std::nullopt;
   const double cost = residual.squaredNorm();
-  return Projection{std::move(decomposition), std::move(length), std::move(orthonormal), std::move(residual), cost};
+  return Projection{std::move(decomposition), std::move(seen->length), std::move(orthonormal), std::move(residual),
+                    cost};
 }
 
 bool ProjectedData::complete(const Eigen::MatrixXcd& columns, Projection&& projection, Linear& linear) const {
@@ -90,8 +99,31 @@ bool ProjectedData::complete(const Eigen::MatrixXcd& columns, Projection&& proje
 }
 
 bool ProjectedData::solve(const Eigen::MatrixXcd& columns, Linear& linear) const {
+  if (columns.cols() == 0) {
+    linear = {Eigen::MatrixXd(target_.size(), 0), -target_, Eigen::VectorXcd::Zero(s_.size()), {}, data_power()};
+    return true;
+  }
   std::optional<Projection> projection = project(columns);
   return projection && complete(columns, std::move(*projection), linear);
+}
+
+double ProjectedData::cost_with(const Linear& linear, const Eigen::MatrixXcd& further) const {
+  throw_if_cancelled();
+  std::optional<Weighted> seen = weighted(further);
+  if (!seen) return std::numeric_limits<double>::infinity();
+  Eigen::MatrixXd& matrix = seen->matrix;
+  // The second time takes what rounding of the first has left.
+  for (int pass = 0; pass < 2; ++pass) remove_span(linear.orthonormal, matrix);
+  Eigen::VectorXd residual = linear.residual;
+  for (Index k = 0; k < matrix.cols(); ++k) {
+    auto column = matrix.col(k);
+    for (Index before = 0; before < k; ++before) column -= matrix.col(before) * matrix.col(before).dot(column);
+    const double length = column.norm();
+    constexpr double rounding = 1e-11;
+    column *= length > rounding ? 1 / length : 0;
+    residual -= column * column.dot(residual);
+  }
+  return residual.squaredNorm();
 }
 
 NormalEquations ProjectedData::normal_equations(const Eigen::MatrixXcd& derivatives, const Linear& linear) const {

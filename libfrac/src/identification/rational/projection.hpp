@@ -51,6 +51,11 @@ class ProjectedData {
   /// Costs below it, residuals of 1e-9 of the data, are no reason to grow: the data themselves are seldom better.
   [[nodiscard]] double negligible_cost() const { return 1e-18 * static_cast<double>(rows()); }
 
+  /// Columns as the residuals see them.
+  struct Weighted {
+    Eigen::MatrixXd matrix;  // over their lengths; zeros where the fitted part is blind to a column
+    Eigen::VectorXd length;
+  };
   /// What the best coefficients of given columns leave.
   struct Projection {
     PivotedQr decomposition;      // of the columns over their lengths
@@ -61,6 +66,8 @@ class ProjectedData {
   };
   /// None where a number overflows or no column is seen.
   [[nodiscard]] std::optional<Projection> project(const Eigen::MatrixXcd& columns) const;
+  /// None where a number overflows.
+  [[nodiscard]] std::optional<Weighted> weighted(const Eigen::MatrixXcd& columns) const;
 
   /// The best coefficients of given columns.
   struct Linear {
@@ -74,6 +81,8 @@ class ProjectedData {
   bool complete(const Eigen::MatrixXcd& columns, Projection&& projection, Linear& linear) const;
   /// Both at once; false where a number overflows or no column is seen.
   bool solve(const Eigen::MatrixXcd& columns, Linear& linear) const;
+  /// Cost with further columns beside those of a solution; infinite where a number overflows.
+  [[nodiscard]] double cost_with(const Linear& linear, const Eigen::MatrixXcd& further) const;
   /// Normal equations from derivatives at fixed coefficients, less what new coefficients take up (Kaufman 1975).
   [[nodiscard]] NormalEquations normal_equations(const Eigen::MatrixXcd& derivatives, const Linear& linear) const;
   /// Rows of complex values, as the residuals hold them.

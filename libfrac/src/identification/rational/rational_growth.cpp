@@ -6,6 +6,8 @@
 #include <limits>
 #include <optional>
 
+#include "frac/identification/model_library.hpp"
+
 namespace frac::detail {
 namespace {
 
@@ -98,11 +100,9 @@ void RationalGrowth::add_real_poles(double order, std::vector<RationalFit>& star
   for (const double sign : {1.0, -1.0}) {
     // One part alone does not tell a pole from its mirror image.
     if (sign < 0 && problem_.one_part()) continue;
-    std::vector<RationalFit> along;
-    for (const double place : places(problem_, sign > 0 ? 14 : 6)) {
-      along.push_back(with(members_.back().shape, {false, place, 0, sign}, order));
-    }
-    add_local_minima(std::move(along), starts);
+    std::vector<PoleFactor> poles;
+    for (const double place : places(problem_, sign > 0 ? 14 : 6)) poles.push_back({false, place, 0, sign});
+    add_local_minima(along(members_.back().shape, poles, order), starts);
   }
 }
 
@@ -129,18 +129,34 @@ void RationalGrowth::add_pairs(double order, std::vector<RationalFit>& starts) c
   // In powers of s^a a pair without resonance is no pair of real poles yet.
   const std::vector<double> dampings = kind_.free_order ? std::vector{0.02, 0.3, 0.8} : std::vector{0.02, 0.3};
   for (const double damping : dampings) {
-    std::vector<RationalFit> along;
-    for (const double place : pair_places) along.push_back(with(before, {true, place, damping, 1}, order));
-    add_local_minima(std::move(along), starts);
+    std::vector<PoleFactor> pairs;
+    for (const double place : pair_places) pairs.push_back({true, place, damping, 1});
+    add_local_minima(along(before, pairs, order), starts);
   }
 }
 
-RationalFit RationalGrowth::with(const RationalShape& from, const PoleFactor& factor, double order) const {
+RationalShape RationalGrowth::with(const RationalShape& from, const PoleFactor& factor, double order) const {
   RationalShape shape = from;
   shape.factors.push_back(factor);
   shape.degree = std::min(members_.size() + excess_, most_zeros_);
   shape.order = order;
-  return problem_.at(shape);
+  return shape;
+}
+
+std::vector<RationalFit> RationalGrowth::along(RationalShape from, const std::vector<PoleFactor>& factors,
+                                               double order) const {
+  from.order = order;
+  RationalProblem::Linear linear;
+  const bool is_seen = problem_.solve(problem_.columns(from), linear);
+  std::vector<RationalFit> fits;
+  for (const PoleFactor& factor : factors) {
+    RationalShape shape = with(from, factor, order);
+    const bool contains = shape.degree - from.degree == (factor.pair ? 2 : 1);
+    fits.push_back(is_seen && contains
+                       ? RationalFit{shape, problem_.cost_with(linear, problem_.columns_of(factor, from)), 0}
+                       : problem_.at(shape));
+  }
+  return fits;
 }
 
 // Where a response falls by many decades, one pole more is worth nothing under relative residuals until the slope of
@@ -148,7 +164,7 @@ RationalFit RationalGrowth::with(const RationalShape& from, const PoleFactor& fa
 void RationalGrowth::add_steep_ends(double order, std::vector<RationalFit>& starts) const {
   const std::size_t poles = members_.size();
   for (const double spread : {0.3, 1.5}) {
-    std::vector<RationalFit> along;
+    std::vector<RationalFit> steep;
     for (const double place : places(problem_, 10)) {
       RationalShape shape = members_.back().shape;
       shape.factors.clear();
@@ -158,9 +174,9 @@ void RationalGrowth::add_steep_ends(double order, std::vector<RationalFit>& star
       }
       shape.integrators = 0;
       shape.low = 0;
-      along.push_back(with(shape, {false, place + spread / 2, 0, 1}, order));
+      steep.push_back(problem_.at(with(shape, {false, place + spread / 2, 0, 1}, order)));
     }
-    add_local_minima(std::move(along), starts);
+    add_local_minima(std::move(steep), starts);
   }
 }
 
@@ -185,7 +201,9 @@ void RationalGrowth::extend(const RationalShape* contained) {
     RationalShape shape = last;
     for (const double factor : {0.0, 0.3, 3.0}) {
       shape.delay = last.delay * factor;
-      for (const double place : places(problem_, 4)) starts.push_back(with(shape, {false, place, 0, 1}, last.order));
+      std::vector<PoleFactor> poles;
+      for (const double place : places(problem_, 4)) poles.push_back({false, place, 0, 1});
+      for (RationalFit& fit : along(shape, poles, last.order)) starts.push_back(std::move(fit));
     }
   }
   RationalFit best = best_refined(problem_, std::move(starts), 4);
@@ -197,7 +215,7 @@ void RationalGrowth::extend(const RationalShape* contained) {
   }
   // A member contains the one before, with a pole that a zero cancels.
   if (!(best.cost <= members_.back().cost)) {
-    RationalFit same = with(last, {false, problem_.log_upper() + 2, 0, 1}, last.order);
+    RationalFit same = problem_.at(with(last, {false, problem_.log_upper() + 2, 0, 1}, last.order));
     if (same.cost < best.cost) best = std::move(same);
   }
   members_.push_back(std::move(best));
@@ -210,6 +228,13 @@ RationalFit RatioGrowths::member(const RationalProblem& problem, bool delayed, s
   RationalGrowth& growth = growing_[at]->growth;
   while (growth.members().size() <= poles) growth.extend();
   return growth.members()[poles];
+}
+
+const RationalLadder& RatioGrowths::ladder(const RationalProblem& problem) {
+  const std::lock_guard lock(ladder_mutex_);
+  const RationalFamily family;
+  if (!ladder_) ladder_ = grow_rational(problem, family.fewest_poles, family.most_poles, {}, *this);
+  return *ladder_;
 }
 
 RationalFit without_idle_parts(const RationalProblem& problem, const RationalFit& fit) {

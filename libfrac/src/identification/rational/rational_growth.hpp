@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "rational_problem.hpp"
@@ -41,7 +42,10 @@ class RationalGrowth {
   void add_real_poles(double order, std::vector<RationalFit>& starts) const;
   void add_pairs(double order, std::vector<RationalFit>& starts) const;
   void add_steep_ends(double order, std::vector<RationalFit>& starts) const;
-  [[nodiscard]] RationalFit with(const RationalShape& from, const PoleFactor& factor, double order) const;
+  [[nodiscard]] RationalShape with(const RationalShape& from, const PoleFactor& factor, double order) const;
+  /// with() each of the factors, at its cost; parameters are not counted.
+  [[nodiscard]] std::vector<RationalFit> along(RationalShape from, const std::vector<PoleFactor>& factors,
+                                               double order) const;
   [[nodiscard]] std::vector<double> orders() const;  // of s, at which poles are added
 
   const RationalProblem& problem_;
@@ -50,12 +54,22 @@ class RationalGrowth {
   std::vector<RationalFit> members_;
 };
 
+/// The best of each order that was tried, simplest first, grown until neither of the last two orders paid by schwarz()
+/// plus price_of_search(), which is a member's value.  Grown anew with one zero more than poles where it ends so.
+struct RationalLadder {
+  std::vector<RationalFit> fits;
+  std::size_t chosen = 0;
+  double value = std::numeric_limits<double>::infinity();  // of the chosen one
+};
+
 /// Ratios in s of one problem, without and with a dead time, grown once for all families that start from them.  Several
 /// threads may ask.
 class RatioGrowths {
  public:
   /// @param problem  the same in each call, or an equal one
   [[nodiscard]] RationalFit member(const RationalProblem& problem, bool delayed, std::size_t poles);
+  /// Of the default family.
+  [[nodiscard]] const RationalLadder& ladder(const RationalProblem& problem);
 
  private:
   struct Growing {
@@ -65,19 +79,14 @@ class RatioGrowths {
   };
   std::array<std::mutex, 2> mutex_;
   std::array<std::unique_ptr<Growing>, 2> growing_;  // first without a dead time
+  std::mutex ladder_mutex_;
+  std::optional<RationalLadder> ladder_;
 };
 
 /// The fit without what does not pay for itself by schwarz(): zeros beyond the band or far below it, one zero more than
 /// poles, poles that are integrators.
 [[nodiscard]] RationalFit without_idle_parts(const RationalProblem& problem, const RationalFit& fit);
 
-/// The best of each order that was tried, simplest first, grown until neither of the last two orders paid by schwarz()
-/// plus price_of_search(), which is a member's value.  Grown anew with one zero more than poles where it ends so.
-struct RationalLadder {
-  std::vector<RationalFit> fits;
-  std::size_t chosen = 0;
-  double value = std::numeric_limits<double>::infinity();  // of the chosen one
-};
 [[nodiscard]] RationalLadder grow_rational(const RationalProblem& problem, std::size_t fewest_poles,
                                            std::size_t most_poles, const RationalKind& kind, RatioGrowths& ratios);
 

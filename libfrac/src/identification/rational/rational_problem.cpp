@@ -120,6 +120,16 @@ Eigen::MatrixXcd RationalProblem::columns(const RationalShape& shape) const {
   return result;
 }
 
+Eigen::MatrixXcd RationalProblem::columns_of(const PoleFactor& factor, const RationalShape& shape) const {
+  const Eigen::ArrayXcd z = powers(*this, shape.order);
+  Eigen::ArrayXcd part = factor_values(factor, z, shape.order).inverse();
+  if (shape.delayed) part *= (-shape.delay * s().array()).exp();
+  Eigen::MatrixXcd result(z.size(), factor.pair ? 2 : 1);
+  result.col(0) = part.matrix();
+  if (factor.pair) result.col(1) = (part * scaled(factor, z, shape.order)).matrix();
+  return result;
+}
+
 Eigen::MatrixXcd RationalProblem::derivatives(const RationalShape& shape, const Linear& linear) const {
   const Eigen::ArrayXcd z = powers(*this, shape.order);
   const Eigen::ArrayXcd model = linear.model.array();

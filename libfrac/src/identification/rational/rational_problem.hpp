@@ -60,6 +60,9 @@ class RationalProblem : public ProjectedData {
 
   /// Cost at the shape as it is; infinite where the model overflows.
   [[nodiscard]] RationalFit at(const RationalShape& shape) const;
+  /// Columns that, beside those of a shape, span what it becomes with one factor more and as many zeros more as that
+  /// has poles: a part of its expansion in partial fractions.
+  [[nodiscard]] Eigen::MatrixXcd columns_of(const PoleFactor& factor, const RationalShape& shape) const;
   /// Searches from the shape.  Poles change kind on the way.
   [[nodiscard]] RationalFit refine(const RationalShape& start, int iterations) const;
   /// Size of the residual at each point.

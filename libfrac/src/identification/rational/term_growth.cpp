@@ -64,23 +64,21 @@ void extend(const TermProblem& problem, const TermSum& sum, std::vector<TermFit>
     const Term power = whole_power(order);
     if (!contains(sum, power)) refined.push_back(problem.refine(with(sum, power), scouting));
   }
-  std::vector<TermFit> powers;
+  std::vector<Term> powers;
   for (const double order : {-1.5, -0.75, -0.5, -0.25, 0.25, 0.5, 0.75, 1.5}) {
-    powers.push_back(problem.at(with(sum, {Term::Kind::power, order, false, 0, 0})));
+    powers.push_back({Term::Kind::power, order, false, 0, 0});
   }
   std::vector<TermFit> starts;
-  add_local_minima(std::move(powers), starts);
+  add_local_minima(problem.along(sum, powers), starts);
   refine_best(problem, std::move(starts), 1, refined);
   starts.clear();
   constexpr int places = 12;
   const double first = problem.log_lower() - search_margin, last = problem.log_upper() + search_margin;
   const auto at = [&](int i) { return first + (last - first) * i / (places - 1); };
   for (const double order : {0.95, 0.7, 0.45}) {
-    std::vector<TermFit> along;
-    for (int i = 0; i < places; ++i) {
-      along.push_back(problem.at(with(sum, {Term::Kind::arc, order, false, at(i), 0})));
-    }
-    add_local_minima(std::move(along), starts);
+    std::vector<Term> arcs;
+    for (int i = 0; i < places; ++i) arcs.push_back({Term::Kind::arc, order, false, at(i), 0});
+    add_local_minima(problem.along(sum, arcs), starts);
   }
   const double best_arc = starts.empty() ? infinity : std::min_element(starts.begin(), starts.end(), cheaper)->cost;
   refine_best(problem, std::move(starts), 3, refined);
@@ -89,11 +87,9 @@ void extend(const TermProblem& problem, const TermSum& sum, std::vector<TermFit>
   if (sum.empty() || modes >= most_modes) return;
   starts.clear();
   for (const double top : {0.0, 1.0}) {
-    std::vector<TermFit> along;
-    for (int i = 0; i < places; ++i) {
-      along.push_back(problem.at(with(sum, {Term::Kind::mode, top, true, at(i), std::log(0.2)})));
-    }
-    add_local_minima(std::move(along), starts);
+    std::vector<Term> modes_along;
+    for (int i = 0; i < places; ++i) modes_along.push_back({Term::Kind::mode, top, true, at(i), std::log(0.2)});
+    add_local_minima(problem.along(sum, modes_along), starts);
   }
   // Without a resonance in the data arcs are worth more from the start.
   std::erase_if(starts, [&](const TermFit& fit) { return !(fit.cost < best_arc); });

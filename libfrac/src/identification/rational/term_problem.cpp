@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 namespace frac::detail {
 namespace {
@@ -39,9 +38,9 @@ Eigen::ArrayXcd column_of(const Term& term, const ProjectedData& data) {
 }
 
 /// That the residuals can tell apart.
-/// @param orthonormal  of the space of the columns
-std::size_t parameters(const TermSum& sum, const Eigen::MatrixXd& orthonormal) {
-  std::size_t count = static_cast<std::size_t>(orthonormal.cols());
+/// @param rank  of the columns
+std::size_t parameters(const TermSum& sum, Index rank) {
+  std::size_t count = static_cast<std::size_t>(rank);
   for (const Term& term : sum) count += term.nonlinear();
   return count;
 }
@@ -111,10 +110,17 @@ TermSum TermProblem::stepped(const TermSum& sum, const Eigen::VectorXd& step) co
   return next;
 }
 
-TermFit TermProblem::at(const TermSum& sum) const {
-  const std::optional<Projection> projection = project(columns(sum));
-  if (!projection) return {sum, std::numeric_limits<double>::infinity(), 0};
-  return {sum, projection->cost, parameters(sum, projection->orthonormal)};
+std::vector<TermFit> TermProblem::along(const TermSum& sum, const std::vector<Term>& terms) const {
+  Linear linear;
+  const bool is_finite = solve(columns(sum), linear);
+  std::vector<TermFit> fits;
+  for (const Term& term : terms) {
+    TermFit fit{sum, std::numeric_limits<double>::infinity(), 0};
+    fit.sum.push_back(term);
+    if (is_finite) fit.cost = cost_with(linear, column_of(term, *this).matrix());
+    fits.push_back(std::move(fit));
+  }
+  return fits;
 }
 
 TermFit TermProblem::refine(TermSum sum, int iterations) const {
@@ -122,7 +128,7 @@ TermFit TermProblem::refine(TermSum sum, int iterations) const {
   if (sum.empty() || !levenberg_marquardt(*this, *this, sum, linear, iterations)) {
     return {std::move(sum), std::numeric_limits<double>::infinity(), 0};
   }
-  const std::size_t count = parameters(sum, linear.orthonormal);
+  const std::size_t count = parameters(sum, linear.orthonormal.cols());
   return {std::move(sum), linear.cost, count};
 }
 

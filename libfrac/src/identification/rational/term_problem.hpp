@@ -40,7 +40,8 @@ class TermProblem : public ProjectedData {
  public:
   using ProjectedData::ProjectedData;
 
-  [[nodiscard]] TermFit at(const TermSum& sum) const;
+  /// The sum with each of the terms, at its cost as it is; parameters are not counted.
+  [[nodiscard]] std::vector<TermFit> along(const TermSum& sum, const std::vector<Term>& terms) const;
   [[nodiscard]] TermFit refine(TermSum sum, int iterations) const;
   /// Coefficients, for s in rad/s.
   [[nodiscard]] std::vector<double> coefficients(const TermSum& sum) const;
