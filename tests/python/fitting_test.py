@@ -61,6 +61,23 @@ def torn(tmp_path_factory):
     return path, fracfit.read(path), FrequencyResponse(omega[others], response[others])
 
 
+def test_sentences_name_frequencies_in_the_unit_of_the_data(torn, tmp_path):
+    path, data, _ = torn
+    rows = [f"{f!r},{z.real!r},{z.imag!r}" for f, z in zip(data.f.tolist(), data.response.tolist())]
+    in_hertz = tmp_path / "hertz.csv"
+    in_hertz.write_text("\n".join(["f_Hz,re,im", *rows]))
+    for each in (fracfit.read(in_hertz), FrequencyResponse.from_hz(data.f, data.response)):
+        assert each.frequency_unit == "Hz" and each.where("f > 0").frequency_unit == "Hz"
+        assert repr(each).startswith(f"FrequencyResponse(41 points, {data.f[0]:g} to {data.f[-1]:g} Hz")
+        with pytest.warns(UserWarning, match="Hz") as told:
+            result = fracfit.fit(each, "fractional-lag")
+        assert "rad/s" not in str(told[0].message)
+        assert repr(result).endswith(f"left out: f = {data.f[12]:.6g}, {data.f[30]:.6g} Hz")
+    assert fracfit.read(path).frequency_unit == "rad/s"
+    with pytest.raises(ValueError, match="frequency_unit is 'kHz'; expected rad/s or Hz"):
+        FrequencyResponse([1.0], [1.0], frequency_unit="kHz")
+
+
 def test_points_that_contradict_their_neighbours_are_left_out_as_on_the_command_line(torn):
     path, data, others = torn
     arguments = ("fit", path, "--model", "fractional-lag", "--component", "both")

@@ -123,8 +123,9 @@ TEST(CliJointFit, TableAndCsvNameSharedAndOwnParameters) {
     EXPECT_NE(table.output.find(part), std::string::npos) << part << "\n" << table.output;
   const auto csv = data.joint(data.files, {"--shared", "a", "--format", "csv"});
   ASSERT_EQ(csv.code, 0) << csv.error;
-  EXPECT_NE(csv.output.find("\ncurve,name,value,standard_error,ci95_lower,ci95_upper,identified,at_bound,shared\n"),
-            std::string::npos)
+  EXPECT_NE(
+      csv.output.find("\ncurve,name,value,standard_error,ci95_lower,ci95_upper,identified,at_bound,shared,unit\n"),
+      std::string::npos)
       << csv.output;
 }
 
@@ -265,6 +266,48 @@ TEST(CliJointFit, ShiftsCurvesOntoAMasterCurve) {
   const auto lawful = run_fracfit(by_law);
   ASSERT_EQ(lawful.code, 0) << lawful.error;
   EXPECT_FALSE(Json::parse(lawful.output)["options"].contains("reference")) << lawful.output;
+}
+
+// The head and the master curve name frequencies in the unit of the files; parameters have their units, by hand: of
+// K/(1 + (T s)^a) the value's, s and none.
+TEST(CliJointFit, SpeaksInTheUnitsOfItsFiles) {
+  const TemporaryFolder folder;
+  std::vector<std::string> arguments{"joint-fit"};
+  for (int c = 0; c < 3; ++c) {
+    std::ostringstream text;
+    text.precision(17);
+    text << "f_Hz,re_m_per_n,im_m_per_n\n";
+    for (int i = 0; i <= 15; ++i) {
+      const double f = std::pow(10.0, i / 10.0);
+      const std::complex<double> s(0, 0.01 * std::pow(4.0, c) * 2 * std::numbers::pi * f);
+      const std::complex<double> value = 5.0 / (1.0 + std::pow(s, 0.8));
+      text << f << ',' << value.real() << ',' << value.imag() << '\n';
+    }
+    arguments.push_back(folder.write("at" + std::to_string(c) + ".csv", text.str()));
+  }
+  const std::string master = folder.path("master.csv");
+  arguments.insert(arguments.end(), {"--model", "K/(1 + (T s)^a)", "--component", "both", "--shift", "horizontal",
+                                     "--master", master, "--format", "table"});
+  const auto table = run_fracfit(arguments);
+  ASSERT_EQ(table.code, 0) << table.error;
+  EXPECT_NE(table.output.find("curves     3, 1 .. 31.6228 Hz, values in m/N\n"), std::string::npos) << table.output;
+  std::istringstream rows(content_of(master));
+  int count = 0;
+  for (std::string row; std::getline(rows, row);) {
+    if (row.starts_with("omega")) {
+      EXPECT_TRUE(row.ends_with(",f_hz")) << row;
+    }
+    if (row.empty() || row.front() == '#' || row.front() == 'o') continue;
+    EXPECT_NEAR(std::stod(row.substr(row.rfind(',') + 1)) * 2 * std::numbers::pi / std::stod(row), 1, 1e-12);
+    ++count;
+  }
+  EXPECT_EQ(count, 48);
+  arguments.back() = "json";
+  const auto json = Json::parse(run_fracfit(arguments).output);
+  EXPECT_EQ(json["value_unit"], "m_per_n");
+  EXPECT_EQ(json["shared"][0]["unit"], "m/N");
+  EXPECT_EQ(json["shared"][1]["unit"], "s");
+  EXPECT_EQ(json["shared"][2]["unit"], "1");
 }
 
 // A law of known quantities alone leaves nothing of it to be fitted.

@@ -122,7 +122,7 @@ Figure bode_error_figure(const std::string& name, const std::string& caption,
   phase.title = "Phase error";
   for (Panel* panel : {&level, &phase}) panel->x = {"ω in rad/s", true, band.lower / 3, band.upper * 3};
   level.y = {"dB", false, -decibels, decibels};
-  phase.y = {"degrees", false, -degrees, degrees};
+  phase.y = {"degrees", false, -degrees, degrees, true};
   level.key = methods.size() > 1;
   static constexpr Mark marks[] = {Mark::line, Mark::dashed, Mark::dotted};
   std::size_t drawn = 0;

@@ -113,7 +113,7 @@ std::vector<double> mapped(const std::vector<std::complex<double>>& values, doub
 }
 
 Panel nichols_panel() {
-  Panel panel{"", {"phase of −1/N in degrees"}, {"|−1/N| in dB re 1 N/m"}};
+  Panel panel{"", {.label = "phase of −1/N in degrees", .degrees = true}, {"|−1/N| in dB re 1 N/m"}};
   panel.key = true;
   return panel;
 }
@@ -167,7 +167,7 @@ Figure bode(const Scene& scene, const Family& family) {
   magnitude.y = {"dB re 1 N/m", false, {}, decibel((scene.mass1 + scene.mass2) * highest_omega * highest_omega) + 15};
   magnitude.key = true;
   phase.title = "Phase of −1/N";
-  phase.y = {"degrees"};
+  phase.y = {.label = "degrees", .degrees = true};
   const StaticCurve model = static_curve(scene, scene.force, scene.omega_bode);
   const DescribingFunctionSweep& sweep = family.sweeps.front();
   append(magnitude.curves, sweep_curves(sweep, "two masses, impacts", category_colour(0), [](const auto& point) {

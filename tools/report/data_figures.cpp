@@ -257,7 +257,7 @@ class Drawing {
   }
 
   [[nodiscard]] Panel phase() const {
-    Panel panel = over_frequency("Phase", {"degrees"});
+    Panel panel = over_frequency("Phase", {.label = "degrees", .degrees = true});
     const auto degrees = [&](const Response& response) { return unwrapped_phase(response, first_phase_); };
     panel.curves.push_back(
         band(band_label(), band_colour, degrees(model_), half_widths(180 / std::numbers::pi, false)));

@@ -43,7 +43,8 @@ Section data_section(const Work& work, const std::string& name, const io::Freque
                      std::size_t number, Field asked) {
   const Field field = asked == Field::automatic ? field_of(read) : asked;
   // Sentences speak of the frequency as the pictures show it.
-  const frac::FrequencyUnit axis = notation_of(field, read.value_unit, read.data.frequency_unit()).axis;
+  const Notation notation = notation_of(field, read.value_unit, read.data.frequency_unit());
+  const frac::FrequencyUnit axis = notation.axis;
   const frac::FrequencyResponseData taken = thinned(read.data, axis);
   const auto outliers = frac::isolated_outliers(taken, frac::Component::both);
   const frac::FrequencyResponseData data = frac::without_points(taken, outliers);
@@ -92,7 +93,7 @@ Section data_section(const Work& work, const std::string& name, const io::Freque
   const frac::IdentificationResult result = frac::identify(data, models, {}, options, work.threads);
   MeasuredPictures pictures = draw_measured(section.id, data, result, field, read.value_unit);
   section.add(std::move(pictures.response));
-  section.add(chosen_table(section.id + "-chosen", result));
+  section.add(chosen_table(section.id + "-chosen", result, notation.unit));
   section.add(std::move(pictures.residuals));
   section.add(std::move(pictures.values));
   section.fact("quantity_" + section.id, std::string(to_string(field)));

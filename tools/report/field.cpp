@@ -5,6 +5,8 @@
 #include <array>
 #include <utility>
 
+#include "io/unit_name.hpp"
+
 namespace report {
 
 namespace {
@@ -71,7 +73,7 @@ Field field_of(const io::FrequencyResponseFile& file) {
 
 Notation notation_of(Field field, const std::string& unit, frac::FrequencyUnit axis) {
   const Unit apart = taken_apart(unit);
-  const std::string shown = unit == "m_per_n" ? "m/N" : apart.base.empty() ? unit : apart.prefix + apart.base;
+  const std::string shown = apart.base.empty() ? io::written_unit(unit) : apart.prefix + apart.base;
   constexpr auto hertz = frac::FrequencyUnit::hertz;
   switch (field) {
     case Field::impedance:

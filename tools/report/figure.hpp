@@ -43,6 +43,7 @@ struct Axis {
   std::string label;
   bool logarithmic = false;
   std::optional<double> from = {}, to = {};  // fitted to the curves when unset
+  bool degrees = false;                      // an angle, whose ticks stand at multiples of 15, 45 or 90
 };
 
 /// A coloured grid below the curves: each cell shows one of a few kinds.

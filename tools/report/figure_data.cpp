@@ -57,7 +57,7 @@ Json json_of(const Curve& curve) {
 }
 
 Json json_of(const Axis& axis) {
-  return {{"label", axis.label}, {"logarithmic", axis.logarithmic}};
+  return {{"label", axis.label}, {"logarithmic", axis.logarithmic}, {"degrees", axis.degrees}};
 }
 
 Json json_of(const Panel& panel) {

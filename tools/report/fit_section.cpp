@@ -289,7 +289,7 @@ void add_band(Section& section, const Work& work, const std::vector<DescribingFu
                              drawn_models(result, omega, curve));
   figure.verdict = verdict_html(result) + " " + prose("fits", "one-misfit");
   section.add(std::move(figure));
-  section.add(chosen_table("chosen-" + band.id, result));
+  section.add(chosen_table("chosen-" + band.id, result, "m/N"));
   add_ranking(
       section, band.id, result,
       {"ranking-" + band.id, prose("fits", "ranking", {{"points", std::to_string(points.size())}, {"band", band.name}}),

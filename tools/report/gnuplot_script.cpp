@@ -190,6 +190,14 @@ double tick_step(Range range) {
   return power * (rough / power < 1.5 ? 1 : rough / power < 3.5 ? 2 : rough / power < 7.5 ? 5 : 10);
 }
 
+// Of degrees: parts of a right angle, nine or so of them.
+double angle_step(Range range) {
+  const double span = range.to - range.from;
+  for (const double step : {1, 2, 5, 15, 45, 90, 180, 360})
+    if (span > 1 && span <= 9 * step) return step;
+  return tick_step(range);
+}
+
 std::vector<double> equal_ticks(Range range) {
   const double step = tick_step(range);
   std::vector<double> ticks;
@@ -238,8 +246,12 @@ void write_axis(std::ostream& script, char name, const Axis& axis, Range range) 
   if (axis.logarithmic) {
     write_logarithmic_ticks(script, name, range, name == 'y');
   } else {
-    script << "unset logscale " << name << "\nset format " << name << " '%g'\nset " << name << "tics autofreq\nset m"
-           << name << "tics default\n";
+    script << "unset logscale " << name << "\nset format " << name << " '%g'\nset " << name << "tics ";
+    if (axis.degrees)
+      script << angle_step(range);
+    else
+      script << "autofreq";
+    script << "\nset m" << name << "tics default\n";
   }
   // Makes a logarithmic axis slightly wider than asked for: rounding could drop the label of a tick exactly at its end.
   const double hair = axis.logarithmic ? 1e-6 : 0;

@@ -140,7 +140,7 @@ std::vector<Figure> model_figures(const FractionalTransferFunction& model, const
   figures.push_back(figure_of(name + "-bode", prose("model", "bode", {{"model", formula}}),
                               {plain_panel("Magnitude", omega, {"|G| / dB"},
                                            make_curve("", colour, Mark::line, response.omega, response.decibel)),
-                               plain_panel("Phase", omega, {"arg G / degrees"},
+                               plain_panel("Phase", omega, {.label = "arg G / degrees", .degrees = true},
                                            make_curve("", colour, Mark::line, response.omega, response.degrees))},
                               220));
 
@@ -155,7 +155,7 @@ std::vector<Figure> model_figures(const FractionalTransferFunction& model, const
   figures.push_back(figure_of(name + "-nyquist", prose("model", "nyquist", {{"model", formula}}), {std::move(nyquist)},
                               square_height));
 
-  Panel nichols = plain_panel("Nichols diagram", {"arg G / degrees"}, {"|G| / dB"},
+  Panel nichols = plain_panel("Nichols diagram", {.label = "arg G / degrees", .degrees = true}, {"|G| / dB"},
                               make_curve("", colour, Mark::line, response.degrees, response.decibel));
   nichols.curves.push_back(reference_point(-180, 0));
   figures.push_back(

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "frac/parameter_units.hpp"
 #include "report/figure.hpp"
 #include "report/html.hpp"
 #include "report/prose.hpp"
@@ -74,7 +75,7 @@ std::string verdict_html(const frac::IdentificationResult& result) {
          "</summary><ul>" + reasons + "</ul></details>";
 }
 
-Table chosen_table(const std::string& name, const frac::IdentificationResult& result) {
+Table chosen_table(const std::string& name, const frac::IdentificationResult& result, const std::string& unit) {
   const frac::RankedFit& chosen = result.ranking.at(result.chosen);
   Table table{name,
               prose("ranking", "chosen", {{"model", html_formula(described(chosen))}}),
@@ -83,10 +84,17 @@ Table chosen_table(const std::string& name, const frac::IdentificationResult& re
                {"standard_error", "standard error", 2},
                {"ci95_lower", "95 % from", 5},
                {"ci95_upper", "to", 5},
-               {"remark", "remark"}}};
-  for (const auto& parameter : chosen.fit.parameters)
+               {"remark", "remark"},
+               {"unit", "unit"}}};
+  if (chosen.fit.parameters.empty()) return table;
+  const std::vector<std::string> units = frac::parameter_units(frac::Structure(chosen.fit.model), unit);
+  for (std::size_t i = 0; i < chosen.fit.parameters.size(); ++i) {
+    const frac::ParameterEstimate& parameter = chosen.fit.parameters[i];
+    // Of a fit over time, what the output shows at rest stands behind the parameters of the formula.
+    const std::string in_unit = i < units.size() && units[i] != "1" ? units[i] : "";
     table.rows.push_back({parameter.name, parameter.value, parameter.standard_error, parameter.ci95_lower,
-                          parameter.ci95_upper, remark(parameter)});
+                          parameter.ci95_upper, remark(parameter), in_unit});
+  }
   return table;
 }
 

@@ -27,7 +27,9 @@ namespace report {
 [[nodiscard]] std::string verdict_html(const frac::IdentificationResult& result);
 
 /// Parameters of the chosen structure with their intervals.
-[[nodiscard]] Table chosen_table(const std::string& name, const frac::IdentificationResult& result);
+/// @param unit  of the value, as people write it; empty where it is not known
+[[nodiscard]] Table chosen_table(const std::string& name, const frac::IdentificationResult& result,
+                                 const std::string& unit);
 
 /// Ranking with AICc, evidence and rms; CSV also has the parameters in one cell each.
 [[nodiscard]] Table ranking_table(const std::string& name, const std::string& caption,

@@ -103,7 +103,7 @@ Section time_section(const Work& work, const std::string& name, const frac::Time
   }
   const frac::IdentificationResult& result = *found;
   section.add(time_figure(section.id, data, result));
-  section.add(chosen_table(section.id + "-chosen", result));
+  section.add(chosen_table(section.id + "-chosen", result, ""));
   add_verdict(section, name, result);
   return section;
 }

@@ -26,15 +26,17 @@ class Conditions {
   }
   void require_value(const Dimension& dimension) { add(dimension.factors, 1, -dimension.frequency); }
 
-  [[nodiscard]] Eigen::MatrixXd solve(Eigen::Index unknowns) const {
+  struct Equations {
+    Eigen::MatrixXd matrix, right;
+  };
+  [[nodiscard]] Equations equations(Eigen::Index unknowns) const {
     const auto rows = static_cast<Eigen::Index>(factors_.size());
-    Eigen::MatrixXd matrix(rows, unknowns);
-    Eigen::MatrixXd right(rows, 2);
+    Equations all{Eigen::MatrixXd(rows, unknowns), Eigen::MatrixXd(rows, 2)};
     for (Eigen::Index i = 0; i < rows; ++i) {
-      matrix.row(i) = factors_[static_cast<std::size_t>(i)];
-      right.row(i) = right_[static_cast<std::size_t>(i)];
+      all.matrix.row(i) = factors_[static_cast<std::size_t>(i)];
+      all.right.row(i) = right_[static_cast<std::size_t>(i)];
     }
-    return detail::shortest_solution(matrix, right);
+    return all;
   }
 
  private:
@@ -109,24 +111,87 @@ Dimension dimension_of(const Node& node, const Structure& structure, const std::
   return plain;
 }
 
-}  // namespace
-
-std::vector<ParameterDimension> parameter_dimensions(const Structure& structure, std::span<const double> parameters) {
+// Dimensions of all nodes, the whole formula last, and what they demand of each other.
+std::vector<Dimension> dimensions_of(const Structure& structure, std::span<const double> parameters,
+                                     Conditions& conditions) {
   const Expression& expression = structure.expression();
-  const auto unknowns = static_cast<Eigen::Index>(parameters.size());
-  if (unknowns == 0) return {};
   std::vector<double> real_values;
   evaluate_real_nodes(expression, parameters.data(), real_values);
-
-  Conditions conditions;
   std::vector<Dimension> dimensions;
   for (const Node& node : expression.nodes)
     dimensions.push_back(dimension_of(node, structure, real_values, dimensions, conditions));
-  conditions.require_value(dimensions.back());
+  return dimensions;
+}
 
-  const Eigen::MatrixXd solution = conditions.solve(unknowns);
+}  // namespace
+
+std::vector<ParameterDimension> parameter_dimensions(const Structure& structure, std::span<const double> parameters) {
+  const auto unknowns = static_cast<Eigen::Index>(parameters.size());
+  if (unknowns == 0) return {};
+  Conditions conditions;
+  conditions.require_value(dimensions_of(structure, parameters, conditions).back());
+  const auto [matrix, right] = conditions.equations(unknowns);
+  const Eigen::MatrixXd solution = shortest_solution(matrix, right);
   std::vector<ParameterDimension> result;
   for (Eigen::Index i = 0; i < unknowns; ++i) result.push_back({solution(i, 0), solution(i, 1)});
+  return result;
+}
+
+namespace {
+
+// Whether a number multiplies the whole formula, the 1 of 1/(T s + 1) too.
+bool has_leading_number(const std::vector<Node>& nodes, int index) {
+  const Node& node = nodes[static_cast<std::size_t>(index)];
+  switch (node.operation) {
+    case Operation::number:
+      return true;
+    case Operation::negate:
+    case Operation::divide:
+      return has_leading_number(nodes, node.left);
+    case Operation::multiply:
+      return has_leading_number(nodes, node.left) || has_leading_number(nodes, node.right);
+    default:
+      return false;
+  }
+}
+
+constexpr double no_more_than_rounding = 1e-9;
+
+// What follows from conditions; one column for [value] and one for [omega], of which each may contradict itself.
+struct Solved {
+  Eigen::MatrixXd exponents;
+  Eigen::VectorXd told;  // by parameter: 1 where the conditions tell its exponents, less where they leave a choice
+  bool has_value, has_frequency;
+};
+Solved solved(const Conditions& conditions, Eigen::Index unknowns) {
+  const auto [matrix, right] = conditions.equations(unknowns);
+  if (matrix.rows() == 0) return {Eigen::MatrixXd::Zero(unknowns, 2), Eigen::VectorXd::Zero(unknowns), true, true};
+  const Eigen::MatrixXd exponents = shortest_solution(matrix, right), left = matrix * exponents - right;
+  return {exponents, shortest_solution(matrix, matrix).diagonal(),
+          left.col(0).cwiseAbs().maxCoeff() < no_more_than_rounding,
+          left.col(1).cwiseAbs().maxCoeff() < no_more_than_rounding};
+}
+
+}  // namespace
+
+std::vector<KnownDimension> known_dimensions(const Structure& structure, std::span<const double> parameters) {
+  const auto unknowns = static_cast<Eigen::Index>(parameters.size());
+  if (unknowns == 0) return {};
+  Conditions within;
+  const Dimension whole = dimensions_of(structure, parameters, within).back();
+  Conditions all = within;
+  all.require_value(whole);
+  Solved found = solved(all, unknowns);
+  const std::vector<Node>& nodes = structure.expression().nodes;
+  if (!found.has_value && has_leading_number(nodes, static_cast<int>(nodes.size()) - 1))
+    found = solved(within, unknowns);
+  std::vector<KnownDimension> result(parameters.size());
+  for (Eigen::Index i = 0; i < unknowns; ++i) {
+    if (!(found.told(i) > 1 - no_more_than_rounding)) continue;
+    KnownDimension& known = result[static_cast<std::size_t>(i)];
+    if (found.has_value) known.value_exponent = found.exponents(i, 0);
+    if (found.has_frequency) known.frequency_exponent = found.exponents(i, 1);
+  }
   return result;
 }
 

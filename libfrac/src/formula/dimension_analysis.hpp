@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -21,5 +22,14 @@ struct ParameterDimension {
 /// @param parameters  one value per parameter, of which those of role order are used.
 [[nodiscard]] std::vector<ParameterDimension> parameter_dimensions(const Structure& structure,
                                                                    std::span<const double> parameters);
+
+/// The same as far as it follows: empty where the formula leaves a choice, and for all parameters where no units of
+/// theirs meet its conditions.
+struct KnownDimension {
+  std::optional<double> value_exponent, frequency_exponent;
+};
+/// A number that multiplies the whole formula may carry the unit of its value, if the parameters cannot.
+[[nodiscard]] std::vector<KnownDimension> known_dimensions(const Structure& structure,
+                                                           std::span<const double> parameters);
 
 }  // namespace frac::detail

@@ -10,6 +10,7 @@
 #include "commands/subcommand.hpp"
 #include "frac/identification/relaxation_times.hpp"
 #include "io/frequency_response_file.hpp"
+#include "io/unit_name.hpp"
 #include "options/data_options.hpp"
 #include "options/fit_record.hpp"
 #include "output/aligned_table.hpp"
@@ -199,7 +200,8 @@ class Drt : public Command {
       add_rows("data", times, lists);
       unit = file.value_unit;
       add_curves("data", 0, times, panel);
-      if (!file.value_unit.empty()) panel.y.label += " (" + report::enhanced_escape(file.value_unit) + ")";
+      if (!file.value_unit.empty())
+        panel.y.label += " (" + report::enhanced_escape(io::written_unit(file.value_unit)) + ")";
       document.head.emplace_back("constant", io::format_number(times.constant));
       document.head.emplace_back("inductance", io::format_number(times.inductance));
       document.head.emplace_back("elastance", io::format_number(times.elastance));

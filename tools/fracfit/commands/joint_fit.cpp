@@ -2,6 +2,7 @@
 #include "frac/identification/joint_fit.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
@@ -158,19 +159,25 @@ class JointFit : public Command {
 
   int run() override {
     std::vector<frac::JointCurve> curves;
-    JointRun run{command_line(), {}, {}, {}, quantities_, derived_from_};
+    JointRun run{
+        .command = command_line(), .formula = chosen_.formula, .derived = quantities_, .derived_from = derived_from_};
     const auto note = [this](const std::string& text) { say(text); };
-    bool same_unit = true;
+    bool same_unit = true, in_hertz = true;
+    run.lower = std::numeric_limits<double>::infinity();
     for (const auto& curve : curves_of(io::input_files(data_, writes_file() ? out() : ""), request_)) {
       auto file = read_curve(request_, curve, note);
       same_unit = same_unit && (curves.empty() || file.value_unit == run.value_unit);
+      in_hertz = in_hertz && file.data.frequency_unit() == frac::FrequencyUnit::hertz;
       run.value_unit = file.value_unit;
+      run.lower = std::min(run.lower, file.data.omega().front());
+      run.upper = std::max(run.upper, file.data.omega().back());
       frac::JointCurve& added = curves.emplace_back(frac::JointCurve{curve.name, std::move(file.data)});
       for (const auto& [key, text] : file.metadata)
         if (const auto value = io::parse_number(text)) added.covariates.emplace_back(key, *value);
       run.curves.push_back({added.data.size(), std::move(file.metadata), added.covariates});
     }
     if (!same_unit) run.value_unit.clear();
+    run.frequency_unit = in_hertz ? frac::FrequencyUnit::hertz : frac::FrequencyUnit::rad_per_s;
     run.options = options().entries({"--component", "--weight", "--realisation", "--band", "--poles", "--sample-time",
                                      "--memory", "--seed", "--by", "--loss", "--shift"});
     run.options.emplace_back("where", where_text(request_));
@@ -189,7 +196,8 @@ class JointFit : public Command {
                               : joint_fit_table(run, result));
     if (master_file_ && !result.curves.empty())
       master_file_->write(master_curve_csv(run, result, curves, fit_.fit.realisation));
-    if (drawing_ && !result.curves.empty()) drawing_->write(master_curve_figure(result, curves, fit_.fit.realisation));
+    if (drawing_ && !result.curves.empty())
+      drawing_->write(master_curve_figure(run, result, curves, fit_.fit.realisation));
     if (result.usable()) return usable_result;
     say("no usable result: " + result.message);
     return no_usable_result;

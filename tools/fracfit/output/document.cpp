@@ -11,6 +11,7 @@
 #include "io/data_error.hpp"
 #include "io/number.hpp"
 #include "io/shard_file.hpp"
+#include "io/unit_name.hpp"
 #include "io/version.hpp"
 #include "output/aligned_table.hpp"
 #include "output/json.hpp"
@@ -82,22 +83,11 @@ std::string json_text(const Document& document, const std::string& command) {
   return json.dump() + "\n";
 }
 
-// Units in which names of columns end, and as people write them; of two that fit the longer one stands first.
-constexpr std::pair<std::string_view, std::string_view> units[] = {
-    {"m_per_n", "m/N"}, {"m_per_s", "m/s"}, {"rad_s", "rad/s"}, {"m_s", "m/s"}, {"n_s", "N s"},
-    {"kg", "kg"},       {"hz", "Hz"},       {"ohm", "ohm"},     {"deg", "deg"}, {"db", "dB"},
-    {"n", "N"},         {"m", "m"},         {"s", "s"}};
-
 // The words of a column's name, of which the unit is one.
-std::vector<std::string> words_of(std::string name) {
-  std::string_view unit;
-  for (const auto& [ending, written] : units) {
-    if (!unit.empty() || !name.ends_with("_" + std::string(ending))) continue;
-    unit = written;
-    name.resize(name.size() - ending.size() - 1);
-  }
+std::vector<std::string> words_of(const std::string& column) {
+  const auto [name, unit] = io::unit_apart(column);
   std::vector<std::string> words;
-  std::istringstream stream(name);
+  std::istringstream stream{std::string(name)};
   for (std::string word; std::getline(stream, word, '_');) words.push_back(word);
   if (!unit.empty()) words.emplace_back(unit);
   return words;

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "io/number.hpp"
+#include "io/unit_name.hpp"
 #include "output/aligned_table.hpp"
 #include "output/document.hpp"
 #include "output/fitted_stability.hpp"
@@ -34,7 +35,7 @@ std::string heading(const FitRun& run) {
   std::string text = "data       " + run.file + ", " + std::to_string(run.points) + " points, " +
                      short_number(on_axis(run, run.lower)) + " .. " + short_number(on_axis(run, run.upper)) +
                      axis_unit(run);
-  if (!run.value_unit.empty()) text += ", values in " + run.value_unit;
+  if (!run.value_unit.empty()) text += ", values in " + io::written_unit(run.value_unit);
   if (!run.left_out.empty()) {
     text += "\nleft out   at";
     for (const LeftOutPoint& point : run.left_out) text += " " + short_number(on_axis(run, point.omega));
@@ -71,14 +72,9 @@ std::string remark_on_profiles(const frac::FitResult& result) {
   return "Wide intervals follow the cost itself (profile likelihood), not its curvature: " + names + ".\n";
 }
 
-std::string parameter_table(const frac::FitResult& result) {
-  AlignedTable table({"parameter", "value", "standard error", "95 % interval", ""}, AlignedTable::Last::remark);
-  for (const auto& parameter : result.parameters) {
-    const auto [value, standard_error, interval] =
-        estimate_cells(parameter, !std::isnan(parameter.ci95_lower) && !parameter.fixed);
-    table.add({parameter.name, value, standard_error, interval, parameter_state(parameter)});
-  }
-  return table.text() + remark_on_profiles(result);
+std::string parameter_table(const FitRun& run, const frac::FitResult& result) {
+  if (result.parameters.empty()) return {};
+  return estimate_table("parameter", result.parameters, {result.model, run.value_unit}) + remark_on_profiles(result);
 }
 
 std::string added_intervals(const frac::FitResult& result, const FitStatistics& statistics) {
@@ -147,10 +143,16 @@ io::Metadata head_of(const FitRun& run) {
   return head;
 }
 
-void append_fit(Json& json, const frac::FitResult& result) {
+Json parameters_json(const FitRun& run, const frac::FitResult& result) {
+  // A curve without parameters need not be a formula.
+  if (result.parameters.empty()) return Json::array();
+  const ParameterUnits units(result.model, run.value_unit);
+  return Json::list(result.parameters, [&](const auto& each) { return parameter_json(each, units); });
+}
+
+void append_fit(Json& json, const FitRun& run, const frac::FitResult& result) {
   json["model"] = result.model;
-  json["parameters"] = Json::array();
-  for (const auto& parameter : result.parameters) json["parameters"].push_back(parameter_json(parameter));
+  json["parameters"] = parameters_json(run, result);
   json["cost"] = result.cost;
   json["rms"] = result.rms;
   json["gain_factor"] = result.gain_factor;
@@ -171,13 +173,14 @@ void append_fit(Json& json, const frac::FitResult& result) {
   json["seconds"] = result.seconds;
 }
 
-/// A row of the CSV: no bound, no profile and no bootstrap.
+/// A row of the CSV: no bound, no profile, no bootstrap and no unit.
 void append_derived(std::vector<Cell>& cells, const frac::DerivedEstimate& derived, std::size_t columns) {
   cells.emplace_back(derived.name);
   for (const double value : {derived.value, derived.standard_error, derived.ci95_lower, derived.ci95_upper})
     cells.emplace_back(value);
   for (const bool flag : {std::isfinite(derived.standard_error), false, false}) cells.emplace_back(flag);
-  while (cells.size() < columns) cells.emplace_back(nan);
+  while (cells.size() + 1 < columns) cells.emplace_back(nan);
+  cells.emplace_back(std::string{});
 }
 
 Json stability_json(const frac::FitResult& result) {
@@ -266,7 +269,7 @@ void append_statistics(Json& json, const FitRun& run, const frac::FitResult& res
       {"chosen", statistics.growth->chosen}, {"reason", statistics.growth->reason}, {"fits", Json::array()}};
   for (const auto& fit : statistics.growth->fits) {
     Json grown;
-    append_fit(grown, fit);
+    append_fit(grown, run, fit);
     json["growth"]["fits"].push_back(std::move(grown));
   }
 }
@@ -333,7 +336,7 @@ std::string why_chosen(const frac::IdentificationResult& result) {
 
 std::string fit_table(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
   return "model      " + result.model + "\n" + reading(result.model) + heading(run) + "\n" +
-         (statistics.growth ? growth_table(*statistics.growth) : "") + parameter_table(result) + "\n" +
+         (statistics.growth ? growth_table(*statistics.growth) : "") + parameter_table(run, result) + "\n" +
          prior_table(result.priors) + derived_table(statistics.derived) + added_intervals(result, statistics) +
          remarks_on_residuals(run, result, statistics) + closing(result);
 }
@@ -374,7 +377,7 @@ std::string identification_table(const FitRun& run, const frac::IdentificationRe
   text +=
       "chosen: " + why_chosen(result) + "; the verdict compares those of the least Schwarz criterion\n\n" + chosen.name;
   if (chosen.fit.model != chosen.name) text += "   " + chosen.fit.model;
-  text += "\n" + parameter_table(chosen.fit) + "\n" + paragraph(remark_on_stability(fitted_stability(chosen.fit)));
+  text += "\n" + parameter_table(run, chosen.fit) + "\n" + paragraph(remark_on_stability(fitted_stability(chosen.fit)));
   return text + paragraph("verdict: " + std::string(frac::to_string(result.verdict)) + ". " + result.verdict_sentence);
 }
 
@@ -395,6 +398,8 @@ std::string fit_csv(const FitRun& run, const frac::FitResult& result, const FitS
   if (!statistics.profile.empty()) columns.insert(columns.end(), {"profile_lower", "profile_upper"});
   if (!statistics.bootstrap.empty())
     columns.insert(columns.end(), {"bootstrap_lower", "bootstrap_upper", "bootstrap_standard_error"});
+  columns.emplace_back("unit");
+  const ParameterUnits units(result.model, run.value_unit);
   document.rows.fill = [&](std::size_t i, std::vector<Cell>& cells) {
     if (i >= result.parameters.size()) {
       append_derived(cells, statistics.derived[i - result.parameters.size()], columns.size());
@@ -413,6 +418,7 @@ std::string fit_csv(const FitRun& run, const frac::FitResult& result, const FitS
       const auto& bootstrap = statistics.bootstrap[i];
       for (const double value : {bootstrap.lower, bootstrap.upper, bootstrap.standard_error}) cells.emplace_back(value);
     }
+    cells.emplace_back(units.of(parameter.name));
   };
   return text_of(document, "csv", run.command);
 }
@@ -444,7 +450,7 @@ std::string identification_csv(const FitRun& run, const frac::IdentificationResu
 
 std::string fit_json(const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
   Json json = origin_of_fit(run);
-  append_fit(json, result);
+  append_fit(json, run, result);
   json["stability"] = stability_json(result);
   append_statistics(json, run, result, statistics);
   if (!statistics.derived.empty()) json["derived"] = derived_json(statistics.derived);
@@ -461,7 +467,7 @@ std::string identification_json(const FitRun& run, const frac::IdentificationRes
   json["ranking"] = Json::array();
   for (const auto& candidate : result.ranking) {
     Json ranked{{"name", candidate.name}, {"class", frac::to_string(candidate.model_class)}, {"also", candidate.also}};
-    append_fit(ranked, candidate.fit);
+    append_fit(ranked, run, candidate.fit);
     ranked["delta_aicc"] = candidate.delta_aicc;
     ranked["akaike_weight"] = candidate.akaike_weight;
     ranked["lack_of_fit"] = lack_of_fit_json(candidate.lack_of_fit);

@@ -5,6 +5,7 @@
 #include <complex>
 
 #include "io/number.hpp"
+#include "io/unit_name.hpp"
 #include "output/aligned_table.hpp"
 #include "output/document.hpp"
 #include "output/json.hpp"
@@ -71,19 +72,17 @@ std::vector<frac::PriorEstimate> priors_of(const frac::JointFitResult& result) {
   return priors;
 }
 
-std::string shared_table(const frac::JointFitResult& result) {
-  AlignedTable table({"shared", "value", "standard error", "95 % interval", ""}, AlignedTable::Last::remark);
-  for (const auto& parameter : result.shared) {
-    const auto [value, standard_error, interval] = estimate_cells(parameter, !std::isnan(parameter.ci95_lower));
-    table.add({parameter.name, value, standard_error, interval, parameter_state(parameter)});
-  }
-  return table.text();
+/// Of parameters of laws and of shift factors none is known.
+ParameterUnits units_of(const JointRun& run) {
+  return {run.formula, run.value_unit};
 }
 
 std::string curve_table(const JointRun& run, const frac::JointFitResult& result) {
   std::vector<std::string> heading{"curve"};
+  const ParameterUnits units = units_of(run);
   for (const auto& parameter : own_of(result, result.curves.front())) {
-    heading.push_back(parameter.name);
+    const std::string unit = units.shown(parameter.name);
+    heading.push_back(parameter.name + (unit.empty() ? "" : " (" + unit + ")"));
     heading.emplace_back("+-");
   }
   for (const auto& each : run.derived) {
@@ -116,8 +115,11 @@ std::string curve_table(const JointRun& run, const frac::JointFitResult& result)
 }  // namespace
 
 std::string joint_fit_table(const JointRun& run, const frac::JointFitResult& result) {
-  std::string text = "model      " + result.model + "\ncurves     " + std::to_string(run.curves.size());
-  if (!run.value_unit.empty()) text += ", values in " + run.value_unit;
+  std::string text = "model      " + result.model + "\ncurves     " + std::to_string(run.curves.size()) + ", " +
+                     short_number(in_unit(run.lower, run.frequency_unit)) + " .. " +
+                     short_number(in_unit(run.upper, run.frequency_unit)) + " " +
+                     std::string(to_string(run.frequency_unit));
+  if (!run.value_unit.empty()) text += ", values in " + io::written_unit(run.value_unit);
   text += "\nresiduals  " + std::string(io::find_value(run.options, "component").value_or("")) + ", " +
           std::string(io::find_value(run.options, "weight").value_or("")) + " weight\n";
   if (const auto loss = io::find_value(run.options, "loss"); loss && *loss != "none")
@@ -131,7 +133,7 @@ std::string joint_fit_table(const JointRun& run, const frac::JointFitResult& res
   add_line("reference", "reference  ");
   text += "\n";
   if (!result.curves.empty())
-    text += shared_table(result) + "\n" + curve_table(run, result) +
+    text += estimate_table("shared", result.shared, units_of(run)) + "\n" + curve_table(run, result) +
             "+- is half of the 95 % interval; alone: rms where the curve shares nothing.\n\n" +
             prior_table(priors_of(result));
   if (result.sharing_p_value == result.sharing_p_value)
@@ -168,7 +170,8 @@ std::string joint_fit_csv(const JointRun& run, const frac::JointFitResult& resul
                                                {"termination", std::string(frac::to_string(result.termination))}})
     document.head.emplace_back(key, value);
   document.rows.columns = {"curve",      "name",       "value",    "standard_error", "ci95_lower",
-                           "ci95_upper", "identified", "at_bound", "shared"};
+                           "ci95_upper", "identified", "at_bound", "shared",         "unit"};
+  const ParameterUnits units = units_of(run);
   document.rows.fill = [&](std::size_t i, std::vector<Cell>& cells) {
     const auto& [curve, parameter] = rows[i];
     cells.emplace_back(curve);
@@ -176,6 +179,7 @@ std::string joint_fit_csv(const JointRun& run, const frac::JointFitResult& resul
     for (const double value : {parameter.value, parameter.standard_error, parameter.ci95_lower, parameter.ci95_upper})
       cells.emplace_back(value);
     for (const bool flag : {parameter.identified, parameter.at_bound, curve.empty()}) cells.emplace_back(flag);
+    cells.emplace_back(units.of(parameter.name));
   };
   return text_of(document, "csv", run.command);
 }
@@ -231,19 +235,30 @@ std::string master_curve_csv(const JointRun& run, const frac::JointFitResult& re
   std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.omega < b.omega; });
   Document document{{{"formula", result.model}}, {{}, rows.size(), {}}};
   document.rows.columns = {"omega", "re", "im", "curve", "omega_measured", "model_re", "model_im"};
+  const bool in_hertz = run.frequency_unit == frac::FrequencyUnit::hertz;
+  if (in_hertz) document.rows.columns.emplace_back("f_hz");
   document.rows.fill = [&](std::size_t i, std::vector<Cell>& cells) {
     const Row& row = rows[i];
     cells.insert(cells.end(), {row.omega, row.value.real(), row.value.imag(), result.curves[row.curve].name,
                                row.measured, row.model.real(), row.model.imag()});
+    if (in_hertz) cells.emplace_back(in_unit(row.omega, run.frequency_unit));
   };
   return text_of(document, "csv", run.command);
 }
 
-report::Figure master_curve_figure(const frac::JointFitResult& result, const std::vector<frac::JointCurve>& curves,
-                                   const frac::Realisation& realisation) {
-  report::Panel real{"", {"{/Symbol w} (rad/s)", true}, {"real part", true}},
-      imaginary{"", {"{/Symbol w} (rad/s)", true}, {"|imaginary part|", true}};
+report::Figure master_curve_figure(const JointRun& run, const frac::JointFitResult& result,
+                                   const std::vector<frac::JointCurve>& curves, const frac::Realisation& realisation) {
+  const report::Axis frequency{run.frequency_unit == frac::FrequencyUnit::hertz ? "f (Hz)" : "{/Symbol w} (rad/s)",
+                               true};
+  const std::string unit =
+      run.value_unit.empty() ? "" : " (" + report::enhanced_escape(io::written_unit(run.value_unit)) + ")";
+  report::Panel real{"", frequency, {"real part" + unit, true}},
+      imaginary{"", frequency, {"|imaginary part|" + unit, true}};
   real.key = true;
+  const auto on_axis = [&](std::vector<double> all) {
+    for (double& each : all) each = in_unit(each, run.frequency_unit);
+    return all;
+  };
   std::vector<double> omega;
   for (std::size_t c = 0; c < curves.size(); ++c) {
     const Moved all = moved(result, c, curves, realisation);
@@ -255,8 +270,8 @@ report::Figure master_curve_figure(const frac::JointFitResult& result, const std
     }
     const auto colour = report::family_colour(c, curves.size());
     real.curves.push_back(report::make_curve(report::enhanced_escape(result.curves[c].name), colour,
-                                             report::Mark::open_points, all.omega, re));
-    imaginary.curves.push_back(report::make_curve("", colour, report::Mark::open_points, all.omega, im));
+                                             report::Mark::open_points, on_axis(all.omega), re));
+    imaginary.curves.push_back(report::make_curve("", colour, report::Mark::open_points, on_axis(all.omega), im));
   }
   std::sort(omega.begin(), omega.end());
   std::vector<std::complex<double>> model(omega.size());
@@ -266,8 +281,8 @@ report::Figure master_curve_figure(const frac::JointFitResult& result, const std
     re.push_back(each.real());
     im.push_back(std::abs(each.imag()));
   }
-  real.curves.push_back(report::make_curve("master curve", "#000000", report::Mark::line, omega, re));
-  imaginary.curves.push_back(report::make_curve("", "#000000", report::Mark::line, omega, im));
+  real.curves.push_back(report::make_curve("master curve", "#000000", report::Mark::line, on_axis(omega), re));
+  imaginary.curves.push_back(report::make_curve("", "#000000", report::Mark::line, on_axis(omega), im));
   return {"master", "", {std::move(real), std::move(imaginary)}};
 }
 
@@ -276,14 +291,16 @@ std::string joint_fit_json(const JointRun& run, const frac::JointFitResult& resu
   json["options"] = object_of(run.options);
   json["model"] = result.model;
   json["value_unit"] = run.value_unit.empty() ? Json(nullptr) : Json(run.value_unit);
-  json["shared"] = Json::list(result.shared, parameter_json);
+  const ParameterUnits units = units_of(run);
+  const auto with_unit = [&](const auto& each) { return parameter_json(each, units); };
+  json["shared"] = Json::list(result.shared, with_unit);
   json["curves"] = Json::array();
   for (std::size_t c = 0; c < result.curves.size(); ++c) {
     const auto& curve = result.curves[c];
     Json& entry = json["curves"].push_back({{"name", curve.name},
                                             {"points", run.curves[c].points},
                                             {"header", object_of(run.curves[c].header)},
-                                            {"parameters", Json::list(curve.parameters, parameter_json)},
+                                            {"parameters", Json::list(curve.parameters, with_unit)},
                                             {"covariance", curve.covariance},
                                             {"residuals", curve.residuals},
                                             {"rms", curve.rms},

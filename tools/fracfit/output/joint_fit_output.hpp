@@ -19,12 +19,15 @@ struct JointRun {
     std::vector<std::pair<std::string, double>> covariates;  // numbers in the header
   };
   std::string command;
-  std::vector<Curve> curves;  // as in the result
-  std::string value_unit;     // empty where the curves give none or not the same
-  io::Metadata options;
-  std::vector<frac::DerivedQuantity> derived;  // computed for each curve
+  std::string formula;                                                  // without shift factors
+  std::vector<Curve> curves = {};                                       // as in the result
+  double lower = 0, upper = 0;                                          // of omega over all curves, rad/s
+  frac::FrequencyUnit frequency_unit = frac::FrequencyUnit::rad_per_s;  // Hz where all files have it
+  std::string value_unit = {};  // empty where the curves give none or not the same
+  io::Metadata options = {};
+  std::vector<frac::DerivedQuantity> derived = {};  // computed for each curve
   /// Names in them: parameters, shared ones and those of laws, and what the headers know of a curve.
-  std::vector<std::string> derived_from;
+  std::vector<std::string> derived_from = {};
 };
 
 [[nodiscard]] std::string joint_fit_table(const JointRun& run, const frac::JointFitResult& result);
@@ -35,7 +38,7 @@ struct JointRun {
 [[nodiscard]] std::string master_curve_csv(const JointRun& run, const frac::JointFitResult& result,
                                            const std::vector<frac::JointCurve>& curves,
                                            const frac::Realisation& realisation);
-[[nodiscard]] report::Figure master_curve_figure(const frac::JointFitResult& result,
+[[nodiscard]] report::Figure master_curve_figure(const JointRun& run, const frac::JointFitResult& result,
                                                  const std::vector<frac::JointCurve>& curves,
                                                  const frac::Realisation& realisation);
 [[nodiscard]] std::string joint_fit_json(const JointRun& run, const frac::JointFitResult& result);

@@ -1,25 +1,65 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "output/parameter_output.hpp"
 
+#include <algorithm>
 #include <cmath>
 
+#include "frac/parameter_units.hpp"
+#include "io/unit_name.hpp"
+
 namespace fracfit {
+
+ParameterUnits::ParameterUnits(const std::string& formula, const std::string& value_unit) {
+  const frac::Structure structure(formula);
+  const std::vector<std::string> units = frac::parameter_units(structure, io::written_unit(value_unit));
+  for (std::size_t i = 0; i < units.size(); ++i) units_.emplace(structure.parameter_names()[i], units[i]);
+}
+
+std::string ParameterUnits::of(const std::string& name) const {
+  const auto found = units_.find(name);
+  return found == units_.end() ? "" : found->second;
+}
+
+std::string ParameterUnits::shown(const std::string& name) const {
+  const std::string unit = of(name);
+  return unit == "1" ? "" : unit;
+}
 
 std::string interval(double lower, double upper) {
   const ShownInterval shown = shown_interval(lower, lower, upper);
   return shown.lower + " .. " + shown.upper;
 }
 
-Json parameter_json(const frac::ParameterEstimate& parameter) {
-  return {{"name", parameter.name},
-          {"value", parameter.value},
-          {"standard_error", parameter.standard_error},
-          {"ci95", {parameter.ci95_lower, parameter.ci95_upper}},
-          {"interval", frac::to_string(parameter.interval)},
-          {"widening", parameter.widening},
-          {"identified", parameter.identified},
-          {"at_bound", parameter.at_bound},
-          {"fixed", parameter.fixed}};
+std::string estimate_table(const std::string& title, const std::vector<frac::ParameterEstimate>& estimates,
+                           const ParameterUnits& units) {
+  const bool has_units = std::any_of(estimates.begin(), estimates.end(),
+                                     [&](const auto& each) { return !units.shown(each.name).empty(); });
+  const auto with_unit = [&](std::vector<std::string> cells, const std::string& unit) {
+    if (has_units) cells.insert(cells.end() - 1, unit);
+    return cells;
+  };
+  AlignedTable table(with_unit({title, "value", "standard error", "95 % interval", ""}, "unit"),
+                     AlignedTable::Last::remark);
+  for (const auto& each : estimates) {
+    const auto [value, standard_error, interval] = estimate_cells(each, !std::isnan(each.ci95_lower) && !each.fixed);
+    table.add(with_unit({each.name, value, standard_error, interval, parameter_state(each)}, units.shown(each.name)));
+  }
+  return table.text();
+}
+
+Json parameter_json(const frac::ParameterEstimate& parameter, const ParameterUnits& units) {
+  Json json{{"name", parameter.name},
+            {"value", parameter.value},
+            {"standard_error", parameter.standard_error},
+            {"ci95", {parameter.ci95_lower, parameter.ci95_upper}},
+            {"interval", frac::to_string(parameter.interval)},
+            {"widening", parameter.widening},
+            {"identified", parameter.identified},
+            {"at_bound", parameter.at_bound},
+            {"fixed", parameter.fixed}};
+  Json& unit = json["unit"] = nullptr;
+  if (const std::string found = units.of(parameter.name); !found.empty()) unit = found;
+  return json;
 }
 
 void append_priors(Json& list, const std::vector<frac::PriorEstimate>& priors, const std::string& curve) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -32,7 +33,27 @@ template <class Estimate>
   if (estimate.at_bound) return "at its bound";
   return estimate.identified ? "" : "not identified";
 }
-[[nodiscard]] Json parameter_json(const frac::ParameterEstimate& parameter);
+
+/// Units of parameters as far as they follow from their formula and the unit of its value, see frac::parameter_units().
+class ParameterUnits {
+ public:
+  /// @param value_unit  as the file has it; empty where it has none
+  ParameterUnits(const std::string& formula, const std::string& value_unit);
+  /// "1" for a pure number; empty where none follows, as for names that are not in the formula.
+  [[nodiscard]] std::string of(const std::string& name) const;
+  /// For people, who need none for a pure number.
+  [[nodiscard]] std::string shown(const std::string& name) const;
+
+ private:
+  std::map<std::string, std::string> units_;
+};
+
+/// A row for each parameter, with its unit where one of them has any.
+/// @param title  of the column of their names
+[[nodiscard]] std::string estimate_table(const std::string& title,
+                                         const std::vector<frac::ParameterEstimate>& estimates,
+                                         const ParameterUnits& units);
+[[nodiscard]] Json parameter_json(const frac::ParameterEstimate& parameter, const ParameterUnits& units);
 
 /// @param curve  that the priors are of; empty where they are of no single one
 void append_priors(Json& list, const std::vector<frac::PriorEstimate>& priors, const std::string& curve = {});

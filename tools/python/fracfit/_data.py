@@ -25,6 +25,8 @@ class FrequencyResponse:
         Standard deviation of the real and of the imaginary part of each value, > 0.
     unit : str, optional
         Unit of the values, for labels.
+    frequency_unit : {"rad/s", "Hz"}
+        In which sentences and pictures name a frequency; numbers are rad/s all the same.
     metadata : mapping, optional
         Further facts, such as the header of a file.
 
@@ -56,8 +58,11 @@ class FrequencyResponse:
         sigma: Any = None,
         *,
         unit: str = "",
+        frequency_unit: str = "rad/s",
         metadata: Mapping[str, str] | None = None,
     ) -> None:
+        if frequency_unit not in ("rad/s", "Hz"):
+            raise ValueError(f"frequency_unit is {frequency_unit!r}; expected rad/s or Hz")
         omega = real_array(omega, "omega")
         response = complex_array(response, "response")
         spread = NO_NUMBERS if sigma is None else real_array(sigma, "sigma")
@@ -71,19 +76,23 @@ class FrequencyResponse:
         self._response = _frozen(response)
         self._sigma = _frozen(spread) if spread.size else None
         self.unit = text(unit, "unit")
+        self.frequency_unit = frequency_unit
         self.metadata = dict(mapping(metadata or {}, "metadata"))
 
     @classmethod
     def from_hz(cls, f: Any, response: Any, sigma: Any = None, **more: Any) -> FrequencyResponse:
-        """The same from frequencies in Hz.
+        """The same from frequencies in Hz, in which sentences and pictures then name them.
 
         Examples
         --------
         >>> import fracfit
-        >>> fracfit.FrequencyResponse.from_hz([100, 10], [1, 2]).f
+        >>> data = fracfit.FrequencyResponse.from_hz([100, 10], [1, 2])
+        >>> data
+        FrequencyResponse(2 points, 10 to 100 Hz)
+        >>> data.f
         array([ 10., 100.])
         """
-        return cls(2 * np.pi * real_array(f, "f"), response, sigma, **more)
+        return cls(2 * np.pi * real_array(f, "f"), response, sigma, **{"frequency_unit": "Hz", **more})
 
     @property
     def omega(self) -> np.ndarray:
@@ -160,7 +169,14 @@ class FrequencyResponse:
         """Some of the points: a slice, an index or several, or a mask."""
         kept = np.atleast_1d(np.arange(len(self))[points])
         sigma = None if self._sigma is None else self._sigma[kept]
-        return FrequencyResponse(self._omega[kept], self._response[kept], sigma, unit=self.unit, metadata=self.metadata)
+        return FrequencyResponse(
+            self._omega[kept],
+            self._response[kept],
+            sigma,
+            unit=self.unit,
+            frequency_unit=self.frequency_unit,
+            metadata=self.metadata,
+        )
 
     def __len__(self) -> int:
         return len(self._omega)
@@ -180,13 +196,19 @@ class FrequencyResponse:
         sigma = "" if self._sigma is None else ", with sigma"
         unit = f", {self.unit}" if self.unit else ""
         count = f"{len(self)} point" + ("s" if len(self) > 1 else "")
-        return f"FrequencyResponse({count}, {self._omega[0]:g} to {self._omega[-1]:g} rad/s{unit}{sigma})"
+        first, last = self._shown(self._omega[[0, -1]])
+        return f"FrequencyResponse({count}, {first:g} to {last:g} {self.frequency_unit}{unit}{sigma})"
+
+    def _shown(self, omega: np.ndarray) -> np.ndarray:
+        """Frequencies in the unit of sentences and pictures."""
+        return omega / (2 * np.pi) if self.frequency_unit == "Hz" else omega
 
     def _arrays(self) -> dict[str, Any]:
         return {
             "omega": self._omega,
             "response": self._response,
             "sigma": NO_NUMBERS if self._sigma is None else self._sigma,
+            "frequency_unit": self.frequency_unit,
         }
 
 
@@ -373,7 +395,14 @@ def read(
         metadata["notes"] = " ".join(found["notes"])
     sigma = found["sigma"] if found["sigma"].size else None
     if is_response:
-        return FrequencyResponse(found["omega"], found["response"], sigma, unit=found["unit"], metadata=metadata)
+        return FrequencyResponse(
+            found["omega"],
+            found["response"],
+            sigma,
+            unit=found["unit"],
+            frequency_unit=found["frequency_unit"],
+            metadata=metadata,
+        )
     kept = found["kept"]
     return TimeSeries(
         found["time"],

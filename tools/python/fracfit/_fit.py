@@ -186,11 +186,10 @@ class FitResult:
     def _data_arrays(self) -> dict[str, Any]:
         if self._data is None:
             raise ValueError("this result has no data with it; those of identify() and batch() have them")
-        arrays = self._data._arrays()
         left_out = self._values.get("left_out", [])
         if not left_out:
-            return arrays
-        return {key: np.delete(each, left_out) if each.size else each for key, each in arrays.items()}
+            return self._data._arrays()
+        return self._data[np.delete(np.arange(len(self._data)), left_out)]._arrays()
 
     def _request(self) -> dict[str, Any]:
         return {**self._options, "constraints": self._values["constraints"], "global_start": self._values["global_start"]}
@@ -231,8 +230,11 @@ class FitResult:
 
     def __repr__(self) -> str:
         left_out = self._values.get("left_out", [])
-        at = ", ".join(f"{omega:.6g}" for omega in self._data.omega[left_out]) if left_out else ""
-        return self.summary() + (f"\nleft out: omega = {at} rad/s" if at else "")
+        if not left_out:
+            return self.summary()
+        at = ", ".join(f"{each:.6g}" for each in self._data._shown(self._data.omega[left_out]))
+        name = "f" if self._data.frequency_unit == "Hz" else "omega"
+        return self.summary() + f"\nleft out: {name} = {at} {self._data.frequency_unit}"
 
     def _repr_html_(self) -> str:
         head = ["parameter", "value", "standard error", "from", "to (95 %)", ""]

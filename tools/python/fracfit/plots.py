@@ -12,7 +12,7 @@ from ._model import Model
 
 
 def plot_bode(*curves: Any, omega: Any = None, axes: Any = None, labels: Any = None, **style: Any) -> Any:
-    """Magnitude and phase over frequency.
+    """Magnitude and phase over frequency: in Hz where all data name theirs so, else in rad/s.
 
     Parameters
     ----------
@@ -44,14 +44,17 @@ def plot_bode(*curves: Any, omega: Any = None, axes: Any = None, labels: Any = N
 
         _, axes = plt.subplots(2, 1, sharex=True, constrained_layout=True)
     upper, lower = axes
+    measured = [curve for curve, is_model in data if not is_model]
+    in_hertz = bool(measured) and all(curve.frequency_unit == "Hz" for curve in measured)
     for (curve, is_model), label in zip(data, labels or [None] * len(data)):
         kind = {"linestyle": "-"} if is_model else {"linestyle": "none", "marker": ".", "markersize": 4}
-        upper.loglog(curve.omega, curve.magnitude, label=label, **{**kind, **style})
-        lower.semilogx(curve.omega, np.degrees(curve.phase), label=label, **{**kind, **style})
+        axis = curve.f if in_hertz else curve.omega
+        upper.loglog(axis, curve.magnitude, label=label, **{**kind, **style})
+        lower.semilogx(axis, np.degrees(curve.phase), label=label, **{**kind, **style})
     unit = next((curve.unit for curve, _ in data if curve.unit), "")
     upper.set_ylabel("magnitude" + (f", {unit}" if unit else ""))
     lower.set_ylabel("phase, deg")
-    lower.set_xlabel("angular frequency, rad/s")
+    lower.set_xlabel("frequency, Hz" if in_hertz else "angular frequency, rad/s")
     if labels:
         upper.legend()
     return axes

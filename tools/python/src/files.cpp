@@ -6,6 +6,7 @@
 #include "io/frequency_response_file.hpp"
 #include "io/point_filter.hpp"
 #include "io/time_series_file.hpp"
+#include "io/unit_name.hpp"
 #include "run.hpp"
 
 namespace python {
@@ -35,7 +36,8 @@ py::dict spectrum(const std::string& path, io::FrequencyResponseReadOptions opti
   result["omega"] = array_of(file.data.omega());
   result["response"] = array_of(file.data.value());
   result["sigma"] = array_of(file.data.sigma());
-  result["unit"] = file.value_unit;
+  result["unit"] = io::written_unit(file.value_unit);
+  result["frequency_unit"] = std::string(to_string(file.data.frequency_unit()));
   result["metadata"] = dict_of(file.metadata);
   result["notes"] = file.notes;
   return result;

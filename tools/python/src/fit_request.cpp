@@ -146,7 +146,10 @@ std::vector<std::string> notes_of(const frac::ScreenedData& points) {
 
 frac::FrequencyResponseData spectrum_of(const py::dict& data) {
   return {vector_of(data["omega"].cast<Reals>()), vector_of(data["response"].cast<Complexes>()),
-          vector_of(data["sigma"].cast<Reals>())};
+          vector_of(data["sigma"].cast<Reals>()),
+          data["frequency_unit"].cast<std::string>() == to_string(frac::FrequencyUnit::hertz)
+              ? frac::FrequencyUnit::hertz
+              : frac::FrequencyUnit::rad_per_s};
 }
 
 frac::TimeResponseData record_of(const py::dict& data) {

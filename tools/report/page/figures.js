@@ -75,7 +75,8 @@
     }
     const low = from(axis, a), high = from(axis, b), rough = (high - low) / 6;
     const power = 10 ** Math.floor(Math.log10(rough));
-    const step = power * ([1, 2, 5].find((factor) => rough / power <= factor) ?? 10), values = [];
+    const angle = axis.degrees && high - low > 1 && [1, 2, 5, 15, 45, 90, 180, 360].find((part) => high - low <= 9 * part);
+    const step = angle || power * ([1, 2, 5].find((factor) => rough / power <= factor) ?? 10), values = [];
     for (let index = Math.ceil(low / step); index * step <= high; ++index) values.push(to(axis, index * step));
     return values;
   }

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/short_text.hpp"
 #include "base/wide_vectors.hpp"
 #include "neighbour_noise.hpp"
 
@@ -15,14 +16,16 @@ namespace frac::detail {
 
 namespace {
 
-std::string at(double omega) {
-  return " at omega = " + std::to_string(omega) + " rad/s";
+std::string at(const FrequencyResponseData& data, std::size_t point) {
+  const FrequencyUnit unit = data.frequency_unit();
+  return std::string(unit == FrequencyUnit::hertz ? " at f = " : " at omega = ") +
+         short_text(in_unit(data.omega()[point], unit), 6) + " " + std::string(to_string(unit));
 }
 
 void require_nonzero(const FrequencyResponseData& data) {
   for (std::size_t i = 0; i < data.size(); ++i) {
     if (!(std::abs(data.value()[i]) > 0)) {
-      throw std::invalid_argument("the value" + at(data.omega()[i]) +
+      throw std::invalid_argument("the value" + at(data, i) +
                                   " is 0, which has no phase and no relative residual; use absolute weight");
     }
   }
@@ -95,7 +98,7 @@ std::vector<double> deviation_of_repeats(const FrequencyResponseData& data) {
     mean /= count;
     if (last - first < 2) {
       throw std::invalid_argument("weight 'repeats' needs at least two values at every frequency; there is one" +
-                                  at(data.omega()[first]));
+                                  at(data, first));
     }
     double square = 0;
     for (std::size_t i = first; i < last; ++i) square += std::norm(data.value()[i] - mean);
@@ -111,7 +114,7 @@ std::vector<double> deviation_of_repeats(const FrequencyResponseData& data) {
     }
     const double deviation = groups[g].magnitude * std::sqrt(square / degrees);
     if (!(deviation > 0) || !std::isfinite(deviation)) {
-      throw std::invalid_argument("the repeats around" + at(data.omega()[groups[g].first]) +
+      throw std::invalid_argument("the repeats around" + at(data, groups[g].first) +
                                   " are all equal (or average to 0), so they tell no noise; use another weight");
     }
     std::fill(result.begin() + static_cast<std::ptrdiff_t>(groups[g].first),
@@ -336,7 +339,7 @@ std::vector<double> curve_residuals(const FrequencyResponseData& data, const Res
   std::vector<double> residual(data.size() * rule.per_point());
   for (std::size_t i = 0; i < data.size(); ++i) {
     if (!rule.residual(i, model[i], data.value()[i], residual.data() + i * rule.per_point())) {
-      throw std::invalid_argument("the curve has no finite residual" + at(data.omega()[i]));
+      throw std::invalid_argument("the curve has no finite residual" + at(data, i));
     }
   }
   for (double& value : residual) value *= rule.unit;

@@ -148,7 +148,7 @@ FrequencyResponseData together(const std::vector<JointCurve>& curves, const std:
     value.push_back(each.value);
     if (sigma) deviation.push_back(each.sigma);
   }
-  return {std::move(omega), std::move(value), std::move(deviation)};
+  return {std::move(omega), std::move(value), std::move(deviation), curves.front().data.frequency_unit()};
 }
 
 /// The fit over the range of all curves and half as much beyond, as a curve to lay others on.
