@@ -50,6 +50,11 @@ void ProjectedData::put(const Eigen::VectorXcd& values, Eigen::Ref<Eigen::Vector
   }
 }
 
+double ProjectedData::unseen_length(const Eigen::VectorXcd& values) const {
+  return form_ == ResidualForm::real ? weight_.cwiseProduct(values.imag()).stableNorm()
+                                     : weight_.cwiseProduct(values.real()).stableNorm();
+}
+
 Eigen::ArrayXcd ProjectedData::power(double order, double shift) const {
   const Complex phase = std::polar(1.0, order * std::numbers::pi / 2);
   return log_s_.array().unaryExpr([&](Complex log) { return std::exp(order * (log.real() + shift)) * phase; });
@@ -64,7 +69,7 @@ std::optional<ProjectedData::Weighted> ProjectedData::weighted(const Eigen::Matr
   if (!length.allFinite()) return std::nullopt;
   // A column that is rounding beside the whole complex one is one that the fitted part is blind to.
   for (Index k = 0; k < length.size(); ++k) {
-    const double whole = one_part() ? weight_.cwiseProduct(columns.col(k).cwiseAbs()).stableNorm() : length[k];
+    const double whole = one_part() ? std::hypot(length[k], unseen_length(columns.col(k))) : length[k];
     if (length[k] > 1e-12 * whole) continue;
     matrix.col(k).setZero();
     length[k] = 1;

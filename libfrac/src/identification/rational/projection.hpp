@@ -91,6 +91,9 @@ class ProjectedData {
   [[nodiscard]] std::vector<double> sizes(const Linear& linear) const;
 
  private:
+  /// Of the weighted part that is not fitted where one is.
+  [[nodiscard]] double unseen_length(const Eigen::VectorXcd& values) const;
+
   ResidualForm form_;
   double centre_, log_lower_;
   std::vector<double> log_omega_;
