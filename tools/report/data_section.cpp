@@ -93,7 +93,8 @@ Section data_section(const Work& work, const std::string& name, const io::Freque
   const frac::IdentificationResult result = frac::identify(data, models, {}, options, work.threads);
   MeasuredPictures pictures = draw_measured(section.id, data, result, field, read.value_unit);
   section.add(std::move(pictures.response));
-  section.add(chosen_table(section.id + "-chosen", result, notation.unit));
+  const bool is_number = field == Field::permittivity && notation.unit.empty();
+  section.add(chosen_table(section.id + "-chosen", result, is_number ? "1" : notation.unit));
   section.add(std::move(pictures.residuals));
   section.add(std::move(pictures.values));
   section.fact("quantity_" + section.id, std::string(to_string(field)));

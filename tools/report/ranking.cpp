@@ -85,7 +85,7 @@ Table chosen_table(const std::string& name, const frac::IdentificationResult& re
                {"ci95_lower", "95 % from", 5},
                {"ci95_upper", "to", 5},
                {"remark", "remark"},
-               {"unit", "unit"}}};
+               {"unit", "unit", 0, true, true}}};
   if (chosen.fit.parameters.empty()) return table;
   const std::vector<std::string> units = frac::parameter_units(frac::Structure(chosen.fit.model), unit);
   for (std::size_t i = 0; i < chosen.fit.parameters.size(); ++i) {
@@ -95,6 +95,11 @@ Table chosen_table(const std::string& name, const frac::IdentificationResult& re
     table.rows.push_back({parameter.name, parameter.value, parameter.standard_error, parameter.ci95_lower,
                           parameter.ci95_upper, remark(parameter), in_unit});
   }
+  // Nobody reads a column without words.
+  for (std::size_t column = table.columns.size() - 2; column < table.columns.size(); ++column)
+    table.columns[column].on_page = std::any_of(table.rows.begin(), table.rows.end(), [column](const auto& row) {
+      return !std::get<std::string>(row[column]).empty();
+    });
   return table;
 }
 
