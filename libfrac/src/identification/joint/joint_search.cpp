@@ -258,6 +258,7 @@ void JointSearch::run(const JointFitOptions& options, const Preparation& known, 
   point = search(problem_, *layout_, shared_, own_, result);
   if (!std::isfinite(point.cost)) return;
   squares_at_known_noise = cost_of_data(problem_, point).squares;
+  unlikelihood = point.cost;
   if (!options.shift || options.fit.weight == Weight::given) return;
   noise = noise_left(problem_, *layout_, point, options.fit.loss);
   const auto weigh_by = [&](const std::vector<double>& deviations) {
@@ -270,6 +271,9 @@ void JointSearch::run(const JointFitOptions& options, const Preparation& known, 
   weigh_by(known.noise);
   squares_at_known_noise = std::min(squares_at_known_noise, cost_of_data(problem_, point).squares);
   weigh_by(noise);
+  unlikelihood = point.cost;
+  for (const CurveResiduals& curve : problem_)
+    unlikelihood += 2 * static_cast<double>(curve.count()) * std::log(curve.noise());
 }
 
 }  // namespace frac::detail

@@ -148,7 +148,8 @@ std::optional<FreeShifts> fit_free_shifts(const std::vector<JointCurve>& curves,
       // What no residual holds has run away; where the curve was laid is near enough to start from.
       for (std::size_t c = 0; c < curves.size(); ++c)
         if (known.values.lead_laws[c] == 0) take_shifts(laid[c], structure, known.values.parameters[c]);
-      return FreeShifts{cost_of_data(search.problem(), search.point).squares, counts.residuals, counts.free_parameters};
+      return FreeShifts{cost_of_data(search.problem(), search.point).squares, search.unlikelihood, counts.residuals,
+                        counts.free_parameters};
     }
     const FitResult all = fit_laid(curves, now.horizontal, now.vertical, master, of_master);
     if (!all.usable()) return std::nullopt;
@@ -167,55 +168,123 @@ double chance_of_laws(const FreeShifts& free, double squares, std::size_t free_p
 }
 constexpr double doubtful_chance = 0.01;
 
-/// What is known, with the curves laid where the laws say; none where one lies beyond all bounds.
-std::optional<Preparation> laid_by(const std::vector<double>& values, const std::vector<JointCurve>& curves,
-                                   const Structure& master, const Structure& structure, const FitOptions& of_master,
-                                   const Laws& laws, Preparation known) {
+/// What is known, with the curves where the laws lay them.
+Preparation placed_by(const std::vector<double>& values, const Laws& laws, Preparation known) {
   std::vector<double> gradient(values.size());
   for (std::size_t l = 0; l < laws.count(); ++l)
-    for (std::size_t c = 0; c < curves.size(); ++c)
+    for (std::size_t c = 0; c < known.values.parameters.size(); ++c)
       known.values.parameters[c][laws.parameter(l)] = laws.at(l, c, values, gradient);
   known.values.of_laws = values;
-  const ShiftFactors laid = factors_in(known.values.parameters, structure);
+  return known;
+}
+
+bool are_drawn(const ShiftFactors& factors) {
   const auto is_drawn = [](double factor) {
     constexpr double widest = 1e100;
     return factor > 1 / widest && factor < widest;
   };
-  if (!std::all_of(laid.horizontal.begin(), laid.horizontal.end(), is_drawn) ||
-      !std::all_of(laid.vertical.begin(), laid.vertical.end(), is_drawn))
-    return std::nullopt;
+  return std::all_of(factors.horizontal.begin(), factors.horizontal.end(), is_drawn) &&
+         std::all_of(factors.vertical.begin(), factors.vertical.end(), is_drawn);
+}
+
+/// The factors moved by one of all curves onto others, which half of the curves then lie below.
+void move_onto(std::vector<double>& factors, const std::vector<double>& others) {
+  std::vector<double> apart;
+  for (std::size_t c = 0; c < factors.size(); ++c) apart.push_back(others[c] / factors[c]);
+  const auto middle = apart.begin() + static_cast<std::ptrdiff_t>(apart.size() / 2);
+  std::nth_element(apart.begin(), middle, apart.end());
+  for (double& each : factors) each *= *middle;
+}
+
+bool are_alike(const std::vector<double>& one, const std::vector<double>& other) {
+  constexpr double alike = 0.02;  // of a logarithm, from where a search ends in the same place
+  for (std::size_t c = 0; c < one.size(); ++c)
+    if (!(std::abs(std::log(one[c] / other[c])) < alike)) return false;
+  return true;
+}
+
+/// A place where the laws may lay the curves: values of theirs, the factors but for one of all curves, and what the
+/// structure fitted to all curves there leaves.
+struct Place {
+  std::vector<double> values;
+  ShiftFactors factors;
+  double rms;
+};
+
+/// Places from several sets of values of the laws, each once, the best first.
+std::vector<Place> places_of(const std::vector<std::vector<double>>& starts, const std::vector<JointCurve>& curves,
+                             const Structure& master, const Structure& structure, const FitOptions& of_master,
+                             const Laws& laws, const Preparation& known) {
+  const ShiftFactors free = factors_in(known.values.parameters, structure);
+  const FitResult centre = fit_laid(curves, free.horizontal, free.vertical, master, of_master);
+  const FitOptions near_centre = centre.usable() ? started_at(of_master, centre) : of_master;
+  std::vector<Place> places;
+  for (const std::vector<double>& values : starts) {
+    Place here{values, factors_in(placed_by(values, laws, known).values.parameters, structure), 0};
+    if (!are_drawn(here.factors)) continue;
+    move_onto(here.factors.horizontal, free.horizontal);
+    move_onto(here.factors.vertical, free.vertical);
+    if (std::any_of(places.begin(), places.end(), [&](const Place& each) {
+          return are_alike(each.factors.horizontal, here.factors.horizontal) &&
+                 are_alike(each.factors.vertical, here.factors.vertical);
+        }))
+      continue;
+    const FitResult all = fit_laid(curves, here.factors.horizontal, here.factors.vertical, master, near_centre);
+    here.rms = all.usable() ? all.rms : std::numeric_limits<double>::infinity();
+    places.push_back(std::move(here));
+  }
+  std::stable_sort(places.begin(), places.end(),
+                   [](const Place& one, const Place& other) { return one.rms < other.rms; });
+  return places;
+}
+
+/// What is known, with the curves where the laws lay them and the structure fitted to all of them there.
+Preparation laid_by(const std::vector<double>& values, const std::vector<JointCurve>& curves, const Structure& master,
+                    const Structure& structure, const FitOptions& of_master, const Laws& laws, Preparation known) {
+  known = placed_by(values, laws, std::move(known));
+  const ShiftFactors laid = factors_in(known.values.parameters, structure);
   const FitResult all = fit_laid(curves, laid.horizontal, laid.vertical, master, of_master);
   if (all.usable()) start_at(all, structure, known);
   return known;
 }
 
+/// Of two ends of searches the one whose unlikelihood is less by this is the better one, whatever else speaks for the
+/// other.
+constexpr double clearly = 2;
+
 /// Laws of shift factors say where the master curve itself stands, which need not be the reference: the structure is
 /// fitted to all curves where the laws lay them.  Laws may follow the factors in several ways, of which some lay a
-/// curve far off whose factor nothing told; the one counts from which the search leaves least.
-void lay_by_laws(const std::vector<JointCurve>& curves, const Structure& master, const Structure& structure,
-                 const JointFitOptions& options, const FitOptions& of_master, const Laws& laws, LaidCurves& laid) {
+/// curve far off whose factor nothing told, and a factor may be wrong itself; the place counts from which the search
+/// leaves least.
+/// @return  the unlikelihood of what that search leaves; infinite where there is none
+double lay_by_laws(const std::vector<JointCurve>& curves, const Structure& master, const Structure& structure,
+                   const JointFitOptions& options, const FitOptions& of_master, const Laws& laws, LaidCurves& laid) {
   JointFitOptions of_structure = options;
   const std::vector<double> told = told_starts(laws, taken_out(of_structure.fit.constraints, laws));
-  auto starts = laws.starts(laid.known.values.parameters, laid.known.values.lead_laws, told);
+  const auto& factors = laid.known.values.parameters;
+  auto starts = laws.starts(factors, laid.known.values.lead_laws, told);
   if (!told.empty() && std::none_of(told.begin(), told.end(), [](double each) { return std::isnan(each); }))
     starts.insert(starts.begin(), told);
-  std::optional<Preparation> best;
+  if (!laid.known.values.of_laws.empty()) starts.insert(starts.begin(), laid.known.values.of_laws);
+  for (auto& each : laws.starts_of_neighbours(factors, told)) starts.push_back(std::move(each));
+  const std::vector<Place> places = places_of(starts, curves, master, structure, of_master, laws, laid.known);
   double least = std::numeric_limits<double>::infinity();
-  for (const std::vector<double>& values : starts) {
-    std::optional<Preparation> here = laid_by(values, curves, master, structure, of_master, laws, laid.known);
-    if (!here) continue;
-    if (!best) best = here;
-    if (!laid.free || starts.size() == 1) break;
-    JointSearch search(curves, structure, options, *here, laws);
+  const Preparation free = laid.known;
+  constexpr std::size_t most_searched = 4;
+  for (std::size_t k = 0; k < std::min(places.size(), most_searched); ++k) {
+    Preparation here = laid_by(places[k].values, curves, master, structure, of_master, laws, free);
+    if (k == 0) laid.known = here;
+    if (!laid.free || places.size() == 1) break;
+    JointSearch search(curves, structure, options, here, laws);
     JointFitResult counts{};
-    search.run(options, *here, counts);
-    if (!(search.squares_at_known_noise < least) || !std::isfinite(search.point.cost)) continue;
-    least = search.squares_at_known_noise;
-    best = std::move(here);
+    search.run(options, here, counts);
     // A search that does not end has parameters that run away, as those of a hyperbola that becomes a line.
-    if (search.point.converged && !(chance_of_laws(*laid.free, least, counts.free_parameters) < doubtful_chance)) break;
+    const double here_is = search.unlikelihood + (search.point.converged ? 0 : clearly);
+    if (!(here_is < least) || !std::isfinite(search.point.cost)) continue;
+    least = here_is;
+    laid.known = std::move(here);
   }
-  if (best) laid.known = *std::move(best);
+  return least;
 }
 
 }  // namespace
@@ -233,9 +302,20 @@ LaidCurves lay_curves(const std::vector<JointCurve>& curves, const Structure& ma
                       const JointFitOptions& options, const JointFitOptions& without_laws, const Laws& laws) {
   const FitOptions of_master = options_of_master(master, without_laws);
   LaidCurves result{from_superposition(curves, master, structure, *options.shift, of_master), std::nullopt};
-  result.free = fit_free_shifts(curves, master, structure, with_free_shifts(options, structure, curves, laws),
-                                of_master, result.known);
-  if (laws.drive_shifts()) lay_by_laws(curves, master, structure, options, of_master, laws, result);
+  const JointFitOptions free_options = with_free_shifts(options, structure, curves, laws);
+  result.free = fit_free_shifts(curves, master, structure, free_options, of_master, result.known);
+  if (!laws.drive_shifts()) return result;
+  const double least = lay_by_laws(curves, master, structure, options, of_master, laws, result);
+  // Free factors hold those of every law: where they are less likely, some are in a wrong place, and the laws tell a
+  // better.
+  if (!result.free || !(least < result.free->unlikelihood - clearly)) return result;
+  Preparation known = result.known;
+  known.values.of_laws.clear();
+  const auto free = fit_free_shifts(curves, master, structure, free_options, of_master, known);
+  if (!free) return result;
+  known.values.of_laws = std::move(result.known.values.of_laws);
+  result = {std::move(known), free};
+  lay_by_laws(curves, master, structure, options, of_master, laws, result);
   return result;
 }
 

@@ -15,7 +15,8 @@ void keep_shifts_positive(std::vector<ParameterConstraint>& constraints, const C
 
 /// What a fit with a shift factor of each curve leaves.
 struct FreeShifts {
-  double squares;  // each residual by the noise of its curve
+  double squares;       // each residual by the noise of its curve
+  double unlikelihood;  // see JointSearch
   std::size_t residuals, free_parameters;
 };
 

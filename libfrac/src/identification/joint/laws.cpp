@@ -163,15 +163,9 @@ LawSearch searched(Eigen::VectorXd at, const Residuals& residuals) {
 
 }  // namespace
 
-std::vector<std::vector<double>> Laws::starts(const std::vector<std::vector<double>>& parameters,
-                                              std::vector<double> weights, std::span<const double> given) const {
-  // Laws of known quantities alone leave nothing to search for.
-  if (names_.empty()) return {{}};
-  const auto leading =
-      static_cast<std::size_t>(std::count_if(weights.begin(), weights.end(), [](double weight) { return weight > 0; }));
-  // Too few tell nothing of a law; where the others were laid is known to about a factor e.
-  if (leading <= names_.size())
-    for (double& weight : weights) weight = weight > 0 ? weight : 1;
+std::vector<LawMinimum> Laws::minima(const std::vector<std::vector<double>>& parameters,
+                                     const std::vector<double>& weights, std::span<const double> given,
+                                     int trials) const {
   std::vector<std::size_t> curves;
   for (std::size_t c = 0; c < parameters.size(); ++c)
     if (weights[c] > 0) curves.push_back(c);
@@ -227,8 +221,7 @@ std::vector<std::vector<double>> Laws::starts(const std::vector<std::vector<doub
   };
   std::mt19937_64 engine(1);
   std::uniform_real_distribution<double> exponent(-2, 4), side(0, 1);
-  std::vector<LawSearch> found;
-  constexpr int trials = 40;
+  std::vector<LawMinimum> found;
   for (int trial = 0; trial < trials; ++trial) {
     Eigen::VectorXd place = Eigen::VectorXd::Ones(width);
     for (Eigen::Index k = 0; k < width; ++k) {
@@ -239,23 +232,56 @@ std::vector<std::vector<double>> Laws::starts(const std::vector<std::vector<doub
     for (Eigen::Index k = 0; k < width; ++k)
       if (place(k) < 0 && positive.front() && scales(static_cast<std::size_t>(k), {place.data(), names_.size()}))
         place(k) = -place(k);
-    LawSearch here = searched(std::move(place), residuals);
+    const LawSearch here = searched(std::move(place), residuals);
     constexpr double alike = 1e-3;
-    const bool is_new = std::none_of(found.begin(), found.end(), [&](const LawSearch& other) {
-      return (here.at - other.at).norm() <= alike * other.at.norm();
+    const bool is_new = std::none_of(found.begin(), found.end(), [&](const LawMinimum& other) {
+      const Eigen::Map<const Eigen::VectorXd> there(other.values.data(), width);
+      return (here.at - there).norm() <= alike * there.norm();
     });
-    if (std::isfinite(here.cost) && is_new) found.push_back(std::move(here));
+    if (std::isfinite(here.cost) && is_new) found.push_back({{here.at.begin(), here.at.end()}, here.cost});
   }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const LawMinimum& one, const LawMinimum& other) { return one.cost < other.cost; });
+  return found;
+}
+
+std::vector<std::vector<double>> Laws::starts(const std::vector<std::vector<double>>& parameters,
+                                              std::vector<double> weights, std::span<const double> given) const {
+  // Laws of known quantities alone leave nothing to search for.
+  if (names_.empty()) return {{}};
+  const auto leading =
+      static_cast<std::size_t>(std::count_if(weights.begin(), weights.end(), [](double weight) { return weight > 0; }));
+  // Too few tell nothing of a law; where the others were laid is known to about a factor e.
+  if (leading <= names_.size())
+    for (double& weight : weights) weight = weight > 0 ? weight : 1;
+  constexpr int trials = 40;
+  const std::vector<LawMinimum> found = minima(parameters, weights, given, trials);
   if (found.empty()) {
     std::string names;
     for (const std::string& name : names_) names += (names.empty() ? "" : ", ") + name;
     throw std::invalid_argument("no values of " + names + " found with which the laws follow the curves; give starts");
   }
-  std::stable_sort(found.begin(), found.end(), [](const LawSearch& a, const LawSearch& b) { return a.cost < b.cost; });
   std::vector<std::vector<double>> starts;
   constexpr std::size_t most = 8;
-  for (std::size_t k = 0; k < std::min(found.size(), most); ++k)
-    starts.emplace_back(found[k].at.begin(), found[k].at.end());
+  for (std::size_t k = 0; k < std::min(found.size(), most); ++k) starts.push_back(found[k].values);
+  return starts;
+}
+
+std::vector<std::vector<double>> Laws::starts_of_neighbours(const std::vector<std::vector<double>>& parameters,
+                                                            std::span<const double> given) const {
+  std::vector<std::vector<double>> starts;
+  if (names_.empty()) return starts;
+  constexpr int trials = 10;
+  constexpr std::size_t most = 2;  // of one group
+  // A common factor is told along with the names.
+  for (std::size_t size = names_.size() + 1; size <= names_.size() + 2; ++size) {
+    for (std::size_t first = 0; first + size <= parameters.size(); ++first) {
+      std::vector<double> weights(parameters.size(), 0.0);
+      std::fill_n(weights.begin() + static_cast<std::ptrdiff_t>(first), size, 1.0);
+      const std::vector<LawMinimum> found = minima(parameters, weights, given, trials);
+      for (std::size_t k = 0; k < std::min(found.size(), most); ++k) starts.push_back(found[k].values);
+    }
+  }
   return starts;
 }
 

@@ -10,6 +10,12 @@
 
 namespace frac::detail {
 
+/// Values of the parameters of laws, and how far these are then from what they are to follow.
+struct LawMinimum {
+  std::vector<double> values;
+  double cost;
+};
+
 /// Parameters of a structure that follow laws of what is known of each curve, "K = K0 T^p".
 class Laws {
  public:
@@ -45,7 +51,18 @@ class Laws {
                                                         std::vector<double> weights,
                                                         std::span<const double> given) const;
 
+  /// The same of a few curves each that follow each other: where one is laid on its neighbour in a wrong place, all
+  /// beyond it are off by the same factor, and the laws follow those on one side alone.
+  [[nodiscard]] std::vector<std::vector<double>> starts_of_neighbours(
+      const std::vector<std::vector<double>>& parameters, std::span<const double> given) const;
+
  private:
+  /// Minima that searches from so many places end in, the least first.
+  /// @param weights  of the curves, of which those above 0 count
+  [[nodiscard]] std::vector<LawMinimum> minima(const std::vector<std::vector<double>>& parameters,
+                                               const std::vector<double>& weights, std::span<const double> given,
+                                               int trials) const;
+
   struct Law {
     std::size_t parameter;
     bool is_shift;                                // of a factor of CurveShift
