@@ -123,6 +123,20 @@ class Drt : public Command {
                                                 report::Mark::open_points, tau, area));
   }
 
+  /// Ranges stay in the picture, up to twice the highest summit.
+  static void make_room_for_ranges(report::Panel& panel) {
+    double summit = 0, upper = 0;
+    for (const report::Curve& curve : panel.curves)
+      for (const auto& segment : curve.segments)
+        for (const report::PlotPoint& point : segment) {
+          if (curve.mark == report::Mark::band)
+            upper = std::max(upper, point.upper);
+          else
+            summit = std::max(summit, point.y);
+        }
+    if (upper > summit && summit > 0) panel.y.to = 1.05 * std::min(upper, 2 * summit);
+  }
+
   /// By the kernel that was asked for, or else the falling one unless the rising one alone follows the data.
   [[nodiscard]] frac::TimesDistribution of_data(const frac::FrequencyResponseData& data) const {
     auto falling = frac::relaxation_times(data, kernel_.value_or(frac::TimesKernel::falling));
@@ -225,6 +239,7 @@ class Drt : public Command {
       }
       add_curves("fit", 1, times, panel);
     }
+    make_room_for_ranges(panel);
     document.head.emplace_back("kernel", std::string(to_string(*told)));
     if (!unit.empty()) document.head.emplace_back("value_unit", unit);
     const std::vector<Row> rows = lists.all();

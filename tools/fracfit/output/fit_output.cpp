@@ -125,6 +125,12 @@ std::string growth_table(const frac::Growth& growth) {
   return table.text() + growth.reason + "\n\n";
 }
 
+/// Nothing where the fitted model is stable, or of no kind that tells.
+std::string remark_on_poles(const frac::FitResult& result) {
+  const std::string remark = remark_on_stability(fitted_stability(result));
+  return remark.empty() ? "" : paragraph(remark);
+}
+
 std::string closing(const frac::FitResult& result) {
   std::string text = "cost " + short_number(result.cost) + " (sum of " + std::to_string(result.residuals) +
                      " squared residuals), rms " + short_number(result.rms) + ", largest " +
@@ -133,7 +139,7 @@ std::string closing(const frac::FitResult& result) {
   return text +
          paragraph(std::string(frac::to_string(result.termination)) + ": " + result.message + " " +
                    short_number(result.seconds) + " s.") +
-         paragraph(remark_on_stability(fitted_stability(result)));
+         remark_on_poles(result);
 }
 
 io::Metadata head_of(const FitRun& run) {
@@ -377,7 +383,7 @@ std::string identification_table(const FitRun& run, const frac::IdentificationRe
   text +=
       "chosen: " + why_chosen(result) + "; the verdict compares those of the least Schwarz criterion\n\n" + chosen.name;
   if (chosen.fit.model != chosen.name) text += "   " + chosen.fit.model;
-  text += "\n" + parameter_table(run, chosen.fit) + "\n" + paragraph(remark_on_stability(fitted_stability(chosen.fit)));
+  text += "\n" + parameter_table(run, chosen.fit) + "\n" + remark_on_poles(chosen.fit);
   return text + paragraph("verdict: " + std::string(frac::to_string(result.verdict)) + ". " + result.verdict_sentence);
 }
 
