@@ -242,9 +242,7 @@ Json outliers_json(const FitRun& run, const frac::FitResult& result, const FitSt
 }
 
 Json left_out_json(const FitRun& run) {
-  Json left_out = Json::array();
-  for (const LeftOutPoint& point : run.left_out) left_out.push_back(point.omega);
-  return left_out;
+  return Json::list(run.left_out, [](const LeftOutPoint& point) { return Json(point.omega); });
 }
 
 void append_statistics(Json& json, const FitRun& run, const frac::FitResult& result, const FitStatistics& statistics) {
