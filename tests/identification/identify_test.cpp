@@ -171,6 +171,35 @@ TEST(Verdict, ExactDataAreDecided) {
   EXPECT_EQ(verdict_on("1/(s^0.9 + 1)", narrow), Verdict::fractional_supported);
 }
 
+// A resistance beside a Gerischer element is among no candidates, and its ratios come nearer with each pole, by a
+// factor of about 15, until the digits of the file end: 17 of them, or 9.  A chain of five lags is met by five poles at
+// once.
+TEST(Verdict, ARatioThatComesNearerWithEachPoleRefutesNothing) {
+  const std::vector<frac::NamedModel> all = frac::default_candidates();
+  std::vector<double> omega;
+  for (int i = 0; i < 60; ++i) omega.push_back(0.1 * std::pow(10.0, 2 * i / 59.0));
+  const auto verdict_on = [&](auto&& response, int digits) {
+    const auto written = [&](double x) {
+      const double unit = std::pow(10.0, std::floor(std::log10(std::abs(x))) + 1 - digits);
+      return digits < 17 ? unit * std::round(x / unit) : x;
+    };
+    std::vector<std::complex<double>> value;
+    for (const double each : omega) {
+      const std::complex<double> exact = response(std::complex<double>(0, each));
+      value.emplace_back(written(exact.real()), written(exact.imag()));
+    }
+    return frac::identify(frac::FrequencyResponseData(omega, value), all, {}, both_parts()).verdict;
+  };
+  const auto gerischer = [](std::complex<double> s) { return 0.4 + 1.0 / std::sqrt(1.0 + s); };
+  const auto lags = [](std::complex<double> s) {
+    return 1.0 / ((1.0 + 0.07 * s) * (1.0 + 0.3 * s) * (1.0 + s) * (1.0 + 2.5 * s) * (1.0 + 9.0 * s));
+  };
+  for (const int digits : {9, 17}) {
+    EXPECT_NE(verdict_on(gerischer, digits), Verdict::fractional_not_supported) << digits;
+    EXPECT_EQ(verdict_on(lags, digits), Verdict::fractional_not_supported) << digits;
+  }
+}
+
 TEST(Verdict, TwoZarcsAreFractional) {
   const auto data = support::noisy_response("0.2 + 1/(0.3 s^0.8 + 1) + 2/(10 s^0.7 + 1)", {}, 0.01, 8u);
   const auto result = frac::identify(data, frac::default_candidates(), {}, both_parts());

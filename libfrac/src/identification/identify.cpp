@@ -41,6 +41,7 @@ struct Outcome {
   /// What detail::FamilyMembers says of a member of a family.
   double departed = std::numeric_limits<double>::infinity();
   std::size_t relaxations = 0;
+  bool approximates = false;
 };
 
 /// A candidate nothing is fitted to, with its weighted residuals.
@@ -131,6 +132,7 @@ void resolve(const Data& data, const Options& options, detail::RatioGrowths& rat
   outcome.model = std::move(members.models.front());
   outcome.departed = members.departed;
   outcome.relaxations = members.relaxations;
+  outcome.approximates = members.approximates;
 }
 
 /// The fit of a candidate that is a formula.
@@ -248,7 +250,8 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
     std::vector<double> residual = detail::weighted_residuals(data, options, *outcome.fit);
     RankedFit ranked{outcome.model.name, outcome.model.model_class, std::move(*outcome.fit), 0, 0,
                      outcome.model,      std::move(lack),           outcome.from_family,     {}};
-    competitors.push_back({std::move(ranked), std::move(residual), outcome.departed, outcome.relaxations});
+    competitors.push_back(
+        {std::move(ranked), std::move(residual), outcome.departed, outcome.relaxations, outcome.approximates});
   }
   detail::merge_equivalent(competitors, data, options);
   competitors.insert(competitors.end(), curves.begin(), curves.end());

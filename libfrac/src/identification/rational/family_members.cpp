@@ -25,6 +25,26 @@ ResidualRule rule_of(const FrequencyResponseData& data, const FitOptions& option
   return logarithmic ? residual_rule(data, options.component, Weight::relative) : residual_rule(data, options);
 }
 
+/// Whether a ratio that follows computed data closer than anything is measured came there as approximations do.  Their
+/// residuals fall by about the same factor with each pole, since the error of the best ratio of a function with a
+/// branch cut is C q^poles (Gonchar, Rakhmanov 1987), down to the rounding of the data, whatever its digits.  At the
+/// order of a true ratio they fall at once to that rounding.  Few real poles and dead times are no such approximation.
+bool approximates(const RationalProblem& problem, const RationalLadder& ladder) {
+  constexpr double below_measurement = 1e-4;  // of the data
+  constexpr double at_rounding = 2;           // times the residuals of the chosen member
+  constexpr double at_once = 1.5;             // times the fall of any pole before, in logarithms
+  const RationalFit& chosen = ladder.fits[ladder.chosen];
+  const auto rms = [&](const RationalFit& fit) { return std::sqrt(fit.cost / static_cast<double>(problem.rows())); };
+  if (chosen.shape.relaxations() <= few_relaxations || !(rms(chosen) <= below_measurement)) return false;
+  double most_before = 0;
+  for (std::size_t i = 1; i <= ladder.chosen; ++i) {
+    const double fall = std::log(rms(ladder.fits[i - 1]) / rms(ladder.fits[i]));
+    if (rms(ladder.fits[i]) <= at_rounding * rms(chosen)) return !(fall > at_once * most_before);
+    most_before = std::max(most_before, fall);
+  }
+  return false;
+}
+
 FamilyMembers rational_members(const RationalProblem& problem, const RationalFamily& family, Component component,
                                RatioGrowths& ratios) {
   if (2 * family.fewest_poles + 2 > problem.rows()) {
@@ -47,7 +67,10 @@ FamilyMembers rational_members(const RationalProblem& problem, const RationalFam
   if (ladder.fits.empty()) return members;
   const RationalFit& best = ladder.fits[ladder.chosen];
   members.exact = ladder.fits.back().cost <= problem.negligible_cost();
-  if (!family.free_order) members.relaxations = best.shape.relaxations();
+  if (!family.free_order) {
+    members.relaxations = best.shape.relaxations();
+    members.approximates = approximates(problem, ladder);
+  }
   for (const RationalFit& fit : ladder.fits) {
     if (!fit.shape.searches_order() || !departs(fit.shape.order)) continue;
     members.departed = std::min(members.departed, schwarz(problem, fit) - schwarz(problem, best));

@@ -20,6 +20,9 @@ struct FamilyMembers {
   double departed = std::numeric_limits<double>::infinity();
   bool exact = false;           // the largest member meets the data to rounding, so that none was tried beyond it
   std::size_t relaxations = 0;  // RationalShape::relaxations() of the chosen one, for ratios in s
+  /// Whether the chosen one, of more than few_relaxations, follows data to 1e-4 or closer and came there as an
+  /// approximation does: residuals fell from pole to pole by about the same factor, and not at once.
+  bool approximates = false;
 };
 
 /// An order departs from the whole numbers that is at least that far from each.
@@ -27,6 +30,10 @@ inline constexpr double least_departure = 0.1;
 [[nodiscard]] inline bool departs(double order) {
   return std::abs(order - std::round(order)) >= least_departure;
 }
+
+/// A row of real poles and dead times approximates many systems, also those that no candidate describes.  A ratio may
+/// have so many without being taken for such an approximation.
+inline constexpr std::size_t few_relaxations = 2;
 
 class RatioGrowths;  // see rational_growth.hpp
 

@@ -16,6 +16,7 @@ struct Competitor {
   /// What FamilyMembers says of a member of a family.
   double departed = std::numeric_limits<double>::infinity();
   std::size_t relaxations = 0;
+  bool approximates = false;
 
   [[nodiscard]] bool is_fractional() const { return ranked.model_class == ModelClass::fractional; }
   [[nodiscard]] double parameters() const { return static_cast<double>(ranked.fit.free_parameters); }

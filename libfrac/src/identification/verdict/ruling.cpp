@@ -17,10 +17,8 @@ constexpr double supported_evidence = 10;  // posterior odds of 150 to 1
 // the evidence, and a record spans too few decades of time to outweigh it.
 constexpr double supported_over_time = 20;
 constexpr double refuted_evidence = -8;  // posterior odds of 1 to 55
-// A row of real poles and dead times approximates many systems, also those that no candidate describes.  A ratio may
-// have so many without being taken for such an approximation, and for each further one more evidence is asked: odds of
-// 3000 to 1.
-constexpr double few_relaxations = 2, price_of_relaxation = 16;
+// For each real pole and dead time of a ratio beyond few_relaxations more evidence is asked: odds of 3000 to 1.
+constexpr double price_of_relaxation = 16;
 // Probability that neither finalist is near what made the data, so that evidence for one of them says nothing of its
 // class: where all rules of a verdict agree, and where some speak against the evidence.  Chosen on judged files.
 constexpr double neither_agreed = 0.05, neither_contradicted = 0.5;
@@ -39,8 +37,8 @@ bool not_above(double value, double times, double other) {
 
 /// The evidence an integer-order finalist has to have against orders that depart.
 double evidence_to_refute(const Comparison& pair) {
-  const double relaxations = static_cast<double>(pair.integer.relaxations);
-  return refuted_evidence - price_of_relaxation * std::max(0.0, relaxations - few_relaxations);
+  const std::size_t beyond_few = std::max(pair.integer.relaxations, few_relaxations) - few_relaxations;
+  return refuted_evidence - price_of_relaxation * static_cast<double>(beyond_few);
 }
 
 std::string too_little_evidence(const IdentificationResult& result, const Comparison& pair) {
@@ -92,6 +90,10 @@ std::string against_integer_model(const IdentificationResult& result, const Comp
   }
   // A ratio with enough poles follows any data.  One that needed all the poles it may have shows no integer order.
   if (pair.integer.ranked.model.ends_its_family) return ", but the integer-order one has as many poles as are tried";
+  if (pair.integer.approximates) {
+    return ", but the residuals of the integer-order one fall evenly from pole to pole, as those of an approximation "
+           "do";
+  }
   return "";
 }
 
