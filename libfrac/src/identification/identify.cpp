@@ -275,6 +275,7 @@ IdentificationResult ranked(const Data& data, const std::vector<NamedModel>& mod
   }
   result.chosen = chosen_of(result.ranking);
   detail::judge(result, data, options, competitors, skipped_rivals);
+  keep_to_verdict(result);
   return result;
 }
 
@@ -308,7 +309,6 @@ IdentificationResult identify(const FrequencyResponseData& data, const std::vect
   const bool told = options.weight == Weight::given || options.weight == Weight::repeats;
   for (const FixedCurve& curve : curves) residuals.push_back(compared(data, curve, rule, told));
   IdentificationResult result = ranked(data, models, residuals, told_floor, *ratios, threads);
-  keep_to_verdict(result);
   result.noise_floor = told_floor.noise_floor.value_or(0);
   for (RankedFit& candidate : result.ranking) candidate.fit.noise_floor = result.noise_floor;
   return result;
@@ -318,8 +318,7 @@ IdentificationResult identify(const TimeResponseData& data, const std::vector<Na
                               const TimeFitOptions& options, int threads) {
   detail::RatioGrowths none;  // over time each family grows by itself
   IdentificationResult result = ranked(data, models, {}, options, none, threads);
-  detail::weigh_background(result, data, models, options);
-  keep_to_verdict(result);
+  result.verdict_sentence += detail::background_advice(data, options, result);
   return result;
 }
 

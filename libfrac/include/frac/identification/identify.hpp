@@ -99,8 +99,6 @@ struct NextMeasurement {
 ///                ends is missed by no more than a hundred times the residuals.
 /// undecided      anything else, with the next measurement that would decide.  So where one value in twenty repeats its
 ///                neighbour's, as by coarse rounding, and the better one has more parameters: it may follow the steps.
-///                So over time where a verdict does not hold against candidates beside a drift of the output or an input
-///                before the record, which the sentence then says: evidence of 10 for it, or -8 for orders that depart.
 ///
 /// Where no candidate follows the data to within their noise, what is left is model error, as of computed data, whose
 /// noise is rounding, or of careful measurements.  The same rules then compare the two that come closest, since their
