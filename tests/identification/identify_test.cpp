@@ -265,6 +265,32 @@ TEST(Verdict, WhatPredictsWorseIsNotSupportedEvenWhereItAloneFollows) {
   EXPECT_EQ(verdict(1.3e-5, 5.5e-5), Verdict::fractional_supported);
 }
 
+// Nor does a ratio of 16 parameters refute: figures of a coil with eddy currents, whose outliers it alone follows.
+TEST(Verdict, WhatPredictsWorseRefutesNothingEvenWhereItAloneFollows) {
+  const frac::detail::Competitor fractional{};
+  frac::detail::Competitor integer{};
+  integer.ranked.fit.rms = 6.949e-3;
+  const frac::detail::Comparison pair{.fractional = fractional,
+                                      .integer = integer,
+                                      .fractional_follows = false,
+                                      .integer_follows = true,
+                                      .share = 1,
+                                      .orders = {},
+                                      .departure = {.evidence = -181.3, .parameters = 6},
+                                      .only_integer_grew = false,
+                                      .rounded = false,
+                                      .over_time = false};
+  const auto verdict = [&](double prediction, double extrapolation) {
+    frac::IdentificationResult result{};
+    result.evidence = result.departure_evidence = -181.3;
+    result.fractional = frac::Finalist{0, 6, 0.03841, 0.05442};
+    result.integer = frac::Finalist{1, 16, prediction, extrapolation};
+    return frac::detail::ruling(result, pair, {}).verdict;
+  };
+  EXPECT_EQ(verdict(0.2059, 0.3), Verdict::undecided);
+  EXPECT_EQ(verdict(0.03, 0.05), Verdict::fractional_not_supported);
+}
+
 // Conduction of heat through a wall that passes it on to a room is among no candidates, and rows of real poles
 // approximate it to 0.1 %: that they follow the data is no reason to call the system one of integer order.
 TEST(Verdict, ARowOfPolesThatApproximatesIsNoIntegerOrder) {

@@ -112,7 +112,7 @@ std::string against_integer_predictions(const IdentificationResult& result, cons
   const double at_most = pair.orders.departure > 0 ? clearly_worse : worse;
   const bool predicts = not_above(i.prediction_rms, at_most, f.prediction_rms) &&
                         not_above(i.extrapolation_rms, clearly_worse, f.extrapolation_rms);
-  return predicts || !pair.fractional_follows ? "" : ", but the integer-order one predicts left-out points worse";
+  return predicts ? "" : ", but the integer-order one predicts left-out points worse";
 }
 
 /// Whether both meet the data to rounding: then the simpler one has done so with less.
