@@ -114,6 +114,7 @@ std::vector<double> weights_of_shifts(JointSearch& search, const Structure& stru
     }
   }
   std::vector<double> weights;
+  weights.reserve(error.size());
   for (const double each : error) weights.push_back(each < most ? 1 / each : 0);
   return weights;
 }
