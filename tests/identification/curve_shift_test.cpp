@@ -7,6 +7,7 @@
 #include <complex>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "frac/identification/joint_fit.hpp"
@@ -252,19 +253,26 @@ ShortCurves short_curves(std::uint64_t seed) {
   return made;
 }
 
+/// Where the search with the law ends without a start, and where it ends from the truth.
+struct Ends {
+  JointFitResult found, from_truth;
+};
+Ends ends_with_law(const ShortCurves& made) {
+  JointFitOptions options = shifting(false);
+  options.shift->reference = made.reference;
+  options.laws = {"aT = 10^(-C1 kelvin/(C2 + kelvin))"};
+  JointFitResult found = joint_fit(made.curves, Structure(solid), options);
+  for (const auto& [name, value] : made.drawn) options.fit.constraints.push_back({name, {}, {}, {}, value});
+  return {std::move(found), joint_fit(made.curves, Structure(solid), options)};
+}
+
 // A hyperbola that becomes a line follows the factors almost as well, and a search of it does not end; and where few
 // curves tell their factor, a law may turn between two temperatures.  The search from the truth ends no lower: costs
 // settle to 1e-7.
 TEST(CurveShift, ALawThatIsNearlyALineIsFound) {
   for (const std::uint64_t seed : {27U, 46U, 58U, 71U, 1109U}) {
-    const ShortCurves made = short_curves(seed);
-    JointFitOptions options = shifting(false);
-    options.shift->reference = made.reference;
-    options.laws = {"aT = 10^(-C1 kelvin/(C2 + kelvin))"};
-    const JointFitResult result = joint_fit(made.curves, Structure(solid), options);
+    const auto [result, from_truth] = ends_with_law(short_curves(seed));
     EXPECT_TRUE(result.usable()) << seed << ": " << result.message;
-    for (const auto& [name, value] : made.drawn) options.fit.constraints.push_back({name, {}, {}, {}, value});
-    const JointFitResult from_truth = joint_fit(made.curves, Structure(solid), options);
     EXPECT_LE(result.cost, from_truth.cost * (1 + 1e-5)) << seed;
   }
 }
@@ -312,14 +320,8 @@ double sum_of_squares(const JointFitResult& result) {
 // of the search from the truth.  Ends that are as likely differ by less than a thousandth.
 TEST(CurveShift, ALawIsFoundWhereCurvesAreLaidWrongly) {
   for (const std::uint64_t seed : {10U, 74U, 2043U}) {
-    const ShortCurves made = curves_on_plateaus(seed);
-    JointFitOptions options = shifting(false);
-    options.shift->reference = made.reference;
-    options.laws = {"aT = 10^(-C1 kelvin/(C2 + kelvin))"};
-    const JointFitResult result = joint_fit(made.curves, Structure(solid), options);
+    const auto [result, from_truth] = ends_with_law(curves_on_plateaus(seed));
     EXPECT_TRUE(result.usable()) << seed << ": " << result.message;
-    for (const auto& [name, value] : made.drawn) options.fit.constraints.push_back({name, {}, {}, {}, value});
-    const JointFitResult from_truth = joint_fit(made.curves, Structure(solid), options);
     EXPECT_LE(sum_of_squares(result), sum_of_squares(from_truth) * 1.001) << seed;
   }
 }

@@ -24,7 +24,7 @@ bool is_number(const AffineExponent& exponent) {
   return std::all_of(exponent.by_order.begin(), exponent.by_order.end(), [](double each) { return each == 0; });
 }
 
-/// Exponents in formulas are multiples of a twelfth, or not of this kind.
+/// Takes exponents for multiples of a twelfth; there is none for others.
 std::optional<double> simple_number(double value) {
   const double twelfths = std::round(12 * value);
   if (!(std::abs(12 * value - twelfths) < rounding)) return std::nullopt;
@@ -75,7 +75,7 @@ std::string power_of(const std::string& unit, const AffineExponent& exponent, co
   return (is_one_word(unit) ? unit : "(" + unit + ")") + "^" + text;
 }
 
-/// Exponents of every parameter as functions of the orders, told by their values at three sets of these.
+/// Exponents of every parameter as functions of the orders, found from their values at several sets of orders.
 std::vector<std::optional<AffineExponent>> exponents_of(const Structure& structure,
                                                         std::optional<double> detail::KnownDimension::*exponent) {
   const std::size_t count = structure.parameter_names().size();
@@ -146,7 +146,7 @@ std::vector<std::string> parameter_units(const Structure& structure, std::string
     time.constant = 0 - time.constant;
     for (double& each : time.by_order) each = 0 - each;
     const std::string in_value = power_of(unit, value, names), in_time = power_of("s", time, names);
-    // What stands behind a slash would be divided by.
+    // A factor behind a slash would read as a divisor.
     const bool time_first = in_value.find('/') != std::string::npos;
     units[i] = is_frequency                          ? "rad/s"
                : in_value.empty() && in_time.empty() ? "1"

@@ -123,7 +123,7 @@ class Drt : public Command {
                                                 report::Mark::open_points, tau, area));
   }
 
-  /// Ranges stay in the picture, up to twice the highest summit.
+  /// Extends the axis so that ranges stay in the picture, up to twice the highest summit.
   static void make_room_for_ranges(report::Panel& panel) {
     double summit = 0, upper = 0;
     for (const report::Curve& curve : panel.curves)

@@ -125,7 +125,7 @@ std::string growth_table(const frac::Growth& growth) {
   return table.text() + growth.reason + "\n\n";
 }
 
-/// Nothing where the fitted model is stable, or of no kind that tells.
+/// Empty where the fitted model is not unstable, and where its stability cannot be told.
 std::string remark_on_poles(const frac::FitResult& result) {
   const std::string remark = remark_on_stability(fitted_stability(result));
   return remark.empty() ? "" : paragraph(remark);

@@ -12,8 +12,8 @@ namespace fracfit {
 /// Stability of a fitted model; nothing where it is no ratio of sums of powers of s.
 [[nodiscard]] std::optional<frac::StabilityAnalysis> fitted_stability(const frac::FitResult& fit);
 
-/// Whoever runs an unstable model in time should know its poles: a sentence with those right of the imaginary axis,
-/// empty where there are none.
+/// A sentence with the poles right of the imaginary axis, for whoever runs the model in time; empty where there are
+/// none.
 [[nodiscard]] std::string remark_on_stability(const std::optional<frac::StabilityAnalysis>& analysis);
 
 }  // namespace fracfit

@@ -49,8 +49,8 @@ class JointSearch {
   JointPoint point;
   std::vector<double> noise;          // that the search left, where it is not given
   double squares_at_known_noise = 0;  // cost with the noise it began with
-  /// Twice the negative logarithm of the likelihood but for a constant: what tells two ends apart that leave different
-  /// noise, where the cost of a curve in a wrong place is that of a noisy one.
+  /// Twice the negative logarithm of the likelihood, up to a constant.  Costs do not compare two ends that leave
+  /// different noise, since a curve in a wrong place then passes for a noisy one.
   double unlikelihood = 0;
 
  private:

@@ -169,7 +169,7 @@ double chance_of_laws(const FreeShifts& free, double squares, std::size_t free_p
 }
 constexpr double doubtful_chance = 0.01;
 
-/// What is known, with the curves where the laws lay them.
+/// Puts the curves of what is known where the laws lay them.
 Preparation placed_by(const std::vector<double>& values, const Laws& laws, Preparation known) {
   std::vector<double> gradient(values.size());
   for (std::size_t l = 0; l < laws.count(); ++l)
@@ -188,7 +188,7 @@ bool are_drawn(const ShiftFactors& factors) {
          std::all_of(factors.vertical.begin(), factors.vertical.end(), is_drawn);
 }
 
-/// The factors moved by one of all curves onto others, which half of the curves then lie below.
+/// Multiplies the factors by a common one, so that half of the curves lie below the others.
 void move_onto(std::vector<double>& factors, const std::vector<double>& others) {
   std::vector<double> apart;
   for (std::size_t c = 0; c < factors.size(); ++c) apart.push_back(others[c] / factors[c]);
@@ -204,8 +204,8 @@ bool are_alike(const std::vector<double>& one, const std::vector<double>& other)
   return true;
 }
 
-/// A place where the laws may lay the curves: values of theirs, the factors but for one of all curves, and what the
-/// structure fitted to all curves there leaves.
+/// A place where the laws may lay the curves: values of the laws' parameters, the shift factors they give up to one
+/// that is common to all curves, and the rms that the structure leaves when it is fitted to all curves there.
 struct Place {
   std::vector<double> values;
   ShiftFactors factors;
@@ -249,8 +249,7 @@ Preparation laid_by(const std::vector<double>& values, const std::vector<JointCu
   return known;
 }
 
-/// Of two ends of searches the one whose unlikelihood is less by this is the better one, whatever else speaks for the
-/// other.
+/// The end of a search is better than another if its unlikelihood is less by this.
 constexpr double clearly = 2;
 
 /// Laws of shift factors say where the master curve itself stands, which need not be the reference: the structure is
@@ -307,8 +306,8 @@ LaidCurves lay_curves(const std::vector<JointCurve>& curves, const Structure& ma
   result.free = fit_free_shifts(curves, master, structure, free_options, of_master, result.known);
   if (!laws.drive_shifts()) return result;
   const double least = lay_by_laws(curves, master, structure, options, of_master, laws, result);
-  // Free factors hold those of every law: where they are less likely, some are in a wrong place, and the laws tell a
-  // better.
+  // Free factors can take the values of any law.  If they end less likely, some curves lie in a wrong place, and the
+  // search with free factors starts again from where the laws lay them.
   if (!result.free || !(least < result.free->unlikelihood - clearly)) return result;
   Preparation known = result.known;
   known.values.of_laws.clear();

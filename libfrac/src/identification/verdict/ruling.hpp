@@ -30,8 +30,9 @@ struct Ruling {
 [[nodiscard]] Ruling ruling(const IdentificationResult& result, const Comparison& pair,
                             const std::vector<std::string>& skipped_rivals);
 
-/// Whether the odds of the two classes follow from the departure evidence: where the fractional finalist has whole
-/// orders, or a verdict refuses what evidence is for, evidence is none for its class.
+/// Whether the odds of the two classes follow from the departure evidence.  They do where the fractional finalist has
+/// whole orders, so that its evidence does not speak for fractional orders, and where the verdict is not-supported
+/// although evidence is above 0.
 [[nodiscard]] bool departure_decides(const IdentificationResult& result, const Comparison& pair, Verdict verdict);
 
 /// Posterior odds of fractional to integer order: see IdentificationResult::log10_odds.

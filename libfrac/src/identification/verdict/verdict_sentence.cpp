@@ -37,7 +37,7 @@ std::string rms_text(double rms) {
   return std::isfinite(rms) ? four_digits(rms) : "none (what is left does not determine the model)";
 }
 
-/// Departure evidence is named where the odds follow from it and do not seem to: where the other speaks for them.
+/// Names the departure evidence where the odds follow from it although evidence has the other sign.
 std::string evidence_and_odds(const IdentificationResult& result, bool departing) {
   const bool told_apart = departing && (result.evidence > 0) != (result.departure_evidence > 0);
   return "evidence " + four_digits(result.evidence) +
