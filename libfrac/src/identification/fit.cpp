@@ -93,12 +93,14 @@ void refuse_whole_orders(FitResult& result, const Structure& structure, const Re
   }
 }
 
+constexpr double everything = std::numeric_limits<double>::infinity();
+
 /// Parts of fit() that some of its callers go without.
 struct Extent {
   bool recover;   // looks at the other component for what the fitted one is blind to
   bool profiles;  // follows the cost where intervals are wide
   /// Cost, in the unit of FitResult, above which nobody looks closely: the search ends early, and without profiles.
-  double hopeless = std::numeric_limits<double>::infinity();
+  double hopeless = everything;
   detail::Profiled profiled = detail::Profiled::all;
 };
 
@@ -217,7 +219,7 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
   if (extent.profiles && closely) follow_cost(result, problem, solution.best, found, extent.profiled);
   if (extent.recover) {
     recover_unseen(result, found, problem, solution.best.cost, [&](const FitOptions& rest) {
-      return fit_component(data, structure, rest, {false, extent.profiles});
+      return fit_component(data, structure, rest, {false, extent.profiles && closely, closely ? everything : 0});
     });
   }
   refuse_whole_orders(result, structure, options.realisation);
@@ -330,6 +332,10 @@ FitResult fit_from(const FitResult& similar, const FrequencyResponseData& data, 
 FitResult detail::curvature_fit(const FrequencyResponseData& data, const Structure& structure,
                                 const FitOptions& options) {
   return fit_with_floor(data, structure, options, {true, false});
+}
+
+FitResult detail::refit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
+  return fit_with_floor(data, structure, options, {false, false});
 }
 
 FitResult detail::fit_in_reach(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "projection.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 #include "frac/cancellation.hpp"
@@ -138,11 +140,49 @@ NormalEquations ProjectedData::normal_equations(const Eigen::MatrixXcd& derivati
   return {jacobian.transpose() * jacobian, jacobian.transpose() * linear.residual};
 }
 
-Eigen::VectorXd NormalEquations::step(double damping) const {
-  Eigen::MatrixXd damped = matrix;
+// From 0 towards the least cost as far as the first bound, on along it, and off bounds that hold back no longer: each
+// part of the way lowers the cost (the primal method of active sets).
+Eigen::VectorXd NormalEquations::step(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) const {
+  const Index count = gradient.size();
   const double least = 1e-14 * matrix.diagonal().maxCoeff() + std::numeric_limits<double>::min();
-  for (Index k = 0; k < matrix.cols(); ++k) damped(k, k) += damping * matrix(k, k) + least;
-  return -solve_symmetric(damped, gradient);
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(count);
+  std::vector<Index> free(static_cast<std::size_t>(count));
+  std::iota(free.begin(), free.end(), Index{0});
+  std::vector<Index> held;
+  for (Index round = 0; round < 3 * count; ++round) {
+    const Eigen::VectorXd slope = gradient + matrix * step;
+    Eigen::MatrixXd part = matrix(free, free);
+    part.diagonal().array() += least;
+    const Eigen::VectorXd way = -solve_symmetric(part, slope(free));
+    double share = 1;
+    std::size_t first = free.size();
+    for (std::size_t i = 0; i < free.size(); ++i) {
+      const Index k = free[i];
+      const double along = way[static_cast<Index>(i)], room = (along > 0 ? upper[k] : lower[k]) - step[k];
+      if (std::abs(along) * share <= std::abs(room)) continue;
+      share = room / along;
+      first = i;
+    }
+    for (std::size_t i = 0; i < free.size(); ++i) step[free[i]] += share * way[static_cast<Index>(i)];
+    if (first < free.size()) {
+      step[free[first]] = way[static_cast<Index>(first)] > 0 ? upper[free[first]] : lower[free[first]];
+      held.push_back(free[first]);
+      free.erase(free.begin() + static_cast<std::ptrdiff_t>(first));
+      if (!free.empty()) continue;
+    }
+    // Which bound holds back most?
+    const Eigen::VectorXd now = gradient + matrix * step;
+    const auto pull = [&](Index k) { return step[k] == upper[k] ? now[k] : -now[k]; };
+    const auto most = std::max_element(held.begin(), held.end(), [&](Index a, Index b) { return pull(a) < pull(b); });
+    if (most == held.end() || !(pull(*most) > 0)) break;
+    free.push_back(*most);
+    held.erase(most);
+  }
+  return step;
+}
+
+double NormalEquations::gain(const Eigen::VectorXd& step) const {
+  return -step.dot(2 * gradient + matrix * step);
 }
 
 std::vector<double> ProjectedData::sizes(const Linear& linear) const {

@@ -17,13 +17,21 @@
 
 namespace frac::detail {
 
+/// How far what acts nonlinearly may change at once.
+struct Reach {
+  Eigen::VectorXd moderate;      // either way: beyond, the linear picture seldom holds
+  Eigen::VectorXd lower, upper;  // what the limits leave
+};
+
 /// Normal equations of what acts nonlinearly.
 struct NormalEquations {
   Eigen::MatrixXd matrix;
   Eigen::VectorXd gradient;
 
-  /// Step of Levenberg and Marquardt.
-  [[nodiscard]] Eigen::VectorXd step(double damping) const;
+  /// The step between the bounds, which enclose 0, that lowers the linearised cost most.
+  [[nodiscard]] Eigen::VectorXd step(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) const;
+  /// By which a step lowers the linearised cost.
+  [[nodiscard]] double gain(const Eigen::VectorXd& step) const;
 };
 
 /// Data and weights of residuals that are linear in the coefficients of a model sum c_k column_k(omega).  Frequencies
@@ -104,8 +112,13 @@ class ProjectedData {
 /// n ln(cost/n) and price_of_parameters().  Negligible costs are equally good.
 [[nodiscard]] double schwarz(const ProjectedData& data, double cost, std::size_t parameters);
 
-/// Iterations of a fit that is to show whether a place is worth more, and of one that is to end.
-inline constexpr int scouting = 12, thorough = 60;
+/// When a search for the least cost ends.
+struct Effort {
+  int iterations;
+  double settled;  // gains below this share of the cost are none
+};
+/// Of a fit that is to show whether a place is worth more, and of one that is to end.
+inline constexpr Effort scouting{12, 1e-5}, thorough{60, 1e-6};
 
 /// Appends to `starts` each finite local minimum of the cost among fits along a line of places.
 template <class Fit>
@@ -123,39 +136,47 @@ inline constexpr double search_margin = 1.2;
 /// of the number of places that the data tell apart, the e-folds of the band and its margins.
 [[nodiscard]] double price_of_place(const ProjectedData& data);
 
-/// Levenberg-Marquardt in what acts nonlinearly, the coefficients following by projection (Golub, Pereyra 1973).  Ceres
+/// Gauss-Newton in what acts nonlinearly, the coefficients following by projection (Golub, Pereyra 1973).  A box holds
+/// the steps: what the data hardly see goes no further than its edge and does not keep the rest from going there.  Ceres
 /// is not used here: setting up one of its problems takes longer than one of these solves, of which a growth makes
 /// hundreds.
-/// @param problem  gives columns(shape), derivatives(shape, columns, linear) of the model at fixed coefficients, one
-///                 column each, and stepped(shape, step), which keeps to the limits
+/// @param problem  gives columns(shape), derivatives(shape, linear) of the model at fixed coefficients, one column each,
+///                 reach(shape) and stepped(shape, step)
 /// @return whether the start has a finite cost
 template <class Problem, class Shape>
-bool levenberg_marquardt(const Problem& problem, const ProjectedData& data, Shape& shape, ProjectedData::Linear& linear,
-                         int iterations) {
+bool gauss_newton(const Problem& problem, const ProjectedData& data, Shape& shape, ProjectedData::Linear& linear,
+                  const Effort& effort) {
   if (!data.solve(problem.columns(shape), linear)) return false;
-  double damping = 1e-3;
+  double size = 1;  // of the box, over what is moderate
   int small_gains = 0;
-  for (int iteration = 0; iteration < iterations && linear.cost > data.rounding_cost(); ++iteration) {
+  for (int iteration = 0; iteration < effort.iterations && linear.cost > data.rounding_cost(); ++iteration) {
     const Eigen::MatrixXcd derivatives = problem.derivatives(shape, linear);
     if (derivatives.cols() == 0 || !derivatives.allFinite()) break;
     const NormalEquations normal = data.normal_equations(derivatives, linear);
+    const Reach reach = problem.reach(shape);
     bool stepped = false;
     for (int attempt = 0; attempt < 8 && !stepped; ++attempt) {
-      const Eigen::VectorXd step = normal.step(damping);
-      if (!step.allFinite()) break;
+      const Eigen::VectorXd step =
+          normal.step(reach.lower.cwiseMax(-size * reach.moderate), reach.upper.cwiseMin(size * reach.moderate));
+      const double expected = normal.gain(step);
+      if (!(expected > effort.settled * linear.cost)) break;
       Shape next = problem.stepped(shape, step);
       const Eigen::MatrixXcd columns = problem.columns(next);
       auto projection = data.project(columns);
-      ProjectedData::Linear there;
-      if (projection && projection->cost < linear.cost && data.complete(columns, std::move(*projection), there)) {
-        small_gains = linear.cost - there.cost < 1e-6 * linear.cost ? small_gains + 1 : 0;
-        shape = std::move(next);
-        linear = std::move(there);
-        damping = std::max(damping / 8, 1e-9);
-        stepped = true;
-      } else {
-        damping = std::max(damping, 1e-6) * 6;
+      const double gain = projection ? linear.cost - projection->cost : -expected;
+      // The picture holds as far as the gain is what it lets expect.
+      const double used = step.cwiseQuotient(reach.moderate).lpNorm<Eigen::Infinity>();
+      if (gain < 0.25 * expected) {
+        size = used / 4;
+      } else if (gain > 0.75 * expected) {
+        size = std::min(std::max(size, 2 * used), 1.0);
       }
+      ProjectedData::Linear there;
+      if (!(gain > 0) || !data.complete(columns, std::move(*projection), there)) continue;
+      small_gains = gain < effort.settled * linear.cost ? small_gains + 1 : 0;
+      shape = std::move(next);
+      linear = std::move(there);
+      stepped = true;
     }
     if (!stepped || small_gains >= 2) break;
   }

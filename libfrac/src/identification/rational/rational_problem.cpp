@@ -159,25 +159,38 @@ Eigen::MatrixXcd RationalProblem::derivatives(const RationalShape& shape, const 
   return result;
 }
 
+Reach RationalProblem::reach(const RationalShape& shape) const {
+  constexpr double e_folds = 2, of_order = 0.2;
+  const auto count = static_cast<Index>(shape.nonlinear());
+  Reach result{Eigen::VectorXd(count), Eigen::VectorXd(count), Eigen::VectorXd(count)};
+  Index column = 0;
+  const auto add = [&](double moderate, double value, double lower, double upper) {
+    result.moderate[column] = moderate;
+    result.lower[column] = std::min(lower - value, 0.0);
+    result.upper[column++] = std::max(upper - value, 0.0);
+  };
+  const double beyond = beyond_band / shape.order;
+  for (const PoleFactor& factor : shape.factors) {
+    add(e_folds, factor.log_size, log_lower() - beyond, log_upper() + beyond);
+    if (factor.pair) add(e_folds, factor.damping, -most_damping, most_damping);
+  }
+  // Radians at the upper end of the band, or as much again.
+  if (shape.delayed) {
+    add(std::max(shape.delay, e_folds * std::exp(-log_upper())), shape.delay, 0, 6 * std::exp(-log_lower()));
+  }
+  if (shape.searches_order()) add(of_order, shape.order, least_order, most_order);
+  return result;
+}
+
 RationalShape RationalProblem::stepped(const RationalShape& shape, const Eigen::VectorXd& step) const {
   RationalShape next = shape;
-  // Two e-folds at most: the linear picture holds no further.
-  constexpr double most_step = 2;
-  const double largest = step.lpNorm<Eigen::Infinity>();
-  const double share = largest > most_step && !shape.delayed ? most_step / largest : 1;
-  const double beyond = beyond_band / shape.order;
   Index column = 0;
-  const auto part = [&] { return std::clamp(step[column++] * share, -most_step, most_step); };
   for (PoleFactor& factor : next.factors) {
-    factor.log_size = std::clamp(factor.log_size + part(), log_lower() - beyond, log_upper() + beyond);
-    if (factor.pair) factor.damping = std::clamp(factor.damping + part(), -most_damping, most_damping);
+    factor.log_size += step[column++];
+    if (factor.pair) factor.damping += step[column++];
   }
-  if (shape.delayed) next.delay = std::clamp(next.delay + step[column++], 0.0, 6 * std::exp(-log_lower()));
-  if (shape.searches_order()) {
-    constexpr double most_change = 0.2;
-    next.order =
-        std::clamp(next.order + std::clamp(step[column++] * share, -most_change, most_change), least_order, most_order);
-  }
+  if (shape.delayed) next.delay += step[column++];
+  if (shape.searches_order()) next.order += step[column++];
   sort_by_size(next.factors);
   return next;
 }
@@ -192,20 +205,20 @@ RationalFit RationalProblem::at(const RationalShape& shape) const {
   return fit;
 }
 
-RationalFit RationalProblem::searched(RationalShape shape, int iterations) const {
+RationalFit RationalProblem::searched(RationalShape shape, const Effort& effort) const {
   sort_by_size(shape.factors);
   Linear linear;
-  if (!levenberg_marquardt(*this, *this, shape, linear, iterations)) return {shape, infinity, 0};
+  if (!gauss_newton(*this, *this, shape, linear, effort)) return {shape, infinity, 0};
   return {shape, linear.cost, shape.nonlinear() + static_cast<std::size_t>(linear.orthonormal.cols())};
 }
 
-RationalFit RationalProblem::refine(const RationalShape& start, int iterations) const {
-  RationalFit fit = searched(start, iterations);
+RationalFit RationalProblem::refine(const RationalShape& start, const Effort& effort) const {
+  RationalFit fit = searched(start, effort);
   for (int round = 0; round < 3; ++round) {
     RationalShape joined = fit.shape;
     split_real_pairs(joined);
     if (!join_near_poles(joined)) break;
-    RationalFit next = searched(joined, iterations);
+    RationalFit next = searched(joined, effort);
     const bool paid = next.cost < fit.cost * (1 - 1e-4);
     if (next.cost < fit.cost) fit = std::move(next);
     if (!paid) break;

@@ -64,7 +64,7 @@ class RationalProblem : public ProjectedData {
   /// has poles: a part of its expansion in partial fractions.
   [[nodiscard]] Eigen::MatrixXcd columns_of(const PoleFactor& factor, const RationalShape& shape) const;
   /// Searches from the shape.  Poles change kind on the way.
-  [[nodiscard]] RationalFit refine(const RationalShape& start, int iterations) const;
+  [[nodiscard]] RationalFit refine(const RationalShape& start, const Effort& effort) const;
   /// Size of the residual at each point.
   [[nodiscard]] std::vector<double> residual_sizes(const RationalShape& shape) const;
   /// Values at the frequencies of the data; empty where the model overflows.
@@ -72,13 +72,14 @@ class RationalProblem : public ProjectedData {
   /// Coefficients of z^low .. z^degree, s in rad/s, of the numerator; the shortest where some are not seen.
   [[nodiscard]] std::vector<double> numerator(const RationalShape& shape) const;
 
-  /// For levenberg_marquardt().
+  /// For gauss_newton().
   [[nodiscard]] Eigen::MatrixXcd columns(const RationalShape& shape) const;
   [[nodiscard]] Eigen::MatrixXcd derivatives(const RationalShape& shape, const Linear& linear) const;
+  [[nodiscard]] Reach reach(const RationalShape& shape) const;
   [[nodiscard]] RationalShape stepped(const RationalShape& shape, const Eigen::VectorXd& step) const;
 
  private:
-  [[nodiscard]] RationalFit searched(RationalShape shape, int iterations) const;
+  [[nodiscard]] RationalFit searched(RationalShape shape, const Effort& effort) const;
 };
 
 /// Orders of s in which a rational function is searched for.  Above 1 the poles of a stable system of order 1 and less

@@ -88,24 +88,36 @@ Eigen::MatrixXcd TermProblem::derivatives(const TermSum& sum, const Linear& line
   return result;
 }
 
+Reach TermProblem::reach(const TermSum& sum) const {
+  constexpr double e_folds = 2, of_order = 0.2;
+  std::vector<double> moderate, lower, upper;
+  const auto add = [&](double by, double value, double least, double most) {
+    moderate.push_back(by);
+    lower.push_back(std::min(least - value, 0.0));
+    upper.push_back(std::max(most - value, 0.0));
+  };
+  for (const Term& term : sum) {
+    if (term.kind != Term::Kind::power) {
+      add(e_folds, term.log_size, log_lower() - beyond_band, log_upper() + beyond_band);
+    }
+    if (term.kind == Term::Kind::mode) add(e_folds, term.log_damping, least_log_damping, most_log_damping);
+    if (term.held) continue;
+    const bool arc = term.kind == Term::Kind::arc;
+    add(of_order, term.order, arc ? least_arc_order : -most_power, arc ? 1.0 : most_power);
+  }
+  const auto vector = [](const std::vector<double>& values) {
+    return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Index>(values.size())));
+  };
+  return {vector(moderate), vector(lower), vector(upper)};
+}
+
 TermSum TermProblem::stepped(const TermSum& sum, const Eigen::VectorXd& step) const {
-  // Two e-folds and a change of order by 0.2 at most: the linear picture holds no further.
-  constexpr double most_step = 2, most_change = 0.2;
   TermSum next = sum;
   Index column = 0;
   for (Term& term : next) {
-    if (term.kind != Term::Kind::power) {
-      term.log_size = std::clamp(term.log_size + std::clamp(step[column++], -most_step, most_step),
-                                 log_lower() - beyond_band, log_upper() + beyond_band);
-    }
-    if (term.kind == Term::Kind::mode) {
-      term.log_damping = std::clamp(term.log_damping + std::clamp(step[column++], -most_step, most_step),
-                                    least_log_damping, most_log_damping);
-    }
-    if (term.held) continue;
-    const double order = term.order + std::clamp(step[column++], -most_change, most_change);
-    term.order = term.kind == Term::Kind::arc ? std::clamp(order, least_arc_order, 1.0)
-                                              : std::clamp(order, -most_power, most_power);
+    if (term.kind != Term::Kind::power) term.log_size += step[column++];
+    if (term.kind == Term::Kind::mode) term.log_damping += step[column++];
+    if (!term.held) term.order += step[column++];
   }
   return next;
 }
@@ -123,9 +135,9 @@ std::vector<TermFit> TermProblem::along(const TermSum& sum, const std::vector<Te
   return fits;
 }
 
-TermFit TermProblem::refine(TermSum sum, int iterations) const {
+TermFit TermProblem::refine(TermSum sum, const Effort& effort) const {
   Linear linear;
-  if (sum.empty() || !levenberg_marquardt(*this, *this, sum, linear, iterations)) {
+  if (sum.empty() || !gauss_newton(*this, *this, sum, linear, effort)) {
     return {std::move(sum), std::numeric_limits<double>::infinity(), 0};
   }
   const std::size_t count = parameters(sum, linear.orthonormal.cols());

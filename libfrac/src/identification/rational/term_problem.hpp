@@ -42,13 +42,14 @@ class TermProblem : public ProjectedData {
 
   /// The sum with each of the terms, at its cost as it is; parameters are not counted.
   [[nodiscard]] std::vector<TermFit> along(const TermSum& sum, const std::vector<Term>& terms) const;
-  [[nodiscard]] TermFit refine(TermSum sum, int iterations) const;
+  [[nodiscard]] TermFit refine(TermSum sum, const Effort& effort) const;
   /// Coefficients, for s in rad/s.
   [[nodiscard]] std::vector<double> coefficients(const TermSum& sum) const;
 
-  /// For levenberg_marquardt().
+  /// For gauss_newton().
   [[nodiscard]] Eigen::MatrixXcd columns(const TermSum& sum) const;
   [[nodiscard]] Eigen::MatrixXcd derivatives(const TermSum& sum, const Linear& linear) const;
+  [[nodiscard]] Reach reach(const TermSum& sum) const;
   [[nodiscard]] TermSum stepped(const TermSum& sum, const Eigen::VectorXd& step) const;
 };
 

@@ -106,6 +106,13 @@ class Search {
     return options;
   }
 
+  /// Closer than what tells one minimum from another; what goes below the best is polished.
+  [[nodiscard]] static LocalOptions finishing_options() {
+    LocalOptions options;
+    options.cost_tolerance = 1e-10;
+    return options;
+  }
+
   [[nodiscard]] bool exact() const { return result_.best.cost <= residuals_.rounding_cost(); }
   [[nodiscard]] double confidence() const { return confidence_of_optimum(independent_, minima()); }
   [[nodiscard]] bool is_hopeless(double times = 1) const {
@@ -157,7 +164,8 @@ class Search {
 
   /// Solves from where a scout stopped on all residuals.
   void finish(Scout& scout) {
-    LocalSolution local = only_start_ ? scout.local : local_solve(residuals_, scout.local.theta, {});
+    LocalSolution local = only_start_ ? scout.local : local_solve(residuals_, scout.local.theta, finishing_options());
+    if (local.cost < result_.best.cost && !only_start_) local = local_solve(residuals_, local.theta, {});
     scout.end = local.cost;
     scout.state = Scout::finished;
     if (local.cost < result_.best.cost) result_.best = std::move(local);

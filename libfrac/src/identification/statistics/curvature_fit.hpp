@@ -15,6 +15,13 @@ namespace frac::detail {
   return fit(data, structure, options);
 }
 
+/// curvature_fit() for the sake of its residuals: what the fitted component is blind to stays where it starts.
+[[nodiscard]] FitResult refit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options);
+[[nodiscard]] inline FitResult refit(const TimeResponseData& data, const Structure& structure,
+                                     const TimeFitOptions& options) {
+  return fit(data, structure, options);
+}
+
 /// Parameters whose wide intervals follow the cost.
 enum class Profiled { all, orders };
 

@@ -60,7 +60,7 @@ double rms_of_predictions(const Data& data, const Options& options, const Compet
   if (!warm) return infinity;
   for (const Block& block : blocks) {
     try {
-      const FitResult fit = curvature_fit(part_of(data, block.first, block.second, false), structure, *warm);
+      const FitResult fit = refit(part_of(data, block.first, block.second, false), structure, *warm);
       if (fit.termination == FitTermination::no_usable_start) return infinity;
       add(weighted_residuals(data, options, fit), block);
     } catch (const std::invalid_argument&) {
