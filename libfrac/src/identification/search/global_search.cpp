@@ -106,10 +106,10 @@ class Search {
     return options;
   }
 
-  /// Closer than what tells one minimum from another; what goes below the best is polished.
-  [[nodiscard]] static LocalOptions finishing_options() {
+  /// Closer than what tells one minimum from another.
+  [[nodiscard]] static LocalOptions finishing_options(bool rough) {
     LocalOptions options;
-    options.cost_tolerance = 1e-10;
+    options.cost_tolerance = rough ? 1e-6 : 1e-10;
     return options;
   }
 
@@ -162,10 +162,14 @@ class Search {
     }
   }
 
-  /// Solves from where a scout stopped on all residuals.
+  /// Solves from where a scout stopped on all residuals.  What goes below the best is polished, if that is of use.
   void finish(Scout& scout) {
-    LocalSolution local = only_start_ ? scout.local : local_solve(residuals_, scout.local.theta, finishing_options());
-    if (local.cost < result_.best.cost && !only_start_) local = local_solve(residuals_, local.theta, {});
+    LocalSolution local = scout.local;
+    if (!only_start_) {
+      const bool rough = is_hopeless();
+      local = local_solve(residuals_, local.theta, finishing_options(rough));
+      if (local.cost < result_.best.cost && !rough) local = local_solve(residuals_, local.theta, {});
+    }
     scout.end = local.cost;
     scout.state = Scout::finished;
     if (local.cost < result_.best.cost) result_.best = std::move(local);
