@@ -102,6 +102,7 @@ struct Extent {
   /// Cost, in the unit of FitResult, above which nobody looks closely: the search ends early, and without profiles.
   double hopeless = everything;
   detail::Profiled profiled = detail::Profiled::all;
+  double settled = detail::LocalOptions{}.cost_tolerance;  // see frequency_search()
 };
 
 /// An interval up to this share of the value on either side is left as the curvature gives it: where parameters act
@@ -182,7 +183,8 @@ FitResult fit_component(const FrequencyResponseData& data, const Structure& stru
 
   const bool empty = is_empty(data, options.component);
   detail::GlobalSolution solution =
-      empty ? detail::GlobalSolution{} : frequency_search(problem, extent.hopeless / (rule.unit * rule.unit));
+      empty ? detail::GlobalSolution{}
+            : frequency_search(problem, extent.hopeless / (rule.unit * rule.unit), extent.settled);
   FitResult result = describe_search(structure, residuals, solution);
   const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(); };
   if (solution.starts_at_best == 0) {
@@ -335,7 +337,9 @@ FitResult detail::curvature_fit(const FrequencyResponseData& data, const Structu
 }
 
 FitResult detail::refit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
-  return fit_with_floor(data, structure, options, {false, false});
+  // Residuals to a part in 1e4 of their size.
+  constexpr double settled = 1e-8;
+  return fit_with_floor(data, structure, options, {false, false, everything, Profiled::all, settled});
 }
 
 FitResult detail::fit_in_reach(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,

@@ -66,7 +66,7 @@ GlobalSolution search_from_nothing(const FitProblem& problem, const FewResiduals
 }
 
 /// The solve from the start values; `starts_at_best` is 0 where the model is not finite there.
-GlobalSolution search_from_start(const FitProblem& problem, const FewResiduals& few) {
+GlobalSolution search_from_start(const FitProblem& problem, const FewResiduals& few, const LocalOptions& options) {
   require_start_values(problem.map, problem.structure);
   GlobalSolution result;
   result.starts = 1;
@@ -74,21 +74,23 @@ GlobalSolution search_from_start(const FitProblem& problem, const FewResiduals& 
   result.confidence = std::numeric_limits<double>::quiet_NaN();
   result.best.theta = problem.map.to_theta(problem.map.start());
   if (!std::isfinite(problem.residuals.cost(result.best.theta))) return result;
-  result.best = local_solve(few.residuals, result.best.theta, {});
+  result.best = local_solve(few.residuals, result.best.theta, options);
   result.starts_at_best = 1;
   return result;
 }
 
 }  // namespace
 
-GlobalSolution frequency_search(const FitProblem& problem, double hopeless) {
+GlobalSolution frequency_search(const FitProblem& problem, double hopeless, double settled) {
   // First iterations stay quick on so many points, and see the same shape.
   const FewResiduals few(problem, problem.data, problem.rule, 500);
   const bool blind = problem.options.global_start && !problem.map.free().empty();
-  GlobalSolution result = blind ? search_from_nothing(problem, few, hopeless) : search_from_start(problem, few);
+  LocalOptions options;
+  options.cost_tolerance = settled;
+  GlobalSolution result = blind ? search_from_nothing(problem, few, hopeless) : search_from_start(problem, few, options);
   if (result.starts_at_best == 0) return result;
   if (few.points.data.size() < problem.data.size()) {
-    result.best = local_solve(problem.residuals, result.best.theta, {});
+    result.best = local_solve(problem.residuals, result.best.theta, options);
   }
   if (!std::isfinite(result.best.cost)) return {};
   return result;

@@ -9,7 +9,8 @@ namespace frac::detail {
 /// The optimum of a fit to a frequency response: global_search() on a thinned copy of many points, finished on all;
 /// from the start values alone where options.global_start is off.
 /// @param hopeless  as global_search()
+/// @param settled   relative change of the cost at which a solve from start values ends
 /// @throws std::invalid_argument  a parameter without a start value where the search is off
-[[nodiscard]] GlobalSolution frequency_search(const FitProblem& problem, double hopeless);
+[[nodiscard]] GlobalSolution frequency_search(const FitProblem& problem, double hopeless, double settled);
 
 }  // namespace frac::detail
