@@ -66,8 +66,10 @@ std::optional<ProjectedData::Weighted> ProjectedData::weighted(const Eigen::Matr
   if (!columns.allFinite()) return std::nullopt;
   Eigen::MatrixXd matrix(target_.size(), columns.cols());
   for (Index k = 0; k < columns.cols(); ++k) put(columns.col(k), matrix.col(k));
+  Eigen::VectorXd length = matrix.colwise().norm();
   // The weights of data of 1e-200 are 1e200, whose squares overflow.
-  Eigen::VectorXd length = matrix.colwise().stableNorm();
+  constexpr double least = 1e-100, most = 1e100;
+  if (!(length.array() >= least && length.array() <= most).all()) length = matrix.colwise().stableNorm();
   if (!length.allFinite()) return std::nullopt;
   // A column that is rounding beside the whole complex one is one that the fitted part is blind to.
   for (Index k = 0; k < length.size(); ++k) {

@@ -41,13 +41,14 @@ std::vector<double> delays(const RationalProblem& problem) {
   return result;
 }
 
+/// @param starts  with their costs at few points
 RationalFit best_refined(const RationalProblem& problem, std::vector<RationalFit> starts, std::size_t tried) {
   std::stable_sort(starts.begin(), starts.end(),
                    [](const RationalFit& a, const RationalFit& b) { return a.cost < b.cost; });
   RationalFit best{{}, infinity, 0};
   for (std::size_t i = 0; i < std::min(tried, starts.size()); ++i) {
     if (!std::isfinite(starts[i].cost)) break;
-    RationalFit fit = problem.refine(starts[i].shape, scouting);
+    RationalFit fit = problem.few().refine(starts[i].shape, scouting);
     if (fit.cost < best.cost) best = std::move(fit);
   }
   if (std::isfinite(best.cost)) best = problem.refine(best.shape, thorough);
@@ -91,7 +92,7 @@ RationalGrowth::RationalGrowth(const RationalProblem& problem, const RationalKin
   std::vector<RationalFit> starts;
   for (const double delay : delays(problem)) {
     shape.delay = delay;
-    starts.push_back(problem.at(shape));
+    starts.push_back(problem.few().at(shape));
   }
   members_.push_back(best_refined(problem, std::move(starts), 3));
 }
@@ -147,14 +148,15 @@ std::vector<RationalFit> RationalGrowth::along(RationalShape from, const std::ve
                                                double order) const {
   from.order = order;
   RationalProblem::Linear linear;
-  const bool is_seen = problem_.solve(problem_.columns(from), linear);
+  const RationalProblem& few = problem_.few();
+  const bool is_seen = few.solve(few.columns(from), linear);
   std::vector<RationalFit> fits;
   for (const PoleFactor& factor : factors) {
     RationalShape shape = with(from, factor, order);
     const bool contains = shape.degree - from.degree == (factor.pair ? 2 : 1);
     fits.push_back(is_seen && contains
-                       ? RationalFit{shape, problem_.cost_with(linear, problem_.columns_of(factor, from)), 0}
-                       : problem_.at(shape));
+                       ? RationalFit{shape, few.cost_with(linear, few.columns_of(factor, from)), 0}
+                       : few.at(shape));
   }
   return fits;
 }
@@ -174,7 +176,7 @@ void RationalGrowth::add_steep_ends(double order, std::vector<RationalFit>& star
       }
       shape.integrators = 0;
       shape.low = 0;
-      steep.push_back(problem_.at(with(shape, {false, place + spread / 2, 0, 1}, order)));
+      steep.push_back(problem_.few().at(with(shape, {false, place + spread / 2, 0, 1}, order)));
     }
     add_local_minima(std::move(steep), starts);
   }

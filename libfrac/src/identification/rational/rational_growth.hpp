@@ -43,7 +43,7 @@ class RationalGrowth {
   void add_pairs(double order, std::vector<RationalFit>& starts) const;
   void add_steep_ends(double order, std::vector<RationalFit>& starts) const;
   [[nodiscard]] RationalShape with(const RationalShape& from, const PoleFactor& factor, double order) const;
-  /// with() each of the factors, at its cost; parameters are not counted.
+  /// with() each of the factors, at its cost at few points; parameters are not counted.
   [[nodiscard]] std::vector<RationalFit> along(RationalShape from, const std::vector<PoleFactor>& factors,
                                                double order) const;
   [[nodiscard]] std::vector<double> orders() const;  // of s, at which poles are added

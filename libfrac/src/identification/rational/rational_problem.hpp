@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <complex>
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 #include "projection.hpp"
@@ -56,7 +57,11 @@ struct RationalFit {
 /// numerator, so only poles, delay and order are searched for.
 class RationalProblem : public ProjectedData {
  public:
-  using ProjectedData::ProjectedData;
+  /// @param rule  see ProjectedData
+  RationalProblem(const FrequencyResponseData& data, const ResidualRule& rule);
+
+  /// The problem at so few of its points that scouting is quick, or itself.
+  [[nodiscard]] const RationalProblem& few() const { return few_ ? *few_ : *this; }
 
   /// Cost at the shape as it is; infinite where the model overflows.
   [[nodiscard]] RationalFit at(const RationalShape& shape) const;
@@ -80,6 +85,8 @@ class RationalProblem : public ProjectedData {
 
  private:
   [[nodiscard]] RationalFit searched(RationalShape shape, const Effort& effort) const;
+
+  std::shared_ptr<const RationalProblem> few_;
 };
 
 /// Orders of s in which a rational function is searched for.  Above 1 the poles of a stable system of order 1 and less
