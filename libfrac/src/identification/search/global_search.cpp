@@ -15,7 +15,7 @@ namespace {
 
 constexpr int rounds = 24;
 constexpr int least_rounds = 4;
-constexpr int rounds_for_a_start = 6, least_rounds_for_a_start = 2;
+constexpr int rounds_for_a_start = 4, least_rounds_for_a_start = 2;
 // For a structure that something else beats by far: so many rounds, or one after which no scout is within so many times
 // the hopeless cost, unless that is so low that scouts stop above it (mean squares of the unit of the data).  Of 1282
 // searches of noisy data that two rounds showed to come below that cost, 3 were as far above it after the first; of
@@ -207,7 +207,7 @@ class Search {
     };
     for (Scout* const scout : waiting) {
       if (exact()) break;
-      if (!scout->local.converged && within(*scout, promising)) pursue(*scout);
+      if (!scout->local.converged && within(*scout, only_start_ ? in_reach : promising)) pursue(*scout);
       if (!within(*scout, in_reach)) {
         scout->state = Scout::dropped;
       } else if (const Scout* twin = twin_of(*scout)) {
