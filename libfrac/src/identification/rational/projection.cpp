@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 #include <utility>
 
 #include "frac/cancellation.hpp"
@@ -148,10 +147,11 @@ Eigen::VectorXd NormalEquations::step(const Eigen::VectorXd& lower, const Eigen:
   const Index count = gradient.size();
   const double least = 1e-14 * matrix.diagonal().maxCoeff() + std::numeric_limits<double>::min();
   Eigen::VectorXd step = Eigen::VectorXd::Zero(count);
-  std::vector<Index> free(static_cast<std::size_t>(count));
-  std::iota(free.begin(), free.end(), Index{0});
-  std::vector<Index> held;
-  for (Index round = 0; round < 3 * count; ++round) {
+  std::vector<Index> free, held;
+  for (Index k = 0; k < count; ++k) {
+    if (lower[k] < upper[k]) free.push_back(k);
+  }
+  for (Index round = 0; round < 3 * count && !free.empty(); ++round) {
     const Eigen::VectorXd slope = gradient + matrix * step;
     Eigen::MatrixXd part = matrix(free, free);
     part.diagonal().array() += least;
