@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <limits>
 #include <optional>
 
@@ -223,13 +224,21 @@ void RationalGrowth::extend(const RationalShape* contained) {
   members_.push_back(std::move(best));
 }
 
-RationalFit RatioGrowths::member(const RationalProblem& problem, bool delayed, std::size_t poles) {
-  const std::size_t at = delayed ? 1 : 0;
-  const std::lock_guard lock(mutex_[at]);
-  if (!growing_[at]) growing_[at] = std::make_unique<Growing>(problem, delayed);
-  RationalGrowth& growth = growing_[at]->growth;
+RationalFit RatioGrowths::member_of(Slot& slot, const RationalProblem& problem, bool delayed, std::size_t most_zeros,
+                                    std::size_t poles) {
+  const std::lock_guard lock(slot.mutex);
+  if (!slot.growing) slot.growing = std::make_unique<Growing>(problem, delayed, most_zeros);
+  RationalGrowth& growth = slot.growing->growth;
   while (growth.members().size() <= poles) growth.extend();
   return growth.members()[poles];
+}
+
+RationalFit RatioGrowths::member(const RationalProblem& problem, bool delayed, std::size_t poles) {
+  return member_of(with_zeros_[delayed ? 1 : 0], problem, delayed, any_zeros, poles);
+}
+
+RationalFit RatioGrowths::without_zeros(const RationalProblem& problem, bool delayed, std::size_t poles) {
+  return member_of(without_zeros_[delayed ? 1 : 0], problem, delayed, 0, poles);
 }
 
 const RationalLadder& RatioGrowths::ladder(const RationalProblem& problem) {
@@ -276,6 +285,19 @@ RationalFit without_idle_parts(const RationalProblem& problem, const RationalFit
 
 namespace {
 
+/// Whether the response falls faster than 1/s^1.5 at the upper end of the band.  There every zero in the band must be taken
+/// back by a pole, and a growth with as many zeros as poles may end where that is done badly.
+bool falls_steeply(const RationalProblem& problem, const RationalShape& shape) {
+  const std::vector<std::complex<double>> model = problem.response(shape);
+  if (model.empty()) return false;
+  const std::vector<double>& log_omega = problem.log_omega();
+  const double half_decade = std::log(10.0) / 2;
+  const auto from = static_cast<std::size_t>(
+      std::lower_bound(log_omega.begin(), log_omega.end() - 1, log_omega.back() - half_decade) - log_omega.begin());
+  const double fall = std::log(std::abs(model[from]) / std::abs(model.back()));
+  return fall > 1.5 * (log_omega.back() - log_omega[from]);
+}
+
 /// @param excess  see RationalGrowth
 RationalLadder grown_ladder(const RationalProblem& problem, std::size_t fewest_poles, std::size_t most_poles,
                             const RationalKind& kind, std::size_t excess, RatioGrowths& ratios) {
@@ -292,8 +314,15 @@ RationalLadder grown_ladder(const RationalProblem& problem, std::size_t fewest_p
     const RationalFit member = own ? own->members().back() : ratios.member(problem, kind.delayed, order);
     if (order < fewest_poles) continue;
     if (2 * order + excess + 3 >= problem.rows()) break;
+    const auto value_of = [&](const RationalFit& fit) {
+      return schwarz(problem, fit) + price_of_search(problem, fit.shape);
+    };
     RationalFit simple = without_idle_parts(problem, member);
-    const double value = schwarz(problem, simple) + price_of_search(problem, simple.shape);
+    if (!own && order > 1 && simple.shape.degree > 0 && falls_steeply(problem, simple.shape)) {
+      RationalFit lean = without_idle_parts(problem, ratios.without_zeros(problem, kind.delayed, order));
+      if (value_of(lean) < value_of(simple)) simple = std::move(lean);
+    }
+    const double value = value_of(simple);
     ladder.fits.push_back(std::move(simple));
     if (value < ladder.value) {
       ladder.value = value;

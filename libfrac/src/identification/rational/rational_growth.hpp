@@ -25,13 +25,15 @@ struct RationalKind {
   bool free_order = false;  // rational in s^order instead of s
 };
 
+inline constexpr std::size_t any_zeros = std::numeric_limits<std::size_t>::max();
+
 /// Rational fits of rising order, each started from the ones before with one or two poles more.
 class RationalGrowth {
  public:
   /// @param excess  zeros that each member has more than poles
   /// @param most_zeros  of a member
   RationalGrowth(const RationalProblem& problem, const RationalKind& kind, std::size_t excess = 0,
-                 std::size_t most_zeros = std::numeric_limits<std::size_t>::max());
+                 std::size_t most_zeros = any_zeros);
 
   /// Grows by one pole.
   /// @param contained  a member of a narrower kind with as many poles, from which a search starts, too
@@ -68,17 +70,26 @@ class RatioGrowths {
  public:
   /// @param problem  the same in each call, or an equal one
   [[nodiscard]] RationalFit member(const RationalProblem& problem, bool delayed, std::size_t poles);
+  /// The same without zeros.
+  [[nodiscard]] RationalFit without_zeros(const RationalProblem& problem, bool delayed, std::size_t poles);
   /// Of the default family.
   [[nodiscard]] const RationalLadder& ladder(const RationalProblem& problem);
 
  private:
   struct Growing {
-    Growing(const RationalProblem& of, bool delayed) : problem(of), growth(problem, {delayed, false}) {}
+    Growing(const RationalProblem& of, bool delayed, std::size_t most_zeros)
+        : problem(of), growth(problem, {delayed, false}, 0, most_zeros) {}
     RationalProblem problem;
     RationalGrowth growth;
   };
-  std::array<std::mutex, 2> mutex_;
-  std::array<std::unique_ptr<Growing>, 2> growing_;  // first without a dead time
+  struct Slot {
+    std::mutex mutex;
+    std::unique_ptr<Growing> growing;
+  };
+  RationalFit member_of(Slot& slot, const RationalProblem& problem, bool delayed, std::size_t most_zeros,
+                        std::size_t poles);
+
+  std::array<Slot, 2> with_zeros_, without_zeros_;  // first without a dead time
   std::mutex ladder_mutex_;
   std::optional<RationalLadder> ladder_;
 };
