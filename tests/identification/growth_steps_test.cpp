@@ -17,8 +17,8 @@ namespace {
 using Eigen::Index;
 
 // The conditions of Karush, Kuhn and Tucker, which a convex problem has at its minimum alone: the cost is level along
-// what is inside its bounds, and falls only outwards along what is at one.  Each entry of the slope is a sum of terms of
-// at most `size`, so rounding leaves 1e-16 times their number; the solve with a matrix of condition 1e6 (columns of
+// what is inside its bounds, and falls only outwards along what is at one.  Each entry of the slope is a sum of terms
+// of at most `size`, so rounding leaves 1e-16 times their number; the solve with a matrix of condition 1e6 (columns of
 // 1e-3 to 1) leaves 1e-10 of them.
 TEST(GrowthSteps, AreTheMinimumInTheBox) {
   std::mt19937_64 generator(5);

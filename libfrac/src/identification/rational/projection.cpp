@@ -15,6 +15,21 @@ namespace frac::detail {
 using Complex = std::complex<double>;
 using Index = Eigen::Index;
 
+namespace {
+
+/// By least squares.
+double slope_at_end(const std::vector<double>& log_omega, const Eigen::VectorXcd& value) {
+  const double half_decade = std::log(10.0) / 2;
+  const auto within = std::lower_bound(log_omega.begin(), log_omega.end(), log_omega.back() - half_decade);
+  const Index count = std::min(value.size(), std::max<Index>(3, log_omega.end() - within));
+  const Eigen::ArrayXd size = value.tail(count).cwiseAbs().array().log();
+  const Eigen::ArrayXd at = Eigen::Map<const Eigen::ArrayXd>(log_omega.data(), value.size()).tail(count);
+  const Eigen::ArrayXd about = at - at.mean();
+  return (about * size).sum() / about.square().sum();
+}
+
+}  // namespace
+
 ProjectedData::ProjectedData(const FrequencyResponseData& data, const ResidualRule& rule)
     : form_(rule.form), centre_(std::sqrt(data.omega().front()) * std::sqrt(data.omega().back())) {
   const auto points = static_cast<Index>(data.size());
@@ -31,6 +46,7 @@ ProjectedData::ProjectedData(const FrequencyResponseData& data, const ResidualRu
     weight_[i] = rule.weight[at];
     value[i] = data.value()[at];
   }
+  end_slope_ = slope_at_end(log_omega_, value);
   target_.resize(form_ == ResidualForm::cartesian ? 2 * points : points);
   put(value, target_);
 }

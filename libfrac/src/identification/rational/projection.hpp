@@ -52,6 +52,8 @@ class ProjectedData {
   [[nodiscard]] const Eigen::VectorXcd& log_s() const { return log_s_; }
   /// (s e^shift)^order, all of one phase.
   [[nodiscard]] Eigen::ArrayXcd power(double order, double shift = 0) const;
+  /// d ln|value| / d ln omega of the data at the upper end of the band, over half a decade or three points.
+  [[nodiscard]] double end_slope() const { return end_slope_; }
   /// Sum of the squared weighted data.
   [[nodiscard]] double data_power() const { return target_.squaredNorm(); }
   /// Costs below it are rounding.
@@ -103,7 +105,7 @@ class ProjectedData {
   [[nodiscard]] double unseen_length(const Eigen::VectorXcd& values) const;
 
   ResidualForm form_;
-  double centre_, log_lower_;
+  double centre_, log_lower_, end_slope_;
   std::vector<double> log_omega_;
   Eigen::VectorXd weight_, target_;
   Eigen::VectorXcd s_, log_s_;
@@ -137,10 +139,11 @@ inline constexpr double search_margin = 1.2;
 [[nodiscard]] double price_of_place(const ProjectedData& data);
 
 /// Gauss-Newton in what acts nonlinearly, the coefficients following by projection (Golub, Pereyra 1973).  A box holds
-/// the steps: what the data hardly see goes no further than its edge and does not keep the rest from going there.  Ceres
+/// the steps: what the data hardly see goes no further than its edge and does not keep the rest from going there. Ceres
 /// is not used here: setting up one of its problems takes longer than one of these solves, of which a growth makes
 /// hundreds.
-/// @param problem  gives columns(shape), derivatives(shape, linear) of the model at fixed coefficients, one column each,
+/// @param problem  gives columns(shape), derivatives(shape, linear) of the model at fixed coefficients, one column
+/// each,
 ///                 reach(shape) and stepped(shape, step)
 /// @return whether the start has a finite cost
 template <class Problem, class Shape>

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <limits>
 #include <optional>
 
@@ -155,9 +154,8 @@ std::vector<RationalFit> RationalGrowth::along(RationalShape from, const std::ve
   for (const PoleFactor& factor : factors) {
     RationalShape shape = with(from, factor, order);
     const bool contains = shape.degree - from.degree == (factor.pair ? 2 : 1);
-    fits.push_back(is_seen && contains
-                       ? RationalFit{shape, few.cost_with(linear, few.columns_of(factor, from)), 0}
-                       : few.at(shape));
+    fits.push_back(is_seen && contains ? RationalFit{shape, few.cost_with(linear, few.columns_of(factor, from)), 0}
+                                       : few.at(shape));
   }
   return fits;
 }
@@ -285,17 +283,11 @@ RationalFit without_idle_parts(const RationalProblem& problem, const RationalFit
 
 namespace {
 
-/// Whether the response falls faster than 1/s^1.5 at the upper end of the band.  There every zero in the band must be taken
-/// back by a pole, and a growth with as many zeros as poles may end where that is done badly.
-bool falls_steeply(const RationalProblem& problem, const RationalShape& shape) {
-  const std::vector<std::complex<double>> model = problem.response(shape);
-  if (model.empty()) return false;
-  const std::vector<double>& log_omega = problem.log_omega();
-  const double half_decade = std::log(10.0) / 2;
-  const auto from = static_cast<std::size_t>(
-      std::lower_bound(log_omega.begin(), log_omega.end() - 1, log_omega.back() - half_decade) - log_omega.begin());
-  const double fall = std::log(std::abs(model[from]) / std::abs(model.back()));
-  return fall > 1.5 * (log_omega.back() - log_omega[from]);
+/// Whether the data fall faster than 1/s^1.5 at the upper end of the band.  There every zero in the band must be taken
+/// back by a pole, and a growth with as many zeros as poles may end where that is done badly; under relative residuals
+/// no number of poles is worth anything before there are enough.
+bool falls_steeply(const RationalProblem& problem) {
+  return problem.end_slope() < -1.5;
 }
 
 /// @param excess  see RationalGrowth
@@ -305,6 +297,7 @@ RationalLadder grown_ladder(const RationalProblem& problem, std::size_t fewest_p
   std::optional<RationalGrowth> own;
   if (kind.free_order || excess > 0) own.emplace(problem, kind, excess);
   std::size_t in_vain = 0;
+  const bool steep = falls_steeply(problem);
   for (std::size_t order = 0; order <= most_poles; ++order) {
     if (own && order > 0) {
       const bool contains = kind.free_order;
@@ -318,7 +311,7 @@ RationalLadder grown_ladder(const RationalProblem& problem, std::size_t fewest_p
       return schwarz(problem, fit) + price_of_search(problem, fit.shape);
     };
     RationalFit simple = without_idle_parts(problem, member);
-    if (!own && order > 1 && simple.shape.degree > 0 && falls_steeply(problem, simple.shape)) {
+    if (!own && order > 1 && steep) {
       RationalFit lean = without_idle_parts(problem, ratios.without_zeros(problem, kind.delayed, order));
       if (value_of(lean) < value_of(simple)) simple = std::move(lean);
     }
@@ -332,7 +325,7 @@ RationalLadder grown_ladder(const RationalProblem& problem, std::size_t fewest_p
       ++in_vain;
     }
     const bool found = !is_far(problem, ladder.fits.at(ladder.chosen));
-    if ((found && in_vain >= 2) || in_vain >= 4 || exact(problem, ladder.fits.back())) break;
+    if ((found && in_vain >= 2) || (in_vain >= 4 && !steep) || exact(problem, ladder.fits.back())) break;
   }
   return ladder;
 }

@@ -58,7 +58,8 @@ GlobalSolution frequency_search(const FitProblem& problem, double hopeless, doub
   const bool blind = problem.options.global_start && !problem.map.free().empty();
   LocalOptions options;
   options.cost_tolerance = settled;
-  GlobalSolution result = blind ? search_from_nothing(problem, few, hopeless) : search_from_start(problem, few, options);
+  GlobalSolution result =
+      blind ? search_from_nothing(problem, few, hopeless) : search_from_start(problem, few, options);
   if (result.starts_at_best == 0) return result;
   if (few.points.data.size() < problem.data.size()) {
     result.best = local_solve(problem.residuals, result.best.theta, options);
