@@ -139,12 +139,11 @@ inline constexpr double search_margin = 1.2;
 [[nodiscard]] double price_of_place(const ProjectedData& data);
 
 /// Gauss-Newton in what acts nonlinearly, the coefficients following by projection (Golub, Pereyra 1973).  A box holds
-/// the steps: what the data hardly see goes no further than its edge and does not keep the rest from going there. Ceres
-/// is not used here: setting up one of its problems takes longer than one of these solves, of which a growth makes
-/// hundreds.
-/// @param problem  gives columns(shape), derivatives(shape, linear) of the model at fixed coefficients, one column
-/// each,
-///                 reach(shape) and stepped(shape, step)
+/// the steps: what the data hardly see goes no further than its edge and does not keep the rest from going there.
+/// Ceres is not used here: setting up one of its problems takes longer than one of these solves, of which a growth
+/// makes hundreds.
+/// @param problem  gives columns(shape), derivatives(shape, linear) of the model at fixed coefficients, one column for
+///                 each of what reach(shape) has, and stepped(shape, step)
 /// @return whether the start has a finite cost
 template <class Problem, class Shape>
 bool gauss_newton(const Problem& problem, const ProjectedData& data, Shape& shape, ProjectedData::Linear& linear,
