@@ -22,6 +22,11 @@ bool is_far(const RationalProblem& problem, const RationalFit& fit) {
   return fit.cost > 0.01 * problem.data_power();
 }
 
+/// Whether the fit misses the data by less than half: it follows some of them.
+bool follows_some(const RationalProblem& problem, const RationalFit& fit) {
+  return fit.cost < 0.25 * problem.data_power();
+}
+
 /// Evenly in the logarithm over the band and its margins.
 std::vector<double> places(const RationalProblem& problem, int count) {
   const double first = problem.log_lower() - search_margin, last = problem.log_upper() + search_margin;
@@ -324,8 +329,10 @@ RationalLadder grown_ladder(const RationalProblem& problem, std::size_t fewest_p
     } else {
       ++in_vain;
     }
-    const bool found = !is_far(problem, ladder.fits.at(ladder.chosen));
-    if ((found && in_vain >= 2) || (in_vain >= 4 && !steep) || exact(problem, ladder.fits.back())) break;
+    const RationalFit& chosen = ladder.fits.at(ladder.chosen);
+    const bool begun = !steep || follows_some(problem, chosen);
+    if (begun && in_vain >= (is_far(problem, chosen) ? 4u : 2u)) break;
+    if (exact(problem, ladder.fits.back())) break;
   }
   return ladder;
 }
