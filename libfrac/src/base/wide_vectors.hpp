@@ -44,6 +44,15 @@ decltype(auto) with_fused_operations(const Work& work) {
   return work();
 }
 
+/// Doubles side by side, at any address.  GCC keeps sums in registers only if these are vectors by name, of the width
+/// that the instruction set has.
+template <std::size_t width>
+struct Doubles {
+  typedef double Type __attribute__((vector_size(width * sizeof(double)), aligned(alignof(double)), may_alias));
+  static FRACFIT_INLINE inline Type& at(double* place) { return *reinterpret_cast<Type*>(place); }
+  static FRACFIT_INLINE inline const Type& at(const double* place) { return *reinterpret_cast<const Type*>(place); }
+};
+
 /// Memory that begins where a wide register's begins: a load across two lines of the cache costs two.
 template <typename Value>
 struct LineAllocator {

@@ -119,17 +119,17 @@ void Program::evaluate(std::span<const double> parameters, double angle, std::sp
   for (std::size_t start = 0; start < omega.size(); start += block_size) {
     const std::size_t count = std::min(block_size, omega.size() - start);
     forward(omega.subspan(start, count), start, with_gradient, work);
-    for (std::size_t i = 0; i < count; ++i) {
-      value[start + i] =
-          complex_steps_.empty() ? Complex(work.real.back()) : work.value[complex_steps_.size() - 1].get(i);
+    if (complex_steps_.empty()) {
+      std::fill_n(value.data() + start, count, work.real.back());
+    } else {
+      work.value[complex_steps_.size() - 1].copy_to(value.data() + start, count);
     }
     if (!with_gradient) continue;
     backward(count, work);
     for (std::size_t slot = 0; slot < real_steps_.size(); ++slot) {
       if (real_steps_[slot].operation != Operation::parameter) continue;
       const auto column = static_cast<std::size_t>(real_steps_[slot].parameter);
-      Complex* const to = gradient.data() + column * omega.size() + start;
-      for (std::size_t i = 0; i < count; ++i) to[i] = work.real_adjoint[slot].get(i);
+      work.real_adjoint[slot].copy_to(gradient.data() + column * omega.size() + start, count);
     }
   }
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>
@@ -9,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "base/wide_vectors.hpp"
 #include "program.hpp"
 #include "realisation/power_grid.hpp"
 #include "realisation/prepared_power.hpp"
@@ -18,25 +18,36 @@ namespace frac::detail {
 /// Frequencies per pass: long enough to amortise the dispatch, short enough for the cache.
 constexpr std::size_t block_size = 16;
 
-/// Values of one slot at the frequencies of a block.
+/// Values of one slot at the frequencies of a block, one by one or several at once.
 struct Lanes {
-  std::array<double, block_size> re;
-  std::array<double, block_size> im;
+  static constexpr std::size_t width = 4;
+  using Vector = Doubles<width>::Type;
 
-  [[nodiscard]] std::complex<double> get(std::size_t i) const { return {re[i], im[i]}; }
+  [[nodiscard]] std::complex<double> get(std::size_t i) const { return {re_[i], im_[i]}; }
   void set(std::size_t i, std::complex<double> value) {
-    re[i] = value.real();
-    im[i] = value.imag();
+    re_[i] = value.real();
+    im_[i] = value.imag();
   }
-  void clear(std::size_t count) {
-    std::fill_n(re.begin(), count, 0.0);
-    std::fill_n(im.begin(), count, 0.0);
+  void copy_to(std::complex<double>* values, std::size_t count) const {
+    double* const pairs = reinterpret_cast<double*>(values);
+    for (std::size_t i = 0; i < count; ++i) {
+      pairs[2 * i] = re_[i];
+      pairs[2 * i + 1] = im_[i];
+    }
   }
-  void add(std::size_t i, double real, double imaginary) {
-    re[i] += real;
-    im[i] += imaginary;
-  }
+  [[nodiscard]] FRACFIT_INLINE Vector& re(std::size_t v) { return Doubles<width>::at(&re_[v * width]); }
+  [[nodiscard]] FRACFIT_INLINE Vector& im(std::size_t v) { return Doubles<width>::at(&im_[v * width]); }
+  [[nodiscard]] FRACFIT_INLINE const Vector& re(std::size_t v) const { return Doubles<width>::at(&re_[v * width]); }
+  [[nodiscard]] FRACFIT_INLINE const Vector& im(std::size_t v) const { return Doubles<width>::at(&im_[v * width]); }
+
+ private:
+  std::array<double, block_size> re_, im_;
 };
+
+/// How many vectors hold that many values; what the last one holds beyond them is never read one by one.
+[[nodiscard]] constexpr std::size_t vectors_of(std::size_t count) {
+  return (count + Lanes::width - 1) / Lanes::width;
+}
 
 /// (c s)^q for real c: |c|^q H(s) for c >= 0 and |c|^q H(-s) = |c|^q conj(H(s)) for c < 0, which is the principal value
 /// where H is exact, and the natural reading where it is not.

@@ -13,13 +13,18 @@
 namespace frac::detail {
 namespace {
 
-std::vector<double> combined(double a, const std::vector<double>& x, double b, const std::vector<double>& y) {
-  std::vector<double> result(x.size());
+Slope combined(double a, const Slope& x, double b, const Slope& y) {
+  Slope result(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) result[i] = a * x[i] + b * y[i];
   return result;
 }
 
-bool is_zero(const std::vector<double>& slope) {
+// x = a x + b y
+void combine(double a, Slope& x, double b, const Slope& y) {
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = a * x[i] + b * y[i];
+}
+
+bool is_zero(const Slope& slope) {
   return std::all_of(slope.begin(), slope.end(), [](double each) { return each == 0; });
 }
 
@@ -27,8 +32,8 @@ bool is_zero(const std::vector<double>& slope) {
 
 void add_to(SensitiveTerm& sum, const SensitiveTerm& term) {
   sum.coefficient = sum_or_nothing(sum.coefficient, term.coefficient);
-  sum.by_coefficient = combined(1, sum.by_coefficient, 1, term.by_coefficient);
-  sum.by_order = combined(1, sum.by_order, 1, term.by_order);
+  combine(1, sum.by_coefficient, 1, term.by_coefficient);
+  combine(1, sum.by_order, 1, term.by_order);
 }
 
 SensitiveTerm times(const SensitiveTerm& a, const SensitiveTerm& b) {
@@ -42,8 +47,6 @@ bool is_nothing(const SensitiveTerm& term) {
 }
 
 namespace {
-
-using Slope = std::vector<double>;  // by each parameter; empty where none is wanted
 
 // A number free of s.
 struct Real {
@@ -63,7 +66,7 @@ bool is_zero(const SensitiveSum& sum) {
 SensitiveSum shifted(SensitiveSum terms, double order, const Slope& order_slope) {
   for (SensitiveTerm& term : terms) {
     term.order += order;
-    term.by_order = combined(1, term.by_order, term.coefficient, order_slope);
+    combine(1, term.by_order, term.coefficient, order_slope);
   }
   return terms;
 }
@@ -92,7 +95,7 @@ RatioOfPowerSums normalised(RatioOfPowerSums ratio) {
     multiply(bottom.by_order, 1 / divisor);
     for (SensitiveTerm& term : ratio.numerator) {
       term.coefficient /= divisor;
-      term.by_coefficient = combined(1 / divisor, term.by_coefficient, -term.coefficient, bottom.by_coefficient);
+      combine(1 / divisor, term.by_coefficient, -term.coefficient, bottom.by_coefficient);
       multiply(term.by_order, 1 / divisor);
     }
     bottom.coefficient = 1;
@@ -120,8 +123,9 @@ RatioOfPowerSums sum(const RatioOfPowerSums& a, const RatioOfPowerSums& b) {
   if (a.numerator.empty()) return b;
   if (b.numerator.empty()) return a;
   if (a.delay != b.delay) {
-    throw std::invalid_argument("its terms have different delays, " + number_text(a.delay) + " s and " +
-                                number_text(b.delay) + " s");
+    const auto [shorter, longer] = std::minmax(a.delay, b.delay);
+    throw std::invalid_argument("its terms have different delays, " + number_text(shorter) + " s and " +
+                                number_text(longer) + " s");
   }
   if (a.denominator == b.denominator) {
     return {concatenated(a.numerator, b.numerator), a.denominator, a.delay, a.delay_slope};
@@ -142,9 +146,54 @@ RatioOfPowerSums sum(const RatioOfPowerSums& a, const RatioOfPowerSums& b) {
   return result;
 }
 
+bool is_one(const SensitiveSum& sum) {
+  return sum.size() == 1 && sum[0].coefficient == 1 && sum[0].order == 0 && is_zero(sum[0].by_coefficient) &&
+         is_zero(sum[0].by_order);
+}
+
+SensitiveSum product(const SensitiveSum& a, const SensitiveSum& b) {
+  return is_one(a) ? b : is_one(b) ? a : product_of_terms(a, b);
+}
+
 RatioOfPowerSums multiplied(const RatioOfPowerSums& a, const RatioOfPowerSums& b) {
-  return normalised({product_of_terms(a.numerator, b.numerator), product_of_terms(a.denominator, b.denominator),
-                     a.delay + b.delay, combined(1, a.delay_slope, 1, b.delay_slope)});
+  return normalised({product(a.numerator, b.numerator), product(a.denominator, b.denominator), a.delay + b.delay,
+                     combined(1, a.delay_slope, 1, b.delay_slope)});
+}
+
+// In place of what constant() would make of a number: that takes memory for each of its lists.
+SensitiveSum scaled(SensitiveSum sum, const Real& factor) {
+  for (SensitiveTerm& term : sum) {
+    combine(factor.value, term.by_coefficient, term.coefficient, factor.slope);
+    multiply(term.by_order, factor.value);
+    term.coefficient *= factor.value;
+  }
+  std::erase_if(sum, [](const SensitiveTerm& term) { return is_nothing(term); });
+  return sum;
+}
+
+RatioOfPowerSums scaled(RatioOfPowerSums ratio, const Real& factor) {
+  ratio.numerator = scaled(std::move(ratio.numerator), factor);
+  return ratio;
+}
+
+RatioOfPowerSums sum(const RatioOfPowerSums& a, const Real& b) {
+  if (a.numerator.empty() || a.delay != 0) return sum(a, constant(b));
+  RatioOfPowerSums result{concatenated(a.numerator, scaled(a.denominator, b)), a.denominator, a.delay, a.delay_slope};
+  if (a.denominator.size() > 1) cancel_common_power(result);
+  return result;
+}
+
+Real negated(Real real) {
+  real.value = -real.value;
+  multiply(real.slope, -1);
+  return real;
+}
+
+Real inverse(Real real) {
+  if (real.value == 0) throw std::invalid_argument("it is a division by zero");
+  real.value = 1 / real.value;
+  multiply(real.slope, -real.value * real.value);
+  return real;
 }
 
 RatioOfPowerSums inverse(const RatioOfPowerSums& ratio) {
@@ -228,8 +277,15 @@ RatioOfPowerSums exponential(const RatioOfPowerSums& argument) {
   return result;
 }
 
-RatioOfPowerSums apply(const Node& node, const std::vector<RatioOfPowerSums>& reduced,
+bool is_arithmetic(Operation operation) {
+  return operation == Operation::add || operation == Operation::subtract || operation == Operation::multiply ||
+         operation == Operation::divide;
+}
+
+// Operands free of s are in real_values; those of other operations than sums, products and quotients in `reduced` too.
+RatioOfPowerSums apply(const std::vector<Node>& nodes, const Node& node, const std::vector<RatioOfPowerSums>& reduced,
                        const std::vector<Real>& real_values, std::size_t sensitive_count) {
+  const auto has_s = [&](int index) { return nodes[static_cast<std::size_t>(index)].has_s; };
   const auto left = [&]() -> const RatioOfPowerSums& { return reduced[static_cast<std::size_t>(node.left)]; };
   const auto right = [&]() -> const RatioOfPowerSums& { return reduced[static_cast<std::size_t>(node.right)]; };
   const auto real = [&](int index) -> const Real& { return real_values[static_cast<std::size_t>(index)]; };
@@ -239,13 +295,17 @@ RatioOfPowerSums apply(const Node& node, const std::vector<RatioOfPowerSums>& re
     case Operation::exact_laplace:
       return monomial({1, none}, 1, none);
     case Operation::add:
-      return sum(left(), right());
+      if (!has_s(node.right)) return sum(left(), real(node.right));
+      return has_s(node.left) ? sum(left(), right()) : sum(right(), real(node.left));
     case Operation::subtract:
-      return sum(left(), negated(right()));
+      if (!has_s(node.right)) return sum(left(), negated(real(node.right)));
+      return has_s(node.left) ? sum(left(), negated(right())) : sum(negated(right()), real(node.left));
     case Operation::multiply:
-      return multiplied(left(), right());
+      if (!has_s(node.right)) return scaled(left(), real(node.right));
+      return has_s(node.left) ? multiplied(left(), right()) : scaled(right(), real(node.left));
     case Operation::divide:
-      return multiplied(left(), inverse(right()));
+      if (!has_s(node.right)) return scaled(left(), inverse(real(node.right)));
+      return has_s(node.left) ? multiplied(left(), inverse(right())) : scaled(inverse(right()), real(node.left));
     case Operation::negate:
       return negated(left());
     case Operation::power:
@@ -302,18 +362,26 @@ std::vector<Real> real_nodes(const Expression& expression, std::span<const doubl
 RatioOfPowerSums reduce(const Expression& expression, std::span<const double> parameters, Sensitivity sensitivity) {
   const std::size_t sensitive_count = sensitivity == Sensitivity::all ? parameters.size() : 0;
   const std::vector<Real> real_values = real_nodes(expression, parameters, sensitive_count);
-  std::vector<RatioOfPowerSums> reduced;
-  reduced.reserve(expression.nodes.size());
+  std::vector<RatioOfPowerSums> reduced(expression.nodes.size());
+  const auto complete = [&](int operand) {
+    if (operand < 0 || expression.nodes[static_cast<std::size_t>(operand)].has_s) return;
+    reduced[static_cast<std::size_t>(operand)] = constant(real_values[static_cast<std::size_t>(operand)]);
+  };
   for (std::size_t i = 0; i < expression.nodes.size(); ++i) {
     const Node& node = expression.nodes[i];
     try {
-      if (!node.has_s && !std::isfinite(real_values[i].value)) throw std::invalid_argument("its value is not finite");
-      reduced.push_back(node.has_s ? apply(node, reduced, real_values, sensitive_count) : constant(real_values[i]));
+      if (!node.has_s) {
+        if (!std::isfinite(real_values[i].value)) throw std::invalid_argument("its value is not finite");
+        continue;
+      }
+      if (!is_arithmetic(node.operation) && node.operation != Operation::power_of_s) complete(node.left);
+      reduced[i] = apply(expression.nodes, node, reduced, real_values, sensitive_count);
     } catch (const std::invalid_argument& reason) {
       throw NoRatio("\"" + expression.formula + "\" is no ratio of sums of powers of s, because of \"" +
                     std::string(expression.text_of(node)) + "\": " + reason.what());
     }
   }
+  complete(static_cast<int>(expression.nodes.size()) - 1);
   return std::move(reduced.back());
 }
 

@@ -9,13 +9,16 @@
 
 namespace frac::detail {
 
+/// By each parameter; empty where no derivatives are wanted.
+using Slope = std::vector<double>;
+
 /// A term c s^q with its derivative by each parameter, (by_coefficient + by_order ln s) s^q: by_coefficient = dc,
-/// by_order = c dq.  Both lists are empty where no derivatives are wanted.
+/// by_order = c dq.
 struct SensitiveTerm {
   double coefficient;
   double order;
-  std::vector<double> by_coefficient;
-  std::vector<double> by_order;
+  Slope by_coefficient;
+  Slope by_order;
   bool operator==(const SensitiveTerm&) const = default;
 };
 void add_to(SensitiveTerm& sum, const SensitiveTerm& term);
@@ -30,7 +33,7 @@ struct RatioOfPowerSums {
   SensitiveSum numerator;  // empty: zero
   SensitiveSum denominator;
   double delay = 0;
-  std::vector<double> delay_slope;
+  Slope delay_slope;
 };
 
 /// Whether the derivatives by all parameters are wanted too.

@@ -22,8 +22,6 @@ using Complex = std::complex<double>;
 constexpr double pi = std::numbers::pi;
 constexpr std::size_t most_integrators = 8;
 
-using SensitiveTerms = std::vector<ExponentialTerm<ComplexRow>>;
-
 // Whether the image and its derivatives are ratios of polynomials, which have no branch cut.
 bool is_rational(const RatioOfPowerSums& ratio) {
   const auto is_whole = [](const SensitiveTerm& term) {
@@ -70,7 +68,7 @@ void add_circles(const LaplaceImage& image, const CutRule* rule, SensitiveImage&
     for (int i = 0; i < (pole.is_conjugate || on_cut ? points / 2 : points); ++i) {
       const Complex offset = std::polar(radius, 2 * pi * (i + 0.5) / points);
       const Complex share = shares ? rule->share(middle + offset) : 1.0;
-      terms.push_back({rate_at(middle + offset), 2.0 / points * share * offset * sensitive(middle + offset)});
+      terms.add(rate_at(middle + offset), 2.0 / points * share * offset * sensitive(middle + offset));
     }
   }
 }
@@ -127,10 +125,9 @@ bool EventResponse::evaluate(const FractionalTransferFunction& model, double tol
   std::optional<EventPlan> planned_for = planned(order_at_infinity(model), order_at_origin(model), model.delay());
   if (!planned_for) return false;
   EventPlan& plan = *planned_for;
-  if (order_at_infinity(model) == 0) {
-    plan.direct = model.numerator().front().coefficient / model.denominator().front().coefficient;
-  }
-  plan.direct_by.setZero(0);
+  const double direct = order_at_infinity(model) == 0
+                            ? model.numerator().front().coefficient / model.denominator().front().coefficient
+                            : 0;
   const double latest = output_time_.back() - knots_.front().time - plan.delay;
   const auto rows = static_cast<Eigen::Index>(output_time_.size());
   if (!(latest > 0)) {
@@ -143,7 +140,7 @@ bool EventResponse::evaluate(const FractionalTransferFunction& model, double tol
   if (!step.poles().complete) return false;
   ExponentialSum sum = exponential_sum(step, shortest_lag(plan.delay), latest, tolerance, plan.integrators,
                                        plan.channels, FastTerms::direct);
-  plan.take(std::move(sum.terms), sum.constants);
+  plan.take(sum.terms, sum.constants, direct);
   run_over_events(plan, knots_, output_time_, result);
   return result.value.allFinite();
 }
@@ -163,14 +160,14 @@ bool EventResponse::evaluate(const RatioOfPowerSums& ratio, double tolerance, Re
   const auto m = static_cast<double>(plan.integrators);
   SensitiveImage sensitive(ratio, m);
   const Eigen::Index columns = sensitive.columns();
-  plan.direct_by.setZero(columns - 1);
+  RealRow direct = RealRow::Zero(columns);
   if (high_order == 0) {
     const SensitiveTerm& top = ratio.numerator.front();
     const SensitiveTerm& bottom = ratio.denominator.front();
-    plan.direct = top.coefficient / bottom.coefficient;
-    for (Eigen::Index p = 0; p + 1 < columns; ++p) {
-      const auto i = static_cast<std::size_t>(p);
-      plan.direct_by[p] = (top.by_coefficient[i] - plan.direct * bottom.by_coefficient[i]) / bottom.coefficient;
+    direct[0] = top.coefficient / bottom.coefficient;
+    for (std::size_t p = 0; p < top.by_coefficient.size(); ++p) {
+      direct[static_cast<Eigen::Index>(p) + 1] =
+          (top.by_coefficient[p] - direct[0] * bottom.by_coefficient[p]) / bottom.coefficient;
     }
   }
 
@@ -188,7 +185,9 @@ bool EventResponse::evaluate(const RatioOfPowerSums& ratio, double tolerance, Re
   if (!is_rational(ratio) || !are_apart(image)) rule.emplace(image, shortest_lag(ratio.delay), tolerance);
   const CutRule* const along_cut = rule ? &*rule : nullptr;
   const auto image_at = [&](Complex zeta) -> const ComplexRow& { return sensitive(zeta); };
-  SensitiveTerms terms;
+  // Kept per thread, so that rows find memory there.
+  thread_local SensitiveTerms terms;
+  terms.clear();
   add_circles(image, along_cut, sensitive, latest, tolerance, terms);
   double negligible = 0;
   if (rule) {
@@ -202,7 +201,7 @@ bool EventResponse::evaluate(const RatioOfPowerSums& ratio, double tolerance, Re
   if (plan.integrators > 0) make_direct(terms, latest, plan.integrators);
   const auto constants = constants_of(terms, image_at, log_anchors(image, latest, plan.integrators + 1), along_cut,
                                       negligible, plan.integrators, plan.channels);
-  plan.take(std::move(terms), constants);
+  plan.take(terms, constants, direct);
   run_over_events(plan, knots_, output_time_, result);
   return result.value.allFinite() && result.gradient.allFinite();
 }

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "event_run.hpp"
 
+#include <algorithm>
+#include <span>
+
+#include "base/wide_vectors.hpp"
 #include "special/phi_functions.hpp"
 
 namespace frac::detail {
@@ -68,135 +72,154 @@ class Gaps {
   std::size_t oldest_ = 0;
 };
 
+/// Moves states over a gap, `width` of them at once.
+template <std::size_t width>
+FRACFIT_INLINE inline void move_states(const Gap& gap, std::size_t reals, std::size_t complexes,
+                                       std::span<const double> input, double* state) {
+  using L = Doubles<width>;
+  using Vector = typename L::Type;
+  const double* const change_re = gap.change_re.data();
+  for (std::size_t k = 0; k < reals; k += width) L::at(state + k) += L::at(change_re + k) * L::at(state + k);
+  for (std::size_t k = 0; k < complexes; k += width) {
+    const Vector& by_re = L::at(change_re + reals + k);
+    const Vector& by_im = L::at(gap.change_im.data() + k);
+    Vector& re = L::at(state + reals + k);
+    Vector& im = L::at(state + reals + complexes + k);
+    const Vector old_re = re;
+    re += by_re * old_re - by_im * im;
+    im += by_im * old_re + by_re * im;
+  }
+  for (std::size_t i = 0; i < input.size(); ++i) {
+    if (input[i] == 0) continue;
+    const double* const drive = gap.drive.col(static_cast<Eigen::Index>(i)).data();
+    for (std::size_t k = 0; k < reals + 2 * complexes; k += width) L::at(state + k) += input[i] * L::at(drive + k);
+  }
+}
+
+/// sum[0, count width) = factors times rows of weights that many columns wide and `stride` apart.  Sums of every fourth
+/// row go on side by side: that hides the time an addition takes.
+template <std::size_t width, std::size_t count>
+FRACFIT_INLINE inline void add_rows(std::span<const double> factor, const double* weight, std::size_t stride,
+                                    double* sum) {
+  using L = Doubles<width>;
+  constexpr std::size_t together = EventPlan::together;
+  typename L::Type part[together][count] = {};
+  for (std::size_t k = 0; k < factor.size(); k += together) {
+    for (std::size_t u = 0; u < together; ++u) {
+      for (std::size_t c = 0; c < count; ++c) {
+        part[u][c] += factor[k + u] * L::at(weight + (k + u) * stride + c * width);
+      }
+    }
+  }
+  for (std::size_t c = 0; c < count; ++c) {
+    L::at(sum + c * width) = (part[0][c] + part[1][c]) + (part[2][c] + part[3][c]);
+  }
+}
+
+template <std::size_t width>
+FRACFIT_INLINE inline void add_rows(std::span<const double> factor, const double* weight, std::span<double> sum) {
+  std::size_t j = 0;
+  for (; j + 2 * width <= sum.size(); j += 2 * width) {
+    add_rows<width, 2>(factor, weight + j, sum.size(), sum.data() + j);
+  }
+  for (; j < sum.size(); j += width) add_rows<width, 1>(factor, weight + j, sum.size(), sum.data() + j);
+}
+
+constexpr std::size_t narrow = 2, widest = 4;
+static_assert(EventPlan::together == widest);
+
 /// The states of the plan and the derivatives of the m-fold integral of the input, moved from instant to instant.
 class States {
  public:
   States(const EventPlan& plan, double start)
-      : reals_(plan.real_count),
-        complexes_(plan.complex_count),
-        level_(static_cast<Eigen::Index>(plan.integrators)),
+      : reals_(static_cast<std::size_t>(plan.real_count)),
+        complexes_(static_cast<std::size_t>(plan.complex_count)),
+        level_(plan.integrators),
         gaps_(plan),
         now_(start),
-        state_(Eigen::ArrayXd::Zero(reals_ + 2 * complexes_)),
-        input_(Eigen::ArrayXd::Zero(static_cast<Eigen::Index>(plan.channels))) {}
+        entries_(static_cast<std::size_t>(plan.weight.rows()), 0.0),
+        input_(std::span(entries_).subspan(reals_ + 2 * complexes_, plan.channels)) {}
 
-  [[nodiscard]] const Eigen::ArrayXd& state() const { return state_; }
-  [[nodiscard]] const Eigen::ArrayXd& input() const { return input_; }
+  /// What the rows of the plan's weights belong to.
+  /// @param jump  of the input at this instant, which the states do not know of yet
+  [[nodiscard]] std::span<const double> entries(double jump) {
+    *(input_.data() + input_.size()) = jump;
+    return entries_;
+  }
 
   void advance(double to) {
     if (to <= now_) return;
     const double length = to - now_;
     const Gap& gap = gaps_.of(length, rounding_at(now_ + length));
     now_ = to;
-    if ((input_ == 0).all() && (state_ == 0).all()) return;
-    move_states(gap);
+    if (!is_moved_) return;
+    if (instruction_set() == InstructionSet::plain) {
+      move_states<narrow>(gap, reals_, complexes_, input_, entries_.data());
+    } else {
+      with_wide_vectors([&]()
+                            FRACFIT_INLINE { move_states<widest>(gap, reals_, complexes_, input_, entries_.data()); });
+    }
     integrate_input(length);
   }
 
   void apply(const EventResponse::Knot& knot) {
     input_[level_] += knot.jump;
     if (level_ + 1 < input_.size()) input_[level_ + 1] += knot.slope;
+    is_moved_ = is_moved_ || std::any_of(input_.begin(), input_.end(), [](double each) { return each != 0; });
   }
 
  private:
-  void move_states(const Gap& gap) {
-    state_.head(reals_) += gap.change_re.head(reals_) * state_.head(reals_);
-    if (complexes_ > 0) {
-      const auto change_re = gap.change_re.tail(complexes_);
-      auto re = state_.segment(reals_, complexes_);
-      auto im = state_.tail(complexes_);
-      previous_ = re;
-      re += change_re * previous_ - gap.change_im * im;
-      im += gap.change_im * previous_ + change_re * im;
-    }
-    for (Eigen::Index i = 0; i < input_.size(); ++i) {
-      if (input_[i] != 0) state_ += input_[i] * gap.drive.col(i);
-    }
-  }
-
   void integrate_input(double length) {
-    for (Eigen::Index i = 0; i < input_.size(); ++i) {
+    for (std::size_t i = 0; i < input_.size(); ++i) {
       double factor = 1;
-      for (Eigen::Index j = i + 1; j < input_.size(); ++j) {
+      for (std::size_t j = i + 1; j < input_.size(); ++j) {
         factor *= length / static_cast<double>(j - i);
         input_[i] += factor * input_[j];
       }
     }
   }
 
-  Eigen::Index reals_, complexes_, level_;
+  std::size_t reals_, complexes_, level_;
   Gaps gaps_;
   double now_;
-  Eigen::ArrayXd state_, previous_;
-  Eigen::ArrayXd input_;
+  AlignedVector<double> entries_;
+  std::span<double> input_;  // of the entries
+  bool is_moved_ = false;    // whether any input has come
 };
 
-/// Turns states into outputs, a few hundred instants at a time.
+/// Turns states into outputs.
 class Outputs {
  public:
   Outputs(const EventPlan& plan, Eigen::Index rows, EventResponse::Result& result)
-      : plan_(plan),
-        result_(result),
-        capacity_(std::min(rows, most_buffered)),
-        states_(capacity_, plan.weight.rows()),
-        inputs_(capacity_, static_cast<Eigen::Index>(plan.channels)),
-        jumps_(capacity_) {
+      : result_(result), row_((static_cast<std::size_t>(plan.weight.cols()) + widest - 1) / widest * widest) {
     result.value.resize(rows);
     result.gradient.resize(rows, plan.weight.cols() - 1);
+    weight_.assign(static_cast<std::size_t>(plan.weight.rows()) * row_.size(), 0.0);
+    Eigen::Map<RowMajor>(weight_.data(), plan.weight.rows(), static_cast<Eigen::Index>(row_.size()))
+        .leftCols(plan.weight.cols()) = plan.weight;
   }
 
-  /// @param jump  of the input at this instant, which the states do not know of yet
-  void add(const States& at, double jump) {
-    states_.row(buffered_) = at.state().matrix();
-    inputs_.row(buffered_) = at.input().matrix();
-    jumps_[buffered_] = jump;
-    if (++buffered_ == capacity_) flush();
-  }
-
-  void flush() {
-    if (buffered_ == 0) return;
-    const auto x = states_.topRows(buffered_);
-    const auto v = inputs_.topRows(buffered_);
-    const auto jump = jumps_.head(buffered_);
-    const Eigen::Index sensitivities = plan_.weight.cols() - 1;
-    auto value = result_.value.segment(written_, buffered_);
-    auto gradient = result_.gradient.middleRows(written_, buffered_);
-    value.noalias() = x * plan_.weight.col(0);
-    value.noalias() += v * plan_.constant.col(0);
-    value += plan_.direct * jump;
-    gradient.noalias() = x * plan_.weight.rightCols(sensitivities);
-    gradient.noalias() += v * plan_.constant.rightCols(sensitivities);
-    gradient.noalias() += jump * plan_.direct_by;
-    if (!plan_.delay_slope.empty()) subtract_motion(gradient);
-    written_ += buffered_;
-    buffered_ = 0;
+  /// @param entries  what the rows of the plan's weights belong to
+  void add(std::span<const double> entries) {
+    if (instruction_set() == InstructionSet::plain) {
+      add_rows<narrow>(entries, weight_.data(), row_);
+    } else {
+      with_wide_vectors([&]() FRACFIT_INLINE { add_rows<widest>(entries, weight_.data(), row_); });
+    }
+    result_.value[written_] = row_[0];
+    for (Eigen::Index p = 0; p < result_.gradient.cols(); ++p) {
+      result_.gradient(written_, p) = row_[static_cast<std::size_t>(p) + 1];
+    }
+    ++written_;
   }
 
  private:
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  static constexpr Eigen::Index most_buffered = 512;
 
-  /// A longer dead time moves the output back.  d/dt of each state is rate (state + what it takes).
-  void subtract_motion(Eigen::Ref<Eigen::MatrixXd> gradient) const {
-    const auto v = inputs_.topRows(buffered_);
-    const auto level = static_cast<Eigen::Index>(plan_.integrators);
-    Eigen::VectorXd motion = states_.topRows(buffered_) * plan_.motion;
-    for (Eigen::Index k = 0; k < plan_.real_count + plan_.complex_count; ++k) {
-      motion += plan_.motion[k] * v.col(plan_.is_direct[static_cast<std::size_t>(k)] ? level : 0);
-    }
-    for (Eigen::Index j = 0; j + 1 < v.cols(); ++j) motion += plan_.constant(j, 0) * v.col(j + 1);
-    for (Eigen::Index p = 0; p < gradient.cols(); ++p) {
-      gradient.col(p) -= plan_.delay_slope[static_cast<std::size_t>(p)] * motion;
-    }
-  }
-
-  const EventPlan& plan_;
   EventResponse::Result& result_;
-  Eigen::Index capacity_;
-  Eigen::Index written_ = 0, buffered_ = 0;
-  RowMajor states_;
-  Eigen::MatrixXd inputs_;
-  Eigen::VectorXd jumps_;
+  Eigen::Index written_ = 0;
+  AlignedVector<double> row_;     // of one instant, filled up to whole vectors
+  AlignedVector<double> weight_;  // row by row, likewise
 };
 
 }  // namespace
@@ -214,10 +237,9 @@ void run_over_events(const EventPlan& plan, const std::vector<EventResponse::Kno
     }
     const bool on_knot = next != knots.end() && arrival() <= t + rounding_at(t);
     states.advance(t);
-    outputs.add(states, on_knot ? next->jump : 0);
+    outputs.add(states.entries(on_knot ? next->jump : 0));
     if (on_knot) states.apply(*next++);
   }
-  outputs.flush();
 }
 
 }  // namespace frac::detail

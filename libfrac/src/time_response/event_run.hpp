@@ -34,48 +34,70 @@ inline const RealRow& row_of(const RealRow& value) {
   return value;
 }
 
-/// The model at one set of parameters, ready to be run over the events.  Rows of `weight`: real nodes, real parts of
-/// complex ones, their imaginary parts.
+/// The model at one set of parameters, ready to be run over the events.
 struct EventPlan {
+  /// Nodes are moved several at once: the real ones, the complex ones and the rows of `weight` are filled up to a
+  /// multiple of this with some that stay zero.
+  static constexpr Eigen::Index together = 4;
+
   Eigen::Index real_count = 0;
   Eigen::Index complex_count = 0;
   std::vector<std::complex<double>> rate;  // real ones first
   // States that decay within the horizon take the input itself, the others its m-fold integral.
   std::vector<bool> is_direct;
-  Eigen::MatrixXd weight;
-  Eigen::MatrixXd constant;  // a row per derivative of the m-fold integral of the input, from the 0th
-  Eigen::VectorXd motion;    // weights of the states in the output's rate of change; empty where it is not wanted
-  double direct = 0;
-  Eigen::RowVectorXd direct_by;
+  // What the value (column 0) and its derivatives by the parameters take of real nodes, of the real parts of complex
+  // ones, of their imaginary parts, of the derivatives of the m-fold integral of the input, from the 0th, and of the
+  // jump that the states do not know of yet: a row for each.
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> weight;
   std::size_t integrators = 0;
   std::size_t channels = 1;
   double delay = 0;
-  std::vector<double> delay_slope;
+  Slope delay_slope;
 
-  template <typename Weight, typename Value>
-  void take(std::vector<ExponentialTerm<Weight>> terms, const std::vector<Value>& constants) {
+  [[nodiscard]] Eigen::Index states() const { return real_count + 2 * complex_count; }
+
+  /// @param terms      left in another order
+  /// @param constants  as many as channels
+  /// @param direct     what the output follows at once
+  template <typename Terms, typename Value>
+  void take(Terms& terms, const std::vector<Value>& constants, const Value& direct) {
+    const auto filled = [](Eigen::Index count) { return (count + together - 1) / together * together; };
     const auto complex_terms =
         std::stable_partition(terms.begin(), terms.end(), [](const auto& term) { return term.rate.imag() == 0; });
-    real_count = complex_terms - terms.begin();
-    complex_count = terms.end() - complex_terms;
-    const Eigen::Index columns = row_of(constants.front()).size();
-    weight.resize(real_count + 2 * complex_count, columns);
-    if (!delay_slope.empty()) motion.resize(weight.rows());
-    for (Eigen::Index i = 0; i < real_count + complex_count; ++i) {
-      const ExponentialTerm<Weight>& term = terms[static_cast<std::size_t>(i)];
-      rate.push_back(term.rate);
-      is_direct.push_back(term.is_direct);
+    real_count = filled(complex_terms - terms.begin());
+    complex_count = filled(terms.end() - complex_terms);
+    rate.assign(static_cast<std::size_t>(real_count + complex_count), 0.0);
+    is_direct.assign(rate.size(), false);
+    const Eigen::Index columns = row_of(direct).size();
+    const auto inputs = static_cast<Eigen::Index>(channels);
+    weight.setZero(filled(states() + inputs + 1), columns);
+    // Of the output's rate of change: the rate of a state is that of its node times it and what it takes.
+    Eigen::VectorXd motion = Eigen::VectorXd::Zero(weight.rows());
+    const auto set = [&](Eigen::Index node, const auto& term) {
+      const auto i = static_cast<std::size_t>(node);
+      rate[i] = term.rate;
+      is_direct[i] = term.is_direct;
       const auto& row = row_of(term.weight);
       const std::complex<double> moved = row[0] * term.rate;
-      weight.row(i) = row.real().matrix();
-      if (!delay_slope.empty()) motion[i] = moved.real();
-      if (i < real_count) continue;
-      weight.row(i + complex_count) = -row.imag().matrix();
-      if (!delay_slope.empty()) motion[i + complex_count] = -moved.imag();
+      weight.row(node) = row.real().matrix();
+      motion[node] = moved.real();
+      motion[states() + (term.is_direct ? static_cast<Eigen::Index>(integrators) : 0)] += moved.real();
+      if (node < real_count) return;
+      weight.row(node + complex_count) = -row.imag().matrix();
+      motion[node + complex_count] = -moved.imag();
+    };
+    Eigen::Index node = 0;
+    for (auto term = terms.begin(); term != complex_terms; ++term) set(node++, *term);
+    node = real_count;
+    for (auto term = complex_terms; term != terms.end(); ++term) set(node++, *term);
+    for (Eigen::Index j = 0; j < inputs; ++j) {
+      weight.row(states() + j) = row_of(constants[static_cast<std::size_t>(j)]).matrix();
+      if (j > 0) motion[states() + j] += weight(states() + j - 1, 0);
     }
-    constant.resize(static_cast<Eigen::Index>(constants.size()), columns);
-    for (std::size_t j = 0; j < constants.size(); ++j) {
-      constant.row(static_cast<Eigen::Index>(j)) = row_of(constants[j]).matrix();
+    weight.row(states() + inputs) = row_of(direct).matrix();
+    // A longer dead time moves the output back.
+    for (std::size_t p = 0; p < delay_slope.size(); ++p) {
+      weight.col(static_cast<Eigen::Index>(p) + 1) -= delay_slope[p] * motion;
     }
   }
 };

@@ -277,6 +277,12 @@ FRACFIT_INLINE inline void weigh_differences(const double* weight, const double*
   }
 }
 
+/// @param part  0: real parts, 1: imaginary ones
+FRACFIT_INLINE inline void weigh_part(const double* weight, const double* model, const double* data, std::size_t part,
+                                      std::size_t count, double* result) {
+  for (std::size_t i = 0; i < count; ++i) result[i] = weight[i] * (model[2 * i + part] - data[2 * i + part]);
+}
+
 // Complex numbers are pairs of reals in memory.
 const double* as_pairs(std::span<const std::complex<double>> values) {
   return reinterpret_cast<const double*>(values.data());
@@ -291,6 +297,13 @@ bool ResidualRule::residuals(std::span<const std::complex<double>> model, std::s
     return with_wide_vectors([&]() FRACFIT_INLINE {
       weigh_differences(weight.data(), as_pairs(model), as_pairs(data), count, result);
       return all_finite(result, 2 * count);
+    });
+  }
+  if (form == ResidualForm::imaginary || form == ResidualForm::real) {
+    const std::size_t part = form == ResidualForm::imaginary ? 1 : 0;
+    return with_wide_vectors([&]() FRACFIT_INLINE {
+      weigh_part(weight.data(), as_pairs(model), as_pairs(data), part, count, result);
+      return all_finite(result, count) && all_finite(as_pairs(model), 2 * count);
     });
   }
   for (std::size_t i = 0; i < count; ++i) {

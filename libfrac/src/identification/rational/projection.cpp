@@ -47,6 +47,8 @@ ProjectedData::ProjectedData(const FrequencyResponseData& data, const ResidualRu
     value[i] = data.value()[at];
   }
   end_slope_ = slope_at_end(log_omega_, value);
+  const Eigen::VectorXd omega = s_.imag();
+  grid_.prepare({omega.data(), data.size()});
   target_.resize(form_ == ResidualForm::cartesian ? 2 * points : points);
   put(value, target_);
 }
@@ -73,8 +75,13 @@ double ProjectedData::unseen_length(const Eigen::VectorXcd& values) const {
 }
 
 Eigen::ArrayXcd ProjectedData::power(double order, double shift) const {
-  const Complex phase = std::polar(1.0, order * std::numbers::pi / 2);
-  return log_s_.array().unaryExpr([&](Complex log) { return std::exp(order * (log.real() + shift)) * phase; });
+  Eigen::ArrayXd size(s_.size());
+  grid_.powers(order, 0, {size.data(), static_cast<std::size_t>(size.size())});
+  return size.cast<Complex>() * std::polar(std::exp(order * shift), order * std::numbers::pi / 2);
+}
+
+Eigen::ArrayXcd ProjectedData::delayed(double time) const {
+  return s_.array().unaryExpr([time](Complex s) { return std::polar(1.0, -time * s.imag()); });
 }
 
 std::optional<ProjectedData::Weighted> ProjectedData::weighted(const Eigen::MatrixXcd& columns) const {

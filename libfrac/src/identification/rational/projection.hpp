@@ -14,13 +14,21 @@
 #include "base/linear_algebra.hpp"
 #include "frac/model/frequency_response_data.hpp"
 #include "identification/data/residual_rule.hpp"
+#include "realisation/power_grid.hpp"
 
 namespace frac::detail {
 
 /// How far what acts nonlinearly may change at once.
 struct Reach {
-  Eigen::VectorXd moderate;      // either way: beyond, the linear picture seldom holds
-  Eigen::VectorXd lower, upper;  // what the limits leave
+  std::vector<double> moderate;      // either way: beyond, the linear picture seldom holds
+  std::vector<double> lower, upper;  // what the limits leave
+
+  /// One more of these, with its limits.
+  void add(double moderate_change, double value, double least, double most) {
+    moderate.push_back(moderate_change);
+    lower.push_back(std::min(least - value, 0.0));
+    upper.push_back(std::max(most - value, 0.0));
+  }
 };
 
 /// Normal equations of what acts nonlinearly.
@@ -52,6 +60,8 @@ class ProjectedData {
   [[nodiscard]] const Eigen::VectorXcd& log_s() const { return log_s_; }
   /// (s e^shift)^order, all of one phase.
   [[nodiscard]] Eigen::ArrayXcd power(double order, double shift = 0) const;
+  /// e^{-s time}
+  [[nodiscard]] Eigen::ArrayXcd delayed(double time) const;
   /// d ln|value| / d ln omega of the data at the upper end of the band, over half a decade or three points.
   [[nodiscard]] double end_slope() const { return end_slope_; }
   /// Sum of the squared weighted data.
@@ -109,6 +119,7 @@ class ProjectedData {
   std::vector<double> log_omega_;
   Eigen::VectorXd weight_, target_;
   Eigen::VectorXcd s_, log_s_;
+  PowerGrid grid_;  // of |s|
 };
 
 /// n ln(cost/n) and price_of_parameters().  Negligible costs are equally good.
@@ -156,10 +167,12 @@ bool gauss_newton(const Problem& problem, const ProjectedData& data, Shape& shap
     if (derivatives.cols() == 0 || !derivatives.allFinite()) break;
     const NormalEquations normal = data.normal_equations(derivatives, linear);
     const Reach reach = problem.reach(shape);
+    const Eigen::Map<const Eigen::VectorXd> moderate(reach.moderate.data(), derivatives.cols());
+    const Eigen::Map<const Eigen::VectorXd> lower(reach.lower.data(), derivatives.cols());
+    const Eigen::Map<const Eigen::VectorXd> upper(reach.upper.data(), derivatives.cols());
     bool stepped = false;
     for (int attempt = 0; attempt < 8 && !stepped; ++attempt) {
-      const Eigen::VectorXd step =
-          normal.step(reach.lower.cwiseMax(-size * reach.moderate), reach.upper.cwiseMin(size * reach.moderate));
+      const Eigen::VectorXd step = normal.step(lower.cwiseMax(-size * moderate), upper.cwiseMin(size * moderate));
       const double expected = normal.gain(step);
       if (!(expected > effort.settled * linear.cost)) break;
       Shape next = problem.stepped(shape, step);
@@ -167,7 +180,7 @@ bool gauss_newton(const Problem& problem, const ProjectedData& data, Shape& shap
       auto projection = data.project(columns);
       const double gain = projection ? linear.cost - projection->cost : -expected;
       // The picture holds as far as the gain is what it lets expect.
-      const double used = step.cwiseQuotient(reach.moderate).lpNorm<Eigen::Infinity>();
+      const double used = step.cwiseQuotient(moderate).lpNorm<Eigen::Infinity>();
       if (gain < 0.25 * expected) {
         size = used / 4;
       } else if (gain > 0.75 * expected) {

@@ -112,7 +112,7 @@ std::size_t RationalShape::relaxations() const {
 Eigen::MatrixXcd RationalProblem::columns(const RationalShape& shape) const {
   const Eigen::ArrayXcd z = powers(*this, shape.order);
   Eigen::ArrayXcd column = Eigen::ArrayXcd::Ones(z.size());
-  if (shape.delayed) column = (-shape.delay * s().array()).exp();
+  if (shape.delayed) column = delayed(shape.delay);
   for (std::size_t i = shape.low; i < shape.integrators; ++i) column /= z;
   for (std::size_t i = shape.integrators; i < shape.low; ++i) column *= z;
   std::vector<Eigen::ArrayXcd> of_factor;
@@ -138,7 +138,7 @@ Eigen::MatrixXcd RationalProblem::columns(const RationalShape& shape) const {
 Eigen::MatrixXcd RationalProblem::columns_of(const PoleFactor& factor, const RationalShape& shape) const {
   const Eigen::ArrayXcd z = powers(*this, shape.order);
   Eigen::ArrayXcd part = reciprocal(factor_values(factor, z, shape.order));
-  if (shape.delayed) part *= (-shape.delay * s().array()).exp();
+  if (shape.delayed) part *= delayed(shape.delay);
   Eigen::MatrixXcd result(z.size(), factor.pair ? 2 : 1);
   result.col(0) = part.matrix();
   if (factor.pair) result.col(1) = (part * scaled(factor, z, shape.order)).matrix();
@@ -175,24 +175,17 @@ Eigen::MatrixXcd RationalProblem::derivatives(const RationalShape& shape, const 
 
 Reach RationalProblem::reach(const RationalShape& shape) const {
   constexpr double e_folds = 2, of_order = 0.2;
-  const auto count = static_cast<Index>(shape.nonlinear());
-  Reach result{Eigen::VectorXd(count), Eigen::VectorXd(count), Eigen::VectorXd(count)};
-  Index column = 0;
-  const auto add = [&](double moderate, double value, double lower, double upper) {
-    result.moderate[column] = moderate;
-    result.lower[column] = std::min(lower - value, 0.0);
-    result.upper[column++] = std::max(upper - value, 0.0);
-  };
+  Reach result;
   const double beyond = beyond_band / shape.order;
   for (const PoleFactor& factor : shape.factors) {
-    add(e_folds, factor.log_size, log_lower() - beyond, log_upper() + beyond);
-    if (factor.pair) add(e_folds, factor.damping, -most_damping, most_damping);
+    result.add(e_folds, factor.log_size, log_lower() - beyond, log_upper() + beyond);
+    if (factor.pair) result.add(e_folds, factor.damping, -most_damping, most_damping);
   }
   // Radians at the upper end of the band, or as much again.
   if (shape.delayed) {
-    add(std::max(shape.delay, e_folds * std::exp(-log_upper())), shape.delay, 0, 6 * std::exp(-log_lower()));
+    result.add(std::max(shape.delay, e_folds * std::exp(-log_upper())), shape.delay, 0, 6 * std::exp(-log_lower()));
   }
-  if (shape.searches_order()) add(of_order, shape.order, least_order, most_order);
+  if (shape.searches_order()) result.add(of_order, shape.order, least_order, most_order);
   return result;
 }
 

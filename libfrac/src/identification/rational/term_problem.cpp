@@ -90,25 +90,17 @@ Eigen::MatrixXcd TermProblem::derivatives(const TermSum& sum, const Linear& line
 
 Reach TermProblem::reach(const TermSum& sum) const {
   constexpr double e_folds = 2, of_order = 0.2;
-  std::vector<double> moderate, lower, upper;
-  const auto add = [&](double by, double value, double least, double most) {
-    moderate.push_back(by);
-    lower.push_back(std::min(least - value, 0.0));
-    upper.push_back(std::max(most - value, 0.0));
-  };
+  Reach result;
   for (const Term& term : sum) {
     if (term.kind != Term::Kind::power) {
-      add(e_folds, term.log_size, log_lower() - beyond_band, log_upper() + beyond_band);
+      result.add(e_folds, term.log_size, log_lower() - beyond_band, log_upper() + beyond_band);
     }
-    if (term.kind == Term::Kind::mode) add(e_folds, term.log_damping, least_log_damping, most_log_damping);
+    if (term.kind == Term::Kind::mode) result.add(e_folds, term.log_damping, least_log_damping, most_log_damping);
     if (term.held) continue;
     const bool arc = term.kind == Term::Kind::arc;
-    add(of_order, term.order, arc ? least_arc_order : -most_power, arc ? 1.0 : most_power);
+    result.add(of_order, term.order, arc ? least_arc_order : -most_power, arc ? 1.0 : most_power);
   }
-  const auto vector = [](const std::vector<double>& values) {
-    return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Index>(values.size())));
-  };
-  return {vector(moderate), vector(lower), vector(upper)};
+  return result;
 }
 
 TermSum TermProblem::stepped(const TermSum& sum, const Eigen::VectorXd& step) const {

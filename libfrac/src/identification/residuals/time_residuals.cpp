@@ -120,7 +120,11 @@ bool TimeResiduals::evaluate(std::span<const double> theta, double* residual, do
   Eigen::Map<Eigen::VectorXd>(residual, rest.size()) = rest;
   if (!jacobian) return true;
   Eigen::Map<Eigen::MatrixXd> by_theta(jacobian, rest.size(), static_cast<Eigen::Index>(map().free().size()));
-  by_theta = model_.gradient.lazyProduct(map().jacobian(map().to_user(theta)));
+  by_theta.setZero();
+  for (const ParameterMap::Entry& entry : map().jacobian_entries(map().to_user(theta))) {
+    by_theta.col(static_cast<Eigen::Index>(entry.free)) +=
+        entry.derivative * model_.gradient.col(static_cast<Eigen::Index>(entry.parameter));
+  }
   if (!fixed_offset_) {
     // Under a robust loss the offset moves a little otherwise, but the loss does not mind: it is least there, so that
     // its gradient is that of these rows.

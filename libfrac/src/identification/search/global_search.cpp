@@ -107,9 +107,10 @@ class Search {
   }
 
   /// Closer than what tells one minimum from another.
-  [[nodiscard]] static LocalOptions finishing_options(bool rough) {
+  /// @param hopeless  the structure, which then needs no more than its place in a ranking
+  [[nodiscard]] static LocalOptions finishing_options(bool hopeless) {
     LocalOptions options;
-    options.cost_tolerance = rough ? 1e-6 : 1e-10;
+    options.cost_tolerance = hopeless ? 1e-6 : 1e-10;
     return options;
   }
 
@@ -166,9 +167,9 @@ class Search {
   void finish(Scout& scout) {
     LocalSolution local = scout.local;
     if (!only_start_) {
-      const bool rough = is_hopeless();
-      local = local_solve(residuals_, local.theta, finishing_options(rough));
-      if (local.cost < result_.best.cost && !rough) local = local_solve(residuals_, local.theta, {});
+      const bool hopeless = is_hopeless();
+      local = local_solve(residuals_, local.theta, finishing_options(hopeless));
+      if (local.cost < result_.best.cost && !hopeless) local = local_solve(residuals_, local.theta, {});
     }
     scout.end = local.cost;
     scout.state = Scout::finished;

@@ -14,18 +14,12 @@ namespace {
 constexpr std::size_t block = 64;  // rows taken in together
 constexpr std::size_t narrow = 2, widest = 4;
 
-// GCC keeps sums in registers only if these are vectors by name, of the width that the instruction set has.
-template <std::size_t width>
-struct Lanes {
-  typedef double Type __attribute__((vector_size(width * sizeof(double)), may_alias));
-};
-
 /// Reflects some columns and the entries of the triangle above them: the reflecting vector has this head and goes on
 /// with the pivot column.
 template <std::size_t width, std::size_t count>
 FRACFIT_INLINE inline void reflect_columns(const double* pivot, double head, double scale, std::size_t height,
                                            double* above, double* columns) {
-  using Vector = typename Lanes<width>::Type;
+  using Vector = typename Doubles<width>::Type;
   const auto* const from = reinterpret_cast<const Vector*>(pivot);
   auto* const to = reinterpret_cast<Vector*>(columns);
   constexpr std::size_t stride = block / width;
@@ -50,7 +44,7 @@ template <std::size_t width>
 FRACFIT_INLINE inline void reflect(std::size_t k, std::size_t columns, std::size_t height, double* triangle,
                                    double* rows) {
   const double* const pivot = rows + k * block;
-  using Vector = typename Lanes<width>::Type;
+  using Vector = typename Doubles<width>::Type;
   Vector squares = {};
   for (std::size_t i = 0; i < height; i += width) {
     const auto& part = *reinterpret_cast<const Vector*>(pivot + i);
