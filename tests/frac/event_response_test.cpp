@@ -24,7 +24,7 @@ struct Case {
 };
 
 // Poles on either side of the cut and on it, a double one, integrators, direct feedthrough, dead time, a right-half
-// plane zero and pole, orders above 2, ratios of polynomials.
+// plane zero and pole, orders above 2, ratios of polynomials, numbers on either side of every sign of arithmetic.
 const std::vector<Case>& cases() {
   static const std::vector<Case> all{{"1/(a2 s^q2 + a1 s^q1 + 1)", {0.8, 2.2, 0.5, 0.9}},
                                      {"K exp(-L s)/(T s^a + 1)", {2, 0.513, 1.5, 0.6}},
@@ -43,7 +43,10 @@ const std::vector<Case>& cases() {
                                      {"K exp(-L s)/((s + p) (s + q) (s^2 + c s + 4))", {3, 0.513, 0.2, 9, 0.1}},
                                      {"K (s + z)/(s (s - p) (s + q))", {0.3, 2, 0.2, 3}},
                                      {"(s^2 + b s + 1)/((s + p) (s + 1.3))", {0.7, 30}},
-                                     {"Kp + Ki/s^l + Kd s^d/(0.01 s + 1)", {1, 2, 0.9, 0.3, 0.7}}};
+                                     {"Kp + Ki/s^l + Kd s^d/(0.01 s + 1)", {1, 2, 0.9, 0.3, 0.7}},
+                                     {"c - K/(T s^a + 1)/b", {0.3, 2, 1.5, 0.6, 0.8}},
+                                     {"(K/(s + p) - c)/d + 2 (a1/(b1 s^q1 + 1) + a2/(b2 s + 1) + 1/(s + w)/v)",
+                                      {1, 0.2, 0.3, 0.7, 2, 1.5, 0.8, -1, 4, 9, 0.5}}};
   return all;
 }
 
