@@ -141,6 +141,15 @@ TEST(FractionalTransferFunction, FurnaceDenominatorVanishesAtItsPoles) {
   EXPECT_LT(std::abs(denominator), 1e-14 * std::abs(slope) + 4 * eps);
 }
 
+// 49 times the double nearest 1/49 is not 1.
+TEST(FractionalTransferFunction, DividesByANumberAndDoesNotMultiplyByItsInverse) {
+  for (int n = 1; n <= 100; ++n) {
+    const std::string number = std::to_string(n);
+    const auto model = FractionalTransferFunction::parse(number + " s/" + number + " + 1");
+    EXPECT_EQ(model.numerator().front().coefficient, 1) << n;
+  }
+}
+
 TEST(FractionalTransferFunction, NamesThePartThatDoesNotReduce) {
   const auto parse = [](const char* formula) { (void)FractionalTransferFunction::parse(formula); };
   expect_invalid_argument([&] { parse("1/(1 + s^0.5)^0.7"); }, {"\"(1 + s^0.5)^0.7\"", "power of a sum"});

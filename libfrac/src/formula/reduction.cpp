@@ -86,21 +86,24 @@ RatioOfPowerSums monomial(Real coefficient, double order, const Slope& order_slo
   return result;
 }
 
+SensitiveSum divided(SensitiveSum sum, const Real& divisor) {
+  for (SensitiveTerm& term : sum) {
+    term.coefficient /= divisor.value;
+    combine(1 / divisor.value, term.by_coefficient, -term.coefficient / divisor.value, divisor.slope);
+    multiply(term.by_order, 1 / divisor.value);
+  }
+  return sum;
+}
+
 // A denominator of one term keeps the coefficient 1, so that a sum over s^m needs no cross multiplication.
 RatioOfPowerSums normalised(RatioOfPowerSums ratio) {
-  if (ratio.denominator.size() == 1) {
-    SensitiveTerm& bottom = ratio.denominator[0];
-    const double divisor = bottom.coefficient;
-    multiply(bottom.by_coefficient, 1 / divisor);
-    multiply(bottom.by_order, 1 / divisor);
-    for (SensitiveTerm& term : ratio.numerator) {
-      term.coefficient /= divisor;
-      combine(1 / divisor, term.by_coefficient, -term.coefficient, bottom.by_coefficient);
-      multiply(term.by_order, 1 / divisor);
-    }
-    bottom.coefficient = 1;
-    std::fill(bottom.by_coefficient.begin(), bottom.by_coefficient.end(), 0.0);
-  }
+  SensitiveTerm& bottom = ratio.denominator.front();
+  if (ratio.denominator.size() > 1 || (bottom.coefficient == 1 && is_zero(bottom.by_coefficient))) return ratio;
+  const Real divisor{bottom.coefficient, bottom.by_coefficient};
+  ratio.numerator = divided(std::move(ratio.numerator), divisor);
+  multiply(bottom.by_order, 1 / divisor.value);
+  bottom.coefficient = 1;
+  std::fill(bottom.by_coefficient.begin(), bottom.by_coefficient.end(), 0.0);
   return ratio;
 }
 
@@ -160,7 +163,8 @@ RatioOfPowerSums multiplied(const RatioOfPowerSums& a, const RatioOfPowerSums& b
                      combined(1, a.delay_slope, 1, b.delay_slope)});
 }
 
-// In place of what constant() would make of a number: that takes memory for each of its lists.
+// Numbers are taken in as such: a ratio made of each would need memory for all of its lists.
+
 SensitiveSum scaled(SensitiveSum sum, const Real& factor) {
   for (SensitiveTerm& term : sum) {
     combine(factor.value, term.by_coefficient, term.coefficient, factor.slope);
@@ -171,8 +175,14 @@ SensitiveSum scaled(SensitiveSum sum, const Real& factor) {
   return sum;
 }
 
-RatioOfPowerSums scaled(RatioOfPowerSums ratio, const Real& factor) {
+RatioOfPowerSums multiplied(RatioOfPowerSums ratio, const Real& factor) {
   ratio.numerator = scaled(std::move(ratio.numerator), factor);
+  return ratio;
+}
+
+RatioOfPowerSums divided(RatioOfPowerSums ratio, const Real& divisor) {
+  if (divisor.value == 0) throw std::invalid_argument("it is a division by zero");
+  ratio.numerator = divided(std::move(ratio.numerator), divisor);
   return ratio;
 }
 
@@ -186,13 +196,6 @@ RatioOfPowerSums sum(const RatioOfPowerSums& a, const Real& b) {
 Real negated(Real real) {
   real.value = -real.value;
   multiply(real.slope, -1);
-  return real;
-}
-
-Real inverse(Real real) {
-  if (real.value == 0) throw std::invalid_argument("it is a division by zero");
-  real.value = 1 / real.value;
-  multiply(real.slope, -real.value * real.value);
   return real;
 }
 
@@ -301,11 +304,11 @@ RatioOfPowerSums apply(const std::vector<Node>& nodes, const Node& node, const s
       if (!has_s(node.right)) return sum(left(), negated(real(node.right)));
       return has_s(node.left) ? sum(left(), negated(right())) : sum(negated(right()), real(node.left));
     case Operation::multiply:
-      if (!has_s(node.right)) return scaled(left(), real(node.right));
-      return has_s(node.left) ? multiplied(left(), right()) : scaled(right(), real(node.left));
+      if (!has_s(node.right)) return multiplied(left(), real(node.right));
+      return has_s(node.left) ? multiplied(left(), right()) : multiplied(right(), real(node.left));
     case Operation::divide:
-      if (!has_s(node.right)) return scaled(left(), inverse(real(node.right)));
-      return has_s(node.left) ? multiplied(left(), inverse(right())) : scaled(inverse(right()), real(node.left));
+      if (!has_s(node.right)) return divided(left(), real(node.right));
+      return has_s(node.left) ? multiplied(left(), inverse(right())) : multiplied(inverse(right()), real(node.left));
     case Operation::negate:
       return negated(left());
     case Operation::power:

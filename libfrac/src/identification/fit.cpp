@@ -337,9 +337,7 @@ FitResult detail::curvature_fit(const FrequencyResponseData& data, const Structu
 }
 
 FitResult detail::refit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options) {
-  // Residuals to a part in 1e4 of their size.
-  constexpr double settled = 1e-8;
-  return fit_with_floor(data, structure, options, {false, false, everything, Profiled::all, settled});
+  return fit_with_floor(data, structure, options, {false, false, everything, Profiled::all, settled_refit});
 }
 
 FitResult detail::fit_in_reach(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options,

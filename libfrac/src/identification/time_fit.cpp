@@ -393,7 +393,7 @@ std::string ending(const detail::GlobalSolution& solution, bool is_exact) {
 
 /// @param hopeless  see TimeProblem
 FitResult fit_record(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& wanted,
-                     double hopeless) {
+                     double hopeless, double settled = detail::LocalOptions{}.cost_tolerance) {
   const auto begin = std::chrono::steady_clock::now();
   detail::require_function_of_s(structure);
   require_squares(data);
@@ -406,7 +406,7 @@ FitResult fit_record(const TimeResponseData& data, const Structure& structure, c
   check(data, structure, options, map);
   if (!options.global_start) detail::require_start_values(map, structure);
   const double unit = unit_of(data, options.offset);
-  const detail::TimeProblem problem{data, structure, map, options, unit, hopeless};
+  const detail::TimeProblem problem{data, structure, map, options, unit, hopeless, settled};
   const std::string silence = explained_by_offset(data, options.offset);
   const detail::GlobalSolution solution = silence.empty() ? time_search(problem) : detail::GlobalSolution{};
   detail::LocalSolution best = solution.best;
@@ -469,6 +469,10 @@ FitResult fit(const TimeResponseData& data, const Structure& structure, const Ti
   FitResult result = fit_record(data, structure, options, std::numeric_limits<double>::infinity());
   if (!options.global_start) return result;
   return detail::no_worse_than_contained(data, structure, options, std::move(result));
+}
+
+FitResult detail::refit(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& options) {
+  return fit_record(data, structure, options, std::numeric_limits<double>::infinity(), settled_refit);
 }
 
 detail::Scouted detail::scouted(const TimeResponseData& data, const Structure& structure,

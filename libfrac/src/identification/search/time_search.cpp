@@ -179,9 +179,11 @@ class TimeSearch {
     const ParameterMap& map = problem_.map;
     const std::vector<double> start = map.to_theta(
         with_labels_in_order(problem_.structure, problem_.options.constraints, map.to_user(result_.best.theta)));
-    result_.best = local_solve(all, start, hopeless ? nearly() : LocalOptions{});
+    LocalOptions last;
+    last.cost_tolerance = problem_.settled;
+    result_.best = local_solve(all, start, hopeless ? nearly() : last);
     // Patience in rounds, as long as one of them gains more than noise in the data makes of the cost.
-    LocalOptions patient;
+    LocalOptions patient = last;
     patient.iterations = 100;
     for (int round = 0; round < 8 && !result_.best.converged && !hopeless && !is_exact(); ++round) {
       const double before = result_.best.cost;

@@ -22,6 +22,7 @@ struct TimeProblem {
   double unit;  // of the residuals
   /// Cost, in the unit of FitResult, above which nobody looks about the best fit to the transforms.
   double hopeless = std::numeric_limits<double>::infinity();
+  double settled = LocalOptions{}.cost_tolerance;  // of the last solve
 
   [[nodiscard]] TimeResiduals residuals(std::vector<std::size_t> index, double tolerance) const {
     return {data,      structure, map, {options.offset, options.trend, options.earlier_input}, std::move(index),

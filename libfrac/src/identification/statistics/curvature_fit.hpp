@@ -15,12 +15,12 @@ namespace frac::detail {
   return fit(data, structure, options);
 }
 
+/// Relative change of the cost at which a refit ends: residuals to a part in 1e4 of their size.
+inline constexpr double settled_refit = 1e-8;
+
 /// curvature_fit() for the sake of its residuals: what the fitted component is blind to stays where it starts.
 [[nodiscard]] FitResult refit(const FrequencyResponseData& data, const Structure& structure, const FitOptions& options);
-[[nodiscard]] inline FitResult refit(const TimeResponseData& data, const Structure& structure,
-                                     const TimeFitOptions& options) {
-  return fit(data, structure, options);
-}
+[[nodiscard]] FitResult refit(const TimeResponseData& data, const Structure& structure, const TimeFitOptions& options);
 
 /// Parameters whose wide intervals follow the cost.
 enum class Profiled { all, orders };
