@@ -45,7 +45,8 @@ decltype(auto) with_fused_operations(const Work& work) {
 }
 
 /// Doubles side by side, at any address.  GCC keeps sums in registers only if these are vectors by name, of the width
-/// that the instruction set has.
+/// that the instruction set has.  A reference to them has to name their type: one declared with auto forgets that they
+/// may lie anywhere, and reading through it ends the program.
 template <std::size_t width>
 struct Doubles {
   typedef double Type __attribute__((vector_size(width * sizeof(double)), aligned(alignof(double)), may_alias));
