@@ -30,8 +30,6 @@ namespace frac {
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
 void check_coverage(const FrequencyResponseData& data, const Realisation& realisation) {
   validate(realisation);
   const auto* difference = std::get_if<GrunwaldLetnikovRealisation>(&realisation);

@@ -131,7 +131,10 @@ Eigen::MatrixXcd RationalProblem::columns(const RationalShape& shape) const {
     if (shape.factors[i].pair) add(column * scaled(shape.factors[i], z, shape.order));
     column *= of_factor[i];
   }
-  for (; filled < count; column *= z) add(column);
+  while (filled < count) {
+    add(column);
+    column *= z;
+  }
   return result;
 }
 
@@ -270,7 +273,10 @@ std::vector<double> RationalProblem::numerator(const RationalShape& shape) const
       polynomial = polynomial_product(polynomial, {1, factor.sign / size});
     }
   }
-  for (; filled < count; polynomial = polynomial_product(polynomial, {0, 1})) add(polynomial);
+  while (filled < count) {
+    add(polynomial);
+    polynomial = polynomial_product(polynomial, {0, 1});
+  }
   // Integrators and the lowest power count in the scale of frequency, too.
   for (std::size_t i = 0; i < count; ++i) {
     const double power = static_cast<double>(shape.integrators) - static_cast<double>(i + shape.low);
