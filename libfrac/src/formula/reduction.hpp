@@ -9,7 +9,7 @@
 
 namespace frac::detail {
 
-/// By each parameter; empty where no derivatives are wanted.
+/// Derivatives by each parameter; empty where none are wanted.
 using Slope = std::vector<double>;
 
 /// A term c s^q with its derivative by each parameter, (by_coefficient + by_order ln s) s^q: by_coefficient = dc,

@@ -191,20 +191,17 @@ class States {
 class Outputs {
  public:
   Outputs(const EventPlan& plan, Eigen::Index rows, EventResponse::Result& result)
-      : result_(result), row_((static_cast<std::size_t>(plan.weight.cols()) + widest - 1) / widest * widest) {
+      : plan_(plan), result_(result), row_(static_cast<std::size_t>(plan.weight.cols())) {
     result.value.resize(rows);
-    result.gradient.resize(rows, plan.weight.cols() - 1);
-    weight_.assign(static_cast<std::size_t>(plan.weight.rows()) * row_.size(), 0.0);
-    Eigen::Map<RowMajor>(weight_.data(), plan.weight.rows(), static_cast<Eigen::Index>(row_.size()))
-        .leftCols(plan.weight.cols()) = plan.weight;
+    result.gradient.resize(rows, plan.columns - 1);
   }
 
   /// @param entries  what the rows of the plan's weights belong to
   void add(std::span<const double> entries) {
     if (instruction_set() == InstructionSet::plain) {
-      add_rows<narrow>(entries, weight_.data(), row_);
+      add_rows<narrow>(entries, plan_.weight.data(), row_);
     } else {
-      with_wide_vectors([&]() FRACFIT_INLINE { add_rows<widest>(entries, weight_.data(), row_); });
+      with_wide_vectors([&]() FRACFIT_INLINE { add_rows<widest>(entries, plan_.weight.data(), row_); });
     }
     result_.value[written_] = row_[0];
     for (Eigen::Index p = 0; p < result_.gradient.cols(); ++p) {
@@ -214,12 +211,10 @@ class Outputs {
   }
 
  private:
-  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
+  const EventPlan& plan_;
   EventResponse::Result& result_;
   Eigen::Index written_ = 0;
-  AlignedVector<double> row_;     // of one instant, filled up to whole vectors
-  AlignedVector<double> weight_;  // row by row, likewise
+  AlignedVector<double> row_;  // of one instant, filled up as the weights are
 };
 
 }  // namespace

@@ -36,8 +36,8 @@ inline const RealRow& row_of(const RealRow& value) {
 
 /// The model at one set of parameters, ready to be run over the events.
 struct EventPlan {
-  /// Nodes are moved several at once: the real ones, the complex ones and the rows of `weight` are filled up to a
-  /// multiple of this with some that stay zero.
+  /// Nodes are moved several at once: the real ones, the complex ones, and rows and columns of `weight` are filled up
+  /// to a multiple of this with some that stay zero.
   static constexpr Eigen::Index together = 4;
 
   Eigen::Index real_count = 0;
@@ -49,6 +49,7 @@ struct EventPlan {
   // ones, of their imaginary parts, of the derivatives of the m-fold integral of the input, from the 0th, and of the
   // jump that the states do not know of yet: a row for each.
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> weight;
+  Eigen::Index columns = 1;  // of `weight`, those that fill it up left out
   std::size_t integrators = 0;
   std::size_t channels = 1;
   double delay = 0;
@@ -68,9 +69,9 @@ struct EventPlan {
     complex_count = filled(terms.end() - complex_terms);
     rate.assign(static_cast<std::size_t>(real_count + complex_count), 0.0);
     is_direct.assign(rate.size(), false);
-    const Eigen::Index columns = row_of(direct).size();
+    columns = row_of(direct).size();
     const auto inputs = static_cast<Eigen::Index>(channels);
-    weight.setZero(filled(states() + inputs + 1), columns);
+    weight.setZero(filled(states() + inputs + 1), filled(columns));
     // Of the output's rate of change: the rate of a state is that of its node times it and what it takes.
     Eigen::VectorXd motion = Eigen::VectorXd::Zero(weight.rows());
     const auto set = [&](Eigen::Index node, const auto& term) {
@@ -79,11 +80,11 @@ struct EventPlan {
       is_direct[i] = term.is_direct;
       const auto& row = row_of(term.weight);
       const std::complex<double> moved = row[0] * term.rate;
-      weight.row(node) = row.real().matrix();
+      weight.row(node).head(columns) = row.real().matrix();
       motion[node] = moved.real();
       motion[states() + (term.is_direct ? static_cast<Eigen::Index>(integrators) : 0)] += moved.real();
       if (node < real_count) return;
-      weight.row(node + complex_count) = -row.imag().matrix();
+      weight.row(node + complex_count).head(columns) = -row.imag().matrix();
       motion[node + complex_count] = -moved.imag();
     };
     Eigen::Index node = 0;
@@ -91,10 +92,10 @@ struct EventPlan {
     node = real_count;
     for (auto term = complex_terms; term != terms.end(); ++term) set(node++, *term);
     for (Eigen::Index j = 0; j < inputs; ++j) {
-      weight.row(states() + j) = row_of(constants[static_cast<std::size_t>(j)]).matrix();
+      weight.row(states() + j).head(columns) = row_of(constants[static_cast<std::size_t>(j)]).matrix();
       if (j > 0) motion[states() + j] += weight(states() + j - 1, 0);
     }
-    weight.row(states() + inputs) = row_of(direct).matrix();
+    weight.row(states() + inputs).head(columns) = row_of(direct).matrix();
     // A longer dead time moves the output back.
     for (std::size_t p = 0; p < delay_slope.size(); ++p) {
       weight.col(static_cast<Eigen::Index>(p) + 1) -= delay_slope[p] * motion;

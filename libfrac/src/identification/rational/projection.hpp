@@ -23,7 +23,7 @@ struct Reach {
   std::vector<double> moderate;      // either way: beyond, the linear picture seldom holds
   std::vector<double> lower, upper;  // what the limits leave
 
-  /// One more of these, with its limits.
+  /// Adds the reach of one more, whose value stays between `least` and `most`.
   void add(double moderate_change, double value, double least, double most) {
     moderate.push_back(moderate_change);
     lower.push_back(std::min(least - value, 0.0));
