@@ -6,7 +6,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <limits>
 #include <regex>
+#include <sstream>
 #include <stdexcept>
 
 namespace {
@@ -54,23 +56,23 @@ PrintedNumber printed_number(const std::string& text) {
   return {text, std::strtod(text.c_str(), nullptr), std::pow(10.0, power - decimals)};
 }
 
-/// A line of a page as a regular expression, with a group for each number that may differ in its last digit.
-class ShownLine {
+/// A word of a page as a regular expression, with a group for each number that is compared by its value.
+class ShownWord {
  public:
-  explicit ShownLine(const std::string& text) {
-    std::string pattern = R"(\s*)";
+  ShownWord(const std::string& text, std::size_t line, double tolerance)
+      : line_(line), is_gap_(text == "..."), tolerance_(tolerance) {
+    std::string pattern;
     for (std::size_t at = 0; at < text.size();) {
       if (text.compare(at, 3, "...") == 0) {
         pattern += ".*";
         at += 3;
-      } else if (std::isspace(static_cast<unsigned char>(text[at])) != 0) {
-        while (at < text.size() && std::isspace(static_cast<unsigned char>(text[at])) != 0) ++at;
-        pattern += R"(\s+)";
       } else if (const std::size_t length = number_length(text, at); length > 0) {
         const std::string number = text.substr(at, length);
         at += length;
-        if (has_decimals(number) && (significant_digits(number) >= 4 || text.compare(at, 3, "...") == 0)) {
+        if (has_decimals(number)) {
           numbers_.push_back(printed_number(number));
+          // Few digits are those of an input or of a rounded judgement, which no processor changes.
+          if (significant_digits(number) < 4 && text.compare(at, 3, "...") != 0) numbers_.back().unit = 0;
           pattern += R"(([-+]?[0-9]+(?:\.[0-9]+)?(?:[eE][-+]?[0-9]+)?))";
         } else {
           for (const char c : number) append(pattern, c);
@@ -79,8 +81,12 @@ class ShownLine {
         append(pattern, text[at++]);
       }
     }
-    pattern_ = std::regex(pattern + R"(\s*)");
+    pattern_ = std::regex(pattern);
   }
+
+  [[nodiscard]] std::size_t line() const noexcept { return line_; }
+  /// Whether any words may stand here, or none.
+  [[nodiscard]] bool is_gap() const noexcept { return is_gap_; }
 
   [[nodiscard]] bool matches(const std::string& printed) const {
     std::smatch match;
@@ -88,7 +94,8 @@ class ShownLine {
     for (std::size_t k = 0; k < numbers_.size(); ++k) {
       const double value = std::strtod(match[k + 1].str().c_str(), nullptr);
       // The factor covers the rounding of the subtraction.
-      if (!(std::abs(value - numbers_[k].value) <= 1.0001 * numbers_[k].unit)) return false;
+      const double allowed = std::max(1.0001 * numbers_[k].unit, tolerance_ * std::abs(numbers_[k].value));
+      if (!(std::abs(value - numbers_[k].value) <= allowed)) return false;
     }
     return true;
   }
@@ -99,18 +106,43 @@ class ShownLine {
     pattern += c;
   }
 
+  std::size_t line_;
+  bool is_gap_;
+  double tolerance_;
   std::regex pattern_;
   std::vector<PrintedNumber> numbers_;
 };
+
+struct Word {
+  std::string text;
+  std::size_t line;
+};
+
+std::vector<Word> words_of(const std::vector<std::string>& lines) {
+  std::vector<Word> words;
+  for (std::size_t line = 0; line < lines.size(); ++line) {
+    std::istringstream stream(lines[line]);
+    for (std::string text; stream >> text;) words.push_back({text, line});
+  }
+  return words;
+}
 
 }  // namespace
 
 Page read_page(const std::filesystem::path& path) {
   const std::vector<std::string> lines = lines_of(path);
+  static const std::regex numbers_to("<!-- numbers to ([0-9.e-]+): .+ -->");
+  const double usual = PageStep{}.tolerance;
   Page page;
+  double tolerance = usual;
   for (std::size_t at = 0; at < lines.size(); ++at) {
     if (!lines[at].starts_with("```")) {
-      page.prose.emplace_back(static_cast<int>(at) + 1, lines[at]);
+      std::smatch match;
+      if (std::regex_match(lines[at], match, numbers_to)) {
+        tolerance = std::stod(match[1].str());
+      } else {
+        page.prose.emplace_back(static_cast<int>(at) + 1, lines[at]);
+      }
       continue;
     }
     const std::string fence = lines[at].substr(0, lines[at].find_first_not_of('`'));
@@ -123,7 +155,7 @@ Page read_page(const std::filesystem::path& path) {
       if (console && continues) {
         page.steps.back().command += "\n" + line.substr(2);
       } else if (console && line.starts_with("$ ")) {
-        page.steps.push_back({.line = static_cast<int>(at) + 1, .command = line.substr(2)});
+        page.steps.push_back({.line = static_cast<int>(at) + 1, .command = line.substr(2), .tolerance = tolerance});
       } else if (console) {
         if (page.steps.empty()) throw std::runtime_error(path.string() + ": output without a command");
         page.steps.back().expected.push_back(line);
@@ -136,6 +168,7 @@ Page read_page(const std::filesystem::path& path) {
     if (!caption.empty()) {
       page.steps.push_back({.line = static_cast<int>(at) + 1, .file = caption, .content = content});
     }
+    tolerance = usual;
   }
   for (PageStep& step : page.steps) {
     while (!step.expected.empty() && step.expected.back().empty()) step.expected.pop_back();
@@ -164,26 +197,37 @@ std::vector<std::string> shell_commands(const std::filesystem::path& path, const
   return commands;
 }
 
-std::string difference(const std::vector<std::string>& shown, const std::vector<std::string>& printed) {
-  std::size_t next = 0;
-  bool gap = false;  // whether any lines may stand before the next one shown
-  for (const std::string& text : shown) {
-    if (text == "...") {
-      gap = true;
-      continue;
+std::string difference(const std::vector<std::string>& shown, const std::vector<std::string>& printed,
+                       double tolerance) {
+  std::vector<ShownWord> expected;
+  for (const Word& word : words_of(shown)) expected.emplace_back(word.text, word.line, tolerance);
+  const std::vector<Word> words = words_of(printed);
+  constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+  // `gap` is the last gap met; where its words end too early, it takes one more.
+  std::size_t at = 0, next = 0, gap = none, taken = 0, furthest = 0, reached = 0;
+  while (next < words.size()) {
+    if (at < expected.size() && expected[at].is_gap()) {
+      gap = at++;
+      taken = next;
+    } else if (at < expected.size() && expected[at].matches(words[next].text)) {
+      ++at;
+      ++next;
+    } else if (gap != none) {
+      at = gap + 1;
+      next = ++taken;
+    } else {
+      break;
     }
-    const ShownLine line(text);
-    const std::size_t first = next;
-    while (gap && next < printed.size() && !line.matches(printed[next])) ++next;
-    if (next == printed.size() || !line.matches(printed[next])) {
-      return "the page shows\n  " + text + "\nbut the program prints\n  " +
-             (first < printed.size() ? printed[first] : "nothing more") + "\n";
+    if (at > furthest) {
+      furthest = at;
+      reached = next;
     }
-    ++next;
-    gap = false;
   }
-  if (!gap && next < printed.size()) return "the page does not show\n  " + printed[next] + "\n";
-  return {};
+  while (next == words.size() && at < expected.size() && expected[at].is_gap()) ++at;
+  if (next == words.size() && at == expected.size()) return {};
+  if (furthest == expected.size()) return "the page does not show\n  " + printed[words[reached].line] + "\n";
+  return "the page shows\n  " + shown[expected[furthest].line()] + "\nbut the program prints\n  " +
+         (reached < words.size() ? printed[words[reached].line] : "nothing more") + "\n";
 }
 
 std::vector<PrintedNumber> decimal_numbers(const std::string& text) {

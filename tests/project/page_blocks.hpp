@@ -10,6 +10,7 @@ struct PageStep {
   int line = 0;                            ///< line of the page, from 1
   std::string command = {};                ///< without its prompt, continued lines joined; empty for a file
   std::vector<std::string> expected = {};  ///< lines printed below the command
+  double tolerance = 1e-8;                 ///< relative, of the numbers in these lines
   std::string file = {};                   ///< name of a file to save
   std::string content = {};                ///< of that file
 };
@@ -20,7 +21,10 @@ struct Page {
   std::vector<std::pair<int, std::string>> prose;  ///< line number and text
 };
 
-/// Reads the `console` blocks ("$ command", "> continued line", output) and the code blocks with a `:caption:`.
+/// Reads the `console` blocks ("$ command", "> continued line", output) and the code blocks with a `:caption:`.  A
+/// comment
+/// `<!-- numbers to 1e-4: why -->` gives the tolerance of the block that follows it, where it is not that of all
+/// others.
 Page read_page(const std::filesystem::path& path);
 
 /// The commands of the ```sh blocks of a page that begin with `program`, lines that end in a backslash joined.
@@ -28,11 +32,14 @@ std::vector<std::string> shell_commands(const std::filesystem::path& path, const
 
 /// Compares what a page shows with what a command printed; an empty text where they agree, else what differs.
 ///
-/// `...` stands for any text within a line, and alone on a line for any lines.  A number with a decimal point or an
-/// exponent and at least four digits may differ by one unit of the last digit that the page shows, because another
-/// processor rounds otherwise; so may one with fewer digits that `...` follows.  All else is compared character by
-/// character, runs of blanks counting as one; so are whole numbers, and digits inside names.
-std::string difference(const std::vector<std::string>& shown, const std::vector<std::string>& printed);
+/// Both are read word by word, wherever their lines break: a terminal wraps them elsewhere when one digit more is
+/// printed.
+/// `...` as a word stands for any words, within a word for any text.  A number with a decimal point or an exponent is
+/// compared by its value, to `tolerance` relative to it; one of at least four digits, or one that `...` follows, may
+/// differ by one unit of the last digit that the page shows as well, which is how a rounded number differs between
+/// processors. All else is compared character by character; so are whole numbers, and digits inside names.
+std::string difference(const std::vector<std::string>& shown, const std::vector<std::string>& printed,
+                       double tolerance = 1e-8);
 
 /// Numbers with a decimal point in a text: their value and the unit of their last digit.
 struct PrintedNumber {

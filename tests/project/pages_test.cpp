@@ -79,7 +79,7 @@ TEST_P(Pages, ShowWhatTheProgramPrints) {
     std::string text;
     const int status = folder.run(step.command, text);
     EXPECT_EQ(status, 0) << GetParam() << ":" << step.line << ": " << step.command << "\n" << text;
-    const std::string wrong = difference(step.expected, lines_of(text));
+    const std::string wrong = difference(step.expected, lines_of(text), step.tolerance);
     EXPECT_TRUE(wrong.empty()) << GetParam() << ":" << step.line << ": " << step.command << "\n" << wrong;
   }
 }
@@ -202,10 +202,27 @@ TEST(PageBlocks, DifferInNumbersByTheLastDigitShownAtMost) {
   EXPECT_NE(difference({"0.5 V"}, {"0.5 A"}), "");
 }
 
+TEST(PageBlocks, AreComparedByValueToTheirTolerance) {
+  EXPECT_EQ(difference({"a = 0.30756044512,"}, {"a = 0.307560445,"}), "");
+  EXPECT_NE(difference({"a = 0.30756044512"}, {"a = 0.307560455"}), "");
+  EXPECT_EQ(difference({"1.5e-05"}, {"0.000015"}), "");
+  EXPECT_EQ(difference({"0.5 V"}, {"0.5004 V"}, 1e-3), "");
+  EXPECT_NE(difference({"0.5 V"}, {"0.5006 V"}, 1e-3), "");
+}
+
+TEST(PageBlocks, MayBreakTheirLinesElsewhere) {
+  EXPECT_EQ(difference({"a sentence that", "  is wrapped, 0.4108 s"}, {"a sentence", "that is wrapped, 0.4108", "s"}),
+            "");
+  EXPECT_NE(difference({"a sentence that", "is wrapped"}, {"a sentence thatis wrapped"}), "");
+}
+
 TEST(PageBlocks, DifferNotWhereDotsStand) {
   EXPECT_EQ(difference({"done in ... s", "end"}, {"done in 0.03 s", "end"}), "");
   EXPECT_EQ(difference({"...", "b", "..."}, {"a", "b", "c", "d"}), "");
+  EXPECT_EQ(difference({"x ... y z"}, {"x y y y z"}), "");
+  EXPECT_EQ(difference({"a", "..."}, {"a"}), "");
   EXPECT_NE(difference({"...", "e"}, {"a", "b"}), "");
+  EXPECT_NE(difference({"x ... y z"}, {"x y z y"}), "");
   EXPECT_NE(difference({"a"}, {"a", "b"}), "");
   EXPECT_NE(difference({"a", "b"}, {"a"}), "");
   EXPECT_NE(difference({}, {"a"}), "");
@@ -215,13 +232,17 @@ TEST(PageBlocks, AreReadWithFilesAndContinuedLines) {
   const TemporaryFolder folder;
   const Page page = read_page(folder.write("page.md",
                                            "Text 0.5\n```console\n$ a \\\n>   b\nout\n$ c\n```\n"
+                                           "<!-- numbers to 1e-3: chaotic -->\n```console\n$ d\n```\n"
                                            "```{code-block} c\n:caption: x.c\n\nint x;\n```\n"));
-  ASSERT_EQ(page.steps.size(), 3u);
+  ASSERT_EQ(page.steps.size(), 4u);
   EXPECT_EQ(page.steps[0].command, "a \\\n  b");
   EXPECT_EQ(page.steps[0].expected, std::vector<std::string>{"out"});
   EXPECT_EQ(page.steps[1].command, "c");
-  EXPECT_EQ(page.steps[2].file, "x.c");
-  EXPECT_EQ(page.steps[2].content, "int x;\n");
+  EXPECT_EQ(page.steps[1].tolerance, 1e-8);
+  EXPECT_EQ(page.steps[2].command, "d");
+  EXPECT_EQ(page.steps[2].tolerance, 1e-3);
+  EXPECT_EQ(page.steps[3].file, "x.c");
+  EXPECT_EQ(page.steps[3].content, "int x;\n");
   EXPECT_EQ(page.prose.size(), 1u);
 }
 
