@@ -217,7 +217,7 @@ TEST(WriteScript, DrawsAMapOfCellsRowByRowFromTheLowest) {
   EXPECT_NE(script.find("matrix using (1+$1*1):(0+$2*1):3 with image"), std::string::npos);
   const auto gnuplot = find_gnuplot();
   if (!gnuplot) GTEST_SKIP() << "gnuplot is not installed";
-  EXPECT_EQ(draw(*gnuplot, folder.path(), "map"), "");
+  EXPECT_EQ(draw(*gnuplot, folder.path(), {"map"}), "");
 }
 
 // Found by trying: in a block of commands gnuplot stumbles over '##\'\'' and the like.
@@ -234,7 +234,7 @@ TEST(WriteScript, AnyLabelIsDrawn) {
     figure.panels.front().title = enhanced_escape(label);
     figure.panels.front().y.label = enhanced_escape("##'" + label);
     folder.write("picture.gp", gnuplot_script(figure));
-    EXPECT_EQ(draw(*gnuplot, folder.path(), "picture"), "") << label;
+    EXPECT_EQ(draw(*gnuplot, folder.path(), {"picture"}), "") << label;
   }
 }
 
@@ -242,7 +242,7 @@ TEST(Draw, EndsAProgramThatHangsWithAllItHasStarted) {
   const TemporaryFolder folder;
   const std::string program = folder.write("gnuplot", "#!/bin/sh\nsleep 1000 &\necho $! > child\nwait\n");
   ::chmod(program.c_str(), 0755);
-  const std::string trouble = draw(program, folder.path(), "picture", std::chrono::milliseconds(300));
+  const std::string trouble = draw(program, folder.path(), {"picture"}, std::chrono::milliseconds(300));
   EXPECT_NE(trouble.find("did not finish picture.gp"), std::string::npos) << trouble;
   // The signal reaches the grandchild a moment later.
   const int child = std::stoi(content_of(folder.path("child")));
@@ -260,7 +260,7 @@ TEST(Draw, NoticesAPictureThatStopsInTheMiddle) {
   const std::string program = folder.write(
       "gnuplot", "#!/bin/sh\nprintf '<svg><path' > picture.svg\nprintf 'PNG..IEND' > picture.png\nexit 0\n");
   ::chmod(program.c_str(), 0755);
-  EXPECT_NE(draw(program, folder.path(), "picture").find("made no whole picture"), std::string::npos);
+  EXPECT_NE(draw(program, folder.path(), {"picture"}).find("made no whole picture"), std::string::npos);
 }
 
 TEST(FindGnuplot, FindsNothingOnAnEmptyPathAndSkipsWhatCannotRun) {
@@ -279,7 +279,7 @@ TEST(Draw, SaysWhatAProgramThatFailsHadToSay) {
   const TemporaryFolder folder;
   const std::string program = folder.write("gnuplot", "#!/bin/sh\necho 'line 7: undefined variable'\nexit 3\n");
   ::chmod(program.c_str(), 0755);
-  const std::string trouble = draw(program, folder.path(), "picture");
+  const std::string trouble = draw(program, folder.path(), {"picture"});
   EXPECT_NE(trouble.find("picture.gp"), std::string::npos) << trouble;
   EXPECT_NE(trouble.find("line 7: undefined variable"), std::string::npos) << trouble;
 }
@@ -288,12 +288,12 @@ TEST(Draw, NoticesThatASuccessfulProgramMadeNoPicture) {
   const TemporaryFolder folder;
   const std::string program = folder.write("gnuplot", "#!/bin/sh\n: > picture.svg\nexit 0\n");
   ::chmod(program.c_str(), 0755);
-  EXPECT_NE(draw(program, folder.path(), "picture").find("made no whole picture"), std::string::npos);
+  EXPECT_NE(draw(program, folder.path(), {"picture"}).find("made no whole picture"), std::string::npos);
 }
 
 TEST(Draw, NoticesThatAProgramCannotBeStarted) {
   const TemporaryFolder folder;
-  EXPECT_NE(draw(folder.path("missing"), folder.path(), "picture").find("cannot be started"), std::string::npos);
+  EXPECT_NE(draw(folder.path("missing"), folder.path(), {"picture"}).find("cannot be started"), std::string::npos);
 }
 
 TEST(Draw, MakesBothPicturesWithTheRealProgram) {
@@ -301,7 +301,7 @@ TEST(Draw, MakesBothPicturesWithTheRealProgram) {
   if (!gnuplot) GTEST_SKIP() << "gnuplot is not installed";
   const TemporaryFolder folder;
   folder.write("picture.gp", gnuplot_script(small_figure("picture")));
-  EXPECT_EQ(draw(*gnuplot, folder.path(), "picture"), "");
+  EXPECT_EQ(draw(*gnuplot, folder.path(), {"picture"}), "");
   EXPECT_EQ(content_of(folder.path("picture.png")).substr(1, 3), "PNG");
   const std::string svg = inline_svg(content_of(folder.path("picture.svg")), "p-");
   const std::string id = "[\\s]id=['\"]([^'\"]+)['\"]";

@@ -106,10 +106,11 @@ struct Figure {
 /// Longest time for one picture: hundred times what the largest takes on a slow machine.
 constexpr std::chrono::milliseconds picture_time{120'000};
 
-/// Runs folder/name.gp inside its folder and checks that name.svg and name.png came out whole.
-/// @param limit  a gnuplot that runs longer is ended
+/// Runs folder/name.gp of each name inside the folder, one after the other in one gnuplot, whose start takes as long as
+/// a small picture, and checks that name.svg and name.png came out whole.
+/// @param limit  for each picture; a gnuplot that runs longer than all of them may is ended
 /// @return  empty when they did, else one sentence with gnuplot's own words.
 [[nodiscard]] std::string draw(const std::filesystem::path& gnuplot, const std::filesystem::path& folder,
-                               const std::string& name, std::chrono::milliseconds limit = picture_time);
+                               const std::vector<std::string>& names, std::chrono::milliseconds limit = picture_time);
 
 }  // namespace report

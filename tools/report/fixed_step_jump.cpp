@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <vector>
 
 #include "frac/identification/power_law.hpp"
 #include "frac/parallel_for.hpp"
@@ -27,10 +28,14 @@ bool meets_second_wall(const FixedStepScene& scene, double omega, int periods) {
   const double period = 2 * std::numbers::pi / omega;
   const auto steps = static_cast<std::size_t>(std::max(8L, std::lround(period / step_seconds)));
   const double step = period / static_cast<double>(steps);
+  // The instants within a period are the same in each.
+  std::vector<double> cosine;
+  cosine.reserve(steps);
   for (int p = 0; p < periods; ++p) {
     state.time = 0;
     for (std::size_t k = 0; k < steps; ++k) {
-      fixed_step(scene, omega, step, state);
+      if (k == cosine.size()) cosine.push_back(std::cos(omega * state.time));
+      fixed_step(scene, cosine[k], step, state);
       // The correction of an impact puts the gap at the clearance, up to rounding.
       if (state.position2 - state.position1 > scene.clearance * (1 - 1e-9)) return true;
     }
@@ -38,12 +43,19 @@ bool meets_second_wall(const FixedStepScene& scene, double omega, int periods) {
   return false;
 }
 
-double jump_constant(const FixedStepScene& scene, int periods) {
+// Constants for rising numbers of periods.  What meets the wall within fewer does so within more, so that each scan
+// goes on where the one before it ended.
+std::vector<double> jump_constants(const FixedStepScene& scene, const std::vector<int>& periods) {
   const double scale = std::sqrt(scene.force_amplitude / (scene.mass2 * scene.clearance));
-  double c = scan_from;
-  while (c < scan_to && meets_second_wall(scene, c * coarse_ratio * scale, periods)) c *= coarse_ratio;
-  while (c < scan_to && meets_second_wall(scene, c * scale, periods)) c *= fine_ratio;
-  return c;
+  std::vector<double> constants;
+  double coarse = scan_from, c = scan_from;
+  for (const int count : periods) {
+    while (coarse < scan_to && meets_second_wall(scene, coarse * coarse_ratio * scale, count)) coarse *= coarse_ratio;
+    c = std::max(c, coarse);
+    while (c < scan_to && meets_second_wall(scene, c * scale, count)) c *= fine_ratio;
+    constants.push_back(c);
+  }
+  return constants;
 }
 
 }  // namespace
@@ -59,13 +71,15 @@ Table fixed_step_jumps(const std::vector<double>& forces, const std::vector<doub
                {"b_at_smallest_clearance", "b at the smallest Δ"},
                {"b_at_largest_clearance", "b at the largest Δ"}}};
   const auto [smallest, largest] = std::minmax_element(clearances.begin(), clearances.end());
-  for (const int periods : {10, 20, 50}) {
-    std::vector<double> constants(forces.size() * clearances.size());
-    frac::parallel_for(constants.size(), threads, [&](std::size_t i) {
-      const FixedStepScene scene{1, 1, clearances[i / forces.size()], 0.6, forces[i % forces.size()]};
-      constants[i] = jump_constant(scene, periods);
-    });
-    std::vector<double> a, b;
+  const std::vector<int> periods = {10, 20, 50};
+  std::vector<std::vector<double>> found(forces.size() * clearances.size());
+  frac::parallel_for(found.size(), threads, [&](std::size_t i) {
+    const FixedStepScene scene{1, 1, clearances[i / forces.size()], 0.6, forces[i % forces.size()]};
+    found[i] = jump_constants(scene, periods);
+  });
+  for (std::size_t row = 0; row < periods.size(); ++row) {
+    std::vector<double> constants, a, b;
+    for (const std::vector<double>& each : found) constants.push_back(each[row]);
     for (std::size_t k = 0; k < clearances.size(); ++k) {
       std::vector<double> omega;
       for (std::size_t i = 0; i < forces.size(); ++i) {
@@ -77,8 +91,8 @@ Table fixed_step_jumps(const std::vector<double>& forces, const std::vector<doub
     }
     const frac::PowerLaw a_law = frac::fit_power_law(clearances, a);
     const auto [lowest, highest] = std::minmax_element(constants.begin(), constants.end());
-    table.rows.push_back({"fixed step, " + std::to_string(periods) + " periods", *lowest, *highest, a_law.coefficient,
-                          a_law.exponent, b[static_cast<std::size_t>(smallest - clearances.begin())],
+    table.rows.push_back({"fixed step, " + std::to_string(periods[row]) + " periods", *lowest, *highest,
+                          a_law.coefficient, a_law.exponent, b[static_cast<std::size_t>(smallest - clearances.begin())],
                           b[static_cast<std::size_t>(largest - clearances.begin())]});
   }
   return table;

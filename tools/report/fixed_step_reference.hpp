@@ -28,8 +28,9 @@ struct FixedStepState {
 /// Semi-implicit Euler: velocities first, positions from the new velocities.  An impact is noticed at the end of the
 /// step in which a wall was crossed; the velocities then follow Newton's rule and the penetration is taken back about
 /// the centre of mass, which is what tools without event location do.
-inline void fixed_step(const FixedStepScene& scene, double omega, double step, FixedStepState& state) {
-  state.velocity2 += step * scene.force_amplitude * std::cos(omega * state.time) / scene.mass2;
+/// @param cosine  cos(omega state.time)
+inline void fixed_step(const FixedStepScene& scene, double cosine, double step, FixedStepState& state) {
+  state.velocity2 += step * scene.force_amplitude * cosine / scene.mass2;
   state.position1 += step * state.velocity1;
   state.position2 += step * state.velocity2;
   state.time += step;
@@ -71,7 +72,7 @@ inline std::complex<double> fixed_step_describing_function(const FixedStepScene&
     // The phase of the force is taken anew in each period, so that it does not collect rounding.
     state.time = 0;
     for (std::size_t k = 0; k < steps_per_period; ++k) {
-      fixed_step(scene, omega, step, state);
+      fixed_step(scene, std::cos(omega * state.time), step, state);
       if (period >= settle) {
         const double angle = omega * state.time;
         sum += state.position1 * std::complex<double>(std::cos(angle), -std::sin(angle));

@@ -15,6 +15,7 @@
 #include <string_view>
 #include <system_error>
 #include <thread>
+#include <vector>
 
 #include "io/termination.hpp"
 #include "report/figure.hpp"
@@ -127,43 +128,49 @@ std::optional<std::filesystem::path> find_gnuplot() {
   return std::nullopt;
 }
 
-std::string draw(const std::filesystem::path& gnuplot, const std::filesystem::path& folder, const std::string& name,
-                 std::chrono::milliseconds limit) {
-  const std::filesystem::path log = folder / (name + ".log");
+std::string draw(const std::filesystem::path& gnuplot, const std::filesystem::path& folder,
+                 const std::vector<std::string>& names, std::chrono::milliseconds limit) {
+  if (names.empty()) return {};
+  const auto log = folder / (names.front() + ".log");
   SpawnActions actions;
   posix_spawn_file_actions_addopen(actions.get(), STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_addopen(actions.get(), STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
   posix_spawn_file_actions_adddup2(actions.get(), STDOUT_FILENO, STDERR_FILENO);
   posix_spawn_file_actions_addchdir_np(actions.get(), folder.c_str());
-  std::string program = gnuplot.string();
-  // Without -d a gnuplotrc of the user would change the pictures.
-  std::string defaults = "-d";
-  std::string script = name + ".gp";
-  char* const arguments[] = {program.data(), defaults.data(), script.data(), nullptr};
+  // Without -d a gnuplotrc of the user would change the pictures; what one script sets is no matter of the next.
+  std::vector<std::string> words = {gnuplot.string(), "-d"};
+  for (const std::string& name : names) words.insert(words.end(), {name + ".gp", "-e", "reset"});
+  std::vector<char*> arguments;
+  for (std::string& word : words) arguments.push_back(word.data());
+  arguments.push_back(nullptr);
+  const std::string scripts = names.front() + ".gp" + (names.size() > 1 ? " to " + names.back() + ".gp" : "");
   pid_t child = 0;
   int error = 0;
   SpawnAttributes attributes;
   std::optional<io::CleanUp> clean_up;
   io::uninterrupted([&] {
-    error = posix_spawn(&child, program.c_str(), actions.get(), attributes.get(), arguments, environ);
+    error = posix_spawn(&child, words.front().c_str(), actions.get(), attributes.get(), arguments.data(), environ);
     if (error == 0) clean_up.emplace([child] { ::kill(-child, SIGKILL); });
   });
   if (error != 0) {
-    return "gnuplot cannot be started for " + script + ": " + std::generic_category().message(error);
+    return "gnuplot cannot be started for " + scripts + ": " + std::generic_category().message(error);
   }
   int status = 0;
+  limit *= static_cast<int>(names.size());
   const bool in_time = ended_in_time(child, limit, status);
   clean_up.reset();
-  const std::string words = first_lines(log);
+  const std::string said = first_lines(log);
   std::error_code ignored;
   std::filesystem::remove(log, ignored);
   if (!in_time) {
-    return "gnuplot did not finish " + script + " within " +
+    return "gnuplot did not finish " + scripts + " within " +
            std::to_string(std::chrono::duration_cast<std::chrono::seconds>(limit).count()) + " s and was ended";
   }
-  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) return "gnuplot failed on " + script + ": " + words;
-  if (!is_whole(folder / (name + ".svg"), "</svg>") || !is_whole(folder / (name + ".png"), "IEND")) {
-    return "gnuplot made no whole picture from " + script + ": " + words + disk_words(folder);
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) return "gnuplot failed on " + scripts + ": " + said;
+  for (const std::string& name : names) {
+    if (!is_whole(folder / (name + ".svg"), "</svg>") || !is_whole(folder / (name + ".png"), "IEND")) {
+      return "gnuplot made no whole picture from " + name + ".gp: " + said + disk_words(folder);
+    }
   }
   return {};
 }

@@ -26,7 +26,7 @@ void PictureFile::write(Figure figure) const {
   const auto parent = path_.parent_path();
   const StagedFolder folder(parent.empty() ? std::filesystem::path(".") : parent);
   folder.write(figure.name + ".gp", gnuplot_script(figure));
-  const std::string trouble = draw(gnuplot_, folder.path(), figure.name);
+  const std::string trouble = draw(gnuplot_, folder.path(), {figure.name});
   if (!trouble.empty()) throw std::runtime_error(trouble);
   std::ostringstream content;
   content << std::ifstream(folder.path() / (figure.name + path_.extension().string()), std::ios::binary).rdbuf();

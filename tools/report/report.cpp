@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "report/report.hpp"
 
+#include <algorithm>
 #include <chrono>
+#include <functional>
+#include <mutex>
+#include <numeric>
 #include <stdexcept>
 #include <thread>
 #include <utility>
@@ -27,29 +31,88 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Runs the stages, tells the caller the name of each and records how long it took.
+// One chapter of the page: its name, about how long it takes beside the others, and what writes it.
+struct Chapter {
+  std::string name;
+  double share;
+  std::function<Section(const Work&)> write;
+};
+
+// Runs what a report consists of, tells the caller the name of each part as it begins and records how long it took.
 class Stages {
  public:
   explicit Stages(const ReportOptions& options) : options_(options) {}
 
+  // What chapters need in common, before them; the body has all threads.
   template <typename Body>
   auto run(const std::string& name, Body body) {
-    if (options_.progress != nullptr) {
-      options_.progress->done = 0;
-      options_.progress->total = 0;
-    }
-    if (options_.stage) options_.stage(name);
+    begin(name);
+    count(0, 0);
     const auto start = Clock::now();
     auto result = body();
-    times_.push_back({name, std::chrono::duration<double>(Clock::now() - start).count()});
+    times_.push_back({name, seconds_since(start)});
     return result;
   }
 
+  // Chapters need nothing of each other: as many at once as there are threads, those that take long first, in the order
+  // given when all are written.
+  // @param draw  draws the figures of one, and returns what went wrong
+  std::vector<Section> write(const std::vector<Chapter>& chapters, Work work,
+                             const std::function<std::string(const Section&)>& draw) {
+    std::vector<std::size_t> order(chapters.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return chapters[a].share > chapters[b].share; });
+    const auto threads = static_cast<int>(threads_of(options_));
+    work.threads = std::max(1, threads / static_cast<int>(std::max<std::size_t>(1, chapters.size())));
+    work.progress = nullptr;
+    count(0, chapters.size());
+    std::vector<Section> sections(chapters.size());
+    std::vector<StageTime> times(chapters.size());
+    std::vector<std::string> troubles(chapters.size());
+    frac::parallel_for(chapters.size(), threads, [&](std::size_t k) {
+      const Chapter& chapter = chapters[order[k]];
+      begin(chapter.name);
+      const auto start = Clock::now();
+      sections[order[k]] = chapter.write(work);
+      troubles[order[k]] = draw(sections[order[k]]);
+      times[order[k]] = {chapter.name, seconds_since(start)};
+      if (options_.progress != nullptr) ++options_.progress->done;
+    });
+    times_.insert(times_.end(), times.begin(), times.end());
+    for (const std::string& trouble : troubles) {
+      if (trouble_.empty()) trouble_ = trouble;
+    }
+    return sections;
+  }
+
   [[nodiscard]] const std::vector<StageTime>& times() const noexcept { return times_; }
+  /// Why pictures are missing; empty where none is.
+  [[nodiscard]] const std::string& trouble() const noexcept { return trouble_; }
+
+  static std::size_t threads_of(const ReportOptions& options) {
+    return options.threads > 0 ? static_cast<std::size_t>(options.threads)
+                               : std::max<std::size_t>(1, std::thread::hardware_concurrency());
+  }
 
  private:
+  static double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+  }
+  void begin(const std::string& name) {
+    const std::lock_guard lock(mutex_);
+    if (options_.stage) options_.stage(name);
+  }
+  void count(std::size_t done, std::size_t total) {
+    if (options_.progress == nullptr) return;
+    options_.progress->done = done;
+    options_.progress->total = total;
+  }
+
   const ReportOptions& options_;
+  std::mutex mutex_;
   std::vector<StageTime> times_;
+  std::string trouble_;
 };
 
 Section summary_section(const std::vector<Section>& sections) {
@@ -90,36 +153,28 @@ Section provenance_section(const Provenance& provenance, const std::vector<Secti
   return section;
 }
 
-std::vector<Section> scene_sections(const Work& work, Stages& stages) {
-  std::vector<Section> sections;
+std::vector<Section> scene_sections(const Work& work, Stages& stages,
+                                    const std::function<std::string(const Section&)>& draw) {
   const Curves curves = stages.run("describing functions", [&] { return compute_curves(work); });
-  sections.push_back(curves_section(work, curves));
-  if (work.scene.clearance > 0) {
-    const Bands bands = stages.run("smooth bands", [&] { return smooth_bands(work, curves); });
-    sections.push_back(stages.run("fits", [&] { return fit_section(work, bands); }));
-    sections.push_back(stages.run("local slope", [&] { return slope_section(work, bands); }));
-  }
-  sections.push_back(stages.run("jump laws", [&] { return jump_section(work, curves); }));
-  if (work.scene.clearance > 0) sections.push_back(stages.run("orbits", [&] { return orbit_section(work); }));
-  if (work.scene.of_the_paper) sections.push_back(stages.run("regime map", [&] { return map_section(work); }));
-  if (work.scene.of_the_paper) {
-    sections.push_back(stages.run("limit cycles", [&] { return limit_cycles_section(work); }));
-  }
-  if (work.scene.of_the_paper) sections.push_back(stages.run("approximations", [] { return approximation_section(); }));
-  sections.push_back(stages.run("speed against error", [&] { return speed_section(work); }));
-  sections.push_back(model_section());
-  sections.push_back(stages.run("time responses", [&] { return response_speed_section(); }));
-  return sections;
-}
-
-std::vector<Figure> figures_of(const std::vector<Section>& sections) {
-  std::vector<Figure> figures;
-  for (const Section& section : sections) {
-    for (const Block& block : section.blocks) {
-      if (const Figure* figure = std::get_if<Figure>(&block)) figures.push_back(*figure);
-    }
-  }
-  return figures;
+  const bool has_gap = work.scene.clearance > 0;
+  const Bands bands = has_gap ? stages.run("smooth bands", [&] { return smooth_bands(work, curves); }) : Bands{};
+  std::vector<Chapter> chapters;
+  const auto add = [&](bool applies, const std::string& name, double share, std::function<Section(const Work&)> write) {
+    if (applies) chapters.push_back({name, share, std::move(write)});
+  };
+  const bool is_paper = work.scene.of_the_paper;
+  add(true, "curves", 0.01, [&](const Work& w) { return curves_section(w, curves); });
+  add(has_gap, "fits", 3, [&](const Work& w) { return fit_section(w, bands); });
+  add(has_gap, "local slope", 0.1, [&](const Work& w) { return slope_section(w, bands); });
+  add(true, "jump laws", 4, [&](const Work& w) { return jump_section(w, curves); });
+  add(has_gap, "orbits", 1, orbit_section);
+  add(is_paper, "regime map", 4, map_section);
+  add(is_paper, "limit cycles", 3, limit_cycles_section);
+  add(is_paper, "approximations", 1, [](const Work&) { return approximation_section(); });
+  add(true, "speed against error", 1, speed_section);
+  add(true, "a fractional model", 1, [](const Work&) { return model_section(); });
+  add(true, "time responses", 4, [](const Work&) { return response_speed_section(); });
+  return stages.write(chapters, work, draw);
 }
 
 void write_tables(const StagedFolder& folder, const std::vector<Section>& sections, const Provenance& provenance) {
@@ -134,22 +189,18 @@ void write_tables(const StagedFolder& folder, const std::vector<Section>& sectio
   }
 }
 
-// Draws the figures.  Returns nothing on success, else the first error.
-std::string draw_figures(const StagedFolder& folder, const std::vector<Figure>& figures, const ReportOptions& options) {
-  const std::filesystem::path place = folder.path() / "figures";
-  for (const Figure& figure : figures) folder.write("figures/" + figure.name + ".gp", gnuplot_script(figure));
-  const auto gnuplot = find_gnuplot();
-  if (!gnuplot) return "gnuplot was not found; install it with \"apt-get install gnuplot-nox\"";
-  if (options.progress != nullptr) options.progress->total = figures.size();
-  std::vector<std::string> troubles(figures.size());
-  frac::parallel_for(figures.size(), options.threads, [&](std::size_t i) {
-    troubles[i] = draw(*gnuplot, place, figures[i].name);
-    if (options.progress != nullptr) ++options.progress->done;
-  });
-  for (const std::string& trouble : troubles) {
-    if (!trouble.empty()) return trouble;
+// Draws the figures of a chapter.  Returns nothing on success, else the first error.
+std::string draw_figures(const StagedFolder& folder, const std::optional<std::filesystem::path>& gnuplot,
+                         const Section& section) {
+  std::vector<std::string> names;
+  for (const Block& block : section.blocks) {
+    const Figure* figure = std::get_if<Figure>(&block);
+    if (figure == nullptr) continue;
+    folder.write("figures/" + figure->name + ".gp", gnuplot_script(*figure));
+    names.push_back(figure->name);
   }
-  return {};
+  if (!gnuplot) return names.empty() ? "" : "gnuplot was not found; install it with \"apt-get install gnuplot-nox\"";
+  return draw(*gnuplot, folder.path() / "figures", names);
 }
 
 std::string list_text(const std::vector<double>& values) {
@@ -190,12 +241,11 @@ constexpr const char* compiler = "g++ " __VERSION__;
 #endif
 
 Provenance provenance_of(const ReportOptions& options, const Scene& scene) {
-  const auto cores = static_cast<int>(std::thread::hardware_concurrency());
   return {std::string(io::version()),
           options.command,
           compiler,
           FRACFIT_BUILD_TYPE,
-          options.threads > 0 ? options.threads : cores,
+          static_cast<int>(Stages::threads_of(options)),
           {},
           inputs_of(options, scene)};
 }
@@ -295,23 +345,25 @@ ReportOutcome write_report(const ReportOptions& options) {
   for (const auto& file : options.data) read_data(file, options.how, data);
   work.scene = options.scene ? read_scene(*options.scene) : paper_scene();
 
+  const auto gnuplot = find_gnuplot();
+  const auto draw = [&](const Section& section) { return draw_figures(folder, gnuplot, section); };
   std::vector<Section> sections;
   if (options.data.empty()) {
-    sections = scene_sections(work, stages);
+    sections = scene_sections(work, stages, draw);
   } else {
+    std::vector<Chapter> chapters;
     for (std::size_t i = 0; i < data.size(); ++i) {
-      const std::string& name = data[i].name;
-      sections.push_back(stages.run("fits of " + name, [&] {
-        const auto* record = std::get_if<TimeRecord>(&data[i].content);
-        return record ? time_section(work, name, record->data, record->notes, i + 1)
-                      : data_section(work, name, std::get<io::FrequencyResponseFile>(data[i].content), i + 1,
-                                     options.field);
-      }));
+      chapters.push_back({"fits of " + data[i].name, 1, [&, i](const Work& w) {
+                            const auto* record = std::get_if<TimeRecord>(&data[i].content);
+                            return record ? time_section(w, data[i].name, record->data, record->notes, i + 1)
+                                          : data_section(w, data[i].name,
+                                                         std::get<io::FrequencyResponseFile>(data[i].content), i + 1,
+                                                         options.field);
+                          }});
     }
+    sections = stages.write(chapters, work, draw);
   }
-  const std::string trouble =
-      stages.run("pictures", [&] { return draw_figures(folder, figures_of(sections), options); });
-
+  const std::string& trouble = stages.trouble();
   Provenance provenance = provenance_of(options, work.scene);
   provenance.stages = stages.times();
   sections.insert(sections.begin(), summary_section(sections));

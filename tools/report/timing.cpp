@@ -28,14 +28,15 @@ double median_seconds(const std::function<void()>& call) {
   constexpr double long_enough = 1e-3;
   constexpr std::size_t most = 1'000'000;
   std::size_t inner = 1;
-  for (double elapsed = seconds_of(call, inner); elapsed < long_enough && inner <= most;
-       elapsed = seconds_of(call, inner))
+  double elapsed = seconds_of(call, inner);
+  while (elapsed < long_enough && inner <= most) {
     inner *=
         elapsed > 0 ? std::clamp<std::size_t>(static_cast<std::size_t>(long_enough / elapsed * 1.5), 2, 1000) : 1000;
-  std::array<double, 5> times{};
-  for (double& time : times) time = seconds_of(call, inner) / static_cast<double>(inner);
-  std::nth_element(times.begin(), times.begin() + 2, times.end());
-  return times[2];
+    elapsed = seconds_of(call, inner);
+  }
+  std::array<double, 3> times{elapsed, seconds_of(call, inner), seconds_of(call, inner)};
+  std::sort(times.begin(), times.end());
+  return times[1] / static_cast<double>(inner);
 }
 
 }  // namespace report

@@ -14,11 +14,13 @@ bool draw_pictures(const Command& command, const std::string& folder, const std:
   std::string script;
   const auto gnuplot = report::find_gnuplot();
   std::string trouble = gnuplot ? "" : "gnuplot was not found; the scripts are written";
+  std::vector<std::string> names;
   for (const report::Figure& figure : figures) {
+    names.push_back(figure.name);
     script = figure.name + ".gp";
     staged.write(script, report::gnuplot_script(figure));
-    if (gnuplot && trouble.empty()) trouble = report::draw(*gnuplot, staged.path(), figure.name);
   }
+  if (gnuplot) trouble = report::draw(*gnuplot, staged.path(), names);
   staged.publish(script);
   if (!trouble.empty()) command.say(trouble);
   return trouble.empty();
