@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/QR>
+#include <memory>
 
 namespace frac::detail {
 
 // The decompositions of Eigen behind functions that are no templates: compiled in one file, where each user would
-// spend five to ten seconds on them.
+// spend five to ten seconds on them, and a second on their headers.
 
 /// Q R P' = columns by Householder reflections, the longest remaining column first.
 class PivotedQr {
@@ -25,7 +24,8 @@ class PivotedQr {
   [[nodiscard]] Eigen::MatrixXd basis() const;
 
  private:
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factors_;
+  using Factors = Eigen::ColPivHouseholderQR<Eigen::MatrixXd>;
+  std::shared_ptr<const Factors> factors_;
 };
 
 /// Q R = columns by Householder reflections in the order given: three times as fast, for columns known to be
@@ -46,7 +46,8 @@ class PlainQr {
   [[nodiscard]] Eigen::MatrixXd dual() const;
 
  private:
-  Eigen::HouseholderQR<Eigen::MatrixXd> factors_;
+  using Factors = Eigen::HouseholderQR<Eigen::MatrixXd>;
+  std::shared_ptr<const Factors> factors_;
 };
 
 /// L L' = a symmetric matrix; only its lower triangle is read.
@@ -61,7 +62,8 @@ class CholeskyFactor {
   [[nodiscard]] Eigen::VectorXd solve(const Eigen::VectorXd& right) const;
 
  private:
-  Eigen::LLT<Eigen::MatrixXd> factor_;
+  using Factor = Eigen::LLT<Eigen::MatrixXd>;
+  std::shared_ptr<const Factor> factor_;
 };
 
 /// Right-hand part of U diag(values) V' = matrix, largest singular value first.
